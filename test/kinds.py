@@ -992,8 +992,6 @@ REASONS = (
     (r"DWELL has no effect here", "Not yet: proven of linkages of dyads with one drive on the frame. The ends of the range are dead "
      "points that are proven of all."),
     (r"margins and clearances are found here, at samples", "Not yet proven, but found at samples of the range."),
-    (r"it has (several drives|a drive that is not on the frame|gears)", "Not yet with gears, floating drives, and drives geared to the "
-     "first."),
     (r"CAMRPM: forces at the roller are computed", "Not yet with FOLJNT, or without loops; NFOLLK and NFOLLP name the follower's arc "
      "(device 8) of sketches with one drive on the frame."),
 )

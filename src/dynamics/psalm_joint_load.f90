@@ -9,16 +9,16 @@ module psalm_joint_load
    use psalm_error, only: problem_t, motion_t
    use psalm_force_model, only: force_model_t, vertices_of, parameter_mass, parameter_mx, parameter_my, parameter_inertia
    use psalm_kinds, only: wp, full_turn
-   use psalm_kinetostatics, only: forces_t, prepare_forces, move_bodies, clear_wrenches, add_source, sweep, joint_rows, &
-                                  source_inertia, sources_of
+   use psalm_group_reactions, only: group_couple_t, effects_of_couple
+   use psalm_kinetostatics, only: forces_t, couples_of_group, prepare_forces, move_bodies, clear_wrenches, add_source, sweep, &
+                                  joint_rows, source_inertia, sources_of
    use psalm_lapack, only: solve_general
-   use psalm_mechanism, only: body_frame, joint_prismatic
+   use psalm_mechanism, only: body_frame, joint_gear, joint_prismatic
    use psalm_rates, only: rates_t, prepare_rates, differentiate, is_dead
    implicit none (type, external)
    private
    public :: joint_load_t, find_joint_load
 
-   integer, parameter :: body_input = 2
    integer, parameter :: freedoms = 3 !! of a body: x, y, angle
 
    !> Arrays have the shape (.., positions): at equal steps of the crank from its reference position. SI units.
@@ -100,67 +100,95 @@ contains
       integer, intent(in) :: joint, i
       real(wp), intent(out) :: tensor(3)
       logical, intent(out) :: ok
-      real(wp) :: matrix(freedoms*(size(forces%bodies) - body_input), freedoms*(size(forces%bodies) - body_input))
-      real(wp) :: right(freedoms*(size(forces%bodies) - body_input), 2), moved(freedoms*(size(forces%bodies) - body_input), 2)
+      real(wp) :: matrix(freedoms*size(forces%bodies), freedoms*size(forces%bodies))
+      real(wp) :: right(freedoms*size(forces%bodies), 2), moved(freedoms*size(forces%bodies), 2)
       real(wp) :: reference(2, size(forces%bodies)), metre
-      integer :: b, j, row, u
+      integer :: slot(size(forces%bodies)), row_of(size(problem%mechanism%joints))
+      integer :: b, j, row, u, unknowns, input, input_joint
 
       metre = model%metre/forces%unit
-      do b = 1, size(forces%bodies)
+      input = 0
+      input_joint = problem%mechanism%actuators(1)%joint
+      if (input_joint > 0) input = problem%mechanism%arcs(problem%mechanism%actuators(1)%arc)%body
+      ! frame and input link are held; a driven cylinder moves as one, barrel and rod
+      slot = 0
+      unknowns = 0
+      do b = body_frame + 1, size(forces%bodies)
          reference(:, b) = metre*[problem%linkage%store%v(i, forces%bodies(b)%px), &
                                   problem%linkage%store%v(i, forces%bodies(b)%py)]
+         if (b == input .or. problem%mechanism%bodies(b)%is_rod) cycle
+         unknowns = unknowns + freedoms
+         slot(b) = unknowns - freedoms
       end do
       matrix = 0.0_wp
       right = 0.0_wp
       row = 1
       do j = 1, size(problem%mechanism%joints)
-         if (j == 1 .and. joint /= 1) cycle          ! the crank is held
-         if (j == 1) then
-            ! its pivot is taken apart: it moves without turning, frame minus crank is the displacement
-            call move_input()
-            cycle
-         end if
+         if (j == input_joint .or. problem%mechanism%joints(j)%kind == joint_gear) cycle
+         ok = row < unknowns
+         if (.not. ok) return
+         row_of(j) = row
          call add_conditions(j)
          row = row + 2
+         if (forces%along(j) == 0) cycle
+         ok = row <= unknowns
+         if (.not. ok) return
+         call hold_along(j)
+         row = row + 1
       end do
-      ok = row == size(matrix, 1) + 1
+      call hold_drives()
+      if (ok) call hold_ties()
+      ok = ok .and. row == unknowns + 1
       if (.not. ok) return
+      ! the input's pivot taken apart: the link moves without turning, frame minus link is the displacement
+      if (joint == input_joint) call move_input()
       do u = 1, 2
-         call solve_general(matrix, right(:, u), moved(:, u), ok)
+         call solve_general(matrix(:unknowns, :unknowns), right(:unknowns, u), moved(:unknowns, u), ok)
          if (.not. ok) return
       end do
       tensor = [energy(1, 1), energy(1, 2), energy(2, 2)]
 
    contains
 
-      !> Column of a freedom of a body; 0 or less: the body is held.
-      pure integer function column(body, freedom)
-         integer, intent(in) :: body, freedom
+      !> True if the motion of a body is not looked for.
+      pure logical function is_held(body)
+         integer, intent(in) :: body
 
-         column = freedoms*(body - body_input - 1) + freedom
-      end function column
+         is_held = body == body_frame .or. body == input
+      end function is_held
 
-      !> What moves with the crank's pivot taken apart: the conditions of joints on the crank feel it.
+      !> The body that moves as one with another: a rod with its barrel.
+      pure integer function whole(body)
+         integer, intent(in) :: body
+
+         whole = body
+         associate (of => problem%mechanism%bodies(body))
+            if (of%is_rod) whole = problem%mechanism%arcs(of%axis)%body
+         end associate
+      end function whole
+
+      !> What moves with the input's pivot taken apart: the conditions of joints on the input link feel it.
       subroutine move_input()
-         integer :: k, at
+         integer :: k
 
-         at = 1
-         do k = 2, size(problem%mechanism%joints)
+         do k = 1, size(problem%mechanism%joints)
             associate (of => problem%mechanism%joints(k))
-               if (of%kind == joint_prismatic) then
-                  if (of%bodies(2) == body_input) right(at, :) = right(at, :) + normal_of(k)
-                  if (of%bodies(1) == body_input) right(at, :) = right(at, :) - normal_of(k)
-               else
-                  if (of%bodies(2) == body_input) then
-                     right(at, 1) = right(at, 1) + 1.0_wp
-                     right(at + 1, 2) = right(at + 1, 2) + 1.0_wp
-                  else if (of%bodies(1) == body_input) then
-                     right(at, 1) = right(at, 1) - 1.0_wp
-                     right(at + 1, 2) = right(at + 1, 2) - 1.0_wp
+               if (k == input_joint .or. of%kind == joint_gear) cycle
+               associate (at => row_of(k))
+                  if (of%kind == joint_prismatic) then
+                     if (of%bodies(2) == input) right(at, :) = right(at, :) + normal_of(k)
+                     if (of%bodies(1) == input) right(at, :) = right(at, :) - normal_of(k)
+                  else
+                     if (of%bodies(2) == input) then
+                        right(at, 1) = right(at, 1) + 1.0_wp
+                        right(at + 1, 2) = right(at + 1, 2) + 1.0_wp
+                     else if (of%bodies(1) == input) then
+                        right(at, 1) = right(at, 1) - 1.0_wp
+                        right(at + 1, 2) = right(at + 1, 2) - 1.0_wp
+                     end if
                   end if
-               end if
+               end associate
             end associate
-            at = at + 2
          end do
       end subroutine move_input
 
@@ -180,33 +208,45 @@ contains
          normal = [-along(2), along(1)]
       end function normal_of
 
+      !> Where a joint is, metres.
+      function place_of(k) result(point)
+         integer, intent(in) :: k
+         real(wp) :: point(2)
+
+         associate (of => problem%mechanism%joints(k), link => problem%linkage)
+            point = metre*[link%store%v(i, link%point_x(problem%plan%joint_points(of%point))), &
+                           link%store%v(i, link%point_y(problem%plan%joint_points(of%point)))]
+         end associate
+      end function place_of
+
       !> Points of both bodies at a joint move alike; at the joint taken apart those of the first move by (u, v) against the second.
       subroutine add_conditions(k)
          integer, intent(in) :: k
          real(wp) :: point(2), normal(2), sign_of, arm(2)
          integer :: side, body
 
-         associate (of => problem%mechanism%joints(k), link => problem%linkage)
-            point = metre*[link%store%v(i, link%point_x(problem%plan%joint_points(of%point))), &
-                           link%store%v(i, link%point_y(problem%plan%joint_points(of%point)))]
+         associate (of => problem%mechanism%joints(k))
+            point = place_of(k)
             normal = 0.0_wp
             if (of%kind == joint_prismatic) normal = normal_of(k)
             do side = 1, 2
-               body = of%bodies(side)
-               if (body <= body_input) cycle
+               body = whole(of%bodies(side))
+               if (is_held(body)) cycle
                sign_of = real(3 - 2*side, wp)
                arm = point - reference(:, body)
-               if (of%kind == joint_prismatic) then
-                  matrix(row, column(body, 1)) = sign_of*normal(1)
-                  matrix(row, column(body, 2)) = sign_of*normal(2)
-                  matrix(row, column(body, 3)) = sign_of*(normal(2)*arm(1) - normal(1)*arm(2))
-                  matrix(row + 1, column(body, 3)) = sign_of
-               else
-                  matrix(row, column(body, 1)) = sign_of
-                  matrix(row, column(body, 3)) = -sign_of*arm(2)
-                  matrix(row + 1, column(body, 2)) = sign_of
-                  matrix(row + 1, column(body, 3)) = sign_of*arm(1)
-               end if
+               associate (c => slot(body))
+                  if (of%kind == joint_prismatic) then
+                     matrix(row, c + 1) = sign_of*normal(1)
+                     matrix(row, c + 2) = sign_of*normal(2)
+                     matrix(row, c + 3) = sign_of*(normal(2)*arm(1) - normal(1)*arm(2))
+                     matrix(row + 1, c + 3) = sign_of
+                  else
+                     matrix(row, c + 1) = sign_of
+                     matrix(row, c + 3) = -sign_of*arm(2)
+                     matrix(row + 1, c + 2) = sign_of
+                     matrix(row + 1, c + 3) = sign_of*arm(1)
+                  end if
+               end associate
             end do
          end associate
          if (k == joint) then
@@ -214,6 +254,88 @@ contains
             right(row + 1, 2) = 1.0_wp
          end if
       end subroutine add_conditions
+
+      !> A drive along a slide holds it.
+      subroutine hold_along(k)
+         integer, intent(in) :: k
+         real(wp) :: normal(2), along(2), arm(2)
+         integer :: side, body
+
+         normal = normal_of(k)
+         along = [normal(2), -normal(1)]
+         do side = 1, 2
+            body = whole(problem%mechanism%joints(k)%bodies(side))
+            if (is_held(body)) cycle
+            arm = place_of(k) - reference(:, body)
+            associate (c => slot(body))
+               matrix(row, c + 1:c + 2) = real(3 - 2*side, wp)*along
+               matrix(row, c + 3) = real(3 - 2*side, wp)*(along(2)*arm(1) - along(1)*arm(2))
+            end associate
+         end do
+      end subroutine hold_along
+
+      !> Drives after the first hold the links that they turn on the frame.
+      subroutine hold_drives()
+         integer :: d
+
+         do d = 2, size(problem%mechanism%actuators)
+            associate (actuator => problem%mechanism%actuators(d))
+               if (actuator%joint == 0 .or. actuator%slides) cycle
+               ok = row <= unknowns
+               if (.not. ok) return
+               matrix(row, slot(problem%mechanism%arcs(actuator%arc)%body) + 3) = 1.0_wp
+               row = row + 1
+            end associate
+         end do
+      end subroutine hold_drives
+
+      !> What does no work against the forces and couples of wheels in mesh, and of drives between links.
+      subroutine hold_ties()
+         type(group_couple_t), allocatable :: couples(:)
+         real(wp) :: on(freedoms, 3)
+         integer :: loop, k, side
+
+         do loop = 1, problem%mechanism%nloop
+            call couples_of_group(problem, forces, loop, couples)
+            do k = 1, size(couples)
+               ok = row <= unknowns
+               if (.not. ok) return
+               call effects_of_couple(couples(k), problem%linkage%store, i, 1.0_wp/metre, on)
+               do side = 1, size(on, 2)
+                  associate (body => couples(k)%bodies(side))
+                     if (body == 0) cycle
+                     if (is_held(body)) cycle
+                     associate (c => slot(body))
+                        matrix(row, c + 1:c + 2) = matrix(row, c + 1:c + 2) + on(:2, side)
+                        ! moments are about the origin
+                        matrix(row, c + 3) = matrix(row, c + 3) + (on(freedoms, side) - (reference(1, body)*on(2, side) - &
+                                                                                         reference(2, body)*on(1, side)))
+                     end associate
+                  end associate
+               end do
+               row = row + 1
+            end do
+         end do
+      end subroutine hold_ties
+
+      !> The motion of a body for a unit of a displacement.
+      pure function motion_of(body, p) result(a)
+         integer, intent(in) :: body, p
+         real(wp) :: a(freedoms), arm(2)
+
+         a = 0.0_wp
+         if (body == input) then
+            if (joint == input_joint) a(p) = -1.0_wp
+            return
+         end if
+         associate (as => whole(body))
+            a = moved(slot(as) + 1:slot(as) + freedoms, p)
+            if (as == body) return
+            arm = reference(:, body) - reference(:, as)
+            a(1) = a(1) - a(3)*arm(2)
+            a(2) = a(2) + a(3)*arm(1)
+         end associate
+      end function motion_of
 
       !> Twice the mixed kinetic energy of the motions for units of both displacements.
       pure real(wp) function energy(p, q)
@@ -224,16 +346,9 @@ contains
          energy = 0.0_wp
          do body = body_frame + 1, size(forces%bodies)
             associate (of => model%inertia(:, body), rows => forces%bodies(body), w => forces%w%v)
-               if (body == body_input) then
-                  if (joint /= 1) cycle
-                  a = 0.0_wp
-                  b = 0.0_wp
-                  a(p) = -1.0_wp
-                  b(q) = -1.0_wp
-               else
-                  a = moved(column(body, 1):column(body, 3), p)
-                  b = moved(column(body, 1):column(body, 3), q)
-               end if
+               if (body == input .and. joint /= input_joint) cycle
+               a = motion_of(body, p)
+               b = motion_of(body, q)
                ! first moments in machine axes
                first = [of(parameter_mx)*w(i, rows%ex) - of(parameter_my)*w(i, rows%ey), &
                         of(parameter_mx)*w(i, rows%ey) + of(parameter_my)*w(i, rows%ex)]

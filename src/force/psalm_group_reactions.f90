@@ -9,7 +9,7 @@ module psalm_group_reactions
    use psalm_rows, only: rows_t
    implicit none (type, external)
    private
-   public :: group_joint_t, group_couple_t, react_group
+   public :: group_joint_t, group_couple_t, react_group, effects_of_couple
 
    real(wp), parameter :: concentric = 64.0_wp*epsilon(1.0_wp) !! part of the size: wheels whose centres are nearer are on one pin
 
@@ -28,6 +28,7 @@ module psalm_group_reactions
 
    !> Couples on links that come with each other: of a drive between two of them, of wheels in mesh.
    type :: group_couple_t
+      integer :: bodies(3) = 0              !! of the mechanism, 0: none, or the frame
       integer :: links(3) = 0, wrenches(3) = 0 !! as of a joint
       real(wp) :: factors(3) = 0.0_wp       !! of the couple on each
       integer :: drive = 0                  !! row of the couple, 0: it is no drive
@@ -76,7 +77,7 @@ contains
             at = at + unknowns + merge(1, 0, joints(j)%drive > 0)
          end do
          do j = 1, size(couples)
-            call effects(couples(j), i, size_of, on)
+            call effects_of_couple(couples(j), store, i, size_of, on)
             at = at + 1
             do k = 1, size(on, 2)
                if (couples(j)%links(k) == 0) cycle
@@ -106,7 +107,7 @@ contains
          end do
          do j = 1, size(couples)
             at = at + 1
-            call effects(couples(j), i, size_of, on)
+            call effects_of_couple(couples(j), store, i, size_of, on)
             on = on*right(at, 1)
             do k = 1, size(on, 2)
                call pass_on(i, couples(j)%wrenches(k), size_of, on(:, k), w)
@@ -152,27 +153,28 @@ contains
             end if
          end associate
       end subroutine effect
-
-      !> Force and moment on each link of a unit couple in parts of the size. Wheels push each other at the pitch point, square to
-      !> the line of centres; on one centre they pass couples, which the carrier takes up.
-      pure subroutine effects(couple, position, size_of, on)
-         type(group_couple_t), intent(in) :: couple
-         integer, intent(in) :: position
-         real(wp), intent(in) :: size_of
-         real(wp), intent(out) :: on(:, :)
-         real(wp) :: arm(2), pitch(2), force(2)
-
-         on = 0.0_wp
-         on(equations, :) = couple%factors
-         if (couple%centres(1) == 0 .or. couple%force == 0 .or. abs(1.0_wp - couple%ratio) <= concentric) return
-         arm = (store%v(position, couple%centres(:2)) - store%v(position, couple%centres(3:)))/(1.0_wp - couple%ratio)/size_of
-         if (maxval(abs(arm)) <= concentric) return
-         pitch = store%v(position, couple%centres(3:))/size_of + arm
-         ! the couple on the second wheel is factors(2)
-         force = couple%factors(2)*[-arm(2), arm(1)]/sum(arm**2)
-         on(:, 2) = [force, pitch(1)*force(2) - pitch(2)*force(1)]
-         on(:, 1) = -on(:, 2)
-         on(:, 3) = 0.0_wp
-      end subroutine effects
    end subroutine react_group
+
+   !> Force and moment on each link of a unit couple in parts of the size. Wheels push each other at the pitch point, square to
+   !> the line of centres; on one centre they pass couples, which the carrier takes up.
+   pure subroutine effects_of_couple(couple, store, position, size_of, on)
+      type(group_couple_t), intent(in) :: couple
+      type(rows_t), intent(in) :: store
+      integer, intent(in) :: position
+      real(wp), intent(in) :: size_of
+      real(wp), intent(out) :: on(:, :)            !! shape (3, 3): force x and y, moment about the origin
+      real(wp) :: arm(2), pitch(2), force(2)
+
+      on = 0.0_wp
+      on(3, :) = couple%factors
+      if (couple%centres(1) == 0 .or. couple%force == 0 .or. abs(1.0_wp - couple%ratio) <= concentric) return
+      arm = (store%v(position, couple%centres(:2)) - store%v(position, couple%centres(3:)))/(1.0_wp - couple%ratio)/size_of
+      if (maxval(abs(arm)) <= concentric) return
+      pitch = store%v(position, couple%centres(3:))/size_of + arm
+      ! the couple on the second wheel is factors(2)
+      force = couple%factors(2)*[-arm(2), arm(1)]/sum(arm**2)
+      on(:, 2) = [force, pitch(1)*force(2) - pitch(2)*force(1)]
+      on(:, 1) = -on(:, 2)
+      on(:, 3) = 0.0_wp
+   end subroutine effects_of_couple
 end module psalm_group_reactions

@@ -23,6 +23,7 @@ module psalm_kinetostatics
    implicit none (type, external)
    private
    public :: forces_t, prepare_forces, load_bodies, move_bodies, clear_wrenches, add_source, sweep, rub, external_power, find_spot
+   public :: couples_of_group
    public :: joint_rows, listed_rows, interpolated, sources_of, source_inertia, source_weight, first_load, first_spring
    public :: most_sweeps, settled
 
@@ -574,7 +575,14 @@ contains
                own%sense = forces%along_sense(group%joints(j))
             end associate
          end do
-         call take_couples()
+         call couples_of_group(problem, forces, loop, couples)
+         do j = 1, size(couples)
+            do k = 1, size(couples(j)%bodies)
+               if (couples(j)%bodies(k) == 0) cycle
+               couples(j)%links(k) = findloc(links, couples(j)%bodies(k), dim=1)
+               if (couples(j)%links(k) == 0) couples(j)%wrenches(k) = forces%bodies(couples(j)%bodies(k))%wrench
+            end do
+         end do
          call react_group(n, joints, couples, forces%bodies(links)%wrench, link%store, forces%w)
          do j = 1, size(couples)
             if (couples(j)%drive > 0) forces%w%v(1:n, couples(j)%drive) = forces%w%v(1:n, couples(j)%drive)*forces%metre
@@ -635,40 +643,42 @@ contains
             end associate
          end do
       end subroutine take_pushes
-
-      !> Drives between links, and wheels in mesh.
-      subroutine take_couples()
-         integer :: t
-
-         if (.not. allocated(problem%mechanism%groups(loop)%ties)) then
-            allocate (couples(0))
-            return
-         end if
-         associate (ties => problem%mechanism%groups(loop)%ties, link => problem%linkage)
-            allocate (couples(size(ties)))
-            do t = 1, size(ties)
-               associate (own => couples(t), tie => ties(t))
-                  own%factors = tie%factors
-                  if (tie%drive > 0) own%drive = forces%drives(tie%drive)
-                  do k = 1, size(tie%axes)
-                     if (tie%axes(k) == 0) cycle
-                     own%links(k) = findloc(links, problem%mechanism%arcs(tie%axes(k))%body, dim=1)
-                     if (own%links(k) == 0) own%wrenches(k) = forces%bodies(problem%mechanism%arcs(tie%axes(k))%body)%wrench
-                  end do
-                  if (tie%joint == 0) cycle
-                  own%force = forces%joints(tie%joint)
-                  own%ratio = tie%factors(1)
-                  if (any(tie%centre == 0)) cycle
-                  do k = 1, 2
-                     associate (point => problem%plan%joint_points(problem%mechanism%arcs(tie%centre(k))%ends(tie%centre_end(k))))
-                        own%centres(2*k - 1:2*k) = [link%point_x(point), link%point_y(point)]
-                     end associate
-                  end do
-               end associate
-            end do
-         end associate
-      end subroutine take_couples
    end subroutine sweep_group
+
+   !> Drives between links of a group, and its wheels in mesh, without their links in it.
+   subroutine couples_of_group(problem, forces, loop, couples)
+      type(problem_t), intent(in) :: problem
+      type(forces_t), intent(in) :: forces
+      integer, intent(in) :: loop
+      type(group_couple_t), allocatable, intent(out) :: couples(:)
+      integer :: t, k
+
+      if (.not. allocated(problem%mechanism%groups(loop)%ties)) then
+         allocate (couples(0))
+         return
+      end if
+      associate (ties => problem%mechanism%groups(loop)%ties, link => problem%linkage)
+         allocate (couples(size(ties)))
+         do t = 1, size(ties)
+            associate (own => couples(t), tie => ties(t))
+               own%factors = tie%factors
+               if (tie%drive > 0) own%drive = forces%drives(tie%drive)
+               do k = 1, size(tie%axes)
+                  if (tie%axes(k) > 0) own%bodies(k) = problem%mechanism%arcs(tie%axes(k))%body
+               end do
+               if (tie%joint == 0) cycle
+               own%force = forces%joints(tie%joint)
+               own%ratio = tie%factors(1)
+               if (any(tie%centre == 0)) cycle
+               do k = 1, 2
+                  associate (point => problem%plan%joint_points(problem%mechanism%arcs(tie%centre(k))%ends(tie%centre_end(k))))
+                     own%centres(2*k - 1:2*k) = [link%point_x(point), link%point_y(point)]
+                  end associate
+               end do
+            end associate
+         end do
+      end associate
+   end subroutine couples_of_group
 
    !> Forces of a joint in the units of listings: N, and N m for the couple of a prismatic joint. Shape of the result: (n, 2).
    pure function joint_rows(problem, forces, joint, n) result(values)

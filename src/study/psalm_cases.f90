@@ -18,6 +18,9 @@ module psalm_cases
    character(*), parameter :: no_pose = 'desired poses whose direction is not that from an end of an arc to their point'
    character(*), parameter :: no_dimension = 'dimensions to be searched that its loops do not have'
 
+   !> Programs that take gears, geared and floating drives by loops.
+   character(*), parameter :: takes_all_drives(5) = [character(6) :: 'kalm', 'muscle', 'ssics', 'bridge', everything]
+
 contains
 
    !> Read every case of a file and choose the loops of those that are sketches. Errors: those of both, in `findings`.
@@ -56,7 +59,7 @@ contains
       if (present(program)) reader = program
       do i = 1, size(sets)
          if (.not. sets(i)%sketch%given) cycle
-         call resolve(sets(i), reader /= 'psalm', any(reader == [character(6) :: 'kalm', 'muscle', everything]), findings)
+         call resolve(sets(i), reader /= 'psalm', any(reader == takes_all_drives), findings)
          if (allocated(sets(i)%no_loops)) call refuse_without_loops(sets(i), reader, findings)
       end do
    end subroutine resolve_all

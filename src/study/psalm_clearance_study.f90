@@ -12,7 +12,7 @@ module psalm_clearance_study
    use psalm_force_model, only: force_model_t, make_force_model, joint_at
    use psalm_joint_load, only: joint_load_t, find_joint_load
    use psalm_kinds, only: wp, pi, full_turn, degrees_per_radian, radians_per_degree
-   use psalm_mechanism, only: mechanism_t, joint_prismatic
+   use psalm_mechanism, only: mechanism_t, joint_revolute
    use psalm_periodic, only: periodic_t, periodic_from_samples
    use psalm_preparation, only: prepared_t
    use psalm_status, only: diagnostics_t
@@ -111,7 +111,7 @@ contains
       joint = joint_at(prepared%mechanism, clearance%joint)
       if (joint == 0) then
          call refuse('there is no joint at this end of the arc')
-      else if (prepared%mechanism%joints(joint)%kind == joint_prismatic) then
+      else if (prepared%mechanism%joints(joint)%kind /= joint_revolute) then
          call refuse('joint '//prepared%mechanism%joints(joint)%name//' slides: only pins in holes are treated')
       end if
 

@@ -15,7 +15,7 @@ module psalm_estimate_study
    use psalm_linear, only: solve_positive
    use psalm_link_cycle, only: link_cycle_t, find_link_cycle, moving_link
    use psalm_link_vibration, only: moving_link_t, coupling, mode_force
-   use psalm_mechanism, only: mechanism_t, at_finish, joint_prismatic
+   use psalm_mechanism, only: mechanism_t, at_finish, joint_revolute
    use psalm_periodic, only: periodic_t, periodic_from_samples
    use psalm_vibration_estimates, only: euler_load, frequency_ratio, dynamic_error, impulse_magnifier, frequency_fall, &
       strength_ratio, tie_rod_ratio, straightening, foreshortening_sine, post_support_of_slenderness
@@ -167,7 +167,7 @@ contains
          n = mechanism%seq(beam%link%loop, beam%link%arc)
          do j = 1, size(mechanism%joints)
             associate (joint => mechanism%joints(j))
-               if (joint%kind == joint_prismatic .or. joint%point /= mechanism%arcs(n)%ends(at_finish)) cycle
+               if (joint%kind /= joint_revolute .or. joint%point /= mechanism%arcs(n)%ends(at_finish)) cycle
                if (pin > 0) return
                pin = j
                if (all(joint%bodies /= mechanism%arcs(n)%body)) return
