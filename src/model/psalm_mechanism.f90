@@ -188,6 +188,7 @@ module psalm_mechanism
       procedure :: has_point
       procedure :: pin_of_sketch
       procedure :: is_dyad
+      procedure :: is_closed
       procedure :: ring_of
    end type mechanism_t
 
@@ -326,6 +327,15 @@ contains
          end do
       end associate
    end function ring_of
+
+   !> True if a loop closes: not where drives or wheels alone put its links in place, which have no dead point.
+   pure logical function is_closed(self, loop)
+      class(mechanism_t), intent(in) :: self
+      integer, intent(in) :: loop
+
+      is_closed = .not. allocated(self%loops(loop)%rings)
+      if (.not. is_closed) is_closed = any(self%loops(loop)%rings%closed)
+   end function is_closed
 
    !> True if a loop closes a dyad, false if a larger group.
    pure logical function is_dyad(self, loop)

@@ -3,7 +3,7 @@ module psalm_traced_loops
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
-   public :: loops_t, traced_t, traced_ring_t, traced_pair_t, traced_gear_t, traced_drive_t, arc_with
+   public :: loops_t, traced_t, traced_ring_t, traced_pair_t, traced_gear_t, arc_with
    public :: traced_determined, traced_link, traced_slide, traced_crank, traced_actuator, traced_frame
 
    integer, parameter :: traced_determined = 1

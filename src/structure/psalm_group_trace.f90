@@ -14,7 +14,7 @@ module psalm_group_trace
                                  traced_crank, traced_actuator, traced_frame
    implicit none (type, external)
    private
-   public :: trace_group
+   public :: trace_group, trace_driven
 
    !> A pair of two links.
    type :: pair_t
@@ -124,6 +124,46 @@ contains
          end associate
       end function centre_of
    end subroutine trace_group
+
+   !> A loop for a link that a drive after the first moves on the frame and no other loop runs through: an open ring to it.
+   subroutine trace_driven(closure, drive, survey, loops, why)
+      type(closure_t), intent(in) :: closure
+      integer, intent(in) :: drive
+      type(survey_t), intent(in) :: survey
+      type(loops_t), intent(inout) :: loops
+      character(:), allocatable, intent(inout) :: why
+      type(path_step_t), allocatable :: way(:)
+      type(path_step_t) :: step
+      integer :: first, k
+      logical :: found
+
+      first = size(loops%arcs)
+      associate (of => closure%sketch%drives(drive), loop => maxval(loops%arcs%loop) + 1)
+         if (of%kind == drive_turns) then
+            step = path_step_t(of%link, of%joint, of%joint)
+            associate (joints => closure%sketch%links(of%link)%joints)
+               do k = 1, size(joints)
+                  if (joints(k) /= of%joint) step%to = joints(k)
+               end do
+            end associate
+         else
+            k = findloc(survey%pass(4, :survey%passes), drive, dim=1)
+            if (k > 0) step = path_step_t(0, survey%pass(1, k), survey%pass(2, k), 0, drive)
+         end if
+         found = step%from > 0
+         if (found) call shortest(survey, loops%start, step%from, .true., way, found)
+         if (.not. found) then
+            why = 'a driven link that no link leads to'
+            return
+         end if
+         do k = 1, size(way)
+            call append_step(closure, loop, first, way(k), loops)
+         end do
+         call append_step(closure, loop, first, step, loops)
+         loops%rings = [loops%rings, traced_ring_t(loop, first + 1, size(loops%arcs), size(loops%arcs), .false.)]
+      end associate
+      loops%longest = max(loops%longest, size(loops%arcs) - first)
+   end subroutine trace_driven
 
    !> Points for the lines of all slides of the group, one on either link, after those that are there.
    subroutine place_line_points(closure, state, pairs, survey, loops)

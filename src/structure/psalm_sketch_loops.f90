@@ -5,7 +5,7 @@
 module psalm_sketch_loops
    use psalm_closure, only: closure_t, state_t, row_pin, row_line
    use psalm_kinds, only: wp
-   use psalm_group_trace, only: trace_group
+   use psalm_group_trace, only: trace_driven, trace_group
    use psalm_loop_trace, only: traced_dyad_t, close_loop, frame_axis
    use psalm_sketch, only: frame_link, drive_slides, drive_turns
    use psalm_sketch_paths, only: survey_t, know
@@ -95,9 +95,18 @@ contains
             call know(sketch, dyad%links(2), survey)
             if (dyad%inner_joint > 0) loops%joint_loop(dyad%inner_joint) = k
          end do
+         loops%found = size(order) > 0
+         if (loops%found) then
+            do g = 2, size(sketch%drives)
+               if (on_frame(g) .and. loops%seconds(g - 1)%arc == 0) call trace_driven(closure, g, survey, loops, loops%why)
+               if (len(loops%why) > 0) then
+                  loops%found = .false.
+                  return
+               end if
+            end do
+            loops%loops = maxval(loops%arcs%loop)
+         end if
          loops%on = survey%on
-         loops%loops = size(order)
-         loops%found = loops%loops > 0
          if (.not. loops%found) loops%why = 'no links but those that are driven on the frame'
       end associate
    end subroutine make_loops

@@ -186,7 +186,9 @@ contains
             if (.not. motion%closed(i)) cycle
             do loop = 1, problem%mechanism%nloop
                associate (sine => min(abs(fine%k(i, loop)), 1.0_wp))
-                  if (.not. problem%mechanism%is_dyad(loop)) then
+                  if (.not. problem%mechanism%is_closed(loop)) then
+                     cycle
+                  else if (.not. problem%mechanism%is_dyad(loop)) then
                      call enter_group(summary, loop, 1.0_wp - sine, real(i, wp))
                   else if (has_angle(problem%mechanism, loop) .and. (summary%angle_loop == 0 .or. &
                                                                      angle_of(sine) < summary%angle)) then
@@ -354,7 +356,7 @@ contains
       worst = -1.0_wp
       associate (mechanism => fine%problem%mechanism)
          do loop = 1, mechanism%nloop
-            if (fine%problem%linkage%step_of_loop(loop) == 0) cycle
+            if (fine%problem%linkage%step_of_loop(loop) == 0 .or. .not. mechanism%is_closed(loop)) cycle
             form = form_of(mechanism%groups(loop)%kind)
             select case (merge(form%ways, 2, mechanism%is_dyad(loop)))
             case (2)
