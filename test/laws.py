@@ -530,6 +530,8 @@ def shoe_case(name, order, radius, idle):
                                                               ",'idle'" if idle else "")
     if idle:
         drives += ", DELT2=%s, DSPEED=0.0,1.0" % ",".join("0.0" for _ in steps.split(","))
+    if idle:
+        chain += ", KOVER=1"                            # which nothing here needs: it is solved in poses for it
     write("shoe.nml", "SHOE\n &CHAIN %s &END\n &DRIVES %s &END\n &OUTPUTS OUTPUT='point C' &END\n &METHOD NDES=%d, DELT=%s &END\n"
           " &RATES SPEED=2.0 &END\n &LOADS NLOAD=1, LNAME='%s', LFX=-70.0, LFY=-30.0, LMOM=0.4 &END\n"
           " &MASSES NMASS=1, MNAME='%s', MASS=3.0, MINERT=2.0E-3, UNITL=0.001 &END\n"

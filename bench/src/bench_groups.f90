@@ -22,11 +22,12 @@ module bench_groups
    character(*), parameter :: x = '0.,0.,80.,100.,160.,180.,240.,260.,320.,340.', y = '0.,20.,60.,-10.,70.,-10.,70.,-10.,70.,-10.'
    character(*), parameter :: names = " LNAME='frame','crank','r1','s1','r2','s2','r3','s3','r4','s4'"
    character(*), parameter :: links = "'A B','B C','C D','C E','E F','E G','G H','G I','I K'"
-   character(*), parameter :: rest = " &DRIVES DRIVE='A' &END"//nl//" &OUTPUTS OUTPUT='point I' &END"//nl//" &METHOD IKIN=90 &END"//nl
+   character(*), parameter :: rest = " &DRIVES DRIVE='A' &END"//nl//" &OUTPUTS OUTPUT='point I' &END"//nl// &
+                              ' &METHOD IKIN=90 &END'//nl
    character(*), parameter :: ten_bar = 'TEN-BAR'//nl//joints//', JX='//x//', JY='//y//','//nl//names//','//nl// &
                               " LNK='A D F H K',"//links//' &END'//nl//rest
-   character(*), parameter :: geared = 'TEN-BAR WITH A WHEEL'//nl//joints//",'W','V', JX="//x//',380.,380., JY='//y//',-10.,20.,'//nl// &
-                              names//",'wheel',"//nl//" LNK='A D F H K W',"//links//",'W V',"//nl// &
+   character(*), parameter :: geared = 'TEN-BAR WITH A WHEEL'//nl//joints//",'W','V', JX="//x//',380.,380., JY='//y// &
+                              ',-10.,20.,'//nl//names//",'wheel',"//nl//" LNK='A D F H K W',"//links//",'W V',"//nl// &
                               " GEARA='s4', GEARB='wheel', GCARR='frame', GTA=20.0, GTB=30.0 &END"//nl//rest
 
 contains
