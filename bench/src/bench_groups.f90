@@ -43,7 +43,7 @@ contains
       call read_case_text(geared, 'ten-bar with a wheel', sets, findings, 'psalm')
       call measure('the same with a wheel in gear', sets, findings, 360.0_wp)
       call read_cases(folder//'/stephenson2_six_bar.nml', sets, findings)
-      call measure('Stephenson II, a group of four links', sets, findings, 10.0_wp)
+      call measure('Stephenson II, a group of four links', sets, findings, -10.0_wp)
       call read_cases(folder//'/excavator.nml', sets, findings)
       call measure('excavator, three cylinders', sets, findings, 0.1_wp)
    end subroutine measure_groups
