@@ -37,8 +37,7 @@ contains
       logical :: in_order
 
       if (set%links%nloop == 0) return
-      if (set%is_beyond_arrays()) then
-         ! the arrays cannot tell it
+      if (set%sketch%given) then
          call take_traced_loops(set%traced, mechanism)
          call take_speeds(set, mechanism)
          call take_dimensions(set, mechanism, dimensions)
@@ -113,7 +112,7 @@ contains
       dimensions%crnki = set%method%crnki
       if (set%sketch%given) dimensions%drawn = set%crnki_of_drawing
       dimensions%anchor = dimensions%drawn
-      if (.not. set%is_beyond_arrays()) return
+      if (.not. set%sketch%given) return
       do n = 1, size(mechanism%arcs)
          ! what repeats an arc has its length
          associate (arc => mechanism%arcs(n))
