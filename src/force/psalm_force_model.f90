@@ -272,17 +272,13 @@ contains
          associate (joint => mechanism%joints(k), shoe => model%shoes(k))
             if (joint%kind == joint_gear) cycle
             if (joint%kind /= joint_prismatic) then
-               associate (arc => mechanism%arcs(joint%arc))
-                  j = findloc(set%sketch%joint_name == set%end_names(joint%end, arc%place, arc%loop), .true., dim=1)
-               end associate
+               j = mechanism%arcs(joint%arc)%joints(joint%end)
                if (j == 0) cycle
                if (size(set%sketch%links_of(j)) == 2 .and. &
                    link_of_body(set, mechanism, joint%bodies(2)) == set%pin_holders(j)) shoe%order = -1.0_wp
                cycle
             end if
-            associate (arc => mechanism%arcs(joint%slide))
-               slide = set%slide_of_arc(arc%place, arc%loop)
-            end associate
+            slide = mechanism%arcs(joint%slide)%rail
             if (slide == 0) cycle
             if (link_of_body(set, mechanism, joint%bodies(1)) /= set%sketch%slides(slide)%links(1)) shoe%order = -1.0_wp
             shoe%sense = real(set%line_senses(slide), wp)

@@ -65,15 +65,12 @@ module psalm_data_set
       character(:), allocatable :: stand_in !! the joint that the listing shows for want of the first output; not allocated: none
       type(loops_t), allocatable :: traced !! its loops
       character(:), allocatable :: no_loops !! why it has no loops and is solved in the poses of its links; not allocated: it has
-      character(sketch_name), allocatable :: end_names(:, :, :) !! shape (2, maxarc, nloop): joints at the ends of its arcs
-      integer, allocatable :: link_of_arc(:, :)  !! shape (maxarc, nloop): the link of the sketch
       type(place_t), allocatable :: link_places(:) !! by link of the sketch: its first joint, the line to its second one
       type(place_t), allocatable :: shoes(:)     !! by slide of the sketch: its point SLX, SLY on its second link
       type(place_t), allocatable :: joint_places(:) !! by joint of the sketch: where its loops have it; no arc: fixed
       type(travel_t), allocatable :: travels(:)  !! by slide of the sketch
       integer, allocatable :: line_senses(:)     !! by slide: +1: its arc has the direction of its line, -1: the opposite one
       integer, allocatable :: pin_holders(:)     !! by joint of the sketch: the link that places it, whose force on others is listed
-      integer, allocatable :: slide_of_arc(:, :) !! shape (maxarc, nloop): the slide of the sketch that it runs along, 0: none
       character(:), allocatable :: chosen  !! the loops chosen for it, in words; not allocated: none
       type(mass_group_t) :: masses         !! MASSES (this and the next three are read for kalm and balm only)
       type(load_group_t) :: loads          !! LOADS

@@ -59,6 +59,9 @@ module psalm_mechanism
       logical :: attached = .false.     !! its ends are points of its body; if not it is only parallel to it
       integer :: rod = 0                !! of a cylinder: the body that its foot is a point of
       integer :: drive = 1              !! of the input link and of arcs whose length is an input: the actuator that moves it
+      integer :: link = 0               !! of a sketch: the link that it is fixed in,
+      integer :: joints(2) = 0          !! the joints at its ends, 0: none,
+      integer :: rail = 0               !! and the slide that it runs along, 0: none
    end type arc_t
 
    !> A ring of arcs of a larger group. From the input pivot the arcs `first` to `turn`, each from start to finish, lead to the

@@ -88,6 +88,7 @@ module psalm_traced_loops
       type(traced_ring_t), allocatable :: rings(:) !! of the loops that close larger groups, in order
    contains
       procedure :: is_dyad
+      procedure :: link_of
       procedure :: are_beyond_arrays
    end type loops_t
 
@@ -100,6 +101,14 @@ contains
 
       is_dyad = all(self%rings%loop /= loop)
    end function is_dyad
+
+   !> The link that an arc is fixed in.
+   pure integer function link_of(self, loop, place)
+      class(loops_t), intent(in) :: self
+      integer, intent(in) :: loop, place
+
+      link_of = self%arcs(findloc(self%arcs%loop == loop .and. self%arcs%place == place, .true., dim=1))%link
+   end function link_of
 
    !> True of loops that the arrays of &LINKS cannot tell: of a group that is no dyad, with gears, a second drive, or more than one
    !> arc of the frame that is counted from the x axis.

@@ -505,7 +505,7 @@ contains
             count = count + 1
          end associate
       end do
-      if (.not. allocated(set%end_names)) return
+      if (.not. set%sketch%given) return
       ! a sketch has names of its own; feet of slides keep none
       do j = 1, size(scene%joints)
          scene%joints(j)%name = ''
@@ -513,8 +513,8 @@ contains
       do j = 1, size(mechanism%arcs)
          associate (arc => mechanism%arcs(j))
             do k = at_start, at_finish
-               if (len_trim(set%end_names(k, arc%place, arc%loop)) == 0) cycle
-               scene%joints(place(arc%ends(k)))%name = trim(set%end_names(k, arc%place, arc%loop))
+               if (arc%joints(k) == 0) cycle
+               scene%joints(place(arc%ends(k)))%name = trim(set%sketch%joint_name(arc%joints(k)))
             end do
          end associate
       end do

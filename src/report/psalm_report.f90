@@ -364,10 +364,9 @@ contains
          character(:), allocatable :: words
 
          words = 'the outer joints of loop '//to_text(summary%undetermined_loop)
-         if (summary%undetermined_loop == 0 .or. .not. allocated(set%end_names)) return
-         associate (first => set%end_names(1, summary%undetermined_arcs(1), summary%undetermined_loop), &
-                    second => set%end_names(2, summary%undetermined_arcs(2), summary%undetermined_loop))
-            if (len_trim(first) > 0 .and. len_trim(second) > 0) words = 'joints '//trim(first)//' and '//trim(second)
+         if (any(summary%undetermined_joints == 0)) return
+         associate (names => set%sketch%joint_name(summary%undetermined_joints))
+            words = 'joints '//trim(names(1))//' and '//trim(names(2))
          end associate
       end function coincident_words
    end subroutine report_summary

@@ -96,7 +96,7 @@ contains
       type(data_set_t), intent(in) :: set
       type(place_t), intent(inout) :: place
 
-      associate (line => set%link_places(set%link_of_arc(place%arc, place%loop)))
+      associate (line => set%link_places(set%traced%link_of(place%loop, place%arc)))
          place%link = line%link
          place%joint = line%joint
          place%line = line%line

@@ -60,7 +60,7 @@ contains
          is_this_slide = joint%kind == joint_prismatic
          if (.not. is_this_slide) return
          associate (arc => mechanism%arcs(joint%slide))
-            is_this_slide = set%slide_of_arc(arc%place, arc%loop) == slide .and. is_of_sketch(joint)
+            is_this_slide = arc%rail == slide .and. is_of_sketch(joint)
          end associate
       end function is_this_slide
 
@@ -72,17 +72,13 @@ contains
          if (is_of_sketch .or. .not. joint%attached) return
          links = [link_of_body(set, mechanism, joint%bodies(1)), link_of_body(set, mechanism, joint%bodies(2))]
          if (joint%kind == joint_prismatic) then
-            associate (arc => mechanism%arcs(joint%slide))
-               slide = set%slide_of_arc(arc%place, arc%loop)
-            end associate
+            slide = mechanism%arcs(joint%slide)%rail
             if (slide == 0) return
             associate (of_slide => set%sketch%slides(slide)%links)
                is_of_sketch = all(links == of_slide) .or. all(links == of_slide([2, 1]))
             end associate
          else
-            associate (arc => mechanism%arcs(joint%arc))
-               j = findloc(set%sketch%joint_name == set%end_names(joint%end, arc%place, arc%loop), .true., dim=1)
-            end associate
+            j = mechanism%arcs(joint%arc)%joints(joint%end)
             if (j == 0) return
             is_of_sketch = set%sketch%has_joint(links(1), j) .and. set%sketch%has_joint(links(2), j)
          end if
@@ -120,9 +116,7 @@ contains
 
       link = frame_link
       if (body == body_frame) return
-      associate (arc => mechanism%arcs(mechanism%bodies(body)%axis))
-         link = set%link_of_arc(arc%place, arc%loop)
-      end associate
+      link = mechanism%arcs(mechanism%bodies(body)%axis)%link
    end function link_of_body
 
    !> True if arcs of a body lead from one of its points to another, so that their distance is known. Two points are not so joined

@@ -18,31 +18,25 @@ contains
       logical, allocatable :: several(:)
       integer :: k, i
 
-      if (.not. allocated(set%link_of_arc)) return
+      if (.not. set%sketch%given) return
       associate (bodies => mechanism%bodies, joints => mechanism%joints, links => set%sketch%links)
          bodies(body_frame)%name = trim(links(frame_link)%name)
          do k = 1, size(bodies)
             if (bodies(k)%axis == 0) cycle
-            associate (arc => mechanism%arcs(bodies(k)%axis))
-               bodies(k)%name = trim(links(set%link_of_arc(arc%place, arc%loop))%name)
-            end associate
+            bodies(k)%name = trim(links(mechanism%arcs(bodies(k)%axis)%link)%name)
          end do
          do k = 1, size(joints)
             if (joints(k)%kind == joint_gear) then
                joints(k)%name = bodies(joints(k)%bodies(1))%name//'-'//bodies(joints(k)%bodies(2))%name
             else if (joints(k)%kind == joint_prismatic) then
-               associate (arc => mechanism%arcs(joints(k)%slide))
-                  i = set%slide_of_arc(arc%place, arc%loop)
-                  if (i > 0) joints(k)%name = trim(set%sketch%slides(i)%name)
-               end associate
+               i = mechanism%arcs(joints(k)%slide)%rail
+               if (i > 0) joints(k)%name = trim(set%sketch%slides(i)%name)
             else
-               associate (arc => mechanism%arcs(joints(k)%arc))
-                  i = findloc(set%sketch%joint_name == set%end_names(joints(k)%end, arc%place, arc%loop), .true., dim=1)
-                  if (i > 0) then
-                     joints(k)%name = trim(set%sketch%joint_name(i))
-                     joints(k)%pin = mechanism%pin_of_sketch(i)
-                  end if
-               end associate
+               i = mechanism%arcs(joints(k)%arc)%joints(joints(k)%end)
+               if (i > 0) then
+                  joints(k)%name = trim(set%sketch%joint_name(i))
+                  joints(k)%pin = mechanism%pin_of_sketch(i)
+               end if
             end if
          end do
          several = [(count([(joints(i)%name == joints(k)%name, i=1, size(joints))]) > 1, k=1, size(joints))]

@@ -312,7 +312,7 @@ contains
       type(loops_t), intent(in) :: loops
       type(data_set_t), intent(inout) :: set
       complex(wp) :: pivot
-      integer :: k, e
+      integer :: k
 
       set%links%nloop = loops%loops
       set%links%maxarc = loops%longest
@@ -352,23 +352,6 @@ contains
                end if
                if (loops%arcs(arc%reference)%kind == traced_slide .and. arc%same) length = 0.0_wp
             end select
-         end associate
-      end do
-      allocate (set%end_names(2, set%links%maxarc, set%links%nloop))
-      set%end_names = ''
-      do k = 1, size(loops%arcs)
-         associate (arc => loops%arcs(k))
-            do e = 1, 2
-               if (arc%ends(e) <= size(set%sketch%joint_name)) &
-                  set%end_names(e, arc%place, arc%loop) = set%sketch%joint_name(arc%ends(e))
-            end do
-         end associate
-      end do
-      allocate (set%link_of_arc(set%links%maxarc, set%links%nloop), set%slide_of_arc(set%links%maxarc, set%links%nloop), source=0)
-      do k = 1, size(loops%arcs)
-         associate (arc => loops%arcs(k))
-            set%link_of_arc(arc%place, arc%loop) = arc%link
-            set%slide_of_arc(arc%place, arc%loop) = arc%slide
          end associate
       end do
       pivot = loops%point(loops%start)

@@ -60,6 +60,9 @@ contains
          arc%loop = of%loop
          arc%place = of%place
          arc%representative = n
+         arc%link = of%link
+         arc%joints = merge(of%ends, 0, of%ends <= size(traced%joint_loop))
+         arc%rail = of%slide
          select case (of%kind)
          case (traced_crank)
             arc%kind = arc_crank

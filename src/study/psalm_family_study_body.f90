@@ -110,17 +110,15 @@ contains
       integer :: k
 
       n = 0
-      if (.not. allocated(set%end_names)) return
-      associate (names => set%sketch%joint_name(sweep%joints))
-         do k = 1, size(mechanism%arcs)
-            associate (ends => set%end_names(:, mechanism%arcs(k)%place, mechanism%arcs(k)%loop))
-               if (all(ends == names) .or. all(ends == names(2:1:-1))) then
-                  n = k
-                  return
-               end if
-            end associate
-         end do
-      end associate
+      if (.not. set%sketch%given) return
+      do k = 1, size(mechanism%arcs)
+         associate (ends => mechanism%arcs(k)%joints)
+            if (all(ends == sweep%joints) .or. all(ends == sweep%joints(2:1:-1))) then
+               n = k
+               return
+            end if
+         end associate
+      end do
    end function arc_between
 
    pure function settings_of(sweep) result(setting)

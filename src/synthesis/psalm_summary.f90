@@ -68,7 +68,7 @@ module psalm_summary
       logical :: everywhere = .false.                 !! closes over the whole turn, or the whole range of a sliding input
       type(range_t), allocatable :: closing(:)         !! inputs from .. to, in the direction of the sweep
       integer :: undetermined_loop = 0                !! loop of a dyad whose outer joints coincide over a range, 0: none
-      integer :: undetermined_arcs(2) = 0             !! places of its arcs in that loop
+      integer :: undetermined_joints(2) = 0           !! of a sketch: these joints, 0: none
       type(range_t) :: undetermined                    !! the first such range of inputs
       logical :: others_open = .false.                !! these are less than what the output itself depends on closes over
       logical :: output_everywhere = .false.          !! that closes over the whole turn or range
@@ -168,7 +168,7 @@ contains
       summary%closing = whole%closing
       if (summary%undetermined_loop > 0) return
       summary%undetermined_loop = whole%undetermined_loop
-      summary%undetermined_arcs = whole%undetermined_arcs
+      summary%undetermined_joints = whole%undetermined_joints
       summary%undetermined = whole%undetermined
 
    contains
@@ -270,7 +270,9 @@ contains
       end do
       last = modulo(last - 1, n) + 1
       summary%undetermined_loop = loops(begin)
-      summary%undetermined_arcs = [(fine%problem%mechanism%place(i, loops(begin)), i=1, 2)]
+      associate (mechanism => fine%problem%mechanism)
+         summary%undetermined_joints = [(mechanism%arcs(mechanism%groups(loops(begin))%members(i))%joints(i), i=1, 2)]
+      end associate
       summary%undetermined = range_t(input_of(fine%problem, dimensions, fine%problem%delt(begin)), &
                                     input_of(fine%problem, dimensions, fine%problem%delt(last)))
    end subroutine note_undetermined
