@@ -59,7 +59,7 @@ contains
 
       associate (unused => file, also_unused => mark)
       end associate
-      if (set%links%nloop == 0 .and. .not. allocated(set%no_loops)) return ! Hill's equation alone
+      if (set%loops() == 0 .and. .not. allocated(set%no_loops)) return ! Hill's equation alone
       call prepare_loops('ssics studies', demand, set, prepared, findings, turning=.true.)
       if (.not. findings%failed()) call check_steady(set, prepared, findings)
    end subroutine prepare_steady
@@ -76,7 +76,7 @@ contains
       associate (unused => stopped)
       end associate
       allocate (problem)
-      if (set%links%nloop > 0) then
+      if (set%loops() > 0) then
          call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
          call list_input(header_of('SSICS', devices%mark), set, problem, devices%eight)
       else

@@ -469,7 +469,7 @@ contains
 
       loops = 0
       if (allocated(self%parts)) loops = size(self%parts)
-      if (allocated(self%set)) loops = self%set%links%nloop
+      if (allocated(self%set)) loops = self%set%loops()
    end function loops
 
    !> Number of arcs of a loop, padding of ILINK included; 0 if there is no such loop.
@@ -481,6 +481,7 @@ contains
       if (loop < 1 .or. loop > self%loops()) return
       if (allocated(self%set)) then
          arcs = self%set%links%maxarc
+         if (allocated(self%set%traced)) arcs = self%set%traced%longest
       else
          arcs = size(self%parts(loop)%ilink)
       end if
@@ -500,11 +501,17 @@ contains
    pure real(wp) function length_of_arc(self, loop, arc) result(length)
       class(case_t), intent(in) :: self
       integer, intent(in) :: loop, arc
+      integer :: n
 
       length = 0.0_wp
       if (arc < 1 .or. arc > self%arcs(loop)) return
       if (allocated(self%set)) then
-         length = self%set%links%arcl(arc, loop)
+         if (allocated(self%set%traced)) then
+            n = self%set%traced%number_of(loop, arc)
+            if (n > 0) length = self%set%traced%arcs(n)%arcl
+         else
+            length = self%set%links%arcl(arc, loop)
+         end if
       else
          length = self%parts(loop)%length(arc)
       end if
@@ -514,11 +521,17 @@ contains
    pure real(wp) function angle_of_arc(self, loop, arc) result(angle)
       class(case_t), intent(in) :: self
       integer, intent(in) :: loop, arc
+      integer :: n
 
       angle = 0.0_wp
       if (arc < 1 .or. arc > self%arcs(loop)) return
       if (allocated(self%set)) then
-         angle = self%set%links%gama(arc, loop)
+         if (allocated(self%set%traced)) then
+            n = self%set%traced%number_of(loop, arc)
+            if (n > 0) angle = self%set%traced%arcs(n)%gama
+         else
+            angle = self%set%links%gama(arc, loop)
+         end if
       else
          angle = self%parts(loop)%angle(arc)
       end if
@@ -534,7 +547,11 @@ contains
       if (value < 0.0_wp) then
          call self%faults%error('arc '//to_text(arc)//' of loop '//to_text(loop)//': a length is not negative')
       else if (allocated(self%set)) then
-         self%set%links%arcl(arc, loop) = value
+         if (allocated(self%set%traced)) then
+            self%set%traced%arcs(self%set%traced%number_of(loop, arc))%arcl = value
+         else
+            self%set%links%arcl(arc, loop) = value
+         end if
       else
          self%parts(loop)%length(arc) = value
       end if
@@ -548,7 +565,11 @@ contains
 
       if (.not. may_change(self, loop, arc, value)) return
       if (allocated(self%set)) then
-         self%set%links%gama(arc, loop) = value
+         if (allocated(self%set%traced)) then
+            self%set%traced%arcs(self%set%traced%number_of(loop, arc))%gama = value
+         else
+            self%set%links%gama(arc, loop) = value
+         end if
       else
          self%parts(loop)%angle(arc) = value
       end if
@@ -560,6 +581,9 @@ contains
       real(wp), intent(in) :: value
 
       may_change = arc >= 1 .and. arc <= self%arcs(loop)
+      if (may_change .and. allocated(self%set)) then
+         if (allocated(self%set%traced)) may_change = self%set%traced%number_of(loop, arc) > 0
+      end if
       if (.not. may_change) then
          call self%faults%error('there is no arc '//to_text(arc)//' of loop '//to_text(loop))
       else if (.not. ieee_is_finite(value)) then
@@ -741,6 +765,12 @@ contains
          call problem%parameters%apply(synthesis%last%v(:, synthesis%last%best), dimensions)
       end if
       associate (to => found%set)
+         to%method%ifree = 0
+         if (allocated(to%traced)) then
+            call to%traced%take_dimensions(dimensions)
+            to%method%crnki = dimensions%crnki - dimensions%drawn
+            return
+         end if
          to%links%arcl = in_columns(problem%mechanism, dimensions%arcl, to%links%arcl)
          to%links%gama = in_columns(problem%mechanism, dimensions%gama, to%links%gama)
          to%links%outlk = dimensions%outlk
@@ -754,7 +784,6 @@ contains
          to%method%ingout = 0
          to%method%icrk = 0
          to%method%iorig = 0
-         to%method%ifree = 0
       end associate
    end function found_case
 

@@ -13,7 +13,7 @@ module chain_force_checks
    use psalm_force_analysis, only: column_of_joint, column_fx, column_fy, column_moment
    use psalm_force_study, only: force_study_t, find_forces
    use psalm_kinds, only: wp, pi
-   use psalm_link_place, only: place_t
+   use psalm_place, only: place_t
    use psalm_mechanism, only: mechanism_t
    use psalm_parameters, only: parameters_t
    use psalm_setup, only: set_up
@@ -441,7 +441,7 @@ contains
       step = 0.25_wp
       if (set%sketch%drives(1)%kind /= drive_turns) step = 1.0e-3_wp*(set%rates%speed/0.3_wp)
       set%method%delt = [(real(s, wp)*step, s=-4, 4)]
-      set%method%crnki = set%crnki_of_drawing
+      set%method%crnki = 0.0_wp
       call study_chain(set, set%rates%speed, set%rates%accel, chain)
       if (.not. all(chain%motion%closed)) return
       call find_chain_forces(set, chain, study)

@@ -8,7 +8,7 @@ module psalm_chain_force_model
    use psalm_data_set, only: data_set_t
    use psalm_force_entries, only: loading_t, spring_law_t, loading_of, spring_law_of
    use psalm_kinds, only: wp
-   use psalm_link_place, only: place_t
+   use psalm_place, only: place_t
    use psalm_sketch, only: frame_link
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text

@@ -10,9 +10,9 @@ module psalm_force_model
    use psalm_dimensions, only: dimensions_t
    use psalm_force_entries, only: loading_t, spring_law_t, loading_of, spring_law_of
    use psalm_kinds, only: wp, radians_per_degree
-   use psalm_link_place, only: place_t
    use psalm_loop_forces, only: joined_by_arcs, link_of_body
    use psalm_mechanism, only: mechanism_t, at_start, at_finish, body_frame, joint_gear, joint_prismatic, joint_revolute, pivot
+   use psalm_place, only: place_t
    use psalm_sketch, only: frame_link
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
@@ -168,7 +168,7 @@ contains
          end associate
       end do
       ! of a sketch every input counts from the drawing
-      model%table_input = set%loads%input + merge(set%crnki_of_drawing, 0.0_wp, set%sketch%given)
+      model%table_input = set%loads%input + merge(set%drawn_input(), 0.0_wp, set%sketch%given)
       model%table_factor = set%loads%factor
       do k = 1, size(model%springs)
          associate (spring => model%springs(k))
@@ -226,7 +226,7 @@ contains
          associate (at => set%friction%joints(entry), of => model%friction(entry))
             if (at%joint == 0 .or. at%slide > 0) return
             if (size(set%sketch%links_of(at%joint)) == 2) return
-            associate (holder => set%pin_holders(at%joint))
+            associate (holder => set%traced%pin_holders(at%joint))
                if (at%link == holder) then
                   call set%origins%error(findings, 'FRICTN', 'FNAME', 'entry '//to_text(entry)//': the pin is held by link '// &
                                          trim(set%sketch%links(holder)%name)//'; name another that turns on it', entry)
@@ -267,7 +267,7 @@ contains
       real(wp) :: z(2), pivot_at(2)
       integer :: j, k, slide, state
 
-      if (.not. allocated(set%shoes)) return
+      if (.not. allocated(set%traced)) return
       do k = 1, size(model%shoes)
          associate (joint => mechanism%joints(k), shoe => model%shoes(k))
             if (joint%kind == joint_gear) cycle
@@ -275,14 +275,14 @@ contains
                j = mechanism%arcs(joint%arc)%joints(joint%end)
                if (j == 0) cycle
                if (size(set%sketch%links_of(j)) == 2 .and. &
-                   link_of_body(set, mechanism, joint%bodies(2)) == set%pin_holders(j)) shoe%order = -1.0_wp
+                   link_of_body(set, mechanism, joint%bodies(2)) == set%traced%pin_holders(j)) shoe%order = -1.0_wp
                cycle
             end if
             slide = mechanism%arcs(joint%slide)%rail
             if (slide == 0) cycle
             if (link_of_body(set, mechanism, joint%bodies(1)) /= set%sketch%slides(slide)%links(1)) shoe%order = -1.0_wp
-            shoe%sense = real(set%line_senses(slide), wp)
-            associate (place => set%shoes(slide))
+            shoe%sense = real(set%traced%line_senses(slide), wp)
+            associate (place => set%traced%shoes(slide))
                if (place%link == frame_link) then
                   call unit_vector(place%angle, z(1), z(2))
                   call unit_vector(dimensions%origng, pivot_at(1), pivot_at(2))

@@ -1,7 +1,7 @@
 !> A link as a uniform beam: what the groups VIBR and ESTIM say of it.
 module psalm_beam
    use psalm_kinds, only: wp
-   use psalm_link_place, only: place_t
+   use psalm_place, only: place_t
    implicit none (type, external)
    private
    public :: beam_t

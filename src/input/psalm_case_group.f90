@@ -4,8 +4,8 @@
 !> which groups there are.
 module psalm_case_group
    use psalm_group, only: group_t
-   use psalm_link_place, only: place_t
    use psalm_origin, only: name_length
+   use psalm_place, only: place_t
    use psalm_sketch, only: sketch_t
    use psalm_status, only: diagnostics_t
    implicit none (type, external)

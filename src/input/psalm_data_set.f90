@@ -13,7 +13,6 @@ module psalm_data_set
    use psalm_kinds, only: wp, right_angle
    use psalm_limits_group, only: limits_group_t, read_limits_group
    use psalm_json_case, only: is_json, read_json_cases
-   use psalm_link_place, only: place_t, travel_t
    use psalm_links_group, only: links_group_t, read_links_group
    use psalm_load_group, only: load_group_t, read_load_group
    use psalm_mark, only: mark_t
@@ -61,17 +60,8 @@ module psalm_data_set
       type(tolerance_group_t) :: toler     !! TOLER
       type(rates_group_t) :: rates         !! RATES (read for kalm only)
       type(sketch_t) :: sketch             !! CHAIN, DRIVES, OUTPUTS
-      real(wp) :: crnki_of_drawing = 0.0_wp !! CRNKI of the loops where the sketch's is 0
-      character(:), allocatable :: stand_in !! the joint that the listing shows for want of the first output; not allocated: none
       type(loops_t), allocatable :: traced !! its loops
       character(:), allocatable :: no_loops !! why it has no loops and is solved in the poses of its links; not allocated: it has
-      type(place_t), allocatable :: link_places(:) !! by link of the sketch: its first joint, the line to its second one
-      type(place_t), allocatable :: shoes(:)     !! by slide of the sketch: its point SLX, SLY on its second link
-      type(place_t), allocatable :: joint_places(:) !! by joint of the sketch: where its loops have it; no arc: fixed
-      type(travel_t), allocatable :: travels(:)  !! by slide of the sketch
-      integer, allocatable :: line_senses(:)     !! by slide: +1: its arc has the direction of its line, -1: the opposite one
-      integer, allocatable :: pin_holders(:)     !! by joint of the sketch: the link that places it, whose force on others is listed
-      character(:), allocatable :: chosen  !! the loops chosen for it, in words; not allocated: none
       type(mass_group_t) :: masses         !! MASSES (this and the next three are read for kalm and balm only)
       type(load_group_t) :: loads          !! LOADS
       type(spring_group_t) :: springs      !! SPRING
@@ -82,12 +72,48 @@ module psalm_data_set
       type(origins_t) :: origins           !! where every value was written
    contains
       procedure :: is_beyond_arrays
+      procedure :: loops
+      procedure :: motion
+      procedure :: has_stand_in
+      procedure :: drawn_input
       procedure :: wants_search
       procedure :: place_of
       procedure :: gives
    end type data_set_t
 
 contains
+
+   !> How many loops there are to solve: those of &LINKS, or those traced in a sketch; 0: none.
+   pure integer function loops(self)
+      class(data_set_t), intent(in) :: self
+
+      loops = self%links%nloop
+      if (allocated(self%traced)) loops = self%traced%loops
+   end function loops
+
+   !> What is listed: one of `motion_...`.
+   pure integer function motion(self)
+      class(data_set_t), intent(in) :: self
+
+      motion = self%method%motion
+      if (allocated(self%traced)) motion = self%traced%motion
+   end function motion
+
+   !> True if a joint is listed for want of the first output.
+   pure logical function has_stand_in(self)
+      class(data_set_t), intent(in) :: self
+
+      has_stand_in = .false.
+      if (allocated(self%traced)) has_stand_in = allocated(self%traced%stand_in)
+   end function has_stand_in
+
+   !> The input of the loops as drawn; 0 where inputs are counted from the machine's x axis.
+   pure real(wp) function drawn_input(self)
+      class(data_set_t), intent(in) :: self
+
+      drawn_input = 0.0_wp
+      if (allocated(self%traced)) drawn_input = self%traced%input
+   end function drawn_input
 
    !> True if any dimension may vary (and IKIN does not override it).
    pure logical function wants_search(self)

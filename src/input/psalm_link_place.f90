@@ -1,40 +1,18 @@
-!> Places on links as the groups of forces name them: an end of an arc, a distance and an angle from the arc's direction; of a
-!> sketch a link, a joint of it, a line between two of its joints.
+!> Places on links as the groups of forces name them.
 module psalm_link_place
    use psalm_sketch_names, only: find_joints, link_named, meant, slide_names, words_of
    use psalm_group, only: group_t, out_of, required
    use psalm_kinds, only: wp
+   use psalm_place, only: place_t
    use psalm_sketch, only: sketch_t, sketch_name
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: place_t, travel_t, read_places, refuse_unless
+   public :: read_places, refuse_unless
 
    integer, parameter :: most_exponent = (range(1.0_wp) - modulo(range(1.0_wp), 3))/3 - 2 !! 100 in double precision
    real(wp), parameter :: farthest = 10.0_wp**most_exponent !! of a place: its square, and that times a mass, must be numbers
-
-   !> A place on a link.
-   type :: place_t
-      integer :: arc = 0, loop = 0         !! an arc of the link
-      logical :: from_start = .false.      !! counted from the arc's start, else from its finish
-      real(wp) :: distance = 0.0_wp        !! from that end, user's length
-      real(wp) :: angle = 0.0_wp           !! of the line to the place from the arc's direction, degrees
-      ! on a sketch; the arc is chosen with the loops
-      integer :: link = 0                  !! the link; of a joint with friction the one that turns in it, 0: the one there is
-      integer :: joint = 0                 !! counted from this joint; 0: from where the axes of a link without joints begin
-      integer :: line(2) = 0               !! angles are counted from the line between these joints; 0: from the drawing's x axis
-      integer :: slide = 0                 !! friction: the slide
-      real(wp) :: turn = 0.0_wp            !! from the arc to that line, degrees
-      real(wp) :: written(2) = 0.0_wp      !! distance and angle as they were written, from that joint
-   end type place_t
-
-   !> How far the second link of a slide has moved against the first: sense times the length of an arc, plus the zero.
-   type :: travel_t
-      integer :: arc = 0, loop = 0
-      real(wp) :: sense = 1.0_wp
-      real(wp) :: zero = 0.0_wp
-   end type travel_t
 
 contains
 

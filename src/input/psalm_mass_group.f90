@@ -2,7 +2,8 @@
 module psalm_mass_group
    use psalm_group, only: group_t, check_range
    use psalm_kinds, only: wp
-   use psalm_link_place, only: place_t, read_places
+   use psalm_link_place, only: read_places
+   use psalm_place, only: place_t
    use psalm_rule, only: rule_t, a_flag, a_number, a_text, a_whole
    use psalm_sketch, only: sketch_t
    use psalm_status, only: diagnostics_t

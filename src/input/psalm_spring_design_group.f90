@@ -4,7 +4,8 @@ module psalm_spring_design_group
    use psalm_data_set, only: data_set_t
    use psalm_group, only: group_t, out_of, required
    use psalm_kinds, only: wp
-   use psalm_link_place, only: place_t, read_places, refuse_unless
+   use psalm_link_place, only: read_places, refuse_unless
+   use psalm_place, only: place_t
    use psalm_rule, only: rule_t, a_number, a_text, a_whole, a_word
    use psalm_sketch, only: sketch_t
    use psalm_status, only: diagnostics_t

@@ -1,6 +1,9 @@
 !> The loops of a sketch as they are traced: arcs between points, joints first and then feet of slides.
 module psalm_traced_loops
+   use psalm_dimensions, only: dimensions_t
    use psalm_kinds, only: wp
+   use psalm_output_kind, only: motion_point
+   use psalm_place, only: place_t, travel_t
    implicit none (type, external)
    private
    public :: loops_t, traced_t, traced_ring_t, traced_pair_t, traced_gear_t, arc_with
@@ -32,6 +35,10 @@ module psalm_traced_loops
       integer :: slide = 0                  !! the slide of the sketch that it runs along
       real(wp) :: length = 0.0_wp
       real(wp) :: direction = 0.0_wp        !! in the drawing, degrees
+      real(wp) :: arcl = 0.0_wp             !! its length as a dimension of the loops: 0 of what slides
+      real(wp) :: gama = 0.0_wp             !! its angle from the arc it hangs on, of a frame arc from the x axis, degrees; of
+                                            !! larger groups and of drives after the first its direction
+      logical :: length_varies = .false., angle_varies = .false.
    end type traced_t
 
    !> A ring of a larger group, as `psalm_mechanism` has it: sequential numbers of arcs.
@@ -76,6 +83,7 @@ module psalm_traced_loops
       integer :: start = 0                  !! the point that all loops begin at
       integer, allocatable :: axis(:)       !! by link: its first arc
       real(wp) :: input = 0.0_wp            !! CRNKI in the drawing
+      real(wp) :: anchor = 0.0_wp           !! that at which unknown arcs of larger groups have the dimensions given
       logical :: floating = .false.         !! the first drive moves no link on the frame
       logical :: sliding = .false.          !! its input is a length
       logical, allocatable :: on(:, :)      !! shape (points, links): the point is fixed in the link
@@ -86,9 +94,27 @@ module psalm_traced_loops
       type(traced_drive_t), allocatable :: seconds(:) !! drives after the first
       integer, allocatable :: drive_of(:)   !! by link: the drive that turns it on the frame, 0: none
       type(traced_ring_t), allocatable :: rings(:) !! of the loops that close larger groups, in order
+      real(wp) :: origlk = 0.0_wp, origng = 0.0_wp !! where the input pivot is
+      ! the first output, or what is listed in its stead
+      integer :: motion = motion_point      !! one of `motion_...`
+      integer :: output_arc = 0             !! the arc that it is measured from
+      logical :: from_start = .false.       !! from the start of that arc, else from its finish
+      real(wp) :: outlk = 0.0_wp, outang = 0.0_wp
+      character(:), allocatable :: stand_in !! the joint that the listing shows for want of the first output; not allocated: none
+      ! what varies besides lengths and angles of arcs
+      logical :: outlk_varies = .false., outang_varies = .false., pivot_varies = .false., input_varies = .false.
+      ! where the loops have the parts of the sketch
+      type(place_t), allocatable :: link_places(:) !! by link: its first joint, the line to its second one
+      type(place_t), allocatable :: joint_places(:) !! by joint; no arc: fixed
+      type(place_t), allocatable :: shoes(:) !! by slide: its point SLX, SLY on its second link
+      type(travel_t), allocatable :: travels(:) !! by slide
+      integer, allocatable :: line_senses(:) !! by slide: +1: its arc has the direction of its line, -1: the opposite one
+      integer, allocatable :: pin_holders(:) !! by joint: the link that places it, whose force on others is listed
+      character(:), allocatable :: chosen   !! the loops in words
    contains
       procedure :: is_dyad
-      procedure :: link_of
+      procedure :: number_of
+      procedure :: take_dimensions
       procedure :: are_beyond_arrays
    end type loops_t
 
@@ -102,13 +128,33 @@ contains
       is_dyad = all(self%rings%loop /= loop)
    end function is_dyad
 
-   !> The link that an arc is fixed in.
-   pure integer function link_of(self, loop, place)
+   !> Number of an arc from its loop and its number there; 0: there is none.
+   pure integer function number_of(self, loop, place)
       class(loops_t), intent(in) :: self
       integer, intent(in) :: loop, place
 
-      link_of = self%arcs(findloc(self%arcs%loop == loop .and. self%arcs%place == place, .true., dim=1))%link
-   end function link_of
+      number_of = findloc(self%arcs%loop == loop .and. self%arcs%place == place, .true., dim=1)
+   end function number_of
+
+   !> Have the dimensions that a search has found, none of which varies any more.
+   pure subroutine take_dimensions(self, dimensions)
+      class(loops_t), intent(inout) :: self
+      type(dimensions_t), intent(in) :: dimensions
+
+      self%arcs%arcl = dimensions%arcl
+      self%arcs%gama = dimensions%gama
+      self%outlk = dimensions%outlk
+      self%outang = dimensions%outang
+      self%origlk = dimensions%origlk
+      self%origng = dimensions%origng
+      self%anchor = dimensions%anchor
+      self%arcs%length_varies = .false.
+      self%arcs%angle_varies = .false.
+      self%outlk_varies = .false.
+      self%outang_varies = .false.
+      self%pivot_varies = .false.
+      self%input_varies = .false.
+   end subroutine take_dimensions
 
    !> True of loops that the arrays of &LINKS cannot tell: of a group that is no dyad, with gears, a second drive, or more than one
    !> arc of the frame that is counted from the x axis.

@@ -268,7 +268,7 @@ contains
       real(wp), allocatable, intent(out) :: wanted(:, :), weight(:, :) !! shape (positions, components)
       type(output_kind_t) :: kind
 
-      kind = output_kind(set%method%motion)
+      kind = output_kind(set%motion())
       allocate (wanted(set%method%ndes, kind%components), weight(set%method%ndes, kind%components), source=0.0_wp)
       if (kind%components > 1) then
          wanted(:, 1) = set%method%desx + set%method%xadd

@@ -46,7 +46,8 @@ contains
          if (findings%list(k)%group == 'LINKS') why = 'links for which there are no loops'
          return
       end do
-      if (any(set%joint_places%arc == 0 .and. set%joint_places%link /= frame_link) .or. any(set%travels%arc == 0)) then
+      if (any(set%traced%joint_places%arc == 0 .and. set%traced%joint_places%link /= frame_link) .or. &
+          any(set%traced%travels%arc == 0)) then
          why = 'links for which there are no loops'
          return
       end if

@@ -8,9 +8,9 @@ module psalm_sketch_motion
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, radians_per_degree
-   use psalm_link_place, only: place_t
    use psalm_mechanism, only: mechanism_t, ring_t
    use psalm_output_kind, only: output_point, output_distance, output_pose
+   use psalm_place, only: place_t
    use psalm_rates, only: rates_t, derivatives_of, in_time
    use psalm_rows, only: rows_t
    use psalm_sketch, only: frame_link
@@ -49,8 +49,8 @@ contains
 
       sketch%drawn = cmplx(set%sketch%x, set%sketch%y, wp)
       allocate (sketch%moving(0), sketch%points(2, 0))
-      do j = 1, size(set%joint_places)
-         place = set%joint_places(j)
+      do j = 1, size(set%traced%joint_places)
+         place = set%traced%joint_places(j)
          if (place%link == frame_link .and. .not. present(dimensions)) cycle
          if (present(dimensions)) call move_output(set, dimensions, j, place)
          call add_moving(mechanism, j, place, sketch)
@@ -58,17 +58,17 @@ contains
       if (present(with_slides)) then
          if (with_slides) then
             sketch%drawn = [sketch%drawn, cmplx(set%sketch%slides%x, set%sketch%slides%y, wp)]
-            do k = 1, size(set%shoes)
-               call add_moving(mechanism, size(set%joint_places) + k, set%shoes(k), sketch)
+            do k = 1, size(set%traced%shoes)
+               call add_moving(mechanism, size(set%traced%joint_places) + k, set%traced%shoes(k), sketch)
             end do
          end if
       end if
-      allocate (sketch%arcs(size(set%travels)), source=0)
-      do k = 1, size(set%travels)
-         if (set%travels(k)%arc > 0) sketch%arcs(k) = mechanism%seq(set%travels(k)%loop, set%travels(k)%arc)
+      allocate (sketch%arcs(size(set%traced%travels)), source=0)
+      do k = 1, size(set%traced%travels)
+         if (set%traced%travels(k)%arc > 0) sketch%arcs(k) = mechanism%seq(set%traced%travels(k)%loop, set%traced%travels(k)%arc)
       end do
-      sketch%sense = set%travels%sense
-      sketch%zero = set%travels%zero
+      sketch%sense = set%traced%travels%sense
+      sketch%zero = set%traced%travels%zero
    end subroutine locate_sketch
 
    !> A joint at its place on an arc; one that is on none stands still.
@@ -103,12 +103,12 @@ contains
       integer, intent(in) :: joint
       type(place_t), intent(inout) :: place             !! of that joint
 
-      if (size(set%sketch%outputs) == 0 .or. allocated(set%stand_in) .or. dimensions%outlk <= 0.0_wp) return
-      associate (output => set%sketch%outputs(1), links => set%links)
+      if (size(set%sketch%outputs) == 0 .or. set%has_stand_in() .or. dimensions%outlk <= 0.0_wp) return
+      associate (output => set%sketch%outputs(1), arc => set%traced%arcs(set%traced%output_arc))
          if (all(output%kind /= [output_point, output_distance, output_pose]) .or. output%joints(1) /= joint) return
-         place%loop = links%noutlp
-         place%arc = abs(links%noutlk)
-         place%from_start = links%noutlk < 0
+         place%loop = arc%loop
+         place%arc = arc%place
+         place%from_start = set%traced%from_start
       end associate
       place%distance = dimensions%outlk
       place%angle = dimensions%outang

@@ -102,7 +102,7 @@ contains
       integer :: k
 
       if (allocated(studies(1)%shape%motion%chain)) then
-         inputs = inputs_at(set, scene%parts(1)%states%q(0, :) - (set%method%crnki - set%crnki_of_drawing))
+         inputs = inputs_at(set, scene%parts(1)%states%q(0, :) - set%method%crnki)
          do k = 2, size(studies)
             if (studies(k)%part%cam == 1 .or. studies(k)%part%role /= role_cam) cycle
             inputs(2, :) = scene%parts(k)%states%q(0, :)

@@ -157,7 +157,7 @@ contains
          real(wp), allocatable :: inputs(:, :)
          integer :: d
 
-         inputs = inputs_at(set, first - (set%method%crnki - set%crnki_of_drawing))
+         inputs = inputs_at(set, first - set%method%crnki)
          do d = 2, size(inputs, 1)
             if (.not. set%sketch%drives(d)%geared) inputs(d, :) = along(own%inputs(d, :), scene%sweep%delt)
          end do

@@ -120,7 +120,7 @@ contains
       call problem%set_inputs(delt)
       call problem%analyse(dimensions, motion)
       call study_sketch(set, problem, dimensions, motion%closed, set%rates%speed, set%rates%accel, study)
-      call add_study_panels(set, study, merge(1, 2, allocated(set%stand_in)), size_of, panels)
+      call add_study_panels(set, study, merge(1, 2, set%has_stand_in()), size_of, panels)
    end subroutine add_sketch_panels
 
    !> Outputs of a sketch from number `first` on, then velocities and accelerations of all.

@@ -134,7 +134,7 @@ contains
       scene%sound = .true.
       deallocate (scene%joints, scene%bars, scene%bodies, scene%pairs)
       ! a pose is drawn as its point
-      scene%motion = merge(motion_point, set%method%motion, set%method%motion == motion_pose)
+      scene%motion = merge(motion_point, set%motion(), set%motion() == motion_pose)
       scene%sliding = mechanism%sliding_input
       scene%everywhere = set%limits%ktheta /= 0
       scene%tangle = set%limits%tangle
@@ -215,7 +215,7 @@ contains
       if (found) call move_alloc(band, scene%band)
       if (set%sketch%given) then
          if (size(set%sketch%outputs) > 0) scene%output_label = trim(set%sketch%outputs(1)%name)
-         if (allocated(set%stand_in)) scene%output_label = 'joint '//set%stand_in
+         if (set%has_stand_in()) scene%output_label = 'joint '//set%traced%stand_in
          call add_sketch_panels(set, mechanism, dimensions, scene%sweep%delt, size_of, scene%panels)
       else
          allocate (own)

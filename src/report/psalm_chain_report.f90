@@ -96,7 +96,7 @@ contains
       type(data_set_t), intent(in) :: set
 
       several_outputs = set%sketch%given
-      if (several_outputs) several_outputs = size(set%sketch%outputs) > merge(0, 1, allocated(set%stand_in))
+      if (several_outputs) several_outputs = size(set%sketch%outputs) > merge(0, 1, set%has_stand_in())
    end function several_outputs
 
    !> Ranges of the outputs that the summary has not: all but the first, or all.
@@ -107,7 +107,7 @@ contains
       integer :: n, first
 
       first = 1
-      if (.not. allocated(set%stand_in) .and. size(set%sketch%outputs) > 0 .and. all(set%sketch%drives(2:)%geared)) &
+      if (.not. set%has_stand_in() .and. size(set%sketch%outputs) > 0 .and. all(set%sketch%drives(2:)%geared)) &
          first = 1 + numbers_of(set%sketch%outputs(1))
       do n = first, size(study%names)
          call add_range(study, n, ' at the positions', text)

@@ -7,6 +7,7 @@ module psalm_check_list
    use psalm_error, only: problem_t, motion_t
    use psalm_finale, only: angle_text, arc_table, list_reference, list_output_arc
    use psalm_kinds, only: wp
+   use psalm_loop_arrays, only: loop_arrays_t, arrays_of
    use psalm_output_kind, only: output_kind_t, output_kind
    use psalm_rate_items, only: rate_row_t, wanted_rows
    use psalm_mechanism, only: mechanism_t, arc_crank, arc_determined, arc_slide
@@ -29,37 +30,39 @@ contains
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(text_t), intent(inout) :: text
+      type(loop_arrays_t) :: arrays
 
+      arrays = arrays_of(set)
       call text%add(heading)
       call text%add()
       call text%add(' '//set%title)
       call text%add(' MOTION  NLOOP MAXARC ILKOUT INGOUT   ICRK   IORIG KTHETA  IPLOT')
-      call text%add(integers([set%method%motion, set%links%nloop, set%links%maxarc, set%method%ilkout, set%method%ingout, &
-                              set%method%icrk, set%method%iorig, set%limits%ktheta, &
+      call text%add(integers([set%motion(), arrays%nloop, arrays%maxarc, arrays%ilkout, arrays%ingout, &
+                              arrays%icrk, arrays%iorig, set%limits%ktheta, &
                               set%limits%iplot], 7))
       call text%add(' ARRAY OF ARC LENGTHS, ARCL')
-      call arc_table(set%links%arcl, .false., text)
+      call arc_table(arrays%arcl, .false., text)
       call text%add(' ARRAY OF ARC ANGLES, GAMA')
-      call arc_table(set%links%gama, .false., text)
-      call list_reference(problem%mechanism, set%method%crnki, text)
+      call arc_table(arrays%gama, .false., text)
+      call list_reference(problem%mechanism, arrays%crnki, text)
       call text%add(' POLAR CO-ORDINATES (LENGTH, ANGLE) OF')
-      call text%add(' INPUT PIVOT '//fixed(set%method%origlk, column, 3)//fixed(set%method%origng, column, 4))
-      call text%add(' OUTPUT ARC  '//fixed(set%links%outlk, column, 3)//fixed(set%links%outang, column, 4))
-      call list_output_arc(set, text)
+      call text%add(' INPUT PIVOT '//fixed(arrays%origlk, column, 3)//fixed(arrays%origng, column, 4))
+      call text%add(' OUTPUT ARC  '//fixed(arrays%outlk, column, 3)//fixed(arrays%outang, column, 4))
+      call list_output_arc(arrays, text)
       if (set%method%ikin /= 0) then
          call text%add(' ANALYSIS EVERY '//to_text(set%method%ikin)//' DEGREES')
       else
          call list_positions(set, problem%mechanism, text)
       end if
       call text%add(' TOPOLOGICAL ARRAY, ILINK')
-      call loop_rows(set%links%ilink, text)
+      call loop_rows(arrays%ilink, text)
       call text%add(' TOPOLOGICAL ARRAY, ILOOP')
-      call loop_rows(set%links%iloop, text)
+      call loop_rows(arrays%iloop, text)
       if (.not. problem%parameters%has_search()) return
       call text%add(' ARRAY OF VARIABLE ARC LENGTHS, IVA')
-      call loop_rows(set%method%iva, text)
+      call loop_rows(arrays%iva, text)
       call text%add(' ARRAY OF VARIABLE ARC ANGLES, IVG')
-      call loop_rows(set%method%ivg, text)
+      call loop_rows(arrays%ivg, text)
    end subroutine list_input
 
    !> Desired values, weights and inputs, five in a row.
@@ -71,7 +74,7 @@ contains
 
       call text%add(' NUMBER OF DESIRED POSITIONS, NDES'//trim(integers([set%method%ndes], 7)))
       if (set%method%desired) then
-         kind = output_kind(set%method%motion)
+         kind = output_kind(set%motion())
          if (kind%components > 1) then
             call text%add(' THE DESIRED POINTS ARE RELATIVE TO XADD, YADD')
             call rows([set%method%xadd, set%method%yadd])
@@ -143,8 +146,10 @@ contains
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(text_t), intent(inout) :: text
+      type(loop_arrays_t) :: arrays
       integer :: loop, which
 
+      arrays = arrays_of(set)
       associate (mechanism => problem%mechanism, parameters => problem%parameters)
          call text%add()
          call text%add(' NUMBER OF ARCS IN EACH LOOP, LOOPL')
@@ -152,23 +157,23 @@ contains
          call text%add(' UNDETERMINED ARCS IN EACH LOOP, LARCX')
          call loop_rows(reshape([([(place_of_member(mechanism, which, loop), which=1, most_members(mechanism))], &
                                   loop=1, mechanism%nloop)], [most_members(mechanism), mechanism%nloop]), text)
-         call list_references(set, mechanism, text)
+         call list_references(arrays, mechanism, text)
          if (parameters%has_search()) then
             call text%add(' ARRAY OF VARIABLES CORRESPONDING TO ARCS')
-            call by_loop(set, mechanism, parameters%length_variable, text)
+            call by_loop(arrays, mechanism, parameters%length_variable, text)
             call text%add(' ARRAY OF VARIABLES CORRESPONDING TO ANGLES')
-            call by_loop(set, mechanism, parameters%angle_variable, text)
+            call by_loop(arrays, mechanism, parameters%angle_variable, text)
          end if
          call text%add(' NUMBER OF OPTIMIZATION VARIABLES, MARBLE '//to_text(size(parameters%variables)))
-         call list_dyads(set, mechanism, text)
+         call list_dyads(arrays, mechanism, text)
       end associate
       call list_controls(set, text)
       call list_pruned(problem, text)
    end subroutine list_setup
 
    !> Which arcs hang on which and which are identical, by sequential numbers (loop-1)*MAXARC + arc.
-   subroutine list_references(set, mechanism, text)
-      type(data_set_t), intent(in) :: set
+   subroutine list_references(arrays, mechanism, text)
+      type(loop_arrays_t), intent(in) :: arrays
       type(mechanism_t), intent(in) :: mechanism
       type(text_t), intent(inout) :: text
       integer, dimension(size(mechanism%arcs)) :: larcd, larcf, identa, alike
@@ -195,24 +200,24 @@ contains
          end associate
       end do
       call text%add(' INDICES OF ARCS THAT PROVIDE DATA FOR OTHER ARCS, LARCD')
-      call by_loop(set, mechanism, larcd, text)
+      call by_loop(arrays, mechanism, larcd, text)
       call text%add(' INDICES OF FRAME ARCS CORRESPONDING TO LARCD, LARCF')
-      call by_loop(set, mechanism, larcf, text)
+      call by_loop(arrays, mechanism, larcf, text)
       call text%add(' ARRAY OF IDENTICAL ARCS, IDENTA')
-      call by_loop(set, mechanism, identa, text)
+      call by_loop(arrays, mechanism, identa, text)
 
    contains
 
       pure integer function sequential(arc)
          integer, intent(in) :: arc
 
-         sequential = (mechanism%arcs(arc)%loop - 1)*set%links%maxarc + mechanism%arcs(arc)%place
+         sequential = (mechanism%arcs(arc)%loop - 1)*arrays%maxarc + mechanism%arcs(arc)%place
       end function sequential
    end subroutine list_references
 
    !> The groups; SLIDE and CONFIG show the sign each undetermined arc has in ILINK.
-   subroutine list_dyads(set, mechanism, text)
-      type(data_set_t), intent(in) :: set
+   subroutine list_dyads(arrays, mechanism, text)
+      type(loop_arrays_t), intent(in) :: arrays
       type(mechanism_t), intent(in) :: mechanism
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
@@ -229,7 +234,7 @@ contains
             end if
             n = mechanism%groups(loop)%members(which)
             associate (arc => mechanism%arcs(n))
-               line = line//fixed(-real(sign(1, set%links%ilink(arc%place, loop)), wp)* &
+               line = line//fixed(-real(sign(1, arrays%ilink(arc%place, loop)), wp)* &
                                   merge(slide_mark, link_mark, arc%kind == arc_slide), column, 2)
             end associate
          end do
@@ -397,12 +402,12 @@ contains
       end do
    end subroutine loop_rows
 
-   subroutine by_loop(set, mechanism, values, text)
-      type(data_set_t), intent(in) :: set
+   subroutine by_loop(arrays, mechanism, values, text)
+      type(loop_arrays_t), intent(in) :: arrays
       type(mechanism_t), intent(in) :: mechanism
       integer, intent(in) :: values(:)     !! by arc
       type(text_t), intent(inout) :: text
-      integer :: table(set%links%maxarc, set%links%nloop), n
+      integer :: table(arrays%maxarc, arrays%nloop), n
 
       table = 0
       do n = 1, size(values)

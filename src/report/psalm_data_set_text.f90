@@ -11,6 +11,7 @@ module psalm_data_set_text
    use psalm_dyad_kind, only: assur_prp
    use psalm_error, only: problem_t, inputs_of
    use psalm_finale, only: in_columns
+   use psalm_loop_arrays, only: loop_arrays_t, arrays_of
    use psalm_rate_items, only: rate_row_t, wanted_rows
    use psalm_sketch_redraw, only: redraw_sketch
    use psalm_sketch_text, only: variant_t, variant_of, write_sketch, limit_of_angles
@@ -59,6 +60,7 @@ contains
       type(variant_t) :: own
       integer :: loop
       real(wp), allocatable :: inputs(:)
+      type(loop_arrays_t) :: arrays
       logical :: sound
 
       own = variant_of(set)
@@ -78,15 +80,16 @@ contains
             return
          end if
       end if
+      arrays = arrays_of(set)
       call text%add(own%title)
-      call text%add(' &LINKS NLOOP='//to_text(set%links%nloop)//', MAXARC='//to_text(set%links%maxarc)//',')
-      call integer_rows('ILINK', set%links%ilink)
-      call integer_rows('ILOOP', set%links%iloop)
-      call real_rows('ARCL', in_columns(problem%mechanism, dimensions%arcl, set%links%arcl))
-      call real_rows('GAMA', in_columns(problem%mechanism, dimensions%gama, set%links%gama))
-      call text%add('  NOUTLK='//to_text(set%links%noutlk)//', NOUTLP='//to_text(set%links%noutlp)//', OUTLK='// &
+      call text%add(' &LINKS NLOOP='//to_text(arrays%nloop)//', MAXARC='//to_text(arrays%maxarc)//',')
+      call integer_rows('ILINK', arrays%ilink)
+      call integer_rows('ILOOP', arrays%iloop)
+      call real_rows('ARCL', in_columns(problem%mechanism, dimensions%arcl, arrays%arcl))
+      call real_rows('GAMA', in_columns(problem%mechanism, dimensions%gama, arrays%gama))
+      call text%add('  NOUTLK='//to_text(arrays%noutlk)//', NOUTLP='//to_text(arrays%noutlp)//', OUTLK='// &
                     full_precision(dimensions%outlk)//', OUTANG='//full_precision(dimensions%outang)//' &END')
-      call text%add(' &METHOD MOTION='//to_text(set%method%motion)//', CRNKI='//full_precision(dimensions%crnki)//',')
+      call text%add(' &METHOD MOTION='//to_text(set%motion())//', CRNKI='//full_precision(dimensions%crnki)//',')
       call text%add('  ORIGLK='//full_precision(dimensions%origlk)//', ORIGNG='//full_precision(dimensions%origng)//',')
       if (set%method%ikin /= 0) then
          call text%add('  IKIN='//to_text(set%method%ikin)//',')
@@ -171,7 +174,7 @@ contains
          call text%add('  NDES='//to_text(set%method%ndes)//',')
          call real_row('DELT=', own%delt)
          if (.not. set%method%desired) return
-         kind = output_kind(set%method%motion)
+         kind = output_kind(set%motion())
          if (kind%components > 1) then
             call text%add('  XADD='//full_precision(set%method%xadd)//', YADD='//full_precision(set%method%yadd)//',')
             call real_row('DESX=', set%method%desx)
@@ -202,17 +205,17 @@ contains
          integer :: a, which
 
          do which = 1, 2
-            do loop = 1, set%links%nloop
+            do loop = 1, arrays%nloop
                line = '! '//merge('IVA ', 'IVG ', which == 1)
-               do a = 1, set%links%maxarc
-                  line = line//' '//to_text(merge(set%method%iva(a, loop), set%method%ivg(a, loop), which == 1))
+               do a = 1, arrays%maxarc
+                  line = line//' '//to_text(merge(arrays%iva(a, loop), arrays%ivg(a, loop), which == 1))
                end do
                call text%add(line)
             end do
          end do
-         call text%add('! ILKOUT='//to_text(set%method%ilkout)//' INGOUT='//to_text(set%method%ingout)//' IORIG='// &
-                       to_text(set%method%iorig)// &
-                       ' ICRK='//to_text(set%method%icrk)//' NITER='//to_text(set%method%niter)//' ISTART='// &
+         call text%add('! ILKOUT='//to_text(arrays%ilkout)//' INGOUT='//to_text(arrays%ingout)//' IORIG='// &
+                       to_text(arrays%iorig)// &
+                       ' ICRK='//to_text(arrays%icrk)//' NITER='//to_text(set%method%niter)//' ISTART='// &
                           to_text(set%method%istart))
       end subroutine write_variables
    end subroutine write_data_set

@@ -10,6 +10,7 @@ module psalm_finale
    use psalm_dyad_kind, only: assur_rpr, assur_rpr_guide_first, form_of, form_t
    use psalm_error, only: problem_t, motion_t, violation_t, crossing_t
    use psalm_input_text, only: list_sketch_notes
+   use psalm_loop_arrays, only: loop_arrays_t, arrays_of
    use psalm_kinds, only: wp, full_turn, right_angle
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_pose, most_rates
    use psalm_plan, only: root_frame
@@ -44,7 +45,7 @@ contains
       call text%add(' POLAR CO-ORDINATES (LENGTH, ANGLE) OF')
       call text%add(' INPUT PIVOT '//fixed(dimensions%origlk, column, 3)//fixed(dimensions%origng, column, 4, tie_away=.true.))
       call text%add(' OUTPUT LINK '//fixed(dimensions%outlk, column, 3)//fixed(dimensions%outang, column, 4, tie_away=.true.))
-      call list_output_arc(set, text)
+      call list_output_arc(arrays_of(set), text)
       call list_cartesian(set, problem, dimensions, text)
       call list_motion(problem, motion, text)
       published = text%length
@@ -71,13 +72,15 @@ contains
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       type(text_t), intent(inout) :: text
+      type(loop_arrays_t) :: arrays
 
+      arrays = arrays_of(set)
       call text%add(' ARRAY OF ARC LENGTHS, ARCL')
-      call column_heads('L', set%links%maxarc, text)
-      call arc_table(in_columns(mechanism, dimensions%arcl, set%links%arcl), .false., text)
+      call column_heads('L', arrays%maxarc, text)
+      call arc_table(in_columns(mechanism, dimensions%arcl, arrays%arcl), .false., text)
       call text%add(' ARRAY OF ARC ANGLES, GAMA')
-      call column_heads('G', set%links%maxarc, text)
-      call arc_table(in_columns(mechanism, dimensions%gama, set%links%gama), .true., text)
+      call column_heads('G', arrays%maxarc, text)
+      call arc_table(in_columns(mechanism, dimensions%gama, arrays%gama), .true., text)
    end subroutine list_dimensions
 
    !> Values of arcs in the columns of the user's arrays; what belongs to no arc is as written. Shape: that of `written`.
@@ -140,12 +143,12 @@ contains
       call text%add(fixed(value, column, 3))
    end subroutine list_reference
 
-   subroutine list_output_arc(set, text)
-      type(data_set_t), intent(in) :: set
+   subroutine list_output_arc(arrays, text)
+      type(loop_arrays_t), intent(in) :: arrays
       type(text_t), intent(inout) :: text
 
-      call text%add(' OUTPUT ARC IS MEASURED FROM THE '//trim(merge('START ', 'FINISH', set%links%noutlk < 0))//' OF ARC '// &
-                    to_text(abs(set%links%noutlk))//' IN LOOP '//to_text(set%links%noutlp))
+      call text%add(' OUTPUT ARC IS MEASURED FROM THE '//trim(merge('START ', 'FINISH', arrays%noutlk < 0))//' OF ARC '// &
+                    to_text(abs(arrays%noutlk))//' IN LOOP '//to_text(arrays%noutlp))
    end subroutine list_output_arc
 
    !> Cartesian dimensions: frame arcs in machine axes, the last arc of each loop turned round so that it leads from the input
@@ -157,12 +160,14 @@ contains
       type(text_t), intent(inout) :: text
       real(wp), allocatable :: x(:, :), y(:, :)   ! shape (columns, loops)
       real(wp) :: c, s
-      integer :: loop, a, n
+      integer :: loop, a, n, longest
 
       call text%add(' INPUT PIVOT (X,Y)')
       call unit_vector(dimensions%origng, c, s)
       call text%add(fixed(dimensions%origlk*c, column, 3)//fixed(dimensions%origlk*s, column, 3))
-      allocate (x(set%links%maxarc, set%links%nloop), y(set%links%maxarc, set%links%nloop), source=0.0_wp)
+      longest = maxval(problem%mechanism%loops%arcs)
+      if (.not. set%sketch%given) longest = set%links%maxarc
+      allocate (x(longest, problem%mechanism%nloop), y(longest, problem%mechanism%nloop), source=0.0_wp)
       do loop = 1, problem%mechanism%nloop
          do a = 1, problem%mechanism%loops(loop)%arcs
             n = problem%mechanism%seq(loop, a)
@@ -181,10 +186,10 @@ contains
          end do
       end do
       call text%add(' ARRAY OF LINK X DIMENSIONS, XLINK')
-      call column_heads('L', set%links%maxarc, text)
+      call column_heads('L', longest, text)
       call arc_table(x, .false., text)
       call text%add(' ARRAY OF LINK Y DIMENSIONS, YLINK')
-      call column_heads('L', set%links%maxarc, text)
+      call column_heads('L', longest, text)
       call arc_table(y, .false., text)
       call text%add(' OUTPUT LINK (X,Y)')
       call unit_vector(dimensions%outang, c, s)

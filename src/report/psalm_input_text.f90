@@ -24,7 +24,7 @@ contains
          words = words//trim(adjustl(general(input)))
          return
       end if
-      from_drawing = set%method%crnki - set%crnki_of_drawing
+      from_drawing = set%method%crnki
       if (set%method%ikin /= 0) then
          from_drawing = from_drawing + real((position - 1)*set%method%ikin, wp)
       else
@@ -41,11 +41,11 @@ contains
       words = ''
       if (.not. set%sketch%given .or. allocated(set%no_loops)) return
       if (set%wants_search()) return               ! it has no table, and the input of the drawing may change
-      if (.not. abs(set%crnki_of_drawing) > 0.0_wp) return
+      if (.not. abs(set%drawn_input()) > 0.0_wp) return
       words = 'inputs here count from the x axis; the drawing, input 0 of the table (CSV), is at '
       if (set%sketch%drives(1)%kind /= drive_turns) words = 'inputs here are lengths from the start of the slide; the drawing, '// &
                                                             'input 0 of the table (CSV), is at '
-      words = words//trim(adjustl(general(set%crnki_of_drawing)))
+      words = words//trim(adjustl(general(set%drawn_input())))
    end function zero_words
 
    !> Append to a listing what is special about a sketch: the zero of its input, and an output that the listing cannot show.
@@ -56,11 +56,12 @@ contains
 
       zero = zero_words(set)
       if (len(zero) > 0) call text%add(' '//upper_case(zero))
-      if (.not. allocated(set%stand_in)) return
+      if (.not. set%has_stand_in()) return
       if (set%wants_search()) then
-         call text%add(' HERE ARE X AND Y OF JOINT '//set%stand_in//'; OUTPUT '//trim(set%sketch%outputs(1)%name)//' IS NOT LISTED')
+         call text%add(' HERE ARE X AND Y OF JOINT '//set%traced%stand_in//'; OUTPUT '// &
+                       trim(set%sketch%outputs(1)%name)//' IS NOT LISTED')
       else
-         call text%add(' HERE ARE X AND Y OF JOINT '//set%stand_in//'; OUTPUT '// &
+         call text%add(' HERE ARE X AND Y OF JOINT '//set%traced%stand_in//'; OUTPUT '// &
                        trim(set%sketch%outputs(1)%name)//' IS AMONG ALL OUTPUTS FURTHER DOWN')
       end if
    end subroutine list_sketch_notes

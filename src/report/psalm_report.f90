@@ -232,7 +232,7 @@ contains
       if (allocated(analysis%wishes)) call list_output_wishes(analysis%wishes, problem%blank, devices%six)
       call list_setup(set, problem, devices%eight)
       if (len(set%skipped) > 0) call devices%eight%add(' GROUPS THAT PSALM DOES NOT READ: '//set%skipped)
-      if (allocated(set%chosen)) call devices%eight%add_text(set%chosen)
+      if (allocated(set%traced)) call devices%eight%add_text(set%traced%chosen)
       call list_reference_joints(problem%mechanism, analysis%doubts, devices%eight)
       do i = 1, warnings%count
          call devices%eight%add(' '//warnings%list(i)%render())
@@ -345,11 +345,11 @@ contains
 
       devices%summarised = devices%summarised + 1
       special = ''
-      if (allocated(set%stand_in)) special = 'joint '//set%stand_in//', for '//trim(set%sketch%outputs(1)%name)// &
+      if (set%has_stand_in()) special = 'joint '//set%traced%stand_in//', for '//trim(set%sketch%outputs(1)%name)// &
                                              ' is not shown here'
       if (present(study)) then
          call write_summary(set%title, summary, devices%summary, zero_words(set), '', count(motion%closed), size(motion%closed), &
-                            coincident_words(), allocated(set%stand_in))
+                            coincident_words(), set%has_stand_in())
          call range_lines(set, study, devices%summary)
       else
          call write_summary(set%title, summary, devices%summary, zero_words(set), special, coincident=coincident_words())

@@ -37,7 +37,7 @@ contains
       variant%last = set%limits%last
       variant%delt = set%method%delt
       variant%sketch = set%sketch
-      variant%from_drawing = set%method%crnki - set%crnki_of_drawing
+      variant%from_drawing = set%method%crnki
    end function variant_of
 
    !> Append the data set of a sketch, as an analysis.
@@ -117,7 +117,7 @@ contains
       else
          call text%add(line//' NDES='//to_text(set%method%ndes)//',')
          call numbers('DELT=', own%delt)
-         if (set%method%desired) call write_desired(output_kind(set%method%motion))
+         if (set%method%desired) call write_desired(output_kind(set%motion()))
       end if
       call text%add(' &END')
       line = ' &LIMITS'

@@ -3,8 +3,8 @@ module psalm_spring_list
    use psalm_block, only: begin_block
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
-   use psalm_link_place, only: place_t
    use psalm_markup, only: json_text, number_or_null
+   use psalm_place, only: place_t
    use psalm_spring_design_group, only: spring_design_group_t, spring_design_of, criterion_range, criterion_rms
    use psalm_spring_exact, only: exact_distance_varies, exact_possible
    use psalm_spring_study, only: spring_study_t, spring_result_t

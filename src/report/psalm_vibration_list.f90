@@ -8,7 +8,7 @@ module psalm_vibration_list
    use psalm_estimate_study, only: estimate_t, verdict_rigid, verdict_closer, harmonics_estimated, stubby, rules
    use psalm_hill, only: hill_t
    use psalm_kinds, only: wp, pi, full_turn
-   use psalm_link_place, only: place_t
+   use psalm_place, only: place_t
    use psalm_stability, only: boundaries_t
    use psalm_text, only: text_t, full_precision, general, number_or_nan, to_text
    use psalm_vibration_group, only: estimate_group_t, estimates_of, vibration_group_t, vibration_of

@@ -3,8 +3,8 @@ module psalm_weight_text
    use psalm_balance_study, only: outcome_t
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
-   use psalm_link_place, only: place_t
    use psalm_mechanism, only: mechanism_t, at_start
+   use psalm_place, only: place_t
    use psalm_text, only: text_t, full_precision, to_text
    implicit none (type, external)
    private
@@ -96,7 +96,7 @@ contains
       type(data_set_t), intent(in) :: set
       type(place_t), intent(inout) :: place
 
-      associate (line => set%link_places(set%traced%link_of(place%loop, place%arc)))
+      associate (line => set%traced%link_places(set%traced%arcs(set%traced%number_of(place%loop, place%arc))%link))
          place%link = line%link
          place%joint = line%joint
          place%line = line%line

@@ -5,9 +5,9 @@
 module psalm_loop_forces
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
-   use psalm_link_place, only: place_t
    use psalm_mechanism, only: mechanism_t, joint_t, at_start, at_finish, body_frame, joint_gear, joint_prismatic
    use psalm_parameters, only: parameters_t
+   use psalm_place, only: place_t
    use psalm_setup, only: set_up
    use psalm_sketch, only: frame_link
    use psalm_status, only: diagnostics_t
@@ -46,7 +46,7 @@ contains
                            .and. all([(is_on_link(set%loads%places(k)), k=1, size(set%loads%places))]) &
                            .and. all([(is_on_link(set%springs%first(k)), k=1, size(set%springs%first))]) &
                            .and. all([(is_on_link(set%springs%second(k)), k=1, size(set%springs%second))]) &
-                           .and. all([(is_on_link(set%shoes(k)), k=1, size(set%shoes))])
+                           .and. all([(is_on_link(set%traced%shoes(k)), k=1, size(set%traced%shoes))])
       if (loops_carry_forces) return
       do slide = size(set%sketch%slides), 1, -1
          if (.not. any([(is_this_slide(mechanism%joints(k)), k=1, size(mechanism%joints))])) left_out = slide

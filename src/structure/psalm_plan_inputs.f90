@@ -19,13 +19,20 @@ module psalm_plan_inputs
 
 contains
 
-   !> The one output of a case of loop arrays.
+   !> The output of the loops; of a sketch the first of its outputs, or what is listed in its stead.
    subroutine find_output(set, mechanism, findings)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(inout) :: mechanism
       type(diagnostics_t), intent(inout) :: findings
       integer :: arc
 
+      if (set%method%ikin /= 0 .and. mechanism%sliding_input) then
+         call set%origins%error(findings, 'METHOD', 'IKIN', 'IKIN sweeps a full turn; with a sliding input give NDES and DELT', 1)
+      end if
+      if (set%sketch%given) then
+         mechanism%outputs = [output_t(set%traced%motion, set%traced%output_arc, set%traced%from_start)]
+         return
+      end if
       if (set%links%noutlp < 1 .or. set%links%noutlp > set%links%nloop) then
          call set%origins%error(findings, 'LINKS', 'NOUTLP', 'must name a loop from 1 to '//to_text(set%links%nloop)//'; found '// &
                                 to_text(set%links%noutlp), 1)
@@ -42,9 +49,6 @@ contains
       if (set%method%motion == motion_slide .and. .not. mechanism%slides(arc)) then
          call set%origins%error(findings, 'LINKS', 'NOUTLK', 'MOTION=3 needs a sliding arc, but arc '//place_of(mechanism, arc)// &
                                 ' does not slide', 1)
-      end if
-      if (set%method%ikin /= 0 .and. mechanism%sliding_input) then
-         call set%origins%error(findings, 'METHOD', 'IKIN', 'IKIN sweeps a full turn; with a sliding input give NDES and DELT', 1)
       end if
    end subroutine find_output
 

@@ -15,7 +15,7 @@ module psalm_setup
    use psalm_parameters, only: parameters_t, no_parameters
    use psalm_part_names, only: take_names
    use psalm_plan_inputs, only: find_output, check_dimensions, find_repeated
-   use psalm_sketch_mechanism, only: take_traced_loops
+   use psalm_sketch_mechanism, only: take_traced_loops, traced_dimensions
    use psalm_status, only: diagnostics_t
    use psalm_variables, only: find_variables
    implicit none (type, external)
@@ -36,11 +36,12 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       logical :: in_order
 
-      if (set%links%nloop == 0) return
+      if (set%loops() == 0) return
       if (set%sketch%given) then
          call take_traced_loops(set%traced, mechanism)
          call take_speeds(set, mechanism)
-         call take_dimensions(set, mechanism, dimensions)
+         dimensions = traced_dimensions(set%traced)
+         dimensions%crnki = set%method%crnki + set%traced%input
          call assign_bodies(mechanism)
       else
          call classify_arcs(set, mechanism, in_order, findings)
@@ -110,14 +111,5 @@ contains
       dimensions%origlk = set%method%origlk
       dimensions%origng = set%method%origng
       dimensions%crnki = set%method%crnki
-      if (set%sketch%given) dimensions%drawn = set%crnki_of_drawing
-      dimensions%anchor = dimensions%drawn
-      if (.not. set%sketch%given) return
-      do n = 1, size(mechanism%arcs)
-         ! what repeats an arc has its length
-         associate (arc => mechanism%arcs(n))
-            if (arc%same) dimensions%arcl(n) = dimensions%arcl(arc%reference)
-         end associate
-      end do
    end subroutine take_dimensions
 end module psalm_setup

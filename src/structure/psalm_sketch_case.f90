@@ -12,10 +12,10 @@ module psalm_sketch_case
    use psalm_dense, only: factors_t
    use psalm_frame_places, only: part_frame_arcs
    use psalm_kinds, only: wp, degrees_per_radian, full_turn
-   use psalm_link_place, only: place_t, travel_t
    use psalm_mechanism, only: at_start, at_finish
    use psalm_output_kind, only: output_kind_t, kind_of_output, motion_point, motion_angle, motion_distance, motion_slide, &
                                 motion_pose
+   use psalm_place, only: place_t, travel_t
    use psalm_sketch, only: sketch_t, sketch_output_t, variation_t, frame_link, output_point, output_angle, output_distance, &
                            slide_t, output_slide, output_pose, output_ratio, most_wished, vary_length, vary_angle, vary_place, &
                            vary_input
@@ -77,14 +77,15 @@ contains
       set%sketch%x = state%joint(:, 0)%re
       set%sketch%y = state%joint(:, 0)%im
       if (.not. loops%found) return
-      set%chosen = words_of(loops, closure%sketch)
-      set%traced = loops
+      loops%chosen = words_of(loops, closure%sketch)
       call warn_of_idle_angle(loops, set, findings)
-      call fill_arrays(loops, set)
+      call take_dimensions(loops)
       call fill_places(closure, loops, state, set)
       call fill_output(loops, state, closure%sketch, set, findings)
       call fill_variables(loops, closure%sketch, set, findings)
       call fill_regions(loops, closure%sketch, set, findings)
+      allocate (set%traced)
+      set%traced = loops
    end subroutine resolve_sketch
 
    !> The joints of regions and of links as ends of arcs, or as the output point.
@@ -305,68 +306,39 @@ contains
       end function name_of
    end function words_of
 
-   ! ---- arrays ------------------------------------------------------------------------------------------------------
+   ! ---- dimensions ---------------------------------------------------------------------------------------------------
 
-   !> ILINK, ILOOP, ARCL, GAMA and where the input pivot is.
-   subroutine fill_arrays(loops, set)
-      type(loops_t), intent(in) :: loops
-      type(data_set_t), intent(inout) :: set
+   !> Lengths and angles of the arcs, and where the input pivot is.
+   subroutine take_dimensions(loops)
+      type(loops_t), intent(inout) :: loops
       complex(wp) :: pivot
       integer :: k
 
-      set%links%nloop = loops%loops
-      set%links%maxarc = loops%longest
-      if (allocated(set%links%ilink)) deallocate (set%links%ilink, set%links%iloop, set%links%arcl, set%links%gama)
-      allocate (set%links%ilink(set%links%maxarc, set%links%nloop), set%links%iloop(set%links%maxarc, set%links%nloop), source=0)
-      allocate (set%links%arcl(set%links%maxarc, set%links%nloop), set%links%gama(set%links%maxarc, set%links%nloop), source=0.0_wp)
       do k = 1, size(loops%arcs)
-         associate (arc => loops%arcs(k), link => set%links%ilink(loops%arcs(k)%place, loops%arcs(k)%loop), &
-                    loop => set%links%iloop(loops%arcs(k)%place, loops%arcs(k)%loop), &
-                    length => set%links%arcl(loops%arcs(k)%place, loops%arcs(k)%loop), &
-                    angle => set%links%gama(loops%arcs(k)%place, loops%arcs(k)%loop))
-            length = arc%length
+         associate (arc => loops%arcs(k))
+            arc%arcl = arc%length
             select case (arc%kind)
             case (traced_crank)
-               link = 1
-               loop = 1
-               if (arc%drive > 1) angle = arc%direction
+               if (arc%drive > 1) arc%gama = arc%direction
             case (traced_frame)
-               link = arc%place
-               loop = 1
-               angle = clean(arc%direction)
+               arc%gama = clean(arc%direction)
             case (traced_link)
-               link = arc%sign*arc%place
-               if (.not. loops%is_dyad(arc%loop)) angle = arc%direction
+               if (.not. loops%is_dyad(arc%loop)) arc%gama = arc%direction
             case (traced_slide, traced_actuator)
-               link = arc%sign*arc%place
-               loop = -arc%guide
-               if (.not. arc%cylinder) length = 0.0_wp
-               if (arc%cylinder) angle = arc%direction
-               if (arc%guide_link > 0) angle = clean(arc%direction - loops%arcs(arc%reference)%direction)
+               if (.not. arc%cylinder) arc%arcl = 0.0_wp
+               if (arc%cylinder) arc%gama = arc%direction
+               if (arc%guide_link > 0) arc%gama = clean(arc%direction - loops%arcs(arc%reference)%direction)
             case default
-               link = loops%arcs(arc%reference)%place
-               loop = loops%arcs(arc%reference)%loop
-               if (.not. arc%same) then
-                  link = -link
-                  angle = clean(arc%direction - loops%arcs(arc%reference)%direction)
-               end if
-               if (loops%arcs(arc%reference)%kind == traced_slide .and. arc%same) length = 0.0_wp
+               if (.not. arc%same) arc%gama = clean(arc%direction - loops%arcs(arc%reference)%direction)
+               if (arc%same) arc%arcl = loops%arcs(arc%reference)%arcl
             end select
          end associate
       end do
+      loops%anchor = loops%input
       pivot = loops%point(loops%start)
-      set%method%origlk = abs(pivot)
-      if (set%method%origlk > 0.0_wp) set%method%origng = degrees_of(pivot%re, pivot%im)
-      set%method%crnki = set%method%crnki + loops%input
-      set%crnki_of_drawing = loops%input
-      if (allocated(set%toler%tolarc)) deallocate (set%toler%tolarc, set%toler%tolgam)
-      allocate (set%toler%tolarc(set%links%maxarc, set%links%nloop), source=set%toler%tollen)
-      allocate (set%toler%tolgam(set%links%maxarc, set%links%nloop), source=set%toler%tolang)
-      if (set%method%origlk > 0.0_wp) then
-         set%toler%tolorl = set%toler%tollen
-         set%toler%tolora = set%toler%tolang
-      end if
-   end subroutine fill_arrays
+      loops%origlk = abs(pivot)
+      if (loops%origlk > 0.0_wp) loops%origng = degrees_of(pivot%re, pivot%im)
+   end subroutine take_dimensions
 
    !> Slides where assembling has put them: the point that the second link carries, the direction that the first one has. What moved
    !> by rounding only stays to the bit.
@@ -395,7 +367,7 @@ contains
    !> Arcs for the links, and for the places of masses, loads, springs, friction and weights, which are given by names.
    subroutine fill_places(closure, loops, state, set)
       type(closure_t), intent(in) :: closure
-      type(loops_t), intent(in), target :: loops
+      type(loops_t), intent(inout), target :: loops
       type(state_t), intent(in), target :: state
       type(data_set_t), intent(inout), target :: set
       type(placing_t) :: placing
@@ -405,21 +377,21 @@ contains
       placing%state => state
       placing%sketch => set%sketch
 
-      allocate (set%link_places(size(set%sketch%links)))
+      allocate (loops%link_places(size(set%sketch%links)))
       do k = 1, size(set%sketch%links)
-         associate (place => set%link_places(k), joints => set%sketch%links(k)%joints)
+         associate (place => loops%link_places(k), joints => set%sketch%links(k)%joints)
             place%link = k
             if (size(joints) > 0) place%joint = joints(1)
             if (size(joints) > 1) place%line = joints(:2)
             call placing%place(place)
          end associate
       end do
-      allocate (set%joint_places(size(set%sketch%joint_name)), set%travels(size(set%sketch%slides)))
-      do k = 1, size(set%joint_places)
-         call put_joint_place(k, set%joint_places(k))
+      allocate (loops%joint_places(size(set%sketch%joint_name)), loops%travels(size(set%sketch%slides)))
+      do k = 1, size(loops%joint_places)
+         call put_joint_place(k, loops%joint_places(k))
       end do
-      do k = 1, size(set%travels)
-         call put_travel(k, set%travels(k))
+      do k = 1, size(loops%travels)
+         call put_travel(k, loops%travels(k))
       end do
       do k = 1, size(set%masses%places)
          call placing%place(set%masses%places(k))
@@ -437,11 +409,11 @@ contains
       do k = 1, size(set%sections)
          call set%sections(k)%group%visit_places(placing)
       end do
-      set%pin_holders = closure%holder
-      allocate (set%shoes(size(set%sketch%slides)))
-      allocate (set%line_senses(size(set%sketch%slides)), source=1)
-      do k = 1, size(set%shoes)
-         call put_shoe(k, set%shoes(k), set%line_senses(k))
+      loops%pin_holders = closure%holder
+      allocate (loops%shoes(size(set%sketch%slides)))
+      allocate (loops%line_senses(size(set%sketch%slides)), source=1)
+      do k = 1, size(loops%shoes)
+         call put_shoe(k, loops%shoes(k), loops%line_senses(k))
       end do
 
    contains
@@ -637,7 +609,7 @@ contains
 
    !> The first output that the arrays can tell; without one the first point of a single link, else the last moving joint.
    subroutine fill_output(loops, state, sketch, set, findings)
-      type(loops_t), intent(in) :: loops
+      type(loops_t), intent(inout) :: loops
       type(state_t), intent(in) :: state
       type(sketch_t), intent(in) :: sketch
       type(data_set_t), intent(inout) :: set
@@ -655,7 +627,7 @@ contains
                                    'of &OUTPUTS, or put a point, angle, distance from the origin or slide first', 1)
             return
          end if
-         set%stand_in = trim(sketch%joint_name(default_joint(sketch)))
+         loops%stand_in = trim(sketch%joint_name(default_joint(sketch)))
       end if
       shown%kind = output_point
       shown%joints(1) = default_joint(sketch)
@@ -689,7 +661,7 @@ contains
    !> a first one that is no output of the loops, are compared beside it. `taken` is false where poses must do it: for a ratio, for
    !> derivatives of such outputs, and with free timing where nothing of the loops' own output is desired.
    subroutine take_wishes(loops, state, sketch, set, taken)
-      type(loops_t), intent(in) :: loops
+      type(loops_t), intent(inout) :: loops
       type(state_t), intent(in) :: state
       type(sketch_t), intent(in) :: sketch
       type(data_set_t), intent(inout) :: set
@@ -804,7 +776,7 @@ contains
 
    !> Describe an output by an arc. `done` is false for one that the arrays cannot tell.
    subroutine put_output(loops, state, sketch, output, set, done)
-      type(loops_t), intent(in) :: loops
+      type(loops_t), intent(inout) :: loops
       type(state_t), intent(in) :: state
       type(sketch_t), intent(in) :: sketch
       type(sketch_output_t), intent(in) :: output
@@ -815,13 +787,13 @@ contains
       complex(wp) :: h
 
       done = .false.
-      set%method%motion = motion_point
-      set%links%outlk = 0.0_wp
-      set%links%outang = 0.0_wp
+      loops%motion = motion_point
+      loops%outlk = 0.0_wp
+      loops%outang = 0.0_wp
       select case (output%kind)
       case (output_point, output_distance)
          if (output%kind == output_distance) then
-            set%method%motion = motion_distance
+            loops%motion = motion_distance
             if (output%joints(2) > 0) return
          end if
          links = sketch%links_of(output%joints(1))
@@ -831,7 +803,7 @@ contains
             if (done) exit
          end do
       case (output_angle, output_pose)
-         set%method%motion = merge(motion_angle, motion_pose, output%kind == output_angle)
+         loops%motion = merge(motion_angle, motion_pose, output%kind == output_angle)
          k = merge(1, 2, output%kind == output_angle)
          do arc = 1, size(sketch%links)
             if (.not. sketch%has_joint(arc, output%joints(k)) .or. .not. sketch%has_joint(arc, output%joints(k + 1))) cycle
@@ -839,20 +811,20 @@ contains
                if (.not. sketch%has_joint(arc, output%joints(1))) return
                call from_arc_of(arc)
             else
-               set%links%noutlk = 0
+               loops%output_arc = 0
                done = loops%axis(arc) > 0
                if (done) call name_arc(loops%axis(arc), .false.)
             end if
             if (.not. done) return
             h = state%joint(output%joints(k + 1), 0) - state%joint(output%joints(k), 0)
-            if (output%kind == output_angle) set%links%outang = clean(degrees_of(h%re, h%im) - direction())
+            if (output%kind == output_angle) loops%outang = clean(degrees_of(h%re, h%im) - direction())
             exit
          end do
          ! the direction of a pose is that of its output arc: only from the joint along the line
-         if (output%kind == output_pose .and. done) done = abs(modulo(set%links%outang + direction() - degrees_of(h%re, h%im) &
+         if (output%kind == output_pose .and. done) done = abs(modulo(loops%outang + direction() - degrees_of(h%re, h%im) &
                                                                       + 180.0_wp, full_turn) - 180.0_wp) < 1.0e-9_wp
       case (output_slide)
-         set%method%motion = motion_slide
+         loops%motion = motion_slide
          do k = 1, size(loops%arcs)
             if (loops%arcs(k)%slide /= output%slide) cycle
             call name_arc(k, .false.)
@@ -860,30 +832,20 @@ contains
             return
          end do
       end select
-      if (done .and. set%links%outlk > 0.0_wp) then
-         set%toler%tolout = set%toler%tollen
-         set%toler%toloua = set%toler%tolang
-      end if
 
    contains
 
       real(wp) function direction()
-         integer :: a
-
          direction = 0.0_wp
-         do a = 1, size(loops%arcs)
-            if (loops%arcs(a)%loop == set%links%noutlp .and. loops%arcs(a)%place == &
-                abs(set%links%noutlk)) direction = loops%arcs(a)%direction
-         end do
+         if (loops%output_arc > 0) direction = loops%arcs(loops%output_arc)%direction
       end function direction
 
       subroutine name_arc(which, from_start)
          integer, intent(in) :: which
          logical, intent(in) :: from_start
 
-         set%links%noutlp = loops%arcs(which)%loop
-         set%links%noutlk = loops%arcs(which)%place
-         if (from_start) set%links%noutlk = -set%links%noutlk
+         loops%output_arc = which
+         loops%from_start = from_start
       end subroutine name_arc
 
       !> From an end of an arc of the link: the joint itself if it is one.
@@ -908,21 +870,21 @@ contains
          call name_arc(chosen, from_start)
          point = loops%arcs(chosen)%ends(merge(1, 2, from_start))
          v = state%joint(output%joints(1), 0) - loops%point(point)
-         set%links%outlk = abs(v)
-         if (point == output%joints(1)) set%links%outlk = 0.0_wp
-         if (set%links%outlk > 0.0_wp) set%links%outang = clean(degrees_of(v%re, v%im) - loops%arcs(chosen)%direction)
+         loops%outlk = abs(v)
+         if (point == output%joints(1)) loops%outlk = 0.0_wp
+         if (loops%outlk > 0.0_wp) loops%outang = clean(degrees_of(v%re, v%im) - loops%arcs(chosen)%direction)
          if (output%kind == output_pose) then
             v = state%joint(output%joints(3), 0) - state%joint(output%joints(2), 0)
-            if (set%links%outlk == 0.0_wp) set%links%outang = clean(degrees_of(v%re, v%im) - loops%arcs(chosen)%direction)
+            if (loops%outlk == 0.0_wp) loops%outang = clean(degrees_of(v%re, v%im) - loops%arcs(chosen)%direction)
          end if
       end subroutine from_arc_of
    end subroutine put_output
 
    ! ---- variables ---------------------------------------------------------------------------------------------------
 
-   !> IVA, IVG and so on from the names, and the bounds in the order of the listing.
+   !> What varies, from the names, and the bounds in the order of the listing.
    subroutine fill_variables(loops, sketch, set, findings)
-      type(loops_t), intent(in) :: loops
+      type(loops_t), intent(inout) :: loops
       type(sketch_t), intent(in) :: sketch
       type(data_set_t), intent(inout) :: set
       type(diagnostics_t), intent(inout) :: findings
@@ -931,8 +893,6 @@ contains
       real(wp) :: low(of_input), high(of_input)
       integer :: k, n
 
-      if (allocated(set%method%iva)) deallocate (set%method%iva, set%method%ivg)
-      allocate (set%method%iva(set%links%maxarc, set%links%nloop), set%method%ivg(set%links%maxarc, set%links%nloop), source=0)
       if (size(sketch%variations) == 0) return
       allocate (low_length(size(loops%arcs)), high_length(size(loops%arcs)), low_angle(size(loops%arcs)), &
                 high_angle(size(loops%arcs)), source=0.0_wp)
@@ -946,16 +906,16 @@ contains
       if (allocated(set%limits%oplow)) deallocate (set%limits%oplow, set%limits%ophigh)
       allocate (set%limits%oplow(0), set%limits%ophigh(0))
       do n = 1, size(loops%arcs)
-         if (set%method%iva(loops%arcs(n)%place, loops%arcs(n)%loop) /= 0) call bound(low_length(n), high_length(n))
+         if (loops%arcs(n)%length_varies) call bound(low_length(n), high_length(n))
       end do
-      if (set%method%ilkout /= 0) call bound(low(of_outlk), high(of_outlk))
-      if (set%method%iorig /= 0) call bound(low(of_origlk), high(of_origlk))
+      if (loops%outlk_varies) call bound(low(of_outlk), high(of_outlk))
+      if (loops%pivot_varies) call bound(low(of_origlk), high(of_origlk))
       do n = 1, size(loops%arcs)
-         if (set%method%ivg(loops%arcs(n)%place, loops%arcs(n)%loop) /= 0) call bound(low_angle(n), high_angle(n))
+         if (loops%arcs(n)%angle_varies) call bound(low_angle(n), high_angle(n))
       end do
-      if (set%method%ingout /= 0) call bound(low(of_outang), high(of_outang))
-      if (set%method%iorig /= 0) call bound(low(of_origng), high(of_origng))
-      if (set%method%icrk /= 0) call bound(low(of_input), high(of_input))
+      if (loops%outang_varies) call bound(low(of_outang), high(of_outang))
+      if (loops%pivot_varies) call bound(low(of_origng), high(of_origng))
+      if (loops%input_varies) call bound(low(of_input), high(of_input))
       set%limits%low_given = size(set%limits%oplow)
       set%limits%high_given = size(set%limits%ophigh)
 
@@ -993,16 +953,13 @@ contains
 
       logical function is_output(a, b)
          integer, intent(in) :: a, b
-         integer :: i, from
+         integer :: from
 
          is_output = .false.
-         if (set%links%outlk == 0.0_wp .or. all(set%method%motion /= [motion_point, motion_distance, motion_pose])) return
+         if (loops%outlk == 0.0_wp .or. all(loops%motion /= [motion_point, motion_distance, motion_pose])) return
          if (size(sketch%outputs) == 0) return
-         do i = 1, size(loops%arcs)
-            if (loops%arcs(i)%loop /= set%links%noutlp .or. loops%arcs(i)%place /= abs(set%links%noutlk)) cycle
-            from = loops%arcs(i)%ends(merge(1, 2, set%links%noutlk < 0))
-            is_output = from == a .and. sketch%outputs(1)%joints(1) == b
-         end do
+         from = loops%arcs(loops%output_arc)%ends(merge(1, 2, loops%from_start))
+         is_output = from == a .and. sketch%outputs(1)%joints(1) == b
       end function is_output
 
       subroutine place_variation(one, which)
@@ -1013,12 +970,12 @@ contains
 
          select case (one%kind)
          case (vary_input)
-            set%method%icrk = 1
+            loops%input_varies = .true.
             low(of_input) = loops%input + one%low(1)
             high(of_input) = loops%input + one%high(1)
          case (vary_place)
             if (one%joints(1) == loops%start) then
-               set%method%iorig = 1
+               loops%pivot_varies = .true.
                low([of_origlk, of_origng]) = one%low
                high([of_origlk, of_origng]) = one%high
                return
@@ -1028,14 +985,14 @@ contains
                call missing(which, 'the place of joint '//trim(sketch%joint_name(one%joints(1))))
                return
             end if
-            set%method%iva(loops%arcs(arc)%place, loops%arcs(arc)%loop) = 1
-            set%method%ivg(loops%arcs(arc)%place, loops%arcs(arc)%loop) = 1
+            loops%arcs(arc)%length_varies = .true.
+            loops%arcs(arc)%angle_varies = .true.
             low_length(arc) = one%low(1)
             high_length(arc) = one%high(1)
             call angle_bounds(arc, one%low(2), one%high(2), merge(0.0_wp, 180.0_wp, .not. forward))
          case (vary_length)
             if (is_output(one%joints(1), one%joints(2)) .or. is_output(one%joints(2), one%joints(1))) then
-               set%method%ilkout = 1
+               loops%outlk_varies = .true.
                low(of_outlk) = one%low(1)
                high(of_outlk) = one%high(1)
                return
@@ -1045,15 +1002,15 @@ contains
                call missing(which, 'the length '//line(one%joints(1:2)))
                return
             end if
-            set%method%iva(loops%arcs(arc)%place, loops%arcs(arc)%loop) = 1
+            loops%arcs(arc)%length_varies = .true.
             low_length(arc) = one%low(1)
             high_length(arc) = one%high(1)
          case (vary_angle)
             if (is_output(one%joints(3), one%joints(4))) then
                call find_arc(one%joints(1), one%joints(2), arc, forward)
                if (arc > 0) then
-                  if (loops%arcs(arc)%loop == set%links%noutlp .and. loops%arcs(arc)%place == abs(set%links%noutlk)) then
-                     set%method%ingout = 1
+                  if (arc == loops%output_arc) then
+                     loops%outang_varies = .true.
                      low(of_outang) = one%low(1) + merge(0.0_wp, 180.0_wp, forward)
                      high(of_outang) = one%high(1) + merge(0.0_wp, 180.0_wp, forward)
                      return
@@ -1065,13 +1022,13 @@ contains
             if (arc == 0 .or. other == 0) then
                call missing(which, 'the angle from '//line(one%joints(1:2))//' to '//line(one%joints(3:4)))
             else if (counts_from(arc, other)) then
-               set%method%ivg(loops%arcs(arc)%place, loops%arcs(arc)%loop) = 1
+               loops%arcs(arc)%angle_varies = .true.
                low_angle(arc) = -one%high(1) + merge(0.0_wp, 180.0_wp, forward .eqv. other_forward)
                high_angle(arc) = -one%low(1) + merge(0.0_wp, 180.0_wp, forward .eqv. other_forward)
             else if (.not. counts_from(other, arc)) then
                call missing(which, 'the angle from '//line(one%joints(1:2))//' to '//line(one%joints(3:4)))
             else
-               set%method%ivg(loops%arcs(other)%place, loops%arcs(other)%loop) = 1
+               loops%arcs(other)%angle_varies = .true.
                low_angle(other) = one%low(1) + merge(0.0_wp, 180.0_wp, forward .eqv. other_forward)
                high_angle(other) = one%high(1) + merge(0.0_wp, 180.0_wp, forward .eqv. other_forward)
             end if

@@ -1,6 +1,7 @@
 !> The arcs and groups of a mechanism from the traced loops of a sketch.
 module psalm_sketch_mechanism
    use psalm_dyad_kind, only: assur_higher, kind_of_dyad, sign_of_dyad
+   use psalm_dimensions, only: dimensions_t
    use psalm_kinds, only: wp
    use psalm_mechanism, only: mechanism_t, actuator_t, joined_t, ring_t, tie_t, at_finish, at_start, arc_actuator, arc_crank, &
                               arc_determined, arc_link, arc_slide
@@ -9,7 +10,7 @@ module psalm_sketch_mechanism
                                  traced_frame, traced_link, traced_slide
    implicit none (type, external)
    private
-   public :: take_traced_loops
+   public :: take_traced_loops, traced_dimensions
 
 contains
 
@@ -50,6 +51,21 @@ contains
          end associate
       end do
    end subroutine take_traced_loops
+
+   !> The dimensions as drawn; the reference input is that of the drawing.
+   pure type(dimensions_t) function traced_dimensions(traced) result(dimensions)
+      type(loops_t), intent(in) :: traced
+
+      dimensions%arcl = traced%arcs%arcl
+      dimensions%gama = traced%arcs%gama
+      dimensions%outlk = traced%outlk
+      dimensions%outang = traced%outang
+      dimensions%origlk = traced%origlk
+      dimensions%origng = traced%origng
+      dimensions%crnki = traced%input
+      dimensions%drawn = traced%input
+      dimensions%anchor = traced%anchor
+   end function traced_dimensions
 
    pure subroutine take_arc(traced, n, mechanism)
       type(loops_t), intent(in) :: traced

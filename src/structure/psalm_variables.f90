@@ -1,4 +1,4 @@
-!> The optimization variables of a case of loop arrays, from IVA, IVG, ILKOUT, INGOUT, IORIG and ICRK.
+!> The optimization variables of a case, of loop arrays from IVA, IVG, ILKOUT, INGOUT, IORIG and ICRK.
 module psalm_variables
    use psalm_data_set, only: data_set_t
    use psalm_loop_messages, only: arc_warning, place_of
@@ -6,6 +6,7 @@ module psalm_variables
    use psalm_parameters, only: parameters_t, no_parameters, variable_crnki, variable_origlk, variable_origng, &
                                variable_outang, variable_outlk
    use psalm_status, only: diagnostics_t
+   use psalm_traced_loops, only: loops_t
    implicit none (type, external)
    private
    public :: find_variables
@@ -21,6 +22,7 @@ contains
       integer :: loop, a
 
       parameters = no_parameters(mechanism)
+      if (set%sketch%given .and. set%method%ikin == 0) call take_traced(set%traced, mechanism, parameters)
       if (set%method%ikin /= 0 .or. size(set%method%iva) == 0) return
       do loop = 1, set%links%nloop
          do a = 1, set%links%maxarc
@@ -38,6 +40,26 @@ contains
       if (set%method%iorig /= 0) call parameters%vary(variable_origng)
       if (set%method%icrk /= 0) call parameters%vary(variable_crnki)
    end subroutine find_variables
+
+   !> What varies of the loops of a sketch, in the same order.
+   subroutine take_traced(traced, mechanism, parameters)
+      type(loops_t), intent(in) :: traced
+      type(mechanism_t), intent(in) :: mechanism
+      type(parameters_t), intent(inout) :: parameters
+      integer :: n
+
+      do n = 1, size(traced%arcs)
+         if (traced%arcs(n)%length_varies) call parameters%vary_length(mechanism, n)
+      end do
+      if (traced%outlk_varies) call parameters%vary(variable_outlk)
+      if (traced%pivot_varies) call parameters%vary(variable_origlk)
+      do n = 1, size(traced%arcs)
+         if (traced%arcs(n)%angle_varies) call parameters%vary_angle(mechanism, n)
+      end do
+      if (traced%outang_varies) call parameters%vary(variable_outang)
+      if (traced%pivot_varies) call parameters%vary(variable_origng)
+      if (traced%input_varies) call parameters%vary(variable_crnki)
+   end subroutine take_traced
 
    subroutine let_length_vary(set, mechanism, loop, a, parameters, findings)
       type(data_set_t), intent(in) :: set

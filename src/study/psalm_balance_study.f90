@@ -304,8 +304,8 @@ contains
 
       allocate (study%line_from(2, size(model%reference)), study%line_angle(size(model%reference)), source=0.0_wp)
       if (.not. set%sketch%given) return
-      do link = 1, size(set%link_places)
-         call spot_of_place(mechanism, dimensions, model%reference, set%link_places(link), spot, state)
+      do link = 1, size(set%traced%link_places)
+         call spot_of_place(mechanism, dimensions, model%reference, set%traced%link_places(link), spot, state)
          if (state /= place_right .or. spot%body == body_frame) cycle
          study%line_from(:, spot%body) = spot%at*model%metre
          study%line_angle(spot%body) = degrees_of(spot%along(1), spot%along(2))

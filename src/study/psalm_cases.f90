@@ -83,7 +83,7 @@ contains
       if (own%failed() .and. .not. allocated(set%no_loops) .and. (as_read%sketch%has_wishes() .or. set%is_beyond_arrays())) &
          why = no_dimension
       if (own%failed() .and. .not. allocated(set%no_loops) .and. wants_poses(as_read)) why = no_pose
-      if (.not. own%failed() .and. set%links%nloop > 0) then
+      if (.not. own%failed() .and. set%loops() > 0) then
          call check_loops(set, why)
          ! the other programs draw wheels, or work on one drive; kalm tells what each drive does by itself
          if (len(why) == 0 .and. forces .and. any(.not. set%traced%seconds%geared) .and. &

@@ -148,7 +148,7 @@ contains
       integer :: d
 
       allocate (inputs(size(set%sketch%drives), size(delt)), source=0.0_wp)
-      inputs(1, :) = set%method%crnki - set%crnki_of_drawing
+      inputs(1, :) = set%method%crnki
       inputs(1, :) = inputs(1, :) + delt
       do d = 1, size(inputs, 1)
          associate (drive => set%sketch%drives(d))

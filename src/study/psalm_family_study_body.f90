@@ -99,7 +99,7 @@ contains
       ! a ratio to what stands still has no value
       family%closed(:, k) = motion%closed .and. all(study%values(:, 0, :) < huge(1.0_wp), dim=1)
       family%actual(:, :, k) = transpose(study%values(:, 0, :))
-      if (.not. allocated(set%stand_in)) family%actual(:, :size(motion%actual, 2), k) = motion%actual
+      if (.not. set%has_stand_in()) family%actual(:, :size(motion%actual, 2), k) = motion%actual
    end subroutine take_outputs
 
    !> The arc of the loops that runs between the joints of a sketch; number 0: there is none.

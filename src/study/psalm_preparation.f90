@@ -68,7 +68,7 @@ contains
       call findings%append(prepared%warnings)
       if (prepared%warnings%failed()) return
       own%file = set%file
-      if (set%links%nloop == 0) then
+      if (set%loops() == 0) then
          if (allocated(set%no_loops) .and. forces_wanted(set)) call judge_chain_forces(set, own)
          call findings%append(own)
          return

@@ -10,8 +10,8 @@ module psalm_spring_study
    use psalm_force_model, only: force_model_t, spot_t, make_force_model, vertices_of, joint_at, spot_of_place, place_right, &
                                 place_nowhere
    use psalm_kinds, only: wp, pi, full_turn
-   use psalm_link_place, only: place_t
    use psalm_mechanism, only: mechanism_t, joint_prismatic
+   use psalm_place, only: place_t
    use psalm_spring_design_group, only: spring_design_group_t, spring_design_of
    use psalm_spring_exact, only: exact_spring_t, exact_task_t, prepare_exact, find_exact, columns_of_torque, exact_possible
    use psalm_spring_load, only: spring_room_t, found_spring_t, load_with, criterion_of
@@ -330,12 +330,13 @@ contains
                   if (e == 2) place = group%second(k)
                   call spot_of_place(mechanism, dimensions, model%reference, place, spot, state)
                   state = place_nowhere
-                  if (set%sketch%given) call spot_of_place(mechanism, dimensions, model%reference, set%link_places(place%link), &
+                  if (set%sketch%given) &
+                     call spot_of_place(mechanism, dimensions, model%reference, set%traced%link_places(place%link), &
                                                            bare, state)
                   if (state == place_right) then
                      ! from the first joint of the link: the joint that was named need not be an end of an arc
-                     place%joint = set%link_places(place%link)%joint
-                     place%line = set%link_places(place%link)%line
+                     place%joint = set%traced%link_places(place%link)%joint
+                     place%line = set%traced%link_places(place%link)%line
                   else
                      place%distance = 0.0_wp
                      call spot_of_place(mechanism, dimensions, model%reference, place, bare, state)

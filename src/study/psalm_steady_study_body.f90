@@ -108,7 +108,7 @@ contains
       integer :: k
 
       asked = steady_groups_of(set)
-      if (set%links%nloop > 0) call make_force_model(set, prepared%mechanism, prepared%given, model, unused)
+      if (set%loops() > 0) call make_force_model(set, prepared%mechanism, prepared%given, model, unused)
       if (asked%estimates%given) then
          allocate (study%estimates(size(asked%estimates%beams)))
          do k = 1, size(study%estimates)

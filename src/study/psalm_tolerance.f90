@@ -227,23 +227,25 @@ contains
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
       type(parameters_t) :: parameters
+      logical :: pivot
       integer :: n
 
+      pivot = max(tolerance_of_kind(set, variable_origlk), tolerance_of_kind(set, variable_origng)) > 0.0_wp
       parameters = no_parameters(mechanism)
       do n = 1, size(mechanism%arcs)
          associate (arc => mechanism%arcs(n))
-            if (set%toler%tolarc(arc%place, arc%loop) > 0.0_wp) call parameters%vary_length(mechanism, n)
+            if (tolerance_of_kind(set, variable_length, arc%loop, arc%place) > 0.0_wp) call parameters%vary_length(mechanism, n)
          end associate
       end do
-      if (set%toler%tolout > 0.0_wp) call parameters%vary(variable_outlk)
-      if (set%toler%tolorl > 0.0_wp .or. set%toler%tolora > 0.0_wp) call parameters%vary(variable_origlk)
+      if (tolerance_of_kind(set, variable_outlk) > 0.0_wp) call parameters%vary(variable_outlk)
+      if (pivot) call parameters%vary(variable_origlk)
       do n = 1, size(mechanism%arcs)
          associate (arc => mechanism%arcs(n))
-            if (set%toler%tolgam(arc%place, arc%loop) > 0.0_wp) call parameters%vary_angle(mechanism, n)
+            if (tolerance_of_kind(set, variable_gama, arc%loop, arc%place) > 0.0_wp) call parameters%vary_angle(mechanism, n)
          end associate
       end do
-      if (set%toler%toloua > 0.0_wp) call parameters%vary(variable_outang)
-      if (set%toler%tolorl > 0.0_wp .or. set%toler%tolora > 0.0_wp) call parameters%vary(variable_origng)
+      if (tolerance_of_kind(set, variable_outang) > 0.0_wp) call parameters%vary(variable_outang)
+      if (pivot) call parameters%vary(variable_origng)
       if (set%toler%tolcrk > 0.0_wp) call parameters%vary(variable_crnki)
    end function deviating_dimensions
 
@@ -273,11 +275,28 @@ contains
       type(data_set_t), intent(in) :: set
       type(variable_t), intent(in) :: variable
 
-      select case (variable%kind)
+      tolerance = tolerance_of_kind(set, variable%kind, variable%loop, variable%arc)
+   end function tolerance_of
+
+   !> Tolerance of a kind of dimension, of arcs that of one arc. Of a sketch one for all lengths and one for all angles.
+   pure real(wp) function tolerance_of_kind(set, kind, loop, place) result(tolerance)
+      type(data_set_t), intent(in) :: set
+      integer, intent(in) :: kind                      !! one of `variable_...`
+      integer, intent(in), optional :: loop, place     !! of an arc
+      logical :: of_all
+
+      of_all = set%sketch%given
+      if (of_all .and. any(kind == [variable_outlk, variable_outang])) of_all = set%traced%outlk > 0.0_wp
+      if (of_all .and. any(kind == [variable_origlk, variable_origng])) of_all = set%traced%origlk > 0.0_wp
+      if (of_all .and. kind /= variable_crnki) then
+         tolerance = merge(set%toler%tollen, set%toler%tolang, any(kind == [variable_length, variable_outlk, variable_origlk]))
+         return
+      end if
+      select case (kind)
       case (variable_length)
-         tolerance = set%toler%tolarc(variable%arc, variable%loop)
+         tolerance = set%toler%tolarc(place, loop)
       case (variable_gama)
-         tolerance = set%toler%tolgam(variable%arc, variable%loop)
+         tolerance = set%toler%tolgam(place, loop)
       case (variable_outlk)
          tolerance = set%toler%tolout
       case (variable_outang)
@@ -289,7 +308,7 @@ contains
       case default
          tolerance = set%toler%tolcrk
       end select
-   end function tolerance_of
+   end function tolerance_of_kind
 
    !> Analyse a sample of linkages.
    !>

@@ -141,7 +141,7 @@ contains
 
          select case (one%kind)
          case (vary_input)
-            call add_unknown(set%method%crnki - set%crnki_of_drawing, one%low(1), one%high(1), one%bounded, problem%of_input)
+            call add_unknown(set%method%crnki, one%low(1), one%high(1), one%bounded, problem%of_input)
          case (vary_length)
             link = common_link(one%joints(:2))
             call find_moved(link, one%joints(1), one%joints(2), at)
