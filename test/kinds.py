@@ -978,7 +978,7 @@ curves.figures = lambda k, run: {n: [float(len(run.file(n)) > 500)] for n in (".
 REASONS = (
     (r"how forces divide between them depends on the stiffness", "Constraints in excess bear what the stiffness of the links gives them, "
      "which is not known here."),
-    (r"IPROOF proves nothing where more constraints hold", "Links in excess fit exact lengths only: of numbers that are rounded nothing "
+    (r"IPROOF proves nothing where more constraints hold|\(KOVER\) fit exact lengths only", "Links in excess fit exact lengths only: of numbers that are rounded nothing "
      "can be proven."),
     (r"no transmission angle \(it is that of two links", "The groups of this linkage have no transmission angle, which is that of a dyad; "
      "the margins of &CONSTR and the summary say how far they are from a dead point."),
@@ -987,8 +987,7 @@ REASONS = (
     (r"Closes +at .* of 5 positions|between the positions of several drives", "At the positions only: between those of several drives there "
      "is no one way."),
     (r"--assemblies lists|belongs to the sketch of a group &CHAIN", "&LINKS has one output (MOTION), and the assembly of its signs."),
-    (r"has special dimensions|Closes +at", "Not yet: links that brace others (KOVER) are still solved in the poses of the links, "
-     "without this."),
+    (r"meet with the lengths they have and no others", "Links that brace others meet with the lengths they have and with no others."),
     (r"DWELL has no effect here", "Not yet: proven of linkages of dyads with one drive on the frame. The ends of the range are dead "
      "points that are proven of all."),
     (r"margins and clearances are found here, at samples", "Not yet proven, but found at samples of the range."),

@@ -148,8 +148,8 @@ MISTAKES = [
     (FOUR_BAR, "TANGLE=90.0", "TRMIN=90.0", "&LIMITS TRMIN: is the least transmission angle: at least 0, less than 90 degrees"),
     (FOUR_BAR, "TANGLE=90.0", "TRMIN=-1.0", "&LIMITS TRMIN: is the least transmission angle"),
     (FOUR_BAR, " &LIMITS TANGLE=90.0", " &CONSTR TRMIN=40.0 &END\n &LIMITS TRMIN=40.0", "&CONSTR TRMIN: is given in &LIMITS too"),
-    (BRACED, " &METHOD", " &LIMITS TRMIN=40.0 &END\n &METHOD", "has no transmission angle"),
-    (BRACED, " &METHOD", " &SWEEP SWJNT='A B', SWLOW=29.0, SWHIGH=31.0 &END\n &METHOD", "a family of curves needs loops"),
+    (BRACED, " &METHOD", " &LIMITS TRMIN=40.0 &END\n &METHOD", "have no transmission angle"),
+    (BRACED, " &METHOD", " &SWEEP SWJNT='A B', SWLOW=29.0, SWHIGH=31.0 &END\n &METHOD", "meet with the lengths they have and no others"),
     (BRACED, " &METHOD", " &CONSTR TRMIN=40.0 &END\n &METHOD", "&CONSTR TRMIN"),
     # desired values of outputs
     (SKETCH, "OUTPUT='point P'", "OUTPUT='point P', DES1=1.0,2.0,3.0", "NDES=2 positions of output point_P have 4 values, but only 3 given"),

@@ -1,6 +1,7 @@
 !> Searches over sketches by their loops: the drawing on device 7 is the linkage found, and the optimum is the one found in poses.
 program test_redraw
    use check, only: checks_t
+   use poses, only: read_in_poses
    use psalm_analysis, only: analysis_t, wanted_t, analyse_linkage => analyse
    use psalm_cases, only: read_case_text
    use psalm_chain_synthesis, only: chain_synthesis_t, synthesise_chain
@@ -178,21 +179,20 @@ contains
       end do
    end subroutine stays
 
-   !> The same search by loops and, with KOVER, in poses.
+   !> The same search by loops and in poses.
    subroutine both_ways(name, chain, vary, drives, output, method, x, y)
       character(*), intent(in) :: name, chain, vary, drives, output, method, x, y
-      type(data_set_t), allocatable :: sets(:)
+      type(data_set_t) :: in_poses
       type(diagnostics_t) :: findings
       type(chain_synthesis_t) :: poses
       type(stop_t) :: stop
       real(wp) :: found
 
       call read_back(name, chain, vary, drives, output, method, lsq, x, y, found)
-      call read_case_text('POSES'//nl//chain//' KOVER=1, VARY='//vary//' &END'//nl//drives//" &OUTPUTS OUTPUT='"//output// &
-                          "' &END"//nl//lsq//method//', DESX='//x//', DESY='//y//' &END'//nl//limits, 'test', sets, findings, &
-                          'psalm')
-      call t%is_true(allocated(sets(1)%no_loops), name//': in poses')
-      call synthesise_chain(sets(1), 1, stop, poses, findings)
+      call read_in_poses('POSES'//nl//chain//' VARY='//vary//' &END'//nl//drives//" &OUTPUTS OUTPUT='"//output// &
+                         "' &END"//nl//lsq//method//', DESX='//x//', DESY='//y//' &END'//nl//limits, in_poses, findings)
+      call t%is_true(allocated(in_poses%no_loops), name//': in poses')
+      call synthesise_chain(in_poses, 1, stop, poses, findings)
       call t%equal_integer(size(poses%best), 1, name//': found in poses')
       if (size(poses%best) == 0) return
       call t%close_to(found, poses%best(1)%objective, 1.0e-6_wp, name//': the optimum is the same by loops and in poses')
@@ -203,7 +203,7 @@ contains
    subroutine several_outputs(name, chain, vary, drives, outputs, first, second, third, fourth)
       character(*), intent(in) :: name, chain, vary, drives, outputs, first, second, third
       character(*), intent(in), optional :: fourth
-      type(data_set_t), allocatable :: sets(:)
+      type(data_set_t) :: in_poses
       type(data_set_t) :: set, again
       type(diagnostics_t) :: findings
       type(chain_synthesis_t) :: poses
@@ -219,9 +219,9 @@ contains
       if (len(seven) == 0) return
       call analyse(name//', outputs', seven, again, read)
       call t%close_to(read, found, 1.0e-9_wp, name//', outputs: the objective of device 7 is that of the search')
-      call read_case_text('POSES'//nl//chain//' KOVER=1, VARY='//vary//' &END'//nl//wishes//lsq//turn//' &END'//nl//limits, &
-                          'test', sets, findings, 'psalm')
-      call synthesise_chain(sets(1), 1, stop, poses, findings)
+      call read_in_poses('POSES'//nl//chain//' VARY='//vary//' &END'//nl//wishes//lsq//turn//' &END'//nl//limits, in_poses, &
+                         findings)
+      call synthesise_chain(in_poses, 1, stop, poses, findings)
       call t%equal_integer(size(poses%best), 1, name//', outputs: found in poses')
       if (size(poses%best) == 0) return
       call t%close_to(found, poses%best(1)%objective, 1.0e-6_wp, name//', outputs: the optimum is the same by loops and in poses')
@@ -238,7 +238,7 @@ contains
    !> Desired values of outputs, none of which is that of the loops.
    subroutine further_outputs(name, chain, vary, drives, outputs)
       character(*), intent(in) :: name, chain, vary, drives, outputs
-      type(data_set_t), allocatable :: sets(:)
+      type(data_set_t) :: in_poses
       type(data_set_t) :: set, again
       type(diagnostics_t) :: findings
       type(chain_synthesis_t) :: poses
@@ -251,8 +251,8 @@ contains
       if (len(seven) == 0) return
       call analyse(name, seven, again, read)
       call t%close_to(read, found, 1.0e-9_wp, name//': the objective of device 7 is that of the search')
-      call read_case_text('POSES'//nl//chain//' KOVER=1,'//rest, 'test', sets, findings, 'psalm')
-      call synthesise_chain(sets(1), 1, stop, poses, findings)
+      call read_in_poses('POSES'//nl//chain//rest, in_poses, findings)
+      call synthesise_chain(in_poses, 1, stop, poses, findings)
       call t%equal_integer(size(poses%best), 1, name//': found in poses')
       if (size(poses%best) == 0) return
       call t%close_to(found, poses%best(1)%objective, 1.0e-6_wp, name//': the optimum is the same by loops and in poses')

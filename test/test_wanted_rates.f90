@@ -3,6 +3,7 @@
 program test_wanted_rates
    use cases, only: load_case, names
    use check, only: checks_t
+   use poses, only: read_in_poses
    use psalm_analysis, only: analysis_t, analyse, wanted_t
    use psalm_cases, only: read_case_text
    use psalm_chain_study, only: chain_study_t, study_chain
@@ -336,8 +337,8 @@ contains
                                                             set%method%rate_weight) &
                          <= 0.0_wp), output//': and wants the same')
       ! &METHOD says the same to a sketch in poses
-      call read_one('IN POSES BY &METHOD'//nl//" &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,33.0,90.0,20.0,"//nl// &
-                    ' JY=0.0,31.0,82.0,5.0,95.0, KOVER=1,'//sketch//' &OUTPUTS OUTPUT='//output// &
+      call read_in_poses('IN POSES BY &METHOD'//nl//" &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,33.0,90.0,20.0,"//nl// &
+                         ' JY=0.0,31.0,82.0,5.0,95.0,'//sketch//' &OUTPUTS OUTPUT='//output// &
                     ",'y C', WGT2=0.0, DES2=5*0.0 &END"//nl//method//','//nl//method_items//' &END'//nl//rest, in_poses, findings)
       call t%is_true(allocated(in_poses%no_loops), output//': once more in poses')
       before = by_poses%first_objective

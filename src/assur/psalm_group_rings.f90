@@ -40,9 +40,11 @@ module psalm_group_rings
       real(wp) :: now(3) = 0.0_wp                   !! direction and turn where the group stands
    end type known_turn_t
 
-   !> A group of `unknowns` directions and lengths: two equations a ring, one a tie.
+   !> A group of `unknowns` directions and lengths: two equations a ring, one a tie. Where there are more of them than unknowns,
+   !> special lengths must fulfil them all.
    type :: higher_t
       integer :: unknowns = 0, rings = 0
+      integer :: equations = 0                      !! as many as unknowns; of links that brace each other (KOVER) more
       integer, allocatable :: arc(:)                !! shape (unknowns): the arcs they belong to
       integer, allocatable :: row(:)                !! shape (unknowns): row of a direction's cosine, or of a length
       integer, allocatable :: row_of_sine(:)        !! shape (unknowns): row of its sine; 0: a length

@@ -12,7 +12,7 @@ module psalm_higher_group
    use psalm_frames, only: frames_t, arc_rate, form_arc, rows_of_arc
    use psalm_group_rings, only: higher_t
    use psalm_kinds, only: wp, degrees_per_radian
-   use psalm_linear, only: eliminate_real
+   use psalm_linear, only: reduce_real
    use psalm_rows, only: rows_t
    implicit none (type, external)
    private
@@ -25,6 +25,7 @@ module psalm_higher_group
    real(wp), parameter :: trusted = 0.15_wp  !! first correction against the prediction, or second correction against the first
    real(wp), parameter :: farthest = 0.3_wp  !! radians, or parts of the group's size: longer predictions are not believed
    real(wp), parameter :: nearest = 0.1_wp   !! likewise: a first correction below it that the second confirms is believed
+   real(wp), parameter :: fits = 1.0e-9_wp   !! parts of the size: so far links that brace each other may be from meeting
    integer, parameter :: most_steps = 20     !! of Newton's method
 
    !> What Newton's method found at a position. Moves and corrections are the largest of all unknowns: radians, parts of the size.
@@ -116,7 +117,7 @@ contains
       type(rows_t), intent(inout) :: store
       integer, intent(in) :: i
       type(correction_t), intent(inout) :: result  !! `moved` is kept
-      real(wp) :: matrix(higher%unknowns, higher%unknowns), right(higher%unknowns, 1), vector(2)
+      real(wp) :: matrix(higher%equations, higher%unknowns), right(higher%equations, 1), vector(2)
       real(wp) :: largest, before, product, determinant, scaling
       integer :: step, j
 
@@ -128,7 +129,7 @@ contains
          do j = 1, higher%unknowns
             product = product*sum(matrix(:, j)**2)
          end do
-         call eliminate_real(higher%unknowns, 1, matrix, right, determinant)
+         call reduce_real(higher%equations, higher%unknowns, 1, matrix, right, determinant)
          if (.not. abs(determinant) > 0.0_wp) return
          result%determinant = determinant/sqrt(product)
          largest = 0.0_wp
@@ -160,7 +161,10 @@ contains
          ! the error goes like the square of the correction, over the measure
          if (largest**2 <= epsilon(1.0_wp)*abs(result%determinant) .or. &
              (largest < sqrt(epsilon(1.0_wp)) .and. largest > 0.5_wp*before)) then
-            result%converged = .true.
+            result%converged = higher%equations == higher%unknowns
+            if (result%converged) return
+            call equations(higher, store, i, matrix, right(:, 1))
+            result%converged = maxval(abs(right)) <= fits
             return
          end if
          if (step > 2 .and. largest > before) return
@@ -185,7 +189,7 @@ contains
       type(higher_t), intent(in) :: higher
       type(rows_t), intent(in) :: store
       integer, intent(in) :: i
-      real(wp), intent(out) :: matrix(:, :), right(:) !! shape (unknowns, unknowns), (unknowns)
+      real(wp), intent(out) :: matrix(:, :), right(:) !! shape (equations, unknowns), (equations)
       real(wp) :: x, y, length, back
       integer :: k, r, j
 
@@ -229,6 +233,16 @@ contains
       end do
    end subroutine equations
 
+   pure subroutine put_identity(matrix)
+      real(wp), intent(out) :: matrix(:, :)
+      integer :: j
+
+      matrix = 0.0_wp
+      do j = 1, size(matrix, 1)
+         matrix(j, j) = 1.0_wp
+      end do
+   end subroutine put_identity
+
    !> Turns of the directions that are known at position i, each less than half a turn from where the group stands. `moved` is the
    !> largest change, radians.
    pure subroutine put_known_turns(higher, store, i, moved)
@@ -271,7 +285,7 @@ contains
    pure integer function rows_of_higher(higher)
       type(higher_t), intent(in) :: higher
 
-      rows_of_higher = rows_of_arc*size(higher%terms) + higher%unknowns**2 + 1
+      rows_of_higher = rows_of_arc*size(higher%terms) + higher%unknowns*higher%equations + 1
    end function rows_of_higher
 
    pure integer function inverse_row(higher, at)
@@ -285,7 +299,7 @@ contains
       type(higher_t), intent(in) :: higher
       integer, intent(in) :: at
 
-      measure_row = inverse_row(higher, at) + higher%unknowns**2
+      measure_row = inverse_row(higher, at) + higher%unknowns*higher%equations
    end function measure_row
 
    !> Vectors of all arcs and the inverse of the matrix (0 at a dead point), into the rows from `at` on.
@@ -295,7 +309,7 @@ contains
       real(wp), intent(in) :: angle_x(:), angle_y(:), length(:) !! by arc: cosine, sine of its fixed angle; length
       type(rows_t), intent(in) :: store
       type(frames_t), intent(inout) :: frames
-      real(wp) :: matrix(higher%unknowns, higher%unknowns), inverse(higher%unknowns, higher%unknowns), product, determinant
+      real(wp) :: matrix(higher%equations, higher%unknowns), inverse(higher%equations, higher%equations), product, determinant
       integer :: i, j, k, row
 
       do k = 1, size(higher%terms)
@@ -307,12 +321,11 @@ contains
       do i = 1, n
          call equations(higher, store, i, matrix, inverse(:, 1))
          product = 1.0_wp
-         inverse = 0.0_wp
          do j = 1, higher%unknowns
             product = product*sum(matrix(:, j)**2)
-            inverse(j, j) = 1.0_wp
          end do
-         call eliminate_real(higher%unknowns, higher%unknowns, matrix, inverse, determinant)
+         call put_identity(inverse)
+         call reduce_real(higher%equations, higher%unknowns, higher%equations, matrix, inverse, determinant)
          determinant = abs(determinant)/max(sqrt(product), tiny(1.0_wp))
          if (.not. determinant > dead_measure) inverse = 0.0_wp
          row = inverse_row(higher, at)
@@ -320,8 +333,8 @@ contains
             ! of lengths and turns by lengths that are not divided by the size, and by turns
             if (higher%row_of_sine(j) > 0) inverse(j, :2*higher%rings) = inverse(j, :2*higher%rings)/higher%size
             if (higher%row_of_sine(j) == 0) inverse(j, 2*higher%rings + 1:) = inverse(j, 2*higher%rings + 1:)*higher%size
-            frames%work%v(i, row:row + higher%unknowns - 1) = inverse(j, :)
-            row = row + higher%unknowns
+            frames%work%v(i, row:row + higher%equations - 1) = inverse(j, :)
+            row = row + higher%equations
          end do
          frames%work%v(i, row) = determinant
       end do
@@ -341,7 +354,7 @@ contains
       integer, intent(in) :: n, at
       type(higher_t), intent(in) :: higher
       type(frames_t), intent(in) :: frames
-      real(wp), intent(in) :: gap(:, :)            !! shape (n, unknowns): x and y of each ring, turns of ties
+      real(wp), intent(in) :: gap(:, :)            !! shape (n, equations): x and y of each ring, turns of ties
       type(rows_t), intent(inout) :: d             !! at the rows of the unknowns
       integer :: i, j, k, row
 
@@ -349,7 +362,7 @@ contains
       do j = 1, higher%unknowns
          associate (to => d%v(:, higher%row(j)), w => frames%work%v)
             d%v(1:n, higher%row(j)) = 0.0_wp
-            do k = 1, higher%unknowns
+            do k = 1, higher%equations
                do i = 1, n
                   d%v(i, higher%row(j)) = d%v(i, higher%row(j)) + w(i, row)*gap(i, k)
                end do
@@ -365,7 +378,7 @@ contains
       type(higher_t), intent(in) :: higher
       type(frames_t), intent(in) :: frames
       type(rows_t), intent(inout) :: d(:)          !! by order
-      real(wp) :: gap(n, higher%unknowns), tx(n), ty(n)
+      real(wp) :: gap(n, higher%equations), tx(n), ty(n)
       integer :: order, j, k, r
 
       do order = 1, orders
@@ -397,7 +410,7 @@ contains
       integer, intent(in) :: n
       type(higher_t), intent(in) :: higher
       type(rows_t), intent(in) :: d
-      real(wp), intent(inout) :: gap(:, :)         !! shape (n, unknowns)
+      real(wp), intent(inout) :: gap(:, :)         !! shape (n, equations)
       integer :: k, r, j
 
       do k = 1, size(higher%ties)
@@ -419,7 +432,7 @@ contains
       type(rows_t), intent(in) :: store
       integer, intent(in) :: measure               !! row of the measure: not to the last digits where it was reached
       real(wp), intent(out) :: k(:)                !! shape (n)
-      real(wp) :: matrix(higher%unknowns, higher%unknowns), right(higher%unknowns, 1), product, determinant
+      real(wp) :: matrix(higher%equations, higher%unknowns), right(higher%equations, 1), product, determinant
       integer :: i, j
 
       do i = 1, n
@@ -430,7 +443,7 @@ contains
          do j = 1, higher%unknowns
             product = product*sum(matrix(:, j)**2)
          end do
-         call eliminate_real(higher%unknowns, 0, matrix, right, determinant)
+         call reduce_real(higher%equations, higher%unknowns, 0, matrix, right, determinant)
          k(i) = 1.0_wp - abs(determinant)/max(sqrt(product), tiny(1.0_wp))
       end do
    end subroutine closure_of_higher
@@ -445,8 +458,8 @@ contains
       type(rows_t), intent(in) :: d                !! changes of all rows, per radian for angles
       real(wp), intent(in) :: turn(:), stretch(:)  !! by arc: how its fixed angle turns, its length grows with the variable
       real(wp), intent(out) :: dk(:)               !! shape (n)
-      real(wp) :: matrix(higher%unknowns, higher%unknowns), inverse(higher%unknowns, higher%unknowns), &
-                  change(higher%unknowns, higher%unknowns), product, determinant, x, y, u, v, length, grows, turns, total
+      real(wp) :: matrix(higher%equations, higher%unknowns), inverse(higher%equations, higher%equations), &
+                  change(higher%equations, higher%unknowns), product, determinant, x, y, u, v, length, grows, turns, total
       integer :: i, j, k, r
 
       do i = 1, n
@@ -479,18 +492,17 @@ contains
          end do
          total = 0.0_wp
          product = 1.0_wp
-         inverse = 0.0_wp
          do j = 1, higher%unknowns
             length = sum(matrix(:, j)**2)
             product = product*length
             total = total - sum(matrix(:, j)*change(:, j))/max(length, tiny(1.0_wp))
-            inverse(j, j) = 1.0_wp
          end do
-         call eliminate_real(higher%unknowns, higher%unknowns, matrix, inverse, determinant)
+         call put_identity(inverse)
+         call reduce_real(higher%equations, higher%unknowns, higher%equations, matrix, inverse, determinant)
          dk(i) = 0.0_wp
          if (.not. abs(determinant) > 0.0_wp) cycle
          do j = 1, higher%unknowns
-            do k = 1, higher%unknowns
+            do k = 1, higher%equations
                total = total + inverse(j, k)*change(k, j)
             end do
          end do
@@ -507,16 +519,13 @@ contains
       real(wp), intent(in) :: angle(:)             !! by arc: its fixed angle, radians
       real(wp), intent(in) :: worst                !! larger factors say nothing more
       real(wp), intent(out) :: bound(:)            !! the first `unknowns` are set
-      real(wp) :: matrix(higher%unknowns, higher%unknowns), inverse(higher%unknowns, higher%unknowns), gap(higher%unknowns), &
-                  length, determinant
+      real(wp) :: matrix(higher%equations, higher%unknowns), inverse(higher%equations, higher%equations), &
+                  gap(higher%equations), length, determinant
       integer :: j, k, r
 
       call equations(higher, store, i, matrix, gap)
-      inverse = 0.0_wp
-      do j = 1, higher%unknowns
-         inverse(j, j) = 1.0_wp
-      end do
-      call eliminate_real(higher%unknowns, higher%unknowns, matrix, inverse, determinant)
+      call put_identity(inverse)
+      call reduce_real(higher%equations, higher%unknowns, higher%equations, matrix, inverse, determinant)
       if (.not. abs(determinant) > 0.0_wp) inverse = worst
       do r = 1, higher%rings
          gap(2*r) = row(higher%ends(1, r)) + row(higher%ends(3, r))

@@ -5,7 +5,7 @@ module psalm_linear
    use psalm_kinds, only: wp, dp
    implicit none (type, external)
    private
-   public :: solve_positive, solve_three, eliminate, eliminate_real, along_columns, product_of, triangle_of
+   public :: solve_positive, solve_three, eliminate, eliminate_real, reduce_real, along_columns, product_of, triangle_of
 
    !> Product of two matrices, or of a matrix and a vector.
    interface product_of
@@ -211,6 +211,52 @@ contains
          end do
       end do
    end subroutine eliminate_real
+
+   !> The same for m equations with n <= m unknowns: where there are more, what makes the sum of the squares of what is left least,
+   !> by Householder's reflections, and for the determinant the root of that of matrix'matrix. The first n rows of `right` get the
+   !> solutions.
+   pure subroutine reduce_real(m, n, columns, matrix, right, determinant)
+      integer, intent(in) :: m, n, columns
+      real(wp), intent(inout) :: matrix(m, n)        !! destroyed
+      real(wp), intent(inout) :: right(m, columns)
+      real(wp), intent(out) :: determinant
+      real(wp) :: length, factor
+      integer :: i, k, c
+
+      if (m == n) then
+         call eliminate_real(n, columns, matrix, right, determinant)
+         return
+      end if
+      determinant = 1.0_wp
+      do k = 1, n
+         length = sqrt(sum(matrix(k:, k)**2))
+         determinant = determinant*length
+         if (.not. length > tiny(1.0_wp)) then
+            determinant = 0.0_wp
+            return
+         end if
+         length = sign(length, matrix(k, k))
+         matrix(k, k) = matrix(k, k) + length
+         ! the reflection is 1 - v v' / (length v(k))
+         do c = k + 1, n
+            factor = sum(matrix(k:, k)*matrix(k:, c))/(length*matrix(k, k))
+            matrix(k:, c) = matrix(k:, c) - factor*matrix(k:, k)
+         end do
+         do c = 1, columns
+            factor = sum(matrix(k:, k)*right(k:, c))/(length*matrix(k, k))
+            right(k:, c) = right(k:, c) - factor*matrix(k:, k)
+         end do
+         matrix(k, k) = -length
+      end do
+      do c = 1, columns
+         do k = n, 1, -1
+            right(k, c) = right(k, c)/matrix(k, k)
+            do i = 1, k - 1
+               right(i, c) = right(i, c) - matrix(i, k)*right(k, c)
+            end do
+         end do
+      end do
+   end subroutine reduce_real
 
    !> Scalar products of a vector with the columns of a matrix; of a symmetric matrix its product with the vector.
    pure function along_columns(matrix, vector) result(products)

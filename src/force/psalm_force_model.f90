@@ -132,6 +132,9 @@ contains
       allocate (model%shoes(size(mechanism%joints)))
       call put_shoes(set, mechanism, dimensions, model)
       call check_joints(set, mechanism, findings)
+      if (any([(mechanism%is_braced(k), k=1, mechanism%nloop)])) &
+         call set%origins%error(findings, 'CHAIN', 'KOVER', 'KOVER allows superfluous constraints; how forces divide between '// &
+                                'them depends on the stiffness of the links, which is not known here')
       if (set%gives('MOTOR') .and. mechanism%sliding_input) then
          call set%origins%error(findings, 'MOTOR', '', 'motion from torque needs a crank that turns; the input of this linkage '// &
                                 'slides')

@@ -192,6 +192,7 @@ module psalm_mechanism
       procedure :: pin_of_sketch
       procedure :: is_dyad
       procedure :: is_closed
+      procedure :: is_braced
       procedure :: ring_of
    end type mechanism_t
 
@@ -339,6 +340,19 @@ contains
       is_closed = .not. allocated(self%loops(loop)%rings)
       if (.not. is_closed) is_closed = any(self%loops(loop)%rings%closed)
    end function is_closed
+
+   !> True if links of a group brace each other: its rings and ties are more equations than it has unknowns.
+   pure logical function is_braced(self, loop)
+      class(mechanism_t), intent(in) :: self
+      integer, intent(in) :: loop
+      integer :: equations
+
+      is_braced = .false.
+      if (self%is_dyad(loop)) return
+      equations = 2*count(self%loops(loop)%rings%closed)
+      if (allocated(self%groups(loop)%ties)) equations = equations + size(self%groups(loop)%ties)
+      is_braced = equations > size(self%groups(loop)%members)
+   end function is_braced
 
    !> True if a loop closes a dyad, false if a larger group.
    pure logical function is_dyad(self, loop)

@@ -99,6 +99,7 @@ module psalm_traced_loops
       integer :: motion = motion_point      !! one of `motion_...`
       integer :: output_arc = 0             !! the arc that it is measured from
       logical :: from_start = .false.       !! from the start of that arc, else from its finish
+      integer :: output_joint = 0           !! the joint that it is, 0: it is no point
       real(wp) :: outlk = 0.0_wp, outang = 0.0_wp
       character(:), allocatable :: stand_in !! the joint that the listing shows for want of the first output; not allocated: none
       ! what varies besides lengths and angles of arcs
@@ -114,6 +115,7 @@ module psalm_traced_loops
    contains
       procedure :: is_dyad
       procedure :: number_of
+      procedure :: output_line
       procedure :: take_dimensions
       procedure :: are_beyond_arrays
    end type loops_t
@@ -135,6 +137,18 @@ contains
 
       number_of = findloc(self%arcs%loop == loop .and. self%arcs%place == place, .true., dim=1)
    end function number_of
+
+   !> The two joints between which OUTLK is measured, the output last; 0: there is no such length.
+   pure function output_line(self) result(joints)
+      class(loops_t), intent(in) :: self
+      integer :: joints(2)
+
+      joints = 0
+      if (self%output_joint == 0 .or. .not. self%outlk > 0.0_wp) return
+      joints(1) = self%arcs(self%output_arc)%ends(merge(1, 2, self%from_start))
+      if (joints(1) > size(self%joint_loop)) joints(1) = 0
+      joints(2) = self%output_joint
+   end function output_line
 
    !> Have the dimensions that a search has found, none of which varies any more.
    pure subroutine take_dimensions(self, dimensions)

@@ -308,6 +308,7 @@ contains
             end do
          end associate
          call prepare_ties(mechanism%groups(loop), higher)
+         higher%equations = 2*higher%rings + size(higher%ties)
          allocate (dyad%higher, source=higher)
       end subroutine prepare_higher
 

@@ -59,8 +59,7 @@ contains
          call names_of_numbers(wanted%outputs, wishes%names, turning, wanted%angle)
          wanted%numbers = size(wishes%names)
          do k = 1, size(wanted%sketch%moving)
-            if (wanted%sketch%moving(k)%joint == set%sketch%outputs(1)%joints(1) .and. .not. set%has_stand_in() .and. &
-                problem%given%outlk > 0.0_wp .and. problem%output%kind%has_point) wishes%shown = k
+            if (wanted%sketch%moving(k)%joint == set%traced%output_joint .and. problem%given%outlk > 0.0_wp) wishes%shown = k
          end do
          call wishes%problem%want_derivatives(.true., wanted%sketch%points)
          allocate (wishes%exists(n), source=.false.)

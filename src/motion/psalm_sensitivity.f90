@@ -403,7 +403,7 @@ contains
       integer, intent(in) :: at, v, n
       real(wp), intent(in) :: scale
       type(sensitivity_t), intent(inout) :: work
-      real(wp) :: gap(n, higher%unknowns)
+      real(wp) :: gap(n, higher%equations)
       integer :: r, k
 
       associate (d => work%rates%d(1)%v)

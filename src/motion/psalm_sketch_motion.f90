@@ -9,7 +9,6 @@ module psalm_sketch_motion
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_mechanism, only: mechanism_t, ring_t
-   use psalm_output_kind, only: output_point, output_distance, output_pose
    use psalm_place, only: place_t
    use psalm_rates, only: rates_t, derivatives_of, in_time
    use psalm_rows, only: rows_t
@@ -96,16 +95,15 @@ contains
       sketch%points = reshape([sketch%points, place%loop, arc], [2, size(sketch%moving)])
    end subroutine add_moving
 
-   !> The first output, if it stands off the arcs, where OUTLK and OUTANG have it: a search may vary these.
+   !> The output of the loops, if it stands off the arcs, where OUTLK and OUTANG have it: a search may vary these.
    subroutine move_output(set, dimensions, joint, place)
       type(data_set_t), intent(in) :: set
       type(dimensions_t), intent(in) :: dimensions
       integer, intent(in) :: joint
       type(place_t), intent(inout) :: place             !! of that joint
 
-      if (size(set%sketch%outputs) == 0 .or. set%has_stand_in() .or. dimensions%outlk <= 0.0_wp) return
-      associate (output => set%sketch%outputs(1), arc => set%traced%arcs(set%traced%output_arc))
-         if (all(output%kind /= [output_point, output_distance, output_pose]) .or. output%joints(1) /= joint) return
+      if (joint /= set%traced%output_joint .or. dimensions%outlk <= 0.0_wp) return
+      associate (arc => set%traced%arcs(set%traced%output_arc))
          place%loop = arc%loop
          place%arc = arc%place
          place%from_start = set%traced%from_start

@@ -255,7 +255,7 @@ contains
       type(higher_t), intent(in) :: higher
       integer, intent(in) :: at, v, n, order
       type(wanted_rates_t), intent(inout) :: wanted
-      real(wp) :: gap(n, higher%unknowns), tx(n), ty(n)
+      real(wp) :: gap(n, higher%equations), tx(n), ty(n)
       integer :: r, k
 
       associate (d => wanted%change(order)%v)

@@ -201,6 +201,8 @@ contains
       type(devices_t), intent(inout) :: devices
 
       if (proof%braced > 0) then
+         if (set%constr%given) call devices%remark(set, 'margins and clearances are found here, at samples, not proven: '// &
+                                                   'links in excess (KOVER) fit exact lengths only')
          if (set%limits%iproof <= 0) return
          call devices%note_violation()
          call devices%remark(set, 'IPROOF proves nothing where more constraints hold the links than are needed: '// &

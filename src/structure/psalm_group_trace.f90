@@ -14,7 +14,7 @@ module psalm_group_trace
                                  traced_crank, traced_actuator, traced_frame
    implicit none (type, external)
    private
-   public :: trace_group, trace_driven
+   public :: trace_group, trace_driven, trace_input_alone
 
    !> A pair of two links.
    type :: pair_t
@@ -43,7 +43,7 @@ contains
       type(traced_gear_t), allocatable :: gears(:)
       type(ear_t) :: ear
       integer, allocatable :: along(:)             !! by slide: the drive along it, 0: none
-      integer :: loop, first, from, k
+      integer :: loop, first, from, k, unknowns, equations
 
       why = ''
       allocate (pairs(0), gears(0))
@@ -104,8 +104,10 @@ contains
       loops%gears = [loops%gears, gears]
       loops%longest = max(loops%longest, size(loops%arcs) - first)
       associate (arcs => loops%arcs(first + 1:))
-         if (count(arcs%kind == traced_link .or. arcs%kind == traced_slide .or. arcs%cylinder) /= &
-             2*count(loops%rings%loop == loop .and. loops%rings%closed) + size(gears)) &
+         unknowns = count(arcs%kind == traced_link .or. arcs%kind == traced_slide .or. arcs%cylinder)
+         equations = 2*count(loops%rings%loop == loop .and. loops%rings%closed) + size(gears)
+         ! of links that brace each other there are more equations
+         if (merge(unknowns > equations, unknowns /= equations, closure%sketch%over_braced)) &
             why = 'a group whose links have other unknowns than its rings find'
       end associate
 
@@ -124,6 +126,23 @@ contains
          end associate
       end function centre_of
    end subroutine trace_group
+
+   !> A loop for the link that the first drive moves on the frame, if no group hangs on it: an open ring.
+   subroutine trace_input_alone(closure, state, survey, loops, why)
+      type(closure_t), intent(in) :: closure
+      type(state_t), intent(in) :: state           !! at the drawing
+      type(survey_t), intent(inout) :: survey
+      type(loops_t), intent(inout) :: loops
+      character(:), allocatable, intent(inout) :: why
+      type(pair_t) :: pairs(0)
+      type(ear_t) :: ear
+      integer :: along(size(closure%sketch%slides))
+
+      along = 0
+      allocate (ear%links(0), ear%pairs(0))
+      call trace_ring(closure, state, 1, 0, pairs, ear, along, survey, loops, why)
+      loops%longest = size(loops%arcs)
+   end subroutine trace_input_alone
 
    !> A loop for a link that a drive after the first moves on the frame and no other loop runs through: an open ring to it.
    subroutine trace_driven(closure, drive, survey, loops, why)

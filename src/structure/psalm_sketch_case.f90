@@ -790,6 +790,8 @@ contains
       loops%motion = motion_point
       loops%outlk = 0.0_wp
       loops%outang = 0.0_wp
+      loops%output_joint = 0
+      if (any(output%kind == [output_point, output_distance, output_pose])) loops%output_joint = output%joints(1)
       select case (output%kind)
       case (output_point, output_distance)
          if (output%kind == output_distance) then
@@ -953,13 +955,7 @@ contains
 
       logical function is_output(a, b)
          integer, intent(in) :: a, b
-         integer :: from
-
-         is_output = .false.
-         if (loops%outlk == 0.0_wp .or. all(loops%motion /= [motion_point, motion_distance, motion_pose])) return
-         if (size(sketch%outputs) == 0) return
-         from = loops%arcs(loops%output_arc)%ends(merge(1, 2, loops%from_start))
-         is_output = from == a .and. sketch%outputs(1)%joints(1) == b
+         is_output = all([a, b] == loops%output_line())
       end function is_output
 
       subroutine place_variation(one, which)

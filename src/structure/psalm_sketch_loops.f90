@@ -5,7 +5,7 @@
 module psalm_sketch_loops
    use psalm_closure, only: closure_t, state_t, row_pin, row_line
    use psalm_kinds, only: wp
-   use psalm_group_trace, only: trace_driven, trace_group
+   use psalm_group_trace, only: trace_driven, trace_group, trace_input_alone
    use psalm_loop_trace, only: traced_dyad_t, close_loop, frame_axis
    use psalm_sketch, only: frame_link, drive_slides, drive_turns
    use psalm_sketch_paths, only: survey_t, know
@@ -32,10 +32,6 @@ contains
 
       loops%why = ''
       associate (sketch => closure%sketch, groups => closure%order%groups)
-         if (sketch%over_braced) then
-            loops%why = 'special dimensions (KOVER)'
-            return
-         end if
          on_frame = sketch%drives%base == frame_link .and. (sketch%drives%kind == drive_turns .or. &
                                                             sketch%drives%kind == drive_slides)
          loops%floating = .not. on_frame(1)
@@ -79,12 +75,8 @@ contains
             call understand(closure, order(k), survey, dyad, valid)
             ! what drives there are besides an input link is laid out by the rings of a larger group
             if (k == 1 .and. (loops%floating .or. any(on_frame(2:) .and. sketch%drives(2:)%kind == drive_slides))) valid = .false.
-            if (valid .and. dyad%known(1) == dyad%known(2)) then
-               loops%why = 'a rigid triangle of links '//trim(sketch%links(dyad%known(1))%name)//', '// &
-                           trim(sketch%links(dyad%links(1))%name)//' and '//trim(sketch%links(dyad%links(2))%name)// &
-                           ', which move as one link (draw them as one)'
-               return
-            end if
+            ! with both ends on one link it moves with that link: loops of dyads have arcs of two
+            if (valid) valid = dyad%known(1) /= dyad%known(2)
             if (valid) call close_loop(closure, state, dyad, survey, loops, valid)
             if (.not. valid) then
                call trace_group(closure, state, order(k), survey, loops, loops%why)
@@ -95,7 +87,8 @@ contains
             call know(sketch, dyad%links(2), survey)
             if (dyad%inner_joint > 0) loops%joint_loop(dyad%inner_joint) = k
          end do
-         loops%found = size(order) > 0
+         if (size(order) == 0) call trace_input_alone(closure, state, survey, loops, loops%why)
+         loops%found = len(loops%why) == 0
          if (loops%found) then
             do g = 2, size(sketch%drives)
                if (on_frame(g) .and. loops%seconds(g - 1)%arc == 0) call trace_driven(closure, g, survey, loops, loops%why)
@@ -107,7 +100,6 @@ contains
             loops%loops = maxval(loops%arcs%loop)
          end if
          loops%on = survey%on
-         if (.not. loops%found) loops%why = 'no links but those that are driven on the frame'
       end associate
    end subroutine make_loops
 

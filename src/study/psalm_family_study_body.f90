@@ -33,6 +33,9 @@ contains
             n = mechanism%seq(sweep%loop, sweep%arc)
          end if
          if (n > 0) call parameters%vary_length(mechanism, n)
+         if (n == 0 .and. set%sketch%given) then
+            if (is_output_line(set, sweep)) call parameters%vary(variable_outlk)
+         end if
       case (swept_angle)
          if (sweep%arc <= mechanism%loops(sweep%loop)%arcs) &
             call parameters%vary_angle(mechanism, mechanism%seq(sweep%loop, sweep%arc))
@@ -101,6 +104,16 @@ contains
       family%actual(:, :, k) = transpose(study%values(:, 0, :))
       if (.not. set%has_stand_in()) family%actual(:, :size(motion%actual, 2), k) = motion%actual
    end subroutine take_outputs
+
+   !> True if the joints of a sketch are those between which OUTLK is measured.
+   pure logical function is_output_line(set, sweep)
+      type(data_set_t), intent(in) :: set
+      type(sweep_group_t), intent(in) :: sweep
+      integer :: line(2)
+
+      line = set%traced%output_line()
+      is_output_line = all(sweep%joints == line) .or. all(sweep%joints == line([2, 1]))
+   end function is_output_line
 
    !> The arc of the loops that runs between the joints of a sketch; number 0: there is none.
    pure integer function arc_between(set, sweep, mechanism) result(n)

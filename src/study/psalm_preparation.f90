@@ -16,6 +16,7 @@ module psalm_preparation
    use psalm_start, only: read_vertices
    use psalm_search, only: result_t
    use psalm_status, only: diagnostics_t, level_warning
+   use psalm_sweep_group, only: sweep_group_t, sweep_of
    use psalm_system, only: memory_to_be_had, threads_to_be_had
    use psalm_text, only: to_text
    use psalm_dimensions, only: dimensions_t
@@ -89,6 +90,7 @@ contains
       if (set%is_beyond_arrays() .and. prepared%parameters%has_search()) &
          call choose_anchor(prepared%mechanism, inputs_of(set), prepared%given)
       if (any(.not. prepared%mechanism%actuators(2:)%geared)) call refuse_ranges(set, own)
+      call refuse_changes(set, prepared%mechanism, prepared%parameters, own)
       call check_regions(set%constr, prepared%mechanism, own)
       if (set%search%by_dyads .and. prepared%parameters%has_search()) then
          if (maxval(dyads_of_variables(prepared%mechanism, prepared%parameters)) == 1) &
@@ -119,6 +121,31 @@ contains
       if (set%method%ifree /= 0) call set%origins%error(findings, 'METHOD', 'IFREE', why)
       if (set%limits%iplot /= 0) call set%origins%error(findings, 'LIMITS', 'IPLOT', why)
    end subroutine refuse_ranges
+
+   !> What changes dimensions of links that brace each other: they meet with the lengths they have, and with no others.
+   subroutine refuse_changes(set, mechanism, parameters, findings)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(parameters_t), intent(in) :: parameters
+      type(diagnostics_t), intent(inout) :: findings
+      character(*), parameter :: why = 'links that brace each other (KOVER) meet with the lengths they have and no others; '// &
+                                       'leave it out, or draw the linkage without the links in excess'
+      type(sweep_group_t) :: sweep
+      logical :: braced(size(mechanism%arcs))
+      integer :: n
+
+      braced = [(mechanism%is_braced(mechanism%arcs(n)%loop), n=1, size(braced))]
+      if (.not. any(braced)) return
+      if (set%toler%given) call set%origins%error(findings, 'TOLER', '', why)
+      if (set%gives('SWEEP')) then
+         sweep = sweep_of(set)
+         if (any([(braced(n) .and. all(mechanism%arcs(n)%joints == sweep%joints .or. &
+                                       mechanism%arcs(n)%joints == sweep%joints([2, 1])), n=1, size(braced))])) &
+            call set%origins%error(findings, 'SWEEP', '', why)
+      end if
+      if (any(braced .and. (parameters%length_variable > 0 .or. parameters%angle_variable > 0))) &
+         call set%origins%error(findings, 'CHAIN', 'VARY', why)
+   end subroutine refuse_changes
 
    !> Threads that work on a case: as many as are asked for, fewer if the system does not give them.
    integer function threads_for(set, asked)
