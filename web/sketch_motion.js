@@ -361,10 +361,11 @@ board.motion = (() => {
     const mech = compile(anywhere(sketch)), pose = mech.origin.flatMap(([x, y]) => [x, y, 0]);
     const { A, n } = equations(mech, pose, mech.drives.map(() => 0));
     const tags = mech.rows.flatMap((row) => row.kind === 'pin' ? [row, row] : [row]).concat(mech.drives);
-    // rows are taken in their order; one that adds nothing is held twice
-    const basis = [], twice = [];
-    A.forEach((row, k) => {
-      const v = row.slice(), scale = Math.max(1e-12, ...row.map(Math.abs));
+    // rows are taken in their order; one that adds nothing is held twice. What special lengths allow is driven all the same
+    const basis = [], twice = [], order = A.map((_, k) => k);
+    if (sketch.kover) order.sort((a, b) => ('drive' in tags[b]) - ('drive' in tags[a]));
+    order.forEach((k) => {
+      const row = A[k], v = row.slice(), scale = Math.max(1e-12, ...row.map(Math.abs));
       for (const { column, w } of basis) {
         const f = v[column] / w[column];
         if (f) for (let j = 0; j < n; j++) v[j] -= f * w[j];

@@ -1304,10 +1304,12 @@ module psalm_board_text
    '    const mech = compile(anywhere(sketch)), pose = mech.origin.flatMap(([x, y]) => [x, y, 0]);'//nl// &
    '    const { A, n } = equations(mech, pose, mech.drives.map(() => 0));'//nl// &
    "    const tags = mech.rows.flatMap((row) => row.kind === 'pin' ? [row, row] : [row]).concat(mech.drives);"//nl// &
-   '    // rows are taken in their order; one that adds nothing is held twice'//nl// &
-   '    const basis = [], twice = [];'//nl// &
-   '    A.forEach((row, k) => {'//nl// &
-   '      const v = row.slice(), scale = Math.max(1e-12, ...row.map(Math.abs));'//nl// &
+   '    // rows are taken in their order; one that adds nothing is held twice. What special lengths allow is driven all the'// &
+   ' same'//nl// &
+   '    const basis = [], twice = [], order = A.map((_, k) => k);'//nl// &
+   "    if (sketch.kover) order.sort((a, b) => ('drive' in tags[b]) - ('drive' in tags[a]));"//nl// &
+   '    order.forEach((k) => {'//nl// &
+   '      const row = A[k], v = row.slice(), scale = Math.max(1e-12, ...row.map(Math.abs));'//nl// &
    '      for (const { column, w } of basis) {'//nl// &
    '        const f = v[column] / w[column];'//nl// &
    '        if (f) for (let j = 0; j < n; j++) v[j] -= f * w[j];'//nl// &
@@ -1394,11 +1396,11 @@ module psalm_board_text
    '        names.some((name) => sketch.links.find((l) => l.name === name).joints.includes(j.name)) && !sketch.outputs.some'// &
    '((o) => o.of.includes(j.name)));'//nl// &
    "      if (!sketch.drives.length && left === 1) return say('Freedom 1 and no drive: with the tool Drive click a frame jo"// &
-   "int, a slide, or pull a cylinder.', [], names);"//nl// &
-   "      return say('Loose: ' + (names.length > 1 ? 'links ' : 'link ') + listed(names) + ' can still move' + (held.length"// &
-   " ? ' with ' +"//nl
+   "int, a slide, or pull a cylinder.', [], names);"//nl
 
    character(*), parameter :: part_14 = &
+   "      return say('Loose: ' + (names.length > 1 ? 'links ' : 'link ') + listed(names) + ' can still move' + (held.length"// &
+   " ? ' with ' +"//nl// &
    "        listed(held) + ' held' : '') + '. ' + left + ' drive' + (left > 1 ? 's' : '') + ' more, or join them.' + (tail "// &
    "? ' Joint ' + tail.name +"//nl// &
    "        ' belongs to one link only: is it a frame joint? Then use the tool Pivot on it.' : ''), tail ? [tail.name] : []"// &
@@ -1503,10 +1505,10 @@ module psalm_board_text
    '    sketch.slides.forEach((slide, i) => drawRail(slide, i));'//nl// &
    '    sketch.gears.forEach((gear) => drawGear(gear, p));'//nl// &
    '    sketch.links.forEach((link, i) => drawLink(link, i, p));'//nl// &
-   "    sketch.drives.forEach((drive) => { if (drive.kind === 'cylinder') drawCylinder(drive, p); });"//nl// &
-   '    sketch.slides.forEach((slide, i) => drawBlock(slide, i, p));'//nl
+   "    sketch.drives.forEach((drive) => { if (drive.kind === 'cylinder') drawCylinder(drive, p); });"//nl
 
    character(*), parameter :: part_15 = &
+   '    sketch.slides.forEach((slide, i) => drawBlock(slide, i, p));'//nl// &
    '    sketch.joints.forEach((joint) => drawJoint(joint, p(joint.name)));'//nl// &
    "    sketch.drives.forEach((drive) => { if (drive.kind === 'turn') drawMotor(...p(drive.at[0])); });"//nl// &
    '    drawOutputs(p);'//nl// &
@@ -1611,10 +1613,10 @@ module psalm_board_text
    '          const [a, b] = chain.slice(-2);'//nl// &
    '          if ((b[0] - a[0]) * (q[1] - a[1]) - (b[1] - a[1]) * (q[0] - a[0]) > 1e-6) break;'//nl// &
    '          chain.pop();'//nl// &
-   '        }'//nl// &
-   '        chain.push(q);'//nl
+   '        }'//nl
 
    character(*), parameter :: part_16 = &
+   '        chain.push(q);'//nl// &
    '      }'//nl// &
    '      return chain;'//nl// &
    '    };'//nl// &
@@ -1717,10 +1719,10 @@ module psalm_board_text
    '    }'//nl// &
    '    g.fillStyle = pens.paper;'//nl// &
    '    g.strokeStyle = chosen ? pens.accent : wrong.has(joint.name) ? pens.warn : pens.ink;'//nl// &
-   '    g.lineWidth = 2.2;'//nl// &
-   '    g.beginPath();'//nl
+   '    g.lineWidth = 2.2;'//nl
 
    character(*), parameter :: part_17 = &
+   '    g.beginPath();'//nl// &
    '    g.arc(x, y, r, 0, ROUND);'//nl// &
    '    g.fill();'//nl// &
    '    g.stroke();'//nl// &
@@ -1825,10 +1827,10 @@ module psalm_board_text
    '    let best = null, least = touch ? FINGER : MOUSE;'//nl// &
    '    for (const joint of sketch.joints) {'//nl// &
    '      const [x, y] = p(joint.name), away = Math.hypot(px - x, py - y);'//nl// &
-   '      if (joint.name !== without && away < least) { best = { joint: joint.name }; least = away; }'//nl// &
-   '    }'//nl
+   '      if (joint.name !== without && away < least) { best = { joint: joint.name }; least = away; }'//nl
 
    character(*), parameter :: part_18 = &
+   '    }'//nl// &
    '    if (best) return best;'//nl// &
    '    sketch.slides.forEach((slide, i) => {'//nl// &
    '      const place = board.slidePlace(i);'//nl// &
@@ -1930,10 +1932,10 @@ module psalm_board_text
    ''//nl// &
    '  const check = (label, on, take) => {'//nl// &
    "    const box = make('input', { type: 'checkbox', 'aria-label': label, onchange: () => take(box.checked) });"//nl// &
-   '    box.checked = on;'//nl// &
-   '    return box;'//nl
+   '    box.checked = on;'//nl
 
    character(*), parameter :: part_19 = &
+   '    return box;'//nl// &
    '  };'//nl// &
    ''//nl// &
    '  function choice(label, options, value, take) {'//nl// &
@@ -2046,10 +2048,10 @@ module psalm_board_text
    "      row('through x', numberField('x of a point of the line', slide.x, set('x'))),"//nl// &
    "      row('y', numberField('y of a point of the line', slide.y, set('y'))),"//nl// &
    "      row('driven', check('the slide is driven', state.sketch.drives.some((d) => d.at[0] === name), () => board.tools.d"// &
-   "rive({ slide: name }))),"//nl// &
-   "      button('Delete', () => board.remove({ slide: name }))];"//nl
+   "rive({ slide: name }))),"//nl
 
    character(*), parameter :: part_20 = &
+   "      button('Delete', () => board.remove({ slide: name }))];"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function cylinderPart(at) {'//nl// &
@@ -2166,10 +2168,10 @@ module psalm_board_text
    "ass: 'wrong', role: 'alert' });"//nl// &
    '    box.value = board.write();'//nl// &
    "    const take = button('Take over', () => {"//nl// &
-   '      try {'//nl// &
-   '        const sketch = board.text.parse(box.value);'//nl
+   '      try {'//nl
 
    character(*), parameter :: part_21 = &
+   '        const sketch = board.text.parse(box.value);'//nl// &
    '        board.state.source = box.value;'//nl// &
    '        board.edit(() => { board.state.sketch = sketch; });'//nl// &
    '      } catch (error) {'//nl// &
@@ -2283,10 +2285,10 @@ module psalm_board_text
    ''//nl// &
    '  // ---- what tools do -----------------------------------------------------------------------------------------------'// &
    '-'//nl// &
-   ''//nl// &
-   '  const edit = (change) => board.edit(change);'//nl
+   ''//nl
 
    character(*), parameter :: part_22 = &
+   '  const edit = (change) => board.edit(change);'//nl// &
    ''//nl// &
    '  /** A joint at a place; on a link it belongs to it. Gives its name. */'//nl// &
    "  function addJoint(sketch, [x, y], on = '') {"//nl// &
@@ -2392,10 +2394,10 @@ module psalm_board_text
    ''//nl// &
    '  /** Two joints become one, in all their links. */'//nl// &
    '  function join(from, to) {'//nl// &
-   '    const swap = (names) => [...new Set(names.map((name) => name === from ? to : name))];'//nl// &
-   '    board.touch((sketch) => {'//nl
+   '    const swap = (names) => [...new Set(names.map((name) => name === from ? to : name))];'//nl
 
    character(*), parameter :: part_23 = &
+   '    board.touch((sketch) => {'//nl// &
    '      for (const one of sketch.links) one.joints = swap(one.joints);'//nl// &
    '      for (const one of sketch.lengths) one.joints = one.joints.map((name) => name === from ? to : name);'//nl// &
    '      sketch.lengths = sketch.lengths.filter((one) => one.joints[0] !== one.joints[1]);'//nl// &
@@ -2501,10 +2503,10 @@ module psalm_board_text
    '      drag(at);'//nl// &
    '    }'//nl// &
    '  }'//nl// &
-   ''//nl// &
-   "  /** Where the line that is pulled ends: a slide's turns in steps. */"//nl
+   ''//nl
 
    character(*), parameter :: part_24 = &
+   "  /** Where the line that is pulled ends: a slide's turns in steps. */"//nl// &
    '  function target({ tool, from }, at) {'//nl// &
    "    if (tool !== 'slider') return at.place;"//nl// &
    '    const dx = at.place[0] - from[0], dy = at.place[1] - from[1], d = Math.hypot(dx, dy), a = slideAngle(dx, dy) * Math'// &
@@ -2613,10 +2615,10 @@ module psalm_board_text
    ''//nl// &
    '  function pinchTo() {'//nl// &
    '    const [a, b] = [...pointers.values()], box = view.canvas.getBoundingClientRect(), now = spread();'//nl// &
-   '    view.zoom(now / pinch, (a.clientX + b.clientX) / 2 - box.left, (a.clientY + b.clientY) / 2 - box.top);'//nl// &
-   '    pinch = now;'//nl
+   '    view.zoom(now / pinch, (a.clientX + b.clientX) / 2 - box.left, (a.clientY + b.clientY) / 2 - box.top);'//nl
 
    character(*), parameter :: part_25 = &
+   '    pinch = now;'//nl// &
    '    view.draw();'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -2729,10 +2731,10 @@ module psalm_board_text
    "'use strict';"//nl// &
    ''//nl// &
    '(() => {'//nl// &
-   '  const { view, motion: solver, text: notation } = board;'//nl// &
-   '  const $ = (id) => document.getElementById(id);'//nl
+   '  const { view, motion: solver, text: notation } = board;'//nl
 
    character(*), parameter :: part_26 = &
+   '  const $ = (id) => document.getElementById(id);'//nl// &
    '  const MOST_UNDO = 200, TURN_TIME = 6, WAY_TIME = 4;      // seconds of a turn, of a way there'//nl// &
    '  const NEAR = 1e-3;                                       // part of a step of the sweep that is followed to a dead po'// &
    'int'//nl// &
@@ -2837,10 +2839,10 @@ module psalm_board_text
    '      for (const { joints: [a, b], value } of lengths) {'//nl// &
    '        const i = joints.findIndex((j) => j.name === a), k = joints.findIndex((j) => j.name === b);'//nl// &
    '        const dx = joints[k].x - joints[i].x, dy = joints[k].y - joints[i].y, d = Math.hypot(dx, dy) || 1e-9;'//nl// &
-   '        rows.push({ i, k, u: [dx / d, dy / d] });'//nl// &
-   '        right.push(value - d);'//nl
+   '        rows.push({ i, k, u: [dx / d, dy / d] });'//nl
 
    character(*), parameter :: part_27 = &
+   '        right.push(value - d);'//nl// &
    '      }'//nl// &
    '      worst = Math.max(0, ...right.map(Math.abs));'//nl// &
    '      if (!(worst >= 1e-13 * largest)) return !Number.isNaN(worst);'//nl// &
@@ -2946,10 +2948,10 @@ module psalm_board_text
    '  /** What follows from the sketch; `rough` while something is dragged. */'//nl// &
    '  function refresh(rough = false) {'//nl// &
    '    const { sketch } = state;'//nl// &
-   '    state.motion = {};'//nl// &
-   '    state.live = null;'//nl
+   '    state.motion = {};'//nl
 
    character(*), parameter :: part_28 = &
+   '    state.live = null;'//nl// &
    '    state.t = 0;'//nl// &
    '    state.messages = solver.judge(sketch);'//nl// &
    '    if (!state.messages.length) {'//nl// &
@@ -3054,10 +3056,10 @@ module psalm_board_text
    '        const phi = live.pose[3 * link + 2], c = Math.cos(phi), s = Math.sin(phi);'//nl// &
    '        return [live.pose[3 * link] + c * p[0] - s * p[1], live.pose[3 * link + 1] + s * p[0] + c * p[1]];'//nl// &
    '      };'//nl// &
-   '      [x, y] = at(moves === a ? row.a : row.b, moves === a ? row.p : row.q);'//nl// &
-   '      const phi = live.pose[3 * row.a + 2];'//nl
+   '      [x, y] = at(moves === a ? row.a : row.b, moves === a ? row.p : row.q);'//nl
 
    character(*), parameter :: part_29 = &
+   '      const phi = live.pose[3 * row.a + 2];'//nl// &
    '      u = [u[0] * Math.cos(phi) - u[1] * Math.sin(phi), u[0] * Math.sin(phi) + u[1] * Math.cos(phi)];'//nl// &
    '    }'//nl// &
    '    const joint = moves.joints.length ? places().get(moves.joints[0]) : [x, y];'//nl// &
@@ -3159,10 +3161,10 @@ module psalm_board_text
    '  const write = () => notation.write(state.sketch, state.source);'//nl// &
    ''//nl// &
    '  function save() {'//nl// &
-   "    const link = document.createElement('a');"//nl// &
-   "    link.href = URL.createObjectURL(new Blob([write()], { type: 'text/plain' }));"//nl
+   "    const link = document.createElement('a');"//nl
 
    character(*), parameter :: part_30 = &
+   "    link.href = URL.createObjectURL(new Blob([write()], { type: 'text/plain' }));"//nl// &
    "    link.download = state.file.replace(/\.(dev7|txt)$/, '.nml');"//nl// &
    '    link.click();'//nl// &
    '    setTimeout(() => URL.revokeObjectURL(link.href), 1000);'//nl// &

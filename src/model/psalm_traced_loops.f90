@@ -116,6 +116,7 @@ module psalm_traced_loops
       procedure :: is_dyad
       procedure :: number_of
       procedure :: output_line
+      procedure :: are_of_one_crank
       procedure :: take_dimensions
       procedure :: are_beyond_arrays
    end type loops_t
@@ -137,6 +138,14 @@ contains
 
       number_of = findloc(self%arcs%loop == loop .and. self%arcs%place == place, .true., dim=1)
    end function number_of
+
+   !> True if one drive on the frame moves all, without wheels in gear, and there is more than the link that it moves.
+   pure logical function are_of_one_crank(self)
+      class(loops_t), intent(in) :: self
+
+      are_of_one_crank = .not. (any(self%gears%drive == 0) .or. size(self%seconds) > 0 .or. self%floating) .and. &
+                         any(self%arcs%kind == traced_link .or. self%arcs%kind == traced_slide)
+   end function are_of_one_crank
 
    !> The two joints between which OUTLK is measured, the output last; 0: there is no such length.
    pure function output_line(self) result(joints)

@@ -37,12 +37,13 @@ contains
 
    !> Find joints and slides. The plan must then be made with `points`. Joints of the frame are where they were drawn; with
    !> `dimensions` that are not, or not only, those of the drawing they are where these put them, and so is the first output.
-   subroutine locate_sketch(set, mechanism, sketch, dimensions, with_slides)
+   subroutine locate_sketch(set, mechanism, sketch, dimensions, with_slides, with_links)
       type(data_set_t), intent(in) :: set               !! a sketch with its loops
       type(mechanism_t), intent(in) :: mechanism
       type(sketch_motion_t), intent(out) :: sketch
       type(dimensions_t), intent(in), optional :: dimensions
       logical, intent(in), optional :: with_slides      !! after the joints come the points of slides, on their second links
+      logical, intent(in), optional :: with_links       !! in place of slides: where the axes of links without joints begin
       type(place_t) :: place
       integer :: j, k
 
@@ -60,6 +61,17 @@ contains
             do k = 1, size(set%traced%shoes)
                call add_moving(mechanism, size(set%traced%joint_places) + k, set%traced%shoes(k), sketch)
             end do
+         end if
+      end if
+      if (present(with_links)) then
+         if (with_links) then
+            associate (links => set%sketch%links)
+               sketch%drawn = [sketch%drawn, [((0.0_wp, 0.0_wp), k=1, size(links))]]
+               do k = 1, size(links)
+                  if (k == frame_link .or. size(links(k)%joints) > 0) cycle
+                  call add_moving(mechanism, size(set%traced%joint_places) + k, set%traced%link_places(k), sketch)
+               end do
+            end associate
          end if
       end if
       allocate (sketch%arcs(size(set%traced%travels)), source=0)

@@ -48,6 +48,7 @@ contains
       class(prepared_t), allocatable :: prepared
       real(wp), allocatable :: chosen             ! not allocated: absent where it is an argument
       integer :: k
+      logical :: by_links
 
       allocate (cases(size(sets)), prepared)
       read = finding_list(findings)
@@ -70,7 +71,13 @@ contains
             call message_scene(sets(k), own, cases(k)%scene)
             cycle
          end if
-         if (allocated(sets(k)%no_loops)) then
+         if (sets(k)%sketch%given) then
+            by_links = .not. allocated(sets(k)%traced)
+            if (.not. by_links) by_links = .not. sets(k)%traced%are_of_one_crank()
+         else
+            by_links = .false.
+         end if
+         if (by_links) then
             call make_chain_scene(sets(k), own, cases(k)%scene, chosen)
             cycle
          end if

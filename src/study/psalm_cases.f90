@@ -1,7 +1,6 @@
 !> The cases of a file, whichever way their linkages are described: what follows works on loops.
 module psalm_cases
    use psalm_data_set, only: data_set_t, read_data_sets, read_data_set_text
-   use psalm_group_table, only: everything
    use psalm_kinds, only: wp
    use psalm_loop_check, only: check_loops
    use psalm_loop_forces, only: asks_for_forces, loops_carry_forces
@@ -17,9 +16,6 @@ module psalm_cases
    character(*), parameter :: no_forces = 'forces to be found, and loops that leave out '
    character(*), parameter :: no_pose = 'desired poses whose direction is not that from an end of an arc to their point'
    character(*), parameter :: no_dimension = 'dimensions to be searched that its loops do not have'
-
-   !> Programs that take gears, geared and floating drives by loops.
-   character(*), parameter :: takes_all_drives(5) = [character(6) :: 'kalm', 'muscle', 'ssics', 'bridge', everything]
 
 contains
 
@@ -59,16 +55,15 @@ contains
       if (present(program)) reader = program
       do i = 1, size(sets)
          if (.not. sets(i)%sketch%given) cycle
-         call resolve(sets(i), reader /= 'psalm', any(reader == takes_all_drives), findings)
+         call resolve(sets(i), reader /= 'psalm', findings)
          if (allocated(sets(i)%no_loops)) call refuse_without_loops(sets(i), reader, findings)
       end do
    end subroutine resolve_all
 
    !> The loops of a sketch, unless they do not give its joints at the drawing, or not its forces: then it is solved in its poses.
-   subroutine resolve(set, forces, rates, findings)
+   subroutine resolve(set, forces, findings)
       type(data_set_t), intent(inout) :: set
       logical, intent(in) :: forces                          !! the program finds them
-      logical, intent(in) :: rates                           !! it takes gears, geared and floating drives by loops
       type(diagnostics_t), intent(inout) :: findings
       class(data_set_t), allocatable :: as_read    ! large: it would fill a small stack
       type(diagnostics_t) :: own
@@ -85,14 +80,9 @@ contains
       if (own%failed() .and. .not. allocated(set%no_loops) .and. wants_poses(as_read)) why = no_pose
       if (.not. own%failed() .and. set%loops() > 0) then
          call check_loops(set, why)
-         ! the other programs draw wheels, or work on one drive; kalm tells what each drive does by itself
+         ! speeds of drives are counted by that of the first
          if (len(why) == 0 .and. forces .and. any(.not. set%traced%seconds%geared) .and. &
              .not. abs(set%rates%speed) > 0.0_wp) why = 'several drives, the first of which stands still'
-         if (.not. rates) then
-            if (len(why) == 0 .and. forces .and. any(set%traced%gears%drive == 0)) why = 'gears'
-            if (len(why) == 0 .and. forces .and. size(set%traced%seconds) > 0) why = 'several drives'
-            if (len(why) == 0 .and. forces .and. set%traced%floating) why = 'a drive that is not on the frame'
-         end if
          if (len(why) == 0 .and. forces .and. asks_for_forces(as_read)) then
             if (.not. loops_carry_forces(set, slide)) then
                why = no_forces//what_of(set, slide)

@@ -5,6 +5,7 @@ module psalm_chain_study
    use psalm_closure, only: closure_t, state_t, most_orders
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp, full_turn, radians_per_degree
+   use psalm_link_poses, only: find_poses
    use psalm_sketch, only: drive_turns, output_ratio, columns_of
    use psalm_sketch_case, only: assemble_sketch
    use psalm_sketch_outputs, only: names_of_numbers, unwrap
@@ -61,6 +62,15 @@ contains
             rate(d, 1, :) = drives(d)%speed
             rate(d, 2, :) = drives(d)%accel
          end do
+         if (allocated(set%traced)) then
+            call find_poses(set, study%closure, study%inputs, speed, accel, study, study%motion)
+            do k = 1, positions
+               allocate (study%motion%states(k)%input(size(drives), 0:most_orders))
+               study%motion%states(k)%input(:, 0) = angles(:, k)
+               study%motion%states(k)%input(:, 1:) = rate(:, :, k)
+            end do
+            return
+         end if
          if (turn_repeats(set)) then
             call follow(study%closure, study%start, angles, rate, study%motion, full_turn*radians_per_degree* &
                         [(merge(drives(d)%ratio, 1.0_wp, drives(d)%geared), d=1, size(drives))])
