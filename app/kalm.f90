@@ -105,7 +105,7 @@ contains
          end if
       end if
       if (set%sketch%given) then
-         call study_sketch(set, problem, prepared%given, rates%motion%closed, set%rates%speed, set%rates%accel, sketch)
+         call study_sketch(set, problem, prepared%given, rates%motion%closed, set%pace(), set%change_of_pace(), sketch)
          call report_sketch_table(set, sketch, accelerations, devices)
          call report_still_drives(set, devices)
       else if (arguments%json) then

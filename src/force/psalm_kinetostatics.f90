@@ -541,7 +541,13 @@ contains
       integer :: j, k, d
 
       associate (mechanism => problem%mechanism, link => problem%linkage, group => problem%mechanism%groups(loop))
-         links = mechanism%arcs(group%members)%body
+         ! in a ring of slides a link has two unknown arcs
+         allocate (links(0))
+         do j = 1, size(group%members)
+            associate (body => mechanism%arcs(group%members(j))%body)
+               if (all(links /= body)) links = [links, body]
+            end associate
+         end do
          do d = 1, size(mechanism%actuators)
             ! what a drive moves along a link has no unknown
             associate (actuator => mechanism%actuators(d))
@@ -651,16 +657,19 @@ contains
       type(forces_t), intent(in) :: forces
       integer, intent(in) :: loop
       type(group_couple_t), allocatable, intent(out) :: couples(:)
-      integer :: t, k
+      integer :: t, c, k
 
       if (.not. allocated(problem%mechanism%groups(loop)%ties)) then
          allocate (couples(0))
          return
       end if
       associate (ties => problem%mechanism%groups(loop)%ties, link => problem%linkage)
-         allocate (couples(size(ties)))
+         allocate (couples(count(.not. ties%of_slides)))
+         c = 0
          do t = 1, size(ties)
-            associate (own => couples(t), tie => ties(t))
+            if (ties(t)%of_slides) cycle
+            c = c + 1
+            associate (own => couples(c), tie => ties(t))
                own%factors = tie%factors
                if (tie%drive > 0) own%drive = forces%drives(tie%drive)
                do k = 1, size(tie%axes)

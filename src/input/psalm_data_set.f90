@@ -76,6 +76,9 @@ module psalm_data_set
       procedure :: motion
       procedure :: has_stand_in
       procedure :: drawn_input
+      procedure :: counts_time
+      procedure :: pace
+      procedure :: change_of_pace
       procedure :: wants_search
       procedure :: place_of
       procedure :: gives
@@ -114,6 +117,34 @@ contains
       drawn_input = 0.0_wp
       if (allocated(self%traced)) drawn_input = self%traced%input
    end function drawn_input
+
+   !> True if the first drive stands still while others move: rates are then counted by time, not by its input.
+   pure logical function counts_time(self)
+      class(data_set_t), intent(in) :: self
+      integer :: d
+
+      counts_time = self%sketch%given .and. .not. abs(self%rates%speed) > 0.0_wp
+      if (.not. counts_time) return
+      counts_time = any([(.not. self%sketch%drives(d)%geared .and. max(abs(self%sketch%drives(d)%speed), &
+                                                                      abs(self%sketch%drives(d)%accel)) > 0.0_wp, &
+                          d=2, size(self%sketch%drives))])
+   end function counts_time
+
+   !> Speed of what rates are counted by: of the first drive, radians or length a second; of time 1.
+   pure real(wp) function pace(self)
+      class(data_set_t), intent(in) :: self
+
+      pace = self%rates%speed
+      if (self%counts_time()) pace = 1.0_wp
+   end function pace
+
+   !> Its acceleration.
+   pure real(wp) function change_of_pace(self)
+      class(data_set_t), intent(in) :: self
+
+      change_of_pace = self%rates%accel
+      if (self%counts_time()) change_of_pace = 0.0_wp
+   end function change_of_pace
 
    !> True if any dimension may vary (and IKIN does not override it).
    pure logical function wants_search(self)

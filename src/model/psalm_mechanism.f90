@@ -82,6 +82,7 @@ module psalm_mechanism
       integer :: axes(3) = 0            !! an arc of each link itself; 0: none, or the frame
       integer :: centre(2) = 0, centre_end(2) = at_start !! of wheels: arcs, and which ends of them, at the centres; 0: none
       integer :: joint = 0              !! of wheels: their joint
+      logical :: of_slides = .false.    !! links that slide on each other in a ring: the couples are those of the slides
    end type tie_t
 
    !> What closes a group: a ring of arcs, or several.

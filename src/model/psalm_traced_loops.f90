@@ -55,6 +55,7 @@ module psalm_traced_loops
       integer :: wheels(2) = 0, carrier = 0 !! links
       real(wp) :: ratio = 0.0_wp
       integer :: drive = 0                  !! 0: a gear pair
+      logical :: of_slides = .false.        !! no gear pair, but links in a ring of slides: they have one direction
       integer :: centres(2) = 0             !! of a gear pair: the joints of the wheels and the carrier; 0: there is none
    end type traced_gear_t
 
@@ -143,7 +144,8 @@ contains
    pure logical function are_of_one_crank(self)
       class(loops_t), intent(in) :: self
 
-      are_of_one_crank = .not. (any(self%gears%drive == 0) .or. size(self%seconds) > 0 .or. self%floating) .and. &
+      are_of_one_crank = .not. (self%floating .or. size(self%seconds) > 0 .or. &
+                                any(self%gears%drive == 0 .and. .not. self%gears%of_slides)) .and. &
                          any(self%arcs%kind == traced_link .or. self%arcs%kind == traced_slide)
    end function are_of_one_crank
 

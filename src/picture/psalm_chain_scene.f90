@@ -50,7 +50,7 @@ contains
       call message_scene(set, findings, scene)
       if (size(scene%errors) > 0) return
       allocate (own)
-      call study_chain(set, set%rates%speed, set%rates%accel, own, inputs)
+      call study_chain(set, set%rates%speed, set%rates%accel, own, inputs, by_loops=.true.)
       if (.not. own%sound) return
       scene%sound = .true.
       scene%tangle = set%limits%tangle
@@ -163,7 +163,7 @@ contains
          end do
          if (allocated(sweep)) deallocate (sweep)
          allocate (sweep)
-         call study_chain(set, set%rates%speed, set%rates%accel, sweep, inputs)
+         call study_chain(set, set%rates%speed, set%rates%accel, sweep, inputs, by_loops=.true.)
       end subroutine run
 
       !> True if a whole turn closes everywhere and ends where it began.

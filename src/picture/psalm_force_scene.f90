@@ -55,11 +55,11 @@ contains
       call make_force_model(set, problem%mechanism, dimensions, model, unused)
       call problem%want_derivatives(.true., vertices_of(problem%mechanism))
       call problem%analyse(dimensions, motion)
-      call trace_forces(problem, model, set%rates%speed, set%rates%accel, motion%closed, motion%input, &
+      call trace_forces(problem, model, set%pace(), set%change_of_pace(), motion%closed, motion%input, &
                         set%masses%added, forces%prescribed)
       call problem%set_inputs(sweep)
       call problem%analyse(dimensions, motion)
-      call trace_forces(problem, model, set%rates%speed, set%rates%accel, motion%closed, motion%input, &
+      call trace_forces(problem, model, set%pace(), set%change_of_pace(), motion%closed, motion%input, &
                         set%masses%added, forces%sweep)
       allocate (forces%joints(size(problem%mechanism%joints)))
       do j = 1, size(forces%joints)
@@ -86,7 +86,7 @@ contains
       if (set%masses%added + set%springs%added == 0) return
       call make_force_model(set, problem%mechanism, dimensions, model, unused, without_added=.true.)
       allocate (forces%bare)
-      call analyse_forces(problem, model, set%rates%speed, set%rates%accel, motion%closed, motion%input, forces%bare)
+      call analyse_forces(problem, model, set%pace(), set%change_of_pace(), motion%closed, motion%input, forces%bare)
    end subroutine make_force_scene
 
    !> Corners of what counterweights and springs take over the prescribed positions.

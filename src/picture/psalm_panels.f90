@@ -119,7 +119,7 @@ contains
       call make_problem(set, mechanism, dimensions, no_parameters(mechanism), problem)
       call problem%set_inputs(delt)
       call problem%analyse(dimensions, motion)
-      call study_sketch(set, problem, dimensions, motion%closed, set%rates%speed, set%rates%accel, study)
+      call study_sketch(set, problem, dimensions, motion%closed, set%pace(), set%change_of_pace(), study)
       call add_study_panels(set, study, merge(1, 2, set%has_stand_in()), size_of, panels)
    end subroutine add_sketch_panels
 

@@ -41,8 +41,12 @@ contains
       end if
       do loop = 1, mechanism%nloop
          do which = 1, size(mechanism%groups(loop)%members)
-            body = body + 1
             n = mechanism%groups(loop)%members(which)
+            if (second_of(n) > 0) then
+               mechanism%arcs(n)%body = second_of(n)
+               cycle
+            end if
+            body = body + 1
             mechanism%bodies(body)%axis = n
             mechanism%bodies(body)%name = 'arc '//to_text(mechanism%arcs(n)%place)//' of loop '//to_text(loop)
          end do
@@ -70,6 +74,21 @@ contains
          if (.not. mechanism%arcs(n)%frame) mechanism%arcs(n)%body = mechanism%arcs(mechanism%arcs(n)%reference)%body
       end do
       call list_arcs(mechanism)
+
+   contains
+
+      !> The body of an arc's link, if a link of a sketch has another unknown arc before: it slides in a ring of slides. 0: none.
+      pure integer function second_of(arc) result(earlier)
+         integer, intent(in) :: arc
+
+         if (mechanism%arcs(arc)%kind == arc_slide .and. mechanism%arcs(arc)%link > 0) then
+            do earlier = body, body_input, -1
+               if (mechanism%bodies(earlier)%axis == 0) cycle
+               if (mechanism%arcs(mechanism%bodies(earlier)%axis)%link == mechanism%arcs(arc)%link) return
+            end do
+         end if
+         earlier = 0
+      end function second_of
    end subroutine assign_bodies
 
    !> The arcs of every body.
@@ -323,7 +342,7 @@ contains
       if (.not. allocated(mechanism%groups(loop)%ties)) return
       associate (ties => mechanism%groups(loop)%ties)
          do k = 1, size(ties)
-            if (ties(k)%drive > 0) cycle
+            if (ties(k)%drive > 0 .or. ties(k)%of_slides) cycle
             mechanism%joints = [mechanism%joints, joint_t()]
             ties(k)%joint = size(mechanism%joints)
             associate (joint => mechanism%joints(size(mechanism%joints)))

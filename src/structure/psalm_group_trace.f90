@@ -79,7 +79,7 @@ contains
          call find_ear(pairs, survey%known, from, ear)
          if (size(ear%pairs) == 0 .and. from > 0) then
             ! the driven link has an arc of its own, whatever hangs on it
-            call trace_ring(closure, state, loop, first, pairs, ear, along, survey, loops, why)
+            call trace_ring(closure, state, loop, first, pairs, ear, along, gears, survey, loops, why)
             cycle
          end if
          if (size(ear%pairs) == 0) call find_branch(pairs, survey%known, along, ear)
@@ -87,7 +87,7 @@ contains
             why = 'links that hang on each other only'
             return
          end if
-         call trace_ring(closure, state, loop, first, pairs, ear, along, survey, loops, why)
+         call trace_ring(closure, state, loop, first, pairs, ear, along, gears, survey, loops, why)
          if (len(why) > 0) return
          pairs(ear%pairs)%used = .true.
          do k = 1, size(ear%links)
@@ -135,12 +135,14 @@ contains
       type(loops_t), intent(inout) :: loops
       character(:), allocatable, intent(inout) :: why
       type(pair_t) :: pairs(0)
+      type(traced_gear_t), allocatable :: gears(:)
       type(ear_t) :: ear
       integer :: along(size(closure%sketch%slides))
 
       along = 0
       allocate (ear%links(0), ear%pairs(0))
-      call trace_ring(closure, state, 1, 0, pairs, ear, along, survey, loops, why)
+      allocate (gears(0))
+      call trace_ring(closure, state, 1, 0, pairs, ear, along, gears, survey, loops, why)
       loops%longest = size(loops%arcs)
    end subroutine trace_input_alone
 
@@ -320,19 +322,20 @@ contains
    end subroutine find_branch
 
    !> One ring: from the input pivot to the chain, along it, and back; of a branch to its end.
-   subroutine trace_ring(closure, state, loop, first, pairs, ear, along, survey, loops, why)
+   subroutine trace_ring(closure, state, loop, first, pairs, ear, along, gears, survey, loops, why)
       type(closure_t), intent(in) :: closure
       type(state_t), intent(in) :: state
       integer, intent(in) :: loop, first           !! the loop, and how many arcs come before it
       type(pair_t), intent(in) :: pairs(:)
       type(ear_t), intent(in) :: ear
       integer, intent(in) :: along(:)              !! by slide: the drive along it, 0: none
+      type(traced_gear_t), allocatable, intent(inout) :: gears(:) !! of the group: a ring of slides is one more
       type(survey_t), intent(inout) :: survey
       type(loops_t), intent(inout) :: loops
       character(:), allocatable, intent(inout) :: why
       type(path_step_t), allocatable :: out(:), back(:)
       type(traced_ring_t) :: ring
-      logical :: from_right(size(ear%links)), found
+      logical :: from_right(size(ear%links)), found, ring_of_slides
       integer, allocatable :: at(:)
       integer :: i, k, n, begin
 
@@ -352,6 +355,7 @@ contains
          end if
          ! the direction of a chain's end that slides on what is known comes from there
          from_right = .false.
+         ring_of_slides = .false.
          if (size(ear%pairs) == 0) then
             call trace_input()
             return
@@ -366,9 +370,13 @@ contains
                from_right(i) = .true.
                if (pairs(ear%pairs(i))%slide == 0) exit
             end do
-            if (n == 0 .or. (i == 0 .and. n > 0)) then
-               why = 'a ring of slides only'
-               return
+            ring_of_slides = i == 0
+            if (ring_of_slides) then
+               ! all links of the ring have the direction of the first known one, and so has the last
+               from_right = .false.
+               if (.not. ring%closed) why = 'slides that lead nowhere'
+               if (len(why) > 0) return
+               gears = [gears, traced_gear_t(0, [ear%first_link, ear%last_link], frame_link, 1.0_wp, of_slides=.true.)]
             end if
          end if
          call shortest(survey, loops%start, point_on(ear%first_link, 1), .true., out, found)
@@ -543,17 +551,20 @@ contains
          integer, intent(in) :: i
          type(traced_t) :: arc
          integer :: body, guide
+         logical :: from_last
          real(wp) :: turn
 
          associate (pair => pairs(ear%pairs(i)))
             if (pair%slide == 0) return
             body = link_at(i)
             guide = link_at(i - 1)
-            if (i > 1) then
-               if (from_right(i - 1)) then
-                  body = link_at(i - 1)
-                  guide = link_at(i)
-               end if
+            from_last = ring_of_slides .and. i == n + 1
+            ! between two links that are known: an arc of the one that the group finds
+            if (n == 0 .and. closure%order%of_link(ear%first_link) < closure%order%of_link(ear%last_link)) from_last = .false.
+            if (i > 1 .and. .not. from_last) from_last = from_right(i - 1)
+            if (from_last) then
+               body = link_at(i - 1)
+               guide = link_at(i)
             end if
             turn = state%phi(closure%sketch%slides(pair%slide)%links(1), 0)*degrees_per_radian
             arc = traced_t(traced_slide, loop, size(loops%arcs) - first + 1, body, &
@@ -569,7 +580,7 @@ contains
                if (closure%sketch%drives(arc%drive)%link == link_at(i - 1)) arc%direction = arc%direction + half_turn
             end if
             loops%arcs = [loops%arcs, arc]
-            loops%axis(body) = size(loops%arcs)
+            if (loops%axis(body) == 0 .or. .not. ring_of_slides) loops%axis(body) = size(loops%arcs)
             if (arc%drive > 1) loops%seconds(arc%drive - 1)%arc = size(loops%arcs)
             call add_passes(arc%ends, size(loops%arcs))
          end associate

@@ -27,17 +27,15 @@ contains
 
    !> True if every joint of a sketch's loops is one of the sketch, between the same links, and every place of a mass, load,
    !> spring or shoe is on its link. Also true where the loops have mistakes: those are reported elsewhere.
-   logical function loops_carry_forces(set, left_out)
+   logical function loops_carry_forces(set)
       type(data_set_t), intent(in) :: set                !! with the loops chosen
-      integer, intent(out) :: left_out                   !! a slide of the sketch that is no joint of the loops; 0: none is
       class(mechanism_t), allocatable :: mechanism
       type(dimensions_t) :: dimensions
       type(parameters_t) :: parameters
       type(diagnostics_t) :: findings
-      integer :: k, slide
+      integer :: k
 
       loops_carry_forces = .true.
-      left_out = 0
       allocate (mechanism)
       call set_up(set, mechanism, dimensions, parameters, findings)
       if (findings%failed()) return
@@ -47,22 +45,8 @@ contains
                            .and. all([(is_on_link(set%springs%first(k)), k=1, size(set%springs%first))]) &
                            .and. all([(is_on_link(set%springs%second(k)), k=1, size(set%springs%second))]) &
                            .and. all([(is_on_link(set%traced%shoes(k)), k=1, size(set%traced%shoes))])
-      if (loops_carry_forces) return
-      do slide = size(set%sketch%slides), 1, -1
-         if (.not. any([(is_this_slide(mechanism%joints(k)), k=1, size(mechanism%joints))])) left_out = slide
-      end do
 
    contains
-
-      pure logical function is_this_slide(joint)
-         type(joint_t), intent(in) :: joint
-
-         is_this_slide = joint%kind == joint_prismatic
-         if (.not. is_this_slide) return
-         associate (arc => mechanism%arcs(joint%slide))
-            is_this_slide = arc%rail == slide .and. is_of_sketch(joint)
-         end associate
-      end function is_this_slide
 
       pure logical function is_of_sketch(joint)
          type(joint_t), intent(in) :: joint

@@ -61,18 +61,24 @@ contains
       call find_repeated(set, findings)
    end subroutine set_up
 
-   !> How the drives move while the first does: geared ones with it, others at speeds of their own.
+   !> How the drives move while the first does: geared ones with it, others at speeds of their own. Where it stands still all are
+   !> counted by time.
    pure subroutine take_speeds(set, mechanism)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(inout) :: mechanism
       real(wp), parameter :: accelerated = 3.0_wp
       integer :: d
 
+      if (set%counts_time()) mechanism%actuators(1)%by_first = [0.0_wp, set%rates%accel, 0.0_wp]
       do d = 2, size(mechanism%actuators)
          associate (own => mechanism%actuators(d), drive => set%sketch%drives(d), speed => set%rates%speed, &
                     accel => set%rates%accel)
             if (own%geared) then
-               own%by_first(1) = own%ratio*unit_of(own%slides)/unit_of(mechanism%sliding_input)
+               own%by_first = own%ratio*unit_of(own%slides)/unit_of(mechanism%sliding_input)*mechanism%actuators(1)%by_first
+               cycle
+            end if
+            if (set%counts_time()) then
+               own%by_first = [drive%speed, drive%accel, 0.0_wp]
                cycle
             end if
             own%by_first = 0.0_wp

@@ -45,10 +45,11 @@ module psalm_sketch_case
 contains
 
    !> Give a case whose linkage is a sketch its loops. Cases without one are left as they are.
-   subroutine resolve_sketch(set, findings, no_loops)
+   subroutine resolve_sketch(set, findings, no_loops, as_groups)
       type(data_set_t), intent(inout) :: set
       type(diagnostics_t), intent(inout) :: findings
       character(*), intent(in), optional :: no_loops !! why it is to be solved in its poses, though loops were found
+      logical, intent(in), optional :: as_groups     !! trace dyads as larger groups
       type(closure_t) :: closure
       type(state_t) :: state
       type(loops_t) :: loops
@@ -57,7 +58,7 @@ contains
       if (.not. set%sketch%given) return
       call assemble_sketch(set, closure, state, sound, findings)
       if (.not. sound) return
-      call make_loops(closure, state, loops)
+      call make_loops(closure, state, loops, as_groups)
       if (loops%found .and. present(no_loops)) then
          loops%found = .false.
          loops%why = no_loops

@@ -19,10 +19,11 @@ module psalm_sketch_loops
 contains
 
    !> Choose the loops. `state` is the sketch as assembled.
-   subroutine make_loops(closure, state, loops)
+   subroutine make_loops(closure, state, loops, as_groups)
       type(closure_t), intent(in) :: closure
       type(state_t), intent(in) :: state
       type(loops_t), intent(out) :: loops
+      logical, intent(in), optional :: as_groups   !! trace dyads as larger groups, too: every joint and slide is in an arc's end
       type(survey_t) :: survey
       type(traced_dyad_t) :: dyad
       integer, allocatable :: order(:)
@@ -75,6 +76,7 @@ contains
             call understand(closure, order(k), survey, dyad, valid)
             ! what drives there are besides an input link is laid out by the rings of a larger group
             if (k == 1 .and. (loops%floating .or. any(on_frame(2:) .and. sketch%drives(2:)%kind == drive_slides))) valid = .false.
+            if (present(as_groups)) valid = valid .and. .not. as_groups
             ! with both ends on one link it moves with that link: loops of dyads have arcs of two
             if (valid) valid = dyad%known(1) /= dyad%known(2)
             if (valid) call close_loop(closure, state, dyad, survey, loops, valid)

@@ -192,6 +192,7 @@ contains
       links = [gear%wheels, gear%carrier]
       tie%factors = [gear%ratio, -1.0_wp, 1.0_wp - gear%ratio]
       tie%drive = gear%drive
+      tie%of_slides = gear%of_slides
       if (gear%drive > 0) tie%factors = [1.0_wp, -1.0_wp, 0.0_wp]
       do k = 1, size(links)
          tie%arcs(k) = turning_arc(traced, links(k))

@@ -200,7 +200,7 @@ contains
       call make_force_model(set, problem%mechanism, dimensions, model, unused)
       call problem%want_derivatives(.true., vertices_of(problem%mechanism))
       call problem%analyse(dimensions, motion)
-      call analyse_forces(problem, model, set%rates%speed, set%rates%accel, motion%closed, motion%input, table)
+      call analyse_forces(problem, model, set%pace(), set%change_of_pace(), motion%closed, motion%input, table)
       study%trouble = findloc([(table%known(k), k=1, size(motion%input))], .false., dim=1)
       study%sliding = problem%mechanism%sliding_input
       call name_bodies(problem%mechanism, study)
@@ -331,13 +331,13 @@ contains
       bare%gravity = 0.0_wp
       deallocate (bare%loads, bare%springs)
       allocate (bare%loads(0), bare%springs(0))
-      call analyse_forces(problem, bare, set%rates%speed, set%rates%accel, motion%closed, motion%input, shaking)
-      call loads_of_unit_masses(problem, model, set%rates%speed, set%rates%accel, inertia)
+      call analyse_forces(problem, bare, set%pace(), set%change_of_pace(), motion%closed, motion%input, shaking)
+      call loads_of_unit_masses(problem, model, set%pace(), set%change_of_pace(), inertia)
       allocate (study%channels(first_joint_channel - 1 + size(problem%mechanism%joints)))
       study%channels(channel_force) = channel_of('SHAKING FORCE', shaking%value, inertia, [column_fx, column_fy])
       study%channels(channel_moment) = channel_of('SHAKING MOMENT', moments(shaking%value), moments_of_masses(), [1])
       if (any(abs(model%gravity) > 0.0_wp)) then
-         call loads_of_unit_masses(problem, model, set%rates%speed, set%rates%accel, weight, source_weight)
+         call loads_of_unit_masses(problem, model, set%pace(), set%change_of_pace(), weight, source_weight)
          inertia = inertia + weight
       end if
       study%channels(channel_torque) = channel_of(trim(merge('DRIVE FORCE ', 'DRIVE TORQUE', study%sliding)), table%value, &

@@ -13,7 +13,7 @@ module psalm_cases
    public :: read_cases, read_case_text
 
    !> Why a sketch is solved in poses though it has loops.
-   character(*), parameter :: no_forces = 'forces to be found, and loops that leave out '
+   character(*), parameter :: no_forces = 'forces to be found, and loops that leave out a joint'
    character(*), parameter :: no_pose = 'desired poses whose direction is not that from an end of an arc to their point'
    character(*), parameter :: no_dimension = 'dimensions to be searched that its loops do not have'
 
@@ -68,7 +68,7 @@ contains
       class(data_set_t), allocatable :: as_read    ! large: it would fill a small stack
       type(diagnostics_t) :: own
       character(:), allocatable :: why
-      integer :: slide
+      logical :: carry
 
       own%file = findings%file
       allocate (as_read, source=set)
@@ -80,24 +80,39 @@ contains
       if (own%failed() .and. .not. allocated(set%no_loops) .and. wants_poses(as_read)) why = no_pose
       if (.not. own%failed() .and. set%loops() > 0) then
          call check_loops(set, why)
-         ! speeds of drives are counted by that of the first
-         if (len(why) == 0 .and. forces .and. any(.not. set%traced%seconds%geared) .and. &
-             .not. abs(set%rates%speed) > 0.0_wp) why = 'several drives, the first of which stands still'
-         if (len(why) == 0 .and. forces .and. asks_for_forces(as_read)) then
-            if (.not. loops_carry_forces(set, slide)) then
-               why = no_forces//what_of(set, slide)
+         carry = len(why) == 0
+         if (carry .and. forces .and. asks_for_forces(as_read)) carry = loops_carry_forces(set)
+         if (.not. carry) then
+            ! an arc to every joint and slide
+            call take(as_read)
+            own = diagnostics_t()
+            own%file = findings%file
+            call resolve_sketch(set, own, as_groups=.true.)
+            if (.not. own%failed() .and. set%loops() > 0) then
+               call check_loops(set, why)
+               if (len(why) == 0 .and. forces .and. asks_for_forces(as_read)) then
+                  if (.not. loops_carry_forces(set)) why = no_forces
+               end if
             end if
          end if
       end if
       if (len(why) > 0) then
-         select type (as_read)
-         type is (data_set_t)
-            set = as_read
-         end select
+         call take(as_read)
          call resolve_sketch(set, findings, why)
          return
       end if
       call findings%append(own)
+
+   contains
+
+      subroutine take(other)
+         class(data_set_t), intent(in) :: other
+
+         select type (other)
+         type is (data_set_t)
+            set = other
+         end select
+      end subroutine take
    end subroutine resolve
 
    !> True if the first output is a pose that has desired values.
@@ -107,17 +122,4 @@ contains
       wants_poses = set%method%desired .and. size(set%sketch%outputs) > 0
       if (wants_poses) wants_poses = set%sketch%outputs(1)%kind == output_pose
    end function wants_poses
-
-   !> What loops leave out, in words.
-   pure function what_of(set, slide) result(words)
-      type(data_set_t), intent(in) :: set
-      integer, intent(in) :: slide                           !! of the sketch; 0: a pin, or a place on a link
-      character(:), allocatable :: words
-
-      words = 'a joint'
-      if (slide == 0) return
-      associate (pair => set%sketch%slides(slide)%links)
-         words = 'the slide between '//trim(set%sketch%links(pair(1))%name)//' and '//trim(set%sketch%links(pair(2))%name)
-      end associate
-   end function what_of
 end module psalm_cases

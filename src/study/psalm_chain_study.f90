@@ -27,16 +27,18 @@ contains
 
    !> Positions, rates by time and outputs. `speed` and `accel` are those of the first drive; the others follow by their ratio or
    !> have their own.
-   subroutine study_chain(set, speed, accel, study, inputs)
+   subroutine study_chain(set, speed, accel, study, inputs, by_loops)
       type(data_set_t), intent(in) :: set
       real(wp), intent(in) :: speed, accel          !! radians or length a second
       type(chain_study_t), intent(out) :: study
       real(wp), intent(in), optional :: inputs(:, :) !! shape (drives, positions): degrees or length from the drawing, in place of
                                                     !! those of the case
+      logical, intent(in), optional :: by_loops     !! take the poses from its loops, if there are: for pictures
       type(diagnostics_t) :: findings
       real(wp), allocatable :: angles(:, :), rate(:, :, :)
       real(wp) :: unit
       integer :: k, d, n, numbers, positions
+      logical :: looped
 
       call assemble_sketch(set, study%closure, study%start, study%sound, findings)
       if (.not. study%sound) return
@@ -62,8 +64,14 @@ contains
             rate(d, 1, :) = drives(d)%speed
             rate(d, 2, :) = drives(d)%accel
          end do
-         if (allocated(set%traced)) then
-            call find_poses(set, study%closure, study%inputs, speed, accel, study, study%motion)
+         looped = .false.
+         if (present(by_loops)) looped = by_loops .and. allocated(set%traced)
+         if (looped) then
+            if (set%counts_time()) then
+               call find_poses(set, study%closure, study%inputs, set%pace(), set%change_of_pace(), study, study%motion)
+            else
+               call find_poses(set, study%closure, study%inputs, speed, accel, study, study%motion)
+            end if
             do k = 1, positions
                allocate (study%motion%states(k)%input(size(drives), 0:most_orders))
                study%motion%states(k)%input(:, 0) = angles(:, k)

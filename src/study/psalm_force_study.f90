@@ -110,7 +110,7 @@ contains
       call problem%want_derivatives(.true., vertices_of(study%mechanism))
       call problem%analyse(dimensions, motion)
       study%input = motion%input
-      call analyse_forces(problem, study%model, set%rates%speed, set%rates%accel, motion%closed, motion%input, study%table)
+      call analyse_forces(problem, study%model, set%pace(), set%change_of_pace(), motion%closed, motion%input, study%table)
       allocate (study%drive_power(size(study%input)), source=0.0_wp)
       do k = 1, size(study%drives)
          associate (actuator => study%mechanism%actuators(k), v => study%table%value)
@@ -119,7 +119,7 @@ contains
             ! a flywheel elsewhere holds the speed: the frame does not feel the motor
             if (.not. set%masses%motor_on_frame .and. .not. actuator%slides .and. actuator%joint > 0) &
                v(:, column_moment) = v(:, column_moment) + v(:, column)
-            rate = set%rates%speed
+            rate = set%pace()
             rate = rate*actuator%by_first(1)
             if (actuator%slides) rate = rate*set%masses%metre
             study%drive_power = study%drive_power + v(:, column)*rate
@@ -129,11 +129,11 @@ contains
          study%about = v(:, column_moment) - (x*v(:, column_fy) - y*v(:, column_fx))
       end associate
       if (set%masses%shares /= 0) then
-         call share_of_sources(problem, study%model, set%rates%speed, set%rates%accel, motion%input, study%shares)
+         call share_of_sources(problem, study%model, set%pace(), set%change_of_pace(), motion%input, study%shares)
          call name_sources(size(study%model%loads), study)
       end if
       if (present(by_unit_mass)) then
-         call loads_of_unit_masses(problem, study%model, set%rates%speed, set%rates%accel, by_unit_mass)
+         call loads_of_unit_masses(problem, study%model, set%pace(), set%change_of_pace(), by_unit_mass)
       end if
       call size_up(study)
       call find_harmonics_of(study, merge(set%masses%harmonics, 0, size(study%drives) == 1))

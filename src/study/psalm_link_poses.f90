@@ -1,18 +1,18 @@
 !> Poses of all links of a sketch from its loops, at any inputs of its drives: what pictures draw, with rates by time.
 module psalm_link_poses
    use psalm_angles, only: degrees_of, unit_vector
-   use psalm_chain_motion, only: chain_motion_t, nearest_known
+   use psalm_chain_motion, only: chain_motion_t
    use psalm_closure, only: closure_t, most_orders, state_t
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: motion_t, problem_t, new_problem
-   use psalm_kinds, only: wp, full_turn, radians_per_degree
+   use psalm_kinds, only: wp, radians_per_degree
    use psalm_mechanism, only: body_frame, mechanism_t
    use psalm_parameters, only: no_parameters, parameters_t
    use psalm_place, only: place_t
    use psalm_rates, only: derivatives_of, differentiate, in_time, prepare_rates, rates_t
    use psalm_setup, only: set_up
-   use psalm_sketch, only: drive_turns, frame_link
+   use psalm_sketch, only: frame_link
    use psalm_sketch_motion, only: locate_sketch, observe_sketch, sketch_motion_t
    use psalm_sketch_study, only: sketch_study_t, study_sketch
    use psalm_status, only: diagnostics_t
@@ -37,7 +37,6 @@ contains
       class(problem_t), allocatable :: problem
       type(motion_t), allocatable :: found
       type(sketch_study_t), allocatable :: outputs
-      real(wp), allocatable :: by_input(:, :)
       integer :: k
 
       allocate (mechanism, problem, found, outputs)
@@ -65,8 +64,7 @@ contains
                motion%group(violation%first:violation%last) = group_of(violation%loop)
          end associate
       end do
-      call find_states(set, problem, dimensions, speed, accel, study%joints, motion%states, by_input)
-      call continue_turns(inputs, by_input, set%sketch%drives(1)%kind == drive_turns, motion)
+      call find_states(set, problem, dimensions, speed, accel, study%joints, motion%states)
 
    contains
 
@@ -81,16 +79,14 @@ contains
       end function group_of
    end subroutine find_poses
 
-   !> Places and turns of the links at every position, with their rates by time.
-   subroutine find_states(set, problem, dimensions, speed, accel, joints, states, by_input)
+   !> Places and turns of the links at every position, with their rates by time. Turns are between half a turn and its opposite.
+   subroutine find_states(set, problem, dimensions, speed, accel, joints, states)
       type(data_set_t), intent(in) :: set
       class(problem_t), intent(inout) :: problem
       type(dimensions_t), intent(in) :: dimensions
       real(wp), intent(in) :: speed, accel
       complex(wp), intent(in) :: joints(:, 0:, :)       !! shape (joints, 0:most_orders, positions)
       type(state_t), intent(inout) :: states(:)         !! shape (positions)
-      real(wp), allocatable, intent(out) :: by_input(:, :) !! shape (links, positions): turn with the first input, radians by radian
-                                                        !! or length
       type(sketch_motion_t) :: bare                     !! where links without joints begin
       type(rates_t), allocatable :: rates               ! large
       complex(wp), allocatable :: origin(:, :, :)
@@ -101,7 +97,6 @@ contains
       do l = 1, size(axis)
          axis(l) = axis_of(problem%mechanism, l)
       end do
-      allocate (by_input(size(axis), size(states)), source=0.0_wp)
       call locate_sketch(set, problem%mechanism, bare, with_links=.true.)
       call problem%want_derivatives(.true., bare%points)
       call problem%bind(dimensions)
@@ -130,43 +125,11 @@ contains
                   call unit_vector(set%traced%arcs(axis(l))%direction, c, s)
                   state%phi(l, 0) = degrees_of(x*c + y*s, y*c - x*s)*radians_per_degree
                   state%phi(l, 1:) = in_time(derivatives_of(rates, problem%linkage%root_x(root), i), speed, accel)
-                  by_input(l, k) = rates%d(1)%v(i, problem%linkage%root_x(root))
                end do
             end associate
          end do
       end do
    end subroutine find_states
-
-   !> Whole turns of the links, each as near as can be to what the nearest position before it and the rates foretell.
-   pure subroutine continue_turns(inputs, by_input, turns, motion)
-      real(wp), intent(in) :: inputs(:, :)              !! shape (drives, positions)
-      real(wp), intent(in) :: by_input(:, :)            !! shape (links, positions)
-      logical, intent(in) :: turns                      !! the first drive does; its inputs are degrees
-      type(chain_motion_t), intent(inout) :: motion
-      real(wp), parameter :: turn = full_turn*radians_per_degree
-      real(wp) :: expected(size(by_input, 1)), step
-      integer :: k, best
-
-      do k = 1, size(inputs, 2)
-         if (.not. motion%closed(k)) cycle
-         best = nearest_known(inputs, motion%closed, k)
-         if (best > 0) then
-            step = inputs(1, k) - inputs(1, best)
-            expected = motion%states(best)%phi(:, 0)
-            step = 0.5_wp*step
-            if (turns) step = step*radians_per_degree
-            expected = expected + step*by_input(:, best)
-         else
-            step = inputs(1, k)
-            if (turns) step = step*radians_per_degree
-            expected = 0.0_wp
-         end if
-         expected = expected + step*by_input(:, k)
-         associate (phi => motion%states(k)%phi(:, 0))
-            phi = phi + turn*anint((expected - phi)/turn)
-         end associate
-      end do
-   end subroutine continue_turns
 
    !> An arc that turns as a link does; 0: none.
    pure integer function axis_of(mechanism, link) result(axis)

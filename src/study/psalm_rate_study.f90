@@ -76,7 +76,7 @@ contains
             k = offset + i
             call output_rates(problem, of_block, i, highest_order, rates%by_input(:, :, k))
             do c = 1, problem%output%kind%components
-               rates%by_time(:, c, k) = in_time(rates%by_input(:, c, k), set%rates%speed, set%rates%accel)
+               rates%by_time(:, c, k) = in_time(rates%by_input(:, c, k), set%pace(), set%change_of_pace())
             end do
             do loop = problem%mechanism%nloop, 1, -1
                if (problem%linkage%step_of_loop(loop) == 0) cycle
@@ -129,7 +129,7 @@ contains
                                      set%rates%accel)
                   arcs%length(1:2, n, k) = of_order(1:2)
                end if
-               of_order = in_time(derivatives_of(rates, link%root_x(plan%root(n)), i), set%rates%speed, set%rates%accel)
+               of_order = in_time(derivatives_of(rates, link%root_x(plan%root(n)), i), set%pace(), set%change_of_pace())
                arcs%angle(0, n, k) = degrees_of(x, y)*radians_per_degree
                arcs%angle(1:2, n, k) = of_order(1:2)
             end do
@@ -139,10 +139,10 @@ contains
             if (plan%steps(step)%kind /= step_point) cycle
             joint = joint + 1
             associate (point => plan%steps(step)%to)
-               of_order = in_time(derivatives_of(rates, link%point_x(point), i)/link%scale, set%rates%speed, set%rates%accel)
+               of_order = in_time(derivatives_of(rates, link%point_x(point), i)/link%scale, set%pace(), set%change_of_pace())
                arcs%x(0, joint, k) = link%store%v(i, link%point_x(point))/link%scale + problem%output%origin_x
                arcs%x(1:2, joint, k) = of_order(1:2)
-               of_order = in_time(derivatives_of(rates, link%point_y(point), i)/link%scale, set%rates%speed, set%rates%accel)
+               of_order = in_time(derivatives_of(rates, link%point_y(point), i)/link%scale, set%pace(), set%change_of_pace())
                arcs%y(0, joint, k) = link%store%v(i, link%point_y(point))/link%scale + problem%output%origin_y
                arcs%y(1:2, joint, k) = of_order(1:2)
             end associate

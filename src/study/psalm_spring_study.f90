@@ -120,7 +120,7 @@ contains
       model%inertia = model%inertia + weights
       call problem%want_derivatives(.true., vertices_of(problem%mechanism))
       call problem%analyse(dimensions, motion)
-      call analyse_forces(problem, model, set%rates%speed, set%rates%accel, motion%closed, motion%input, table)
+      call analyse_forces(problem, model, set%pace(), set%change_of_pace(), motion%closed, motion%input, table)
       study%trouble = findloc([(table%known(k), k=1, size(motion%input))], .false., dim=1)
       study%input = motion%input
       call choose_load(group, problem%mechanism, columns, study)
@@ -224,7 +224,7 @@ contains
       call problem%set_inputs(inputs)
       call problem%want_derivatives(.true., vertices_of(problem%mechanism))
       call problem%analyse(dimensions, motion)
-      call analyse_forces(problem, model, set%rates%speed, set%rates%accel, motion%closed, motion%input, table)
+      call analyse_forces(problem, model, set%pace(), set%change_of_pace(), motion%closed, motion%input, table)
       study%trouble = findloc([(table%known(k), k=1, steps_of_turn)], .false., dim=1)
       if (study%trouble > 0) return
       call follow_bodies(problem, model, bodies)
