@@ -503,6 +503,8 @@ contains
                        point => problem%plan%joint_points(mechanism%joints(mechanism%actuators(d)%joint)%point))
                if (mechanism%joints(mechanism%actuators(d)%joint)%kind == joint_prismatic) then
                   call drive_of_slide(m, w(1, input%ex), w(1, input%ey), w(1, input%wrench), w(1, input%wrench + 1), w(1, drive))
+                  ! its arc leads back to the frame
+                  if (mechanism%arcs(mechanism%actuators(d)%arc)%foot == at_finish) w(1:m, drive) = -w(1:m, drive)
                   call opposite_across(m, link%store%v(1, link%point_x(point)), link%store%v(1, link%point_y(point)), &
                                        w(1, input%ex), w(1, input%ey), w(1, input%wrench), w(1, input%wrench + 1), &
                                        w(1, input%wrench + 2), w(1, row), w(1, row + 1))

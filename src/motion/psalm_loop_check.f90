@@ -64,7 +64,10 @@ contains
       call differentiate(problem, rates, n, highest_order)
       allocate (joint(size(sketch%drawn), 0:highest_order, n), moved(size(sketch%arcs), 0:highest_order, n))
       call observe_sketch(sketch, problem, rates, n, 1.0_wp, 0.0_wp, joint, moved)
-      extent = max(maxval(set%sketch%x) - minval(set%sketch%x), maxval(set%sketch%y) - minval(set%sketch%y))
+      associate (x => [set%sketch%x, set%sketch%slides%x], y => [set%sketch%y, set%sketch%slides%y])
+         extent = max(maxval(x) - minval(x), maxval(y) - minval(y))
+         if (extent <= 0.0_wp) extent = max(maxval(abs(x)), maxval(abs(y)))
+      end associate
       if (all(abs(joint(:, 0, 1) - sketch%drawn) <= one_place*extent) .and. all(abs(moved(:, 0, 1)) <= one_place*extent)) return
       why = 'links whose loops do not give the drawing'
    end subroutine check_loops

@@ -44,6 +44,7 @@ contains
       type(ear_t) :: ear
       integer, allocatable :: along(:)             !! by slide: the drive along it, 0: none
       integer :: loop, first, from, k, unknowns, equations
+      logical :: taken
 
       why = ''
       allocate (pairs(0), gears(0))
@@ -79,7 +80,7 @@ contains
          call find_ear(pairs, survey%known, from, ear)
          if (size(ear%pairs) == 0 .and. from > 0) then
             ! the driven link has an arc of its own, whatever hangs on it
-            call trace_ring(closure, state, loop, first, pairs, ear, along, gears, survey, loops, why)
+            call trace_ring(closure, state, loop, first, pairs, ear, along, gears, survey, loops, taken, why)
             cycle
          end if
          if (size(ear%pairs) == 0) call find_branch(pairs, survey%known, along, ear)
@@ -87,8 +88,9 @@ contains
             why = 'links that hang on each other only'
             return
          end if
-         call trace_ring(closure, state, loop, first, pairs, ear, along, gears, survey, loops, why)
+         call trace_ring(closure, state, loop, first, pairs, ear, along, gears, survey, loops, taken, why)
          if (len(why) > 0) return
+         if (.not. taken) cycle
          pairs(ear%pairs)%used = .true.
          do k = 1, size(ear%links)
             call know(closure%sketch, ear%links(k), survey)
@@ -138,11 +140,12 @@ contains
       type(traced_gear_t), allocatable :: gears(:)
       type(ear_t) :: ear
       integer :: along(size(closure%sketch%slides))
+      logical :: taken
 
       along = 0
       allocate (ear%links(0), ear%pairs(0))
       allocate (gears(0))
-      call trace_ring(closure, state, 1, 0, pairs, ear, along, gears, survey, loops, why)
+      call trace_ring(closure, state, 1, 0, pairs, ear, along, gears, survey, loops, taken, why)
       loops%longest = size(loops%arcs)
    end subroutine trace_input_alone
 
@@ -322,7 +325,7 @@ contains
    end subroutine find_branch
 
    !> One ring: from the input pivot to the chain, along it, and back; of a branch to its end.
-   subroutine trace_ring(closure, state, loop, first, pairs, ear, along, gears, survey, loops, why)
+   subroutine trace_ring(closure, state, loop, first, pairs, ear, along, gears, survey, loops, taken, why)
       type(closure_t), intent(in) :: closure
       type(state_t), intent(in) :: state
       integer, intent(in) :: loop, first           !! the loop, and how many arcs come before it
@@ -332,6 +335,7 @@ contains
       type(traced_gear_t), allocatable, intent(inout) :: gears(:) !! of the group: a ring of slides is one more
       type(survey_t), intent(inout) :: survey
       type(loops_t), intent(inout) :: loops
+      logical, intent(out) :: taken                !! false: not the chain, but the driven link, which comes first
       character(:), allocatable, intent(inout) :: why
       type(path_step_t), allocatable :: out(:), back(:)
       type(traced_ring_t) :: ring
@@ -341,6 +345,7 @@ contains
 
       associate (sketch => closure%sketch)
          n = size(ear%links)
+         taken = .true.
          ring%loop = loop
          ring%first = size(loops%arcs) + 1
          if (ring%first == 1 .and. loops%floating) then
@@ -384,9 +389,15 @@ contains
          if (found .and. ring%first == 1 .and. .not. loops%floating) then
             found = size(out) > 0
             if (found) found = out(1)%arc > 0 .or. out(1)%link == sketch%drives(1)%link
+            if (.not. found) then
+               ! the chain begins at the pivot of the driven link, which no arc of it leads to
+               taken = .false.
+               call trace_input()
+               return
+            end if
          end if
          if (.not. found) then
-            why = 'a group that does not hang on the driven link by a joint of its own'
+            why = 'a group that no way leads to'
             return
          end if
          if (ring%first == 1 .and. .not. loops%floating) loops%axis(sketch%drives(1)%link) = 1
@@ -409,6 +420,8 @@ contains
          do k = begin + 1, ring%last
             associate (arc => loops%arcs(k))
                if (any(arc%kind == [traced_slide, traced_link, traced_actuator]) .or. arc%same .or. arc%against) cycle
+               ! on the way back before the slide along which a drive moves the link
+               if (arc%link /= frame_link .and. arc%reference == frame_axis) arc%reference = loops%axis(arc%link)
                do i = 1, n
                   if (arc%link == ear%links(i) .and. from_right(i)) arc%reference = loops%axis(arc%link)
                end do
@@ -514,6 +527,10 @@ contains
             call add_line_point(closure, state, slide, position(slider, slide), survey, loops)
             survey%passes = survey%passes + 1
             survey%pass(:, survey%passes) = [survey%points - 1, survey%points, merge(1, 0, drive == 1), merge(0, drive, drive == 1)]
+            ! and back to the frame
+            survey%passes = survey%passes + 1
+            survey%pass(:, survey%passes) = [survey%points, survey%points - 1, merge(-1, 0, drive == 1), &
+                                                merge(0, -drive, drive == 1)]
          end associate
       end subroutine place_slider
 
@@ -560,7 +577,8 @@ contains
             guide = link_at(i - 1)
             from_last = ring_of_slides .and. i == n + 1
             ! between two links that are known: an arc of the one that the group finds
-            if (n == 0 .and. closure%order%of_link(ear%first_link) < closure%order%of_link(ear%last_link)) from_last = .false.
+            if (from_last .and. n == 0) &
+               from_last = closure%order%of_link(ear%first_link) >= closure%order%of_link(ear%last_link)
             if (i > 1 .and. .not. from_last) from_last = from_right(i - 1)
             if (from_last) then
                body = link_at(i - 1)

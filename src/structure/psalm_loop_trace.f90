@@ -434,20 +434,25 @@ contains
          return
       end if
       passed = step%arc
-      if (step%drive > 0) passed = loops%seconds(step%drive - 1)%arc
-      if (step%drive > 0 .and. passed == 0) then
-         ! a link that a drive after the first moves along the frame
-         arc%kind = traced_actuator
-         arc%drive = step%drive
-         arc%link = closure%sketch%drives(step%drive)%link
-         arc%slide = closure%sketch%drives(step%drive)%slide
-         arc%guide_link = frame_link
-         arc%reference = loops%axis(frame_link)
-         arc%direction = closure%sketch%slides(arc%slide)%angle
-         loops%arcs = [loops%arcs, arc]
-         loops%axis(arc%link) = size(loops%arcs)
-         loops%seconds(step%drive - 1)%arc = size(loops%arcs)
-         return
+      if (step%drive /= 0) then
+         passed = loops%seconds(abs(step%drive) - 1)%arc
+         if (passed == 0) then
+            ! a link that a drive after the first moves along the frame
+            arc%kind = traced_actuator
+            arc%drive = abs(step%drive)
+            arc%link = closure%sketch%drives(arc%drive)%link
+            arc%slide = closure%sketch%drives(arc%drive)%slide
+            arc%guide_link = frame_link
+            arc%foot_last = step%drive < 0
+            arc%reference = loops%axis(frame_link)
+            arc%direction = closure%sketch%slides(arc%slide)%angle
+            if (arc%foot_last) arc%direction = arc%direction + half_turn
+            loops%arcs = [loops%arcs, arc]
+            loops%axis(arc%link) = size(loops%arcs)
+            loops%seconds(arc%drive - 1)%arc = size(loops%arcs)
+            return
+         end if
+         if (loops%arcs(passed)%ends(1) /= step%from) passed = -passed
       end if
       if (passed /= 0) then
          arc%reference = abs(passed)

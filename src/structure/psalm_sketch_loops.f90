@@ -70,7 +70,9 @@ contains
          end do
          loops%start = sketch%drives(1)%joint
          loops%axis(frame_link) = frame_axis
-         if (on_frame(1) .and. loops%sliding) loops%axis(crank) = frame_axis
+         do g = 1, size(sketch%drives)
+            if (on_frame(g) .and. sketch%drives(g)%kind == drive_slides) loops%axis(sketch%drives(g)%link) = frame_axis
+         end do
          call groups_in_order(closure, crank, on_frame, order)
          do k = 1, size(order)
             call understand(closure, order(k), survey, dyad, valid)
