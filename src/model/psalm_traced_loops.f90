@@ -119,6 +119,7 @@ module psalm_traced_loops
       procedure :: output_line
       procedure :: are_of_one_crank
       procedure :: take_dimensions
+      procedure :: hold_all
       procedure :: are_beyond_arrays
    end type loops_t
 
@@ -173,13 +174,20 @@ contains
       self%origlk = dimensions%origlk
       self%origng = dimensions%origng
       self%anchor = dimensions%anchor
+      call self%hold_all()
+   end subroutine take_dimensions
+
+   !> Nothing varies any more.
+   pure subroutine hold_all(self)
+      class(loops_t), intent(inout) :: self
+
       self%arcs%length_varies = .false.
       self%arcs%angle_varies = .false.
       self%outlk_varies = .false.
       self%outang_varies = .false.
       self%pivot_varies = .false.
       self%input_varies = .false.
-   end subroutine take_dimensions
+   end subroutine hold_all
 
    !> True of loops that the arrays of &LINKS cannot tell: of a group that is no dyad, with gears, a second drive, or more than one
    !> arc of the frame that is counted from the x axis.

@@ -45,17 +45,21 @@ module psalm_sketch_case
 contains
 
    !> Give a case whose linkage is a sketch its loops. Cases without one are left as they are.
-   subroutine resolve_sketch(set, findings, no_loops, as_groups)
+   subroutine resolve_sketch(set, findings, no_loops, as_groups, as_given)
       type(data_set_t), intent(inout) :: set
       type(diagnostics_t), intent(inout) :: findings
       character(*), intent(in), optional :: no_loops !! why it is to be solved in its poses, though loops were found
       logical, intent(in), optional :: as_groups     !! trace dyads as larger groups
+      logical, intent(in), optional :: as_given      !! nothing is searched: what only a search could not do is no trouble
       type(closure_t) :: closure
       type(state_t) :: state
       type(loops_t) :: loops
-      logical :: sound, taken
+      type(diagnostics_t) :: of_search
+      logical :: sound, taken, given
 
       if (.not. set%sketch%given) return
+      given = .false.
+      if (present(as_given)) given = as_given
       call assemble_sketch(set, closure, state, sound, findings)
       if (.not. sound) return
       call make_loops(closure, state, loops, as_groups)
@@ -65,10 +69,10 @@ contains
       else if (loops%found .and. (set%sketch%has_wishes() .or. wants_poses(set) .or. &
                                     wants_travel(loops, set))) then
          call take_wishes(loops, state, closure%sketch, set, taken)
-         loops%found = taken
+         loops%found = taken .or. given
          if (.not. loops%found) loops%why = 'desired values of outputs (DES1 ...), which are compared in the poses'
       end if
-      if (loops%found) then
+      if (loops%found .and. .not. given) then
          call part_frame_arcs(closure%sketch, loops, loops%why)
          loops%found = len(loops%why) == 0
       end if
@@ -82,8 +86,14 @@ contains
       call warn_of_idle_angle(loops, set, findings)
       call take_dimensions(loops)
       call fill_places(closure, loops, state, set)
-      call fill_output(loops, state, closure%sketch, set, findings)
-      call fill_variables(loops, closure%sketch, set, findings)
+      if (given) then
+         call fill_output(loops, state, closure%sketch, set, of_search)
+         call fill_variables(loops, closure%sketch, set, of_search)
+         if (of_search%failed()) call loops%hold_all()
+      else
+         call fill_output(loops, state, closure%sketch, set, findings)
+         call fill_variables(loops, closure%sketch, set, findings)
+      end if
       call fill_regions(loops, closure%sketch, set, findings)
       allocate (set%traced)
       set%traced = loops
@@ -626,7 +636,6 @@ contains
             call set%origins%error(findings, 'OUTPUTS', 'OUTPUT', 'the desired values of &METHOD are those of the first '// &
                                    'output, which '//trim(sketch%outputs(1)%name)//' cannot be here; give its values as DES1 '// &
                                    'of &OUTPUTS, or put a point, angle, distance from the origin or slide first', 1)
-            return
          end if
          loops%stand_in = trim(sketch%joint_name(default_joint(sketch)))
       end if

@@ -2,6 +2,7 @@
 module psalm_cases
    use psalm_data_set, only: data_set_t, read_data_sets, read_data_set_text
    use psalm_kinds, only: wp
+   use psalm_group_table, only: everything
    use psalm_loop_check, only: check_loops
    use psalm_loop_forces, only: asks_for_forces, loops_carry_forces
    use psalm_mark, only: mark_t
@@ -55,15 +56,16 @@ contains
       if (present(program)) reader = program
       do i = 1, size(sets)
          if (.not. sets(i)%sketch%given) cycle
-         call resolve(sets(i), reader /= 'psalm', findings)
+         call resolve(sets(i), reader /= 'psalm', all(reader /= [character(6) :: 'psalm', everything]), findings)
          if (allocated(sets(i)%no_loops)) call refuse_without_loops(sets(i), reader, findings)
       end do
    end subroutine resolve_all
 
    !> The loops of a sketch, unless they do not give its joints at the drawing, or not its forces: then it is solved in its poses.
-   subroutine resolve(set, forces, findings)
+   subroutine resolve(set, forces, given, findings)
       type(data_set_t), intent(inout) :: set
       logical, intent(in) :: forces                          !! the program finds them
+      logical, intent(in) :: given                           !! it takes linkages as they are given
       type(diagnostics_t), intent(inout) :: findings
       class(data_set_t), allocatable :: as_read    ! large: it would fill a small stack
       type(diagnostics_t) :: own
@@ -72,7 +74,7 @@ contains
 
       own%file = findings%file
       allocate (as_read, source=set)
-      call resolve_sketch(set, own)
+      call resolve_sketch(set, own, as_given=given)
       why = ''
       ! in its poses a wish can be met by dimensions that are none of the loops
       if (own%failed() .and. .not. allocated(set%no_loops) .and. (as_read%sketch%has_wishes() .or. set%is_beyond_arrays())) &
@@ -87,7 +89,7 @@ contains
             call take(as_read)
             own = diagnostics_t()
             own%file = findings%file
-            call resolve_sketch(set, own, as_groups=.true.)
+            call resolve_sketch(set, own, as_groups=.true., as_given=given)
             if (.not. own%failed() .and. set%loops() > 0) then
                call check_loops(set, why)
                if (len(why) == 0 .and. forces .and. asks_for_forces(as_read)) then
