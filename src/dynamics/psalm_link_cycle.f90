@@ -2,10 +2,11 @@
 !> pull at its finish - of its own inertia, of the inertia of all other links, and of weight, loads and springs - and what acts
 !> on the link between its pins: its weight, loads, ends of springs.
 module psalm_link_cycle
+   use psalm_body_points, only: locate_point
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t, motion_t
-   use psalm_force_model, only: force_model_t, load_t, spot_t, locate, vertices_of, parameter_mass, parameter_mx, &
+   use psalm_force_model, only: force_model_t, load_t, spot_t, vertices_of, parameter_mass, parameter_mx, &
                                 parameter_my, parameter_inertia
    use psalm_kinds, only: wp, full_turn
    use psalm_kinetostatics, only: forces_t, prepare_forces, move_bodies, clear_wrenches, add_source, sweep, joint_rows, &
@@ -185,8 +186,8 @@ contains
       n = mechanism%seq(beam%link%loop, beam%link%arc)
       associate (body => mechanism%arcs(n)%body)
          if (body == beyond) return
-         call locate(mechanism, dimensions, model%reference(body), body, mechanism%arcs(n)%ends(at_start), start)
-         call locate(mechanism, dimensions, model%reference(body), body, mechanism%arcs(n)%ends(at_finish), finish)
+         call locate_point(mechanism, dimensions, body, model%reference(body), mechanism%arcs(n)%ends(at_start), start)
+         call locate_point(mechanism, dimensions, body, model%reference(body), mechanism%arcs(n)%ends(at_finish), finish)
          length = model%metre*norm2(finish - start)
          centre = 0.5_wp*model%metre*(start + finish)
          mass = beam%density*beam%area*length

@@ -1,8 +1,9 @@
 !> What acts on a link between its pins in a turn of the crank: loads and ends of springs, in the axes of the link.
 module psalm_link_loads
+   use psalm_body_points, only: locate_point
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
-   use psalm_force_model, only: force_model_t, spot_t, locate
+   use psalm_force_model, only: force_model_t, spot_t
    use psalm_kinds, only: wp
    use psalm_kinetostatics, only: forces_t, clear_wrenches, add_source, find_spot, first_load, first_spring, interpolated
    use psalm_linkage, only: padded
@@ -37,8 +38,8 @@ contains
       real(wp) :: start(2), finish(2), unit(2)
 
       associate (body => spot%body, ends => mechanism%arcs(arc)%ends)
-         call locate(mechanism, dimensions, model%reference(body), body, ends(at_start), start)
-         call locate(mechanism, dimensions, model%reference(body), body, ends(at_finish), finish)
+         call locate_point(mechanism, dimensions, body, model%reference(body), ends(at_start), start)
+         call locate_point(mechanism, dimensions, body, model%reference(body), ends(at_finish), finish)
       end associate
       length = norm2(finish - start)
       unit = (finish - start)/length

@@ -6,11 +6,12 @@
 !> four numbers in which every force of the mechanism is linear. Source: Oldham (1977), 15.1; Haines (about 1982), chapter 9.
 module psalm_force_model
    use psalm_angles, only: unit_vector
+   use psalm_body_points, only: locate_point
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_force_entries, only: loading_t, spring_law_t, loading_of, spring_law_of
    use psalm_kinds, only: wp, radians_per_degree
-   use psalm_loop_forces, only: joined_by_arcs, link_of_body
+   use psalm_loop_forces, only: link_of_body
    use psalm_mechanism, only: mechanism_t, at_start, at_finish, body_frame, joint_gear, joint_prismatic, joint_revolute, pivot
    use psalm_place, only: place_t
    use psalm_sketch, only: frame_link
@@ -19,7 +20,7 @@ module psalm_force_model
    implicit none (type, external)
    private
    public :: force_model_t, spot_t, load_t, spring_t, friction_t, make_force_model, forces_wanted, vertices_of
-   public :: spot_of_place, locate, joint_at, place_right, place_on_foot, place_afloat, place_nowhere
+   public :: spot_of_place, joint_at, place_right, place_on_foot, place_afloat, place_nowhere
    public :: mass_parameters, parameter_mass, parameter_mx, parameter_my, parameter_inertia
 
    integer, parameter :: mass_parameters = 4  !! of a body
@@ -235,7 +236,7 @@ contains
                                          trim(set%sketch%links(holder)%name)//'; name another that turns on it', entry)
                   return
                end if
-               of%bodies = [body_of_link(set, mechanism, holder), body_of_link(set, mechanism, at%link)]
+               of%bodies = [body_of_link(mechanism, holder), body_of_link(mechanism, at%link)]
                of%all_of_pin = .true.
             end associate
          end associate
@@ -250,13 +251,12 @@ contains
    end subroutine make_force_model
 
    !> The body that a link of a sketch is.
-   pure integer function body_of_link(set, mechanism, link) result(body)
-      type(data_set_t), intent(in) :: set
+   pure integer function body_of_link(mechanism, link) result(body)
       type(mechanism_t), intent(in) :: mechanism
       integer, intent(in) :: link
 
       do body = size(mechanism%bodies), body_frame + 1, -1
-         if (link_of_body(set, mechanism, body) == link) return
+         if (link_of_body(mechanism, body) == link) return
       end do
    end function body_of_link
 
@@ -278,12 +278,12 @@ contains
                j = mechanism%arcs(joint%arc)%joints(joint%end)
                if (j == 0) cycle
                if (size(set%sketch%links_of(j)) == 2 .and. &
-                   link_of_body(set, mechanism, joint%bodies(2)) == set%traced%pin_holders(j)) shoe%order = -1.0_wp
+                   link_of_body(mechanism, joint%bodies(2)) == set%traced%pin_holders(j)) shoe%order = -1.0_wp
                cycle
             end if
             slide = mechanism%arcs(joint%slide)%rail
             if (slide == 0) cycle
-            if (link_of_body(set, mechanism, joint%bodies(1)) /= set%sketch%slides(slide)%links(1)) shoe%order = -1.0_wp
+            if (link_of_body(mechanism, joint%bodies(1)) /= set%sketch%slides(slide)%links(1)) shoe%order = -1.0_wp
             shoe%sense = real(set%traced%line_senses(slide), wp)
             associate (place => set%traced%shoes(slide))
                if (place%link == frame_link) then
@@ -319,6 +319,7 @@ contains
       integer, intent(out) :: state
       real(wp) :: from(2), cosine, sine
       integer :: n, end
+      logical :: found
 
       state = place_nowhere
       if (given%loop == 0) return
@@ -332,9 +333,9 @@ contains
          state = place_afloat
          if (.not. arc%attached) return
          ! a joint of the link that nothing leads to from its others
-         if (.not. joined_by_arcs(mechanism, spot%body, reference(spot%body), arc%ends(end))) return
+         call locate_point(mechanism, dimensions, spot%body, reference(spot%body), arc%ends(end), from, found)
+         if (.not. found) return
          call unit_vector(mechanism%angle_on_body(n, dimensions) + given%turn, spot%along(1), spot%along(2))
-         call locate(mechanism, dimensions, reference(spot%body), spot%body, arc%ends(end), from)
          call unit_vector(given%angle, cosine, sine)
          spot%at = from + given%distance*turned([cosine, sine], spot%along)
       end associate
@@ -348,49 +349,6 @@ contains
 
       turned = [vector(1)*by(1) - vector(2)*by(2), vector(1)*by(2) + vector(2)*by(1)]
    end function turned
-
-   !> Place of a point of a body from its reference, in the axes of the body's own arc: along the arcs of the body.
-   pure subroutine locate(mechanism, dimensions, reference, body, point, at)
-      type(mechanism_t), intent(in) :: mechanism
-      type(dimensions_t), intent(in) :: dimensions
-      integer, intent(in) :: reference, body, point
-      real(wp), intent(out) :: at(2)        !! user's length
-      real(wp) :: places(2, size(mechanism%points)), vector(2)
-      logical :: known(size(mechanism%points)), more
-      integer :: k, n
-
-      known = .false.
-      known(reference) = .true.
-      places = 0.0_wp
-      more = .true.
-      do while (more .and. .not. known(point))
-         more = .false.
-         do k = 1, size(mechanism%bodies(body)%arcs)
-            n = mechanism%bodies(body)%arcs(k)
-            if (mechanism%slides(n)) cycle
-            associate (start => mechanism%arcs(n)%ends(at_start), finish => mechanism%arcs(n)%ends(at_finish))
-               if (known(start) .eqv. known(finish)) cycle
-               call unit_vector(mechanism%angle_on_body(n, dimensions), vector(1), vector(2))
-               vector = length_of(n)*vector
-               if (known(start)) places(:, finish) = places(:, start) + vector
-               if (known(finish)) places(:, start) = places(:, finish) - vector
-               known(start) = .true.
-               known(finish) = .true.
-               more = .true.
-            end associate
-         end do
-      end do
-      at = places(:, point)
-
-   contains
-
-      !> Length of an arc that repeats others.
-      pure real(wp) function length_of(arc)
-         integer, intent(in) :: arc
-
-         length_of = dimensions%arcl(mechanism%angle_owner(arc))
-      end function length_of
-   end subroutine locate
 
    !> Add one entry to its body.
    pure subroutine add_mass(model, spot, mass, inertia)

@@ -70,7 +70,7 @@ module psalm_chain_group
       rule_t('VARY', a_text, 'n', '', '', '', &
              'what a search may change: `''A B''` a length, `''angle B C B P''` the angle from one line of a '// &
              'link to another, `''place D''` a joint of the frame (its distance and direction from the input '// &
-             'pivot; of that pivot from the machine origin, where a linkage of dyads with one drive moves as a whole), '// &
+             'pivot; of that pivot from the machine origin, where the whole linkage can move), '// &
              '`''input''` the reference input'), &
       rule_t('VLOW', a_number, 'n', '', '', '', &
              'lower bounds of the variables, in the order of VARY; a place has two values'), &

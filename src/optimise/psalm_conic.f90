@@ -239,6 +239,13 @@ contains
          first = last + 1
       end do
       lambda = rescale(problem, scaling, z)
+      ! rounding may leave a point so near the edge of its cones that its image is outside: no step from there has a length
+      first = problem%lines + 1
+      do k = 1, size(problem%cones)
+         last = first + problem%cones(k) - 1
+         sound = sound .and. lorentz(lambda(first:last)) > 0.0_wp
+         first = last + 1
+      end do
    end subroutine scale_cones
 
    !> s_1**2 - |(s_2, ...)|**2, without cancellation.

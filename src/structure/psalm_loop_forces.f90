@@ -3,8 +3,10 @@
 !> A loop may run parallel to a link that only slides on others (a dyad of a pin and two slides, say), and then has another joint
 !> in the place of one of the sketch's: positions are the same, forces are not.
 module psalm_loop_forces
+   use psalm_body_points, only: locate_point
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
+   use psalm_kinds, only: wp
    use psalm_mechanism, only: mechanism_t, joint_t, at_start, at_finish, body_frame, joint_gear, joint_prismatic
    use psalm_parameters, only: parameters_t
    use psalm_place, only: place_t
@@ -13,7 +15,7 @@ module psalm_loop_forces
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
-   public :: asks_for_forces, loops_carry_forces, joined_by_arcs, link_of_body
+   public :: asks_for_forces, loops_carry_forces, link_of_body
 
 contains
 
@@ -54,7 +56,7 @@ contains
 
          is_of_sketch = joint%kind == joint_gear
          if (is_of_sketch .or. .not. joint%attached) return
-         links = [link_of_body(set, mechanism, joint%bodies(1)), link_of_body(set, mechanism, joint%bodies(2))]
+         links = [link_of_body(mechanism, joint%bodies(1)), link_of_body(mechanism, joint%bodies(2))]
          if (joint%kind == joint_prismatic) then
             slide = mechanism%arcs(joint%slide)%rail
             if (slide == 0) return
@@ -70,15 +72,16 @@ contains
 
       pure logical function is_on_link(place)
          type(place_t), intent(in) :: place
+         real(wp) :: unused(2)
 
          is_on_link = place%link == frame_link
          if (is_on_link .or. place%loop == 0) return
          associate (arc => mechanism%arcs(mechanism%seq(place%loop, place%arc)), &
                     end => merge(at_start, at_finish, place%from_start))
-            is_on_link = link_of_body(set, mechanism, arc%body) == place%link .and. arc%attached .and. &
+            is_on_link = link_of_body(mechanism, arc%body) == place%link .and. arc%attached .and. &
                          (arc%foot /= end .or. arc%rod > 0)
             if (is_on_link .and. arc%rod == 0) &
-               is_on_link = joined_by_arcs(mechanism, arc%body, reference_of(arc%body), arc%ends(end))
+               call locate_point(mechanism, dimensions, arc%body, reference_of(arc%body), arc%ends(end), unused, is_on_link)
          end associate
       end function is_on_link
 
@@ -93,40 +96,12 @@ contains
    end function loops_carry_forces
 
    !> The link of the sketch that a body of its loops is.
-   pure integer function link_of_body(set, mechanism, body) result(link)
-      class(data_set_t), intent(in) :: set               !! a sketch with its loops
-      class(mechanism_t), intent(in) :: mechanism
+   pure integer function link_of_body(mechanism, body) result(link)
+      class(mechanism_t), intent(in) :: mechanism        !! the loops of a sketch
       integer, intent(in) :: body
 
       link = frame_link
       if (body == body_frame) return
       link = mechanism%arcs(mechanism%bodies(body)%axis)%link
    end function link_of_body
-
-   !> True if arcs of a body lead from one of its points to another, so that their distance is known. Two points are not so joined
-   !> where loops run through one joint of the link without its being known that it is one.
-   pure logical function joined_by_arcs(mechanism, body, from, point) result(joined)
-      class(mechanism_t), intent(in) :: mechanism
-      integer, intent(in) :: body, from, point
-      logical :: known(size(mechanism%points)), more
-      integer :: k
-
-      known = .false.
-      known(from) = .true.
-      more = .true.
-      do while (more .and. .not. known(point))
-         more = .false.
-         do k = 1, size(mechanism%bodies(body)%arcs)
-            associate (n => mechanism%bodies(body)%arcs(k))
-               if (mechanism%slides(n)) cycle
-               associate (ends => mechanism%arcs(n)%ends)
-                  if (known(ends(1)) .eqv. known(ends(2))) cycle
-                  known(ends) = .true.
-                  more = .true.
-               end associate
-            end associate
-         end do
-      end do
-      joined = known(point)
-   end function joined_by_arcs
 end module psalm_loop_forces

@@ -630,7 +630,7 @@ contains
 
       done = .false.
       if (size(sketch%outputs) > 0) then
-         call put_output(loops, state, sketch, sketch%outputs(1), set, done)
+         call put_output(loops, state, sketch, sketch%outputs(1), done)
          if (done) return
          if (set%method%desired) then
             call set%origins%error(findings, 'OUTPUTS', 'OUTPUT', 'the desired values of &METHOD are those of the first '// &
@@ -641,7 +641,7 @@ contains
       end if
       shown%kind = output_point
       shown%joints(1) = default_joint(sketch)
-      call put_output(loops, state, sketch, shown, set, done)
+      call put_output(loops, state, sketch, shown, done)
    end subroutine fill_output
 
    !> True if the first output is a pose that has desired values.
@@ -687,7 +687,7 @@ contains
          end associate
       end do
       told = sketch%outputs(1)%kind /= output_slide
-      if (told) call put_output(loops, state, sketch, sketch%outputs(1), set, told)
+      if (told) call put_output(loops, state, sketch, sketch%outputs(1), told)
       if (told .and. (set%method%desired .neqv. sketch%outputs(1)%is_wished())) then
          call give_to_method(set)
       else if (wishes_rates(sketch%outputs(1)) .or. allocated(set%method%rate_wanted)) then
@@ -785,12 +785,11 @@ contains
    end function default_joint
 
    !> Describe an output by an arc. `done` is false for one that the arrays cannot tell.
-   subroutine put_output(loops, state, sketch, output, set, done)
+   subroutine put_output(loops, state, sketch, output, done)
       type(loops_t), intent(inout) :: loops
       type(state_t), intent(in) :: state
       type(sketch_t), intent(in) :: sketch
       type(sketch_output_t), intent(in) :: output
-      type(data_set_t), intent(inout) :: set
       logical, intent(out) :: done
       integer :: arc, k
       integer, allocatable :: links(:)

@@ -5,6 +5,7 @@ module psalm_balance_study
       measure_moment, &
                                   measure_torque, measure_mass
    use psalm_body_motion, only: body_motion_t, follow_bodies
+   use psalm_body_points, only: locate_point
    use psalm_counterweights, only: room_t, aim_t, design_t, least_composite, composite_of
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
@@ -13,7 +14,7 @@ module psalm_balance_study
    use psalm_force_analysis, only: force_table_t, analyse_forces, loads_of_unit_masses, column_of_joint, column_drive, &
                                    column_fx, column_fy, column_moment
    use psalm_force_balance, only: force_balance_t, weights_t, prepare_balance, find_sets, least_weights, rank_of, unspanned
-   use psalm_force_model, only: force_model_t, spot_t, make_force_model, vertices_of, locate, joint_at, spot_of_place, &
+   use psalm_force_model, only: force_model_t, spot_t, make_force_model, vertices_of, joint_at, spot_of_place, &
                                 place_right, parameter_mass, parameter_mx, parameter_my
    use psalm_kinds, only: wp, half_turn
    use psalm_kinetostatics, only: source_inertia, source_weight
@@ -253,7 +254,7 @@ contains
       allocate (anchor(2, size(model%reference)), source=0.0_wp)
       do b = body_frame + 1, size(model%reference)
          if (pins%anchor(b) == 0) cycle
-         call locate(mechanism, dimensions, model%reference(b), b, pins%anchor(b), anchor(:, b))
+         call locate_point(mechanism, dimensions, b, model%reference(b), pins%anchor(b), anchor(:, b))
          anchor(:, b) = anchor(:, b)*model%metre
       end do
       if (group%links == 0) then
