@@ -10,6 +10,7 @@ module psalm_sketch
    implicit none (type, external)
    private
    public :: sketch_t, link_t, slide_t, drive_t, sketch_output_t, variation_t
+   public :: wish_t, wish_column_t
    public :: sketch_name, frame_link, position_of, grid_digits, columns_of, most_wished
    public :: drive_turns, drive_slides, drive_stretches
    public :: output_point, output_angle, output_distance, output_slide, output_between, output_pose, output_ratio
@@ -85,6 +86,13 @@ module psalm_sketch
       procedure :: is_wished
    end type sketch_output_t
 
+   !> One number that is wanted: of an output, of its numbers, a derivative by the first drive's input.
+   type :: wish_column_t
+      integer :: output = 0
+      integer :: component = 0
+      integer :: order = 0
+   end type wish_column_t
+
    !> A dimension that a search may change.
    type :: variation_t
       integer :: kind = 0                   !! one of `vary_...`
@@ -110,6 +118,7 @@ module psalm_sketch
       logical :: over_braced = .false.      !! KOVER: equations that special dimensions make superfluous are allowed
    contains
       procedure :: has_wishes
+      procedure :: wish_columns
       procedure :: has_joint
       procedure :: links_of
       procedure :: joint_called
@@ -166,6 +175,21 @@ contains
          end do
       end do
    end function has_wishes
+
+   !> All numbers that outputs have wishes for: output after output, values before derivatives.
+   pure function wish_columns(self) result(columns)
+      class(sketch_t), intent(in) :: self
+      type(wish_column_t), allocatable :: columns(:)
+      integer :: k, order, c
+
+      allocate (columns(0))
+      do k = 1, size(self%outputs)
+         do order = 0, most_wished
+            if (.not. allocated(self%outputs(k)%wishes(order)%values)) cycle
+            columns = [columns, [(wish_column_t(k, c, order), c=1, columns_of(self%outputs(k)))]]
+         end do
+      end do
+   end function wish_columns
 
    !> Why there is no one crank whose turning moves everything, in words; empty where there is.
    pure function why_no_crank(self) result(words)

@@ -16,7 +16,7 @@ module psalm_error
    use psalm_plan, only: plan_t, make_plan
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
-   use psalm_sketch, only: columns_of
+   use psalm_sketch, only: wish_column_t
    use psalm_parameters, only: parameters_t
    implicit none (type, external)
    private
@@ -157,25 +157,21 @@ contains
       problem%rate_weight = set%method%rate_weight
    end subroutine make_problem
 
-   !> Desired values of a sketch's further outputs.
+   !> Desired values and derivatives of a sketch's further outputs, in the order of `wish_columns`.
    subroutine take_wishes(set, problem)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(inout) :: problem
-      integer :: k, n, last
+      type(wish_column_t), allocatable :: columns(:)
+      integer :: k
 
       if (.not. set%sketch%given .or. .not. set%sketch%has_wishes()) return
-      n = 0
-      do k = 1, size(set%sketch%outputs)
-         if (set%sketch%outputs(k)%is_wished()) n = n + columns_of(set%sketch%outputs(k))
-      end do
-      allocate (problem%wish_values(problem%positions, n), problem%wish_weights(problem%positions, n))
-      n = 0
-      do k = 1, size(set%sketch%outputs)
-         if (.not. set%sketch%outputs(k)%is_wished()) cycle
-         last = n + columns_of(set%sketch%outputs(k))
-         problem%wish_values(:, n + 1:last) = transpose(set%sketch%outputs(k)%wishes(0)%values)
-         problem%wish_weights(:, n + 1:last) = transpose(set%sketch%outputs(k)%wishes(0)%weights)
-         n = last
+      columns = set%sketch%wish_columns()
+      allocate (problem%wish_values(problem%positions, size(columns)), problem%wish_weights(problem%positions, size(columns)))
+      do k = 1, size(columns)
+         associate (wish => set%sketch%outputs(columns(k)%output)%wishes(columns(k)%order), component => columns(k)%component)
+            problem%wish_values(:, k) = wish%values(component, :)
+            problem%wish_weights(:, k) = wish%weights(component, :)
+         end associate
       end do
    end subroutine take_wishes
 

@@ -1,34 +1,49 @@
-!> Desired values of several outputs of a sketch: how far they are missed, and how that changes with every variable.
+!> Desired values of several outputs of a sketch, and of their derivatives by the input: how far they are missed, and how that changes
+!> with every variable.
 !>
-!> Those of the first output are the desired values of the problem itself; here are those of the others. Angles are in degrees.
-!> Where the linkage does not close nothing is compared.
+!> Those of the first output are, where they can be, the desired values of the problem itself; here are the others. Angles are in
+!> degrees, in derivatives in radians. Where the linkage does not close nothing is compared; at a dead point no derivative is, and no
+!> ratio where the second of its rates is none.
 module psalm_output_wishes
    use psalm_angles, only: unit_vector
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, full_turn
+   use psalm_linkage, only: padded
+   use psalm_output_kind, only: most_rates
    use psalm_parameters, only: variable_t, variable_crnki, variable_outang, variable_outlk
    use psalm_closure, only: most_orders
-   use psalm_sensitivity, only: sensitivity_t, wanted_outputs_t, prepare_sensitivity, find_jacobian
-   use psalm_sketch, only: sketch_output_t
-   use psalm_sketch_motion, only: locate_sketch, find_places
-   use psalm_sketch_outputs, only: names_of_numbers, values_of_outputs, name_room
+   use psalm_rate_changes, only: change_rates
+   use psalm_rates, only: prepare_rates, differentiate, form_frames, is_dead
+   use psalm_rows, only: rows_t, make_rows, clear_rows
+   use psalm_sensitivity, only: sensitivity_t, wanted_outputs_t, prepare_sensitivity, find_jacobian, unit_of, clear_changes
+   use psalm_sketch, only: sketch_output_t, wish_column_t, output_ratio, columns_of, most_wished
+   use psalm_sketch_motion, only: locate_sketch, find_places, observe_sketch, find_rate_changes, find_own_rate_changes
+   use psalm_sketch_outputs, only: names_of_numbers, values_of_outputs, change_of_values, name_room
    implicit none (type, external)
    private
    public :: output_wishes_t, prepare_output_wishes, find_output_wishes, differentiate_output_wishes, sum_of_wish_errors
 
-   !> Room to work in, and the linkage looked at last. Numbers are those of all outputs with wishes, one after the other.
+   character(*), parameter :: of_order(0:most_wished) = [character(6) :: '', ' (VEL)', ' (ACC)'] !! after the items that want them
+
+   !> Room to work in, and the linkage looked at last. Columns are the numbers that are wanted, as `wish_columns` has them.
    type :: output_wishes_t
       class(problem_t), allocatable :: problem      !! finds every joint
       type(sensitivity_t) :: work
-      type(wanted_outputs_t) :: wanted
+      type(wanted_outputs_t) :: wanted              !! outputs with wishes, and those of which ratios are
+      type(rows_t) :: change(0:most_rates)          !! changes with one variable of positions, first and second derivatives
       integer :: shown = 0                          !! of the joints that move: the first output, if it stands off its arc; 0: none
-      character(name_room), allocatable :: names(:) !! by number
-      logical, allocatable :: exists(:)             !! shape (positions): every loop closes
-      real(wp), allocatable :: actual(:, :)         !! shape (positions, numbers)
+      logical :: moving = .false.                   !! derivatives or ratios are wanted
+      integer, allocatable :: number(:), order(:)   !! by column: of all numbers of the outputs; derivative
+      logical, allocatable :: angle(:)              !! by column: it is one, in degrees
+      logical, allocatable :: rate(:)               !! by column: needs derivatives
+      real(wp), allocatable :: like(:)              !! by column: power of a length that it is measured in, 0 or 1
+      character(name_room), allocatable :: names(:) !! by column
+      logical, allocatable :: exists(:, :)          !! shape (positions, columns)
+      real(wp), allocatable :: actual(:, :)         !! shape (positions, columns)
       real(wp), allocatable :: miss(:, :)           !! the same shape: actual - desired
-      real(wp), allocatable :: by(:, :, :)          !! shape (positions, variables, numbers): derivatives of `miss`
+      real(wp), allocatable :: by(:, :, :)          !! shape (positions, variables, columns): derivatives of `miss`
    end type output_wishes_t
 
 contains
@@ -41,7 +56,6 @@ contains
       logical, intent(in) :: derivatives            !! by the variables
       type(output_wishes_t), intent(out) :: wishes
       type(variable_t) :: input
-      logical, allocatable :: turning(:)
       integer :: k
 
       allocate (wishes%problem, source=problem)
@@ -52,54 +66,74 @@ contains
       end if
       associate (wanted => wishes%wanted, n => problem%positions)
          call locate_sketch(set, problem%mechanism, wanted%sketch, problem%given)
-         allocate (wanted%outputs(0))
-         do k = 1, size(set%sketch%outputs)
-            if (set%sketch%outputs(k)%is_wished()) wanted%outputs = [wanted%outputs, set%sketch%outputs(k)]
-         end do
-         call names_of_numbers(wanted%outputs, wishes%names, turning, wanted%angle)
-         wanted%numbers = size(wishes%names)
+         call list_columns(set%sketch%outputs, set%sketch%wish_columns(), wishes)
          do k = 1, size(wanted%sketch%moving)
             if (wanted%sketch%moving(k)%joint == set%traced%output_joint .and. problem%given%outlk > 0.0_wp) wishes%shown = k
          end do
          call wishes%problem%want_derivatives(.true., wanted%sketch%points)
-         allocate (wishes%exists(n), source=.false.)
-         allocate (wishes%actual(n, wanted%numbers), wishes%miss(n, wanted%numbers), source=0.0_wp)
+         allocate (wishes%exists(n, size(wishes%number)), source=.false.)
+         allocate (wishes%actual(n, size(wishes%number)), wishes%miss(n, size(wishes%number)), source=0.0_wp)
       end associate
-      if (.not. derivatives) return
-      allocate (wishes%by(problem%positions, size(wishes%problem%parameters%variables), wishes%wanted%numbers), source=0.0_wp)
+      if (.not. derivatives) then
+         if (wishes%moving) call prepare_rates(wishes%problem, wishes%work%rates)
+         return
+      end if
+      allocate (wishes%by(problem%positions, size(wishes%problem%parameters%variables), size(wishes%number)), source=0.0_wp)
       call prepare_sensitivity(wishes%problem, wishes%work)
+      if (.not. wishes%moving) return
+      associate (link => wishes%problem%linkage)
+         do k = 0, most_rates
+            call make_rows(link%room, size(link%store%v, 2), wishes%change(k))
+         end do
+      end associate
    end subroutine prepare_output_wishes
+
+   !> The outputs that are wanted, or whose rates are parts of a ratio that is, and what each column is of them.
+   subroutine list_columns(outputs, columns, wishes)
+      type(sketch_output_t), intent(in) :: outputs(:)
+      type(wish_column_t), intent(in) :: columns(:)
+      type(output_wishes_t), intent(inout) :: wishes
+      character(name_room), allocatable :: names(:)
+      logical, allocatable :: turning(:)
+      integer :: first(size(outputs)), place(size(outputs)), n, k
+      logical :: used(size(outputs))
+
+      used = [(any(columns%output == k), k=1, size(outputs))]
+      do k = 1, size(outputs)
+         if (used(k) .and. outputs(k)%kind == output_ratio) used(outputs(k)%outputs) = .true.
+      end do
+      associate (wanted => wishes%wanted)
+         wanted%outputs = pack(outputs, used)
+         place = [(count(used(:k)), k=1, size(outputs))]
+         n = 0
+         do k = 1, size(outputs)
+            first(k) = n
+            if (used(k)) n = n + columns_of(outputs(k))
+         end do
+         do k = 1, size(wanted%outputs)
+            if (wanted%outputs(k)%kind == output_ratio) wanted%outputs(k)%outputs = place(wanted%outputs(k)%outputs)
+         end do
+         call names_of_numbers(wanted%outputs, names, turning, wanted%angle)
+         wanted%numbers = n
+         wishes%number = first(columns%output) + columns%component
+         wishes%order = columns%order
+         wishes%angle = wanted%angle(wishes%number) .and. wishes%order == 0
+         wishes%rate = wishes%order > 0 .or. outputs(columns%output)%kind == output_ratio
+         wishes%like = merge(0.0_wp, 1.0_wp, wanted%angle(wishes%number) .or. outputs(columns%output)%kind == output_ratio)
+         wishes%moving = any(wishes%rate)
+         wishes%names = names(wishes%number)
+         do k = 1, size(columns)
+            if (columns(k)%order > 0) wishes%names(k) = trim(wishes%names(k))//of_order(columns(k)%order)
+         end do
+      end associate
+   end subroutine list_columns
 
    !> What a linkage does of what is desired.
    subroutine find_output_wishes(wishes, dimensions)
       type(output_wishes_t), intent(inout) :: wishes
       type(dimensions_t), intent(in) :: dimensions
-      complex(wp), allocatable :: joint(:, :, :)
-      real(wp), allocatable :: moved(:, :, :)
-      real(wp) :: values(wishes%wanted%numbers, 0:most_orders)
-      integer :: block, offset, n, i, loop
 
-      call place_first_output(wishes, dimensions)
-      associate (problem => wishes%problem, wanted => wishes%wanted)
-         allocate (joint(size(wanted%sketch%drawn), 0:most_orders, problem%linkage%room), source=(0.0_wp, 0.0_wp))
-         allocate (moved(size(wanted%sketch%arcs), 0:most_orders, problem%linkage%room), source=0.0_wp)
-         call problem%bind(dimensions)
-         do block = 1, problem%blocks()
-            call problem%solve_block(block, offset, n)
-            call find_places(wanted%sketch, problem, n, joint(:, 0, :n), moved(:, 0, :n))
-            do i = 1, n
-               associate (exists => wishes%exists(offset + i), miss => wishes%miss(offset + i, :))
-                  exists = all([(problem%linkage%closes(i, loop), loop=1, problem%mechanism%nloop)])
-                  miss = 0.0_wp
-                  if (.not. exists) cycle
-                  call values_of_outputs(wanted%outputs, joint(:, :, i), moved(:, :, i), [0.0_wp, 0.0_wp], values)
-                  wishes%actual(offset + i, :) = values(:, 0)
-                  miss = values(:, 0) - problem%wish_values(offset + i, :)
-                  where (wanted%angle) miss = miss - full_turn*anint(miss/full_turn)
-               end associate
-            end do
-         end do
-      end associate
+      call look(wishes, dimensions, .false.)
    end subroutine find_output_wishes
 
    !> The same, and its changes with every variable.
@@ -109,23 +143,170 @@ contains
       real(wp) :: unused(size(wishes%by, 1), size(wishes%by, 2), wishes%problem%output%kind%components)
       integer :: v, k, nvar
 
-      call find_output_wishes(wishes, dimensions)
-      call find_jacobian(wishes%problem, dimensions, wishes%work, unused, wanted=wishes%wanted)
-      nvar = size(wishes%by, 2)
-      wishes%by = wishes%wanted%change(:, :nvar, :)
-      do v = 1, nvar
-         associate (kind => wishes%problem%parameters%variables(v)%kind)
-            if (kind /= variable_outlk .and. kind /= variable_outang) cycle
-            wishes%by(:, v, :) = 0.0_wp
-            k = findloc(wishes%wanted%apart, wishes%shown, dim=1)
-            if (wishes%shown == 0 .or. k == 0) cycle
-            wishes%by(:, v, :) = wishes%wanted%change(:, nvar + 2*k - merge(1, 0, kind == variable_outlk), :)
-         end associate
-      end do
-      do k = 1, size(wishes%exists)
-         if (.not. wishes%exists(k)) wishes%by(k, :, :) = 0.0_wp
+      call look(wishes, dimensions, wishes%moving)
+      if (.not. wishes%moving) then
+         call find_jacobian(wishes%problem, dimensions, wishes%work, unused, wanted=wishes%wanted)
+         nvar = size(wishes%by, 2)
+         wishes%by = wishes%wanted%change(:, :nvar, wishes%number)
+         do v = 1, nvar
+            associate (kind => wishes%problem%parameters%variables(v)%kind)
+               if (kind /= variable_outlk .and. kind /= variable_outang) cycle
+               wishes%by(:, v, :) = 0.0_wp
+               k = findloc(wishes%wanted%apart, wishes%shown, dim=1)
+               if (wishes%shown == 0 .or. k == 0) cycle
+               wishes%by(:, v, :) = wishes%wanted%change(:, nvar + 2*k - merge(1, 0, kind == variable_outlk), wishes%number)
+            end associate
+         end do
+      end if
+      do v = 1, size(wishes%by, 2)
+         where (.not. wishes%exists) wishes%by(:, v, :) = 0.0_wp
       end do
    end subroutine differentiate_output_wishes
+
+   !> Values, of a moving linkage with derivatives, and, with `changes`, what these do with every variable.
+   subroutine look(wishes, dimensions, changes)
+      type(output_wishes_t), intent(inout) :: wishes
+      type(dimensions_t), intent(in) :: dimensions
+      logical, intent(in) :: changes
+      complex(wp), allocatable :: joint(:, :, :), joint_change(:, :, :)
+      real(wp), allocatable :: moved(:, :, :), moved_change(:, :, :), values(:, :, :)
+      integer :: block, offset, n, v, order
+
+      call place_first_output(wishes, dimensions)
+      associate (problem => wishes%problem, sketch => wishes%wanted%sketch, room => wishes%problem%linkage%room)
+         allocate (joint(size(sketch%drawn), 0:most_orders, room), source=(0.0_wp, 0.0_wp))
+         allocate (moved(size(sketch%arcs), 0:most_orders, room), source=0.0_wp)
+         allocate (values(wishes%wanted%numbers, 0:most_orders, room))
+         if (changes) then
+            allocate (joint_change(size(sketch%drawn), 0:most_wished, room), moved_change(size(sketch%arcs), 0:most_wished, room))
+         end if
+         call problem%bind(dimensions)
+         do block = 1, problem%blocks()
+            call problem%solve_block(block, offset, n)
+            if (wishes%moving) then
+               call differentiate(problem, wishes%work%rates, n, most_orders)
+               ! by the input itself: it moves at the rate 1
+               call observe_sketch(sketch, problem, wishes%work%rates, n, 1.0_wp, 0.0_wp, joint(:, :, :n), moved(:, :, :n))
+            else
+               call find_places(sketch, problem, n, joint(:, 0, :n), moved(:, 0, :n))
+            end if
+            call compare(wishes, offset, n, joint, moved, values)
+            if (.not. changes) cycle
+            call form_frames(problem, wishes%work%rates, padded(n), fixed_too=.true.)
+            do order = 0, most_rates
+               call clear_rows(wishes%change(order))
+            end do
+            do v = 1, size(wishes%by, 2)
+               call change_of_places(wishes, v, n, joint_change(:, :, :n), moved_change(:, :, :n))
+               call note_changes(wishes, v, offset, n, joint, joint_change, moved_change, values)
+            end do
+         end do
+      end associate
+   end subroutine look
+
+   !> The numbers that are wanted at the block just solved, and by how much they miss.
+   subroutine compare(wishes, offset, n, joint, moved, values)
+      type(output_wishes_t), intent(inout) :: wishes
+      integer, intent(in) :: offset, n
+      complex(wp), intent(in) :: joint(:, 0:, :)
+      real(wp), intent(in) :: moved(:, 0:, :)
+      real(wp), intent(out) :: values(:, 0:, :)
+      logical :: closes, alive
+      integer :: i, k, loop
+
+      do i = 1, n
+         associate (problem => wishes%problem, exists => wishes%exists(offset + i, :), actual => wishes%actual(offset + i, :), &
+                    miss => wishes%miss(offset + i, :))
+            closes = all([(problem%linkage%closes(i, loop), loop=1, problem%mechanism%nloop)])
+            alive = closes
+            if (closes .and. wishes%moving) alive = .not. any([(is_dead(problem, wishes%work%rates, loop, i), &
+                                                                 loop=1, problem%mechanism%nloop)])
+            exists = merge(alive, closes, wishes%rate)
+            values(:, :, i) = 0.0_wp
+            actual = 0.0_wp
+            miss = 0.0_wp
+            if (.not. closes) cycle
+            call values_of_outputs(wishes%wanted%outputs, joint(:, :, i), moved(:, :, i), fastest(i), values(:, :, i))
+            do k = 1, size(miss)
+               exists(k) = exists(k) .and. values(wishes%number(k), wishes%order(k), i) < huge(1.0_wp)
+               if (.not. exists(k)) cycle
+               actual(k) = values(wishes%number(k), wishes%order(k), i)
+               miss(k) = actual(k) - problem%wish_values(offset + i, k)
+               if (wishes%angle(k)) miss(k) = miss(k) - full_turn*anint(miss(k)/full_turn)
+            end do
+         end associate
+      end do
+
+   contains
+
+      !> The largest rates of any direction and of any joint and slide.
+      function fastest(i)
+         integer, intent(in) :: i
+         real(wp) :: fastest(2)
+         integer :: r
+
+         fastest = 0.0_wp
+         if (.not. wishes%moving) return
+         associate (link => wishes%problem%linkage)
+            do r = 1, size(link%root_x)
+               fastest(1) = max(fastest(1), abs(wishes%work%rates%d(1)%v(i, link%root_x(r))))
+            end do
+         end associate
+         fastest(2) = max(maxval(abs(joint(:, 1, i))), maxval(abs(moved(:, 1, i))))
+      end function fastest
+   end subroutine compare
+
+   !> Changes of places and their derivatives with a variable. Dimensions of the output arc are those of a joint that stands off it.
+   subroutine change_of_places(wishes, v, n, joint, moved)
+      type(output_wishes_t), intent(inout) :: wishes
+      integer, intent(in) :: v, n
+      complex(wp), intent(out) :: joint(:, 0:, :)    !! shape (joints, 0:most_wished, n)
+      real(wp), intent(out) :: moved(:, 0:, :)       !! shape (slides, 0:most_wished, n)
+      complex(wp) :: along(0:most_wished), across(0:most_wished)
+      real(wp) :: x, y
+      integer :: i, order
+
+      associate (problem => wishes%problem, kind => wishes%problem%parameters%variables(v)%kind, sketch => wishes%wanted%sketch)
+         if (kind == variable_outlk .or. kind == variable_outang) then
+            joint = (0.0_wp, 0.0_wp)
+            moved = 0.0_wp
+            if (wishes%shown == 0) return
+            do i = 1, n
+               call find_own_rate_changes(sketch, problem, wishes%work%rates, wishes%shown, i, along, across)
+               joint(sketch%moving(wishes%shown)%joint, :, i) = merge(along, across, kind == variable_outlk)
+            end do
+            return
+         end if
+         call change_rates(problem, wishes%work, v, padded(n), wishes%change)
+         call problem%output%change_of_origin(kind, x, y)
+         call find_rate_changes(sketch, problem, wishes%work%rates, wishes%change, wishes%work%turn(:, v), cmplx(x, y, wp), &
+                                unit_of(problem, v), n, joint, moved)
+         do order = 0, most_rates
+            call clear_changes(problem, v, padded(n), wishes%work%moves(:, v), wishes%change(order))
+         end do
+      end associate
+   end subroutine change_of_places
+
+   !> The same of the numbers that are wanted.
+   subroutine note_changes(wishes, v, offset, n, joint, joint_change, moved_change, values)
+      type(output_wishes_t), intent(inout) :: wishes
+      integer, intent(in) :: v, offset, n
+      complex(wp), intent(in) :: joint(:, 0:, :), joint_change(:, 0:, :)
+      real(wp), intent(in) :: moved_change(:, 0:, :)
+      real(wp), intent(in) :: values(:, 0:, :)
+      real(wp) :: change(wishes%wanted%numbers, 0:most_wished)
+      integer :: i, k
+
+      do i = 1, n
+         wishes%by(offset + i, v, :) = 0.0_wp
+         if (.not. any(wishes%exists(offset + i, :))) cycle
+         call change_of_values(wishes%wanted%outputs, joint(:, :, i), joint_change(:, :, i), moved_change(:, :, i), &
+                               values(:, :, i), change)
+         do k = 1, size(wishes%number)
+            wishes%by(offset + i, v, k) = change(wishes%number(k), wishes%order(k))
+         end do
+      end do
+   end subroutine note_changes
 
    !> The joint that is the first output moves with OUTLK and OUTANG.
    subroutine place_first_output(wishes, dimensions)

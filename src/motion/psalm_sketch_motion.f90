@@ -12,10 +12,11 @@ module psalm_sketch_motion
    use psalm_place, only: place_t
    use psalm_rates, only: rates_t, derivatives_of, in_time
    use psalm_rows, only: rows_t
-   use psalm_sketch, only: frame_link
+   use psalm_sketch, only: frame_link, most_wished
    implicit none (type, external)
    private
-   public :: sketch_motion_t, locate_sketch, observe_sketch, find_places, find_changes, find_own_changes
+   public :: sketch_motion_t, locate_sketch, observe_sketch, find_places, find_changes, find_own_changes, &
+             find_rate_changes, find_own_rate_changes
 
    !> A joint that moves.
    type :: moving_t
@@ -246,6 +247,83 @@ contains
       along = u/abs(u)
       across = u*cmplx(0.0_wp, radians_per_degree, wp)
    end subroutine find_own_changes
+
+   !> Changes of the places and of their derivatives by the input, with a variable that changes the rows of the store by `d`.
+   subroutine find_rate_changes(sketch, problem, rates, d, turn, origin, unit, n, joint, moved)
+      type(sketch_motion_t), intent(in) :: sketch
+      type(problem_t), intent(in) :: problem
+      type(rates_t), intent(in) :: rates                !! by the input
+      type(rows_t), intent(in) :: d(0:)                 !! by order; per radian of angles
+      real(wp), intent(in) :: turn(:)                   !! shape (arcs): of their fixed angles
+      complex(wp), intent(in) :: origin                 !! of the input pivot
+      real(wp), intent(in) :: unit                      !! radians a unit of the variable is worth, or 1
+      integer, intent(in) :: n
+      complex(wp), intent(out) :: joint(:, 0:, :)       !! shape (joints, 0:most_wished, n)
+      real(wp), intent(out) :: moved(:, 0:, :)          !! shape (slides, 0:most_wished, n)
+      real(wp) :: h(0:most_wished)
+      integer :: k, m, order, row
+
+      joint = (0.0_wp, 0.0_wp)
+      moved = 0.0_wp
+      associate (link => problem%linkage, plan => problem%plan)
+         do m = 1, n
+            do k = 1, size(sketch%moving)
+               associate (one => sketch%moving(k), point => plan%joint_points(k))
+                  do order = 0, most_wished
+                     joint(one%joint, order, m) = cmplx(d(order)%v(m, link%point_x(point)), d(order)%v(m, link%point_y(point)), &
+                                                        wp)/link%scale
+                  end do
+                  joint(one%joint, 0, m) = joint(one%joint, 0, m) + origin
+                  if (abs(one%offset) > 0.0_wp) then
+                     row = link%root_x(plan%root(one%arc))
+                     h = [(d(order)%v(m, row), order=0, most_wished)]
+                     h(0) = h(0) + turn(one%arc)
+                     joint(one%joint, :, m) = joint(one%joint, :, m) + turned_change(offset_of(sketch, problem, k, m), &
+                                                                                     derivatives_of(rates, row, m), h)
+                  end if
+                  joint(one%joint, :, m) = joint(one%joint, :, m)*unit
+               end associate
+            end do
+            do k = 1, size(sketch%arcs)
+               if (sketch%arcs(k) == 0) cycle
+               row = link%slide(plan%length_slot(sketch%arcs(k)))
+               do order = 0, most_wished
+                  moved(k, order, m) = sketch%sense(k)*d(order)%v(m, row)*(unit/link%scale)
+               end do
+            end do
+         end do
+      end associate
+   end subroutine find_rate_changes
+
+   !> Changes of a vector u exp(i theta) and of its derivatives by the input, where theta and its derivatives change by h.
+   pure function turned_change(u, w, h) result(change)
+      complex(wp), intent(in) :: u                      !! the vector
+      real(wp), intent(in) :: w(:)                      !! derivatives of theta
+      real(wp), intent(in) :: h(0:most_wished)
+      complex(wp) :: change(0:most_wished)
+      complex(wp), parameter :: i = (0.0_wp, 1.0_wp)
+
+      change(0) = i*h(0)*u
+      change(1) = i*(h(1)*u + w(1)*change(0))
+      change(2) = i*h(2)*u + cmplx(-w(1)**2, w(2), wp)*change(0) - 2.0_wp*w(1)*h(1)*u
+   end function turned_change
+
+   !> Changes of a joint's place and of its derivatives by the input, with its own distance from the point of the plan, and with the
+   !> angle of that line, by degrees.
+   subroutine find_own_rate_changes(sketch, problem, rates, moving, position, along, across)
+      type(sketch_motion_t), intent(in) :: sketch
+      type(problem_t), intent(in) :: problem
+      type(rates_t), intent(in) :: rates                !! by the input
+      integer, intent(in) :: moving                     !! of the joints that move: one with an offset
+      integer, intent(in) :: position                   !! of the block
+      complex(wp), intent(out) :: along(0:), across(0:) !! shape (0:most_wished)
+      real(wp) :: w(most_orders)
+
+      w = derivatives_of(rates, problem%linkage%root_x(problem%plan%root(sketch%moving(moving)%arc)), position)
+      call find_own_changes(sketch, problem, moving, position, along(0), across(0))
+      along = along(0)*[(1.0_wp, 0.0_wp), cmplx(0.0_wp, w(1), wp), cmplx(-w(1)**2, w(2), wp)]
+      across = across(0)*[(1.0_wp, 0.0_wp), cmplx(0.0_wp, w(1), wp), cmplx(-w(1)**2, w(2), wp)]
+   end subroutine find_own_rate_changes
 
    !> From the point of the plan to a joint at position m of the block.
    pure complex(wp) function offset_of(sketch, problem, moving, m) result(u)

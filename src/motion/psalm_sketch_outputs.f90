@@ -8,10 +8,10 @@ module psalm_sketch_outputs
    use psalm_kinds, only: wp, degrees_per_radian, full_turn
    use psalm_output_kind, only: output_kind_t, kind_of_output
    use psalm_sketch, only: sketch_output_t, output_point, output_angle, output_distance, output_slide, output_between, &
-                           output_pose, output_ratio, output_x, output_y, columns_of
+                           output_pose, output_ratio, output_x, output_y, columns_of, most_wished
    implicit none (type, external)
    private
-   public :: names_of_numbers, values_of_outputs, unwrap, name_room
+   public :: names_of_numbers, values_of_outputs, change_of_values, unwrap, name_room
 
    integer, parameter :: name_room = 48            !! characters of a column's name
    real(wp), parameter :: at_rest = 1.0e-12_wp     !! of the largest rate: a slower output stands still but for rounding
@@ -119,6 +119,80 @@ contains
       end function rate_like
    end subroutine values_of_outputs
 
+   !> How values and derivatives change where the places and their derivatives change: of values as `values_of_outputs` has them, a
+   !> change each, of angles in degrees, of their rates in radians; of a ratio, that of its value.
+   pure subroutine change_of_values(outputs, joint, joint_change, moved_change, values, change)
+      type(sketch_output_t), intent(in) :: outputs(:)
+      complex(wp), intent(in) :: joint(:, 0:)          !! shape (joints, 0:most_orders): places
+      complex(wp), intent(in) :: joint_change(:, 0:)   !! shape (joints, 0:most_wished)
+      real(wp), intent(in) :: moved_change(:, 0:)      !! shape (slides, 0:most_wished): of the travel
+      real(wp), intent(in) :: values(:, 0:)            !! shape (numbers of all outputs, 0:most_orders)
+      real(wp), intent(out) :: change(:, 0:)           !! shape (numbers of all outputs, 0:most_wished)
+      complex(wp) :: z(0:most_orders), dz(0:most_wished), l(0:most_orders), dl(0:most_wished), dm(0:most_wished)
+      integer :: first(size(outputs))
+      integer :: k, n
+
+      n = 1
+      change = 0.0_wp
+      do k = 1, size(outputs)
+         first(k) = n
+         associate (output => outputs(k))
+            select case (output%kind)
+            case (output_point, output_pose)
+               change(n, :) = joint_change(output%joints(1), :)%re
+               change(n + 1, :) = joint_change(output%joints(1), :)%im
+               if (output%kind == output_pose) then
+                  dl = change_along(output%joints(2), output%joints(3))
+                  change(n + 2, :) = dl%im*[degrees_per_radian, 1.0_wp, 1.0_wp]
+               end if
+            case (output_x)
+               change(n, :) = joint_change(output%joints(1), :)%re
+            case (output_y)
+               change(n, :) = joint_change(output%joints(1), :)%im
+            case (output_angle)
+               dl = change_along(output%joints(1), output%joints(2))
+               change(n, :) = dl%im*[degrees_per_radian, 1.0_wp, 1.0_wp]
+            case (output_between)
+               dl = change_along(output%joints(1), output%joints(2))
+               dm = change_along(output%joints(3), output%joints(4))
+               change(n, :) = (dm%im - dl%im)*[degrees_per_radian, 1.0_wp, 1.0_wp]
+            case (output_distance)
+               z = joint(output%joints(1), :)
+               dz = joint_change(output%joints(1), :)
+               if (output%joints(2) > 0) then
+                  z = joint(output%joints(2), :) - z
+                  dz = joint_change(output%joints(2), :) - dz
+               end if
+               l = logarithm(z)
+               dl = change_of_logarithm(z, dz, l)
+               associate (r => abs(z(0)))
+                  change(n, 0) = r*dl(0)%re
+                  change(n, 1) = r*(dl(0)%re*l(1)%re + dl(1)%re)
+                  change(n, 2) = r*(dl(0)%re*(l(1)%re**2 + l(2)%re) + 2.0_wp*l(1)%re*dl(1)%re + dl(2)%re)
+               end associate
+            case (output_slide)
+               change(n, :) = moved_change(output%slide, :)
+            case (output_ratio)
+               associate (a => first(output%outputs(1)), b => first(output%outputs(2)))
+                  if (values(n, 0) < huge(1.0_wp)) change(n, 0) = (change(a, 1) - values(n, 0)*change(b, 1))/values(b, 1)
+               end associate
+            end select
+         end associate
+         n = n + columns_of(outputs(k))
+      end do
+
+   contains
+
+      !> Change of the logarithm of the line between two joints.
+      pure function change_along(from, to)
+         integer, intent(in) :: from, to
+         complex(wp) :: change_along(0:most_wished), line(0:most_orders)
+
+         line = joint(to, :) - joint(from, :)
+         change_along = change_of_logarithm(line, joint_change(to, :) - joint_change(from, :), logarithm(line))
+      end function change_along
+   end subroutine change_of_values
+
    !> Ratio of two rates and its derivatives, as far as the rates' are known; where the second output stands still it is given as
    !> huge: there is none.
    pure subroutine quotient(a, b, rest, ratio)
@@ -148,6 +222,20 @@ contains
       l(2) = z(2)/z(0) - l(1)**2
       l(3) = z(3)/z(0) - 3.0_wp*l(1)*l(2) - l(1)**3
    end function logarithm
+
+   !> Changes of the derivatives of log z where those of z change; for the zero vector all are 0.
+   pure function change_of_logarithm(z, dz, l) result(dl)
+      complex(wp), intent(in) :: z(0:most_orders)
+      complex(wp), intent(in) :: dz(0:most_wished)
+      complex(wp), intent(in) :: l(0:most_orders)  !! derivatives of log z
+      complex(wp) :: dl(0:most_wished)
+
+      dl = (0.0_wp, 0.0_wp)
+      if (z(0) == (0.0_wp, 0.0_wp)) return
+      dl(0) = dz(0)/z(0)
+      dl(1) = dz(1)/z(0) - l(1)*dl(0)
+      dl(2) = dz(2)/z(0) - (l(2) + l(1)**2)*dl(0) - 2.0_wp*l(1)*dl(1)
+   end function change_of_logarithm
 
    !> Angles of a row of positions without jumps of a turn.
    pure subroutine unwrap(values)

@@ -28,11 +28,12 @@ contains
          do i = 1, size(wishes%miss, 1)
             if (.not. wishes%problem%wish_weights(i, k) > 0.0_wp) cycle
             write (position, '(i9)') i
-            if (wishes%exists(i)) then
+            if (wishes%exists(i, k)) then
                call text%add('  '//name//position//general(wishes%problem%wish_values(i, k))// &
                              general(wishes%problem%wish_values(i, k) + wishes%miss(i, k))//general(-wishes%miss(i, k)))
             else
-               call text%add('  '//name//position//general(wishes%problem%wish_values(i, k))//'   DOES NOT CLOSE')
+               call text%add('  '//name//position//general(wishes%problem%wish_values(i, k))// &
+                             trim(merge('   DOES NOT EXIST', '   DOES NOT CLOSE', wishes%rate(k))))
             end if
          end do
       end do

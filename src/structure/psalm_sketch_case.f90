@@ -55,7 +55,7 @@ contains
       type(state_t) :: state
       type(loops_t) :: loops
       type(diagnostics_t) :: of_search
-      logical :: sound, taken, given
+      logical :: sound, given
 
       if (.not. set%sketch%given) return
       given = .false.
@@ -68,9 +68,7 @@ contains
          loops%why = no_loops
       else if (loops%found .and. (set%sketch%has_wishes() .or. wants_poses(set) .or. &
                                     wants_travel(loops, set))) then
-         call take_wishes(loops, state, closure%sketch, set, taken)
-         loops%found = taken .or. given
-         if (.not. loops%found) loops%why = 'desired values of outputs (DES1 ...), which are compared in the poses'
+         call take_wishes(loops, state, closure%sketch, set)
       end if
       if (loops%found .and. .not. given) then
          call part_frame_arcs(closure%sketch, loops, loops%why)
@@ -668,52 +666,24 @@ contains
 
    !> Desired values of the first output are those of &METHOD, if the loops can tell it: DES1 is another word for DESX and DESY,
    !> or DESANG, DVEL1 and DACC1 for their derivatives. Not so of a slide, whose arc has another zero. Values of the others, and of
-   !> a first one that is no output of the loops, are compared beside it. `taken` is false where poses must do it: for a ratio, for
-   !> derivatives of such outputs, and with free timing where nothing of the loops' own output is desired.
-   subroutine take_wishes(loops, state, sketch, set, taken)
+   !> a first one that is no output of the loops, are compared beside it.
+   subroutine take_wishes(loops, state, sketch, set)
       type(loops_t), intent(inout) :: loops
       type(state_t), intent(in) :: state
       type(sketch_t), intent(in) :: sketch
       type(data_set_t), intent(inout) :: set
-      logical, intent(out) :: taken
-      integer :: k
       logical :: told
 
-      taken = .false.
-      do k = 1, size(sketch%outputs)
-         associate (output => sketch%outputs(k))
-            if (output%kind == output_ratio .and. output%is_wished()) return
-            if (k > 1 .and. wishes_rates(output)) return
-         end associate
-      end do
-      told = sketch%outputs(1)%kind /= output_slide
-      if (told) call put_output(loops, state, sketch, sketch%outputs(1), told)
-      if (told .and. (set%method%desired .neqv. sketch%outputs(1)%is_wished())) then
-         call give_to_method(set)
-      else if (wishes_rates(sketch%outputs(1)) .or. allocated(set%method%rate_wanted)) then
-         return
-      else if (.not. set%method%desired .or. wants_travel(loops, set) .or. .not. (told .or. sketch%outputs(1)%kind == &
-                                                            output_slide)) then
-         if (set%method%ifree /= 0) return
-         if (sketch%outputs(1)%kind == output_slide) then
-            if (set%method%desired) call take_from_method(set)
-         else if (set%method%desired) then
-            ! a wish has one weight for all its numbers
-            if (any(abs(set%method%xmult - set%method%ymult) > 0.0_wp) .or. &
-                any(abs(set%method%xmult - set%method%anmult) > 0.0_wp)) return
+      associate (first => sketch%outputs(1))
+         told = first%kind /= output_slide
+         if (told) call put_output(loops, state, sketch, first, told)
+         if (told .and. (set%method%desired .neqv. first%is_wished())) then
+            call give_to_method(set)
+         else if (wants_travel(loops, set) .or. (set%method%desired .and. first%kind == output_pose .and. .not. told)) then
             call take_from_method(set)
          end if
-      end if
-      taken = .true.
+      end associate
    end subroutine take_wishes
-
-   !> True if a derivative of an output is prescribed.
-   pure logical function wishes_rates(output)
-      type(sketch_output_t), intent(in) :: output
-      integer :: order
-
-      wishes_rates = any([(allocated(output%wishes(order)%values), order=1, most_wished)])
-   end function wishes_rates
 
    !> Wishes of the first output as desired values of &METHOD.
    subroutine give_to_method(set)
@@ -749,24 +719,32 @@ contains
       set%method%desired = .true.
    end subroutine give_to_method
 
-   !> Desired poses or travels of &METHOD as wishes of the first output.
+   !> Desired poses or travels of &METHOD, and their derivatives, as wishes of the first output.
    subroutine take_from_method(set)
       type(data_set_t), intent(inout) :: set
+      integer :: order
 
-      associate (wish => set%sketch%outputs(1)%wishes(0), method => set%method)
+      associate (wishes => set%sketch%outputs(1)%wishes, method => set%method)
          method%desired = .false.
          if (set%sketch%outputs(1)%kind == output_slide) then
-            wish%values = reshape(method%desang, [1, method%ndes])
-            wish%weights = reshape(method%anmult, [1, method%ndes])
-            return
+            wishes(0)%values = reshape(method%desang, [1, method%ndes])
+            wishes(0)%weights = reshape(method%anmult, [1, method%ndes])
+         else
+            allocate (wishes(0)%values(3, method%ndes), wishes(0)%weights(3, method%ndes))
+            wishes(0)%values(1, :) = method%desx + method%xadd
+            wishes(0)%values(2, :) = method%desy + method%yadd
+            wishes(0)%values(3, :) = method%desang
+            wishes(0)%weights(1, :) = method%xmult
+            wishes(0)%weights(2, :) = method%ymult
+            wishes(0)%weights(3, :) = method%anmult
          end if
-         allocate (wish%values(3, method%ndes), wish%weights(3, method%ndes))
-         wish%values(1, :) = method%desx + method%xadd
-         wish%values(2, :) = method%desy + method%yadd
-         wish%values(3, :) = method%desang
-         wish%weights(1, :) = method%xmult
-         wish%weights(2, :) = method%ymult
-         wish%weights(3, :) = method%anmult
+         if (.not. allocated(method%rate_wanted)) return
+         do order = 1, most_wished
+            if (.not. any(method%rate_weight(:, :, order) > 0.0_wp)) cycle
+            wishes(order)%values = transpose(method%rate_wanted(:, :, order))
+            wishes(order)%weights = transpose(method%rate_weight(:, :, order))
+         end do
+         deallocate (method%rate_wanted, method%rate_weight)
       end associate
    end subroutine take_from_method
 

@@ -83,16 +83,16 @@ contains
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(analysis_t), intent(inout) :: analysis
-      integer :: i
+      integer :: k
 
       allocate (analysis%wishes)
       call prepare_output_wishes(set, problem, .false., .false., analysis%wishes)
       associate (wishes => analysis%wishes)
          call find_output_wishes(wishes, dimensions)
-         wishes%exists = wishes%exists .and. analysis%motion%closed
-         do i = 1, size(wishes%exists)
-            if (.not. wishes%exists(i)) wishes%miss(i, :) = 0.0_wp
+         do k = 1, size(wishes%miss, 2)
+            wishes%exists(:, k) = wishes%exists(:, k) .and. analysis%motion%closed
          end do
+         where (.not. wishes%exists) wishes%miss = 0.0_wp
          analysis%motion%total = analysis%motion%total + sum_of_wish_errors(wishes)
       end associate
    end subroutine compare_outputs

@@ -15,7 +15,6 @@ module psalm_cases
 
    !> Why a sketch is solved in poses though it has loops.
    character(*), parameter :: no_forces = 'forces to be found, and loops that leave out a joint'
-   character(*), parameter :: no_pose = 'desired poses whose direction is not that from an end of an arc to their point'
    character(*), parameter :: no_dimension = 'dimensions to be searched that its loops do not have'
 
 contains
@@ -79,7 +78,6 @@ contains
       ! in its poses a wish can be met by dimensions that are none of the loops
       if (own%failed() .and. .not. allocated(set%no_loops) .and. (as_read%sketch%has_wishes() .or. set%is_beyond_arrays())) &
          why = no_dimension
-      if (own%failed() .and. .not. allocated(set%no_loops) .and. wants_poses(as_read)) why = no_pose
       if (.not. own%failed() .and. set%loops() > 0) then
          call check_loops(set, why)
          carry = len(why) == 0
@@ -116,12 +114,4 @@ contains
          end select
       end subroutine take
    end subroutine resolve
-
-   !> True if the first output is a pose that has desired values.
-   pure logical function wants_poses(set)
-      class(data_set_t), intent(in) :: set
-
-      wants_poses = set%method%desired .and. size(set%sketch%outputs) > 0
-      if (wants_poses) wants_poses = set%sketch%outputs(1)%kind == output_pose
-   end function wants_poses
 end module psalm_cases
