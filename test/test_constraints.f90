@@ -12,6 +12,7 @@ program test_constraints
                             margin_clearance
    use psalm_merit, only: merit_t, prepare_merit, put_in_order
    use psalm_nlp, only: normal_equations_t
+   use psalm_place, only: beside_t
    use psalm_solver_kind, only: find_solver
    use psalm_regions, only: find_region_depth, check_regions
    use psalm_search, only: result_t, search_many
@@ -61,12 +62,16 @@ contains
       real(wp), allocatable :: values(:), changed(:), ahead(:, :, :), near(:, :)
       real(wp), allocatable :: joints(:, :, :, :)
       real(wp) :: step, worst, worst_open, size_of, difference
+      type(beside_t) :: beside(2)
       integer :: v, i, joint(2, 2), opened
 
       call load_case(name, problem, set, vary=.true.)
       problem%toggle = 0.5_wp
       joint = reshape([1, 1, 1, problem%mechanism%place(1, 1)], [2, 2])
-      call prepare_station(problem, problem%delt, .false., joint, .true., station)
+      ! a point of the frame, and one beside an arc that moves
+      beside(1) = beside_t(0, 12.0_wp, 40.0_wp)
+      beside(2) = beside_t(problem%mechanism%seq(1, problem%mechanism%place(1, 1)), 7.0_wp, -25.0_wp)
+      call prepare_station(problem, problem%delt, .false., joint, .true., station, beside)
       values = problem%parameters%first_values(problem%given)
       dimensions = problem%given
       ! the first variable length is made a third longer: some positions of some linkages open

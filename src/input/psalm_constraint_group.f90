@@ -2,6 +2,7 @@
 module psalm_constraint_group
    use psalm_group, only: group_t, out_of
    use psalm_kinds, only: wp
+   use psalm_place, only: place_t
    use psalm_rule, only: rule_t, a_number, a_text, a_whole
    use psalm_segment_items, only: segment_t, read_segments
    use psalm_sketch, only: sketch_t
@@ -31,6 +32,7 @@ module psalm_constraint_group
       integer :: joint = 0                !! the joint of a sketch
       integer :: segment = 0              !! for this link and no joint; `every_segment`
       real(wp) :: clearance = 0.0_wp      !! least distance from what is forbidden
+      type(place_t) :: place = place_t()  !! of a joint that is no end of an arc; link 0: it is one
    end type region_t
 
    type :: constraint_group_t

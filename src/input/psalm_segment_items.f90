@@ -2,6 +2,7 @@
 module psalm_segment_items
    use psalm_group, only: group_t, out_of
    use psalm_kinds, only: wp
+   use psalm_place, only: place_t
    use psalm_sketch, only: sketch_t
    use psalm_sketch_names, only: find_joints
    use psalm_status, only: diagnostics_t
@@ -18,6 +19,7 @@ module psalm_segment_items
       real(wp) :: width = 0.0_wp
       real(wp) :: clearance = 0.0_wp           !! least distance from other segments
       integer :: layer = 0                     !! only segments of one layer can meet
+      type(place_t) :: places(2) = place_t()   !! of joints that are no ends of arcs; link 0: it is one
    end type segment_t
 
 contains

@@ -4,7 +4,7 @@ module psalm_place
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
-   public :: place_t, travel_t
+   public :: place_t, travel_t, beside_t
 
    !> A place on a link.
    type :: place_t
@@ -20,6 +20,13 @@ module psalm_place
       real(wp) :: turn = 0.0_wp            !! from the arc to that line, degrees
       real(wp) :: written(2) = 0.0_wp      !! distance and angle as they were written, from that joint
    end type place_t
+
+   !> A line from a point of the plan to a joint that is none, in the axes of an arc of its link, or standing still.
+   type :: beside_t
+      integer :: arc = 0                   !! sequential number of the arc; 0: the frame's axes
+      real(wp) :: distance = 0.0_wp        !! user's length; 0: the joint is the point
+      real(wp) :: angle = 0.0_wp           !! of the line from the arc's direction, degrees
+   end type beside_t
 
    !> How far the second link of a slide has moved against the first: sense times the length of an arc, plus the zero.
    type :: travel_t

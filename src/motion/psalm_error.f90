@@ -18,6 +18,7 @@ module psalm_error
    use psalm_mechanism, only: mechanism_t
    use psalm_sketch, only: wish_column_t
    use psalm_parameters, only: parameters_t
+   use psalm_place, only: beside_t
    implicit none (type, external)
    private
    public :: problem_t, motion_t, violation_t, crossing_t, make_problem, new_problem, inputs_of, own_inputs_of, &
@@ -94,6 +95,7 @@ module psalm_error
       type(observable_t) :: output                 !! what the linkage is for
    contains
       procedure :: want_derivatives
+      procedure :: line_beside
       procedure :: set_inputs
       procedure :: move_inputs
       procedure :: set_desired
@@ -288,6 +290,22 @@ contains
       call self%output%locate(self%motion, self%mechanism, self%plan, self%linkage)
       if (allocated(self%linkages)) call self%set_threads(size(self%linkages))
    end subroutine want_derivatives
+
+   !> From a point of the plan to a joint beside it, at position `i` of the block just solved: user's length, machine axes.
+   pure complex(wp) function line_beside(self, beside, i) result(line)
+      class(problem_t), intent(in) :: self
+      type(beside_t), intent(in) :: beside
+      integer, intent(in) :: i
+      real(wp) :: c, s
+
+      call unit_vector(beside%angle, c, s)
+      line = beside%distance*cmplx(c, s, wp)
+      if (beside%arc == 0) return
+      associate (link => self%linkage, root => self%plan%root(beside%arc), n => beside%arc)
+         line = line*cmplx(link%x(n), link%y(n), wp)* &
+                cmplx(link%store%v(i, link%root_x(root)), link%store%v(i, link%root_y(root)), wp)
+      end associate
+   end function line_beside
 
    !> Give the input positions (increments from the reference position); desired values are dropped.
    subroutine set_inputs(self, delt, own)

@@ -12,12 +12,12 @@ module psalm_sensitivity
    use psalm_higher_group, only: change_of_higher, gaps_of_ties, solve_higher
    use psalm_kinds, only: wp, degrees_per_radian, radians_per_degree
    use psalm_linkage, only: padded, put_driven_lengths
+   use psalm_place, only: beside_t
    use psalm_plan, only: step_point
    use psalm_rates, only: rates_t, prepare_rates, form_frames, highest_order
    use psalm_rows, only: rows_t, clear_rows
    use psalm_dimensions, only: dimensions_t
-   use psalm_parameters, only: variable_length, variable_gama, variable_outlk, variable_outang, variable_origlk, &
-                               variable_origng, variable_crnki
+   use psalm_parameters, only: variable_gama, variable_outlk, variable_outang, variable_origng, variable_crnki
    use psalm_sketch, only: sketch_output_t
    use psalm_sketch_motion, only: sketch_motion_t, find_places, find_changes, find_own_changes
    use psalm_sketch_outputs, only: values_of_outputs
@@ -131,7 +131,7 @@ contains
    !>
    !> Output as the listing has it (angles in degrees); variables in their own units (degrees for angles). The linkage must
    !> close; at a dead point the derivatives are infinite and zero is given.
-   subroutine find_jacobian(problem, dimensions, work, dout, dk, dp, solved, held, loops, wanted)
+   subroutine find_jacobian(problem, dimensions, work, dout, dk, dp, solved, held, loops, wanted, beside)
       type(problem_t), intent(inout) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(sensitivity_t), intent(inout) :: work
@@ -142,6 +142,7 @@ contains
       logical, intent(in), optional :: held(:)      !! shape (nvar): not wanted, zero is given
       logical, intent(in), optional :: loops(:)     !! shape (nloop): dk of which is wanted; of the others zero is given
       type(wanted_outputs_t), intent(inout), optional :: wanted !! outputs of a sketch, whose changes are to be found
+      type(beside_t), intent(in), optional :: beside(:) !! shape (joints): how far from points of the plan those asked for are
       integer :: block, offset, n, m, v
       logical :: ready
 
@@ -174,7 +175,7 @@ contains
                                        dout(offset + 1:offset + n, v, :))
             if (present(dk)) call change_of_constraints(problem, v, n, work, dk(offset + 1:offset + n, :, v), loops)
             if (present(wanted)) call change_of_outputs(problem, v, offset, n, work, wanted)
-            if (present(dp)) call change_of_joints(problem, v, n, work, dp(offset + 1:offset + n, :, :, v))
+            if (present(dp)) call change_of_joints(problem, v, n, work, dp(offset + 1:offset + n, :, :, v), beside)
             call clear_changes(problem, v, m, work%moves(:, v), work%rates%d(1))
          end do
       end do
@@ -292,13 +293,15 @@ contains
    end subroutine note
 
    !> Change of the joints asked for with a variable, in machine axes and the user's unit.
-   subroutine change_of_joints(problem, v, n, work, dp)
+   subroutine change_of_joints(problem, v, n, work, dp, beside)
       type(problem_t), intent(in) :: problem
       integer, intent(in) :: v, n
       type(sensitivity_t), intent(in) :: work
       real(wp), intent(out) :: dp(:, :, :)          !! shape (n, 2, joints)
+      type(beside_t), intent(in), optional :: beside(:)
+      complex(wp) :: moves
       real(wp) :: back, ox, oy
-      integer :: j
+      integer :: i, j
 
       back = unit_of(problem, v)/problem%linkage%scale
       call problem%output%change_of_origin(problem%parameters%variables(v)%kind, ox, oy)
@@ -307,6 +310,15 @@ contains
                     py => problem%linkage%point_y(problem%plan%joint_points(j)), d => work%rates%d(1)%v)
             dp(:, 1, j) = d(1:n, px)*back + ox*unit_of(problem, v)
             dp(:, 2, j) = d(1:n, py)*back + oy*unit_of(problem, v)
+         end associate
+         if (.not. present(beside)) cycle
+         if (beside(j)%arc == 0) cycle
+         associate (root => problem%linkage%root_x(problem%plan%root(beside(j)%arc)))
+            do i = 1, n
+               moves = problem%line_beside(beside(j), i)*cmplx(0.0_wp, unit_of(problem, v)* &
+                                                               (work%rates%d(1)%v(i, root) + work%turn(beside(j)%arc, v)), wp)
+               dp(i, :, j) = dp(i, :, j) + [moves%re, moves%im]
+            end do
          end associate
       end do
    end subroutine change_of_joints

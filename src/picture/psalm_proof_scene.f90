@@ -11,6 +11,7 @@ module psalm_proof_scene
    use psalm_margin_list, only: name_of_clearance, name_of_limit
    use psalm_mechanism, only: at_finish, pivot
    use psalm_output_kind, only: kind_of_output, motion_point
+   use psalm_place, only: beside_t
    use psalm_proof, only: limit_t, piece_closes, piece_opens
    use psalm_proof_list, only: cause_words, end_text, extreme_name, mover_name, shown, short
    use psalm_proof_motion, only: mover_output
@@ -73,10 +74,13 @@ contains
       allocate (scene%marks(0), scene%near(0), scene%wide(size(set%constr%segments)))
       do s = 1, size(scene%wide)
          associate (segment => set%constr%segments(s))
+            ! of what has an end that is no joint of the picture, no outline
+            if (any(segment%places%link > 0)) cycle
             scene%wide(s) = wide_t(joint_of(segment%loops(1), segment%arcs(1)), joint_of(segment%loops(2), segment%arcs(2)), &
                                    segment%width)
          end associate
       end do
+      scene%wide = pack(scene%wide, [(all(set%constr%segments(s)%places%link == 0), s=1, size(scene%wide))])
       found = size(scene%wide) > 0
       if (proof_wanted(set, .false.) == no_proof) return
       if (set%is_beyond_arrays()) then
@@ -347,14 +351,15 @@ contains
       type(clearance_t), allocatable :: clearances(:)
       type(near_t) :: near
       integer, allocatable :: joints(:, :)
+      type(beside_t), allocatable :: beside(:)
       real(wp) :: depth, by(2, points_of_clearance), normal(2)
       integer :: i, j, k, tightest
 
-      call list_clearances(set%constr, problem%mechanism, dimensions%outlk <= 0.0_wp, clearances, joints)
+      call list_clearances(set%constr, problem%mechanism, dimensions%outlk <= 0.0_wp, clearances, joints, beside)
       allocate (plain, source=problem)
       allocate (station)
       plain%motion = motion_point
-      call prepare_station(plain, scene%marks%input - dimensions%crnki, .false., joints, .false., station)
+      call prepare_station(plain, scene%marks%input - dimensions%crnki, .false., joints, .false., station, beside)
       call evaluate_station(station, dimensions)
       if (set%is_beyond_arrays()) call step_inside(station, dimensions)
       do i = 1, size(scene%marks)

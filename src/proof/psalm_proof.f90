@@ -9,6 +9,7 @@ module psalm_proof
    use psalm_kinds, only: wp
    use psalm_mechanism, only: mechanism_t
    use psalm_output_kind, only: output_kind_t, output_kind
+   use psalm_place, only: beside_t
    use psalm_plan, only: plan_t, root_crank, root_frame
    use psalm_proof_closure, only: piece_t, find_pieces
    use psalm_proof_closure_quad, only: fine_piece_t => piece_t, find_fine_pieces => find_pieces, join_pieces
@@ -41,6 +42,8 @@ module psalm_proof
       integer :: output_motion = -1             !! MOTION; -1: there is no output
       integer, allocatable :: output_path(:)    !! steps to the output point; empty: the output is none
       integer :: pivot = 0, tip = 0             !! steps: from the machine's origin to the input pivot, the output arc; 0: none
+      integer, allocatable :: beside(:)         !! by joint asked for: the step from a point of the plan to it; 0: it is the point
+      type(beside_t), allocatable :: lines(:)   !! of those steps
       integer :: output_arc = 0                 !! the arc that the output arc hangs on, or that is the output
       real(wp) :: output_x = 1.0_wp, output_y = 0.0_wp !! unit vector of the output arc from its root
    end type subject_t
@@ -68,14 +71,18 @@ module psalm_proof
 contains
 
    !> Make a topology ready.
-   pure subroutine prepare_subject(mechanism, plan, subject, placed)
+   pure subroutine prepare_subject(mechanism, plan, subject, placed, beside)
       type(mechanism_t), intent(in) :: mechanism
       type(plan_t), intent(in) :: plan       !! of the same mechanism; what is not in it is not proven
       type(subject_t), intent(out) :: subject
       logical, intent(in), optional :: placed !! places of points in the machine are asked for, whatever the output
+      type(beside_t), intent(in), optional :: beside(:) !! shape (joints of the plan): how far from its points; only if `placed`
 
       call make_proof_plan(mechanism, plan, subject%plan)
       call add_output(mechanism, plan, placed, subject)
+      allocate (subject%beside(size(plan%joint_points)), source=0)
+      allocate (subject%lines(0))
+      if (present(beside)) call add_lines(plan, beside, subject)
    end subroutine prepare_subject
 
    !> The way to the output point: an arc from the machine's origin to the input pivot, the plan's arcs, the output arc.
@@ -112,6 +119,32 @@ contains
       end associate
    end subroutine add_output
 
+   !> Lines to joints that are no points of the plan, each an arc with the direction of one of its arcs.
+   pure subroutine add_lines(plan, beside, subject)
+      type(plan_t), intent(in) :: plan
+      type(beside_t), intent(in) :: beside(:)
+      type(subject_t), intent(inout) :: subject
+      type(proof_step_t) :: line
+      integer :: j
+
+      associate (proof => subject%plan)
+         do j = 1, size(beside)
+            if (beside(j)%distance <= 0.0_wp) cycle
+            line%fixed = beside(j)%arc == 0
+            if (line%fixed) then
+               proof%root = [proof%root, root_frame]
+            else
+               proof%root = [proof%root, plan%root(beside(j)%arc)]
+            end if
+            proof%slot = [proof%slot, 0]
+            line%arc = size(proof%root)
+            proof%steps = [proof%steps, line]
+            subject%beside(j) = size(proof%steps)
+            subject%lines = [subject%lines, beside(j)]
+         end do
+      end associate
+   end subroutine add_lines
+
    !> Put the numbers of a linkage in. Cosines are formed in quadruple precision from the degrees as given.
    subroutine bind_subject(plan, dimensions, subject)
       type(plan_t), intent(in) :: plan
@@ -133,9 +166,19 @@ contains
       if (subject%pivot == 0) then
          call take_numbers(dimensions%arcl, angle, subject)
       else
-         call take_numbers([dimensions%arcl, dimensions%origlk, dimensions%outlk], [angle, real(dimensions%origng, qp), &
-                           angle(subject%output_arc) + real(dimensions%outang, qp)], subject)
+         call take_numbers([dimensions%arcl, dimensions%origlk, dimensions%outlk, subject%lines%distance], &
+                           [angle, real(dimensions%origng, qp), angle(subject%output_arc) + real(dimensions%outang, qp), &
+                            [(angle_of(subject%lines(k)), k=1, size(subject%lines))]], subject)
       end if
+
+   contains
+
+      pure real(qp) function angle_of(line)
+         type(beside_t), intent(in) :: line
+
+         angle_of = real(line%angle, qp)
+         if (line%arc > 0) angle_of = angle_of + angle(line%arc)
+      end function angle_of
    end subroutine bind_subject
 
    !> A linkage that is a plan and its dimensions by arc, made ready.
@@ -145,7 +188,7 @@ contains
       type(subject_t), intent(out) :: subject
 
       subject%plan = plan
-      allocate (subject%output_path(0))
+      allocate (subject%output_path(0), subject%beside(0), subject%lines(0))
       call take_numbers(lengths, real(angles, qp), subject)
    end subroutine ready_subject
 

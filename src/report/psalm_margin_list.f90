@@ -8,6 +8,7 @@ module psalm_margin_list
    use psalm_angles, only: within_turn
    use psalm_margins, only: margin_t, is_violated, margin_angle, margin_slides, margin_guide, margin_offset, &
                              margin_clearance, margin_bound, margin_group
+   use psalm_place, only: beside_t
    use psalm_text, only: text_t, general, lower_case, to_text
    use psalm_dimensions, only: dimensions_t
    use psalm_parameters, only: name_of
@@ -86,6 +87,7 @@ contains
       character(:), allocatable :: name
       type(clearance_t), allocatable :: clearances(:)
       integer, allocatable :: joints(:, :)
+      type(beside_t), allocatable :: beside(:)
 
       select case (margin%kind)
       case (margin_angle, margin_slides, margin_guide, margin_offset)
@@ -93,7 +95,8 @@ contains
       case (margin_group)
          name = 'LOOP '//to_text(margin%which)//', DEAD POINT OF ITS GROUP (1 IS BEST)'
       case (margin_clearance)
-         call list_clearances(set%constr, problem%mechanism, problem%given%outlk <= 0.0_wp, clearances, joints)
+         call list_clearances(set%constr, problem%mechanism, problem%given%outlk <= 0.0_wp, clearances, joints, &
+                              beside)
          name = name_of_clearance(set, clearances(margin%which), in_sentence)
       case (margin_bound)
          name = 'BOUND, '//name_of(problem%parameters%variables(margin%which))

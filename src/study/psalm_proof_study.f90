@@ -13,6 +13,7 @@ module psalm_proof_study
    use psalm_kinds, only: wp, full_turn, right_angle
    use psalm_output_kind, only: motion_point
    use psalm_parameters, only: no_parameters
+   use psalm_place, only: beside_t
    use psalm_plan, only: plan_t, make_plan
    use psalm_proof, only: proof_t, subject_t, prepare_subject, bind_subject, prove_closure, piece_closes
    use psalm_proof_clearance, only: step_path_t, keeping_t, nearest_t, prove_clearance, apart_from_link, apart_from_corners, &
@@ -90,14 +91,19 @@ contains
       type(plan_t) :: plan
       type(clearance_t), allocatable :: clearances(:)
       integer, allocatable :: joints(:, :)
+      type(beside_t), allocatable :: beside(:)
       integer :: i
 
-      call list_clearances(set%constr, problem%mechanism, dimensions%outlk <= 0.0_wp, clearances, joints)
+      call list_clearances(set%constr, problem%mechanism, dimensions%outlk <= 0.0_wp, clearances, joints, beside)
       ! asked for at the prescribed positions only, and no proof either
       if (set%constr%irange == range_positions .and. set%limits%iproof == proof_by_default) deallocate (clearances, joints)
-      if (.not. allocated(clearances)) allocate (clearances(0), joints(2, 0))
+      if (.not. allocated(clearances)) then
+         allocate (clearances(0), joints(2, 0))
+         deallocate (beside)
+         allocate (beside(0))
+      end if
       allocate (subject)
-      call begin_proof(problem, dimensions, range, joints, size(clearances) > 0, study, subject, plan)
+      call begin_proof(problem, dimensions, range, joints, size(clearances) > 0, study, subject, plan, beside)
       if (study%empty) return
       allocate (bound, source=problem)
       call bound%bind(dimensions)
@@ -156,7 +162,7 @@ contains
    end subroutine study_closure
 
    !> Closure and extremes; the subject and the plan know the joints given.
-   subroutine begin_proof(problem, dimensions, range, joints, placed, study, subject, plan)
+   subroutine begin_proof(problem, dimensions, range, joints, placed, study, subject, plan, beside)
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       integer, intent(in) :: range                 !! one of `proof_of_...`
@@ -165,6 +171,7 @@ contains
       type(proof_study_t), intent(out) :: study
       type(subject_t), intent(out) :: subject
       type(plan_t), intent(out) :: plan
+      type(beside_t), intent(in), optional :: beside(:) !! shape (joints): how far from there
       real(wp) :: from, to
       integer :: boxes(2)
 
@@ -180,7 +187,7 @@ contains
       if (study%empty) return
       plan = make_plan(problem%mechanism, merge(motion_point, problem%motion, placed), everything=.true., all_roots=.true., &
                        joints=joints)
-      call prepare_subject(problem%mechanism, plan, subject, placed)
+      call prepare_subject(problem%mechanism, plan, subject, placed, beside)
       call bind_subject(plan, dimensions, subject)
       call prove_closure(subject, from, to, study%proof)
       call prove_extremes(subject, study%proof, study%extremes, boxes)
@@ -304,6 +311,7 @@ contains
             path%steps = [subject%pivot, path_of(subject%plan, plan%output_point), subject%tip]
          else
             path%steps = [subject%pivot, path_of(subject%plan, plan%joint_points(point))]
+            if (subject%beside(point) > 0) path%steps = [path%steps, subject%beside(point)]
          end if
       end function way_to
    end function keeping_of

@@ -5,7 +5,8 @@
 module psalm_clearances
    use psalm_constraint_group, only: constraint_group_t, region_t, region_box, region_circle, every_segment
    use psalm_kinds, only: wp
-   use psalm_mechanism, only: mechanism_t, at_finish, at_start, pivot
+   use psalm_mechanism, only: mechanism_t, ring_t, body_frame, at_finish, at_start, pivot
+   use psalm_place, only: place_t, beside_t
    use psalm_regions, only: find_region_depth
    use psalm_separation, only: find_separation
    use psalm_sketch, only: sketch_t
@@ -29,34 +30,44 @@ module psalm_clearances
 contains
 
    !> Clearances of a linkage of loops. Their points are numbers of `joints`, 0: the output point.
-   pure subroutine list_clearances(constr, mechanism, output_on_joint, clearances, joints)
+   pure subroutine list_clearances(constr, mechanism, output_on_joint, clearances, joints, beside)
       type(constraint_group_t), intent(in) :: constr
       type(mechanism_t), intent(in) :: mechanism
       logical, intent(in) :: output_on_joint         !! the output arc has no length
       type(clearance_t), allocatable, intent(out) :: clearances(:)
       integer, allocatable, intent(out) :: joints(:, :) !! shape (2, joints): loop and arc whose finish it is
+      type(beside_t), allocatable, intent(out) :: beside(:) !! shape (joints): how far from there
       integer, allocatable :: of_region(:), of_segment(:, :), vertex(:, :)
       logical, allocatable :: meet(:, :)
+      integer, allocatable :: held(:)          ! by joint of the sketch that is no end of an arc: its body
       integer :: r, s, k, base, body
 
-      allocate (joints(2, 0))
+      allocate (joints(2, 0), beside(0))
       allocate (of_region(size(constr%regions)), source=0)
       allocate (of_segment(2, size(constr%segments)), source=0)
       allocate (vertex(2, size(constr%segments)), source=0)
       allocate (meet(size(constr%segments), size(constr%segments)), source=.true.)
+      allocate (held(maxval([0, (constr%segments(s)%joints, s=1, size(constr%segments))])), source=0)
       associate (output => mechanism%outputs(1))
          base = mechanism%arcs(output%arc)%ends(merge(at_start, at_finish, output%from_start))
          body = mechanism%body_at(output%arc, merge(at_start, at_finish, output%from_start))
       end associate
       do r = 1, size(of_region)
-         if (constr%regions(r)%segment == 0) &
-         call number_joint(constr%regions(r)%loop, constr%regions(r)%arc, joints, of_region(r))
+         if (constr%regions(r)%segment == 0) then
+            call number_joint(mechanism, constr%regions(r)%loop, constr%regions(r)%arc, constr%regions(r)%place, joints, beside, &
+                              of_region(r))
+         end if
       end do
       do s = 1, size(of_segment, 2)
          do k = 1, 2
             associate (loop => constr%segments(s)%loops(k), arc => constr%segments(s)%arcs(k))
-               call number_joint(loop, arc, joints, of_segment(k, s))
-               if (loop == 0) then
+               call number_joint(mechanism, loop, arc, constr%segments(s)%places(k), joints, beside, of_segment(k, s))
+               if (constr%segments(s)%places(k)%link > 0) then
+                  vertex(k, s) = -constr%segments(s)%joints(k)
+                  held(-vertex(k, s)) = body_frame
+                  if (beside(of_segment(k, s))%arc > 0) &
+                     held(-vertex(k, s)) = mechanism%arcs(beside(of_segment(k, s))%arc)%body
+               else if (loop == 0) then
                   if (output_on_joint) vertex(k, s) = base
                else if (arc == 0) then
                   vertex(k, s) = pivot
@@ -75,7 +86,8 @@ contains
 
    contains
 
-      !> True if some body has all these points; 0 is the output point away from joints.
+      !> True if some body has all these points; 0 is the output point away from joints, one below 0 a joint that is no end of an
+      !> arc.
       pure logical function have_common_body(points)
          integer, intent(in) :: points(:)
          integer :: b, i
@@ -87,6 +99,8 @@ contains
             do i = 1, size(points)
                if (points(i) == 0) then
                   all_of_it = all_of_it .and. b == body
+               else if (points(i) < 0) then
+                  all_of_it = all_of_it .and. b == held(-points(i))
                else
                   all_of_it = all_of_it .and. mechanism%has_point(b, points(i))
                end if
@@ -98,17 +112,35 @@ contains
    end subroutine list_clearances
 
    !> Number of a joint in a list that takes it in; 0: the output point.
-   pure subroutine number_joint(loop, arc, joints, number)
+   pure subroutine number_joint(mechanism, loop, arc, place, joints, beside, number)
+      type(mechanism_t), intent(in) :: mechanism
       integer, intent(in) :: loop, arc
+      type(place_t), intent(in) :: place                  !! of a joint that is no end of an arc
       integer, allocatable, intent(inout) :: joints(:, :) !! shape (2, joints)
+      type(beside_t), allocatable, intent(inout) :: beside(:) !! shape (joints)
       integer, intent(out) :: number
+      type(beside_t) :: from
+      type(ring_t) :: ring
+      integer :: finish
 
       number = 0
       if (loop == 0) return
+      finish = arc
+      if (place%link > 0 .and. place%arc == 0) from = beside_t(0, place%distance, place%angle)
+      if (place%arc > 0) then
+         from = beside_t(mechanism%seq(loop, place%arc), place%distance, place%turn + place%angle)
+         if (place%from_start) then
+            ring = mechanism%ring_of(loop, from%arc)
+            finish = merge(0, arc - 1, from%arc == ring%first)
+         end if
+      end if
       do number = 1, size(joints, 2)
-         if (joints(1, number) == loop .and. joints(2, number) == arc) return
+         if (joints(1, number) == loop .and. joints(2, number) == finish .and. beside(number)%arc == from%arc .and. &
+             abs(beside(number)%distance - from%distance) <= 0.0_wp .and. &
+             abs(beside(number)%angle - from%angle) <= 0.0_wp) return
       end do
-      joints = reshape([joints, [loop, arc]], [2, number])
+      joints = reshape([joints, [loop, finish]], [2, number])
+      beside = [beside, from]
    end subroutine number_joint
 
    !> True if two segments end in one point; 0 is the output point away from joints.

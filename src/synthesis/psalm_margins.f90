@@ -13,6 +13,7 @@ module psalm_margins
    use psalm_kinds, only: wp, degrees_per_radian, right_angle
    use psalm_merit, only: constraint_inputs
    use psalm_output_kind, only: motion_point
+   use psalm_place, only: beside_t
    use psalm_regions, only: edge_distance, box_edges
    use psalm_rpr, only: guide_of
    use psalm_rrp, only: link_of
@@ -84,6 +85,7 @@ contains
       type(inspector_t), intent(out) :: inspector
       class(problem_t), allocatable :: plain
       integer, allocatable :: joints(:, :)
+      type(beside_t), allocatable :: beside(:)
       real(wp), allocatable :: inputs(:)
       integer :: nvar
 
@@ -95,7 +97,8 @@ contains
       inspector%tangle = set%limits%tangle
       inspector%slide_angle = problem%slide_angle
       inspector%size = maxval(problem%given%arcl)
-      call list_clearances(set%constr, problem%mechanism, problem%given%outlk <= 0.0_wp, inspector%clearances, joints)
+      call list_clearances(set%constr, problem%mechanism, problem%given%outlk <= 0.0_wp, inspector%clearances, joints, &
+                           beside)
       allocate (plain, source=problem)
       allocate (inspector%fine, inspector%lens, inspector%zoom)
       plain%tangle = right_angle
@@ -106,12 +109,12 @@ contains
       inputs = problem%delt
       if (inspector%irange /= range_positions) then
          inputs = [inputs, constraint_inputs(inspector%irange, problem, problem%delt, steps_of_range, 0)]
-         call prepare_station(plain, inputs(:steps_of_lens + 1), .false., joints, .false., inspector%lens)
-         call prepare_station(plain, inputs(:2*steps_of_zoom + 1), .false., joints, .false., inspector%zoom)
+         call prepare_station(plain, inputs(:steps_of_lens + 1), .false., joints, .false., inspector%lens, beside)
+         call prepare_station(plain, inputs(:2*steps_of_zoom + 1), .false., joints, .false., inspector%zoom, beside)
          allocate (inspector%lens%measure(steps_of_lens + 1, plain%mechanism%nloop), source=0.0_wp)
          allocate (inspector%zoom%measure(2*steps_of_zoom + 1, plain%mechanism%nloop), source=0.0_wp)
       end if
-      call prepare_station(plain, inputs, .false., joints, .false., inspector%fine)
+      call prepare_station(plain, inputs, .false., joints, .false., inspector%fine, beside)
       inspector%fine%leading = problem%positions
       allocate (inspector%fine%measure(size(inputs), plain%mechanism%nloop), source=0.0_wp)
       inspector%bounded = set%limits%limval == 1 .and. nvar > 0

@@ -17,6 +17,7 @@ module psalm_merit
    use psalm_output_wishes, only: output_wishes_t, prepare_output_wishes, find_output_wishes, differentiate_output_wishes, &
                                   sum_of_wish_errors
    use psalm_output_kind, only: motion_point, motion_angle, most_rates
+   use psalm_place, only: beside_t
    use psalm_search_group, only: order_free
    use psalm_sort, only: pool_rising
    use psalm_start, only: random_limits
@@ -89,6 +90,7 @@ contains
       type(merit_t), intent(out) :: merit
       class(problem_t), allocatable :: plain
       integer, allocatable :: joints(:, :)
+      type(beside_t), allocatable :: beside(:)
       real(wp) :: cosine, sine, unused, reach
       integer :: nvar, n, loop
 
@@ -126,15 +128,16 @@ contains
                         *merge(1.0_wp, merit%size, problem%motion == motion_angle)**2, sqrt(tiny(1.0_wp)))
       if (allocated(problem%rate_wanted)) call want_rates(problem, merit)
       if (allocated(problem%wish_values)) call want_outputs(set, problem, merit)
-      call list_clearances(set%constr, problem%mechanism, problem%given%outlk <= 0.0_wp, merit%clearances, joints)
+      call list_clearances(set%constr, problem%mechanism, problem%given%outlk <= 0.0_wp, merit%clearances, joints, beside)
       merit%has_range = merit%irange /= range_positions .or. size(merit%clearances) > 0
       if (merit%has_range) then
          plain%motion = motion_point
          call prepare_station(plain, constraint_inputs(merit%irange, problem, problem%delt, range_steps, extra_positions), &
-                              merit%free .and. merit%irange == range_positions, joints, .true., merit%range)
+                              merit%free .and. merit%irange == range_positions, joints, .true., merit%range, &
+                              beside)
          if (size(merit%clearances) == 0 .and. merit%range%problem%positions > most_few .and. .not. merit%range%timed) then
             allocate (merit%few)
-            call prepare_station(plain, merit%range%problem%delt(:most_few), .false., joints, .true., merit%few)
+            call prepare_station(plain, merit%range%problem%delt(:most_few), .false., joints, .true., merit%few, beside)
          end if
       end if
       merit%low = spread(-huge(1.0_wp), 1, nvar)

@@ -12,6 +12,7 @@ module psalm_station
    use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian, block_constraints
    use psalm_dimensions, only: dimensions_t
    use psalm_parameters, only: variable_t, variable_length, variable_outlk, variable_origlk, variable_crnki
+   use psalm_place, only: beside_t
    implicit none (type, external)
    private
    public :: station_t, prepare_station, evaluate_station, evaluate_output, linearise_station, exceeds
@@ -34,6 +35,7 @@ module psalm_station
       real(wp), allocatable :: k(:, :)             !! shape (positions, nloop): as `block_constraints` has it
       real(wp), allocatable :: measure(:, :)       !! shape (positions, nloop): of the dyads, scaled, where it is wanted
       real(wp), allocatable :: joints(:, :, :)     !! shape (positions, 2, joints): co-ordinates, machine axes
+      type(beside_t), allocatable :: beside(:)     !! shape (joints): their lines from points of the plan
       real(wp), allocatable :: dout(:, :, :)       !! shape (positions, columns, components): derivatives of `out`
       real(wp), allocatable :: dk(:, :, :)         !! shape (positions, nloop, columns)
       real(wp), allocatable :: djoints(:, :, :, :) !! shape (positions, 2, joints, columns)
@@ -44,13 +46,14 @@ module psalm_station
 contains
 
    !> Make a station of a problem whose inputs and desired values are set.
-   subroutine prepare_station(problem, delt, timed, joints, derivatives, station)
+   subroutine prepare_station(problem, delt, timed, joints, derivatives, station, beside)
       type(problem_t), intent(in) :: problem
       real(wp), intent(in) :: delt(:)            !! input increments; those of the problem where it has desired values
       logical, intent(in) :: timed               !! every input position is a variable too
       integer, intent(in) :: joints(:, :)        !! shape (2, joints): loop and arc, as `make_plan` has them
       logical, intent(in) :: derivatives         !! room for derivatives is wanted
       type(station_t), intent(out) :: station
+      type(beside_t), intent(in), optional :: beside(:) !! shape (joints): how far from there; absent: not at all
       type(variable_t) :: input
       integer :: n
 
@@ -63,6 +66,8 @@ contains
          station%problem%parameters%variables = [problem%parameters%variables, input]
       end if
       station%columns = size(station%problem%parameters%variables)
+      allocate (station%beside(size(joints, 2)))
+      if (present(beside)) station%beside = beside
       call station%problem%set_inputs(delt)
       call station%problem%want_derivatives(size(joints, 2) > 0, joints)
       allocate (station%closed(n), station%closed0(n), source=.true.)
@@ -123,6 +128,7 @@ contains
       type(station_t), intent(inout) :: station
       type(dimensions_t), intent(in) :: dimensions
       logical, intent(in) :: closing             !! see where it closes, too
+      complex(wp) :: away
       integer :: block, offset, n, m, i, loop, j
 
       station%solved = .false.
@@ -152,6 +158,11 @@ contains
                      station%joints(offset + 1:offset + n, 1, j) = link%store%v(1:n, px)/link%scale + problem%output%origin_x
                      station%joints(offset + 1:offset + n, 2, j) = link%store%v(1:n, py)/link%scale + problem%output%origin_y
                   end associate
+                  if (station%beside(j)%distance <= 0.0_wp) cycle
+                  do i = 1, n
+                     away = problem%line_beside(station%beside(j), i)
+                     station%joints(offset + i, :, j) = station%joints(offset + i, :, j) + [away%re, away%im]
+                  end do
                end do
             end associate
          end do
@@ -202,10 +213,10 @@ contains
       if (present(limit)) beyond = [(exceeds(size(station%k, 1), station%k(:, loop), limit(loop)), loop=1, size(limit))]
       if (any(beyond)) then
          call find_jacobian(station%problem, dimensions, station%work, station%dout, dk=station%dk, dp=station%djoints, &
-                            solved=station%solved, held=station%held, loops=beyond)
+                            beside=station%beside, solved=station%solved, held=station%held, loops=beyond)
       else
          call find_jacobian(station%problem, dimensions, station%work, station%dout, dp=station%djoints, &
-                            solved=station%solved, held=station%held)
+                            beside=station%beside, solved=station%solved, held=station%held)
       end if
       if (.not. all(station%closed)) call difference_open(station, dimensions)
    end subroutine linearise_station
