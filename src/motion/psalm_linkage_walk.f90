@@ -7,7 +7,9 @@
 submodule(psalm_linkage) psalm_linkage_walk
    use psalm_higher_group, only: correct, correction_t, dead_measure, is_trusted, keep_known_turns, predict, &
                                  put_known_turns, put_state, state_at
-   use psalm_kinds, only: full_turn
+   use psalm_angles, only: angles_between, unit_vectors
+   use psalm_kinds, only: full_turn, radians_per_degree
+   use psalm_linear, only: reduce_real
    implicit none (type, external)
 
    real(wp), parameter :: least_step = 1.0e-9_wp !! of the way
@@ -39,11 +41,14 @@ contains
       type(walk_t) :: walk
       type(correction_t) :: found
       real(wp) :: inputs(1 + size(self%seconds))
-      integer :: i
+      integer :: i, first
       logical :: sound, reached
 
       call start(self, k, walk, sound)
-      do i = 1, n
+      first = 1
+      do while (first <= n)
+         i = first
+         first = first + 1
          reached = .false.
          walk%way = 0.0_wp
          if (sound) then
@@ -59,8 +64,103 @@ contains
                measure = not_reached*(1.0_wp - walk%way) - dead_measure
             end if
          end associate
+         ! the first position tells how often wheels have turned; turns at the others are sums
+         if (i == 1 .and. reached .and. self%steps(k)%dyad%higher%rings == 0) &
+            call follow_ties(self, k, n, path, found%determinant, first)
       end do
    end subroutine follow_group
+
+   !> Ties alone make linear equations: turns at all positions of a block from those at the first. `first` is the next position
+   !> that is not found, for where a direction turns too far between two positions, or a group before does not close, they are
+   !> followed one by one.
+   pure subroutine follow_ties(self, k, n, path, determinant, first)
+      class(linkage_t), intent(inout) :: self
+      integer, intent(in) :: k
+      integer, intent(in) :: n
+      real(wp), intent(in) :: path(n)
+      real(wp), intent(in) :: determinant      !! of the equations, over the norms of their columns
+      integer, intent(inout) :: first
+      real(wp) :: angle(n), turn(n), right(n, self%steps(k)%dyad%higher%unknowns)
+      real(wp) :: matrix(size(right, 2), size(right, 2)), inverse(size(right, 2), size(right, 2)), unused
+      integer :: i, j, r, t
+
+      if (self%steps(k)%dyad%higher%equations /= size(right, 2)) return
+      if (.not. self%sliding_input .and. farthest_step(n, path) > farthest_input) return
+      do j = 1, k - 1
+         if (self%steps(j)%kind /= step_dyad) cycle
+         if (.not. all([(self%closes(i, self%steps(j)%loop), i=1, n)])) return
+      end do
+      associate (higher => self%steps(k)%dyad%higher, v => self%store%v)
+         do j = 1, size(higher%known)
+            associate (known => higher%known(j))
+               angle = 0.0_wp
+               call angles_between(n, spread(known%drawn(1), 1, n), spread(known%drawn(2), 1, n), 1.0_wp, 0.0_wp, &
+                                   v(1:n, known%root_x), v(1:n, known%root_y), angle)
+               turn(1) = known%now(3)*degrees_per_radian
+               call unwind(n, angle, turn)
+               if (farthest_step(n, turn) > farthest_turn*degrees_per_radian) return
+               v(2:n, known%row) = turn(2:)*radians_per_degree
+            end associate
+         end do
+         matrix = 0.0_wp
+         do t = 1, size(higher%ties)
+            associate (tie => higher%ties(t))
+               right(:, t) = 0.0_wp
+               if (tie%drive > 0) right(:, t) = v(1:n, tie%drive)
+               do j = 1, size(tie%rows)
+                  if (tie%unknown(j) > 0) then
+                     matrix(t, tie%unknown(j)) = matrix(t, tie%unknown(j)) + tie%factors(j)
+                  else if (tie%rows(j) > 0) then
+                     right(:, t) = right(:, t) - tie%factors(j)*v(1:n, tie%rows(j))
+                  end if
+               end do
+            end associate
+         end do
+         inverse = 0.0_wp
+         do j = 1, size(inverse, 1)
+            inverse(j, j) = 1.0_wp
+         end do
+         call reduce_real(size(matrix, 1), size(matrix, 1), size(matrix, 1), matrix, inverse, unused)
+         do j = 1, higher%unknowns
+            turn = 0.0_wp
+            do r = 1, size(inverse, 2)
+               turn = turn + inverse(j, r)*right(:, r)
+            end do
+            v(2:n, higher%row_of_turn(j)) = turn(2:)
+            angle = higher%drawn_angle(j) + turn*degrees_per_radian
+            call unit_vectors(n - 1, angle(2:), v(2:n, higher%row(j)), v(2:n, higher%row_of_sine(j)))
+         end do
+         v(2:n, self%steps(k)%dyad%measure) = abs(determinant)
+      end associate
+      first = n + 1
+   end subroutine follow_ties
+
+   !> Angles on their way, from angles of -180 to 180 degrees and the first of them on that way.
+   pure subroutine unwind(n, angle, turn)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: angle(n)
+      real(wp), intent(inout) :: turn(n)
+      real(wp) :: rounds
+      integer :: i
+
+      rounds = anint((turn(1) - angle(1))/full_turn)
+      do i = 2, n
+         rounds = rounds - anint((angle(i) - angle(i - 1))/full_turn)
+         turn(i) = angle(i) + rounds*full_turn
+      end do
+   end subroutine unwind
+
+   !> The largest step from one value to the next.
+   pure real(wp) function farthest_step(n, values) result(step)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: values(n)
+      integer :: i
+
+      step = 0.0_wp
+      do i = 2, n
+         step = max(step, abs(values(i) - values(i - 1)))
+      end do
+   end function farthest_step
 
    !> Put all larger groups up to a step together in the drawing.
    pure subroutine start(self, k, walk, sound)
