@@ -159,8 +159,8 @@ contains
 
    ! ---- points ------------------------------------------------------------------------------------------------------
 
-   !> The points of every body. A determined arc, and one that repeats a slide, adds its ends where one of them is known to be a
-   !> point of its body; one of which neither is ever known is only parallel to its body. (A slide may be repeated anywhere: its
+   !> The points of every body. An arc of a sketch has joints of its link; a determined arc, and one that repeats a slide, adds its
+   !> ends where one of them is known to be a point of its body; one of which neither is ever known is only parallel to its body. (A slide may be repeated anywhere: its
    !> copy on a frame pivot, say, has its moving end where its original has its foot.)
    pure subroutine find_points_of_bodies(mechanism)
       type(mechanism_t), intent(inout) :: mechanism
@@ -186,7 +186,8 @@ contains
          do n = 1, size(mechanism%arcs)
             if (mechanism%arcs(n)%attached) cycle
             call ends_and_bodies(n, ends, bodies)
-            if (.not. (is_seated(seats, bodies(1), ends(1)) .or. is_seated(seats, bodies(2), ends(2)))) cycle
+            if (.not. (is_seated(seats, bodies(1), ends(1)) .or. is_seated(seats, bodies(2), ends(2)) .or. &
+                       joins_joints(n))) cycle
             call seat(seats, bodies(1), ends(1))
             call seat(seats, bodies(2), ends(2))
             mechanism%arcs(n)%attached = .true.
@@ -206,6 +207,15 @@ contains
          bodies = mechanism%arcs(n)%body
          if (mechanism%arcs(n)%foot > 0) bodies(mechanism%arcs(n)%foot) = mechanism%guide_of(n)
       end subroutine ends_and_bodies
+
+      !> True of an arc of a sketch from or to a joint of its link.
+      pure logical function joins_joints(n)
+         integer, intent(in) :: n
+
+         associate (arc => mechanism%arcs(n))
+            joins_joints = arc%link > 0 .and. arc%foot == 0 .and. any(arc%joints > 0)
+         end associate
+      end function joins_joints
    end subroutine find_points_of_bodies
 
    pure subroutine seat(seats, body, point)
@@ -405,8 +415,10 @@ contains
          carrier = mechanism%guide_of(slide)
          mechanism%joints(number)%attached = mechanism%has_point(carrier, mechanism%joints(number)%point)
       else
-         mechanism%joints(number)%attached = mechanism%has_point(bodies(1), mechanism%joints(number)%point) .and. &
-                                             mechanism%has_point(bodies(2), mechanism%joints(number)%point)
+         ! a joint of a sketch may be several points of the loops
+         mechanism%joints(number)%attached = (mechanism%has_point(bodies(1), mechanism%joints(number)%point) .and. &
+                                              mechanism%has_point(bodies(2), mechanism%joints(number)%point)) .or. &
+                                             mechanism%arcs(arc)%joints(end) > 0
       end if
    end subroutine set_joint
 end module psalm_bodies
