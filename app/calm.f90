@@ -90,14 +90,8 @@ contains
       parts = parts_of(cams)
       allocate (problem)
       call make_room(size(parts), studies)
-      if (allocated(set%no_loops)) then
-         call devices%eight%add(header_of('CALM', devices%mark))
-         call devices%eight%add(' '//set%title)
-         call devices%eight%add(' SOLVED IN THE POSES OF THE LINKS, FOLLOWED FROM THE DRAWING, FOR IT HAS '//set%no_loops)
-      else
-         call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
-         call list_input(header_of('CALM', devices%mark), set, problem, devices%eight)
-      end if
+      call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
+      call list_input(header_of('CALM', devices%mark), set, problem, devices%eight)
       if (size(cams(1)%variations) > 0) then
          call search_cam(set, cams, prepared, search)
          call report_search(set, cams(1), search, devices)

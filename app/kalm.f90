@@ -4,11 +4,10 @@ program kalm
    use psalm_console, only: arguments_t, begin
    use psalm_check_list, only: list_input
    use psalm_case_table, only: report_case_table
-   use psalm_chain_force_study, only: find_chain_forces
-   use psalm_chain_proof_study, only: chain_proof_t, prove_loops, study_chain_proof
-   use psalm_chain_report, only: report_chain, report_chain_proof, report_outputs, report_sketch_table, &
+   use psalm_chain_proof_study, only: chain_proof_t, prove_loops
+   use psalm_chain_report, only: report_chain_proof, report_outputs, report_sketch_table, &
                                  report_still_drives
-   use psalm_chain_study, only: chain_study_t, study_chain
+   use psalm_chain_study, only: chain_study_t
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_devices, only: devices_t, header_of
@@ -88,10 +87,6 @@ contains
 
       associate (unused => stopped, also_unused => number)
       end associate
-      if (allocated(set%no_loops)) then
-         call run_sketch(set, devices)
-         return
-      end if
       allocate (problem, rates)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
       call list_input(header_of('KALM', devices%mark), set, problem, devices%eight)
@@ -130,30 +125,6 @@ contains
          call report_summary(set, summary, rates%motion, devices)
       end if
    end subroutine run_case
-
-   !> All outputs and joints of a sketch without loops, with their rates.
-   subroutine run_sketch(set, devices)
-      type(data_set_t), intent(in) :: set
-      type(devices_t), intent(inout) :: devices
-      type(chain_study_t), allocatable :: study
-      type(chain_proof_t), allocatable :: proof
-      type(force_study_t), allocatable :: forces     ! an absent argument unless the case asks for them
-
-      allocate (study)
-      call study_chain(set, set%rates%speed, set%rates%accel, study)
-      call report_sketch_table(set, study, accelerations, devices)
-      call report_still_drives(set, devices)
-      if (forces_wanted(set)) then
-         allocate (forces)
-         call find_chain_forces(set, study, forces)
-         call add_force_columns(forces, devices%tables(size(devices%tables)))
-      end if
-      call report_chain('KALM', set, study, accelerations, devices, forces)
-      if (proof_wanted(set, .false.) == no_proof .or. .not. study%sound) return
-      allocate (proof)
-      call study_chain_proof(set, study, proof_wanted(set, .false.), proof)
-      call report_chain_proof(set, study, proof, devices)
-   end subroutine run_sketch
 
    !> The proof of a sketch with a larger group, which is made in the poses of its links.
    subroutine prove_sketch(set, dimensions, devices)

@@ -6,11 +6,12 @@ program psalm
    use psalm_console, only: arguments_t, path_progress_t, progress_t, begin, device4_of, show_findings
    use psalm_analysis, only: analysis_t, wanted_t, analyse, wanted_by
    use psalm_case_table, only: report_case_table
-   use psalm_chain_proof_study, only: chain_proof_t, prove_loops, study_chain_proof
-   use psalm_chain_report, only: report_chain, report_chain_proof, report_outputs, report_sketch_table
+   use psalm_cases, only: resolve_drawn
+   use psalm_chain_proof_study, only: chain_proof_t, prove_loops
+   use psalm_chain_report, only: report_chain_proof, report_outputs, report_sketch_table
    use psalm_chain_search_list, only: report_chain_search
    use psalm_chain_synthesis, only: chain_synthesis_t, synthesise_chain
-   use psalm_chain_study, only: chain_study_t, study_chain
+   use psalm_chain_study, only: chain_study_t
    use psalm_check_list, only: list_input
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t, header_of
@@ -116,7 +117,7 @@ contains
    end subroutine run_shared
 
    !> The studies of a case, and what they have to report.
-   subroutine run_case(number, set, prepared, devices, stopped)
+   recursive subroutine run_case(number, set, prepared, devices, stopped)
       integer, intent(in) :: number
       type(data_set_t), intent(in) :: set
       type(prepared_t), intent(in) :: prepared
@@ -139,8 +140,6 @@ contains
       type(sketch_study_t) :: sketch
       integer :: threads
 
-      associate (unused => number)
-      end associate
       if (set%gives('EXACT')) then
          call signals%hold(1)
          paths%request => signals
@@ -150,14 +149,8 @@ contains
          stopped = signals%asked()
          return
       end if
-      if (allocated(set%no_loops)) then
-         if (.not. set%wants_search()) call run_sketch(set, devices, .false.)
-         if (set%wants_search()) call run_chain_search(set, devices, monitor)
-         if (arguments%assemblies) call run_assemblies(set, devices)
-         if (arguments%links) call devices%remark(set, 'device 7 has the sketch: there are no equivalent &LINKS, for it has '// &
-                                                  set%no_loops)
-         if (monitor%active) call write_standard_error(nl)
-         stopped = signals%asked()
+      if (allocated(set%search_in_poses) .and. set%wants_search()) then
+         call run_pose_search(number, set, devices, monitor, stopped)
          return
       end if
       allocate (problem, search, analysis)
@@ -238,27 +231,35 @@ contains
       call report_family(set, family, found, devices)
    end subroutine run_family
 
-   !> A search over a sketch that has no loops, then the study of what it found.
-   subroutine run_chain_search(set, devices, monitor)
+   !> A search in the poses of the links, then the studies of the linkage it found.
+   recursive subroutine run_pose_search(number, set, devices, monitor, stopped)
+      integer, intent(in) :: number
       type(data_set_t), intent(in) :: set
       type(devices_t), intent(inout) :: devices
       type(progress_t), intent(inout) :: monitor
+      logical, intent(inout) :: stopped
       type(chain_synthesis_t), allocatable :: search
+      type(prepared_t), allocatable :: prepared
       type(diagnostics_t) :: findings
+      type(line_t) :: none(0)
       integer :: threads
 
-      allocate (search)
+      allocate (search, prepared)
       call take_threads(set, threads, devices)
       findings%file = set%file
       call synthesise_chain(set, threads, stop, search, findings, monitor)
-      if (findings%failed()) then
-         call show_findings(findings)
-         devices%code = max(devices%code, findings%exit_code())
-         return
+      if (monitor%active) call write_standard_error(nl)
+      stopped = signals%asked()
+      if (.not. findings%failed()) then
+         call report_chain_search(set, search, devices)
+         if (size(search%best) == 0) return
+         call resolve_drawn(search%drawn, findings)
+         if (.not. findings%failed()) call prepare(search%drawn, none, prepared, findings)
       end if
-      call report_chain_search(set, search, devices)
-      if (size(search%best) > 0) call run_sketch(search%drawn, devices, .true.)
-   end subroutine run_chain_search
+      if (findings%count > 0) call show_findings(findings)
+      devices%code = max(devices%code, findings%exit_code())
+      if (prepared%ready) call run_case(number, search%drawn, prepared, devices, stopped)
+   end subroutine run_pose_search
 
    !> Every way in which the links of a sketch can be put together.
    subroutine run_assemblies(set, devices)
@@ -274,26 +275,6 @@ contains
       call study_assemblies(set, study)
       if (study%sound) call report_assemblies(set, study, devices)
    end subroutine run_assemblies
-
-   !> All outputs and joints of a sketch without loops.
-   subroutine run_sketch(set, devices, searched)
-      type(data_set_t), intent(in) :: set
-      type(devices_t), intent(inout) :: devices
-      logical, intent(in) :: searched                !! it is the result of a search
-      type(chain_study_t), allocatable :: study
-      type(chain_proof_t), allocatable :: proof
-      integer :: range
-
-      allocate (study)
-      call study_chain(set, 1.0_wp, 0.0_wp, study)
-      call report_sketch_table(set, study, 0, devices)
-      call report_chain('PSALM', set, study, 0, devices)
-      range = proof_wanted(set, searched)
-      if (range == no_proof .or. .not. study%sound) return
-      allocate (proof)
-      call study_chain_proof(set, study, range, proof)
-      call report_chain_proof(set, study, proof, devices)
-   end subroutine run_sketch
 
    !> The proof of a sketch with a larger group, which is made in the poses of its links.
    subroutine prove_sketch(set, searched, dimensions, devices)

@@ -93,13 +93,10 @@ contains
       set%method%nguess = 0
       why = ''
       if (present(turning) .and. set%sketch%given) then
-         if (allocated(set%no_loops) .or. count(.not. set%sketch%drives%geared) > 1) why = set%sketch%why_no_crank()
+         if (count(.not. set%sketch%drives%geared) > 1) why = set%sketch%why_no_crank()
       end if
       if (len(why) > 0) then
          call findings%error(does//' linkages with a crank that turns; '//why, line=set%title_line, group='DRIVES')
-      else if (allocated(set%no_loops)) then
-         call findings%error(does//' linkages with loops; this sketch is solved in the poses of its links, for it has '// &
-                             set%no_loops, line=set%title_line, group='CHAIN')
       end if
       if (.not. findings%failed()) call prepare(set, none, prepared, findings, demand)
    end subroutine prepare_loops

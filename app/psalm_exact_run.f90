@@ -91,7 +91,7 @@ contains
       call write_case(set, study, number, 1, text)
       call read_case_text(text%content(), 'device 7', sets, findings, 'psalm')
       if (findings%failed()) return
-      if (allocated(sets(1)%no_loops) .or. sets(1)%is_beyond_arrays()) then
+      if (sets(1)%is_beyond_arrays()) then
          call prove_groups(set, sets(1), proof)
          return
       end if

@@ -59,7 +59,7 @@ contains
 
       associate (unused => file, also_unused => mark)
       end associate
-      if (set%loops() == 0 .and. .not. allocated(set%no_loops)) return ! Hill's equation alone
+      if (set%loops() == 0) return ! Hill's equation alone
       call prepare_loops('ssics studies', demand, set, prepared, findings, turning=.true.)
       if (.not. findings%failed()) call check_steady(set, prepared, findings)
    end subroutine prepare_steady

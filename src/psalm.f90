@@ -22,9 +22,7 @@ module psalm
    use psalm_preparation, only: prepared_t, prepare, threads_for
    use psalm_search_group, only: most_search_threads
    use psalm_rate_list, only: list_rates
-   use psalm_chain_force_study, only: find_chain_forces
    use psalm_chain_report, only: unreached_words
-   use psalm_chain_study, only: chain_study_t, study_chain
    use psalm_force_list, only: list_forces
    use psalm_force_study, only: force_study_t, study_forces => find_forces
    use psalm_rate_study, only: rate_study_t, study_rates => find_rates
@@ -42,7 +40,6 @@ module psalm
    use psalm_text, only: text_t, full_precision, lower_case, nearest_name, upper_case, to_text
    use psalm_tolerance, only: tolerances_t, study_tolerances
    use psalm_dimensions, only: dimensions_t
-   use psalm_mechanism, only: mechanism_t
    use psalm_version, only: version
    implicit none (type, external)
    private
@@ -812,7 +809,7 @@ contains
    !> Forces of a case with masses, loads or springs: drive, frame, every joint, at the positions of the case.
    !>
    !> With `by_unit_mass` also the inertia forces of unit masses, in which every force is linear: shape (positions, columns, 4,
-   !> bodies), see `loads_of_unit_masses`; of a sketch that is solved in the poses of its links `chain_of_unit_masses`. Columns:
+   !> bodies), see `loads_of_unit_masses`. Columns:
    !> drive, force x and y and moment on the frame, two for each joint, then further drives.
    subroutine find_forces(case, forces, findings, listing, by_unit_mass)
       type(case_t), intent(in) :: case
@@ -822,19 +819,14 @@ contains
       real(wp), allocatable, intent(out), optional :: by_unit_mass(:, :, :, :)
       class(data_set_t), allocatable :: set
       class(problem_t), allocatable :: problem
-      type(chain_study_t), allocatable :: chain
       type(text_t) :: text
-      logical :: ready, posed
+      logical :: ready
 
       allocate (forces%input(0), forces%table%value(0, 0))
       if (present(by_unit_mass)) allocate (by_unit_mass(0, 0, 0, 0))
-      call make_ready(case, set, problem, ready, findings, posed=posed)
+      call make_ready(case, set, problem, ready, findings)
       if (ready) then
          call study_forces(set, problem, problem%given, forces, by_unit_mass)
-      else if (posed) then
-         allocate (chain)
-         call study_chain(set, set%rates%speed, set%rates%accel, chain)
-         call find_chain_forces(set, chain, forces, by_unit_mass)
       else
          return
       end if
@@ -910,15 +902,13 @@ contains
    ! ---- what the studies share --------------------------------------------------------------------------------------
 
    !> Data set and problem of a case; whatever is wrong is told.
-   subroutine make_ready(case, set, problem, ready, findings, every_loop, posed)
+   subroutine make_ready(case, set, problem, ready, findings, every_loop)
       type(case_t), intent(in) :: case
       class(data_set_t), allocatable, intent(out) :: set
       class(problem_t), allocatable, intent(out) :: problem
       logical, intent(out) :: ready
       type(findings_t), intent(inout) :: findings
       logical, intent(in), optional :: every_loop         !! solve loops that the output does not depend on too
-      logical, intent(out), optional :: posed             !! a sketch without faults that is solved in the poses of its links; where
-                                                          !! it is absent such a sketch is refused
       type(data_set_t), allocatable :: sets(:)
       type(prepared_t) :: prepared
       type(findings_t) :: own
@@ -941,14 +931,6 @@ contains
          if (present(every_loop)) set%limits%ktheta = merge(1, set%limits%ktheta, every_loop)
          call prepare(set, no_vertices, prepared, own)
          ready = prepared%ready
-      end if
-      if (present(posed)) posed = .false.
-      if (allocated(set) .and. .not. own%failed()) then
-         if (present(posed)) then
-            posed = allocated(set%no_loops)
-         else if (allocated(set%no_loops)) then
-            call own%error('loops are needed here; this sketch is solved in the poses of its links, for it has '//set%no_loops)
-         end if
       end if
       call tell(own, findings)
       if (.not. ready) return

@@ -691,6 +691,44 @@ def test_braced():
     check("a third link that fits the drawing only", code == 1 and sum(row["closed"] == "1" for row in found) < 10, errors)
 
 
+WIDE = """WIDE LINKS
+ &CHAIN JNT='M','H','K','R','W','L','S', JX=0.0,-370.0,-75.0,-20.0,-430.0,20.0,-130.0, JY=40.0,5.0,345.0,330.0,20.0,300.0,190.0,
+  LNAME='frame','chainstay','seatstay','rocker', LNK='M R S','M H','H K W','R K L' &END
+ &DRIVES DRIVE='M' &END
+ &OUTPUTS OUTPUT='angle R K','point W' &END
+ &METHOD NDES=7, DELT=0.0,-2.0,-4.0,-6.0,-8.0,-10.0,-12.0 &END
+ &LIMITS IPROOF=2 &END
+ &CONSTR IRANGE=1, NREGN=2, RJNT='L','S', RKIND=-1,3, RPLACE=-400.0,100.0,0.0,450.0, -100.0,190.0,10.0,0.0,
+  NSEG=3, SJNT='S L','M H','K W', SWIDTH=20.0,10.0,10.0 &END
+"""
+
+
+def test_joints_beside():
+    """Clearances of joints that are no ends of arcs: of links between them, of regions; listed, and proven."""
+    def from_segment(p, a, b):
+        along = ((p - a)*(b - a).conjugate()).real/abs(b - a)**2
+        return abs(p - a - min(1.0, max(0.0, along))*(b - a))
+
+    write("beside.nml", WIDE)
+    code, listing, errors = psalm("beside.nml")
+    check("joints beside arcs: a violated region is told", code == 1 and "REGION 1, JOINT L" in errors.upper(), errors)
+    found = list(csv.DictReader(read("beside.csv").splitlines()))
+    places = [{name: complex(float(row[name + ".x"]), float(row[name + ".y"])) for name in "MHKRWLS"} for row in found]
+
+    def apart(a, b, c, d, width):
+        return min(min(from_segment(p[a], p[c], p[d]), from_segment(p[b], p[c], p[d]), from_segment(p[c], p[a], p[b]),
+                       from_segment(p[d], p[a], p[b])) - width for p in places)
+
+    wanted = {"LINKS S-L AND M-H": apart(*"SLMH", 15.0), "LINKS S-L AND K-W": apart(*"SLKW", 15.0),
+              "LINKS M-H AND K-W": apart(*"MHKW", 10.0), "REGION 1, JOINT L": min(-p["L"].real for p in places),
+              "REGION 2, JOINT S": 20.0}
+    for name, value in wanted.items():
+        said = [float(line.split(name)[1].split()[0]) for line in listing.splitlines() if name in line and len(line.split(name)[1].split()) > 1]
+        check("joints beside arcs: %s is listed and proven" % name, len(said) == 2 and all(abs(s - value) < 2e-5*max(1.0, abs(value)) for s in said), (said, value))
+    code, _, errors = picture_tools.balm("beside.nml")
+    check("joints beside arcs: they are drawn", code == 1 and os.path.exists("beside.svg"), errors)
+
+
 def main(programs):
     picture_tools.programs = os.path.abspath(programs)
     with tempfile.TemporaryDirectory() as work:
@@ -718,6 +756,7 @@ def main(programs):
         test_held_pin()
         test_piston()
         test_braced()
+        test_joints_beside()
         os.chdir("/")
     print("%d passed, %d failed" % (picture_tools.passed, picture_tools.failed))
     return picture_tools.failed > 0

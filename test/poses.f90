@@ -1,7 +1,6 @@
 !> A sketch read to be solved in the poses of its links: the witness of its loops.
 module poses
    use psalm_data_set, only: data_set_t, read_data_set_text
-   use psalm_sketch_case, only: resolve_sketch
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
@@ -18,6 +17,5 @@ contains
       call read_data_set_text(text, 'test', sets, findings, 'psalm')
       if (findings%failed()) return
       set = sets(1)
-      call resolve_sketch(set, findings, 'a test that compares')
    end subroutine read_in_poses
 end module poses

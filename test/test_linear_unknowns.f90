@@ -1,7 +1,6 @@
 !> Place, size, direction and output point of a linkage solved for: by linkages that go through the points, and against the merit.
 program test_linear_unknowns
    use check, only: checks_t
-   use psalm_angles, only: unit_vector
    use psalm_cases, only: read_cases
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, make_problem

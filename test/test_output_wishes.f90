@@ -4,17 +4,13 @@ program test_output_wishes
    use check, only: checks_t
    use poses, only: read_in_poses
    use psalm_cases, only: read_case_text
-   use psalm_chain_problem, only: chain_problem_t, make_chain_problem
-   use psalm_chain_study, only: inputs_of_drives
-   use psalm_closure, only: closure_t, state_t
+   use psalm_chain_study, only: chain_study_t, study_chain
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t, make_problem
    use psalm_kinds, only: wp
    use psalm_output_wishes, only: output_wishes_t, prepare_output_wishes, find_output_wishes, differentiate_output_wishes
    use psalm_preparation, only: prepared_t, prepare
-   use psalm_sketch_case, only: assemble_sketch
-   use psalm_sketch_outputs, only: names_of_numbers, name_room
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t
@@ -70,7 +66,7 @@ contains
       call t%is_true(.not. findings%failed(), 'is read: '//text(:index(text, nl) - 1))
       if (findings%failed()) return
       set = sets(1)
-      call t%is_true(.not. allocated(set%no_loops), 'has loops: '//set%title)
+      call t%is_true(.not. allocated(set%search_in_poses), 'is searched by loops: '//set%title)
       call prepare(set, none, prepared, findings)
       call t%is_true(.not. findings%failed(), 'is prepared: '//set%title)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
@@ -84,14 +80,10 @@ contains
       type(dimensions_t) :: dimensions
       type(output_wishes_t) :: wishes
       type(diagnostics_t) :: findings
-      type(chain_problem_t) :: witness
-      type(closure_t) :: closure
-      type(state_t) :: state
-      real(wp), allocatable :: x(:), slope(:, :), at(:, :, :), size_of(:), seen(:, :, :)
-      character(:), allocatable :: trouble
+      type(chain_study_t) :: witness
+      real(wp), allocatable :: x(:), slope(:, :), at(:, :, :), size_of(:)
       real(wp), parameter :: h = 1.0e-3_wp, steps(4) = [2.0_wp, 1.0_wp, -1.0_wp, -2.0_wp]
-      integer :: v, k, which, first
-      logical :: sound
+      integer :: v, k, which
 
       call load(title//nl//text//" &LIMITS TANGLE=89.0, TOGGLE=0.0 &END"//nl, set, problem, dimensions)
       if (.not. allocated(problem%wish_values)) then
@@ -105,17 +97,13 @@ contains
       call t%is_true(any(wishes%order == 2) .and. any(wishes%order == 1), title//': derivatives are wanted')
       ! the witness: poses, at the drawing
       call read_in_poses(title//nl//text, posed, findings)
-      call assemble_sketch(posed, closure, state, sound, findings)
-      call make_chain_problem(posed, closure, state, inputs_of_drives(posed, .true.), witness, trouble, which)
-      call witness%find_wished(witness%first, seen)
-      call t%is_true(allocated(seen), title//': the witness reaches all positions')
-      if (.not. allocated(seen)) return
-      first = 0
+      call study_chain(posed, 1.0_wp, 0.0_wp, witness)
+      call t%is_true(all(witness%closed), title//': the witness reaches all positions')
       do k = 1, size(wishes%number)
-         which = findloc([(trim(name_of(posed, v)) == plain(wishes%names(k)), v=1, size(seen, 1))], .true., dim=1)
+         which = findloc([(trim(witness%names(v)) == plain(wishes%names(k)), v=1, size(witness%names))], .true., dim=1)
          call t%is_true(which > 0, title//': the witness knows '//trim(wishes%names(k)))
          if (which == 0) cycle
-         associate (own => wishes%actual(:, k), other => seen(which, wishes%order(k), :))
+         associate (own => wishes%actual(:, k), other => witness%values(which, wishes%order(k), :))
             call t%is_true(all(abs(modulo(own - other + 180.0_wp, 360.0_wp) - 180.0_wp) <= 1.0e-9_wp*max(100.0_wp, abs(own)) .or. &
                                abs(own - other) <= 1.0e-9_wp*max(1.0_wp, abs(own))), &
                            title//': as in poses: '//trim(wishes%names(k)))
@@ -149,18 +137,6 @@ contains
       text = trim(name)
       if (index(text, ' (') > 0) text = text(:index(text, ' (') - 1)
    end function plain
-
-   !> Names of the numbers of all outputs.
-   function name_of(set, number) result(text)
-      type(data_set_t), intent(in) :: set
-      integer, intent(in) :: number
-      character(:), allocatable :: text
-      character(name_room), allocatable :: names(:)
-      logical, allocatable :: turning(:)
-
-      call names_of_numbers(set%sketch%outputs, names, turning)
-      text = trim(names(number))
-   end function name_of
 
    !> A bicycle's rear suspension: the leverage that a rocker of another length gives is asked for, and that rocker is found.
    subroutine ratio_found_again()

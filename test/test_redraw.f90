@@ -104,8 +104,8 @@ contains
       objective = huge(1.0_wp)
       call read_case_text(text, 'test', sets, findings, 'psalm')
       set = sets(1)
-      call t%is_true(.not. findings%failed() .and. .not. allocated(set%no_loops), name//': by loops')
-      if (findings%failed() .or. allocated(set%no_loops)) return
+      call t%is_true(.not. findings%failed() .and. .not. allocated(set%search_in_poses), name//': by loops')
+      if (findings%failed() .or. allocated(set%search_in_poses)) return
       call prepare(set, none, prepared, findings)
       allocate (problem)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
@@ -191,7 +191,6 @@ contains
       call read_back(name, chain, vary, drives, output, method, lsq, x, y, found)
       call read_in_poses('POSES'//nl//chain//' VARY='//vary//' &END'//nl//drives//" &OUTPUTS OUTPUT='"//output// &
                          "' &END"//nl//lsq//method//', DESX='//x//', DESY='//y//' &END'//nl//limits, in_poses, findings)
-      call t%is_true(allocated(in_poses%no_loops), name//': in poses')
       call synthesise_chain(in_poses, 1, stop, poses, findings)
       call t%equal_integer(size(poses%best), 1, name//': found in poses')
       if (size(poses%best) == 0) return

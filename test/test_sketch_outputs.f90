@@ -66,7 +66,7 @@ contains
       real(wp) :: size_of, scale
       integer :: n, order, k
 
-      call t%is_true(.not. allocated(set%no_loops), set%title//': has loops')
+      call t%is_true(.not. allocated(set%search_in_poses), set%title//': has loops')
       call by_loops(set, speed, accel, loops, motion)
       call study_chain(set, speed, accel, poses)
       call t%is_true(all(loops%closed .eqv. poses%closed), set%title//': closes at the same positions')

@@ -6,7 +6,6 @@ program test_solvers
    use climber, only: climber_t
    use psalm_kinds, only: wp
    use psalm_multistart, only: candidate_t, multistart_t
-   use psalm_nlopt, only: algorithm_of
    use psalm_nlp, only: nlp_t, normal_equations_t
    use psalm_solver, only: solver_t, ending_t, stop_refused, stop_interrupted, stop_converged
    use psalm_solver_kind, only: solver_kind_t, find_solver, solver_names, plain_name, family_unknown, family_simplex, &

@@ -7,7 +7,7 @@ program test_vibration
    use psalm_harmonic_bounds, only: extent_t, extent_of, harmonic_bound
    use psalm_hill, only: hill_t, solve_hill, greatest_of
    use psalm_kinds, only: wp, pi
-   use psalm_link_vibration, only: moving_link_t, acting_t, mode_stiffness, coupling, mode_force, timoshenko_factor
+   use psalm_link_vibration, only: moving_link_t, mode_stiffness, coupling, mode_force, timoshenko_factor
    use psalm_periodic, only: periodic_t, periodic_from_samples, periodic_constant
    use psalm_stability, only: boundaries_t, stability_boundaries, series_boundaries
    use psalm_vibration_estimates, only: impulse_magnifier, straightening, foreshortening_sine, frequency_fall, tie_rod_ratio, &

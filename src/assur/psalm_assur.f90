@@ -5,8 +5,8 @@
 module psalm_assur
    use psalm_arc_kernels, only: arc_vector
    use psalm_dyad, only: dyad_t, breach_t, violation_group, violation_none
-   use psalm_dyad_kind, only: assur_none, assur_ppr, assur_prp, assur_prr, assur_rpp, assur_rpr, assur_rpr_guide_first, &
-                              assur_rrp, assur_rrr, assur_higher, direction_known, form_of, form_t
+   use psalm_dyad_kind, only: assur_ppr, assur_prp, assur_prr, assur_rpp, assur_rpr, assur_rpr_guide_first, assur_rrp, assur_rrr, &
+                              assur_higher, direction_known, form_of, form_t
    use psalm_elementary, only: hypotenuse
    use psalm_frames, only: frames_t, form_arc, dyad_rate, rows_of_arc, sine_row
    use psalm_higher_group, only: closure_of_higher, dead_measure, is_dead_higher

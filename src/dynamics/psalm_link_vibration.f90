@@ -10,7 +10,7 @@ module psalm_link_vibration
    use psalm_periodic, only: periodic_t, periodic_constant
    implicit none (type, external)
    private
-   public :: moving_link_t, acting_t, mode_stiffness, coupling, mode_force, first_frequency, timoshenko_factor
+   public :: moving_link_t, mode_stiffness, coupling, mode_force, first_frequency, timoshenko_factor
 
    !> A load, or the end of a spring, on the link between its pins.
    type :: acting_t

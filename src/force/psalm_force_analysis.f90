@@ -11,7 +11,7 @@ module psalm_force_analysis
    private
    public :: force_table_t, analyse_forces, share_of_sources, loads_of_unit_masses, loads_of_unit_wrenches, &
              column_of_joint, column_of_other_drive
-   public :: column_drive, column_fx, column_fy, column_moment, fixed_columns
+   public :: column_drive, column_fx, column_fy, column_moment
 
    integer, parameter :: column_drive = 1                    !! torque N m, or force N of a sliding input
    integer, parameter :: column_fx = 2, column_fy = 3        !! force of the mechanism on the frame, N

@@ -10,7 +10,7 @@ module psalm_force_model
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_force_entries, only: loading_t, spring_law_t, loading_of, spring_law_of
-   use psalm_kinds, only: wp, radians_per_degree
+   use psalm_kinds, only: wp
    use psalm_loop_forces, only: link_of_body
    use psalm_mechanism, only: mechanism_t, at_start, at_finish, body_frame, joint_gear, joint_prismatic, joint_revolute, pivot
    use psalm_place, only: place_t

@@ -25,7 +25,6 @@ module psalm_kinetostatics
    public :: forces_t, prepare_forces, load_bodies, move_bodies, clear_wrenches, add_source, sweep, rub, external_power, find_spot
    public :: couples_of_group
    public :: joint_rows, listed_rows, interpolated, sources_of, source_inertia, source_weight, first_load, first_spring
-   public :: most_sweeps, settled
 
    integer, parameter :: source_inertia = 1, source_weight = 2 !! sources; loads and springs follow
    integer, parameter :: most_sweeps = 100           !! without convergence of friction by then it locks

@@ -26,8 +26,8 @@ module psalm_data_set
    use psalm_rate_items, only: gives_rates
    use psalm_rates_group, only: rates_group_t, read_rates_group
    use psalm_search_group, only: search_group_t, read_search_group
-   use psalm_sketch, only: sketch_t, sketch_name, grid_digits, drive_turns, most_wished, output_angle, output_distance, &
-                           output_pose, output_slide
+   use psalm_sketch, only: sketch_t, grid_digits, drive_turns, most_wished, output_angle, output_distance, output_pose, &
+                           output_slide
    use psalm_source, only: line_t, read_lines, split_lines
    use psalm_spring_group, only: spring_group_t, read_spring_group
    use psalm_status, only: diagnostics_t
@@ -61,7 +61,7 @@ module psalm_data_set
       type(rates_group_t) :: rates         !! RATES (read for kalm only)
       type(sketch_t) :: sketch             !! CHAIN, DRIVES, OUTPUTS
       type(loops_t), allocatable :: traced !! its loops
-      character(:), allocatable :: no_loops !! why it has no loops and is solved in the poses of its links; not allocated: it has
+      character(:), allocatable :: search_in_poses !! why its search is made in the poses of the links; not allocated: by loops
       type(mass_group_t) :: masses         !! MASSES (this and the next three are read for kalm and balm only)
       type(load_group_t) :: loads          !! LOADS
       type(spring_group_t) :: springs      !! SPRING

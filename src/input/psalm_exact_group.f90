@@ -3,7 +3,7 @@ module psalm_exact_group
    use psalm_case_group, only: case_group_t, surroundings_t
    use psalm_data_set, only: data_set_t
    use psalm_group, only: group_t, out_of, required
-   use psalm_kinds, only: wp, right_angle
+   use psalm_kinds, only: wp
    use psalm_rule, only: rule_t, a_flag, a_number, a_whole, a_word
    use psalm_status, only: diagnostics_t
    use psalm_take, only: take

@@ -5,7 +5,6 @@
 module psalm_rule
    use psalm_kinds, only: wp
    use psalm_number, only: parse_real
-   use psalm_text, only: to_text
    implicit none (type, external)
    private
    public :: rule_t, limits_t, rule_of, word_of, word_count, one_of, limits_of

@@ -7,8 +7,7 @@ module psalm_observable
    use psalm_elementary, only: hypotenuse
    use psalm_kinds, only: wp, degrees_per_radian, radians_per_degree
    use psalm_linkage, only: linkage_t
-   use psalm_output_kind, only: output_kind_t, output_kind, motion_point, motion_angle, motion_distance, motion_slide, &
-                                motion_pose, most_components
+   use psalm_output_kind, only: output_kind_t, output_kind, motion_point, motion_distance, motion_slide
    use psalm_plan, only: plan_t
    use psalm_rows, only: rows_t
    use psalm_dimensions, only: dimensions_t

@@ -1,9 +1,9 @@
-!> Desired values of several outputs of a sketch, and of their derivatives by the input: how far they are missed, and how that changes
-!> with every variable.
+!> Desired values of several outputs of a sketch, and of their derivatives by the input: how far they are missed, and how that
+!> changes with every variable.
 !>
-!> Those of the first output are, where they can be, the desired values of the problem itself; here are the others. Angles are in
-!> degrees, in derivatives in radians. Where the linkage does not close nothing is compared; at a dead point no derivative is, and no
-!> ratio where the second of its rates is none.
+!> Those of the first output are, where they can be, the desired values of the problem itself; here are the others. Angles are
+!> in degrees, in derivatives in radians. Where the linkage does not close nothing is compared; at a dead point no derivative is, and
+!> no ratio where the second of its rates is none.
 module psalm_output_wishes
    use psalm_angles, only: unit_vector
    use psalm_data_set, only: data_set_t

@@ -1,7 +1,7 @@
 !> Derivatives of the output by the input that are wanted: what they are, how far they miss, how that changes with every variable.
 !>
-!> Angles are in radians in derivatives, per radian of a crank or per length of a sliding input. Where the linkage does not close, or
-!> a dyad is at a dead point, there are none: they count as zero, and so do their changes.
+!> Angles are in radians in derivatives, per radian of a crank or per length of a sliding input. Where the linkage does not close,
+!> or a dyad is at a dead point, there are none: they count as zero, and so do their changes.
 module psalm_wanted_rates
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t, motion_t

@@ -8,7 +8,7 @@ module psalm_nlopt
    use psalm_solver_kind, only: solver_kind_t
    implicit none (type, external)
    private
-   public :: nlopt_t, algorithm_of, refused
+   public :: nlopt_t, refused
 
    integer, parameter :: invalid_arguments = -2, out_of_memory = -3 !! results of NLopt
    integer, parameter :: no_algorithm = -1

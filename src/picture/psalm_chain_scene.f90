@@ -12,7 +12,7 @@ module psalm_chain_scene
    use psalm_markup, only: add_string, sentence_case
    use psalm_output_kind, only: motion_point, motion_angle
    use psalm_panels, only: add_study_panels
-   use psalm_parts, only: drawn_bar_t, drawn_body_t, edge_t, drawn_joint_t, drawn_slide_t, wheel_t, convex_hull
+   use psalm_parts, only: drawn_bar_t, edge_t, drawn_joint_t, drawn_slide_t, wheel_t, convex_hull
    use psalm_scene, only: scene_t, message_scene, choose_view, find_rails, motion_number
    use psalm_sketch, only: columns_of, sketch_t, drive_turns, frame_link, grid_digits, output_angle, output_between, &
                            output_point, output_pose, output_ratio, output_slide

@@ -4,7 +4,7 @@ module psalm_force_drawing
    use psalm_force_scene, only: force_scene_t, largest_load, largest_in_joint, words_of_added
    use psalm_kinds, only: wp
    use psalm_markup, only: short_number, xml_text
-   use psalm_text, only: text_t, full_precision, to_text
+   use psalm_text, only: text_t, full_precision
    implicit none (type, external)
    private
    public :: draw_weights_and_springs, draw_centres_and_loads, draw_polar_diagrams, height_of_polar_diagrams

@@ -7,7 +7,6 @@ module psalm_steady_curves
    use psalm_kinds, only: wp, pi, full_turn
    use psalm_markup, only: clean_text, gnuplot_text, short_number
    use psalm_periodic, only: periodic_t, periodic_from_samples
-   use psalm_stability, only: boundaries_t
    use psalm_steady_study, only: steady_study_t
    use psalm_text, only: text_t, full_precision, to_text
    use psalm_vibration_study, only: vibration_study_t

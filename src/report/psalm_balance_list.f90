@@ -1,9 +1,7 @@
 !> Counterweights in the listing, and on device 9.
 module psalm_balance_list
-   use psalm_balance_group, only: balance_group_t, balance_of, form_body, form_disc, form_point, measure_force, measure_mass, &
-      measure_names, order_mass, &
-                                  order_moment
-   use psalm_balance_study, only: balance_study_t, outcome_t, weight_t, channel_force, channel_moment, channel_torque
+   use psalm_balance_group, only: balance_group_t, balance_of, form_body, measure_names, order_moment
+   use psalm_balance_study, only: balance_study_t, outcome_t, channel_force, channel_moment, channel_torque
    use psalm_block, only: begin_block
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp

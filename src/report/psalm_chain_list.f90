@@ -1,35 +1,18 @@
 !> What a sketch does, as texts: the listing, the table of device 9, the table for other programs.
 module psalm_chain_list
-   use psalm_assur_order, only: assur_order_t
    use psalm_block, only: begin_block
    use psalm_data_set, only: data_set_t
-   use psalm_force_list, only: force_names_line, force_values_line
-   use psalm_force_study, only: force_study_t
    use psalm_kinds, only: wp
-   use psalm_sketch, only: sketch_t, drive_turns
+   use psalm_sketch, only: sketch_t
    use psalm_table, only: table_t
-   use psalm_text, only: text_t, full_precision, general, number_or_nan, to_text, upper_case
+   use psalm_text, only: text_t, general, number_or_nan, to_text, upper_case
    implicit none (type, external)
    private
-   public :: list_chain, list_rows, list_groups, write_chain_table, write_drive_block, write_output_block, fill_chain_table
+   public :: list_rows, write_drive_block, write_output_block, fill_chain_table
 
    integer, parameter :: column = 15   !! characters of a column of the listing
 
 contains
-
-   !> The listing: inputs and outputs at every position; a dash for a ratio to what stands still.
-   subroutine list_chain(set, inputs, closed, names, values, text)
-      type(data_set_t), intent(in) :: set
-      real(wp), intent(in) :: inputs(:, :)     !! shape (drives, positions)
-      logical, intent(in) :: closed(:)         !! shape (positions)
-      character(*), intent(in) :: names(:)     !! of the numbers
-      real(wp), intent(in) :: values(:, :)     !! shape (numbers, positions)
-      type(text_t), intent(inout) :: text
-
-      call text%add(' '//set%title)
-      call text%add()
-      call list_rows(set, inputs, closed, names, values, text)
-   end subroutine list_chain
 
    !> Inputs and outputs at every position; what is not closed may close elsewhere than where the linkage comes (`beyond`).
    subroutine list_rows(set, inputs, closed, names, values, text, beyond)
@@ -78,80 +61,6 @@ contains
       head = upper_case(name(:min(len_trim(name), column - 1)))
       head = adjustr(head)
    end function heading
-
-   !> The Assur groups in the order of their solution.
-   subroutine list_groups(sketch, order, text)
-      type(sketch_t), intent(in) :: sketch
-      type(assur_order_t), intent(in) :: order
-      type(text_t), intent(inout) :: text
-      character(:), allocatable :: line
-      integer :: g, k
-
-      call text%add(' ASSUR GROUPS IN THE ORDER OF THEIR SOLUTION')
-      do g = 1, size(order%groups)
-         associate (links => order%groups(g)%links)
-            if (size(links) == 0) cycle
-            select case (order%groups(g)%order)
-            case (0)
-               line = '  DRIVEN:'
-            case (2)
-               line = '  DYAD:'
-            case (4)
-               line = '  TRIAD OR OTHER GROUP OF FOUR:'
-            case default
-               line = '  GROUP OF '//to_text(order%groups(g)%order)//':'
-            end select
-            do k = 1, size(links)
-               line = line//' '//trim(sketch%links(links(k))%name)
-            end do
-            call text%add(line)
-         end associate
-      end do
-   end subroutine list_groups
-
-   !> Device 9: inputs, closed, outputs.
-   subroutine write_chain_table(set, inputs, closed, names, values, text, forces)
-      type(data_set_t), intent(in) :: set
-      real(wp), intent(in) :: inputs(:, :), values(:, :)
-      logical, intent(in) :: closed(:)
-      character(*), intent(in) :: names(:)
-      type(text_t), intent(inout) :: text
-      type(force_study_t), intent(in), optional :: forces !! their columns follow
-      character(:), allocatable :: line
-      integer :: k, d
-
-      line = '#'
-      do d = 1, size(inputs, 1)
-         line = line//' '//input_name(set%sketch, d)
-      end do
-      line = line//' closed'
-      do d = 1, size(names)
-         line = line//' '//trim(names(d))
-      end do
-      if (present(forces)) line = line//force_names_line(forces)
-      call text%add(line)
-      call text%add('# '//set%title)
-      line = '# prescribed positions; inputs in'
-      do d = 1, size(inputs, 1)
-         line = line//trim(merge(' degrees', ' length ', set%sketch%drives(d)%kind == drive_turns))
-         if (d < size(inputs, 1)) line = line//','
-      end do
-      call text%add(line//' from the drawing')
-      if (present(forces)) call text%add('# drives, forces and couples in newtons and newton metres; frame moment about the '// &
-                                         'machine origin')
-      do k = 1, size(closed)
-         line = ''
-         do d = 1, size(inputs, 1)
-            line = line//full_precision(inputs(d, k))//' '
-         end do
-         line = line//merge('1', '0', closed(k))
-         do d = 1, size(names)
-            line = line//' '//number_or_nan(values(d, k), closed(k) .and. values(d, k) < huge(1.0_wp))
-         end do
-         if (present(forces)) line = line//force_values_line(forces, k)
-         call text%add(line)
-      end do
-   end subroutine write_chain_table
 
    !> A block of device 9: all outputs of a sketch, whose first one alone is in the table before.
    subroutine write_output_block(closed, names, values, text)

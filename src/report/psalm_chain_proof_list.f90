@@ -5,7 +5,7 @@ module psalm_chain_proof_list
    use psalm_chain_study, only: chain_study_t
    use psalm_kinds, only: wp
    use psalm_proof_list, only: list_range, head_of_ranges, end_text, short
-   use psalm_sketch, only: sketch_t, drive_turns
+   use psalm_sketch, only: drive_turns
    use psalm_sketch_outputs, only: name_room
    use psalm_text, only: text_t, full_precision, number_or_nan, to_text, upper_case
    implicit none (type, external)

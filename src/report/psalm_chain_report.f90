@@ -1,24 +1,19 @@
 !> What the study of a sketch has to report, on all devices.
 module psalm_chain_report
-   use psalm_chain_list, only: list_chain, list_groups, list_rows, write_chain_table, write_drive_block, write_output_block, &
-                               fill_chain_table
-   use psalm_chain_margins, only: report_chain_margins
+   use psalm_chain_list, only: list_rows, write_drive_block, write_output_block, fill_chain_table
    use psalm_chain_proof_list, only: list_chain_proof, write_chain_proof, links_of_group
    use psalm_chain_proof_study, only: chain_proof_t
    use psalm_chain_study, only: chain_study_t
    use psalm_data_set, only: data_set_t
-   use psalm_devices, only: devices_t, header_of, most_told
-   use psalm_force_report, only: report_forces
-   use psalm_force_study, only: force_study_t
+   use psalm_devices, only: devices_t
    use psalm_kinds, only: wp
    use psalm_sketch, only: numbers_of => columns_of
    use psalm_sketch_outputs, only: name_room
    use psalm_sketch_study, only: sketch_study_t
-   use psalm_sketch_text, only: write_sketch
    use psalm_text, only: text_t, general, lower_case, to_text
    implicit none (type, external)
    private
-   public :: report_chain, report_sketch_table, report_outputs, several_outputs, range_lines, report_chain_proof, &
+   public :: report_sketch_table, report_outputs, several_outputs, range_lines, report_chain_proof, &
              report_unreached, report_still_drives, unreached_words
 
    character(*), parameter :: of_dyads = 'linkages of dyads with one drive on the frame'
@@ -36,39 +31,6 @@ contains
       call fill_chain_table(set%sketch, study%inputs, study%closed, study%dead, study%names, study%values, study%joints, orders, &
                             devices%tables(size(devices%tables)))
    end subroutine report_sketch_table
-
-   !> A sketch that has no loops of dyads: listing, groups, data set, table, remarks, summary.
-   subroutine report_chain(program, set, study, orders, devices, forces)
-      character(*), intent(in) :: program     !! its name in capitals
-      type(data_set_t), intent(in) :: set
-      type(chain_study_t), intent(in) :: study
-      integer, intent(in) :: orders
-      type(devices_t), intent(inout) :: devices
-      type(force_study_t), intent(in), optional :: forces !! if the case has masses, loads or springs
-      character(name_room), allocatable :: names(:)
-      real(wp), allocatable :: values(:, :)
-      integer :: n
-
-      call columns_of(study, orders, names, values)
-      call list_chain(set, study%inputs, study%motion%closed, names, values, devices%six)
-      call write_chain_table(set, study%inputs, study%motion%closed, names, values, devices%nine, forces)
-      if (orders > 0 .and. size(study%inputs, 1) > 1) call write_drive_block(set, study%motion%closed, study%motion%dead, &
-                                                                             study%names, study%by_drive, devices%nine)
-      call devices%eight%add(header_of(program, devices%mark))
-      call devices%eight%add(' '//set%title)
-      call devices%eight%add(' SOLVED IN THE POSES OF THE LINKS, FOLLOWED FROM THE DRAWING, FOR IT HAS '//set%no_loops)
-      call list_groups(set%sketch, study%closure%order, devices%eight)
-      if (program == 'PSALM') call write_sketch(set, devices%seven)
-      if (program == 'PSALM') call report_chain_margins(set, study, devices)
-      if (present(forces)) call report_forces(set, forces, devices)
-      call tell_open(set, study, devices)
-      call devices%summary%add(set%title)
-      call devices%summary%add('  Closes              at '//to_text(count(study%motion%closed))//' of '// &
-                               to_text(size(study%motion%closed))//' positions')
-      do n = 1, size(study%names)
-         call add_range(study, n, '', devices%summary)
-      end do
-   end subroutine report_chain
 
    !> All outputs of a sketch of which the listing has the first alone, or a joint for want of it: a table, a block of device 9.
    subroutine report_outputs(set, study, beyond, orders, devices)
@@ -233,47 +195,4 @@ contains
       text = trim(adjustl(general(value, 'E')))
    end function number
 
-   !> Where the linkage does not close, and the links that stand at a dead point on the way there.
-   subroutine tell_open(set, study, devices)
-      type(data_set_t), intent(in) :: set
-      type(chain_study_t), intent(in) :: study
-      type(devices_t), intent(inout) :: devices
-      integer :: k, d, told
-      character(:), allocatable :: line
-
-      if (all(study%motion%closed)) return
-      call devices%note_violation()
-      call devices%remark(set, 'the linkage does not close at '//to_text(count(.not. study%motion%closed))//' of '// &
-                          to_text(size(study%motion%closed))//' positions')
-      told = 0
-      do k = 1, size(study%motion%closed)
-         if (study%motion%closed(k)) cycle
-         told = told + 1
-         if (told > most_told) exit
-         line = 'position '//to_text(k)//': '//links_of(study%motion%group(k))//' at a dead point on the way'
-         do d = 1, size(study%inputs, 1)
-            line = line//', input '//set%sketch%drive_label(d)//' '//number(study%inputs(d, k))
-         end do
-         call devices%detail(set, line)
-      end do
-      if (told > most_told) call devices%detail(set, 'and more in the listing')
-
-   contains
-
-      function links_of(group) result(text)
-         integer, intent(in) :: group
-         character(:), allocatable :: text
-         integer :: l
-
-         text = 'the linkage stands'
-         if (group == 0) return
-         if (size(study%closure%groups(group)%links) == 0) return
-         text = ''
-         do l = 1, size(study%closure%groups(group)%links)
-            text = text//trim(set%sketch%links(study%closure%groups(group)%links(l))%name)
-            if (l < size(study%closure%groups(group)%links)) text = text//', '
-         end do
-         text = text//trim(merge(' stand ', ' stands', size(study%closure%groups(group)%links) > 1))
-      end function links_of
-   end subroutine tell_open
 end module psalm_chain_report

@@ -5,14 +5,11 @@ module psalm_chain_search_list
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_kinds, only: wp
-   use psalm_sketch, only: columns_of, most_wished
-   use psalm_sketch_outputs, only: names_of_numbers, name_of_output => name_room
-   use psalm_text, only: general, to_text, upper_case
+   use psalm_text, only: general, to_text
    implicit none (type, external)
    private
    public :: report_chain_search
 
-   integer, parameter :: number_room = 30 !! of the name of an output
    integer, parameter :: name_room = 40   !! characters of a variable's name in the listing
 
 contains
@@ -55,45 +52,8 @@ contains
             call devices%six%add('  '//name//general(search%problem%first(v), 'E')//general(search%best(k)%x(v), 'E'))
          end do
       end do
-      if (allocated(search%actual)) call list_wished(set, search, devices)
       call devices%six%add()
    end subroutine report_chain_search
-
-   !> Values and derivatives of the best linkage beside those desired.
-   subroutine list_wished(set, search, devices)
-      type(data_set_t), intent(in) :: set
-      type(chain_synthesis_t), intent(in) :: search
-      type(devices_t), intent(inout) :: devices
-      character(*), parameter :: orders(0:most_wished) = [character(18) :: 'VALUE', 'FIRST DERIVATIVE', 'SECOND DERIVATIVE']
-      character(name_of_output), allocatable :: names(:)
-      logical, allocatable :: turning(:)
-      character(number_room) :: name
-      character(9) :: position
-      integer :: k, c, n, order, i
-
-      call devices%six%add()
-      call devices%six%add(' LINKAGE 1, VALUES AND DERIVATIVES BY THE FIRST DRIVE (DERIVATIVES OF ANGLES IN RADIANS)')
-      call devices%six%add('  OUTPUT                                           POSITION        DESIRED         ACTUAL'// &
-                           '          ERROR')
-      call names_of_numbers(set%sketch%outputs, names, turning)
-      n = 0
-      do k = 1, size(set%sketch%outputs)
-         do c = 1, columns_of(set%sketch%outputs(k))
-            n = n + 1
-            name = upper_case(trim(names(n)))
-            do order = 0, most_wished
-               do i = 1, size(search%actual, 3)
-                  if (search%problem%weight(n, order, i) <= 0.0_wp) cycle
-                  write (position, '(i9)') i
-                  associate (wanted => search%problem%wanted(n, order, i), actual => search%actual(n, order, i))
-                     call devices%six%add('  '//name//orders(order)//position//general(wanted, 'E')//general(actual, 'E')// &
-                                          general(wanted - actual, 'E'))
-                  end associate
-               end do
-            end do
-         end do
-      end do
-   end subroutine list_wished
 
    pure function number(value) result(text)
       real(wp), intent(in) :: value

@@ -3,7 +3,7 @@ module psalm_force_list
    use psalm_data_set, only: data_set_t
    use psalm_finale, only: angle_text
    use psalm_force_analysis, only: column_of_joint, column_drive, column_fx, column_fy, column_moment
-   use psalm_force_study, only: force_study_t, sizing_t
+   use psalm_force_study, only: force_study_t
    use psalm_kinds, only: wp
    use psalm_text, only: text_t, full_precision, general, to_text, upper_case
    implicit none (type, external)

@@ -20,7 +20,7 @@ contains
       real(wp) :: from_drawing
 
       words = 'position '//to_text(position)//', input '
-      if (.not. set%sketch%given .or. allocated(set%no_loops)) then
+      if (.not. set%sketch%given) then
          words = words//trim(adjustl(general(input)))
          return
       end if
@@ -39,7 +39,7 @@ contains
       character(:), allocatable :: words
 
       words = ''
-      if (.not. set%sketch%given .or. allocated(set%no_loops)) return
+      if (.not. set%sketch%given) return
       if (set%wants_search()) return               ! it has no table, and the input of the drawing may change
       if (.not. abs(set%drawn_input()) > 0.0_wp) return
       words = 'inputs here count from the x axis; the drawing, input 0 of the table (CSV), is at '

@@ -10,7 +10,7 @@ module psalm_proof_list
    use psalm_proven_margins, only: proven_margin_t
    use psalm_proof, only: proof_t, limit_t, touch_exact, piece_closes, piece_opens, piece_undecided, cause_too_short, &
                           cause_difference, cause_guide, cause_link, cause_parallel
-   use psalm_proof_motion, only: movement_t, proven_dead_point_t, mover_output, mover_turning
+   use psalm_proof_motion, only: proven_dead_point_t, mover_output, mover_turning
    use psalm_proof_ranges, only: proven_extreme_t, extreme_angle, extreme_slide, extreme_x, extreme_y, extreme_output, &
                                  extreme_distance, extreme_slides
    use psalm_proof_study, only: proof_study_t, kept_t

@@ -39,7 +39,6 @@ module psalm_report
    use psalm_tolerance, only: tolerances_t
    use psalm_tolerance_list, only: list_tolerances, plot_tolerances, list_output_bands, write_output_bands
    use psalm_dimensions, only: dimensions_t
-   use psalm_mechanism, only: mechanism_t
    use psalm_wish_list, only: list_output_wishes
    implicit none (type, external)
    private

@@ -1,6 +1,5 @@
 !> Vibration of links, flexible drives and Hill's equation in the listing and on device 9.
 module psalm_vibration_list
-   use psalm_beam, only: beam_t
    use psalm_block, only: begin_block
    use psalm_data_set, only: data_set_t
    use psalm_drive_group, only: hill_group_t, hill_of, drive_group_t, drive_of

@@ -12,7 +12,7 @@ module psalm_setup
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_loop_groups, only: find_groups
    use psalm_mechanism, only: mechanism_t
-   use psalm_parameters, only: parameters_t, no_parameters
+   use psalm_parameters, only: parameters_t
    use psalm_part_names, only: take_names
    use psalm_plan_inputs, only: find_output, check_dimensions, find_repeated
    use psalm_sketch_mechanism, only: take_traced_loops, traced_dimensions

@@ -17,8 +17,7 @@ module psalm_sketch_case
                                 motion_pose
    use psalm_place, only: place_t, travel_t
    use psalm_sketch, only: sketch_t, sketch_output_t, variation_t, frame_link, output_point, output_angle, output_distance, &
-                           slide_t, output_slide, output_pose, output_ratio, most_wished, vary_length, vary_angle, vary_place, &
-                           vary_input
+                           slide_t, output_slide, output_pose, most_wished, vary_length, vary_angle, vary_place, vary_input
    use psalm_sketch_check, only: check_sketch
    use psalm_sketch_loops, only: make_loops
    use psalm_status, only: diagnostics_t
@@ -27,9 +26,10 @@ module psalm_sketch_case
                                  traced_actuator, traced_frame
    implicit none (type, external)
    private
-   public :: resolve_sketch, refuse_without_loops, assemble_sketch
+   public :: resolve_sketch, refuse_in_poses, assemble_sketch
 
    integer, parameter :: most_named = 12 !! lengths named in a message
+   character(*), parameter :: no_dimension = 'dimensions that its loops do not have'
 
    !> Gives places on a sketch their arcs.
    type, extends(place_visitor_t) :: placing_t
@@ -44,42 +44,48 @@ module psalm_sketch_case
 
 contains
 
-   !> Give a case whose linkage is a sketch its loops. Cases without one are left as they are.
-   subroutine resolve_sketch(set, findings, no_loops, as_groups, as_given)
+   !> Give a case whose linkage is a sketch its loops. Cases without one are left as they are. Errors: a sketch that is none, that
+   !> does not close, or is not to be traced; dimensions to be searched that the loops have not.
+   subroutine resolve_sketch(set, findings, as_groups, as_given, sound, in_poses)
       type(data_set_t), intent(inout) :: set
       type(diagnostics_t), intent(inout) :: findings
-      character(*), intent(in), optional :: no_loops !! why it is to be solved in its poses, though loops were found
       logical, intent(in), optional :: as_groups     !! trace dyads as larger groups
       logical, intent(in), optional :: as_given      !! nothing is searched: what only a search could not do is no trouble
+      logical, intent(out), optional :: sound        !! the sketch itself is
+      character(:), allocatable, intent(out), optional :: in_poses !! what varies that loops cannot vary, so that the search is one
+                                                                   !! in poses; empty: nothing. There are no loops then
+      character(:), allocatable :: why
       type(closure_t) :: closure
       type(state_t) :: state
       type(loops_t) :: loops
       type(diagnostics_t) :: of_search
-      logical :: sound, given
+      logical :: closes, given
 
+      if (present(in_poses)) in_poses = ''
+      if (present(sound)) sound = .true.
       if (.not. set%sketch%given) return
+      if (allocated(set%traced)) deallocate (set%traced)
       given = .false.
       if (present(as_given)) given = as_given
-      call assemble_sketch(set, closure, state, sound, findings)
-      if (.not. sound) return
+      call assemble_sketch(set, closure, state, closes, findings)
+      if (present(sound)) sound = closes
+      if (.not. closes) return
       call make_loops(closure, state, loops, as_groups)
-      if (loops%found .and. present(no_loops)) then
-         loops%found = .false.
-         loops%why = no_loops
-      else if (loops%found .and. (set%sketch%has_wishes() .or. wants_poses(set) .or. &
-                                    wants_travel(loops, set))) then
+      if (.not. loops%found) then
+         call set%origins%error(findings, 'CHAIN', 'LNK', 'no loops lead to every link of this sketch, for it has '//loops%why)
+         return
+      end if
+      if (set%sketch%has_wishes() .or. wants_poses(set) .or. wants_travel(loops, set)) &
          call take_wishes(loops, state, closure%sketch, set)
+      if (.not. given) then
+         call part_frame_arcs(closure%sketch, loops, why)
+         if (present(in_poses)) in_poses = why
+         if (len(why) > 0) return
       end if
-      if (loops%found .and. .not. given) then
-         call part_frame_arcs(closure%sketch, loops, loops%why)
-         loops%found = len(loops%why) == 0
-      end if
-      if (.not. loops%found) set%no_loops = loops%why
       ! exact lengths may have moved the joints, and slides with their links
       call move_slides(closure, state, set%sketch%slides)
       set%sketch%x = state%joint(:, 0)%re
       set%sketch%y = state%joint(:, 0)%im
-      if (.not. loops%found) return
       loops%chosen = words_of(loops, closure%sketch)
       call warn_of_idle_angle(loops, set, findings)
       call take_dimensions(loops)
@@ -90,42 +96,46 @@ contains
          if (of_search%failed()) call loops%hold_all()
       else
          call fill_output(loops, state, closure%sketch, set, findings)
-         call fill_variables(loops, closure%sketch, set, findings)
+         call fill_variables(loops, closure%sketch, set, of_search)
+         if (of_search%failed() .and. present(in_poses) .and. (set%sketch%has_wishes() .or. loops%are_beyond_arrays())) then
+            in_poses = no_dimension
+            return
+         end if
+         call findings%append(of_search)
       end if
-      call fill_regions(loops, closure%sketch, set, findings)
+      call fill_regions(loops, closure%sketch, set)
       allocate (set%traced)
       set%traced = loops
    end subroutine resolve_sketch
 
-   !> The joints of regions and of links as ends of arcs, or as the output point.
-   subroutine fill_regions(loops, sketch, set, findings)
+   !> The joints of regions and of links as ends of arcs, as the output point, or as points beside ends of arcs.
+   subroutine fill_regions(loops, sketch, set)
       type(loops_t), intent(in) :: loops
       type(sketch_t), intent(in) :: sketch
       type(data_set_t), intent(inout) :: set
-      type(diagnostics_t), intent(inout) :: findings
       integer :: r, k
 
       if (.not. set%constr%given) return
       do r = 1, size(set%constr%regions)
          associate (region => set%constr%regions(r))
-            if (region%segment == 0) call place(region%joint, region%loop, region%arc, 'region '//to_text(r), 'RJNT', r)
+            if (region%segment == 0) call place(region%joint, region%loop, region%arc, region%place)
          end associate
       end do
       do r = 1, size(set%constr%segments)
          associate (segment => set%constr%segments(r))
             do k = 1, 2
-               call place(segment%joints(k), segment%loops(k), segment%arcs(k), 'segment '//to_text(r), 'SJNT', r)
+               call place(segment%joints(k), segment%loops(k), segment%arcs(k), segment%places(k))
             end do
          end associate
       end do
 
    contains
 
-      subroutine place(joint, loop, arc, whose, item, which)
+      subroutine place(joint, loop, arc, beside)
          integer, intent(in) :: joint
          integer, intent(inout) :: loop, arc
-         character(*), intent(in) :: whose, item
-         integer, intent(in) :: which
+         type(place_t), intent(inout) :: beside
+         complex(wp) :: away
          integer :: n
 
          if (is_output(joint)) return
@@ -136,9 +146,17 @@ contains
             if (loops%arcs(n)%ends(2) /= joint) arc = arc - 1
             return
          end do
-         call set%origins%error(findings, 'CONSTR', item, whose//': joint '//trim(sketch%joint_name(joint))//' is neither a '// &
-                                'joint of the loops nor the first output; put point '//trim(sketch%joint_name(joint))//' first '// &
-                                'in &OUTPUTS', which)
+         beside = loops%joint_places(joint)
+         loop = beside%loop
+         arc = beside%arc
+         if (beside%arc == 0) then
+            ! it stands still, as the input pivot does
+            loop = 1
+            away = cmplx(set%sketch%x(joint), set%sketch%y(joint), wp) - loops%point(loops%start)
+            beside%link = frame_link
+            beside%distance = abs(away)
+            beside%angle = degrees_of(away%re, away%im)
+         end if
       end subroutine place
 
       logical function is_output(joint)
@@ -164,48 +182,25 @@ contains
       call set%origins%warning(findings, 'LIMITS', 'TANGLE', why)
    end subroutine warn_of_idle_angle
 
-   !> What `program` is asked for that needs loops, of a sketch that is solved in its poses.
-   subroutine refuse_without_loops(set, program, findings)
+   !> What a search in poses cannot do.
+   subroutine refuse_in_poses(set, findings)
       type(data_set_t), intent(in) :: set
-      character(*), intent(in) :: program
       type(diagnostics_t), intent(inout) :: findings
-      character(:), allocatable :: angle_group
 
-      if (program == 'psalm' .or. program == 'kalm') then
-         if (set%limits%ktheta /= 0 .and. .not. (set%masses%given .or. set%loads%given .or. set%springs%given)) &
-            call refuse('LIMITS', 'KTHETA', 'the list of all arcs')
-         if (set%gives('MOTOR') .and. len(set%sketch%why_no_crank()) > 0) then
-            call set%origins%error(findings, 'MOTOR', '', 'motion from torque needs a crank that turns; '// &
-                                   set%sketch%why_no_crank())
-         else if (set%gives('MOTOR')) then
-            call refuse('MOTOR', '', 'motion from torque')
-         end if
-      end if
-      if (any(program == [character(6) :: 'kalm', 'muscle', 'ssics', 'bridge', 'calm'])) return
-      angle_group = trim(merge('CONSTR', 'LIMITS', set%constr%gives_angle))
-      if (set%toler%given) call refuse('TOLER', '', 'a study of tolerances')
-      if (set%constr%irange /= range_positions) call refuse('CONSTR', 'IRANGE', 'a proof between the positions')
+      if (set%constr%irange /= range_positions) call refuse('CONSTR', 'IRANGE', 'limits between the positions')
       if (set%method%ifree /= 0) call refuse('METHOD', 'IFREE', 'free timing')
-      if (set%limits%trmin_given) &
-         call set%origins%error(findings, angle_group, 'TRMIN', 'a sketch solved in the poses of its links has no '// &
-                                'transmission angle (this sketch has '//set%no_loops//'); leave it out')
-      if (set%limits%icond /= 0) call refuse('LIMITS', 'ICOND', 'the condition number')
-      if (set%limits%iplot /= 0) call refuse('LIMITS', 'IPLOT', 'the sweep of every degree')
-      if (set%gives('SWEEP')) call refuse('SWEEP', '', 'a family of curves')
-      if (program /= 'psalm' .or. set%wants_search()) return
-      if (set%method%desired .or. set%sketch%has_wishes()) &
-         call set%origins%warning(findings, 'METHOD', '', 'without a search desired values have no effect on a sketch that is '// &
-                                  'solved in the poses of its links; this sketch has '//set%no_loops)
+      if (set%limits%trmin_given) call refuse(trim(merge('CONSTR', 'LIMITS', set%constr%gives_angle)), 'TRMIN', &
+                                              'a least transmission angle')
 
    contains
 
       subroutine refuse(group, item, what)
          character(*), intent(in) :: group, item, what
 
-         call set%origins%error(findings, group, item, what//' needs loops; this sketch is solved in the poses of its links, '// &
-                                'for it has '//set%no_loops//'; leave it out')
+         call set%origins%error(findings, group, item, what//' is for searches by loops; this one is made in the poses of the '// &
+                                'links, for it varies '//set%search_in_poses//'; leave it out')
       end subroutine refuse
-   end subroutine refuse_without_loops
+   end subroutine refuse_in_poses
 
    !> Check a sketch and put it together at the drawing.
    subroutine assemble_sketch(set, closure, state, sound, findings)

@@ -27,7 +27,7 @@ module psalm_balance_study
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: balance_study_t, weight_t, outcome_t, judge_balance, find_balance
+   public :: balance_study_t, outcome_t, judge_balance, find_balance
    public :: channel_force, channel_moment, channel_torque, first_joint_channel
 
    integer, parameter :: channel_force = 1, channel_moment = 2, channel_torque = 3, first_joint_channel = 4

@@ -10,7 +10,7 @@ module psalm_cam_study
    use psalm_cam_motion, only: chained_motion, prepare_cam_motion
    use psalm_cam_pair, only: gap_t, find_gap, greatest_in, least_in, play_of
    use psalm_cam_passage, only: ways_t, ways_found, ways_jump, ways_infinite, ways_end
-   use psalm_cam_paths, only: cam_path_t, find_paths, path_pitch, path_profile, path_cutter
+   use psalm_cam_paths, only: cam_path_t, find_paths, path_pitch, path_cutter
    use psalm_cam_profile, only: cam_points_t
    use psalm_cam_shape, only: cam_shape_t, cam_extreme_t, samples_t, measure, sample_turn, find_extreme, measures, &
                               measure_pressure, measure_convex, measure_concave, measure_base, measure_excursion_low, &
@@ -341,7 +341,7 @@ contains
       type(data_set_t), intent(in) :: set
       type(cam_group_t), intent(in) :: cams(:)       !! CAM and CAM2
 
-      is_chained = allocated(set%no_loops) .or. has_gears(set) .or. cams(1)%link > 0 .or. cams(2)%given
+      is_chained = has_gears(set) .or. cams(1)%link > 0 .or. cams(2)%given
    end function is_chained
 
    !> True if gears tie the turns of a sketch's links or drives.
@@ -403,10 +403,7 @@ contains
          return
       end if
       if (cam%speed > 0.0_wp) then
-         if (allocated(set%no_loops)) then
-            call complain(set, part%cam, 'CAMRPM', 'forces at the roller are computed for sketches with one drive on the '// &
-                          'frame and without gears, but this one has '//set%no_loops//'; leave CAMRPM out', findings)
-         else if (has_gears(set)) then
+         if (has_gears(set)) then
             call complain(set, part%cam, 'CAMRPM', 'forces at the roller are computed for sketches without gears; leave CAMRPM '// &
                           'out', findings)
          else if (cams(2)%given) then

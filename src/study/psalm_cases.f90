@@ -1,21 +1,15 @@
 !> The cases of a file, whichever way their linkages are described: what follows works on loops.
 module psalm_cases
    use psalm_data_set, only: data_set_t, read_data_sets, read_data_set_text
-   use psalm_kinds, only: wp
    use psalm_group_table, only: everything
    use psalm_loop_check, only: check_loops
    use psalm_loop_forces, only: asks_for_forces, loops_carry_forces
    use psalm_mark, only: mark_t
-   use psalm_sketch_case, only: refuse_without_loops, resolve_sketch
-   use psalm_sketch, only: output_pose
+   use psalm_sketch_case, only: refuse_in_poses, resolve_sketch
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
-   public :: read_cases, read_case_text
-
-   !> Why a sketch is solved in poses though it has loops.
-   character(*), parameter :: no_forces = 'forces to be found, and loops that leave out a joint'
-   character(*), parameter :: no_dimension = 'dimensions to be searched that its loops do not have'
+   public :: read_cases, read_case_text, resolve_drawn
 
 contains
 
@@ -54,63 +48,87 @@ contains
       reader = 'psalm'
       if (present(program)) reader = program
       do i = 1, size(sets)
-         if (.not. sets(i)%sketch%given) cycle
-         call resolve(sets(i), reader /= 'psalm', all(reader /= [character(6) :: 'psalm', everything]), findings)
-         if (allocated(sets(i)%no_loops)) call refuse_without_loops(sets(i), reader, findings)
+         if (sets(i)%sketch%given) call resolve(sets(i), reader, findings)
       end do
    end subroutine resolve_all
 
-   !> The loops of a sketch, unless they do not give its joints at the drawing, or not its forces: then it is solved in its poses.
-   subroutine resolve(set, forces, given, findings)
+   !> The loops of a sketch that was drawn anew.
+   subroutine resolve_drawn(set, findings)
+      class(data_set_t), intent(inout) :: set
+      type(diagnostics_t), intent(inout) :: findings
+
+      select type (set)
+      type is (data_set_t)
+         if (allocated(set%traced)) deallocate (set%traced)
+         if (allocated(set%search_in_poses)) deallocate (set%search_in_poses)
+         call resolve(set, 'psalm', findings)
+      end select
+   end subroutine resolve_drawn
+
+   !> The loops of a sketch; those of larger groups where the loops of dyads do not give its joints at the drawing, or not its
+   !> forces.
+   !> A search for dimensions that loops have not is one in poses: the loops are then those of the linkage as given.
+   subroutine resolve(set, reader, findings)
       type(data_set_t), intent(inout) :: set
-      logical, intent(in) :: forces                          !! the program finds them
-      logical, intent(in) :: given                           !! it takes linkages as they are given
+      character(*), intent(in) :: reader                     !! the program, or `everything`
       type(diagnostics_t), intent(inout) :: findings
       class(data_set_t), allocatable :: as_read    ! large: it would fill a small stack
       type(diagnostics_t) :: own
-      character(:), allocatable :: why
-      logical :: carry
+      character(:), allocatable :: why, in_poses
+      logical :: forces, given, sound
 
+      forces = reader /= 'psalm'
+      given = all(reader /= [character(6) :: 'psalm', everything])
       own%file = findings%file
-      allocate (as_read, source=set)
-      call resolve_sketch(set, own, as_given=given)
-      why = ''
-      ! in its poses a wish can be met by dimensions that are none of the loops
-      if (own%failed() .and. .not. allocated(set%no_loops) .and. (as_read%sketch%has_wishes() .or. set%is_beyond_arrays())) &
-         why = no_dimension
+      allocate (as_read, mold=set)
+      call take(set, as_read)
+      call resolve_sketch(set, own, as_given=given, sound=sound, in_poses=in_poses)
+      if (len(in_poses) > 0) then
+         call anew()
+         call resolve_sketch(set, own, as_given=.true.)
+         set%search_in_poses = in_poses
+         if (set%wants_search()) call refuse_in_poses(set, findings)
+         ! what loops cannot do for the drawing may be no trouble for the linkage found
+         if (reader == 'psalm') own = diagnostics_t()
+      end if
       if (.not. own%failed() .and. set%loops() > 0) then
          call check_loops(set, why)
-         carry = len(why) == 0
-         if (carry .and. forces .and. asks_for_forces(as_read)) carry = loops_carry_forces(set)
-         if (.not. carry) then
+         if (len(why) == 0 .and. forces .and. asks_for_forces(as_read)) then
+            if (.not. loops_carry_forces(set)) why = 'forces'
+         end if
+         if (len(why) > 0) then
             ! an arc to every joint and slide
-            call take(as_read)
-            own = diagnostics_t()
-            own%file = findings%file
-            call resolve_sketch(set, own, as_groups=.true., as_given=given)
+            call anew()
+            call resolve_sketch(set, own, as_groups=.true., as_given=given .or. len(in_poses) > 0)
+            if (len(in_poses) > 0) set%search_in_poses = in_poses
             if (.not. own%failed() .and. set%loops() > 0) then
                call check_loops(set, why)
-               if (len(why) == 0 .and. forces .and. asks_for_forces(as_read)) then
-                  if (.not. loops_carry_forces(set)) why = no_forces
-               end if
+               if (len(why) > 0) call set%origins%error(own, 'CHAIN', 'LNK', &
+                                                        'no loops give this sketch as it is drawn, for it has '//why)
             end if
          end if
-      end if
-      if (len(why) > 0) then
-         call take(as_read)
-         call resolve_sketch(set, findings, why)
-         return
       end if
       call findings%append(own)
 
    contains
 
-      subroutine take(other)
-         class(data_set_t), intent(in) :: other
+      !> Begin again with the case as it was read.
+      subroutine anew()
+         call take(as_read, set)
+         own = diagnostics_t()
+         own%file = findings%file
+      end subroutine anew
 
-         select type (other)
+      subroutine take(from, to)
+         class(data_set_t), intent(in) :: from
+         class(data_set_t), intent(inout) :: to
+
+         select type (to)
          type is (data_set_t)
-            set = other
+            select type (from)
+            type is (data_set_t)
+               to = from
+            end select
          end select
       end subroutine take
    end subroutine resolve

@@ -43,7 +43,6 @@ module psalm_chain_synthesis
       integer :: evaluations = 0
       logical :: refused = .false.               !! the solver does not work on this problem
       logical :: stopped = .false.               !! before all starts were made
-      real(wp), allocatable :: actual(:, :, :)   !! shape as `problem%wanted`: what the best does, where derivatives are desired
       class(data_set_t), allocatable :: drawn    !! the data set with the best linkage drawn anew, nothing varying any more
    end type chain_synthesis_t
 
@@ -136,7 +135,6 @@ contains
          result%best(i)%start = rules%number_of(best(i))
       end do
       if (size(best) == 0) return
-      if (result%problem%highest > 0) call result%problem%find_wished(result%best(1)%x, result%actual)
       allocate (result%drawn)
       call draw_anew(set, result%problem, result%best(1)%x, result%drawn)
    end subroutine synthesise_chain

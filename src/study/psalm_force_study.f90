@@ -17,7 +17,7 @@ module psalm_force_study
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: force_study_t, sizing_t, find_forces, size_up, name_sources, find_harmonics_of
+   public :: force_study_t, find_forces
 
    integer, parameter :: name_width = 40, part_width = 100
    real(wp), parameter :: nothing = 64.0_wp*epsilon(1.0_wp) !! part of the largest value: a mean or harmonic below it is rounding

@@ -9,7 +9,6 @@ module psalm_link_poses
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_mechanism, only: body_frame, mechanism_t
    use psalm_parameters, only: no_parameters, parameters_t
-   use psalm_place, only: place_t
    use psalm_rates, only: derivatives_of, differentiate, in_time, prepare_rates, rates_t
    use psalm_setup, only: set_up
    use psalm_sketch, only: frame_link

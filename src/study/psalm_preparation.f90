@@ -1,7 +1,6 @@
 !> A case made ready for a study: its topology and dimensions, understood once, with every mistake found before any work is done.
 module psalm_preparation
    use, intrinsic :: iso_fortran_env, only: int64
-   use psalm_chain_force_study, only: judge_chain_forces
    use psalm_constraint_group, only: range_positions
    use psalm_data_set, only: data_set_t
    use psalm_dyad_groups, only: dyads_of_variables
@@ -69,11 +68,7 @@ contains
       call findings%append(prepared%warnings)
       if (prepared%warnings%failed()) return
       own%file = set%file
-      if (set%loops() == 0) then
-         if (allocated(set%no_loops) .and. forces_wanted(set)) call judge_chain_forces(set, own)
-         call findings%append(own)
-         return
-      end if
+      if (set%loops() == 0) return
       if (present(demand)) each = demand
       bytes = each%position
       if (set%limits%ktheta /= 0 .or. .not. each%ktheta_only) bytes = bytes + int(each%arc, int64)*size(prepared%mechanism%arcs)

@@ -9,7 +9,7 @@ module psalm_synthesis
    use psalm_kinds, only: wp
    use psalm_margins, only: inspector_t, prepare_inspector
    use psalm_ranking, only: ranked_t, rate_linkage, figure_of, unbeaten
-   use psalm_search, only: found_t, result_t, search_many
+   use psalm_search, only: result_t, search_many
    use psalm_search_group, only: pareto_none, ranking_none
    use psalm_simplx, only: simplex_t, simplex_rules_t, search_simplex
    use psalm_solver, only: observer_t, search_state_t, stop_iterations, stop_small_objective, stop_interrupted

@@ -30,7 +30,7 @@ contains
    pure logical function shares_starts(set)
       type(data_set_t), intent(in) :: set
 
-      shares_starts = set%search%ranking == ranking_shared .and. .not. allocated(set%no_loops) .and. .not. set%gives('EXACT')
+      shares_starts = set%search%ranking == ranking_shared .and. .not. allocated(set%search_in_poses) .and. .not. set%gives('EXACT')
    end function shares_starts
 
    !> Search all cases that share their starts: `found` of those that take part becomes what their last round led to, NSTART what it

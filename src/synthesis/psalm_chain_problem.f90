@@ -15,8 +15,8 @@ module psalm_chain_problem
    use psalm_error, only: desired_of
    use psalm_kinds, only: wp, full_turn, half_turn, radians_per_degree, degrees_per_radian
    use psalm_nlp, only: plain_nlp_t
-   use psalm_sketch, only: sketch_t, sketch_output_t, variation_t, columns_of, frame_link, most_wished, drive_turns, output_angle, &
-                           output_between, output_pose, output_ratio, vary_angle, vary_input, vary_length, vary_place
+   use psalm_sketch, only: sketch_t, variation_t, columns_of, frame_link, most_wished, drive_turns, output_angle, output_between, &
+                           output_pose, output_ratio, vary_angle, vary_input, vary_length, vary_place
    use psalm_text, only: to_text
    implicit none (type, external)
    private
@@ -59,7 +59,6 @@ module psalm_chain_problem
       procedure :: constraints_at
       procedure :: find_motion
       procedure :: find_values
-      procedure :: find_wished
       procedure :: dimensioned
       procedure :: shape_point
    end type chain_problem_t
@@ -576,29 +575,6 @@ contains
          deallocate (closure%point_rate)
       end subroutine along
    end subroutine find_values
-
-   !> What a linkage does of what is desired: values and derivatives by the first drive; those of a desired angle in its turn. Not
-   !> allocated where its positions cannot be reached.
-   subroutine find_wished(self, x, actual)
-      class(chain_problem_t), intent(in) :: self
-      real(wp), intent(in) :: x(:)
-      real(wp), allocatable, intent(out) :: actual(:, :, :) !! shape as `wanted`
-      type(closure_t) :: closure
-      type(chain_motion_t) :: motion
-      real(wp) :: values(size(self%wanted, 1), 0:most_orders)
-      integer :: k
-      logical :: reached
-
-      call self%find_motion(x, closure, motion, reached)
-      if (.not. reached) return
-      allocate (actual(size(self%wanted, 1), 0:most_wished, size(self%inputs, 2)))
-      do k = 1, size(self%inputs, 2)
-         call self%find_values(x, closure, motion%states(k), values)
-         actual(:, :, k) = values(:, :most_wished)
-         where (self%angle) actual(:, 0, k) = actual(:, 0, k) &
-                                              - full_turn*anint((actual(:, 0, k) - self%wanted(:, 0, k))/full_turn)
-      end do
-   end subroutine find_wished
 
    ! ---- the problem -------------------------------------------------------------------------------------------------
 
