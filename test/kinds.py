@@ -990,7 +990,8 @@ REASONS = (
     (r"meet with the lengths they have and no others", "Links that brace others meet with the lengths they have and with no others."),
     (r"DWELL has no effect here", "Not yet: proven of linkages of dyads with one drive on the frame. The ends of the range are dead "
      "points that are proven of all."),
-    (r"margins and clearances are found here, at samples", "Not yet proven, but found at samples of the range."),
+    (r"margins of groups are found here, at samples", "Clearances are proven; how far its group is from a dead point is found at samples "
+     "of the range."),
     (r"CAMRPM: forces at the roller are computed", "Not yet with FOLJNT, or without loops; NFOLLK and NFOLLP name the follower's arc "
      "(device 8) of sketches with one drive on the frame."),
 )

@@ -703,12 +703,56 @@ WIDE = """WIDE LINKS
 """
 
 
+GROUP = """WIDE LINKS OF A LARGER GROUP
+ &CHAIN JNT='A','B','C','D','E','F','G', JX=0.0,0.0,40.0,80.0,45.0,85.0,100.0, JY=0.0,30.0,60.0,55.0,30.0,20.0,0.0,
+  LNAME='frame','crank','left','top','right','tie', LNK='A G','A B','B C E','C D','D F G','E F' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point D' &END
+ &METHOD NDES=161, DELT=%s &END
+ &CONSTR IRANGE=1, NREGN=3, RJNT='D','F', RKIND=-1,3,2, RPLACE=70.0,40.0,95.0,90.0, 60.0,0.0,8.0,0.0, 0.0,20.0,180.0,0.0,
+  RSEG(3)=2, NSEG=3, SJNT='A B','C E','D F', SWIDTH=4.0,2.0,3.0 &END
+"""
+
+
+def test_proven_clearances():
+    """Least clearances of a larger group, proven over a range: no sample of it is less, and the bracket is as narrow as it says."""
+    write("group.nml", GROUP % ",".join("%g" % (-0.5*k) for k in range(161)))
+    code, listing, errors = psalm("group.nml")
+    check("clearances of a larger group: those less than asked are told", code == 1 and "proven to be less" in errors, errors)
+    found = list(csv.DictReader(read("group.csv").splitlines()))
+    check("clearances of a larger group: the range closes", len(found) == 161 and all(row["closed"] == "1" for row in found))
+    places = [{name: complex(float(row[name + ".x"]), float(row[name + ".y"])) for name in "ABCDEFG"} for row in found]
+    wanted = {"REGION 1, JOINT D": min(min(p["D"].real - 70, 95 - p["D"].real, p["D"].imag - 40, 90 - p["D"].imag) for p in places),
+              "REGION 2, JOINT F": min(abs(p["F"] - 60) - 8 for p in places),
+              "REGION 3, LINK C-E": min(min(p["C"].imag, p["E"].imag) - 21 for p in places),
+              "LINKS A-B AND C-E": min(between(p, *"ABCE") - 3 for p in places),
+              "LINKS A-B AND D-F": min(between(p, *"ABDF") - 3.5 for p in places),
+              "LINKS C-E AND D-F": min(between(p, *"CEDF") - 2.5 for p in places)}
+    proven = listing[listing.index("AT LEAST             AT            ASKED"):]
+    for name, sample in wanted.items():
+        lines = proven.splitlines()
+        at = [k for k, line in enumerate(lines) if name in line]
+        check("clearances of a larger group: %s is proven" % name, len(at) == 1, proven)
+        if len(at) == 1:
+            low = float(lines[at[0]].split(name)[1].split()[0])
+            check("clearances of a larger group: no sample of %s is less" % name, low <= sample + 1e-6 and low > sample - 0.02, (low, sample))
+            if at[0] + 1 < len(lines) and "AT MOST" in lines[at[0] + 1]:
+                high = float(lines[at[0] + 1].split()[-1])
+                check("clearances of a larger group: the bracket of %s is narrow" % name, low <= high <= sample + 1e-4, (low, high, sample))
+
+
+def from_segment(p, a, b):
+    along = ((p - a)*(b - a).conjugate()).real/abs(b - a)**2
+    return abs(p - a - min(1.0, max(0.0, along))*(b - a))
+
+
+def between(p, a, b, c, d):
+    """Distance of two segments that do not cross."""
+    return min(from_segment(p[a], p[c], p[d]), from_segment(p[b], p[c], p[d]), from_segment(p[c], p[a], p[b]), from_segment(p[d], p[a], p[b]))
+
+
 def test_joints_beside():
     """Clearances of joints that are no ends of arcs: of links between them, of regions; listed, and proven."""
-    def from_segment(p, a, b):
-        along = ((p - a)*(b - a).conjugate()).real/abs(b - a)**2
-        return abs(p - a - min(1.0, max(0.0, along))*(b - a))
-
     write("beside.nml", WIDE)
     code, listing, errors = psalm("beside.nml")
     check("joints beside arcs: a violated region is told", code == 1 and "REGION 1, JOINT L" in errors.upper(), errors)
@@ -716,8 +760,7 @@ def test_joints_beside():
     places = [{name: complex(float(row[name + ".x"]), float(row[name + ".y"])) for name in "MHKRWLS"} for row in found]
 
     def apart(a, b, c, d, width):
-        return min(min(from_segment(p[a], p[c], p[d]), from_segment(p[b], p[c], p[d]), from_segment(p[c], p[a], p[b]),
-                       from_segment(p[d], p[a], p[b])) - width for p in places)
+        return min(between(p, a, b, c, d) - width for p in places)
 
     wanted = {"LINKS S-L AND M-H": apart(*"SLMH", 15.0), "LINKS S-L AND K-W": apart(*"SLKW", 15.0),
               "LINKS M-H AND K-W": apart(*"MHKW", 10.0), "REGION 1, JOINT L": min(-p["L"].real for p in places),
@@ -757,6 +800,7 @@ def main(programs):
         test_piston()
         test_braced()
         test_joints_beside()
+        test_proven_clearances()
         os.chdir("/")
     print("%d passed, %d failed" % (picture_tools.passed, picture_tools.failed))
     return picture_tools.failed > 0

@@ -2,8 +2,8 @@
 !> changes with every variable.
 !>
 !> Those of the first output are, where they can be, the desired values of the problem itself; here are the others. Angles are
-!> in degrees, in derivatives in radians. Where the linkage does not close nothing is compared; at a dead point no derivative is, and
-!> no ratio where the second of its rates is none.
+!> in degrees, in derivatives in radians. Where the linkage does not close nothing is compared; at a dead point no derivative is,
+!> and no ratio where the second of its rates is none.
 module psalm_output_wishes
    use psalm_angles, only: unit_vector
    use psalm_data_set, only: data_set_t
@@ -38,7 +38,7 @@ module psalm_output_wishes
       integer, allocatable :: number(:), order(:)   !! by column: of all numbers of the outputs; derivative
       logical, allocatable :: angle(:)              !! by column: it is one, in degrees
       logical, allocatable :: rate(:)               !! by column: needs derivatives
-      real(wp), allocatable :: like(:)              !! by column: power of a length that it is measured in, 0 or 1
+      logical, allocatable :: is_length(:)          !! by column: it, or what it is a derivative of, is a length
       character(name_room), allocatable :: names(:) !! by column
       logical, allocatable :: exists(:, :)          !! shape (positions, columns)
       real(wp), allocatable :: actual(:, :)         !! shape (positions, columns)
@@ -119,7 +119,7 @@ contains
          wishes%order = columns%order
          wishes%angle = wanted%angle(wishes%number) .and. wishes%order == 0
          wishes%rate = wishes%order > 0 .or. outputs(columns%output)%kind == output_ratio
-         wishes%like = merge(0.0_wp, 1.0_wp, wanted%angle(wishes%number) .or. outputs(columns%output)%kind == output_ratio)
+         wishes%is_length = .not. (wanted%angle(wishes%number) .or. outputs(columns%output)%kind == output_ratio)
          wishes%moving = any(wishes%rate)
          wishes%names = names(wishes%number)
          do k = 1, size(columns)

@@ -145,6 +145,9 @@ contains
       type(chain_study_t), allocatable :: study
       type(chain_proof_t), allocatable :: proof
       type(proof_study_t) :: none
+      type(clearance_t), allocatable :: clearances(:)
+      type(beside_t), allocatable :: beside(:)
+      integer, allocatable :: joints(:, :)
       character(:), allocatable :: ends
       logical :: sound, turns, of_output
       integer :: k, way
@@ -190,7 +193,15 @@ contains
                                  place_of_extreme(proof, range, 2, turns), of_output, scene)
          end associate
       end do
-      allocate (none%kept(0))
+      call list_clearances(set%constr, problem%mechanism, dimensions%outlk <= 0.0_wp, clearances, joints, beside)
+      if (size(clearances) == size(proof%kept) .and. proof%one_drive) then
+         none%kept = proof%kept
+         ! their points are those of the loops here
+         none%kept%clearance = clearances
+      else
+         allocate (none%kept(0))
+      end if
+      call add_clearances(set, none, scene)
       call place_marks(set, problem, dimensions, none, scene)
    end subroutine add_proof_of_poses
 

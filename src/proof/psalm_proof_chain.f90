@@ -15,7 +15,8 @@ module psalm_proof_chain
                            output_pose, output_ratio, output_x, output_y, columns_of
    implicit none (type, external)
    private
-   public :: chain_tubes_t, leg_t, output_range_t, start_tubes, cover_leg, stands_as_drawn, is_on_motion, bracket_outputs
+   public :: chain_tubes_t, leg_t, output_range_t, start_tubes, cover_leg, stands_as_drawn, is_on_motion, bracket_outputs, &
+             play_of_joint
 
    real(wp), parameter :: first_r = 0.01_wp      !! of a line
    real(wp), parameter :: least_r = 1.0e-13_wp   !! shorter tubes are not tried
@@ -295,7 +296,7 @@ contains
             select case (output%kind)
             case (output_point, output_pose, output_x, output_y)
                z = point_majorant(closure, tube, joints(1), closure%holder(joints(1)))
-               error = play_of(joints(1))
+               error = play_of_joint(closure, tube, joints(1))
                call set_span(n, z(3), error, 1.0_wp)
                if (output%kind == output_point .or. output%kind == output_pose) &
                   call set_span(n + 1, z(3), error, 1.0_wp)
@@ -317,8 +318,8 @@ contains
             case (output_distance)
                call bound_line(joints(1), joints(2), l, third, error, low)
                if (low > 0.0_wp) then
-                  q = play_of(joints(1))
-                  if (joints(2) > 0) q = q + play_of(joints(2))
+                  q = play_of_joint(closure, tube, joints(1))
+                  if (joints(2) > 0) q = q + play_of_joint(closure, tube, joints(2))
                   ! the length is not greater than that in the middle and the way
                   z(0) = values(n, 0)*(1.0_wp + tube%r*l(1)*exp_bound(tube%r*l(1)))
                   call set_span(n, z(0)*(l(1)**3 + 3.0_wp*l(1)*l(2) + l(3)), q, 1.0_wp)
@@ -348,19 +349,6 @@ contains
          exp_bound = 1.0_wp/max(1.0_wp - x, tiny(1.0_wp))
       end function exp_bound
 
-      !> How far a joint may lie from its prediction, roundings included.
-      pure real(wp) function play_of(joint)
-         integer, intent(in) :: joint
-         real(wp) :: p(0:degree)
-
-         associate (link => closure%holder(joint))
-            p = point_majorant(closure, tube, joint, link)
-            play_of = tube%off_t(link) + p(0)*tube%off_phi(link) &
-                      + rounding*(abs(tube%state%t(link, 0)%re) + abs(tube%state%t(link, 0)%im) &
-                                  + p(0)*(1.0_wp + abs(tube%state%phi(link, 0))))
-         end associate
-      end function play_of
-
       !> The line from joint to joint (0: the origin): bounds of the derivatives of the logarithm of its vector, the third of its
       !> direction, what is open of that (radians), and the least length.
       pure subroutine bound_line(from, to, l, third, error, low)
@@ -372,12 +360,12 @@ contains
 
          p = point_majorant(closure, tube, from, closure%holder(from))
          z = p(1:3)
-         play = play_of(from)
+         play = play_of_joint(closure, tube, from)
          vector = tube%state%joint(from, 0)
          if (to > 0) then
             p = point_majorant(closure, tube, to, closure%holder(to))
             z = z + p(1:3)
-            play = play + play_of(to)
+            play = play + play_of_joint(closure, tube, to)
             vector = tube%state%joint(to, 0) - vector
          end if
          low = hypotenuse(vector%re, vector%im) - tube%r*z(1) - play
@@ -429,6 +417,21 @@ contains
          end associate
       end subroutine set_span
    end subroutine find_spans
+
+   !> How far a joint may lie from its prediction, roundings included.
+   pure real(wp) function play_of_joint(closure, tube, joint) result(play)
+      type(closure_t), intent(in) :: closure
+      type(tube_t), intent(in) :: tube
+      integer, intent(in) :: joint
+      real(wp) :: p(0:degree)
+
+      associate (link => closure%holder(joint))
+         p = point_majorant(closure, tube, joint, link)
+         play = tube%off_t(link) + p(0)*tube%off_phi(link) &
+                + rounding*(abs(tube%state%t(link, 0)%re) + abs(tube%state%t(link, 0)%im) &
+                            + p(0)*(1.0_wp + abs(tube%state%phi(link, 0))))
+      end associate
+   end function play_of_joint
 
    !> Brackets of the least and greatest value of every number over all tubes, which are halved where that helps.
    subroutine bracket_outputs(closure, outputs, tubes, ranges)

@@ -3,8 +3,9 @@ module psalm_chain_proof_list
    use psalm_block, only: begin_block
    use psalm_chain_proof_study, only: chain_proof_t, place_on, place_of_extreme
    use psalm_chain_study, only: chain_study_t
+   use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
-   use psalm_proof_list, only: list_range, head_of_ranges, end_text, short
+   use psalm_proof_list, only: list_kept, list_range, write_kept, head_of_ranges, end_text, short
    use psalm_sketch, only: drive_turns
    use psalm_sketch_outputs, only: name_room
    use psalm_text, only: text_t, full_precision, number_or_nan, to_text, upper_case
@@ -15,7 +16,8 @@ module psalm_chain_proof_list
 contains
 
    !> The limits of motion.
-   subroutine list_chain_proof(study, proof, text)
+   subroutine list_chain_proof(set, study, proof, text)
+      type(data_set_t), intent(in) :: set
       type(chain_study_t), intent(in) :: study
       type(chain_proof_t), intent(in) :: proof
       type(text_t), intent(inout) :: text
@@ -49,6 +51,7 @@ contains
       end if
       if (proof%misplaced > 0) call text%add('   '//to_text(proof%misplaced)//' POSITIONS ARE NOT THOSE THIS MOTION LEADS TO')
       call list_ranges(study, proof, turns, text)
+      call list_kept(set, proof%kept, text)
 
    contains
 
@@ -154,21 +157,27 @@ contains
             end if
          end associate
       end do
-      if (.not. any(proof%ranges%bounded)) return
-      call begin_block('extremes', 'quantity loop arc least_low least_high least_at greatest_low greatest_high greatest_at', text)
-      call text%add('# '//title)
-      do n = 1, size(proof%ranges)
-         associate (one => proof%ranges(n))
-            name = study%names(n)
-            do i = 1, len_trim(name)
-               if (name(i:i) == ' ') name(i:i) = '-'
-            end do
-            call text%add(trim(name)//' 0 0 '//known(one%low(1))//known(one%high(1))//known_place(1)//known(one%low(2))// &
-                          known(one%high(2))//known_place(2))
-         end associate
-      end do
+      call write_extremes()
+      call write_kept(title, proof%kept, text)
 
    contains
+
+      subroutine write_extremes()
+         if (.not. any(proof%ranges%bounded)) return
+         call begin_block('extremes', 'quantity loop arc least_low least_high least_at '// &
+                          'greatest_low greatest_high greatest_at', text)
+         call text%add('# '//title)
+         do n = 1, size(proof%ranges)
+            associate (one => proof%ranges(n))
+               name = study%names(n)
+               do i = 1, len_trim(name)
+                  if (name(i:i) == ' ') name(i:i) = '-'
+               end do
+               call text%add(trim(name)//' 0 0 '//known(one%low(1))//known(one%high(1))//known_place(1)//known(one%low(2))// &
+                             known(one%high(2))//known_place(2))
+            end associate
+         end do
+      end subroutine write_extremes
 
       subroutine row(kind, from, to, loop, cause)
          character(*), intent(in) :: kind, cause

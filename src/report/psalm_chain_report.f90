@@ -4,6 +4,7 @@ module psalm_chain_report
    use psalm_chain_proof_list, only: list_chain_proof, write_chain_proof, links_of_group
    use psalm_chain_proof_study, only: chain_proof_t
    use psalm_chain_study, only: chain_study_t
+   use psalm_constraint_group, only: range_positions
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_kinds, only: wp
@@ -176,12 +177,15 @@ contains
                                                         'IPROOF proves the motion between the inputs, but the drives do not move')
          return
       end if
-      call list_chain_proof(study, proof, devices%six)
+      call list_chain_proof(set, study, proof, devices%six)
       call write_chain_proof(set%title, study, proof, devices%nine)
       if (set%limits%dwell > 0.0_wp) call devices%remark(set, 'DWELL has no effect here: dwells and dead points of the output '// &
                                                          'are proven of '//of_dyads)
-      if (set%constr%given) call devices%remark(set, 'margins and clearances are found here, at samples, not proven, as they '// &
-                                                'are of '//of_dyads)
+      if (set%constr%given .and. set%constr%irange /= range_positions) &
+         call devices%remark(set, 'margins of groups are found here, at samples, not proven, as they are of '//of_dyads)
+      if (any(proof%kept%is_broken)) call devices%note_violation()
+      if (any(proof%kept%is_broken)) call devices%remark(set, to_text(count(proof%kept%is_broken))//' of '// &
+         to_text(size(proof%kept))//' clearances are proven to be less than asked; see the end of the listing')
       if (.not. proof%complete .or. proof%misplaced > 0) call devices%note_violation()
       if (.not. proof%complete) call devices%remark(set, 'the linkage is not proven to close over the whole range')
       if (proof%misplaced > 0) call devices%remark(set, to_text(proof%misplaced)//' positions were found in another assembly '// &

@@ -20,6 +20,7 @@ module psalm_proof_list
    private
    public :: list_proof, write_proof, describe_proof
    public :: list_range, head_of_ranges, shown, short, end_text, cause_words, extreme_name, mover_name
+   public :: list_kept, write_kept
 
    integer, parameter :: quantity_columns = 34, value_columns = 17, place_columns = 15, list_columns = 110
    character(*), parameter :: head_of_ranges = &
@@ -64,7 +65,7 @@ contains
       call list_extremes(study, text)
       call list_movement(study, text)
       call list_proven_margins(study, text)
-      call list_kept(set, study, text)
+      call list_kept(set, study%kept, text)
    end subroutine list_proof
 
    !> Margins of the dyads, with the angle or length they keep inside their limits at least.
@@ -106,19 +107,19 @@ contains
    end subroutine list_proven_margins
 
    !> Clearances over what closes.
-   subroutine list_kept(set, study, text)
+   subroutine list_kept(set, kept_ones, text)
       type(data_set_t), intent(in) :: set
-      type(proof_study_t), intent(in) :: study
+      type(kept_t), intent(in) :: kept_ones(:)
       type(text_t), intent(inout) :: text
       character(name_columns) :: name
       character(value_columns) :: least
       character(number_columns) :: at, asked
       integer :: i
 
-      if (count(study%kept%nearest%found) == 0) return
+      if (count(kept_ones%nearest%found) == 0) return
       call text%add('   CLEARANCE                                       AT LEAST             AT            ASKED')
-      do i = 1, size(study%kept)
-         associate (kept => study%kept(i), nearest => study%kept(i)%nearest)
+      do i = 1, size(kept_ones)
+         associate (kept => kept_ones(i), nearest => kept_ones(i)%nearest)
             if (.not. nearest%found) cycle
             name = name_of_clearance(set, kept%clearance)
             least = shown(nearest%low, -1)
@@ -515,18 +516,28 @@ contains
       end do
       call write_ranges(title, study, text)
       call write_margins(title, study, text)
-      if (count(study%kept%nearest%found) == 0) return
+      call write_kept(title, study%kept, text)
+   end subroutine write_proof
+
+   !> Device 9: least clearances.
+   subroutine write_kept(title, kept, text)
+      character(*), intent(in) :: title
+      type(kept_t), intent(in) :: kept(:)
+      type(text_t), intent(inout) :: text
+      integer :: i
+
+      if (count(kept%nearest%found) == 0) return
       call begin_block('clearance', 'region link other low high at asked', text)
       call text%add('# '//title)
-      do i = 1, size(study%kept)
-         associate (clearance => study%kept(i)%clearance, nearest => study%kept(i)%nearest)
+      do i = 1, size(kept)
+         associate (clearance => kept(i)%clearance, nearest => kept(i)%nearest)
             if (.not. nearest%found) cycle
             call text%add(to_text(clearance%region)//' '//to_text(clearance%segments(1))//' '//to_text(clearance%segments(2))// &
                           ' '//full_precision(nearest%low)//' '//full_precision(nearest%high)//' '// &
                           full_precision(nearest%at)//' '//full_precision(clearance%asked))
          end associate
       end do
-   end subroutine write_proof
+   end subroutine write_kept
 
    !> Device 9: least margins of the dyads.
    subroutine write_margins(title, study, text)

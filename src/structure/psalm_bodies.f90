@@ -159,9 +159,10 @@ contains
 
    ! ---- points ------------------------------------------------------------------------------------------------------
 
-   !> The points of every body. An arc of a sketch has joints of its link; a determined arc, and one that repeats a slide, adds its
-   !> ends where one of them is known to be a point of its body; one of which neither is ever known is only parallel to its body. (A slide may be repeated anywhere: its
-   !> copy on a frame pivot, say, has its moving end where its original has its foot.)
+   !> The points of every body. An arc of a sketch has joints of its link; a determined arc, and one that repeats a slide, adds
+   !> its ends where one of them is known to be a point of its body; one of which neither is ever known is only
+   !> parallel to its body. (A slide may be repeated anywhere: its copy on a frame pivot, say, has its moving end where its original
+   !> has its foot.)
    pure subroutine find_points_of_bodies(mechanism)
       type(mechanism_t), intent(inout) :: mechanism
       type(seats_t) :: seats

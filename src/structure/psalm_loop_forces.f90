@@ -35,18 +35,20 @@ contains
       type(dimensions_t) :: dimensions
       type(parameters_t) :: parameters
       type(diagnostics_t) :: findings
+      type(place_t), allocatable :: places(:)
       integer :: k
 
       loops_carry_forces = .true.
       allocate (mechanism)
       call set_up(set, mechanism, dimensions, parameters, findings)
       if (findings%failed()) return
-      loops_carry_forces = all([(is_of_sketch(mechanism%joints(k)), k=1, size(mechanism%joints))]) &
-                           .and. all([(is_on_link(set%masses%places(k)), k=1, size(set%masses%places))]) &
-                           .and. all([(is_on_link(set%loads%places(k)), k=1, size(set%loads%places))]) &
-                           .and. all([(is_on_link(set%springs%first(k)), k=1, size(set%springs%first))]) &
-                           .and. all([(is_on_link(set%springs%second(k)), k=1, size(set%springs%second))]) &
-                           .and. all([(is_on_link(set%traced%shoes(k)), k=1, size(set%traced%shoes))])
+      do k = 1, size(mechanism%joints)
+         loops_carry_forces = loops_carry_forces .and. is_of_sketch(mechanism%joints(k))
+      end do
+      places = [set%masses%places, set%loads%places, set%springs%first, set%springs%second, set%traced%shoes]
+      do k = 1, size(places)
+         loops_carry_forces = loops_carry_forces .and. is_on_link(mechanism, dimensions, places(k))
+      end do
 
    contains
 
@@ -69,31 +71,36 @@ contains
             is_of_sketch = set%sketch%has_joint(links(1), j) .and. set%sketch%has_joint(links(2), j)
          end if
       end function is_of_sketch
-
-      pure logical function is_on_link(place)
-         type(place_t), intent(in) :: place
-         real(wp) :: unused(2)
-
-         is_on_link = place%link == frame_link
-         if (is_on_link .or. place%loop == 0) return
-         associate (arc => mechanism%arcs(mechanism%seq(place%loop, place%arc)), &
-                    end => merge(at_start, at_finish, place%from_start))
-            is_on_link = link_of_body(mechanism, arc%body) == place%link .and. arc%attached .and. &
-                         (arc%foot /= end .or. arc%rod > 0)
-            if (is_on_link .and. arc%rod == 0) &
-               call locate_point(mechanism, dimensions, arc%body, reference_of(arc%body), arc%ends(end), unused, is_on_link)
-         end associate
-      end function is_on_link
-
-      !> The end of a body's own arc that is its own.
-      pure integer function reference_of(body) result(point)
-         integer, intent(in) :: body
-
-         associate (arc => mechanism%arcs(mechanism%bodies(body)%axis))
-            point = arc%ends(merge(at_finish, at_start, arc%foot == at_start))
-         end associate
-      end function reference_of
    end function loops_carry_forces
+
+   !> True if a place on a sketch is at an end of an arc of its link that its other arcs lead to.
+   pure logical function is_on_link(mechanism, dimensions, place)
+      class(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      type(place_t), intent(in) :: place
+      real(wp) :: unused(2)
+
+      is_on_link = place%link == frame_link
+      if (is_on_link .or. place%loop == 0) return
+      associate (arc => mechanism%arcs(mechanism%seq(place%loop, place%arc)), &
+                 end => merge(at_start, at_finish, place%from_start))
+         is_on_link = link_of_body(mechanism, arc%body) == place%link .and. arc%attached .and. &
+                      (arc%foot /= end .or. arc%rod > 0)
+         if (is_on_link .and. arc%rod == 0) &
+            call locate_point(mechanism, dimensions, arc%body, reference_of(mechanism, arc%body), arc%ends(end), &
+                              unused, is_on_link)
+      end associate
+   end function is_on_link
+
+   !> The end of a body's own arc that is its own.
+   pure integer function reference_of(mechanism, body) result(point)
+      class(mechanism_t), intent(in) :: mechanism
+      integer, intent(in) :: body
+
+      associate (arc => mechanism%arcs(mechanism%bodies(body)%axis))
+         point = arc%ends(merge(at_finish, at_start, arc%foot == at_start))
+      end associate
+   end function reference_of
 
    !> The link of the sketch that a body of its loops is.
    pure integer function link_of_body(mechanism, body) result(link)

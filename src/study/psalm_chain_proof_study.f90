@@ -4,16 +4,20 @@
 !> the positions are found. Data in, results out: nothing is printed or worded here.
 module psalm_chain_proof_study
    use psalm_angles, only: within_turn
+   use psalm_chain_clearance_proof, only: bracket_clearance
    use psalm_chain_motion, only: nearest_known
    use psalm_chain_study, only: chain_study_t, inputs_of_drives, study_chain, turn_repeats
+   use psalm_clearances, only: clearance_t, list_sketch_clearances
    use psalm_closure, only: closure_t, state_t, matrix_of
+   use psalm_constraint_group, only: range_positions
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_dense, only: factors_t, factorise
+   use psalm_limits_group, only: proof_by_default
    use psalm_kinds, only: wp, full_turn, degrees_per_radian, radians_per_degree
    use psalm_proof_chain, only: chain_tubes_t, leg_t, output_range_t, start_tubes, cover_leg, stands_as_drawn, &
                                is_on_motion, bracket_outputs
-   use psalm_proof_study, only: proof_of_turn
+   use psalm_proof_study, only: kept_t, touching, proof_of_turn
    use psalm_proof_tube, only: in_one_group
    use psalm_sketch, only: drive_turns
    implicit none (type, external)
@@ -35,6 +39,7 @@ module psalm_chain_proof_study
       integer, allocatable :: group(:)       !! by leg: of one that is not complete the group nearest to a dead point where it ends
       integer, allocatable :: position(:)    !! by leg, of several drives: where it ends
       type(output_range_t), allocatable :: ranges(:) !! by number of all outputs
+      type(kept_t), allocatable :: kept(:)   !! clearances; they are asked for over the range
       integer :: misplaced = 0               !! positions found in another assembly than the proven motion leads to
       integer :: tubes = 0
    end type chain_proof_t
@@ -100,8 +105,35 @@ contains
          call compare_positions(study, whole, inputs, tubes, proof)
          call find_singular_groups(study, tubes, proof)
          call bracket_outputs(whole, set%sketch%outputs, tubes, proof%ranges)
+         call prove_clearances(set, whole, tubes, proof)
       end associate
    end subroutine study_chain_proof
+
+   !> How near joints and links come to regions and each other; not where limits are for the positions alone.
+   subroutine prove_clearances(set, whole, tubes, proof)
+      type(data_set_t), intent(in) :: set
+      type(closure_t), intent(in) :: whole   !! in one group
+      type(chain_tubes_t), intent(in) :: tubes
+      type(chain_proof_t), intent(inout) :: proof
+      type(clearance_t), allocatable :: clearances(:)
+      real(wp) :: way
+      integer :: k, leg
+
+      allocate (clearances(0))
+      if (set%constr%given .and. (set%constr%irange /= range_positions .or. set%limits%iproof /= proof_by_default)) &
+         call list_sketch_clearances(set%constr, set%sketch, clearances)
+      allocate (proof%kept(size(clearances)))
+      do k = 1, size(clearances)
+         associate (kept => proof%kept(k))
+            kept%clearance = clearances(k)
+            call bracket_clearance(whole, clearances(k), tubes, kept%nearest, leg, way)
+            if (.not. kept%nearest%found) cycle
+            kept%nearest%at = place_on(proof, leg, way, set%sketch%drives(1)%kind == drive_turns)
+            if (proof%full_turn .and. .not. proof%from_drawing) kept%nearest%at = within_turn(kept%nearest%at)
+            kept%is_broken = kept%nearest%high < clearances(k)%asked - touching*whole%size
+         end associate
+      end do
+   end subroutine prove_clearances
 
    !> The proof of a sketch with loops and a larger group, made in the poses of its links. Not `sound`: the drawing does not close.
    subroutine prove_loops(set, range, dimensions, study, proof, sound)

@@ -26,7 +26,7 @@ module psalm_proof_study
    use psalm_summary, only: loop_kind_t, kinds_of
    implicit none (type, external)
    private
-   public :: proof_study_t, kept_t, study_proof, study_closure, proof_wanted, no_proof, proof_of_turn, proof_of_inputs
+   public :: touching, proof_study_t, kept_t, study_proof, study_closure, proof_wanted, no_proof, proof_of_turn, proof_of_inputs
 
    integer, parameter :: no_proof = 0
    integer, parameter :: proof_of_turn = 1   !! IPROOF: over a full turn (a sliding input: over the range of the inputs)

@@ -199,8 +199,8 @@ contains
       call prepare_output_wishes(set, problem, merit%free, .true., merit%wishes)
       do k = 1, size(problem%wish_weights, 2)
          associate (weight => sum(problem%wish_weights(:, k)))
-            unit = merit%size**merit%wishes%like(k)
-            if (problem%mechanism%sliding_input) unit = unit/merit%size**merit%wishes%order(k)
+            unit = merge(merit%size, 1.0_wp, merit%wishes%is_length(k))
+            if (problem%mechanism%sliding_input) unit = unit/product(spread(merit%size, 1, merit%wishes%order(k)))
             merit%floor = merit%floor + weight*(epsilon(1.0_wp)*unit)**2
             merit%small = max(merit%small, 1.0e-2_wp*weight*unit**2)
          end associate
