@@ -38,6 +38,8 @@ module psalm_group_rings
       real(wp) :: drawn_angle = 0.0_wp              !! and where that points in the drawing, degrees
       real(wp) :: drawn(2) = 0.0_wp                 !! the direction in the drawing
       real(wp) :: now(3) = 0.0_wp                   !! direction and turn where the group stands
+      real(wp) :: angle = 0.0_wp, turn = 0.0_wp     !! at the last position found of ties alone: of the direction, and from the
+                                                    !! drawing, degrees
    end type known_turn_t
 
    !> A group of `unknowns` directions and lengths: two equations a ring, one a tie. Where there are more of them than unknowns,
@@ -59,5 +61,7 @@ module psalm_group_rings
       ! while it is followed from input to input
       real(wp), allocatable :: now(:, :), before(:, :) !! shape (3, unknowns): where it stands, and where it stood before
       real(wp) :: sense = 0.0_wp                    !! sign of the determinant in the drawing
+      logical :: follows = .false.                  !! ties alone: they were found up to this input, with these dimensions
+      real(wp) :: last = 0.0_wp                     !! increment of the input there
    end type higher_t
 end module psalm_group_rings

@@ -635,6 +635,7 @@ contains
          do j = 1, size(higher%known)
             associate (known => higher%known(j))
                call unit_vector(known%drawn_angle - self%angle(known%arc), known%drawn(1), known%drawn(2))
+               higher%follows = .false.
             end associate
          end do
          higher%now = higher%drawn

@@ -7,7 +7,7 @@
 submodule(psalm_linkage) psalm_linkage_walk
    use psalm_higher_group, only: correct, correction_t, dead_measure, is_trusted, keep_known_turns, predict, &
                                  put_known_turns, put_state, state_at
-   use psalm_angles, only: angles_between, unit_vectors
+   use psalm_angles, only: angles_of, degrees_of, unit_vectors
    use psalm_kinds, only: full_turn, radians_per_degree
    use psalm_linear, only: reduce_real
    implicit none (type, external)
@@ -44,8 +44,10 @@ contains
       integer :: i, first
       logical :: sound, reached
 
-      call start(self, k, walk, sound)
       first = 1
+      if (self%steps(k)%dyad%higher%rings == 0) call follow_ties(self, k, n, path, first)
+      if (first > n) return
+      call start(self, k, walk, sound)
       do while (first <= n)
          i = first
          first = first + 1
@@ -64,44 +66,49 @@ contains
                measure = not_reached*(1.0_wp - walk%way) - dead_measure
             end if
          end associate
-         ! the first position tells how often wheels have turned; turns at the others are sums
-         if (i == 1 .and. reached .and. self%steps(k)%dyad%higher%rings == 0) &
-            call follow_ties(self, k, n, path, found%determinant, first)
+         ! the first position tells how often links have turned; turns at the others are sums
+         if (i == 1 .and. reached .and. self%steps(k)%dyad%higher%rings == 0) then
+            call note_turns(self%steps(k)%dyad%higher, path(1))
+            call follow_ties(self, k, n, path, first)
+         end if
       end do
    end subroutine follow_group
 
-   !> Ties alone make linear equations: turns at all positions of a block from those at the first. `first` is the next position
-   !> that is not found, for where a direction turns too far between two positions, or a group before does not close, they are
-   !> followed one by one.
-   pure subroutine follow_ties(self, k, n, path, determinant, first)
+   !> Ties alone make linear equations: turns of wheels are sums of turns of links, which go on from the position found last, of the
+   !> block before perhaps: only whole turns are taken from there, so that no digit depends on it. `first` is the next position that
+   !> is not found: 1 where a link turns too far between two positions, or a group before does not close.
+   pure subroutine follow_ties(self, k, n, path, first)
       class(linkage_t), intent(inout) :: self
       integer, intent(in) :: k
       integer, intent(in) :: n
       real(wp), intent(in) :: path(n)
-      real(wp), intent(in) :: determinant      !! of the equations, over the norms of their columns
       integer, intent(inout) :: first
       real(wp) :: angle(n), turn(n), right(n, self%steps(k)%dyad%higher%unknowns)
-      real(wp) :: matrix(size(right, 2), size(right, 2)), inverse(size(right, 2), size(right, 2)), unused
-      integer :: i, j, r, t
+      real(wp) :: matrix(size(right, 2), size(right, 2)), inverse(size(right, 2), size(right, 2)), size_of, determinant
+      integer :: j, r, t
 
-      if (self%steps(k)%dyad%higher%equations /= size(right, 2)) return
-      if (.not. self%sliding_input .and. farthest_step(n, path) > farthest_input) return
+      associate (higher => self%steps(k)%dyad%higher)
+         if (.not. higher%follows .or. higher%equations /= higher%unknowns) return
+         higher%follows = self%sliding_input .or. max(abs(path(1) - higher%last), farthest_step(n, path)) <= farthest_input
+      end associate
       do j = 1, k - 1
          if (self%steps(j)%kind /= step_dyad) cycle
-         if (.not. all([(self%closes(i, self%steps(j)%loop), i=1, n)])) return
+         if (.not. self%all_accepted(n, self%steps(j)%loop)) self%steps(k)%dyad%higher%follows = .false.
       end do
       associate (higher => self%steps(k)%dyad%higher, v => self%store%v)
+         if (.not. higher%follows) return
          do j = 1, size(higher%known)
             associate (known => higher%known(j))
-               angle = 0.0_wp
-               call angles_between(n, spread(known%drawn(1), 1, n), spread(known%drawn(2), 1, n), 1.0_wp, 0.0_wp, &
-                                   v(1:n, known%root_x), v(1:n, known%root_y), angle)
-               turn(1) = known%now(3)*degrees_per_radian
-               call unwind(n, angle, turn)
-               if (farthest_step(n, turn) > farthest_turn*degrees_per_radian) return
-               v(2:n, known%row) = turn(2:)*radians_per_degree
+               call angles_of(n, v(1:n, known%root_x), v(1:n, known%root_y), angle)
+               call unwind(n, angle, degrees_of(known%drawn(1), known%drawn(2)), known, turn)
+               higher%follows = higher%follows .and. &
+                                max(abs(turn(1) - known%turn), farthest_step(n, turn)) <= farthest_turn*degrees_per_radian
+               v(1:n, known%row) = turn*radians_per_degree
+               known%angle = angle(n)
+               known%turn = turn(n)
             end associate
          end do
+         if (.not. higher%follows) return
          matrix = 0.0_wp
          do t = 1, size(higher%ties)
             associate (tie => higher%ties(t))
@@ -116,37 +123,59 @@ contains
                end do
             end associate
          end do
+         size_of = 1.0_wp
          inverse = 0.0_wp
          do j = 1, size(inverse, 1)
+            size_of = size_of*sum(matrix(:, j)**2)
             inverse(j, j) = 1.0_wp
          end do
-         call reduce_real(size(matrix, 1), size(matrix, 1), size(matrix, 1), matrix, inverse, unused)
+         call reduce_real(size(matrix, 1), size(matrix, 1), size(matrix, 1), matrix, inverse, determinant)
          do j = 1, higher%unknowns
             turn = 0.0_wp
             do r = 1, size(inverse, 2)
                turn = turn + inverse(j, r)*right(:, r)
             end do
-            v(2:n, higher%row_of_turn(j)) = turn(2:)
+            v(1:n, higher%row_of_turn(j)) = turn
             angle = higher%drawn_angle(j) + turn*degrees_per_radian
-            call unit_vectors(n - 1, angle(2:), v(2:n, higher%row(j)), v(2:n, higher%row_of_sine(j)))
+            call unit_vectors(n, angle, v(1:n, higher%row(j)), v(1:n, higher%row_of_sine(j)))
          end do
-         v(2:n, self%steps(k)%dyad%measure) = abs(determinant)
+         v(1:n, self%steps(k)%dyad%measure) = abs(determinant)/sqrt(size_of)
+         higher%last = path(n)
       end associate
       first = n + 1
    end subroutine follow_ties
 
-   !> Angles on their way, from angles of -180 to 180 degrees and the first of them on that way.
-   pure subroutine unwind(n, angle, turn)
+   !> Where the known directions stand at the first position of a block.
+   pure subroutine note_turns(higher, path)
+      type(higher_t), intent(inout) :: higher
+      real(wp), intent(in) :: path
+      integer :: j
+
+      do j = 1, size(higher%known)
+         associate (known => higher%known(j))
+            known%angle = degrees_of(known%now(1), known%now(2))
+            known%turn = known%now(3)*degrees_per_radian
+         end associate
+      end do
+      higher%last = path
+      higher%follows = .true.
+   end subroutine note_turns
+
+   !> Turns since the drawing, without jumps, from directions of -180 to 180 degrees.
+   pure subroutine unwind(n, angle, drawn, known, turn)
       integer, intent(in) :: n
       real(wp), intent(in) :: angle(n)
-      real(wp), intent(inout) :: turn(n)
+      real(wp), intent(in) :: drawn                !! direction in the drawing
+      type(known_turn_t), intent(in) :: known      !! as it stood before
+      real(wp), intent(out) :: turn(n)
       real(wp) :: rounds
       integer :: i
 
-      rounds = anint((turn(1) - angle(1))/full_turn)
+      rounds = anint((known%turn - (known%angle - drawn))/full_turn) - anint((angle(1) - known%angle)/full_turn)
+      turn(1) = angle(1) - drawn + rounds*full_turn
       do i = 2, n
          rounds = rounds - anint((angle(i) - angle(i - 1))/full_turn)
-         turn(i) = angle(i) + rounds*full_turn
+         turn(i) = angle(i) - drawn + rounds*full_turn
       end do
    end subroutine unwind
 
