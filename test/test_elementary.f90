@@ -1,7 +1,7 @@
 !> Elementary functions against those of the library in quadruple precision, which share nothing with them.
 program test_elementary
    use check, only: checks_t
-   use psalm_angles, only: unit_vector, degrees_of, arc_sine
+   use psalm_angles, only: unit_vector, unit_vectors, degrees_of, arc_sine
    use psalm_elementary, only: hypotenuse, fractional_power
    use psalm_kinds, only: wp, i8
    use psalm_quad, only: unit_vector_quad, arc_sine_quad, root => sqrt, modulus => abs, exponential => exp
@@ -25,9 +25,35 @@ program test_elementary
    call directions()
    call others()
    call quadruple()
+   call side_by_side()
    call t%report()
 
 contains
+
+   !> Cosines and sines of many angles at once against those that are correctly rounded.
+   subroutine side_by_side()
+      integer, parameter :: n = 20011
+      real(wp) :: degrees(n), x(n), y(n), again(1), other(1), c, s, worst
+      integer :: i
+      logical :: same
+
+      degrees = [(-1.0e4_wp + real(i, wp), i=1, n)]
+      degrees(:8) = [0.0_wp, 90.0_wp, 180.0_wp, 270.0_wp, -90.0_wp, -180.0_wp, 45.0_wp, 1.0e-300_wp]
+      degrees(9:n:2) = degrees(9:n:2) + 0.3_wp
+      call unit_vectors(n, degrees, x, y)
+      worst = 0.0_wp
+      same = .true.
+      do i = 1, n
+         call unit_vector(degrees(i), c, s)
+         worst = max(worst, abs(x(i) - c), abs(y(i) - s))
+         call unit_vectors(1, degrees(i:i), again, other)
+         same = same .and. again(1) >= x(i) .and. again(1) <= x(i) .and. other(1) >= y(i) .and. other(1) <= y(i)
+      end do
+      call t%close_to(worst, 0.0_wp, 2.0_wp*epsilon(1.0_wp), 'cosines and sines side by side')
+      call t%is_true(same, 'the same at any place of the array')
+      call t%is_true(all(sign(1.0_wp, x(:3)) >= [1.0_wp, 1.0_wp, -1.0_wp]) .and. all(sign(1.0_wp, y(:3)) > 0.0_wp), &
+                     'zeros have no sign')
+   end subroutine side_by_side
 
    subroutine add(self, got, exact)
       type(errors_t), intent(inout) :: self

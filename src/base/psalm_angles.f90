@@ -161,6 +161,7 @@ contains
       integer, intent(in) :: n
       real(wp), intent(in) :: degrees(n)
       real(wp), intent(out) :: x(n), y(n)   !! cosines, sines
+      real(wp), parameter :: shifter = 1.5_wp/epsilon(1.0_wp) !! whole numbers are the only ones beside it
       real(wp) :: quarters, part, r, z, z2, z4, c, s
       logical :: odd
       integer :: i
@@ -172,7 +173,8 @@ contains
          return
       end if
       do i = 1, n
-         quarters = anint(degrees(i)/right_angle)
+         ! rounded to a whole number by the addition: an intrinsic would be a call
+         quarters = (degrees(i)/right_angle + shifter) - shifter
          r = (degrees(i) - right_angle*quarters)*radians_per_degree
          z = r*r
          z2 = z*z
@@ -182,10 +184,11 @@ contains
          c = ((cosine_terms(0) + cosine_terms(1)*z) + (cosine_terms(2) + cosine_terms(3)*z)*z2) &
              + (((cosine_terms(4) + cosine_terms(5)*z) + (cosine_terms(6) + cosine_terms(7)*z)*z2) + cosine_terms(8)*z4)*z4
          ! the quarter of the turn: 0 to 3
-         part = quarters - 4.0_wp*anint(0.25_wp*quarters - 0.375_wp)
+         part = quarters - 4.0_wp*(((0.25_wp*quarters - 0.375_wp) + shifter) - shifter)
          odd = part == 1.0_wp .or. part == 3.0_wp
-         x(i) = merge(-1.0_wp, 1.0_wp, part == 1.0_wp .or. part == 2.0_wp)*merge(s, c, odd)
-         y(i) = merge(-1.0_wp, 1.0_wp, part == 2.0_wp .or. part == 3.0_wp)*merge(c, s, odd)
+         ! a zero added takes the sign from another
+         x(i) = merge(-1.0_wp, 1.0_wp, part == 1.0_wp .or. part == 2.0_wp)*merge(s, c, odd) + 0.0_wp
+         y(i) = merge(-1.0_wp, 1.0_wp, part == 2.0_wp .or. part == 3.0_wp)*merge(c, s, odd) + 0.0_wp
       end do
    end subroutine unit_vectors
 

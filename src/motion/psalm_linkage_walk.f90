@@ -8,7 +8,7 @@ submodule(psalm_linkage) psalm_linkage_walk
    use psalm_higher_group, only: correct, correction_t, dead_measure, is_trusted, keep_known_turns, predict, &
                                  put_known_turns, put_state, state_at
    use psalm_angles, only: angles_of, degrees_of, unit_vectors
-   use psalm_kinds, only: full_turn, radians_per_degree
+   use psalm_kinds, only: full_turn, half_turn, radians_per_degree
    use psalm_linear, only: reduce_real
    implicit none (type, external)
 
@@ -172,7 +172,8 @@ contains
       integer :: i
 
       rounds = anint((known%turn - (known%angle - drawn))/full_turn) - anint((angle(1) - known%angle)/full_turn)
-      turn(1) = angle(1) - drawn + rounds*full_turn
+      turn = angle - drawn + rounds*full_turn
+      if (farthest_step(n, angle) <= half_turn) return
       do i = 2, n
          rounds = rounds - anint((angle(i) - angle(i - 1))/full_turn)
          turn(i) = angle(i) - drawn + rounds*full_turn
