@@ -89,7 +89,8 @@ contains
 
       associate (higher => self%steps(k)%dyad%higher)
          if (.not. higher%follows .or. higher%equations /= higher%unknowns) return
-         higher%follows = self%sliding_input .or. max(abs(path(1) - higher%last), farthest_step(n, path)) <= farthest_input
+         higher%follows = self%sliding_input .or. .not. (abs(path(1) - higher%last) > farthest_input .or. &
+                                                         leaps(n, path, farthest_input))
       end associate
       do j = 1, k - 1
          if (self%steps(j)%kind /= step_dyad) cycle
@@ -101,8 +102,8 @@ contains
             associate (known => higher%known(j))
                call angles_of(n, v(1:n, known%root_x), v(1:n, known%root_y), angle)
                call unwind(n, angle, degrees_of(known%drawn(1), known%drawn(2)), known, turn)
-               higher%follows = higher%follows .and. &
-                                max(abs(turn(1) - known%turn), farthest_step(n, turn)) <= farthest_turn*degrees_per_radian
+               higher%follows = higher%follows .and. .not. (abs(turn(1) - known%turn) > farthest_turn*degrees_per_radian .or. &
+                                                            leaps(n, turn, farthest_turn*degrees_per_radian))
                v(1:n, known%row) = turn*radians_per_degree
                known%angle = angle(n)
                known%turn = turn(n)
@@ -173,24 +174,27 @@ contains
 
       rounds = anint((known%turn - (known%angle - drawn))/full_turn) - anint((angle(1) - known%angle)/full_turn)
       turn = angle - drawn + rounds*full_turn
-      if (farthest_step(n, angle) <= half_turn) return
+      if (.not. leaps(n, angle, half_turn)) return
       do i = 2, n
          rounds = rounds - anint((angle(i) - angle(i - 1))/full_turn)
          turn(i) = angle(i) - drawn + rounds*full_turn
       end do
    end subroutine unwind
 
-   !> The largest step from one value to the next.
-   pure real(wp) function farthest_step(n, values) result(step)
+   !> True if any step from one value to the next is greater than a limit. Counted in integers as wide as reals: it runs in vector
+   !> registers.
+   pure logical function leaps(n, values, limit)
       integer, intent(in) :: n
-      real(wp), intent(in) :: values(n)
+      real(wp), intent(in) :: values(n), limit
+      integer(i8) :: beyond
       integer :: i
 
-      step = 0.0_wp
+      beyond = 0
       do i = 2, n
-         step = max(step, abs(values(i) - values(i - 1)))
+         beyond = beyond + merge(1_i8, 0_i8, abs(values(i) - values(i - 1)) > limit)
       end do
-   end function farthest_step
+      leaps = beyond > 0
+   end function leaps
 
    !> Put all larger groups up to a step together in the drawing.
    pure subroutine start(self, k, walk, sound)
