@@ -75,12 +75,12 @@ contains
       ! large: they would fill a small stack
       class(problem_t), allocatable :: problem
       class(prepared_t), allocatable :: prepared
-      type(cam_search_t) :: search
+      class(cam_search_t), allocatable :: search
       type(cam_study_t), allocatable :: studies(:)
       type(cam_scene_t), allocatable :: scene
       type(text_t) :: drawing, picture, page, program
       type(cam_role_t), allocatable :: parts(:)
-      type(cam_group_t) :: cams(2)
+      type(cam_group_t), allocatable :: cams(:)
       integer :: k
 
       associate (unused => stopped)
@@ -88,7 +88,7 @@ contains
       allocate (prepared, source=given_prepared)
       cams = cams_of(set)
       parts = parts_of(cams)
-      allocate (problem)
+      allocate (problem, search)
       call make_room(size(parts), studies)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
       call list_input(header_of('CALM', devices%mark), set, problem, devices%eight)

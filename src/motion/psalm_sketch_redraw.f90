@@ -117,23 +117,22 @@ contains
             output%wishes(0)%values = output%wishes(0)%values - travel(output%slide, at)
          end associate
       end do
-      drawn = reads_back(set, new, same_place*extent)
+      drawn = reads_back(new, same_place*extent)
       if (drawn) sketch = new
    end subroutine draw
 
    !> True if a sketch is put together where it is drawn.
-   logical function reads_back(set, sketch, slack)
-      type(data_set_t), intent(in) :: set
+   logical function reads_back(sketch, slack)
       type(sketch_t), intent(in) :: sketch
       real(wp), intent(in) :: slack             !! that joints may be off their places
-      class(data_set_t), allocatable :: again   ! large, too
+      type(data_set_t), allocatable :: alone    ! a case of nothing else: large, too
       type(closure_t) :: closure
       type(state_t) :: state
       type(diagnostics_t) :: unused
 
-      allocate (again, source=set)
-      again%sketch = sketch
-      call assemble_sketch(again, closure, state, reads_back, unused)
+      allocate (alone)
+      alone%sketch = sketch
+      call assemble_sketch(alone, closure, state, reads_back, unused)
       if (reads_back) reads_back = all(abs(state%joint(:, 0) - cmplx(sketch%x, sketch%y, wp)) <= slack)
    end function reads_back
 end module psalm_sketch_redraw

@@ -80,11 +80,10 @@ contains
       forces = reader /= 'psalm'
       given = all(reader /= [character(6) :: 'psalm', everything])
       own%file = findings%file
-      allocate (as_read, mold=set)
-      call take(set, as_read)
+      allocate (as_read, source=set)
       call resolve_sketch(set, own, as_given=given, sound=sound, in_poses=in_poses)
       if (len(in_poses) > 0) then
-         call anew()
+         call begin_again(as_read, set, own)
          call resolve_sketch(set, own, as_given=.true.)
          set%search_in_poses = in_poses
          if (set%wants_search()) call refuse_in_poses(set, findings)
@@ -98,7 +97,7 @@ contains
          end if
          if (len(why) > 0) then
             ! an arc to every joint and slide
-            call anew()
+            call begin_again(as_read, set, own)
             call resolve_sketch(set, own, as_groups=.true., as_given=given .or. len(in_poses) > 0)
             if (len(in_poses) > 0) set%search_in_poses = in_poses
             if (.not. own%failed() .and. set%loops() > 0) then
@@ -110,26 +109,21 @@ contains
       end if
       call findings%append(own)
 
-   contains
-
-      !> Begin again with the case as it was read.
-      subroutine anew()
-         call take(as_read, set)
-         own = diagnostics_t()
-         own%file = findings%file
-      end subroutine anew
-
-      subroutine take(from, to)
-         class(data_set_t), intent(in) :: from
-         class(data_set_t), intent(inout) :: to
-
-         select type (to)
-         type is (data_set_t)
-            select type (from)
-            type is (data_set_t)
-               to = from
-            end select
-         end select
-      end subroutine take
    end subroutine resolve
+
+   !> The case as it was read, and nothing found about it.
+   subroutine begin_again(as_read, set, own)
+      class(data_set_t), intent(in) :: as_read
+      type(data_set_t), intent(inout) :: set
+      type(diagnostics_t), intent(inout) :: own
+      character(:), allocatable :: file
+
+      file = own%file
+      select type (as_read)
+      type is (data_set_t)
+         set = as_read
+      end select
+      own = diagnostics_t()
+      own%file = file
+   end subroutine begin_again
 end module psalm_cases

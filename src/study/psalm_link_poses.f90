@@ -29,13 +29,13 @@ contains
       real(wp), intent(in) :: speed, accel              !! of the first drive: radians or length a second
       class(sketch_study_t), intent(inout) :: study
       type(chain_motion_t), intent(out) :: motion
-      type(mechanism_t), allocatable :: mechanism       ! large, as those below: they would fill a small stack
+      class(mechanism_t), allocatable :: mechanism       ! large, as those below: they would fill a small stack
       type(dimensions_t) :: dimensions
       type(parameters_t) :: parameters
       type(diagnostics_t) :: findings
       class(problem_t), allocatable :: problem
-      type(motion_t), allocatable :: found
-      type(sketch_study_t), allocatable :: outputs
+      class(motion_t), allocatable :: found
+      class(sketch_study_t), allocatable :: outputs
       integer :: k
 
       allocate (mechanism, problem, found, outputs)
