@@ -1,4 +1,4 @@
-"""bridge against the exact model of a pin in its hole, and what a chart costs: prints doc/bridge.md. usage: clearance.py BIN"""
+"""bridge against the exact model of a pin in its hole, and what a chart costs: prints doc/measured/bridge.md. usage: clearance.py BIN"""
 import math
 import os
 import resource

@@ -1,4 +1,4 @@
-!> Cost of exact synthesis on one thread; bench/exact compiles it with the modules of src/exact and writes doc/exact.md.
+!> Cost of exact synthesis on one thread; bench/exact compiles it with the modules of src/exact and writes doc/measured/exact.md.
 !>
 !> usage: exact [short]; short: one problem of each kind in place of many, no tables of six-bars and of generic problems
 program exact

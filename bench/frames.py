@@ -1,6 +1,6 @@
 """Milliseconds of a frame on the pages of balm.
 
-usage: frames.py BALM TOP. Prints doc/frames.md.
+usage: frames.py BALM TOP. Prints doc/measured/frames.md.
 """
 import os
 import shutil

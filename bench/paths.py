@@ -1,6 +1,6 @@
 """Tables of paths without prescribed timing: what bench/app/paths measured, and SciPy on the same problems.
 
-usage: paths.py ROWS DATA SECONDS. ROWS is what the program printed, DATA the folder of the data sets. Prints doc/paths.md. SciPy has
+usage: paths.py ROWS DATA SECONDS. ROWS is what the program printed, DATA the folder of the data sets. Prints doc/measured/paths.md. SciPy has
 SECONDS for each problem and solver, and a closed form in NumPy; where the crank does not turn by the rule of Grashof the form is large.
 """
 import os

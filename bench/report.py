@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Turns what bench/run measured into doc/benchmark.md and doc/accuracy.md. usage: report.py MEASURED_DIR DOC_DIR"""
+"""Turns what bench/run measured into doc/measured/benchmark.md and doc/measured/accuracy.md. usage: report.py MEASURED_DIR DOC_DIR"""
 import math
 import os
 import re

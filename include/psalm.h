@@ -1,6 +1,6 @@
 /* PSALM for C: analysis and synthesis of planar linkages.
  *
- * A psalm_case is one linkage and what is asked of it, in the notation of doc/manual.md. It is read from a file or from text, or
+ * A psalm_case is one linkage and what is asked of it, in the notation of doc/reference/input_file.md. It is read from a file or from text, or
  * made loop by loop; it is studied; results are copied out as arrays of double. Nothing is printed, no file is written, no signal is
  * touched, nothing ends the program. What is wrong with a case comes back as findings, each with its line and a text.
  *

@@ -6,7 +6,7 @@ usage: test/kinds.py BIN [--update] [--only STUDY[/KIND]] [--show]   (BIN: direc
 A study is some items added to the case of each kind. Positions, rates and the power of the drives are held against closed forms and
 differences of them; of the other studies the figures must be there, finite, and the same where one linkage is written in two ways (by
 loops and as a sketch, with wheels and with a drive geared to the first). Where a study does not apply the program must refuse it with one of
-the messages in REASONS, each of which has a footnote of the table in doc/manual.md. --update writes that table; without it the table must be
+the messages in REASONS, each of which has a footnote of the table in doc/guide/which.md. --update writes that table; without it the table must be
 what was found. --show prints what the programs say to the fields of --only. Last line: N passed, N failed.
 """
 import argparse
@@ -24,7 +24,7 @@ from concurrent.futures import ThreadPoolExecutor
 from tally import check, report
 
 TOP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-MANUAL = os.path.join(TOP, "doc", "manual.md")
+MANUAL = os.path.join(TOP, "doc", "guide", "which.md")
 BEGIN, END = "<!-- written by test/kinds.py --update -->\n", "<!-- end of what test/kinds.py writes -->\n"
 GRAVITY = -9.81j
 
@@ -1086,7 +1086,7 @@ def main():
             with open(MANUAL, "w", encoding="utf-8") as f:
                 f.write(before + BEGIN + new + END + after)
         else:
-            check("the table of the manual is this one (--update)", table == new)
+            check("the table of doc/guide/which.md is this one (--update)", table == new)
     return report()
 
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""The messages that the manual shows are those of the program.
+"""The messages that the book shows are those of the program.
 
-usage: test/manual.py PROGRAM_DIRECTORY. In the chapter on messages the manual has a case in a fenced block and a table: what
+usage: test/manual.py PROGRAM_DIRECTORY. doc/reference/messages.md has a case in a fenced block and a table: what
 stands in the case, what is written instead, the message. Each change is made and the message compared.
 Last line: N passed, N failed.
 """
@@ -16,8 +16,8 @@ top = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 
 def main():
     psalm = os.path.join(os.path.abspath(sys.argv[1]), "psalm")
-    with open(os.path.join(top, "doc", "manual.md"), encoding="utf-8") as file:
-        chapter = file.read().split("\n## Messages and exit status\n")[1]
+    with open(os.path.join(top, "doc", "reference", "messages.md"), encoding="utf-8") as file:
+        chapter = file.read()
     case = re.search(r"```\n(.*?)```", chapter, re.DOTALL).group(1)
     rows = re.findall(r"^\| `(.*?)` \| `(.*?)` \| `(.*?)` \|$", chapter, re.MULTILINE)
     passed = failed = 0

@@ -76,7 +76,7 @@ def the_demo(work):
     said = done.stdout + done.stderr
     tally.check("the demo ends well", done.returncode == 0, said[-600:])
     for words in ("       5.698467", "needle: equal to its reference", "CLOSES FOR EVERY INPUT OF THE RANGE", "STEADY CYCLE", "needle_lsq.html",
-                  "doc/manual.md"):
+                  "doc/index.md"):
         tally.check("the demo shows " + words.strip(), words in said)
     tally.check("nothing in it is cut short", "NITER" not in said and "interrupted" not in said)
 

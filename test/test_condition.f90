@@ -1,7 +1,7 @@
 !> Condition numbers against the derivatives by every dimension: never below what these make of one epsilon, nor far above.
 !>
 !> Source of the laws: the number is a bound of the first-order effect of a relative change of every dimension and of the
-!> input (`doc/theory.md`, section Condition), carried along by absolute values. Away from dead points absolute values give
+!> input (`doc/theory/positions.md`, Condition), carried along by absolute values. Away from dead points absolute values give
 !> away a small factor in each loop.
 program test_condition
    use cases, only: load_case, names

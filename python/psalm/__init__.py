@@ -1,6 +1,6 @@
 """PSALM: analysis and synthesis of planar linkages.
 
-A `Case` is one linkage and what is asked of it, in the notation of doc/manual.md. It is read from a file or from text, or made loop by
+A `Case` is one linkage and what is asked of it, in the notation of doc/reference/input_file.md. It is read from a file or from text, or made loop by
 loop; it is studied; results are NumPy arrays. Lengths are in one unit of your choice, angles in degrees, rates of angles in radians.
 Loops, arcs and cases are counted from 1.
 

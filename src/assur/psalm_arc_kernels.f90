@@ -5,7 +5,7 @@
 !>   order 2: (l2 - w1**2 L) e + (2 w1 l1 + w2 L) i e
 !>   order 3: (l3 - 3 w1**2 l1 - 3 w1 w2 L) e + (3 w1 l2 + 3 w2 l1 + (w3 - w1**3) L) i e
 !> Derivatives are with respect to one parameter: the input, a dimension. A dyad's unknowns x1, x2 of the highest order obey
-!> c1 x1 + c2 x2 = g with the same matrix in every order. All arrays have the shape (n). Derivation: `doc/theory.md`, Rates.
+!> c1 x1 + c2 x2 = g with the same matrix in every order. All arrays have the shape (n). Derivation: `doc/theory/rates.md`.
 module psalm_arc_kernels
    use psalm_kinds, only: wp
    implicit none (type, external)

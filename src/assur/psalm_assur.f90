@@ -158,7 +158,7 @@ contains
    !> revolute joint; of a prismatic one the force across the slide (along i u, with u the direction of the slide's arc) at its
    !> foot, and the couple about the foot. They are those of what comes before on what comes after: on p, of p on q, on q.
    !> At a dead point they are finite and mean nothing. Source of the closed forms: Oldham (1977), 15.1, worked out in
-   !> `doc/theory.md`, Forces.
+   !> `doc/theory/forces.md`.
    subroutine react_dyad(n, dyad, store, on_p, on_q, at_s, at_m, at_e, scratch, w)
       integer, intent(in) :: n                     !! positions, padded
       type(dyad_t), intent(in) :: dyad

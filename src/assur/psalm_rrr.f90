@@ -2,7 +2,7 @@
 !>
 !> Directions are unit vectors; no trigonometric function is called. There is no branch around a root: a radicand below zero
 !> is clamped, and the closure measure, the squared distance h**2 of the outer joints, tells afterwards whether the dyad
-!> closes: (p-q)**2 <= h**2 <= (p+q)**2. Every array has the shape (n), n positions. Derivation: `doc/theory.md`.
+!> closes: (p-q)**2 <= h**2 <= (p+q)**2. Every array has the shape (n), n positions. Derivation: `doc/theory/positions.md`.
 module psalm_rrr
    use psalm_angles, only: degrees_of, unit_vector
    use psalm_arc_kernels, only: least
@@ -152,7 +152,7 @@ contains
       end do
    end subroutine react_rrr
 
-   !> First-order bounds of the errors of both directions, in epsilons. Derivation: `doc/theory.md`, Condition.
+   !> First-order bounds of the errors of both directions, in epsilons. Derivation: `doc/theory/positions.md`, Condition.
    pure subroutine bounds_rrr(dyad, measure, s, e, worst, bound)
       type(dyad_t), intent(in) :: dyad
       real(wp), intent(in) :: measure

@@ -2,7 +2,7 @@
 !>
 !> Relative to the cam the roller moves, measured along its line of travel f, with V = (c' - j c + j O)/f, linear in the centre O:
 !> |alpha| <= limit is for each cam angle |Re V| <= tan(limit) s Im V, two half-planes, s = +-1 the side of the path on which the
-!> cam lies. Source: derivation in doc/theory.md.
+!> cam lies. Source: derivation in doc/theory/cams.md.
 module psalm_cam_centres
    use psalm_angles, only: unit_vector
    use psalm_cam_trace, only: cam_trace_t

@@ -1,7 +1,7 @@
 !> The law of a cam: a function of the cam's angle over one turn, made of pieces, with five derivatives.
 !>
 !> A piece is a polynomial, or a quarter wave of acceleration. Sines are those of `psalm_angles`, the same on every processor.
-!> Source: Oldham (1977), 9.3.2, with the seven zones of any trigonometric law in one formula; derivation in doc/theory.md.
+!> Source: Oldham (1977), 9.3.2, with the seven zones of any trigonometric law in one formula; derivation in doc/theory/cams.md.
 module psalm_cam_law
    use psalm_angles, only: unit_vector
    use psalm_cam_data, only: cam_group_t, fit_least_squares, most_pieces

@@ -4,7 +4,7 @@
 !> round the reference position where every loop closes and the output rises or falls all the way; and on the stretches beyond
 !> dead points at which the law rests. Derivatives follow from those of the linkage in closed form, to the third order; the
 !> follower from the linkage's own pose. Nothing here knows what the follower touches.
-!> Source: Oldham (1977), 9.3.2; derivation in doc/theory.md.
+!> Source: Oldham (1977), 9.3.2; derivation in doc/theory/cams.md.
 module psalm_cam_motion
    use psalm_angles, only: nearest_difference
    use psalm_cam_data, only: cam_group_t, roller_t

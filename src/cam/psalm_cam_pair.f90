@@ -4,7 +4,7 @@
 !> Both rollers of conjugate cams touch at every cam angle; what is missing on the profiles, e1 and e2 along the normal, lets the
 !> first roller move by e1/cos a1 + e2 l1/(l2 cos a2), l = |dc/dq|. One profile for two rollers (Jackowski and Dubil) fits if its
 !> breadth goes with the rollers' distance; a yoke with two equal rollers through the centre needs y(th) + y(th + 180) to stay the
-!> same. Source: Oldham (1977), 1.1 and 9.3.2; derivation in doc/theory.md.
+!> same. Source: Oldham (1977), 1.1 and 9.3.2; derivation in doc/theory/cams.md.
 module psalm_cam_pair
    use psalm_cam_profile, only: cam_points_t
    use psalm_cam_shape, only: cam_shape_t, samples_t, cam_extreme_t, measure

@@ -4,7 +4,7 @@
 !> turn back its velocity would have to jump. Where y'' and y''' vanish q - q* goes with the square of the cam angle: the input
 !> comes to rest and turns back, or passes if the user says so. In between (y'' = 0, y''' not) its acceleration is infinite.
 !> Next to the dead point the input is solved for as a distance from it. Source: Oldham (1977), 9.3.2; derivation in
-!> doc/theory.md.
+!> doc/theory/cams.md.
 module psalm_cam_passage
    use psalm_cam_data, only: cam_group_t
    use psalm_cam_kind, only: law_dwell

@@ -4,7 +4,7 @@
 !> z = (c - O) exp(-i sense th), and profile and cutter path are its parallels. A flat face with normal direction b at
 !> distance h from O envelops the profile. Everything is in closed form from two derivatives of the follower's
 !> motion. A cam that slides by X(th) has z = c - O - X, and all else is the same.
-!> Source: Oldham (1977), 9.3.2; derivation in doc/theory.md.
+!> Source: Oldham (1977), 9.3.2; derivation in doc/theory/cams.md.
 module psalm_cam_profile
    use psalm_angles, only: unit_vector, angles_of
    use psalm_cam_trace, only: cam_trace_t

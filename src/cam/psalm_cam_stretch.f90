@@ -2,7 +2,7 @@
 !>
 !> A stretch ends where a loop opens, or at a dead point of the output: there F' = 0, and another stretch begins beyond. Near a dead
 !> point F - F* and F' are had from the second and third derivatives at both ends of the way to it (Hermite's quadrature), so that
-!> none of their digits is lost to the values at the dead point. Source: derivation in doc/theory.md.
+!> none of their digits is lost to the values at the dead point. Source: derivation in doc/theory/cams.md.
 module psalm_cam_stretch
    use psalm_angles, only: nearest_difference
    use psalm_error, only: problem_t

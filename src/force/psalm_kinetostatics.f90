@@ -4,7 +4,7 @@
 !> wrenches to the bodies; `sweep` then goes through the groups against the order in which motion was found. Each dyad
 !> passes the wrenches of its two bodies on to the bodies that carry it; what is left on the input link is held by the drive and
 !> the input's joint. One 2 by 2 system a dyad, the same as for the rates. With friction, which depends on the forces,
-!> the sweep is repeated until they do not change. Source: Oldham (1977), 15.1; derivation in `doc/theory.md`, Forces.
+!> the sweep is repeated until they do not change. Source: Oldham (1977), 15.1; derivation in `doc/theory/forces.md`.
 module psalm_kinetostatics
    use psalm_angles, only: angles_between, nearest_difference
    use psalm_assur, only: react_dyad, rows_to_react

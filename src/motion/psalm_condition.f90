@@ -4,7 +4,7 @@
 !> First-order bounds are carried along the plan: of each root an angle, of each point and slide a length, in units of
 !> epsilon. Every link pair multiplies by 1/sin of its transmission angle, every slide by its own factor. The error of
 !> `psalm` stays below 16 epsilon times this number; tests measure it against a build in quadruple precision.
-!> Derivation: `doc/theory.md`, section Condition.
+!> Derivation: `doc/theory/positions.md`, Condition.
 module psalm_condition
    use psalm_assur, only: bounds_of_dyad
    use psalm_elementary, only: hypotenuse

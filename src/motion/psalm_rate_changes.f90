@@ -1,8 +1,8 @@
 !> Changes of positions and of their first and second derivatives by the input with a variable.
 !>
 !> The matrix of a dyad is the same in every order of its derivatives by the input and by a dimension. So for each variable the plan
-!> is gone through once for positions, once for first and once for second derivatives by the input. Derivation: `doc/theory.md`,
-!> Sensitivities.
+!> is gone through once for positions, once for first and once for second derivatives by the input. Derivation:
+!> `doc/theory/rates.md`, Sensitivities.
 module psalm_rate_changes
    use psalm_arc_kernels, only: add_arc_change, add_change_of_rate, difference, solve_columns
    use psalm_dyad, only: dyad_t

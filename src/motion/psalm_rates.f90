@@ -3,7 +3,7 @@
 !> The plan that found the positions is gone through again, once for each order: each dyad's unknown derivatives obey two
 !> linear equations whose matrix is the same in every order and is inverted once. Input: the crank angle in radians, or the
 !> sliding input's length. Closed forms, no differencing. Source: Haines (about 1982), section 15.1; derivation in
-!> `doc/theory.md`, Rates.
+!> `doc/theory/rates.md`.
 module psalm_rates
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp

@@ -1,7 +1,7 @@
 !> Derivatives of the output with respect to the variables of a linkage.
 !>
 !> For each variable the plan is gone through once with the changes that variable makes, with the inverse matrices of
-!> `psalm_rates`. Angles vary in degrees. Derivation: `doc/theory.md`, Sensitivities.
+!> `psalm_rates`. Angles vary in degrees. Derivation: `doc/theory/rates.md`, Sensitivities.
 module psalm_sensitivity
    use psalm_arc_kernels, only: add_arc_change, difference, solve_columns
    use psalm_assur, only: closure_of, change_of_closure

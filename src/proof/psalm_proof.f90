@@ -2,7 +2,7 @@
 !>
 !> Closure is proven in the working precision; what stays in doubt, the ends included, is looked at again in quadruple precision.
 !> What is proven is true of the numbers as they were read, for every real input of the range. Recipe and formulas:
-!> `doc/theory.md`, Proof.
+!> `doc/theory/proof.md`.
 module psalm_proof
    use psalm_dimensions, only: dimensions_t
    use psalm_exact_sum, only: sign_of_sum

@@ -1,7 +1,7 @@
 !> Models of the rates of a linkage by its input: of directions, of slides, of points.
 !>
 !> They are models of the closed forms, not derivatives of a model, whose radius has none. Each dyad's unknown rates obey two
-!> linear equations (`doc/theory.md`, Rates). Numerators are kept beside the rates: where a denominator may vanish, near an end of
+!> linear equations (`doc/theory/rates.md`). Numerators are kept beside the rates: where a denominator may vanish, near an end of
 !> closing, they may still tell the sign. Unit of the input: radian, or length.
 module psalm_proof_rates
    use psalm_dyad_kind, only: assur_prp, assur_ppr, assur_rpp, assur_rpr, assur_rpr_guide_first, assur_rrp, assur_prr, assur_rrr

@@ -1,7 +1,7 @@
 !> One loop of a sketch: the arcs that close a dyad, with lengths, directions and signs read off the drawing.
 !>
 !> From the input pivot on the fewest arcs through links that are known to the dyad, through its two links, and back by the fewest
-!> arcs to the frame. Source: Oldham (1977), 15.1; signs: doc/manual.md, How a linkage is described.
+!> arcs to the frame. Source: Oldham (1977), 15.1; signs: doc/guide/loops.md.
 module psalm_loop_trace
    use psalm_angles, only: degrees_of, unit_vector
    use psalm_closure, only: closure_t, state_t

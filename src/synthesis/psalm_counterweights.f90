@@ -7,7 +7,7 @@
 !> of thickness t and density rho |p|**2/m + m**2/(2 pi rho t): no convex sets, but those with >= in place of = are, and give a
 !> bound. There the search goes by tangents: I is replaced by its tangent at the last centre and radius, which leaves a
 !> convex problem for masses, moments and thicknesses, with centres near the last ones; from many starts. Source of the loads
-!> and of discs: Haines (about 1982), chapter 8; the convex form is derived in `doc/theory.md`, Counterweights.
+!> and of discs: Haines (about 1982), chapter 8; the convex form is derived in `doc/theory/forces.md`, Counterweights.
 module psalm_counterweights
    use psalm_balance_group, only: form_point, form_body, form_disc
    use psalm_conic, only: conic_t, conic_solution_t, solve_conic

@@ -4,7 +4,7 @@
 !> and s its first moment about it, complex and in the link's axes. A weight mu with the first moment p adds mu z + p exp(i theta).
 !> The links whose columns exp(i theta), less their means, are a basis can balance what any others do: these bases are the
 !> minimal sets. For given links the least masses are a convex problem: min sum mu so that |p| <= reach*mu. Source: Oldham (1977),
-!> chapter 11; that its sets are bases of a linear matroid is shown in `doc/theory.md`, Counterweights.
+!> chapter 11; that its sets are bases of a linear matroid is shown in `doc/theory/forces.md`, Counterweights.
 module psalm_force_balance
    use psalm_conic, only: conic_t, conic_solution_t, solve_conic
    use psalm_kinds, only: wp

@@ -89,7 +89,7 @@ module psalm_search
       logical :: closes = .false.                 !! it could be
       integer :: spent = 0                        !! evaluations that took
       real(wp), allocatable :: supplied(:, :)     !! shape (nvar, supplied)
-      ! allocated, and by their classes: doc/architecture.md, where a large object stands
+      ! allocated, and by their classes: doc/develop/architecture.md, where a large object stands
       class(problem_t), allocatable :: problem
       class(constraints_t), allocatable :: constraints
       class(merit_t), allocatable :: merit

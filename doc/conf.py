@@ -1,0 +1,44 @@
+"""Settings of Sphinx for the book; scripts/book calls it. The navigation comes from the lists of links of doc/index.md and of the
+index of items, so that the pages stay plain Markdown."""
+import os
+import re
+
+project = "PSALM"
+author = "The PSALM team"
+with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "fpm.toml"), encoding="utf-8") as file:
+    release = re.search(r'^version = "(.*)"', file.read(), re.M).group(1)
+extensions = ["myst_parser"]
+root_doc = "index"
+source_suffix = {".md": "markdown"}
+myst_heading_anchors = 4            # anchors as code hosts make them
+nitpicky = True
+html_theme = "furo"
+html_title = "PSALM " + release
+html_show_sourcelink = False
+html_copy_source = False
+pygments_style = "default"
+pygments_dark_style = "monokai"
+
+
+def contents(text, folder):
+    """Hidden tables of contents: one for each heading of the second level, of all pages that are linked below it."""
+    found = []
+    for part in re.split(r"^## ", text, flags=re.M)[1:]:
+        caption = part.split("\n")[0]
+        pages = [page for page in dict.fromkeys(re.findall(r"\]\(([\w/]+)\.md\)", part))
+                 if os.path.exists(os.path.join(folder, page + ".md"))]
+        if pages:
+            found.append("```{toctree}\n:hidden:\n:caption: %s\n\n%s\n```\n" % (caption, "\n".join(pages)))
+    return found
+
+
+def add_contents(app, name, source):
+    folder = os.path.dirname(app.env.doc2path(name))
+    if name == root_doc:
+        source[0] += "\n" + "\n".join(contents(source[0], folder))
+    elif name == "reference/items":
+        source[0] += "\n" + contents(source[0], folder)[0]
+
+
+def setup(app):
+    app.connect("source-read", add_contents)
