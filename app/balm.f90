@@ -19,7 +19,7 @@ program balm
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
    character(*), parameter :: endings(*) = [character(10) :: '.svg', '.html', '.dxf', '.flat.dxf', '.gp', '.png', '.pdf', &
-                                           '.edit.html']
+                                           '.edit.html', '.move.svg']
    type(arguments_t) :: arguments
    logical :: finished
    integer :: code, i
@@ -34,6 +34,7 @@ program balm
       '                    changed and saved; without a case sketch.edit.html, empty'//nl// &
       '  --curves          curves too: CASE.gp, CASE.png, CASE.pdf, by gnuplot; convergence from CASE.dev1'//nl// &
       '  --assemblies      the SVG shows the other assembly of each dyad in grey'//nl// &
+      '  --animate         CASE.move.svg too: the linkage moves, without a script'//nl// &
       common_options// &
       nl//'Exit status: 0 done; 1 done, but the linkage violates closure or transmission limits; 2 the input is wrong'//nl// &
       '(the pictures show the messages); 3 a file could not be read or written, or gnuplot failed.'//nl, &
@@ -66,6 +67,7 @@ contains
 
       mark = begin_mark(arguments%program)
       if (arguments%assemblies) call mark%add('--assemblies')
+      if (arguments%animate) call mark%add('--animate')
       call read_cases(file, sets, findings, program='balm', mark=mark)
       call make_scenes(sets, findings, cases)
       do k = 1, size(cases)
@@ -78,7 +80,7 @@ contains
       stem = stem_of(file, arguments%output_dir)
       allocate (scripts(0))
       if (arguments%curves) call draw_scripts(cases, stem, mark, scripts)
-      call draw_file(cases, arguments%assemblies, mark%name(), pictures)
+      call draw_file(cases, arguments%assemblies, arguments%animate, mark%name(), pictures)
       if (size(pictures) == 0) return
       call prepare_outputs(arguments, stem, pictures%ending, ready, code)
       if (.not. ready) return

@@ -46,6 +46,7 @@ module psalm_console
       logical :: json = .false.                  !! psalm, kalm: the table of every case as CSV and JSON; muscle: results as JSON
       logical :: edit = .false., no_case = .false. !! balm: the drawing board; no case is named
       logical :: curves = .false., assemblies = .false. !! curves by gnuplot; psalm, balm: all assemblies
+      logical :: animate = .false.                 !! balm: an SVG that moves
       logical :: links = .false.                 !! psalm: sketches as &LINKS on device 7
       logical :: quiet = .false., help = .false., version = .false.
       logical :: items = .false., schema = .false. !! the items of a case are asked for, as a list or as a schema
@@ -268,7 +269,7 @@ contains
             arguments%version = .true.
          case ('--quiet', '-q')
             arguments%quiet = .true.
-         case ('--curves', '--assemblies', '--edit')
+         case ('--curves', '--assemblies', '--edit', '--animate')
             if (program /= 'balm' .and. .not. (program == 'ssics' .and. word == '--curves') .and. &
                 .not. (program == 'psalm' .and. word == '--assemblies')) then
                call say(program, "'"//word//"' is an option of balm"// &
@@ -279,6 +280,7 @@ contains
             arguments%edit = arguments%edit .or. word == '--edit'
             arguments%curves = arguments%curves .or. word == '--curves'
             arguments%assemblies = arguments%assemblies .or. word == '--assemblies'
+            arguments%animate = arguments%animate .or. word == '--animate'
          case ('--links')
             if (program /= 'psalm') then
                call say(program, "unknown option '"//word//"'; see --help")
@@ -321,8 +323,9 @@ contains
          end select
       end do
       arguments%no_case = size(arguments%files) == 0
-      if (arguments%edit .and. (arguments%curves .or. arguments%assemblies)) then
-         call say(program, '--edit makes the drawing board and no pictures; leave --curves and --assemblies out')
+      if (arguments%edit .and. (arguments%curves .or. arguments%assemblies .or. arguments%animate)) then
+         call say(program, '--edit makes the drawing board and no pictures; leave --curves, --assemblies '// &
+                  'and --animate out')
          arguments%code = exit_bad_input
       end if
       if (arguments%no_case) arguments%files = ['-']

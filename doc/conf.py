@@ -5,8 +5,7 @@ import re
 
 project = "PSALM"
 author = "The PSALM team"
-with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "fpm.toml"), encoding="utf-8") as file:
-    release = re.search(r'^version = "(.*)"', file.read(), re.M).group(1)
+release = os.environ.get("PSALM_VERSION", "")
 extensions = ["myst_parser"]
 root_doc = "index"
 source_suffix = {".md": "markdown"}

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The library from outside: the programs of example/, and the program of README.md in a package of its own that depends on this
+# The library from outside: the programs of example/, and the program of doc/guide/library.md in a package of its own that depends on this
 # checkout. What they print is compared with what the programs of the suite list.
 #
 # usage: test/library.sh PROGRAM_DIRECTORY [EXAMPLE_DIRECTORY]    the last line is N passed, N failed
@@ -84,14 +84,14 @@ if [ -n "$built" ]; then
     exit
 fi
 
-# the program of README.md: a package outside, with the checkout as its only dependency
+# the program of doc/guide/library.md: a package outside, with the checkout as its only dependency
 mkdir -p "$work/outside/app"
-awk '/^```fortran/ { on = 1; next } /^```/ { on = 0 } on' "$top/README.md" >"$work/outside/app/main.f90"
+awk '/^```fortran/ { on = 1; next } /^```/ { on = 0 } on' "$top/doc/guide/library.md" >"$work/outside/app/main.f90"
 printf 'name = "outside"\n[dependencies]\npsalm.path = "%s"\n' "$(realpath --relative-to="$work/outside" "$top")" >"$work/outside/fpm.toml"
-check "README.md: a program of a dozen lines" test "$(wc -l <"$work/outside/app/main.f90")" -le 13
+check "doc/guide/library.md: a program of a dozen lines" test "$(wc -l <"$work/outside/app/main.f90")" -le 13
 (cd "$work/outside" && "$fpm" run --profile debug --flag "-std=f2018 -O0" 2>"$work/outside.log") >"$work/outside.out"
-check "README.md: a package outside builds and runs" test $? -eq 0
-check "README.md: the slide that psalm lists" same_columns 24 <(grep -vE '^\[|^Project|^ \+' "$work/outside.out") "$work/motion"
+check "doc/guide/library.md: a package outside builds and runs" test $? -eq 0
+check "doc/guide/library.md: the slide that psalm lists" same_columns 24 <(grep -vE '^\[|^Project|^ \+' "$work/outside.out") "$work/motion"
 [ $failed -eq 0 ] || cat "$work"/*.log | grep -iE 'error' | head -20
 
 echo "$passed passed, $failed failed"

@@ -12,7 +12,7 @@ trap 'rm -rf "$work"' EXIT
 passed=0 failed=0
 check() { local law=$1; shift; if "$@" >"$work/log" 2>&1; then passed=$((passed + 1)); else
     failed=$((failed + 1)); printf 'FAILED: other languages: %s\n' "$law"; tail -5 "$work/log"; fi; }
-# the first three positions of the slider-crank of the README
+# the first three positions of the slider-crank of doc/guide/library.md
 slides() { "$@" >"$work/slides" && head -3 "$work/slides" | tr -s ' ' | grep -c -E '^ (0.0 179.6424|15.0 178.6366|30.0 174.2834)$' | grep -qx 3; }
 
 check 'it builds' "$top/scripts/build_library" "$lib"

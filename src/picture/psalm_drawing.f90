@@ -1,5 +1,6 @@
-!> Scenes become files: SVG and DXF of each case, one page of all, scripts for curves.
+!> Scenes become files: SVG, moving SVG and DXF of each case, one page of all, scripts for curves.
 module psalm_drawing
+   use psalm_animation, only: write_animation
    use psalm_curves, only: write_curves
    use psalm_data_set, only: data_set_t
    use psalm_dxf, only: write_dxf, write_flat_dxf
@@ -28,9 +29,10 @@ module psalm_drawing
 contains
 
    !> Pictures of a file: SVG and DXF of each case, one page of all.
-   subroutine draw_file(cases, assemblies, mark, pictures)
+   subroutine draw_file(cases, assemblies, animate, mark, pictures)
       type(pictured_t), intent(in) :: cases(:)
       logical, intent(in) :: assemblies        !! the SVG shows the other assembly of each pair
+      logical, intent(in) :: animate           !! an SVG that moves, too
       character(*), intent(in) :: mark         !! of the run
       type(picture_t), allocatable, intent(out) :: pictures(:)
       type(text_t) :: text
@@ -49,6 +51,11 @@ contains
          call add_comment()
          call put(ending(k, '.svg'))
          if (.not. cases(k)%scene%sound) cycle
+         if (animate .and. .not. allocated(cases(k)%poles)) then
+            call write_animation(cases(k)%scene, text)
+            call add_comment()
+            call put(ending(k, '.move.svg'))
+         end if
          call text%add('999') ! a comment of DXF
          call text%add('run '//mark)
          call write_dxf(cases(k)%scene, cases(k)%dxf, text)

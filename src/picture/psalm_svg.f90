@@ -20,7 +20,7 @@ module psalm_svg
    use psalm_view, only: drawing_unit, change_unit, take_in_others
    implicit none (type, external)
    private
-   public :: write_svg
+   public :: write_svg, class_of, draw_still, write_chain_style, write_style
 
    real(wp), parameter :: width = 960.0_wp, tallest = 660.0_wp, margin = 52.0_wp, header = 72.0_wp !! sizes, pixels
    real(wp), parameter :: line_height = 17.0_wp
@@ -255,6 +255,24 @@ contains
       if (allocated(scene%proof)) call draw_marks(scene, k, text)
       if (allocated(scene%forces)) call draw_centres_and_loads(scene%forces, scene%reference, k, text)
    end subroutine draw_linkage
+
+   !> What does not move: regions, what is reached, the path of the output point, the places wanted of it. In machine
+   !> co-ordinates.
+   subroutine draw_still(scene, k, text)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: k               !! pixels per unit of length
+      type(text_t), intent(inout) :: text
+      integer :: i
+
+      call draw_regions(scene, k, text)
+      call draw_envelope(scene, k, text)
+      call draw_path(scene, k, text)
+      if (.not. (scene%desired .and. scene%motion == motion_point)) return
+      do i = 1, scene%prescribed%n
+         call text%add('<use href="#diamond" class="desired" transform="translate('//pair(scene%prescribed%wish(1, i), &
+                       scene%prescribed%wish(2, i))//') scale('//short_number(1.0_wp/k)//')"/>')
+      end do
+   end subroutine draw_still
 
    !> Where joints must not go: shaded; where they must stay: a dashed outline. Of a half-plane a strip along its edge.
    subroutine draw_regions(scene, k, text)
