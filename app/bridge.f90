@@ -1,6 +1,6 @@
 !> bridge: joints with clearance in planar linkages - following, loss of contact, flight, impact - from a namelist file.
 program bridge
-   use psalm_batch, only: outputs_t, common_options, ending_of_case, prepare_loops, run_files
+   use psalm_batch, only: outputs_t, common_options, json_option, ending_of_case, prepare_loops, run_files
    use psalm_check_list, only: list_input
    use psalm_clearance_group, only: clearance_of
    use psalm_clearance_report, only: report_clearance
@@ -32,7 +32,8 @@ program bridge
       'Masses and loads come from &MASSES, &LOADS, &SPRING, the speed from &RATES.'//nl// &
       nl//'The listing goes to standard output; CASE.bridge.dev8 (input), CASE.bridge.dev9 (blocks) and CASE.bridge.svg'//nl// &
       '(load, force of contact, lag; with NCRAD the standard charts) beside the case.'//nl// &
-      nl//common_options// &
+      nl//json_option// &
+      common_options// &
       nl//'Exit status: 0 done; 1 done, but contact is lost, or cannot be studied; 2 the input is wrong; 3 a file could'//nl// &
       'not be read or written.'//nl, &
       outputs%suffix//outputs%endings, arguments, finished)

@@ -1,6 +1,6 @@
 !> calm: cams that drive planar linkages, from a namelist file.
 program calm
-   use psalm_batch, only: outputs_t, common_options, run_files, ending_of_case
+   use psalm_batch, only: csv_always, outputs_t, common_options, json_option, run_files, ending_of_case
    use psalm_cam_code, only: write_cam_code
    use psalm_cam_dxf, only: write_cam_dxf
    use psalm_cam_data, only: cam_group_t
@@ -31,8 +31,8 @@ program calm
    logical, save :: finished
    integer, save :: code
 
-   outputs = outputs_t(suffix='.calm', endings=['.dev8', '.dev9', '.csv '], of_search=[character(5) ::], &
-                       of_case=['.dxf ', '.svg ', '.html', '.nc  '])
+   outputs = outputs_t(suffix='.calm', endings=['.dev8', '.dev9'], of_search=[character(5) ::], &
+                       of_case=['.dxf ', '.svg ', '.html', '.nc  '], csv=csv_always)
    call begin('calm', &
       'usage: calm [options] [CASE.nml ...]'//nl// &
       nl//'The cam that makes the output of a linkage follow a law (&CAM): the linkage solved backwards, profile, cutter'//nl// &
@@ -40,10 +40,11 @@ program calm
       nl//'The listing goes to standard output; CASE.calm.dev8 (input), CASE.calm.dev9 and CASE.calm.csv (tables),'//nl// &
       'CASE.calm.dxf and CASE.calm.svg (drawings), CASE.calm.html (a page on which the cam turns) and with KGCODE=1'//nl// &
       'CASE.calm.nc (G-code of the cutter path) beside the case.'//nl// &
-      nl//common_options// &
+      nl//json_option// &
+      common_options// &
       nl//'Exit status: 0 done; 1 done, but the cam cannot be followed or made, or a limit is not kept;'//nl// &
       '2 the input is wrong; 3 a file could not be read or written.'//nl, &
-      outputs%suffix//outputs%endings, arguments, finished)
+      outputs%suffix//[character(5) :: outputs%endings, '.csv'], arguments, finished)
    code = arguments%code
    if (finished) call finish_program(code)
    call run_files(arguments, outputs, prepare_cam, run_case, code)

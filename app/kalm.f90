@@ -1,22 +1,20 @@
 !> kalm: velocities and accelerations of planar linkages from a namelist file.
 program kalm
-   use psalm_batch, only: outputs_t, common_options, run_files
+   use psalm_batch, only: csv_of_sketches, outputs_t, common_options, json_option, run_files
    use psalm_console, only: arguments_t, begin
    use psalm_check_list, only: list_input
-   use psalm_case_table, only: report_case_table
    use psalm_chain_proof_study, only: chain_proof_t, prove_loops
-   use psalm_chain_report, only: report_chain_proof, report_outputs, report_sketch_table, &
-                                 report_still_drives
+   use psalm_chain_report, only: report_chain_proof, report_outputs, report_still_drives
    use psalm_chain_study, only: chain_study_t
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_devices, only: devices_t, header_of
    use psalm_error, only: problem_t, make_problem
    use psalm_force_model, only: forces_wanted
-   use psalm_force_table, only: add_force_columns
    use psalm_force_study, only: force_study_t, find_forces
    use psalm_machine_study, only: machine_study_t, find_machine
    use psalm_mark, only: mark_t
+   use psalm_position_table, only: put_sketch
    use psalm_preparation, only: demand_t, prepared_t, prepare
    use psalm_proof_study, only: proof_study_t, study_proof, proof_wanted, no_proof
    use psalm_rate_study, only: rate_study_t, find_rates
@@ -36,7 +34,7 @@ program kalm
    logical, save :: finished
    integer, save :: code
 
-   outputs = outputs_t(suffix='.kalm', endings=['.dev8', '.dev9'], of_search=[character(5) ::], tables=.true.)
+   outputs = outputs_t(suffix='.kalm', endings=['.dev8', '.dev9'], of_search=[character(5) ::], csv=csv_of_sketches)
    call begin('kalm', &
       'usage: kalm [options] [CASE.nml ...]'//nl// &
       nl//'Displacement, velocity, acceleration and jerk of the output of each case, at its positions. The group'//nl// &
@@ -45,7 +43,7 @@ program kalm
       'moment on the frame; with &MOTOR: steady cycle, run-up, flywheel.'//nl// &
       nl//'The listing goes to standard output; CASE.kalm.dev8 (input; with KTHETA=1 all arcs and joints) and'//nl// &
       'CASE.kalm.dev9 beside the case.'//nl// &
-      nl//'  --json            the table of every case as CASE.kalm.csv and CASE.kalm.json'//nl// &
+      nl//json_option// &
       common_options// &
       nl//'Exit status: 0 done; 1 done, but the linkage does not close somewhere or passes a dead point;'//nl// &
       '2 the input is wrong; 3 a file could not be read or written.'//nl, &
@@ -101,13 +99,9 @@ contains
       end if
       if (set%sketch%given) then
          call study_sketch(set, problem, prepared%given, rates%motion%closed, set%pace(), set%change_of_pace(), sketch)
-         call report_sketch_table(set, sketch, accelerations, devices)
+         call put_sketch(set%sketch, sketch, accelerations, devices%cases(devices%last_case()), forces)
          call report_still_drives(set, devices)
-      else if (arguments%json) then
-         call report_case_table(set, problem, rates%motion, devices, rates)
       end if
-      if (allocated(forces) .and. (set%sketch%given .or. arguments%json)) &
-         call add_force_columns(forces, devices%tables(size(devices%tables)))
       call report_rates(set, problem, rates, devices, forces, machine)
       if (set%sketch%given) call report_outputs(set, sketch, rates%motion%beyond, accelerations, devices)
       if (proof_wanted(set, .false.) /= no_proof .and. set%is_beyond_arrays()) then

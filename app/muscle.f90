@@ -1,6 +1,6 @@
 !> muscle: counterweights and springs for planar linkages, from a namelist file.
 program muscle
-   use psalm_batch, only: outputs_t, common_options, prepare_loops, run_files
+   use psalm_batch, only: outputs_t, common_options, json_option, prepare_loops, run_files
    use psalm_check_list, only: list_input
    use psalm_console, only: arguments_t, begin
    use psalm_data_set, only: data_set_t
@@ -21,7 +21,7 @@ program muscle
    logical, save :: finished
    integer, save :: code
 
-   outputs = outputs_t(suffix='.muscle', endings=['.dev7', '.dev8', '.dev9', '.json'], of_search=[character(5) ::])
+   outputs = outputs_t(suffix='.muscle', endings=['.dev7', '.dev8', '.dev9'], of_search=[character(5) ::])
    call begin('muscle', &
       'usage: muscle [options] [CASE.nml ...]'//nl// &
       nl//'Counterweights (&BALANC): complete force balance - whether it is possible, on which links, with what masses -'//nl// &
@@ -29,7 +29,7 @@ program muscle
       'Springs (&SPRNGS) that make the range or RMS of the drive torque, or of the load of a joint, least.'//nl// &
       nl//'The listing goes to standard output; CASE.muscle.dev7 (the case with weights and springs, for kalm and balm),'//nl// &
       'CASE.muscle.dev8 (input) and CASE.muscle.dev9 (blocks) beside the case.'//nl// &
-      nl//'  --json            write CASE.muscle.json too'//nl// &
+      nl//json_option// &
       common_options// &
       nl//'Exit status: 0 done; 1 done, but what was asked for is impossible or not within the limits;'//nl// &
       '2 the input is wrong; 3 a file could not be read or written.'//nl, &

@@ -2,13 +2,12 @@
 program psalm
    use psalm_assembly_list, only: report_assemblies
    use psalm_assembly_study, only: assembly_study_t, study_assemblies
-   use psalm_batch, only: outputs_t, common_options, run_file
+   use psalm_batch, only: csv_of_sketches, outputs_t, common_options, json_option, run_file
    use psalm_console, only: arguments_t, path_progress_t, progress_t, begin, device4_of, show_findings
    use psalm_analysis, only: analysis_t, wanted_t, analyse, wanted_by
-   use psalm_case_table, only: report_case_table
    use psalm_cases, only: resolve_drawn
    use psalm_chain_proof_study, only: chain_proof_t, prove_loops
-   use psalm_chain_report, only: report_chain_proof, report_outputs, report_sketch_table
+   use psalm_chain_report, only: report_chain_proof, report_outputs
    use psalm_chain_search_list, only: report_chain_search
    use psalm_chain_synthesis, only: chain_synthesis_t, synthesise_chain
    use psalm_chain_study, only: chain_study_t
@@ -25,6 +24,7 @@ program psalm
    use psalm_mark, only: mark_t
    use psalm_limits_group, only: proof_by_default
    use psalm_mechanism, only: mechanism_t
+   use psalm_position_table, only: put_positions, put_sketch
    use psalm_preparation, only: prepared_t, prepare, threads_for, threads_wanted
    use psalm_proof_study, only: proof_study_t, study_proof, proof_wanted, no_proof
    use psalm_report, only: most_summarised, begin_search_report, report_search, report_analysis, report_found, &
@@ -53,13 +53,13 @@ program psalm
    logical, save :: finished
    integer, save :: code, i
 
-   outputs = outputs_t(suffix='', endings=['.dev7', '.dev8', '.dev9'], of_search=['.dev1', '.dev2'], tables=.true.)
+   outputs = outputs_t(suffix='', endings=['.dev7', '.dev8', '.dev9'], of_search=['.dev1', '.dev2'], csv=csv_of_sketches)
    call begin('psalm', &
       'usage: psalm [options] [CASE.nml ...]'//nl// &
       nl//'Analyses the linkage of each case, or searches for better dimensions where the case has variables.'//nl// &
       'Without a file, or with -, the case is read from standard input.'//nl// &
       nl//'The listing goes to standard output; CASE.dev1, .dev2, .dev7, .dev8 and .dev9 beside the case.'//nl// &
-      nl//'  --json            the table of every case as CASE.csv and CASE.json'//nl// &
+      nl//json_option// &
       '  --assemblies      list every way in which the links of a sketch can be put together'//nl// &
       '  --links           device 7 has the equivalent &LINKS of a sketch, where they exist'//nl// &
       '  --device4 FILE    read supplied vertices (NGUESS) from FILE; default CASE.dev4'//nl// &
@@ -169,10 +169,10 @@ contains
       call report_analysis(set, problem, analysis, prepared%warnings, devices)
       if (set%sketch%given .and. .not. set%wants_search()) then
          call study_sketch(set, problem, dimensions, analysis%motion%closed, 1.0_wp, 0.0_wp, sketch)
-         call report_sketch_table(set, sketch, 0, devices)
+         call put_sketch(set%sketch, sketch, 0, devices%cases(devices%last_case()))
          call report_outputs(set, sketch, analysis%motion%beyond, 0, devices)
-      else if (arguments%json) then
-         call report_case_table(set, problem, analysis%motion, devices)
+      else
+         call put_positions(problem, analysis%motion, devices%cases(devices%last_case()), analysis%condition)
       end if
       if (arguments%links .and. set%is_beyond_arrays()) &
          call devices%remark(set, 'device 7 has the sketch: its loops are none that &LINKS can tell')
@@ -191,7 +191,7 @@ contains
          allocate (tolerances)
          if (set%method%ifree /= 0 .and. size(search%found%best) > 0) delt = search%found%best(1)%delt
          call study_tolerances(set, problem%mechanism, dimensions, threads, stop, tolerances, delt)
-         call report_tolerances(set, tolerances, devices)
+         call report_tolerances(set, problem%mechanism%sliding_input, tolerances, devices)
       end if
       if (set%gives('SWEEP')) call run_family(set, problem%mechanism, dimensions, devices)
       if (proof_wanted(set, prepared%parameters%has_search()) /= no_proof) then

@@ -12,9 +12,13 @@ module psalm_batch
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: outputs_t, prepare_case, study_case, common_options, prepare_loops, run_file, run_files, ending_of_case
+   public :: csv_of_sketches, csv_always
+   public :: outputs_t, prepare_case, study_case, common_options, json_option, prepare_loops, run_file, run_files, ending_of_case
 
    integer, parameter :: ending_length = 16
+   integer, parameter :: csv_asked = 0               !! with --json
+   integer, parameter :: csv_of_sketches = 1         !! of sketches always
+   integer, parameter :: csv_always = 2
    character(*), parameter :: nl = new_line('a')
 
    !> Options that every program has, for its `--help`.
@@ -25,13 +29,17 @@ module psalm_batch
       '  --version         print the version'//nl// &
       '  --help            print this text'//nl
 
+   !> That of the programs that compute.
+   character(*), parameter :: json_option = &
+      '  --json            all tables of every case as CSV and JSON: CASE.csv, CASE.BLOCK.csv, CASE.json'//nl
+
    !> Files that a program writes beside a case.
    type :: outputs_t
       character(:), allocatable :: suffix            !! between the name of the case and the endings
       character(5), allocatable :: endings(:)        !! of every run
       character(5), allocatable :: of_search(:)      !! of a run that searches, besides
       character(5), allocatable :: of_case(:)        !! of each case; from the second on with its number
-      logical :: tables = .false.                    !! a sketch gets a table for other programs, with --json every case
+      integer :: csv = csv_asked                     !! when the main table of a case is written as CSV
    end type outputs_t
 
    abstract interface
@@ -147,9 +155,10 @@ contains
       stem = stem_of(file, arguments%output_dir)//outputs%suffix
       endings = [character(ending_length) :: outputs%endings]
       if (any([(sets(k)%wants_search(), k=1, size(sets))])) endings = [character(ending_length) :: endings, outputs%of_search]
-      if (outputs%tables .and. (arguments%json .or. any([(sets(k)%sketch%given, k=1, size(sets))]))) &
-         endings = [character(ending_length) :: endings, '.csv']
-      if (outputs%tables .and. arguments%json) endings = [character(ending_length) :: endings, '.json']
+      do k = 1, size(sets)
+         if (arguments%json .or. in_file(sets(k))) endings = [character(ending_length) :: endings, ending_of_case(k, '.csv')]
+      end do
+      if (arguments%json) endings = [character(ending_length) :: endings, '.json']
       if (allocated(outputs%of_case)) then
          do k = 1, size(sets)
             endings = [character(ending_length) :: endings, (ending_of_case(k, outputs%of_case(i)), i=1, size(outputs%of_case))]
@@ -161,6 +170,7 @@ contains
       stopped = .false.
       if (present(together)) call together(sets, prepared, devices)
       do k = 1, size(sets)
+         call devices%begin_case(trim(sets(k)%title), in_file(sets(k)))
          call study(k, sets(k), prepared(k), devices, stopped)
          if (stopped) exit
       end do
@@ -170,5 +180,14 @@ contains
       end if
       code = max(code, devices%code)
       call write_devices(arguments, stem, devices, code)
+
+   contains
+
+      !> True if the main table of a case goes into a CSV file without being asked for.
+      logical function in_file(set)
+         type(data_set_t), intent(in) :: set
+
+         in_file = outputs%csv == csv_always .or. (outputs%csv == csv_of_sketches .and. set%sketch%given)
+      end function in_file
    end subroutine run_file
 end module psalm_batch

@@ -14,7 +14,9 @@ module psalm_console
                            make_directories, same_file, standard_error, standard_input, standard_output, write_standard_error, &
                            write_standard_output
    use psalm_stop, only: stop_request_t
-   use psalm_table, only: write_csv, write_json
+   use psalm_tables, only: for_plots
+   use psalm_table_csv, only: write_csv
+   use psalm_table_json, only: write_json
    use psalm_text, only: text_t, general, to_text
    use psalm_version, only: version
    implicit none (type, external)
@@ -43,7 +45,7 @@ module psalm_console
       character(:), allocatable :: output_dir    !! empty: beside the case
       character(:), allocatable :: device4       !! empty: CASE.dev4
       integer :: threads = 0                     !! 0: not given
-      logical :: json = .false.                  !! psalm, kalm: the table of every case as CSV and JSON; muscle: results as JSON
+      logical :: json = .false.                  !! all tables of every case as CSV and JSON
       logical :: edit = .false., no_case = .false. !! balm: the drawing board; no case is named
       logical :: curves = .false., assemblies = .false. !! curves by gnuplot; psalm, balm: all assemblies
       logical :: animate = .false.                 !! balm: an SVG that moves
@@ -288,9 +290,9 @@ contains
             end if
             arguments%links = .true.
          case ('--json')
-            arguments%json = any(program == [character(6) :: 'psalm', 'kalm', 'muscle'])
+            arguments%json = program /= 'balm'
             if (.not. arguments%json) then
-               call say(program, '--json is an option of psalm, kalm and muscle: results as JSON; see --help')
+               call say(program, '--json is an option of the programs that compute: results as CSV and JSON; see --help')
                arguments%code = exit_bad_input
             end if
          case ('--items')
@@ -415,7 +417,6 @@ contains
       integer, intent(inout) :: code
       type(exchange_t) :: files
       character(:), allocatable :: nine, written
-      type(text_t) :: csv, json
       logical :: done
       integer :: first_line, k
 
@@ -425,30 +426,13 @@ contains
       if (devices%two%length > 0) call add('2', 'first simplex', '! run '//devices%mark//nl//devices%two%content())
       if (devices%seven%length > 0) call add('7', 'linkage as a data set', '! run '//devices%mark//nl//devices%seven%content())
       if (devices%eight%length > 0) call add('8', 'input as read', devices%eight%content()) ! has the mark in its header
-      if (devices%nine%length > 0) then
+      nine = devices%nine()
+      if (len(nine) > 0) then
          ! the first line names the columns, where programs that plot look for them
-         nine = devices%nine%content()
          first_line = index(nine, nl)
          call add('9', 'table for plotting', nine(:first_line)//'# run '//devices%mark//nl//nine(first_line + 1:))
       end if
-      if (allocated(devices%tables)) then
-         call write_tables()
-         call files%add(stem//'.csv', csv%content())
-         written = written//', .csv (table for other programs)'
-         if (arguments%json) then
-            call files%add(stem//'.json', json%content())
-            written = written//', .json (the same)'
-         end if
-      end if
-      if (arguments%json .and. devices%json%length > 0) then
-         ! one object; of several cases a list of them
-         if (index(devices%json%content(), '},'//nl//'{"title"') > 0) then
-            call files%add(stem//'.json', '['//devices%json%content()//']'//nl)
-         else
-            call files%add(stem//'.json', devices%json%content()//nl)
-         end if
-         written = written//', .json (results for other programs)'
-      end if
+      call add_tables()
       if (allocated(devices%drawings)) then
          do k = 1, size(devices%drawings)
             call files%add(stem//devices%drawings(k)%ending, devices%drawings(k)%content)
@@ -469,14 +453,34 @@ contains
 
    contains
 
-      subroutine write_tables()
-         integer :: i
+      !> Tables for other programs: one CSV file each, all of them as JSON.
+      subroutine add_tables()
+         type(text_t) :: text
+         character(:), allocatable :: ending
+         integer :: i, t
 
-         do i = 1, size(devices%tables)
-            call write_csv(devices%tables(i), csv)
+         if (.not. devices%has_tables()) return
+         do i = 1, size(devices%cases)
+            do t = 1, devices%cases(i)%count
+               associate (table => devices%cases(i)%tables(t))
+                  if (table%audience == for_plots) cycle
+                  if (.not. (arguments%json .or. (table%main .and. devices%cases(i)%in_file))) cycle
+                  ending = '.csv'
+                  if (.not. table%main) ending = '.'//table%block//ending
+                  if (i > 1) ending = '-'//to_text(i)//ending
+                  text%length = 0
+                  call write_csv(table, text)
+                  call files%add(stem//ending, text%content())
+                  written = written//', '//ending
+               end associate
+            end do
          end do
-         if (arguments%json) call write_json(devices%tables, arguments%program, version, devices%mark, json)
-      end subroutine write_tables
+         if (.not. arguments%json) return
+         text%length = 0
+         call write_json(devices%cases, arguments%program, version, devices%mark, text)
+         call files%add(stem//'.json', text%content())
+         written = written//', .json (all tables)'
+      end subroutine add_tables
 
       subroutine add(number, purpose, text)
          character(*), intent(in) :: number, purpose, text

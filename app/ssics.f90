@@ -1,6 +1,6 @@
 !> ssics: steady state and stability of the drives and links of planar linkages, from a namelist file.
 program ssics
-   use psalm_batch, only: outputs_t, common_options, prepare_loops, run_file
+   use psalm_batch, only: outputs_t, common_options, json_option, prepare_loops, run_file
    use psalm_check_list, only: list_input
    use psalm_console, only: arguments_t, begin, prepare_outputs, stem_of
    use psalm_data_set, only: data_set_t
@@ -33,6 +33,7 @@ program ssics
       'Hill equation given by tables (&HILL). Masses and loads come from &MASSES, &LOADS, &SPRING, the speed from &RATES.'//nl// &
       nl//'The listing goes to standard output; CASE.ssics.dev8 (input) and CASE.ssics.dev9 (blocks) beside the case.'//nl// &
       nl//'  --curves          curves too: CASE.ssics.gp, .png, .pdf, by gnuplot'//nl// &
+      json_option// &
       common_options// &
       nl//'Exit status: 0 done; 1 done, but a motion is unstable, a link buckles, or the crank cannot turn;'//nl// &
       '2 the input is wrong; 3 a file could not be read or written, or gnuplot failed.'//nl, &

@@ -35,7 +35,7 @@ import xml.etree.ElementTree as ElementTree
 
 TOP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 # ways of calling the programs; how often, of 24 inputs
-CALLS = {"psalm": 6, "psalm --json": 1, "psalm --assemblies": 1, "psalm --links": 1, "kalm": 3, "kalm --json": 1, "balm": 3,
+CALLS = {"psalm": 6, "psalm --json": 1, "psalm --assemblies": 1, "psalm --links": 1, "kalm": 3, "kalm --json": 1, "ssics --json": 1, "bridge --json": 1, "calm --json": 1, "balm": 3,
          "balm --assemblies": 1, "balm --edit": 1, "muscle": 1, "muscle --json": 1, "ssics": 1, "bridge": 1, "calm": 2}
 OWN_SEEDS = {"muscle": "muscle", "calm": "calm", "ssics": "ssics", "bridge": "bridge"}   # folders of data/
 JSON_INPUTS = 0.1                # part of the inputs that is JSON
@@ -48,7 +48,7 @@ ALIEN_WORDS = re.compile(rb"Fortran runtime|At line \d+ of file|[Bb]acktrace|Err
                          rb"libgomp:|runtime error:|AddressSanitizer|LeakSanitizer|terminate called|Segmentation|Aborted|"
                          rb"IEEE_[A-Z]|\bSTOP\b")
 NO_NUMBER = re.compile(rb"(?<![\w.])[-+]?(?:NaN|Inf|Infinity)(?![\w.])|\*{4,}")
-PROMISED = re.compile(r"case(\.(kalm|muscle|ssics|bridge|calm))?\.(dev[12789]|csv|json)|case\.(nml|edit\.html)|"
+PROMISED = re.compile(r"case(\.(kalm|muscle|ssics|bridge|calm))?\.(dev[12789]|json)|case(\.(kalm|muscle|ssics|bridge|calm))?(-\d+)?(\.[a-z_]+\d*)?\.csv|case\.(nml|edit\.html)|"
                       r"case(\.(ssics|bridge|calm))?([-.]\d+)?\.(svg|html|nc|(?:flat\.)?dxf)")
 # items that say how much is to be done: a valid large value would be a long run, no fault
 WORK = {"NITER", "NSTART", "NTRIAL", "NBEST", "MAXEVAL", "FIRST", "MAXTIME", "NSWEEP", "NGRID", "NSUB", "NTURN", "NWSTRT",

@@ -12,7 +12,6 @@ what was found. --show prints what the programs say to the fields of --only. Las
 import argparse
 import cmath
 import csv
-import json
 import math
 import os
 import re
@@ -21,6 +20,7 @@ import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 
+from results import cases_of, counterweights
 from tally import check, report
 
 TOP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
@@ -798,8 +798,7 @@ def balance(k):
 
 
 def balance_figures(_, run):
-    text = run.file(".muscle.json")
-    found = json.loads(text) if text else {}
+    found = counterweights(cases_of(os.path.join(run.work, run.name + ".muscle.json"))[0]) if run.file(".muscle.json") else {}
     return {"before": [found["before"][n]["rms"] for n in ("force", "moment")] if "before" in found else []}
 
 

@@ -900,15 +900,19 @@ def run(programs, program, folder, cases, order):
         for case in cases:
             file.write(case.text(case is cases[-1], case.seed*4 + order))
     stem = path[:-4] + ("" if program == "psalm" else "." + program)
-    for end in (".csv", ".dev9"):
-        if os.path.exists(stem + end):
-            os.remove(stem + end)
+    files = [stem + ("-%d" % (k + 1) if k else "") + ".csv" for k in range(len(cases))]
+    for name in files + [stem + ".dev9"]:
+        if os.path.exists(name):
+            os.remove(name)
     done = subprocess.run([os.path.join(programs, program), path], capture_output=True, text=True, check=False, timeout=600)
     if done.returncode not in (0, 1) or not os.path.exists(stem + ".csv"):
         return done.returncode, done.stderr, None
     outputs = [Output() for _ in cases]
-    with open(stem + ".csv", encoding="ascii") as file:
-        tables = [table.strip().split("\n") for table in file.read().split("\n\n")]
+    tables = []
+    for name in files:
+        if os.path.exists(name):
+            with open(name, encoding="ascii") as file:
+                tables.append(file.read().strip().split("\n"))
     for output, table in zip(outputs, tables):
         names = different(table[0].split(","))
         output.csv = [dict(zip(names, map(number, line.split(",")))) for line in table[1:]]

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The tables for other programs: CASE.csv and CASE.json of psalm and kalm hold the same figures, those of device 9.
+"""Tables for other programs: what CSV, JSON and device 9 of all programs say is the same, digit by digit; JSON keeps to its schema.
 
 usage: test/tables.py PROGRAM_DIRECTORY. Last line: N passed, N failed."""
 import csv
@@ -15,61 +15,87 @@ from tally import check, report
 
 TOP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 NUMBER = re.compile(r"-?\d\.\d{16}E[-+]\d\d+")
+MAIN = ("positions", "cam")       # blocks whose CSV file is called by the case alone
 
 
-def tables(name):
-    """Tables of a CSV file: names, rows of texts."""
+def rows_of(name):
+    """Names and rows of a CSV file."""
     with open(name, encoding="utf-8", newline="") as file:
-        parts = file.read().split("\n\n")
-    return [(rows[0], rows[1:]) for rows in (list(csv.reader(part.strip("\n").split("\n"))) for part in parts)]
+        rows = list(csv.reader(file))
+    return rows[0], rows[1:]
 
 
 def device9(name):
-    """Rows of the first block of device 9."""
+    """Blocks of device 9: names of columns (behind the first #, or behind # block NAME), rows. A block without a name is called ''."""
+    found = []
     with open(name, encoding="utf-8") as file:
-        block = file.read().split("\n\n\n")[0]
-    return [line.split() for line in block.splitlines() if line and not line.startswith("#")]
+        for block in file.read().split("\n\n\n"):
+            lines = block.splitlines()
+            named = lines[0].startswith("# block ")
+            heads = [line for line in lines if line.startswith("#") and not line.startswith("# run ")]
+            columns = heads[1 if named else 0][1:].split("   ")[0].split()
+            found.append((lines[0][8:] if named else "", columns, [line.split() for line in lines if line and not line.startswith("#")]))
+    return found
 
 
-def compare(program, case, stem):
-    """CSV and JSON of a case say the same, digit by digit."""
+def run(program, case, *options):
+    """JSON of a case, after a look at what it promises."""
     law = "%s, %s: " % (os.path.basename(program), os.path.basename(case))
-    done = subprocess.run([program, "--quiet", "--json", "--output-dir", ".", case], capture_output=True, text=True, check=False)
-    if not check_code(law, done):
-        return []
+    done = subprocess.run([program, "--quiet", "--json", *options, "--output-dir", ".", case], capture_output=True, text=True, check=False)
+    name = os.path.basename(program)
+    stem = os.path.basename(case)[:-4] + ("" if name == "psalm" else "." + name)
+    check(law + "runs", done.returncode in (0, 1), done.stderr)
+    if done.returncode not in (0, 1):
+        return law, stem, None
     with open(stem + ".json", encoding="utf-8") as file:
         whole = json.load(file, parse_float=str)
-    sheets = tables(stem + ".csv")
-    check(law + "as many cases", len(sheets) == len(whole["cases"]))
-    check(law + "named", whole["program"] == os.path.basename(program) and re.fullmatch("[0-9A-F]{16}", whole["run"]), str(whole)[:80])
-    for (names, rows), one in zip(sheets, whole["cases"]):
-        columns = one["columns"]
-        check(law + "the same columns", list(columns) == names, str(names))
-        check(law + "the same figures", all(
-            [("" if v is None else str(v)) for v in columns[name]] == [row[k] for row in rows] for k, name in enumerate(names)))
-        check(law + "17 digits", all(not field or names[k] == "closed" or NUMBER.fullmatch(field) for row in rows for k, field in enumerate(row)))
-        check(law + "what does not close is empty", all(
-            all(not f for f in row[names.index("closed") + 1:] if True) for row in rows if row[names.index("closed")] == "0"
-            ) or any(name.startswith("desired") for name in names))
-    return sheets
+    check(law + "named", whole["program"] == name and re.fullmatch("[0-9A-F]{16}", whole["run"]), str(whole)[:80])
+    return law, stem, whole
+
+
+def as_csv(value):
+    return "" if value is None else str(value)
+
+
+def compare(program, case, *options):
+    """CSV, JSON and device 9 of a case say the same; the tables of its first case."""
+    law, stem, whole = run(program, case, *options)
+    if whole is None:
+        return {}
+    for k, one in enumerate(whole["cases"]):
+        for name, block in one["blocks"].items():
+            number = "-%d" % (k + 1) if k else ""
+            names, rows = rows_of(stem + number + ("" if name in MAIN else "." + name) + ".csv")
+            columns = block["columns"]
+            check(law + name + ": the same columns", list(columns) == names and list(block["units"]) == names, str(names))
+            check(law + name + ": names are different", len(set(names)) == len(names), str(names))
+            check(law + name + ": the same figures", all([as_csv(v) for v in columns[n]] == [row[i] for row in rows] for i, n in enumerate(names)))
+            check(law + name + ": 17 digits", all(not isinstance(v, str) or NUMBER.fullmatch(v) or not re.fullmatch(r"[-+.\dE]+", v)
+                                                 for values in columns.values() for v in values))
+            if "closed" in columns:
+                check(law + name + ": what does not close is empty", all(
+                    v is None for n, values in columns.items() if not n.startswith(("input", "closed", "desired", "setting", "position"))
+                    for closed, v in zip(columns["closed"], values) if closed == 0))
+    if os.path.exists(stem + ".dev9"):
+        blocks = [(name, block) for one in whole["cases"] for name, block in one["blocks"].items()]
+        for name, heads, rows in device9(stem + ".dev9"):
+            if not name or name == "outputs":
+                continue
+            if not any(n == name and [[as_csv(v) for v in row] for row in zip(*b["columns"].values())] == [
+                    [v if v != "NaN" else "" for v in row] for row in rows] for n, b in blocks):
+                check(law + "block %s of device 9 is that of JSON" % name, all(
+                    not re.fullmatch(r"[-+.\dE]+", v) for row in rows[:1] for v in row) and any(n == name for n, _ in blocks), str(rows[:1]))
+    return whole["cases"][0]["blocks"]
 
 
 def forces(kalm, case):
-    """The columns of forces are those of device 9, the last of the table."""
-    stem = os.path.basename(case)[:-4] + ".kalm"
-    names, rows = compare(kalm, case, stem)[0]
-    with open(stem + ".dev9", encoding="utf-8") as file:
-        first = next(line for line in file if line.startswith("# input"))
-    columns = first.split()[1:]
-    columns = columns[columns.index("drive"):]
-    check(stem + ": columns of forces", names[-len(columns):] == columns, str(names))
-    check(stem + ": figures of forces", [row[-len(columns):] for row in rows] == [row[-len(columns):] for row in device9(stem + ".dev9")])
-
-
-def check_code(law, done):
-    good = done.returncode in (0, 1)
-    check(law + "runs", good, done.stderr)
-    return good
+    """The columns of forces are those of device 9."""
+    columns = compare(kalm, case)["positions"]["columns"]
+    _, heads, rows = device9(os.path.basename(case)[:-4] + ".kalm.dev9")[0]
+    first = heads.index("drive")
+    check(case + ": columns of forces", all(n in columns for n in heads[first:]), str(heads))
+    check(case + ": figures of forces", all(
+        [v or "NaN" for v in map(as_csv, columns[n])] == [row[first + k] for row in rows] for k, n in enumerate(heads[first:])))
 
 
 def main(directory):
@@ -82,38 +108,52 @@ def main(directory):
         check("there are sketches", len(sketches) > 15)
         for case in sketches:
             stem = os.path.basename(case)[:-4]
-            names = compare(psalm, case, stem)[0][0]
+            names = list(compare(psalm, case)["positions"]["columns"])
             joints = [name[:-2] for name in names if name.endswith(".x")]
             with open(case, encoding="utf-8") as file:
                 own = re.findall(r"'([^']+)'", re.search(r"JNT=(.*?)\bJX", file.read(), re.S)[1])
             check(stem + ": every joint", set(own) <= set(joints), str(joints))
-            with_rates = compare(kalm, case, stem + ".kalm")[0][0]
+            with_rates = compare(kalm, case)["positions"]["columns"]
             check(stem + ": rates of every joint", all(j + "." + v in with_rates for j in own for v in ("vx", "vy", "ax", "ay")))
             check(stem + ": rates of every output", all(n + v in with_rates for n in names[:names.index(own[0] + ".x")]
                                                        if not n.startswith(("input", "closed")) for v in (".v", ".a")))
         for name in ("needle", "engine", "textile", "door_five_poses", "actuator_davis_steering"):
             case = os.path.join(data, name + ".nml")
-            (names, rows), = compare(psalm, case, name)[:1]
-            nine = device9(name + ".dev9")
-            width = 2 + sum(1 for n in names if n.startswith("output"))
-            check(name + ": output as on device 9", [[f or "NaN" for f in row[:width]] for row in rows] == [row[:width] for row in nine])
-            names = compare(kalm, case, name + ".kalm")[0][0]
-            check(name + ": rates of the output", any(n.endswith(".v") for n in names) and any(n.endswith(".a") for n in names), str(names))
+            columns = compare(psalm, case)["positions"]["columns"]
+            _, heads, rows = device9(name + ".dev9")[0]
+            for k, (head, column) in enumerate(zip(heads, ("input", "closed"))):
+                check(name + ": %s as on device 9" % head, [as_csv(v) for v in columns[column]] == [row[k] for row in rows])
+            for head in (h for h in heads if h.startswith(("actual", "desired"))):
+                column = re.sub("^actual", "output", head).replace("_", ".")
+                check(name + ": %s as on device 9" % head, [as_csv(v) or "NaN" for v in columns[column]] == [row[heads.index(head)] for row in rows])
+            columns = compare(kalm, case)["positions"]["columns"]
+            check(name + ": rates of the output", all(any(n.endswith(e) for n in columns) for e in (".v", ".a", ".j", ".first", ".third")), str(list(columns)))
         with open(os.path.join(data, "excavator.nml"), encoding="utf-8") as file:
             digger = file.read() + " &RATES SPEED=0.2 &END\n &MASSES NMASS=1, MNAME='bucket T', MASS=100.0, GRAVY=-9.81 &END\n"
         with open("digger.nml", "w", encoding="utf-8") as file:
             file.write(digger)
         for case in (os.path.join(data, "engine.nml"), "digger.nml"):
             forces(kalm, case)
-        done = subprocess.run([os.path.join(directory, "ssics"), "--json", sketches[0]], capture_output=True, text=True, check=False)
-        check("--json is no option of ssics", done.returncode == 2 and "--json is an option of psalm, kalm and muscle" in done.stderr, done.stderr)
+        for program, case, blocks in (
+                ("muscle", "muscle/needle_balance.nml", {"balance", "links", "outcomes", "weights", "loads", "designs", "budgets"}),
+                ("muscle", "muscle/haines_spring.nml", {"springs", "spring_result", "spring_load", "spring_phases"}),
+                ("ssics", "ssics/link_loads.nml", {"boundaries", "multipliers", "response"}),
+                ("bridge", "bridge/four_bar_haines.nml", {"minima", "following", "flight", "cycle"}),
+                ("calm", "calm/knuckle_press.nml", {"cam", "extremes"}),
+                ("psalm", "exact/five_poses.nml", {"exact"}),
+                ("psalm", "adjustable_stroke.nml", {"positions", "sweep"})):
+            found = compare(os.path.join(directory, program), os.path.join(data, case))
+            check("%s, %s: blocks" % (program, case), blocks <= set(found), str(list(found)))
+        done = subprocess.run([os.path.join(directory, "balm"), "--json", sketches[0]], capture_output=True, text=True, check=False)
+        check("--json is no option of balm", done.returncode == 2 and "--json is an option of the programs that compute" in done.stderr, done.stderr)
         bare = "A CASE WITHOUT OUTPUTS\n &CHAIN JNT='A','B','C','D', JX=0.,0.,40.,70., JY=0.,30.,60.,0., LNK='A D','A B','B C','C D' &END\n" \
-               " &DRIVES DRIVE='A' &END\n &METHOD IKIN=30 &END\n &LIMITS TANGLE=85. &END\n"
+               " &DRIVES DRIVE='A' &END\n &METHOD IKIN=30 &END\n &LIMITS TANGLE=85., LAST=%d &END\n"
         with open("bare.nml", "w", encoding="utf-8") as file:
-            file.write(bare)
-        names = compare(psalm, "bare.nml", "bare")[0][0]
+            file.write(bare % 0 + bare % 1)
+        names = list(compare(psalm, "bare.nml")["positions"]["columns"])
         check("without outputs: all joints", names == ["input", "closed"] + [j + c for j in "ABCD" for c in (".x", ".y")], str(names))
-        names = compare(kalm, "bare.nml", "bare.kalm")[0][0]
+        check("a second case has a file of its own", rows_of("bare-2.csv") == rows_of("bare.csv"))
+        names = list(compare(kalm, "bare.nml")["positions"]["columns"])
         check("without outputs: rates of all joints", names == ["input", "closed"] + [
             j + c for j in "ABCD" for c in (".x", ".y", ".vx", ".vy", ".ax", ".ay")], str(names))
         os.chdir("/")

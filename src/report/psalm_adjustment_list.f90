@@ -1,14 +1,15 @@
 !> What one adjustable member leaves of the deviations, in the listing and on device 9.
 module psalm_adjustment_list
    use psalm_adjustment, only: adjustment_t
-   use psalm_block, only: begin_block
+   use psalm_column_names, only: position_name
    use psalm_parameters, only: name_of
-   use psalm_text, only: text_t, full_precision, general, to_text
+   use psalm_tables, only: table_t, tables_t, table_of
+   use psalm_text, only: text_t, general, to_text
    use psalm_tolerance, only: tolerance_t
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
-   public :: list_adjustments, write_adjustment_block
+   public :: list_adjustments, put_adjustments
 
 contains
 
@@ -57,21 +58,24 @@ contains
       end function verdict
    end subroutine list_adjustments
 
-   !> A block of device 9.
-   subroutine write_adjustment_block(linear, list, text)
+   !> The table `adjustment`.
+   pure subroutine put_adjustments(linear, list, tables)
       type(tolerance_t), intent(in) :: linear
       type(adjustment_t), intent(in) :: list(:)
-      type(text_t), intent(inout) :: text
-      integer :: k
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
 
-      call begin_block('adjustment', &
-                       'loop arc kind travel_root_sum_square travel_worst_case left_root_sum_square left_worst_case position', text)
-      do k = 1, size(list)
-         associate (one => list(k), variable => linear%variables(list(k)%variable))
-            call text%add(to_text(variable%loop)//' '//to_text(variable%arc)//' '//to_text(variable%kind)//' '// &
-                          full_precision(one%travel)//' '//full_precision(one%most_travel)//' '//full_precision(one%left)//' '// &
-                          full_precision(one%most_left)//' '//to_text(one%at))
-         end associate
-      end do
-   end subroutine write_adjustment_block
+      table = table_of('adjustment', 'a row for each dimension as the adjustable one, those that leave least first')
+      associate (variables => linear%variables(list%variable))
+         call table%add('loop', variables%loop)
+         call table%add('arc', variables%arc)
+         call table%add('kind', variables%kind)
+      end associate
+      call table%add('travel_root_sum_square', list%travel)
+      call table%add('travel_worst_case', list%most_travel)
+      call table%add('left_root_sum_square', list%left)
+      call table%add('left_worst_case', list%most_left)
+      call table%add(position_name, list%at)
+      call tables%put(table)
+   end subroutine put_adjustments
 end module psalm_adjustment_list

@@ -1,11 +1,12 @@
 !> All assemblies of a sketch in words and numbers: the listing, and a block of device 9.
 module psalm_assembly_list
    use psalm_assembly_study, only: assembly_study_t
-   use psalm_block, only: begin_block
+   use psalm_column_names, only: joint_name, output_unit
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_sketch, only: frame_link
-   use psalm_text, only: full_precision, general, to_text
+   use psalm_tables, only: table_t, table_of
+   use psalm_text, only: general, to_text
    implicit none (type, external)
    private
    public :: report_assemblies
@@ -18,6 +19,7 @@ contains
       type(assembly_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
       character(:), allocatable :: line
+      type(table_t) :: table
       integer :: k, j, g, l
 
       associate (sketch => set%sketch, found => study%found, groups => study%closure%groups)
@@ -47,19 +49,19 @@ contains
             if (found%dead(k)) call devices%six%add('         AT A DEAD POINT: TWO ASSEMBLIES MEET HERE')
          end do
          call devices%six%add('  * AS DRAWN')
-         line = 'number drawn dead'
-         do j = 1, size(sketch%joint_name)
-            line = line//' '//trim(sketch%joint_name(j))//'.x '//trim(sketch%joint_name(j))//'.y'
-         end do
-         call begin_block('assemblies', line, devices%nine)
-         do k = 1, size(found%states)
-            line = to_text(k)//' '//merge('1', '0', k == 1)//' '//merge('1', '0', found%dead(k))
+         associate (states => [(k, k=1, size(found%states))])
+            table = table_of('assemblies', 'a row for each assembly at the inputs of the drawing')
+            call table%add('number', states)
+            call table%add('drawn', states == 1)
+            call table%add('dead', found%dead(:size(states)))
             do j = 1, size(sketch%joint_name)
-               line = line//' '//full_precision(found%states(k)%joint(j, 0)%re)//' '// &
-                      full_precision(found%states(k)%joint(j, 0)%im)
+               call table%add(joint_name(sketch%joint_name(j), 0, 'x'), [(found%states(k)%joint(j, 0)%re, k=1, size(states))], &
+                              output_unit(.false.))
+               call table%add(joint_name(sketch%joint_name(j), 0, 'y'), [(found%states(k)%joint(j, 0)%im, k=1, size(states))], &
+                              output_unit(.false.))
             end do
-            call devices%nine%add(line)
-         end do
+         end associate
+         call devices%cases(devices%last_case())%put(table)
       end associate
 
    contains

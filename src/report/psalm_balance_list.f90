@@ -1,14 +1,13 @@
-!> Counterweights in the listing, and on device 9.
+!> Counterweights in the listing.
 module psalm_balance_list
    use psalm_balance_group, only: balance_group_t, balance_of, form_body, measure_names, order_moment
    use psalm_balance_study, only: balance_study_t, outcome_t, channel_force, channel_moment, channel_torque
-   use psalm_block, only: begin_block
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
-   use psalm_text, only: text_t, full_precision, general, to_text
+   use psalm_text, only: text_t, general, to_text
    implicit none (type, external)
    private
-   public :: list_balance, plot_balance, list_of_names
+   public :: list_balance, list_of_names
 
    integer, parameter :: name_columns = 22      !! of a name at the beginning of a line
 
@@ -255,38 +254,4 @@ contains
          end associate
       end do
    end subroutine list_front
-
-   !> Blocks of device 9: designs, budgets, front; 17 digits.
-   subroutine plot_balance(study, text)
-      type(balance_study_t), intent(in) :: study
-      type(text_t), intent(inout) :: text
-      integer :: k
-
-      if (study%feasible .and. size(study%designs) > 0) then
-         call begin_block('designs', 'design mass force moment torque', text)
-         do k = 1, size(study%designs)
-            associate (of => study%designs(k))
-               call text%add(to_text(k)//' '//full_precision(of%total)//' '//full_precision(of%loads(channel_force)%rms)//' '// &
-                             full_precision(of%loads(channel_moment)%rms)//' '//full_precision(of%loads(channel_torque)%rms))
-            end associate
-         end do
-      end if
-      if (size(study%budgets) > 0) then
-         call begin_block('budgets', 'mass force bound mass_needed', text)
-         do k = 1, size(study%budgets)
-            associate (of => study%budgets(k))
-               call text%add(full_precision(of%second)//' '//full_precision(of%first)//' '//full_precision(of%bound)//' '// &
-                             full_precision(of%total))
-            end associate
-         end do
-      end if
-      if (.not. allocated(study%front)) return
-      call begin_block('front', 'first second bound mass_needed', text)
-      do k = 1, size(study%front)
-         associate (of => study%front(k))
-            call text%add(full_precision(of%first)//' '//full_precision(of%second)//' '//full_precision(of%bound)//' '// &
-                          full_precision(of%total))
-         end associate
-      end do
-   end subroutine plot_balance
 end module psalm_balance_list

@@ -1,29 +1,26 @@
 !> A cam in the listing and on device 9.
 module psalm_cam_list
-   use psalm_block, only: begin_block
    use psalm_cam_data, only: fit_least_squares
    use psalm_cam_kind, only: law_names
    use psalm_cam_shape, only: cam_extreme_t, measure_pressure, measure_convex, measure_concave, measure_base, measure_outer, &
                               measure_excursion_low, measure_excursion_high, measure_face_low, measure_face_high, &
                               measure_output, measure_input
    use psalm_cam_paths, only: path_cutter
+   use psalm_column_names, only: input_unit, output_unit, rate_unit
    use psalm_cam_study, only: cam_study_t, way_rise, way_return, role_cam, role_conjugate
    use psalm_angles, only: degrees_of, within_turn
    use psalm_elementary, only: hypotenuse
    use psalm_kinds, only: wp
-   use psalm_table, only: table_t
-   use psalm_text, only: text_t, full_precision, general, to_text
+   use psalm_tables, only: table_t, tables_t, table_of
+   use psalm_text, only: text_t, general, to_text
    implicit none (type, external)
    private
-   public :: list_cam, plot_cam, table_cam
+   public :: list_cam, put_cam
 
    character(5), parameter :: side_names(2) = ['left ', 'right']
    real(wp), parameter :: rounding = 1.0e-9_wp !! relative jump of acceleration that is none
-   character(*), parameter :: of_all = 'cam_angle output output1 output2 output3 input input1 input2 input3 '
-   character(*), parameter :: of_roller = of_all//'roller_x roller_y '// &
-                              'profile_x profile_y cutter_x cutter_y cutter_r cutter_angle rho alpha'
-   character(*), parameter :: of_face = of_all//'contact_x contact_y '// &
-                              'excursion profile_x profile_y cutter_x cutter_y cutter_r cutter_angle rho alpha'
+   integer, parameter :: name_room = 32        !! characters of the name of an extreme
+   integer, parameter :: most_extremes = 40    !! besides those of segments, dead points and flanks
 
 contains
 
@@ -230,25 +227,122 @@ contains
       if (study%face_short) call text%add(' THE FACE IS SHORTER THAN THE WAY OF THE CONTACT')
    end subroutine list_faults
 
-   !> Device 9: the table, then the block `extremes`.
-   subroutine plot_cam(study, suffix, text)
+   !> The table of the cam, the extremes, play or gap, contact; `suffix` of the names of the blocks, empty for the first cam.
+   subroutine put_cam(study, suffix, tables)
       type(cam_study_t), intent(in) :: study
-      character(*), intent(in) :: suffix             !! of the names of the blocks; empty for the first cam
-      type(text_t), intent(inout) :: text
-      logical :: forces
-      integer :: i, k
+      character(*), intent(in) :: suffix
+      type(tables_t), intent(inout) :: tables
+      character(*), parameter :: conventions = 'angles in degrees; derivatives by radians of cam, of angles in radians'
+      type(table_t) :: table
+      character(:), allocatable :: around, out, in, unit
+      integer :: k
 
-      if (text%length > 0) then
-         call text%add()
-         call text%add()
+      associate (motion => study%shape%motion)
+         around = 'deg'
+         unit = ''     ! of a sketch solved in poses it is that of a drive
+         out = output_unit(motion%angular)
+         in = input_unit(.not. motion%what%turning_input)
+         if (allocated(motion%chain)) in = ''
+         table = table_of('cam'//suffix, 'a row for each cam angle; '//conventions, '   ('//conventions//')', &
+                          named=len(suffix) > 0, main=len(suffix) == 0)
+         call table%add('cam_angle', study%angle, around)
+         do k = 0, 3
+            call table%add(by_cam('output', k), study%states%y(k, :), rate_of(out, k))
+         end do
+         do k = 0, 3
+            if (len(in) > 0) unit = rate_of(in, k)
+            call table%add(by_cam('input', k), study%states%q(k, :), unit)
+         end do
+      end associate
+      if (study%shape%flat) then
+         call add_point('contact', study%shape%axes%centre + study%points%profile*study%points%machine)
+         call table%add('excursion', study%points%excursion, 'length')
+      else
+         call add_point('roller', study%states%c(0, :))
       end if
-      if (len(suffix) > 0) call text%add('# block cam'//suffix)
-      call text%add('# '//trim(merge(of_face, of_roller//repeat(' ', len(of_face) - len(of_roller)), study%shape%flat))// &
-                    '   (angles in degrees; derivatives by radians of cam, of angles in radians)')
-      do i = 1, size(study%angle)
-         call text%add(row(study, i, ' '))
-      end do
-      call begin_block('extremes'//suffix, 'what value cam_angle', text)
+      call add_point('profile', study%points%profile)
+      associate (m => study%points%cutter)
+         call add_point('cutter', m)
+         call table%add('cutter_r', hypotenuse(real(m, wp), aimag(m)), 'length')
+         call table%add('cutter_angle', within_turn(degrees_of(real(m, wp), aimag(m))), around)
+      end associate
+      call table%add('rho', study%points%radius, 'length')
+      call table%add('alpha', study%points%pressure, 'deg')
+      call tables%put(table)
+      call put_extremes(study, suffix, tables)
+      if (allocated(study%play)) then
+         table = table_of('play'//suffix, 'a row for each cam angle: play at the first roller')
+         call table%add('cam_angle', study%angle, around)
+         call table%add('play', study%play, 'length')
+         call tables%put(table)
+      end if
+      if (allocated(study%second)) then
+         table = table_of('second_roller'//suffix, 'a row for each cam angle: the gap under the second roller')
+         call table%add('cam_angle', study%angle, around)
+         call table%add('gap', study%second%gap, 'length')
+         call table%add('lag', study%second%lag, 'deg')
+         call add_point('roller', study%second_states%c(0, :))
+         call tables%put(table)
+      end if
+      if (.not. forces_known(study)) return
+      table = table_of('contact'//suffix, 'a row for each cam angle: force and stress of the contact', '   (N, Pa)')
+      call table%add('cam_angle', study%angle, around)
+      call table%add('force', study%contact%force, 'N')
+      call table%add('stress', study%contact%stress, 'Pa')
+      call tables%put(table)
+
+   contains
+
+      !> A derivative by the cam's angle.
+      function by_cam(name, order) result(column)
+         character(*), intent(in) :: name
+         integer, intent(in) :: order
+         character(:), allocatable :: column
+
+         column = name
+         if (order > 0) column = name//to_text(order)
+      end function by_cam
+
+      function rate_of(unit, order) result(rate)
+         character(*), intent(in) :: unit
+         integer, intent(in) :: order
+         character(:), allocatable :: rate
+
+         rate = rate_unit(unit == 'deg', 'rad', order)
+      end function rate_of
+
+      subroutine add_point(name, places)
+         character(*), intent(in) :: name
+         complex(wp), intent(in) :: places(:)
+
+         call table%add(name//'_x', real(places, wp), 'length')
+         call table%add(name//'_y', aimag(places), 'length')
+      end subroutine add_point
+   end subroutine put_cam
+
+   !> True if the forces of the contact are known.
+   pure logical function forces_known(study)
+      type(cam_study_t), intent(in) :: study
+
+      forces_known = allocated(study%contact)
+      if (forces_known) forces_known = study%contact%known
+   end function forces_known
+
+   !> The table `extremes`.
+   subroutine put_extremes(study, suffix, tables)
+      type(cam_study_t), intent(in) :: study
+      character(*), intent(in) :: suffix
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      character(name_room), allocatable :: what(:)
+      real(wp), allocatable :: value(:), angle(:)
+      integer :: k, rows
+
+      rows = most_extremes + size(study%segments)
+      if (allocated(study%shape%motion%ways%passages)) rows = rows + size(study%shape%motion%ways%passages)
+      if (allocated(study%flanks)) rows = rows + size(study%flanks, 2)
+      allocate (what(rows), value(rows), angle(rows))
+      rows = 0
       associate (e => study%extremes)
          call put(trim(merge('least_height', 'base_radius ', study%shape%axes%slides)), e(measure_base))
          call put(trim(merge('greatest_height', 'outer_radius   ', study%shape%axes%slides)), e(measure_outer))
@@ -300,9 +394,7 @@ contains
          if (study%roller%depth > 0.0_wp) call put('crossing_depth', cam_extreme_t(study%roller%depth, study%roller%at, .true.))
          if (study%cutter%depth > 0.0_wp) call put('gouge_depth', cam_extreme_t(study%cutter%depth, study%cutter%at, .true.))
       end associate
-      forces = .false.
-      if (allocated(study%contact)) forces = study%contact%known
-      if (forces) then
+      if (forces_known(study)) then
          associate (fine => study%fine)
             call put('force_least', cam_extreme_t(minval(fine%force), 0.0_wp, .true.))
             call put('force_most', cam_extreme_t(maxval(fine%force), 0.0_wp, .true.))
@@ -315,101 +407,23 @@ contains
             end do
          end if
       end if
-      if (allocated(study%play)) then
-         call begin_block('play'//suffix, 'cam_angle play', text)
-         do i = 1, size(study%angle)
-            call text%add(full_precision(study%angle(i))//' '//full_precision(study%play(i)))
-         end do
-      end if
-      if (allocated(study%second)) then
-         call begin_block('second_roller'//suffix, 'cam_angle gap lag roller_x roller_y', text)
-         do i = 1, size(study%angle)
-            associate (c => study%second_states%c(0, i))
-               call text%add(full_precision(study%angle(i))//' '//full_precision(study%second%gap(i))//' '// &
-                             full_precision(study%second%lag(i))//' '//full_precision(real(c, wp))//' '// &
-                             full_precision(aimag(c)))
-            end associate
-         end do
-      end if
-      if (.not. forces) return
-      call begin_block('contact'//suffix, 'cam_angle force stress   (N, Pa)', text)
-      do i = 1, size(study%angle)
-         call text%add(full_precision(study%angle(i))//' '//full_precision(study%contact%force(i))//' '// &
-                       full_precision(study%contact%stress(i)))
-      end do
+      table = table_of('extremes'//suffix, 'a row for each extreme: lengths in units of length, angles in degrees')
+      call table%add('what', what(:rows))
+      call table%add('value', value(:rows))
+      call table%add('cam_angle', angle(:rows), 'deg')
+      call tables%put(table)
 
    contains
 
-      subroutine put(what, extreme)
-         character(*), intent(in) :: what
+      subroutine put(name, extreme)
+         character(*), intent(in) :: name
          type(cam_extreme_t), intent(in) :: extreme
 
-         if (extreme%found) call text%add(what//' '//full_precision(extreme%value)//' '//full_precision(extreme%angle))
+         if (.not. extreme%found) return
+         rows = rows + 1
+         what(rows) = name
+         value(rows) = extreme%value
+         angle(rows) = extreme%angle
       end subroutine put
-   end subroutine plot_cam
-
-   !> The table for other programs: a line of names, then the rows.
-   subroutine table_cam(study, table)
-      type(cam_study_t), intent(in) :: study
-      type(table_t), intent(inout) :: table
-      character(:), allocatable :: names
-      real(wp), allocatable :: values(:, :)
-      integer :: i, last
-
-      names = trim(merge(of_face, of_roller//repeat(' ', len(of_face) - len(of_roller)), study%shape%flat))//' '
-      allocate (values(size(figures(study, 1)), size(study%angle)))
-      do i = 1, size(study%angle)
-         values(:, i) = figures(study, i)
-      end do
-      do i = 1, size(values, 1)
-         last = index(names, ' ')
-         call table%add(names(:last - 1), values(i, :))
-         names = names(last + 1:)
-      end do
-   end subroutine table_cam
-
-   !> One row of the table.
-   function row(study, i, between) result(line)
-      type(cam_study_t), intent(in) :: study
-      integer, intent(in) :: i
-      character(1), intent(in) :: between
-      character(:), allocatable :: line
-      integer :: k
-
-      line = ''
-      associate (values => figures(study, i))
-         do k = 1, size(values)
-            if (k > 1) line = line//between
-            line = line//full_precision(values(k))
-         end do
-      end associate
-   end function row
-
-   !> The numbers of a row.
-   function figures(study, i) result(values)
-      type(cam_study_t), intent(in) :: study
-      integer, intent(in) :: i
-      real(wp), allocatable :: values(:)
-
-      values = [study%angle(i), study%states%y(0:3, i), study%states%q(0:3, i)]
-      if (study%shape%flat) then
-         values = [values, parts(study%shape%axes%centre + study%points%profile(i)*study%points%machine(i)), &
-                   study%points%excursion(i)]
-      else
-         values = [values, parts(study%states%c(0, i))]
-      end if
-      associate (m => study%points%cutter(i))
-         values = [values, parts(study%points%profile(i)), parts(m), hypotenuse(real(m, wp), aimag(m)), &
-                   within_turn(degrees_of(real(m, wp), aimag(m))), study%points%radius(i), study%points%pressure(i)]
-      end associate
-
-   contains
-
-      pure function parts(point)
-         complex(wp), intent(in) :: point
-         real(wp) :: parts(2)
-
-         parts = [real(point, wp), aimag(point)]
-      end function parts
-   end function figures
+   end subroutine put_extremes
 end module psalm_cam_list

@@ -1,7 +1,7 @@
 !> Results of calm become texts of the devices, remarks for standard error and the exit status. Nothing is computed here.
 module psalm_cam_report
    use psalm_cam_data, only: cam_group_t, goal_names, vary_item
-   use psalm_cam_list, only: list_cam, plot_cam, table_cam
+   use psalm_cam_list, only: list_cam, put_cam
    use psalm_cam_search, only: cam_search_t
    use psalm_cam_shape, only: measure_pressure
    use psalm_cam_study, only: cam_study_t
@@ -27,11 +27,9 @@ contains
       do k = 1, size(studies)
          call list_cam(studies(k), devices%six)
          if (k == 1) then
-            call plot_cam(studies(k), '', devices%nine)
-            call devices%new_table(set%title)
-            call table_cam(studies(k), devices%tables(size(devices%tables)))
+            call put_cam(studies(k), '', devices%cases(devices%last_case()))
          else
-            call plot_cam(studies(k), '_'//to_text(k), devices%nine)
+            call put_cam(studies(k), '_'//to_text(k), devices%cases(devices%last_case()))
          end if
          call remark_faults(set, studies(k), devices)
       end do

@@ -1,17 +1,21 @@
 !> What is proven of the motion of a sketch in the poses of its links, in the listing and on device 9.
 module psalm_chain_proof_list
-   use psalm_block, only: begin_block
+   use psalm_column_names, only: input_unit
    use psalm_chain_proof_study, only: chain_proof_t, place_on, place_of_extreme
    use psalm_chain_study, only: chain_study_t
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
-   use psalm_proof_list, only: list_kept, list_range, write_kept, head_of_ranges, end_text, short
+   use psalm_proof_list, only: about_extremes, about_limits, list_kept, list_range, put_kept, head_of_ranges, end_text, short
    use psalm_sketch, only: drive_turns
    use psalm_sketch_outputs, only: name_room
-   use psalm_text, only: text_t, full_precision, number_or_nan, to_text, upper_case
+   use psalm_tables, only: table_t, tables_t, table_of
+   use psalm_text, only: text_t, to_text, upper_case
    implicit none (type, external)
    private
-   public :: list_chain_proof, write_chain_proof, links_of_group
+   public :: list_chain_proof, put_chain_proof, links_of_group
+
+   integer, parameter :: word_room = 10   !! characters of a word in a table
+   integer, parameter :: most_parts = 3   !! rows of a leg: it closes, is undecided, is not reached
 
 contains
 
@@ -133,19 +137,25 @@ contains
       end associate
    end function links_of_group
 
-   !> Device 9: the parts of the range; the brackets of the outputs.
-   subroutine write_chain_proof(title, study, proof, text)
+   !> Tables: the parts of the range; the brackets of the outputs.
+   subroutine put_chain_proof(title, study, proof, tables)
       character(*), intent(in) :: title
       type(chain_study_t), intent(in) :: study
       type(chain_proof_t), intent(in) :: proof
-      type(text_t), intent(inout) :: text
-      character(name_room) :: name
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      character(word_room), allocatable :: kind(:), cause(:)
+      real(wp), allocatable :: from(:), to(:)
+      integer, allocatable :: group(:)
+      character(:), allocatable :: input
       logical :: turns
-      integer :: n, k, i
+      integer :: n, k, rows
 
       turns = first_turns(study)
-      call begin_block('limits', 'kind from to loop cause', text)
-      call text%add('# '//title)
+      input = input_unit(.not. turns)
+      rows = most_parts*size(proof%legs)
+      allocate (kind(rows), cause(rows), from(rows), to(rows), group(rows))
+      rows = 0
       do k = 1, size(proof%legs)
          associate (leg => proof%legs(k))
             if (leg%reached > 0.0_wp) call row('closes', 0.0_wp, leg%reached, 0, 'none')
@@ -157,51 +167,56 @@ contains
             end if
          end associate
       end do
-      call write_extremes()
-      call write_kept(title, proof%kept, text)
+      table = table_of('limits', about_limits, notes=title)
+      call table%add('kind', kind(:rows))
+      call table%add('from', from(:rows), input)
+      call table%add('to', to(:rows), input)
+      call table%add('loop', group(:rows))
+      call table%add('cause', cause(:rows))
+      call tables%put(table)
+      if (any(proof%ranges%bounded)) then
+         table = table_of('extremes', about_extremes, notes=title)
+         associate (ranges => proof%ranges, numbers => [(n, n=1, size(proof%ranges))])
+            call table%add('quantity', study%names(numbers))
+            call table%add('loop', 0*numbers)
+            call table%add('arc', 0*numbers)
+            call table%add('least_low', [(ranges(n)%low(1), n=1, size(ranges))], known=ranges%bounded)
+            call table%add('least_high', [(ranges(n)%high(1), n=1, size(ranges))], known=ranges%bounded)
+            call table%add('least_at', places(1), input, ranges%bounded)
+            call table%add('greatest_low', [(ranges(n)%low(2), n=1, size(ranges))], known=ranges%bounded)
+            call table%add('greatest_high', [(ranges(n)%high(2), n=1, size(ranges))], known=ranges%bounded)
+            call table%add('greatest_at', places(2), input, &
+                           ranges%bounded)
+         end associate
+         call tables%put(table)
+      end if
+      call put_kept(title, proof%kept, input, tables)
 
    contains
 
-      subroutine write_extremes()
-         if (.not. any(proof%ranges%bounded)) return
-         call begin_block('extremes', 'quantity loop arc least_low least_high least_at '// &
-                          'greatest_low greatest_high greatest_at', text)
-         call text%add('# '//title)
-         do n = 1, size(proof%ranges)
-            associate (one => proof%ranges(n))
-               name = study%names(n)
-               do i = 1, len_trim(name)
-                  if (name(i:i) == ' ') name(i:i) = '-'
-               end do
-               call text%add(trim(name)//' 0 0 '//known(one%low(1))//known(one%high(1))//known_place(1)//known(one%low(2))// &
-                             known(one%high(2))//known_place(2))
-            end associate
-         end do
-      end subroutine write_extremes
-
-      subroutine row(kind, from, to, loop, cause)
-         character(*), intent(in) :: kind, cause
-         real(wp), intent(in) :: from, to
-         integer, intent(in) :: loop
-
-         call text%add(kind//' '//full_precision(place_on(proof, k, from, turns))//' '// &
-                       full_precision(place_on(proof, k, to, turns))//' '//to_text(loop)//' '//cause)
-      end subroutine row
-
-      function known(value) result(words)
-         real(wp), intent(in) :: value
-         character(:), allocatable :: words
-
-         words = number_or_nan(value, proof%ranges(n)%bounded)//' '
-      end function known
-
-      function known_place(which) result(words)
+      !> Where the least or the greatest values are.
+      function places(which)
          integer, intent(in) :: which
-         character(:), allocatable :: words
+         real(wp) :: places(size(proof%ranges))
+         integer :: i
 
-         words = number_or_nan(0.0_wp, .false.)//' '
-         if (proof%ranges(n)%bounded) &
-            words = full_precision(place_of_extreme(proof, proof%ranges(n), which, turns))//' '
-      end function known_place
-   end subroutine write_chain_proof
+         places = 0.0_wp
+         do i = 1, size(places)
+            if (proof%ranges(i)%bounded) places(i) = place_of_extreme(proof, proof%ranges(i), which, turns)
+         end do
+      end function places
+
+      subroutine row(what, first, last, of_group, why)
+         character(*), intent(in) :: what, why
+         real(wp), intent(in) :: first, last
+         integer, intent(in) :: of_group
+
+         rows = rows + 1
+         kind(rows) = what
+         cause(rows) = why
+         from(rows) = place_on(proof, k, first, turns)
+         to(rows) = place_on(proof, k, last, turns)
+         group(rows) = of_group
+      end subroutine row
+   end subroutine put_chain_proof
 end module psalm_chain_proof_list

@@ -1,37 +1,26 @@
 !> What the study of a sketch has to report, on all devices.
 module psalm_chain_report
-   use psalm_chain_list, only: list_rows, write_drive_block, write_output_block, fill_chain_table
-   use psalm_chain_proof_list, only: list_chain_proof, write_chain_proof, links_of_group
+   use psalm_chain_list, only: list_rows
+   use psalm_chain_proof_list, only: list_chain_proof, put_chain_proof, links_of_group
    use psalm_chain_proof_study, only: chain_proof_t
    use psalm_chain_study, only: chain_study_t
    use psalm_constraint_group, only: range_positions
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_kinds, only: wp
+   use psalm_position_table, only: plot_sketch
    use psalm_sketch, only: numbers_of => columns_of
    use psalm_sketch_outputs, only: name_room
    use psalm_sketch_study, only: sketch_study_t
    use psalm_text, only: text_t, general, lower_case, to_text
    implicit none (type, external)
    private
-   public :: report_sketch_table, report_outputs, several_outputs, range_lines, report_chain_proof, &
+   public :: report_outputs, several_outputs, range_lines, report_chain_proof, &
              report_unreached, report_still_drives, unreached_words
 
    character(*), parameter :: of_dyads = 'linkages of dyads with one drive on the frame'
 
 contains
-
-   !> The table for other programs; `orders` is 2 with rates, else 0.
-   subroutine report_sketch_table(set, study, orders, devices)
-      type(data_set_t), intent(in) :: set
-      class(sketch_study_t), intent(in) :: study
-      integer, intent(in) :: orders
-      type(devices_t), intent(inout) :: devices
-
-      call devices%new_table(set%title)
-      call fill_chain_table(set%sketch, study%inputs, study%closed, study%dead, study%names, study%values, study%joints, orders, &
-                            devices%tables(size(devices%tables)))
-   end subroutine report_sketch_table
 
    !> All outputs of a sketch of which the listing has the first alone, or a joint for want of it: a table, a block of device 9.
    subroutine report_outputs(set, study, beyond, orders, devices)
@@ -49,9 +38,7 @@ contains
       call devices%six%add()
       call devices%six%add(' ALL OUTPUTS, INPUTS FROM THE DRAWING')
       call list_rows(set, study%inputs, study%closed, names, values, devices%six, beyond)
-      call write_output_block(study%closed, names, values, devices%nine)
-      if (orders > 0 .and. size(study%inputs, 1) > 1) call write_drive_block(set, study%closed, study%dead, study%names, &
-                                                                             study%by_drive, devices%nine)
+      call plot_sketch(set%sketch, study, orders, devices%cases(devices%last_case()))
    end subroutine report_outputs
 
    !> True if there are outputs that listing and summary of the loops do not have: all but the first, or that one, too.
@@ -178,7 +165,7 @@ contains
          return
       end if
       call list_chain_proof(set, study, proof, devices%six)
-      call write_chain_proof(set%title, study, proof, devices%nine)
+      call put_chain_proof(set%title, study, proof, devices%cases(devices%last_case()))
       if (set%limits%dwell > 0.0_wp) call devices%remark(set, 'DWELL has no effect here: dwells and dead points of the output '// &
                                                          'are proven of '//of_dyads)
       if (set%constr%given .and. set%constr%irange /= range_positions) &

@@ -1,13 +1,14 @@
 !> A joint with clearance in the listing, on device 9, in remarks and in the exit status. Nothing is computed here.
 module psalm_clearance_report
-   use psalm_block, only: begin_block
    use psalm_clearance_group, only: clearance_group_t, clearance_of
    use psalm_clearance_study, only: clearance_study_t, flypast_of_joint_t, verdict_kept, verdict_lost
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
+   use psalm_flypast_chart, only: chart_t
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, pi
    use psalm_mechanism, only: mechanism_t
-   use psalm_text, only: text_t, full_precision, general, to_text
+   use psalm_tables, only: table_t, tables_t, table_of
+   use psalm_text, only: text_t, general, to_text
    implicit none (type, external)
    private
    public :: report_clearance
@@ -32,7 +33,7 @@ contains
       call list_following(study, devices%six)
       call list_speeds(study, devices%six)
       call list_charts(study, devices%six)
-      call plot(study, devices%nine)
+      call put_clearance(study, devices%cases(devices%last_case()))
       do k = 1, size(study%minima)
          if (study%minima(k)%verdict == verdict_kept) cycle
          call devices%note_violation()
@@ -196,77 +197,82 @@ contains
       end do
    end subroutine list_charts
 
-   !> Device 9: blocks minima, following, flight, cycle, and of charts threshold and chart.
-   subroutine plot(study, text)
+   !> Tables minima, following, flight, cycle, and of charts threshold and chart.
+   pure subroutine put_clearance(study, tables)
       type(clearance_study_t), intent(in) :: study
-      type(text_t), intent(inout) :: text
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
       integer :: k
 
-      call begin_block('minima', 'input load rate m0 eps h1 h2 h3 kept', text)
-      do k = 1, size(study%minima)
-         associate (m => study%minima(k))
-            call text%add(row([m%input, m%load, m%rate, m%mass, m%h3, m%h1, m%h2, m%h3])// &
-                          merge(' 1', ' 0', m%verdict == verdict_kept))
-         end associate
-      end do
-      call begin_block('following', 'input lag force', text)
+      table = table_of('minima', 'a row for each minimum of the load')
+      associate (m => study%minima)
+         call table%add('input', m%input, 'deg')
+         call table%add('load', m%load, 'N')
+         call table%add('rate', m%rate, 'N/s')
+         call table%add('m0', m%mass, 'kg')
+         call table%add('eps', m%h3)
+         call table%add('h1', m%h1)
+         call table%add('h2', m%h2, 'deg')
+         call table%add('h3', m%h3)
+         call table%add('kept', m%verdict == verdict_kept)
+      end associate
+      call tables%put(table)
+      table = table_of('following', 'a row for each input, contact followed')
       if (study%followed) then
-         do k = 1, size(study%input)
-            call text%add(row([study%input(k), study%lag(k), study%force(k)]))
-         end do
+         call table%add('input', study%input, 'deg')
+         call table%add('lag', study%lag, 'deg')
+         call table%add('force', study%force, 'N')
+      else
+         call table%add('input', [real(wp) ::], 'deg')
+         call table%add('lag', [real(wp) ::], 'deg')
+         call table%add('force', [real(wp) ::], 'N')
       end if
-      call begin_block('flight', 't_loss duration gi vn vt index impulse', text)
-      call text%add('# run of gi and vt: in the sense in which the load turns at the minimum')
-      do k = 1, size(study%minima)
-         associate (m => study%minima(k))
-            if (m%verdict /= verdict_lost .or. .not. m%flight%ok) cycle
-            call text%add(row([m%loss, m%duration, m%flight%angle*degrees_per_radian, m%across, m%along, m%flight%index, &
-                               m%impulse]))
-         end associate
-      end do
-      call begin_block('cycle', 'input fx fy m_uu m_uv m_vv', text)
-      do k = 1, size(study%cycle%input)
-         call text%add(row([study%cycle%input(k), study%cycle%force(:, k), study%load%tensor(:, k)]))
-      end do
-      if (allocated(study%chart%h3)) call plot_chart()
+      call tables%put(table)
+      table = table_of('flight', 'a row for each minimum at which contact is lost', &
+                       notes='run of gi and vt: in the sense in which the load turns at the minimum')
+      associate (m => study%minima(pack([(k, k=1, size(study%minima))], &
+                                        study%minima%verdict == verdict_lost .and. study%minima%flight%ok)))
+         call table%add('t_loss', m%loss, 's')
+         call table%add('duration', m%duration, 's')
+         call table%add('gi', m%flight%angle*degrees_per_radian, 'deg')
+         call table%add('vn', m%across, 'm/s')
+         call table%add('vt', m%along, 'm/s')
+         call table%add('index', m%flight%index)
+         call table%add('impulse', m%impulse, 'N s')
+      end associate
+      call tables%put(table)
+      table = table_of('cycle', 'a row for each input: load without clearance, inertia that moves with the pin')
+      call table%add('input', study%cycle%input, 'deg')
+      call table%add('fx', study%cycle%force(1, :), 'N')
+      call table%add('fy', study%cycle%force(2, :), 'N')
+      call table%add('m_uu', study%load%tensor(1, :), 'kg')
+      call table%add('m_uv', study%load%tensor(2, :), 'kg')
+      call table%add('m_vv', study%load%tensor(3, :), 'kg')
+      call tables%put(table)
+      if (allocated(study%chart%h3)) call put_chart(study%chart, tables)
+   end subroutine put_clearance
 
-   contains
+   pure subroutine put_chart(chart, tables)
+      type(chart_t), intent(in) :: chart
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      integer :: i, j, n
 
-      subroutine plot_chart()
-         integer :: i, j, n
-
-         associate (chart => study%chart)
-            call begin_block('threshold', 'h3 h2 from to minimum', text)
-            do n = 1, size(chart%h3)
-               do i = 1, size(chart%h2)
-                  do j = 1, size(chart%lines(i, n)%ranges)
-                     associate (r => chart%lines(i, n)%ranges(j))
-                        call text%add(row([chart%h3(n), chart%h2(i)*degrees_per_radian, r%from, r%to])//' '//to_text(r%minimum))
-                     end associate
-                  end do
-               end do
-            end do
-            call begin_block('chart', 'h3 h2 h1 minimum index', text)
-            do n = 1, size(chart%h3)
-               do i = 1, size(chart%h2)
-                  do j = 1, size(chart%h1)
-                     call text%add(row([chart%h3(n), chart%h2(i)*degrees_per_radian, chart%h1(j)])//' '// &
-                                   to_text(chart%lost(j, i, n))//' '//full_precision(chart%index(j, i, n)))
-                  end do
-               end do
-            end do
-         end associate
-      end subroutine plot_chart
-   end subroutine plot
-
-   pure function row(values) result(line)
-      real(wp), intent(in) :: values(:)
-      character(:), allocatable :: line
-      integer :: i
-
-      line = full_precision(values(1))
-      do i = 2, size(values)
-         line = line//' '//full_precision(values(i))
-      end do
-   end function row
+      associate (lines => chart%lines, ranks => size(chart%h3), angles => size(chart%h2), radii => size(chart%h1))
+         table = table_of('threshold', 'a row for each range of H1 within which contact is kept')
+         call table%add('h3', [(((chart%h3(n), j=1, size(lines(i, n)%ranges)), i=1, angles), n=1, ranks)])
+         call table%add('h2', [(((chart%h2(i)*degrees_per_radian, j=1, size(lines(i, n)%ranges)), i=1, angles), n=1, ranks)], 'deg')
+         call table%add('from', [((lines(i, n)%ranges%from, i=1, angles), n=1, ranks)])
+         call table%add('to', [((lines(i, n)%ranges%to, i=1, angles), n=1, ranks)])
+         call table%add('minimum', [((lines(i, n)%ranges%minimum, i=1, angles), n=1, ranks)])
+         call tables%put(table)
+         table = table_of('chart', 'a row for each point of the charts')
+         call table%add('h3', [(((chart%h3(n), j=1, radii), i=1, angles), n=1, ranks)])
+         call table%add('h2', [(((chart%h2(i)*degrees_per_radian, j=1, radii), i=1, angles), n=1, ranks)], 'deg')
+         call table%add('h1', [(((chart%h1(j), j=1, radii), i=1, angles), n=1, ranks)])
+         call table%add('minimum', reshape(chart%lost(:radii, :angles, :ranks), [radii*angles*ranks]))
+         call table%add('index', reshape(chart%index(:radii, :angles, :ranks), [radii*angles*ranks]))
+         call tables%put(table)
+      end associate
+   end subroutine put_chart
 end module psalm_clearance_report

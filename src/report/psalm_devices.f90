@@ -4,7 +4,8 @@ module psalm_devices
    use psalm_mark, only: mark_width
    use psalm_ranking_list, only: ranking_entry_t
    use psalm_status, only: diagnostics_t, exit_done, exit_violation
-   use psalm_table, only: table_t, table_of
+   use psalm_tables, only: tables_t, tables_of, for_plots
+   use psalm_table_plot, only: write_plot_block
    use psalm_text, only: text_t
    use psalm_version, only: version
    implicit none (type, external)
@@ -26,9 +27,7 @@ module psalm_devices
       integer :: published = 0 !! length of `six` up to the end of what the published listing has of the last case
       type(text_t) :: seven   !! vertices and data set
       type(text_t) :: eight   !! annotated input, intermediate arrays, all arcs
-      type(text_t) :: nine    !! plotting data
-      type(text_t) :: json    !! results for other programs: objects, a comma between them
-      type(table_t), allocatable :: tables(:) !! for other programs, one a case; not allocated: none
+      type(tables_t), allocatable :: cases(:) !! results as tables: device 9 and, for other programs, CSV and JSON
       type(drawing_t), allocatable :: drawings(:) !! of the cases, by `add_drawing`
       type(ranking_entry_t), allocatable :: ranking(:) !! linkages of the cases so far that are ranked together; not allocated: none
       type(text_t) :: shares  !! of the starts, of those of them that share these
@@ -38,7 +37,10 @@ module psalm_devices
       integer :: code = exit_done        !! exit status so far
       character(mark_width) :: mark = '' !! of the run; blank: none
    contains
-      procedure :: new_table
+      procedure :: begin_case
+      procedure :: last_case
+      procedure :: nine
+      procedure :: has_tables
       procedure :: remark
       procedure :: detail
       procedure :: note_violation
@@ -57,25 +59,62 @@ contains
       if (len_trim(mark) > 0) line = line//' RUN '//mark
    end function header_of
 
-   !> The table of a further case, without columns: the last of `tables`.
-   pure subroutine new_table(self, title)
+   !> A further case, without tables: the last of `cases`.
+   pure subroutine begin_case(self, title, in_file)
       class(devices_t), intent(inout) :: self
       character(*), intent(in) :: title
-
-      type(table_t), allocatable :: more(:)
+      logical, intent(in) :: in_file     !! its main table goes into a CSV file without being asked for
+      type(tables_t), allocatable :: more(:)
       integer :: i, n
 
       n = 0
-      if (allocated(self%tables)) n = size(self%tables)
+      if (allocated(self%cases)) n = size(self%cases)
       allocate (more(n + 1))
       do i = 1, n
-         more(i)%title = self%tables(i)%title
-         more(i)%count = self%tables(i)%count
-         call move_alloc(self%tables(i)%columns, more(i)%columns)
+         call move_alloc(self%cases(i)%title, more(i)%title)
+         call move_alloc(self%cases(i)%tables, more(i)%tables)
+         more(i)%count = self%cases(i)%count
+         more(i)%in_file = self%cases(i)%in_file
       end do
-      more(n + 1) = table_of(title)
-      call move_alloc(more, self%tables)
-   end subroutine new_table
+      more(n + 1) = tables_of(title, in_file)
+      call move_alloc(more, self%cases)
+   end subroutine begin_case
+
+   !> Index of the case that is reported on.
+   pure integer function last_case(self)
+      class(devices_t), intent(in) :: self
+
+      last_case = size(self%cases)
+   end function last_case
+
+   !> Device 9: plotting data.
+   pure function nine(self) result(content)
+      class(devices_t), intent(in) :: self
+      character(:), allocatable :: content
+      type(text_t) :: text
+      integer :: i, k
+
+      content = ''
+      if (.not. allocated(self%cases)) return
+      do i = 1, size(self%cases)
+         do k = 1, self%cases(i)%count
+            call write_plot_block(self%cases(i)%tables(k), text)
+         end do
+      end do
+      content = text%content()
+   end function nine
+
+   !> True if there are tables for other programs.
+   pure logical function has_tables(self)
+      class(devices_t), intent(in) :: self
+      integer :: i
+
+      has_tables = .false.
+      if (.not. allocated(self%cases)) return
+      do i = 1, size(self%cases)
+         if (any(self%cases(i)%tables(:self%cases(i)%count)%audience /= for_plots)) has_tables = .true.
+      end do
+   end function has_tables
 
    !> A remark on a case, with its file and title.
    subroutine remark(self, set, text, part)

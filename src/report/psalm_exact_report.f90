@@ -1,6 +1,5 @@
 !> Exact linkages in words: listing, device 7 with a case for each, device 9 with the block exact.
 module psalm_exact_report
-   use psalm_block, only: begin_block
    use psalm_data_set, only: data_set_t, title_columns
    use psalm_defects, only: class_names, exact_linkage_t
    use psalm_devices, only: devices_t, header_of
@@ -14,7 +13,8 @@ module psalm_exact_report
    use psalm_six_bars, only: six_bar_joints
    use psalm_proof_list, only: shown
    use psalm_proof_study, only: proof_of_turn
-   use psalm_text, only: text_t, full_precision, general, number_or_nan, rank_column, to_text
+   use psalm_tables, only: table_t, tables_t, table_of
+   use psalm_text, only: text_t, general, rank_column, to_text
    implicit none (type, external)
    private
    public :: report_exact, write_case
@@ -30,6 +30,7 @@ contains
       type(exact_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
       type(exact_group_t) :: exact
+      type(table_t) :: table
 
       exact = exact_of(set)
       call devices%six%add()
@@ -63,47 +64,60 @@ contains
       if (shown_of(set, study) == 0) then
          ! nothing of an earlier run stays
          call devices%seven%add('! '//trim(set%title)//': no linkage was found')
-         call begin_list(set, devices%nine, 'rank')
+         table = list_of(set)
+         call table%add('rank', [integer ::])
+         call devices%cases(devices%last_case())%put(table)
       end if
       if (allocated(study%curve)) then
-         if (size(study%curve) > 0) call add_curve_points(set, exact, study, devices%nine)
+         if (size(study%curve) > 0) call put_curve_points(set, exact, study, devices%cases(devices%last_case()))
       end if
       if (allocated(study%proofs) .and. results_of(study) > 0) call report_proofs(set, study, devices)
    end subroutine report_exact
 
    !> Points of the curves of four poses: fixed pivot and, in the first pose, pin.
-   subroutine add_curve_points(set, exact, study, nine)
+   subroutine put_curve_points(set, exact, study, tables)
       type(data_set_t), intent(in) :: set
       type(exact_group_t), intent(in) :: exact
       type(exact_study_t), intent(in) :: study
-      type(text_t), intent(inout) :: nine
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
       complex(wp) :: first
-      integer :: i
 
       first = cmplx(exact%x(1), exact%y(1), wp)
-      call begin_block('exact_curves', 'ray branch ax ay cx cy', nine)
-      call nine%add('# '//set%title)
-      do i = 1, size(study%curve)
-         associate (own => study%curve(i))
-            call nine%add(full_precision(own%ray)//' '//to_text(own%branch)//pair(first + own%dyad%pivot)// &
-                          pair(first + own%dyad%pin))
-         end associate
-      end do
-   end subroutine add_curve_points
+      table = table_of('exact_curves', 'a row for each point of the curves of pivots', notes=set%title)
+      call table%add('ray', study%curve%ray)
+      call table%add('branch', study%curve%branch)
+      call add_point('a', first + study%curve%dyad%pivot, table)
+      call add_point('c', first + study%curve%dyad%pin, table)
+      call tables%put(table)
+   end subroutine put_curve_points
 
    !> What is proven of the motion of the results listed.
    subroutine report_proofs(set, study, devices)
       type(data_set_t), intent(in) :: set
       type(exact_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
-      character(:), allocatable :: line, turns, turned
+      character(:), allocatable :: line, turns
+      type(table_t) :: table
+      integer, allocatable :: known(:)
       integer :: i, unproven, skipped
 
       call devices%six%add()
       call devices%six%add('  PROVEN OVER THE MOTION, CRANK ANGLES FROM THE FIRST POSITION')
       call devices%six%add('  RANK TURNS FULLY  CLOSES BETWEEN    CLOSES FROM             TO   TRANSMISSION')
-      call begin_block('exact_proof', 'rank turns closes from to transmission', devices%nine)
-      call devices%nine%add('# '//set%title)
+      associate (proofs => study%proofs(:shown_of(set, study)))
+         known = pack([(i, i=1, size(proofs))], proofs%known)
+      end associate
+      table = table_of('exact_proof', 'a row for each result whose motion is proven', notes=set%title)
+      associate (proofs => study%proofs(known))
+         call table%add('rank', known)
+         call table%add('turns', proofs%turns, spread(set%limits%iproof == proof_of_turn, 1, size(known)))
+         call table%add('closes', proofs%closes)
+         call table%add('from', proofs%from, 'deg')
+         call table%add('to', proofs%to, 'deg')
+         call table%add('transmission', proofs%transmission, 'deg', proofs%transmits)
+      end associate
+      call devices%cases(devices%last_case())%put(table)
       unproven = 0
       skipped = 0
       do i = 1, shown_of(set, study)
@@ -111,16 +125,11 @@ contains
             if (.not. own%closes) unproven = unproven + 1
             if (own%known) then
                turns = word(own%turns, 12)
-               turned = digit(own%turns)
-               if (set%limits%iproof /= proof_of_turn) then   ! no other crank angles were looked at
-                  turns = repeat(' ', len(turns) - 1)//'-'
-                  turned = ' NaN'
-               end if
+               ! of a part of a turn no other crank angles were looked at
+               if (set%limits%iproof /= proof_of_turn) turns = repeat(' ', len(turns) - 1)//'-'
                line = rank_column(i)//turns//word(own%closes, 16)//in_column(shown(own%from, 1))//in_column(shown(own%to, -1))
                if (own%transmits) line = line//in_column(shown(own%transmission, -1))
                call devices%six%add(line)
-               call devices%nine%add(to_text(i)//turned//digit(own%closes)//' '//full_precision(own%from)//' '// &
-                                     full_precision(own%to)//' '//number_or_nan(own%transmission, own%transmits))
             else if (own%skipped) then
                skipped = skipped + 1
                call devices%six%add(rank_column(i)//'  nothing: not examined')
@@ -192,7 +201,9 @@ contains
       type(exact_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
       character(:), allocatable :: line
+      type(table_t) :: table
       complex(wp) :: far(2)
+      complex(wp), allocatable :: far_sides(:)
       integer :: i, k, shown
 
       associate (six => devices%six)
@@ -254,18 +265,26 @@ contains
             end associate
          end do
       end associate
-      call begin_list(set, devices%nine, &
-                       'rank circuit order branch crank transmission longest sensitivity ax ay bx by cx cy dx dy')
+      table = list_of(set)
+      associate (results => study%results(:shown), verdicts => study%results(:shown)%verdict)
+         call table%add('rank', [(i, i=1, shown)])
+         call table%add('circuit', verdicts%circuit)
+         call table%add('order', verdicts%order)
+         call table%add('branch', verdicts%branch)
+         call table%add('crank', verdicts%crank)
+         call table%add('transmission', verdicts%transmission, 'deg')
+         call table%add('longest', verdicts%longest, 'length')
+         call table%add('sensitivity', verdicts%sensitivity)
+         far_sides = [(far_side(results(i)%linkage), i=1, shown)]
+         call add_point('a', results%linkage%a, table)
+         call add_point('b', far_sides(1::2), table)
+         call add_point('c', [(results(i)%linkage%c(1), i=1, shown)], table)
+         call add_point('d', far_sides(2::2), table)
+      end associate
+      call devices%cases(devices%last_case())%put(table)
       do i = 1, shown
-         associate (r => study%results(i))
-            line = to_text(i)//digit(r%verdict%circuit)//digit(r%verdict%order)//digit(r%verdict%branch)//digit(r%verdict%crank)// &
-                   ' '//full_precision(r%verdict%transmission)//' '//full_precision(r%verdict%longest)//' '// &
-                   full_precision(r%verdict%sensitivity)//pair(r%linkage%a)
-            far = far_side(r%linkage)
-            call devices%nine%add(line//pair(far(1))//pair(r%linkage%c(1))//pair(far(2)))
-            call devices%seven%add('! rank '//to_text(i)//': '//trim(class_names(r%verdict%class)))
-            call write_case(set, study, i, merge(set%limits%last, 0, i == shown), devices%seven)
-         end associate
+         call devices%seven%add('! rank '//to_text(i)//': '//trim(class_names(study%results(i)%verdict%class)))
+         call write_case(set, study, i, merge(set%limits%last, 0, i == shown), devices%seven)
       end do
    end subroutine report_linkages
 
@@ -338,6 +357,7 @@ contains
       type(exact_group_t), intent(in) :: exact
       type(exact_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
+      type(table_t) :: table
       integer :: k
 
       call devices%six%add('  '//sentence_of(study))
@@ -350,11 +370,16 @@ contains
       end if
       call devices%six%add()
       call devices%six%add(head_of(study%wanted%slides)//'  ASSEMBLY')
-      call begin_list(set, devices%nine, 'rank assembly r2 r3 r4 phi0 psi0')
+      associate (found => study%generators%list(:study%generators%count))
+         table = list_of(set)
+         call table%add('rank', [(k, k=1, size(found))])
+         call table%add('assembly', found%assembly)
+         call add_generators(found, table)
+         call devices%cases(devices%last_case())%put(table)
+      end associate
       do k = 1, study%generators%count
          associate (one => study%generators%list(k))
             call devices%six%add(numbers_of(k, one, exact%frame)//'  '//assembly_word(one%assembly))
-            call devices%nine%add(to_text(k)//' '//to_text(one%assembly)//row_of(one))
             call devices%seven%add('! rank '//to_text(k)//': assembly '//assembly_word(one%assembly))
             call write_case(set, study, k, merge(set%limits%last, 0, k == study%generators%count), devices%seven)
          end associate
@@ -366,6 +391,7 @@ contains
       type(exact_group_t), intent(in) :: exact
       type(exact_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
+      type(table_t) :: table
       character(:), allocatable :: unit
       integer :: k, shown
 
@@ -380,13 +406,19 @@ contains
       end if
       call devices%six%add()
       call devices%six%add(head_of(study%wanted%slides)//'          ERROR  SENSE  ALTERNATES')
-      call begin_list(set, devices%nine, 'rank error sense alternates r2 r3 r4 phi0 psi0')
+      associate (best => study%approximations(:shown))
+         table = list_of(set)
+         call table%add('rank', [(k, k=1, shown)])
+         call table%add('error', best%error, trim(merge('percent', 'deg    ', study%wanted%slides)))
+         call table%add('sense', best%sense)
+         call table%add('alternates', best%alternates)
+         call add_generators(best%linkage, table)
+         call devices%cases(devices%last_case())%put(table)
+      end associate
       do k = 1, shown
          associate (best => study%approximations(k))
             call devices%six%add(numbers_of(k, best%linkage, exact%frame)//general(best%error)//'     '// &
                                  merge('+', '-', best%sense > 0)//'  '//word(best%alternates, 10))
-            call devices%nine%add(to_text(k)//' '//full_precision(best%error)//' '//to_text(best%sense)//digit(best%alternates)// &
-                                  row_of(best%linkage))
             call devices%seven%add('! rank '//to_text(k)//': largest error '//trim(adjustl(general(best%error, 'E')))//' '//unit)
             call write_case(set, study, k, merge(set%limits%last, 0, k == shown), devices%seven)
          end associate
@@ -399,8 +431,8 @@ contains
       type(exact_group_t), intent(in) :: exact
       type(exact_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
+      type(table_t) :: table
       integer :: i, shown
-      character(:), allocatable :: line
 
       associate (found => study%subsets, six => devices%six)
          call six%add('  '//to_text(found%sets)//' sets of nine points, '//to_text(found%complete)//' of them with all '// &
@@ -432,16 +464,24 @@ contains
                             general(r%verdict%sensitivity))
             end associate
          end do
-         call begin_list(set, devices%nine, 'rank order distance before transmission longest sensitivity ax ay bx by cx cy dx dy')
+         table = list_of(set)
+         associate (results => found%results(:shown), verdicts => found%results(:shown)%verdict)
+            call table%add('rank', [(i, i=1, shown)])
+            call table%add('order', verdicts%order)
+            call table%add('distance', results%after, 'length')
+            call table%add('before', results%before, 'length')
+            call table%add('transmission', verdicts%transmission, 'deg')
+            call table%add('longest', verdicts%longest, 'length')
+            call table%add('sensitivity', verdicts%sensitivity)
+            call add_point('a', results%linkage%a, table)
+            call add_point('b', results%linkage%b, table)
+            call add_point('c', [(results(i)%linkage%c(1), i=1, shown)], table)
+            call add_point('d', [(results(i)%linkage%d(1), i=1, shown)], table)
+         end associate
+         call devices%cases(devices%last_case())%put(table)
          do i = 1, shown
-            associate (r => found%results(i), l => found%results(i)%linkage)
-               line = to_text(i)//digit(r%verdict%order)//' '//full_precision(r%after)//' '//full_precision(r%before)//' '// &
-                      full_precision(r%verdict%transmission)//' '//full_precision(r%verdict%longest)//' '// &
-                      full_precision(r%verdict%sensitivity)
-               call devices%nine%add(line//pair(l%a)//pair(l%b)//pair(l%c(1))//pair(l%d(1)))
-               call devices%seven%add('! rank '//to_text(i)//': distance '//trim(adjustl(general(r%after))))
-               call write_case(set, study, i, merge(set%limits%last, 0, i == shown), devices%seven)
-            end associate
+            call devices%seven%add('! rank '//to_text(i)//': distance '//trim(adjustl(general(found%results(i)%after))))
+            call write_case(set, study, i, merge(set%limits%last, 0, i == shown), devices%seven)
          end do
       end associate
    end subroutine report_subsets
@@ -452,8 +492,10 @@ contains
       type(exact_group_t), intent(in) :: exact
       type(exact_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
-      complex(wp) :: joints(7)
-      character(:), allocatable :: line, row
+      complex(wp), allocatable :: joints(:, :)
+      type(table_t) :: table
+      character(*), parameter :: names(3:7) = ['c', 'd', 'e', 'g', 'h']
+      character(:), allocatable :: line
       integer :: i, k, shown
 
       associate (found => study%six_bars, six => devices%six)
@@ -484,22 +526,29 @@ contains
          end do
          call six%add()
          call six%add('  RANK  JOINTS C, D, E, G, H: X, Y')
-         call begin_list(set, devices%nine, 'rank transmission longest error cx cy dx dy ex ey gx gy hx hy')
+         allocate (joints(7, shown))
          do k = 1, shown
-            joints = exact%frame*six_bar_joints(found%best(k), study%phi(1))
+            joints(:, k) = exact%frame*six_bar_joints(found%best(k), study%phi(1))
             line = rank_column(k)
-            row = to_text(k)//' '//full_precision(found%best(k)%transmission)//' '//full_precision(found%best(k)%longest)//' '// &
-                  full_precision(found%best(k)%error*degrees_per_radian)
-            do i = 3, size(joints)
-               line = line//general(real(joints(i), wp))//general(aimag(joints(i)))
-               row = row//pair(joints(i))
+            do i = 3, size(joints, 1)
+               line = line//general(real(joints(i, k), wp))//general(aimag(joints(i, k)))
             end do
             call six%add(line)
-            call devices%nine%add(row)
             call devices%seven%add('! rank '//to_text(k)//': least transmission angle '// &
                                    trim(adjustl(general(found%best(k)%transmission)))//' degrees')
             call write_case(set, study, k, merge(set%limits%last, 0, k == shown), devices%seven)
          end do
+         table = list_of(set)
+         associate (best => found%best(:shown))
+            call table%add('rank', [(k, k=1, shown)])
+            call table%add('transmission', best%transmission, 'deg')
+            call table%add('longest', best%longest, 'length')
+            call table%add('error', best%error*degrees_per_radian, 'deg')
+            do i = 3, size(joints, 1)
+               call add_point(names(i), joints(i, :), table)
+            end do
+         end associate
+         call devices%cases(devices%last_case())%put(table)
       end associate
    end subroutine report_six_bars
 
@@ -557,7 +606,9 @@ contains
       type(exact_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
       complex(wp) :: first
-      character(:), allocatable :: line, row
+      type(table_t) :: table
+      character(*), parameter :: names(2, 2) = reshape(['g', 'w', 'h', 'k'], [2, 2])
+      character(:), allocatable :: line
       integer :: k, i, shown
 
       associate (found => study%guided, six => devices%six)
@@ -580,22 +631,31 @@ contains
          end do
          call six%add()
          call six%add('  RANK  ENDS OF BOTH LINKS G, W AND H, K: X, Y')
-         call begin_list(set, devices%nine, 'rank sound fastest longest from1 to1 from2 to2 gx gy wx wy hx hy kx ky')
+         table = list_of(set)
+         associate (list => found%list(:shown))
+            call table%add('rank', [(k, k=1, shown)])
+            call table%add('sound', list%sound)
+            call table%add('fastest', list%fastest)
+            call table%add('longest', list%longest, 'length')
+            do i = 1, 2
+               call table%add('from'//to_text(i), list%links(i)%from)
+               call table%add('to'//to_text(i), list%links(i)%to)
+            end do
+            do i = 1, 2
+               call add_point(names(1, i), first + list%links(i)%pivot, table)
+               call add_point(names(2, i), first + list%links(i)%pin, table)
+            end do
+         end associate
+         call devices%cases(devices%last_case())%put(table)
          do k = 1, shown
             associate (one => found%list(k))
                line = rank_column(k)
-               row = to_text(k)//digit(one%sound)//' '//full_precision(one%fastest)//' '//full_precision(one%longest)
-               do i = 1, 2
-                  row = row//' '//to_text(one%links(i)%from)//' '//to_text(one%links(i)%to)
-               end do
                do i = 1, 2
                   associate (g => first + one%links(i)%pivot, w => first + one%links(i)%pin)
                      line = line//general(real(g, wp))//general(aimag(g))//general(real(w, wp))//general(aimag(w))
-                     row = row//pair(g)//pair(w)
                   end associate
                end do
                call six%add(line)
-               call devices%nine%add(row)
             end associate
             line = '! rank '//to_text(k)
             if (.not. found%list(k)%sound) line = line//': it does not come to all poses'
@@ -649,23 +709,32 @@ contains
              general(scale*one%r4)//general(one%phi0*degrees_per_radian)//general(zero)
    end function numbers_of
 
-   function row_of(one) result(line)
-      type(generator_t), intent(in) :: one
-      character(:), allocatable :: line
+   !> Columns of function generators: lengths over the frame, of a slider-crank of the user.
+   pure subroutine add_generators(list, table)
+      type(generator_t), intent(in) :: list(:)
+      type(table_t), intent(inout) :: table
+      character(:), allocatable :: length, place
 
-      line = ' '//full_precision(one%r2)//' '//full_precision(one%r3)//' '//full_precision(one%r4)//' '// &
-             full_precision(one%phi0)//' '//full_precision(one%psi0)
-   end function row_of
+      length = ''
+      place = 'rad'
+      if (any(list%slides)) then
+         length = 'length'
+         place = length
+      end if
+      call table%add('r2', list%r2, length)
+      call table%add('r3', list%r3, length)
+      call table%add('r4', list%r4, length)
+      call table%add('phi0', list%phi0, 'rad')
+      call table%add('psi0', list%psi0, place)
+   end subroutine add_generators
 
-   !> Begin a block of device 9.
-   subroutine begin_list(set, nine, columns)
+   !> The table of the results, without columns.
+   pure function list_of(set) result(table)
       type(data_set_t), intent(in) :: set
-      type(text_t), intent(inout) :: nine
-      character(*), intent(in) :: columns
+      type(table_t) :: table
 
-      call begin_block('exact', columns, nine)
-      call nine%add('# '//set%title)
-   end subroutine begin_list
+      table = table_of('exact', 'a row for each linkage listed', notes=set%title)
+   end function list_of
 
    function word(sound, width) result(text)
       logical, intent(in) :: sound
@@ -698,17 +767,13 @@ contains
       text = adjustr(text)
    end function in_column
 
-   pure function digit(sound) result(text)
-      logical, intent(in) :: sound
-      character(2) :: text
+   !> Two columns of a joint.
+   pure subroutine add_point(name, places, table)
+      character(*), intent(in) :: name
+      complex(wp), intent(in) :: places(:)
+      type(table_t), intent(inout) :: table
 
-      text = merge(' 1', ' 0', sound)
-   end function digit
-
-   function pair(z) result(text)
-      complex(wp), intent(in) :: z
-      character(:), allocatable :: text
-
-      text = ' '//full_precision(real(z, wp))//' '//full_precision(aimag(z))
-   end function pair
+      call table%add(name//'x', real(places, wp), 'length')
+      call table%add(name//'y', aimag(places), 'length')
+   end subroutine add_point
 end module psalm_exact_report

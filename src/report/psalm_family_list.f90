@@ -1,11 +1,12 @@
 !> A family of curves in the listing and on device 9.
 module psalm_family_list
-   use psalm_block, only: begin_block
+   use psalm_column_names, only: closed_name, input_name, input_unit, output_unit
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_family_study, only: family_t
    use psalm_kinds, only: wp
-   use psalm_text, only: text_t, full_precision, general, number_or_nan, to_text, upper_case
+   use psalm_tables, only: table_t, tables_t, table_of
+   use psalm_text, only: text_t, general, lower_case, to_text, upper_case
    implicit none (type, external)
    private
    public :: report_family
@@ -29,7 +30,7 @@ contains
          return
       end if
       call list_family(family, devices%six)
-      call write_family_block(family, devices%nine)
+      call put_family(family, devices%cases(devices%last_case()))
       open = count([(.not. all(family%closed(:, k)), k=1, size(family%setting))])
       if (open == 0) return
       call devices%remark(set, 'the linkage does not close everywhere at '//to_text(open)//' of '// &
@@ -80,27 +81,23 @@ contains
       end do
    end subroutine list_family
 
-   !> A block of device 9: a row for each setting and position.
-   subroutine write_family_block(family, text)
+   !> The table `sweep`.
+   subroutine put_family(family, tables)
       type(family_t), intent(in) :: family
-      type(text_t), intent(inout) :: text
-      character(:), allocatable :: line
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
       integer :: i, k, c
 
-      line = 'setting input closed'
-      do c = 1, size(family%numbers)
-         line = line//' '//trim(family%numbers(c))
-      end do
-      call begin_block('sweep', line, text)
-      do k = 1, size(family%setting)
-         do i = 1, size(family%input)
-            line = full_precision(family%setting(k))//' '//full_precision(family%input(i))//' '// &
-                   merge('1', '0', family%closed(i, k))
-            do c = 1, size(family%numbers)
-               line = line//' '//number_or_nan(family%actual(i, c, k), family%closed(i, k))
-            end do
-            call text%add(line)
+      associate (settings => size(family%setting), positions => size(family%input))
+         table = table_of('sweep', 'a row for each setting of '//lower_case(family%name)//' and position')
+         call table%add('setting', [((family%setting(k), i=1, positions), k=1, settings)], input_unit(.not. family%sets_angle))
+         call table%add(input_name(), [((family%input(i), i=1, positions), k=1, settings)], input_unit(family%slides))
+         call table%add(closed_name, reshape(family%closed, [positions*settings]))
+         do c = 1, size(family%numbers)
+            call table%add(trim(family%columns(c)), reshape(family%actual(:, c, :), [positions*settings]), &
+                           output_unit(family%angle(c)), reshape(family%closed, [positions*settings]), trim(family%numbers(c)))
          end do
-      end do
-   end subroutine write_family_block
+      end associate
+      call tables%put(table)
+   end subroutine put_family
 end module psalm_family_list

@@ -5,14 +5,13 @@ module psalm_force_list
    use psalm_force_analysis, only: column_of_joint, column_drive, column_fx, column_fy, column_moment
    use psalm_force_study, only: force_study_t
    use psalm_kinds, only: wp
-   use psalm_text, only: text_t, full_precision, general, to_text, upper_case
+   use psalm_tables, only: table_t
+   use psalm_text, only: text_t, general, to_text, upper_case
    implicit none (type, external)
    private
-   public :: list_forces, list_joint_forces, list_shares, force_columns, force_values, trouble_at
-   public :: force_names_line, force_values_line, column_room
+   public :: list_forces, list_joint_forces, list_shares, add_forces, trouble_at
 
    integer, parameter :: name_columns = 18     !! of a name at the beginning of a line, unless it is longer
-   integer, parameter :: column_room = 80      !! characters of a column's name
 
 contains
 
@@ -201,68 +200,35 @@ contains
       end function four
    end subroutine list_shares
 
-   !> Names of the columns for tables.
-   pure function force_columns(study) result(names)
+   !> The columns of a table of positions: drive, frame, energy, joints, further drives; not known where forces are not, nor
+   !> where `reached` is false.
+   pure subroutine add_forces(study, table, reached)
       type(force_study_t), intent(in) :: study
-      character(column_room), allocatable :: names(:)
-      integer :: j, n
+      type(table_t), intent(inout) :: table
+      logical, intent(in), optional :: reached(:)  !! shape (positions)
+      logical :: known(size(study%input))
+      integer :: k, j, c
 
-      n = size(study%table%value, 2) + 2
-      allocate (names(n))
-      names(:6) = [character(13) :: 'drive', 'frame_fx', 'frame_fy', 'frame_m', 'kinetic', 'kinetic_per_s']
-      n = 6
-      do j = 1, size(study%joints)
-         associate (joint => study%joints(j))
-            names(n + 1) = joint%name//merge('_n ', '_fx', joint%slides)
-            names(n + 2) = joint%name//merge('_m ', '_fy', joint%slides)
-         end associate
-         n = n + 2
-      end do
-      do j = 2, size(study%drives)
-         names(n + j - 1) = 'drive'//to_text(j)
-      end do
-   end function force_columns
-
-   !> The values of these columns at a position; of no meaning where forces are not known.
-   pure function force_values(study, k) result(values)
-      type(force_study_t), intent(in) :: study
-      integer, intent(in) :: k
-      real(wp), allocatable :: values(:)
-
-      values = [study%table%value(k, :column_moment), study%table%kinetic(k), study%table%growth(k), &
-                study%table%value(k, column_moment + 1:)]
-   end function force_values
-
-   !> The columns on device 9, each with a blank before it.
-   pure function force_names_line(study) result(line)
-      type(force_study_t), intent(in) :: study
-      character(:), allocatable :: line
-      character(column_room), allocatable :: names(:)
-      integer :: c
-
-      names = force_columns(study)
-      line = ''
-      do c = 1, size(names)
-         line = line//' '//trim(names(c))
-      end do
-   end function force_names_line
-
-   !> Their values at a position, 17 digits; NaN where they are not known.
-   pure function force_values_line(study, k) result(line)
-      type(force_study_t), intent(in) :: study
-      integer, intent(in) :: k
-      character(:), allocatable :: line
-      real(wp), allocatable :: values(:)
-      integer :: c
-
-      values = force_values(study, k)
-      line = ''
-      do c = 1, size(values)
-         if (study%table%known(k)) then
-            line = line//' '//full_precision(values(c))
-         else
-            line = line//' NaN'
-         end if
-      end do
-   end function force_values_line
+      known = [(study%table%known(k), k=1, size(known))]
+      if (present(reached)) known = known .and. reached
+      associate (v => study%table%value, unit => merge('N  ', 'N m', study%drive_slides))
+         call table%add('drive', v(:, column_drive), trim(unit(1)), known)
+         call table%add('frame_fx', v(:, column_fx), 'N', known)
+         call table%add('frame_fy', v(:, column_fy), 'N', known)
+         call table%add('frame_m', v(:, column_moment), 'N m', known)
+         call table%add('kinetic', study%table%kinetic, 'J', known)
+         call table%add('kinetic_per_s', study%table%growth, 'W', known)
+         do j = 1, size(study%joints)
+            c = column_of_joint(j)
+            associate (joint => study%joints(j))
+               call table%add(joint%name//trim(merge('_n ', '_fx', joint%slides)), v(:, c), 'N', known)
+               call table%add(joint%name//trim(merge('_m ', '_fy', joint%slides)), v(:, c + 1), &
+                              trim(merge('N m', 'N  ', joint%slides)), known)
+            end associate
+         end do
+         do j = 2, size(study%drives)
+            call table%add('drive'//to_text(j), v(:, column_of_drive(study, j)), trim(unit(j)), known)
+         end do
+      end associate
+   end subroutine add_forces
 end module psalm_force_list

@@ -1,17 +1,16 @@
 !> Results of muscle become texts of the devices, remarks for standard error and the exit status. Nothing is computed here.
 module psalm_muscle_report
    use psalm_balance_group, only: balance_group_t, balance_of
-   use psalm_balance_json, only: write_balance_json
-   use psalm_balance_list, only: list_balance, plot_balance, list_of_names
+   use psalm_balance_list, only: list_balance, list_of_names
    use psalm_balance_study, only: balance_study_t, outcome_t
+   use psalm_balance_table, only: put_balance
    use psalm_data_set, only: data_set_t
    use psalm_data_set_text, only: write_data_set
    use psalm_devices, only: devices_t
    use psalm_error, only: problem_t
-   use psalm_markup, only: json_text
    use psalm_muscle_study, only: muscle_study_t
    use psalm_preparation, only: prepared_t
-   use psalm_spring_list, only: list_springs, plot_springs, write_spring_json, write_springs
+   use psalm_spring_list, only: list_springs, put_springs, write_springs
    use psalm_spring_study, only: spring_study_t, spring_result_t
    use psalm_text, only: to_text
    use psalm_weight_text, only: write_masses
@@ -34,8 +33,6 @@ contains
 
       group = balance_of(set)
       call devices%six%add(' '//set%title)
-      if (devices%json%length > 0) call devices%json%add_text(','//new_line('a'))
-      call devices%json%add_text('{"title":'//json_text(trim(set%title)))
       if (allocated(study%balance)) then
          if (study%balance%trouble > 0) then
             call devices%six%add(' NO FORCES AT POSITION '//to_text(study%balance%trouble)// &
@@ -43,17 +40,13 @@ contains
             call devices%remark(set, 'position '//to_text(study%balance%trouble)// &
                                 ': the linkage does not close or is at a dead point; kalm tells which')
             call devices%note_violation()
-            call devices%json%add_text(',"trouble_at":'//to_text(study%balance%trouble))
          else
             call remark_balance(set, group, study%balance, devices)
             call list_balance(set, study%balance, devices%six)
-            call plot_balance(study%balance, devices%nine)
-            call devices%json%add_text(',')
-            call write_balance_json(set, study%balance, devices%json)
+            call put_balance(set%masses%metre, study%balance, devices%cases(devices%last_case()))
          end if
       end if
       if (allocated(study%springs)) call report_springs(set, study%springs, devices)
-      call devices%json%add_text('}')
       call write_data_set(set, problem, prepared%given, devices%seven)
       allocate (none%weights(0))
       if (allocated(study%balance)) then
@@ -83,9 +76,7 @@ contains
          return
       end if
       call list_springs(set, study, devices%six)
-      call plot_springs(study, devices%nine)
-      call devices%json%add_text(',')
-      call write_spring_json(study, devices%json)
+      call put_springs(study, devices%cases(devices%last_case()))
       if (study%found) return
       call devices%remark(set, 'there is no such spring; see the listing')
       call devices%note_violation()

@@ -2,7 +2,7 @@
 !>
 !> Ends are rounded inwards: what is printed stays true.
 module psalm_proof_list
-   use psalm_block, only: begin_block
+   use psalm_column_names, only: input_unit
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp, dp
    use psalm_margin_list, only: name_of_clearance, name_of_limit
@@ -15,12 +15,16 @@ module psalm_proof_list
                                  extreme_distance, extreme_slides
    use psalm_proof_study, only: proof_study_t, kept_t
    use psalm_summary_text, only: name_of_kind
+   use psalm_tables, only: table_t, tables_t, table_of
    use psalm_text, only: text_t, full_precision, general, to_text, upper_case
    implicit none (type, external)
    private
-   public :: list_proof, write_proof, describe_proof
+   public :: list_proof, put_proof, describe_proof, about_limits, about_extremes
    public :: list_range, head_of_ranges, shown, short, end_text, cause_words, extreme_name, mover_name
-   public :: list_kept, write_kept
+   public :: list_kept, put_kept
+
+   character(*), parameter :: about_limits = 'a row for each part of the range, the brackets between them too'
+   character(*), parameter :: about_extremes = 'a row for each quantity: brackets of its extremes; angles in degrees'
 
    integer, parameter :: quantity_columns = 34, value_columns = 17, place_columns = 15, list_columns = 110
    character(*), parameter :: head_of_ranges = &
@@ -496,109 +500,129 @@ contains
       text = repeat(' ', max(0, width - len(text)))//text
    end function end_text
 
-   !> Device 9: every part of the range, the brackets too, with all digits.
-   subroutine write_proof(title, study, text)
+   !> Tables: every part of the range, the brackets too; extremes, dead points, margins, clearances.
+   subroutine put_proof(title, study, tables)
       character(*), intent(in) :: title
       type(proof_study_t), intent(in) :: study
-      type(text_t), intent(inout) :: text
-      character(9), parameter :: kinds(3) = ['closes   ', 'opens    ', 'undecided']
-      character(11), parameter :: causes(0:5) = ['none       ', 'too_short  ', 'difference ', 'guide      ', 'link       ', &
-                                                 'parallel   ']
-      integer :: i
+      type(tables_t), intent(inout) :: tables
+      character(*), parameter :: kinds(3) = [character(9) :: 'closes', 'opens', 'undecided']
+      character(*), parameter :: causes(0:5) = [character(11) :: 'none', 'too_short', 'difference', 'guide', 'link', 'parallel']
+      type(table_t) :: table
 
-      call begin_block('limits', 'kind from to loop cause', text)
-      call text%add('# '//title)
-      do i = 1, size(study%proof%limits)
-         associate (limit => study%proof%limits(i))
-            call text%add(trim(kinds(limit%kind))//' '//full_precision(limit%from)//' '//full_precision(limit%to)//' '// &
-                          to_text(limit%loop)//' '//trim(causes(limit%cause)))
-         end associate
-      end do
-      call write_ranges(title, study, text)
-      call write_margins(title, study, text)
-      call write_kept(title, study%kept, text)
-   end subroutine write_proof
+      table = table_of('limits', about_limits, notes=title)
+      associate (limits => study%proof%limits)
+         call table%add('kind', kinds(limits%kind))
+         call table%add('from', limits%from, input_unit(.not. study%proof%turns))
+         call table%add('to', limits%to, input_unit(.not. study%proof%turns))
+         call table%add('loop', limits%loop)
+         call table%add('cause', causes(limits%cause))
+      end associate
+      call tables%put(table)
+      call put_extremes(title, study, tables)
+      call put_margins(title, study, tables)
+      call put_kept(title, study%kept, input_unit(.not. study%proof%turns), tables)
+   end subroutine put_proof
 
-   !> Device 9: least clearances.
-   subroutine write_kept(title, kept, text)
+   !> Least clearances.
+   subroutine put_kept(title, kept, input, tables)
       character(*), intent(in) :: title
       type(kept_t), intent(in) :: kept(:)
-      type(text_t), intent(inout) :: text
+      character(*), intent(in) :: input       !! unit of the input
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      integer, allocatable :: found(:)
       integer :: i
 
-      if (count(kept%nearest%found) == 0) return
-      call begin_block('clearance', 'region link other low high at asked', text)
-      call text%add('# '//title)
-      do i = 1, size(kept)
-         associate (clearance => kept(i)%clearance, nearest => kept(i)%nearest)
-            if (.not. nearest%found) cycle
-            call text%add(to_text(clearance%region)//' '//to_text(clearance%segments(1))//' '//to_text(clearance%segments(2))// &
-                          ' '//full_precision(nearest%low)//' '//full_precision(nearest%high)//' '// &
-                          full_precision(nearest%at)//' '//full_precision(clearance%asked))
-         end associate
-      end do
-   end subroutine write_kept
+      found = pack([(i, i=1, size(kept))], kept%nearest%found)
+      if (size(found) == 0) return
+      table = table_of('clearance', 'a row for each clearance asked for: brackets of the least', notes=title)
+      associate (list => kept(found))
+         call table%add('region', list%clearance%region)
+         call table%add('link', [(kept(found(i))%clearance%segments(1), i=1, size(found))])
+         call table%add('other', [(kept(found(i))%clearance%segments(2), i=1, size(found))])
+         call table%add('low', list%nearest%low, 'length')
+         call table%add('high', list%nearest%high, 'length')
+         call table%add('at', list%nearest%at, input)
+         call table%add('asked', list%clearance%asked, 'length')
+      end associate
+      call tables%put(table)
+   end subroutine put_kept
 
-   !> Device 9: least margins of the dyads.
-   subroutine write_margins(title, study, text)
+   !> Least margins of the dyads.
+   subroutine put_margins(title, study, tables)
       character(*), intent(in) :: title
       type(proof_study_t), intent(in) :: study
-      type(text_t), intent(inout) :: text
-      character(:), allocatable :: name
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
       integer :: i
 
       if (size(study%margins) == 0) return
-      call begin_block('margins', 'quantity loop low high at', text)
-      call text%add('# '//title)
-      do i = 1, size(study%margins)
-         associate (own => study%margins(i))
-            select case (own%margin%kind)
-            case (margin_angle)
-               name = 'transmission_angle'
-            case (margin_slides)
-               name = 'angle_of_slides'
-            case (margin_guide)
-               name = 'guide'
-            case default
-               name = 'offset'
-            end select
-            call text%add(name//' '//to_text(own%margin%which)//' '//full_precision(own%low)//' '//full_precision(own%high)//' '// &
-                          full_precision(own%margin%delt))
-         end associate
-      end do
-   end subroutine write_margins
+      table = table_of('margins', 'a row for each margin: brackets of the least; angles in degrees', notes=title)
+      associate (margins => study%margins)
+         call table%add('quantity', [(name_of(margins(i)%margin%kind), i=1, size(margins))])
+         call table%add('loop', margins%margin%which)
+         call table%add('low', margins%low)
+         call table%add('high', margins%high)
+         call table%add('at', margins%margin%delt, input_unit(.not. study%proof%turns))
+      end associate
+      call tables%put(table)
 
-   !> Device 9: extremes and dead points.
-   subroutine write_ranges(title, study, text)
+   contains
+
+      pure function name_of(kind) result(name)
+         integer, intent(in) :: kind
+         character(18) :: name
+
+         select case (kind)
+         case (margin_angle)
+            name = 'transmission_angle'
+         case (margin_slides)
+            name = 'angle_of_slides'
+         case (margin_guide)
+            name = 'guide'
+         case default
+            name = 'offset'
+         end select
+      end function name_of
+   end subroutine put_margins
+
+   !> Extremes and dead points.
+   subroutine put_extremes(title, study, tables)
       character(*), intent(in) :: title
       type(proof_study_t), intent(in) :: study
-      type(text_t), intent(inout) :: text
-      character(18), parameter :: quantities(8) = ['transmission_angle', 'slide             ', 'output_x          ', &
-                                                   'output_y          ', 'output_angle      ', 'output_distance   ', &
-                                                   'velocity_ratio    ', 'angle_of_slides   ']
-      character(7), parameter :: movers(3) = ['output ', 'turning', 'sliding']
+      type(tables_t), intent(inout) :: tables
+      character(*), parameter :: quantities(8) = [character(18) :: 'transmission_angle', 'slide', 'output_x', 'output_y', &
+                                                  'output_angle', 'output_distance', 'velocity_ratio', 'angle_of_slides']
+      character(*), parameter :: movers(3) = [character(7) :: 'output', 'turning', 'sliding']
+      type(table_t) :: table
+      character(:), allocatable :: input
       integer :: i
 
       if (count(study%extremes%found) == 0) return ! nothing closes, nothing moves
-      call begin_block('extremes', 'quantity loop arc least_low least_high least_at greatest_low greatest_high greatest_at', text)
-      call text%add('# '//title)
-      do i = 1, size(study%extremes)
-         associate (extreme => study%extremes(i))
-            if (.not. extreme%found) cycle
-            call text%add(trim(quantities(extreme%kind))//' '//to_text(extreme%loop)//' '//to_text(extreme%place)//' '// &
-                          full_precision(extreme%least_low)//' '//full_precision(extreme%least_high)//' '// &
-                          full_precision(extreme%least_at)//' '//full_precision(extreme%greatest_low)//' '// &
-                          full_precision(extreme%greatest_high)//' '//full_precision(extreme%greatest_at))
-         end associate
-      end do
+      input = input_unit(.not. study%proof%turns)
+      table = table_of('extremes', about_extremes, notes=title)
+      associate (e => study%extremes(pack([(i, i=1, size(study%extremes))], study%extremes%found)))
+         call table%add('quantity', quantities(e%kind))
+         call table%add('loop', e%loop)
+         call table%add('arc', e%place)
+         call table%add('least_low', e%least_low)
+         call table%add('least_high', e%least_high)
+         call table%add('least_at', e%least_at, input)
+         call table%add('greatest_low', e%greatest_low)
+         call table%add('greatest_high', e%greatest_high)
+         call table%add('greatest_at', e%greatest_at, input)
+      end associate
+      call tables%put(table)
       if (size(study%movement%dead) == 0) return
-      call begin_block('dead_points', 'quantity loop arc low high reverses', text)
-      call text%add('# '//title)
-      do i = 1, size(study%movement%dead)
-         associate (dead => study%movement%dead(i))
-            call text%add(trim(movers(dead%kind))//' '//to_text(dead%loop)//' '//to_text(dead%place)//' '// &
-                          full_precision(dead%low)//' '//full_precision(dead%high)//' '//merge('1', '0', dead%reverses))
-         end associate
-      end do
-   end subroutine write_ranges
+      table = table_of('dead_points', 'a row for each dead point: brackets of the input', notes=title)
+      associate (dead => study%movement%dead)
+         call table%add('quantity', movers(dead%kind))
+         call table%add('loop', dead%loop)
+         call table%add('arc', dead%place)
+         call table%add('low', dead%low, input)
+         call table%add('high', dead%high, input)
+         call table%add('reverses', dead%reverses)
+      end associate
+      call tables%put(table)
+   end subroutine put_extremes
 end module psalm_proof_list

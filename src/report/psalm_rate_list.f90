@@ -1,20 +1,18 @@
-!> Rates in the listing, on device 8 and on device 9.
+!> Rates in the listing and on device 8.
 module psalm_rate_list
    use psalm_data_set, only: data_set_t
    use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t
    use psalm_finale, only: angle_text, open_words
-   use psalm_force_list, only: force_names_line, force_values_line
-   use psalm_force_study, only: force_study_t
    use psalm_input_text, only: list_sketch_notes
    use psalm_kinds, only: wp
    use psalm_output_kind, only: motion_point, motion_pose
-   use psalm_rate_study, only: rate_study_t, arc_rates_t, output_at_origin, highest_order
-   use psalm_text, only: text_t, full_precision, general, number_or_nan, to_text
+   use psalm_rate_study, only: rate_study_t, arc_rates_t, output_at_origin
+   use psalm_text, only: text_t, general, to_text
    use psalm_mechanism, only: mechanism_t
    implicit none (type, external)
    private
-   public :: list_rates, list_all_rates, write_table, dead_words
+   public :: list_rates, list_all_rates, dead_words
 
 contains
 
@@ -142,85 +140,6 @@ contains
          call text%add(line)
       end do
    end subroutine list_rates
-
-   !> Device 9: the derivatives by the input and by time, 17 digits.
-   subroutine write_table(set, problem, rates, text, forces)
-      type(data_set_t), intent(in) :: set
-      type(problem_t), intent(in) :: problem
-      type(rate_study_t), intent(in) :: rates
-      type(text_t), intent(inout) :: text
-      type(force_study_t), intent(in), optional :: forces  !! their columns follow
-      character(:), allocatable :: line, per
-      integer :: k, c, order
-
-      if (text%length > 0) then
-         call text%add()
-         call text%add()
-      end if
-      per = trim(merge('length', 'rad   ', problem%mechanism%sliding_input))
-      line = '# input closed'
-      do c = 1, size(rates%motion%actual, 2)
-         line = line//' actual'//trim(problem%output%kind%suffix(c))
-      end do
-      do order = 1, highest_order
-         call name_columns(per, order)
-      end do
-      do order = 1, highest_order
-         call name_columns('s', order)
-      end do
-      if (present(forces)) line = line//force_names_line(forces)
-      call text%add(line)
-      call text%add('# '//set%title)
-      call text%add('# derivatives per '//per//' of input and per second at input speed '//full_precision(set%rates%speed)// &
-                    ', acceleration '//full_precision(set%rates%accel)//'; angles in degrees, their derivatives in radians')
-      if (present(forces)) call text%add('# drive, forces and couples of joints in newtons and newton metres; frame moment '// &
-                                         'about the machine origin')
-      do k = 1, size(rates%motion%input)
-         line = full_precision(rates%motion%input(k))//merge(' 1', ' 0', rates%motion%closed(k))
-         if (rates%motion%closed(k)) then
-            do c = 1, size(rates%motion%actual, 2)
-               line = line//' '//full_precision(rates%motion%actual(k, c))
-            end do
-         else
-            line = line//repeat(' NaN', size(rates%motion%actual, 2))
-         end if
-         call add_values(rates%by_input(:, :, k))
-         call add_values(rates%by_time(:, :, k))
-         if (present(forces)) line = line//force_values_line(forces, k)
-         call text%add(line)
-      end do
-
-   contains
-
-      subroutine name_columns(per, order)
-         character(*), intent(in) :: per
-         integer, intent(in) :: order
-         character(:), allocatable :: power
-
-         power = per
-         if (order > 1) power = per//to_text(order)
-         do c = 1, size(rates%motion%actual, 2)
-            if (size(rates%motion%actual, 2) > 1) then
-               line = line//' '//trim(problem%output%kind%suffix(c)(2:))//'_per_'//power
-            else
-               line = line//' actual_per_'//power
-            end if
-         end do
-      end subroutine name_columns
-
-      subroutine add_values(values)
-         real(wp), intent(in) :: values(:, :)   !! shape (3, components)
-         integer :: order
-         logical :: known
-
-         known = rates%motion%closed(k) .and. rates%dead(k) == 0
-         do order = 1, highest_order
-            do c = 1, size(values, 2)
-               line = line//' '//number_or_nan(values(order, c), known)
-            end do
-         end do
-      end subroutine add_values
-   end subroutine write_table
 
    pure function dead_words(dead) result(words)
       integer, intent(in) :: dead

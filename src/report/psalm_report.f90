@@ -1,6 +1,6 @@
 !> Results of studies become texts of the devices, remarks for standard error and the exit status. Nothing is computed here.
 module psalm_report
-   use psalm_adjustment_list, only: list_adjustments, write_adjustment_block
+   use psalm_adjustment_list, only: list_adjustments, put_adjustments
    use psalm_analysis, only: analysis_t
    use psalm_chain_report, only: range_lines, report_unreached, several_outputs
    use psalm_check_list, only: list_arcs, list_reference_joints, list_setup
@@ -19,10 +19,10 @@ module psalm_report
    use psalm_margin_list, only: list_margins, describe_margin
    use psalm_margins, only: is_violated
    use psalm_method_group, only: default_niter
-   use psalm_plot_data, only: write_block, write_rate_block
-   use psalm_proof_list, only: list_proof, write_proof, describe_proof
+   use psalm_position_table, only: plot_positions, plot_wanted_rates, put_rates, positions_block
+   use psalm_proof_list, only: list_proof, put_proof, describe_proof
    use psalm_proof_study, only: proof_study_t
-   use psalm_rate_list, only: list_rates, list_all_rates, write_table, dead_words
+   use psalm_rate_list, only: list_rates, list_all_rates, dead_words
    use psalm_rate_study, only: rate_study_t
    use psalm_ranking_list, only: list_ranking, bounds_reached, add_to_ranking, add_share, list_common_ranking
    use psalm_search, only: result_t
@@ -36,8 +36,9 @@ module psalm_report
    use psalm_synthesis, only: synthesis_t, ended_infeasible, ended_small_objective, ended_iterations, ended_time, &
                               ended_on_request, ended_without_rates
    use psalm_text, only: text_t, general, lower_case, to_text
+   use psalm_tables, only: tables_t
    use psalm_tolerance, only: tolerances_t
-   use psalm_tolerance_list, only: list_tolerances, plot_tolerances, list_output_bands, write_output_bands
+   use psalm_tolerance_list, only: list_tolerances, put_tolerances, list_output_bands, put_output_bands
    use psalm_dimensions, only: dimensions_t
    use psalm_wish_list, only: list_output_wishes
    implicit none (type, external)
@@ -239,7 +240,7 @@ contains
       if (allocated(analysis%arcs)) call list_arcs(problem%mechanism, analysis%motion, analysis%arcs, analysis%condition, &
                                                    devices%eight)
       if (allocated(analysis%margins)) call report_margins(set, problem, analysis, devices)
-      call write_blocks(set, problem, analysis, devices%nine)
+      call plot_motion(set, problem, analysis, devices%cases(devices%last_case()))
    end subroutine report_analysis
 
    subroutine report_margins(set, problem, analysis, devices)
@@ -258,28 +259,22 @@ contains
    end subroutine report_margins
 
    !> Device 9: the prescribed positions, and with IPLOT every degree in the direction of the first two.
-   subroutine write_blocks(set, problem, analysis, text)
+   subroutine plot_motion(set, problem, analysis, tables)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(analysis_t), intent(in) :: analysis
-      type(text_t), intent(inout) :: text
-      character(:), allocatable :: name
+      type(tables_t), intent(inout) :: tables
+      real(wp), allocatable :: condition(:), sweep_condition(:)   ! not allocated: absent arguments
 
-      name = trim(merge('every degree ', 'evenly spaced', .not. problem%mechanism%sliding_input))
-      associate (desired => problem%desired)
-         if (set%limits%icond == 0) then
-            call write_block(set%title, 'prescribed positions', desired, desired, problem, analysis%motion, text)
-            if (allocated(analysis%sweep)) &
-               call write_block(set%title, name, desired, .false., problem, analysis%sweep, text)
-         else
-            call write_block(set%title, 'prescribed positions', desired, desired, problem, analysis%motion, text, &
-                             analysis%condition)
-            if (allocated(analysis%sweep)) &
-               call write_block(set%title, name, desired, .false., problem, analysis%sweep, text, analysis%sweep_condition)
-         end if
-      end associate
-      if (allocated(analysis%motion%rates)) call write_rate_block(set%title, problem, analysis%motion, text)
-   end subroutine write_blocks
+      if (set%limits%icond /= 0) then
+         condition = analysis%condition
+         if (allocated(analysis%sweep)) sweep_condition = analysis%sweep_condition
+      end if
+      call plot_positions(set%title, positions_block, problem, analysis%motion, tables, condition)
+      if (allocated(analysis%sweep)) &
+         call plot_positions(set%title, 'every_position', problem, analysis%sweep, tables, sweep_condition)
+      if (allocated(analysis%motion%rates)) call plot_wanted_rates(set%title, problem, analysis%motion, tables)
+   end subroutine plot_motion
 
    !> Remarks and exit status where limits are violated, and on what makes the result doubtful.
    subroutine report_violations(set, problem, analysis, devices)
@@ -382,7 +377,7 @@ contains
          return
       end if
       call list_proof(set, study, devices%six)
-      call write_proof(set%title, study, devices%nine)
+      call put_proof(set%title, study, devices%cases(devices%last_case()))
       if (.not. study%is_violating()) return
       call devices%note_violation()
       if (study%is_open()) call devices%remark(set, describe_proof(study))
@@ -395,8 +390,9 @@ contains
    ! ---- tolerances --------------------------------------------------------------------------------------------------
 
    !> Bands of the output within the tolerances of the dimensions.
-   subroutine report_tolerances(set, result, devices)
+   subroutine report_tolerances(set, sliding_input, result, devices)
       type(data_set_t), intent(in) :: set
+      logical, intent(in) :: sliding_input
       type(tolerances_t), intent(in) :: result
       type(devices_t), intent(inout) :: devices
 
@@ -406,14 +402,14 @@ contains
       end if
       if (result%is_violating()) call devices%note_violation()
       call list_tolerances(result%linear, result%sample, devices%six)
-      call plot_tolerances(set%title, result%linear, result%sample, devices%nine)
+      call put_tolerances(set%title, sliding_input, result%linear, result%sample, devices%cases(devices%last_case()))
       if (several_outputs(set) .and. allocated(result%linear%bands)) then
          call list_output_bands(set%sketch, result%linear, devices%six)
-         call write_output_bands(result%linear, devices%nine)
+         call put_output_bands(set%sketch, result%linear, devices%cases(devices%last_case()))
       end if
       if (allocated(result%adjustments)) then
          call list_adjustments(result%linear, result%adjustments, set%toler%outtol, devices%six)
-         call write_adjustment_block(result%linear, result%adjustments, devices%nine)
+         call put_adjustments(result%linear, result%adjustments, devices%cases(devices%last_case()))
       end if
       if (any(result%linear%dead)) call devices%remark(set, 'dead point at position '// &
          to_text(findloc(result%linear%dead, .true., dim=1))//': effects of tolerances are infinite there')
@@ -438,7 +434,8 @@ contains
 
       if (allocated(rates%arcs)) call list_all_rates(problem, rates, devices%eight)
       call list_rates(set, problem, rates, devices%six)
-      call write_table(set, problem, rates, devices%nine, forces)
+      call put_rates(set%title, set%rates%speed, set%rates%accel, problem, rates, .not. set%sketch%given, &
+                     devices%cases(devices%last_case()), forces)
       if (present(forces)) call report_forces(set, forces, devices)
       if (present(machine)) call report_machine(set, machine, devices)
       if (rates%is_violating()) call devices%note_violation()

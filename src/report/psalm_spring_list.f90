@@ -1,18 +1,17 @@
-!> Springs that were found: in the listing, on device 9, as JSON and as the group SPRING.
+!> Springs that were found: in the listing, as tables and as the group SPRING.
 module psalm_spring_list
-   use psalm_block, only: begin_block
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
-   use psalm_markup, only: json_text, number_or_null
    use psalm_place, only: place_t
    use psalm_spring_design_group, only: spring_design_group_t, spring_design_of, criterion_range, criterion_rms
    use psalm_spring_exact, only: exact_distance_varies, exact_possible
    use psalm_spring_study, only: spring_study_t, spring_result_t
-   use psalm_text, only: text_t, full_precision, general, to_text
+   use psalm_tables, only: table_t, tables_t, table_of, for_programs
+   use psalm_text, only: text_t, general, to_text
    use psalm_weight_text, only: write_places, write_reals
    implicit none (type, external)
    private
-   public :: list_springs, plot_springs, write_spring_json, write_springs
+   public :: list_springs, put_springs, write_springs
 
 contains
 
@@ -91,76 +90,83 @@ contains
       text = right(to_text(merge(-place%arc, place%arc, place%from_start)), 7)//right(to_text(place%loop), 5)
    end function named
 
-   !> Blocks of device 9: the load before and after, the springs of all phases.
-   subroutine plot_springs(study, text)
+   !> Tables: the springs found, the load before and after, the springs of all phases.
+   subroutine put_springs(study, tables)
       type(spring_study_t), intent(in) :: study
-      type(text_t), intent(inout) :: text
-      character(:), allocatable :: line
-      integer :: k, c
-
-      if (study%found) then
-         call begin_block('spring_load', 'input'//repeat(' before', size(study%load_before, 2))// &
-                          repeat(' after', size(study%load_after, 2)), text)
-         do k = 1, size(study%input)
-            line = full_precision(study%input(k))
-            do c = 1, size(study%load_before, 2)
-               line = line//' '//full_precision(study%load_before(k, c))
-            end do
-            do c = 1, size(study%load_after, 2)
-               line = line//' '//full_precision(study%load_after(k, c))
-            end do
-            call text%add(line)
-         end do
-      end if
-      if (.not. allocated(study%phases)) return
-      call begin_block('spring_phases', 'phase ratio real stiffness x1 y1 x2 y2', text)
-      do k = 1, size(study%phases)
-         associate (of => study%phases(k))
-            call text%add(full_precision(of%phase)//' '//full_precision(of%ratio)//' '//merge('1', '0', of%real)//' '// &
-                          full_precision(of%stiffness)//' '//full_precision(of%at(1, 1))//' '//full_precision(of%at(2, 1))// &
-                          ' '//full_precision(of%at(1, 2))//' '//full_precision(of%at(2, 2)))
-         end associate
-      end do
-   end subroutine plot_springs
-
-   !> The members `springs` and `spring_load` of a case's object.
-   subroutine write_spring_json(study, text)
-      type(spring_study_t), intent(in) :: study
-      type(text_t), intent(inout) :: text
+      type(tables_t), intent(inout) :: tables
+      character(*), parameter :: axes(2) = ['x', 'y']
+      type(table_t) :: table
+      character(:), allocatable :: unit
       integer :: k
 
-      call text%add_text('"springs":[')
+      unit = trim(merge('N m', 'N  ', index(study%load, 'TORQUE') > 0))
+      table = table_of('springs', 'a row for each spring: its ends in the axes of their links', audience=for_programs)
       if (allocated(study%springs)) then
-         do k = 1, size(study%springs)
-            associate (of => study%springs(k))
-               if (k > 1) call text%add_text(',')
-               call text%add_text('{"stiffness":'//number(of%stiffness)//',"free":'//number(of%free)//',"from":'// &
-                                  both(of%at(:, 1))//',"to":'//both(of%at(:, 2))//',"shortest":'//number(of%shortest)// &
-                                  ',"longest":'//number(of%longest)//',"pull":'//number(of%pull)//',"stress":'// &
-                                  number(of%stress)//',"coils":'//number(of%coils)//'}')
-            end associate
-         end do
+         associate (of => study%springs)
+            call table%add('stiffness', of%stiffness, 'N/m')
+            call table%add('free', of%free, 'length')
+            call add_ends('x1', [(of(k)%at(1, 1), k=1, size(of))])
+            call add_ends('y1', [(of(k)%at(2, 1), k=1, size(of))])
+            call add_ends('x2', [(of(k)%at(1, 2), k=1, size(of))])
+            call add_ends('y2', [(of(k)%at(2, 2), k=1, size(of))])
+            call table%add('shortest', of%shortest, 'length')
+            call table%add('longest', of%longest, 'length')
+            call table%add('pull', of%pull, 'N')
+            call table%add('stress', of%stress, 'Pa')
+            call table%add('coils', of%coils)
+         end associate
       end if
-      call text%add_text('],"spring_load":{"name":'//json_text(study%load)//',"before":'//number(study%before)//',"after":'// &
-                         number(study%after)//',"bound":'//number(study%search%bound)//',"convex":'// &
-                         trim(merge('true ', 'false', study%search%convex))//'}')
+      call tables%put(table)
+      table = table_of('spring_result', 'one row: what the springs are to lessen, before and after', audience=for_programs)
+      call table%add('load', [study%load])
+      call table%add('before', [study%before], unit)
+      call table%add('after', [study%after], unit)
+      call table%add('bound', [study%search%bound], unit)
+      call table%add('convex', [study%search%convex])
+      call tables%put(table)
+      if (study%found) then
+         table = table_of('spring_load', 'a row for each position: the load before and after')
+         call table%add('input', study%input, 'deg')
+         call add_load('before', study%load_before)
+         call add_load('after', study%load_after)
+         call tables%put(table)
+      end if
+      if (.not. allocated(study%phases)) return
+      table = table_of('spring_phases', 'a row for each spring of each phase of the exact points')
+      associate (of => study%phases)
+         call table%add('phase', of%phase, 'turn')
+         call table%add('ratio', of%ratio)
+         call table%add('real', of%real)
+         call table%add('stiffness', of%stiffness, 'N/m')
+         call add_ends('x1', [(of(k)%at(1, 1), k=1, size(of))])
+         call add_ends('y1', [(of(k)%at(2, 1), k=1, size(of))])
+         call add_ends('x2', [(of(k)%at(1, 2), k=1, size(of))])
+         call add_ends('y2', [(of(k)%at(2, 2), k=1, size(of))])
+      end associate
+      call tables%put(table)
 
    contains
 
-      pure function number(value) result(words)
-         real(wp), intent(in) :: value
-         character(:), allocatable :: words
+      subroutine add_ends(name, values)
+         character(*), intent(in) :: name
+         real(wp), intent(in) :: values(:)
 
-         words = number_or_null(value, .true.)
-      end function number
+         call table%add(name, values, 'length')
+      end subroutine add_ends
 
-      pure function both(at) result(words)
-         real(wp), intent(in) :: at(2)
-         character(:), allocatable :: words
+      subroutine add_load(name, values)
+         character(*), intent(in) :: name
+         real(wp), intent(in) :: values(:, :)      !! shape (positions, components)
+         character(:), allocatable :: column
+         integer :: c
 
-         words = '['//number(at(1))//','//number(at(2))//']'
-      end function both
-   end subroutine write_spring_json
+         do c = 1, size(values, 2)
+            column = name
+            if (size(values, 2) > 1) column = name//'.'//axes(c)
+            call table%add(column, values(:, c), unit, plotted=name)
+         end do
+      end subroutine add_load
+   end subroutine put_springs
 
    !> The group SPRING with the springs found as further entries.
    subroutine write_springs(set, springs, text)

@@ -10,8 +10,8 @@ module psalm_steady_report
    use psalm_steady_study, only: steady_study_t
    use psalm_text, only: general, lower_case, to_text
    use psalm_vibration_group, only: estimate_group_t, estimates_of, vibration_group_t, vibration_of
-   use psalm_vibration_list, only: list_vibration, plot_vibration, list_estimates, list_drive, plot_drive, list_hill, plot_hill, &
-                                   stability_words, link_words
+   use psalm_vibration_list, only: list_vibration, put_vibration, list_estimates, put_estimates, list_drive, put_drive, list_hill, &
+                                   put_hill, stability_words, link_words
    use psalm_vibration_study, only: much_mixed
    implicit none (type, external)
    private
@@ -48,11 +48,12 @@ contains
                                                                          study%estimates(k)%buckles)))
          end do
          call list_estimates(set, study%estimates, devices%six)
+         call put_estimates(set, study%estimates, devices%cases(devices%last_case()))
       end if
       if (allocated(study%vibration)) then
          if (stuck(set, study%vibration%cycle, vibration%points, devices)) return
          call list_vibration(set, study%vibration, devices%six)
-         call plot_vibration(study%vibration, devices%nine)
+         call put_vibration(study%vibration, devices%cases(devices%last_case()))
          do k = 1, size(study%vibration%modes)
             call remark_stability(set, 'mode '//to_text(k), study%vibration%modes(k)%hill, devices)
             if (study%vibration%modes(k)%least_stiffness >= 0.0_wp) cycle
@@ -71,7 +72,7 @@ contains
       if (allocated(study%drive)) then
          if (stuck(set, study%drive%turn, drive%points, devices)) return
          call list_drive(set, study%drive, devices%six)
-         call plot_drive(study%drive, devices%nine)
+         call put_drive(study%drive, devices%cases(devices%last_case()))
          if (study%drive%found) then
             call remark_stability(set, 'the drive', study%drive%hill, devices)
             if (study%drive%loaded .and. study%drive%resolution > enough) call coarse('NDPNT', drive%points)
@@ -81,7 +82,7 @@ contains
       end if
       if (allocated(study%hill)) then
          call list_hill(set, study%hill, devices%six)
-         call plot_hill(set, study%hill, devices%nine)
+         call put_hill(study%hill, devices%cases(devices%last_case()))
          call remark_stability(set, 'Hill''s equation', study%hill%hill, devices)
          if (study%hill%resolution > enough) call coarse('NHILL', size(hill%c0))
       end if

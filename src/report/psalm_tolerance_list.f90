@@ -1,17 +1,19 @@
 !> Tolerances in the listing and on device 9: effects of the dimensions, bands over the motion, the sample.
 module psalm_tolerance_list
-   use psalm_block, only: begin_block
+   use psalm_column_names, only: closed_name, input_name, input_unit, number_unit, output_name, output_unit, per_time, &
+                                 plotted_output, position_name
    use psalm_elementary, only: hypotenuse
    use psalm_finale, only: angle_text
    use psalm_kinds, only: wp
    use psalm_output_kind, only: output_kind_t
    use psalm_sketch, only: sketch_t
-   use psalm_text, only: text_t, full_precision, general, number_or_nan, to_text, upper_case
+   use psalm_tables, only: table_t, tables_t, table_of
+   use psalm_text, only: text_t, general, to_text, upper_case
    use psalm_tolerance, only: tolerance_t, sample_t
    use psalm_parameters, only: name_of
    implicit none (type, external)
    private
-   public :: list_tolerances, plot_tolerances, list_output_bands, write_output_bands
+   public :: list_tolerances, put_tolerances, list_output_bands, put_output_bands
 
 contains
 
@@ -125,73 +127,69 @@ contains
       end function column_words
    end subroutine list_output_bands
 
-   !> A block of device 9: the same bands.
-   subroutine write_output_bands(linear, text)
+   !> The table `output_tolerances` of a sketch: the same bands.
+   pure subroutine put_output_bands(sketch, linear, tables)
+      type(sketch_t), intent(in) :: sketch
       type(tolerance_t), intent(in) :: linear
-      type(text_t), intent(inout) :: text
-      character(:), allocatable :: line
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      character(:), allocatable :: name, unit
+      logical :: known(size(linear%dead))
       integer :: n, i
 
-      line = 'position'
-      do n = 1, size(linear%bands%names)
-         line = line//' '//trim(linear%bands%names(n))//'.worst_case '//trim(linear%bands%names(n))//'.root_sum_square'
-      end do
-      call begin_block('output_tolerances', line, text)
-      do i = 1, size(linear%bands%worst, 1)
-         line = to_text(i)
-         do n = 1, size(linear%bands%names)
-            associate (there => linear%bands%known(n) .and. .not. linear%dead(i))
-               line = line//' '//number_or_nan(linear%bands%worst(i, n), there)//' '// &
-                      number_or_nan(linear%bands%square(i, n), there)
-            end associate
+      table = table_of('output_tolerances', 'a row for each position: bands of the outputs (+-)')
+      associate (bands => linear%bands)
+         call table%add(position_name, [(i, i=1, size(bands%worst, 1))])
+         do n = 1, size(bands%names)
+            name = trim(bands%names(n))
+            unit = number_unit(sketch%outputs, n, per_time(), 0)
+            known = bands%known(n) .and. .not. linear%dead
+            call table%add(name//'.worst_case', bands%worst(:, n), unit, known)
+            call table%add(name//'.root_sum_square', bands%square(:, n), unit, known)
          end do
-         call text%add(line)
-      end do
-   end subroutine write_output_bands
+      end associate
+      call tables%put(table)
+   end subroutine put_output_bands
 
-   !> A block of device 9: bands and sample at every position.
-   subroutine plot_tolerances(title, linear, sample, text)
+   !> The table `tolerances`: bands and sample at every position.
+   subroutine put_tolerances(title, slides, linear, sample, tables)
       character(*), intent(in) :: title
+      logical, intent(in) :: slides                !! the input is a length
       type(tolerance_t), intent(in) :: linear
       type(sample_t), intent(in) :: sample
-      type(text_t), intent(inout) :: text
-      character(:), allocatable :: line
-      integer :: i, k
+      type(tables_t), intent(inout) :: tables
+      character(*), parameter :: about = 'tolerances: linear bands (+-), and deviations of a sample of '
+      type(table_t) :: table
+      integer :: k
 
-      if (text%length > 0) then
-         call text%add()
-         call text%add()
-      end if
-      line = '# input closed'
-      do k = 1, linear%kind%components
-         line = line//' actual'//axis(k)//' worst_case'//axis(k)//' root_sum_square'//axis(k)
-         if (sample%any_closed) line = line//' lowest'//axis(k)//' highest'//axis(k)//' mean'//axis(k)//' std_deviation'//axis(k)
-      end do
-      call text%add(line)
-      call text%add('# '//title)
-      call text%add('# tolerances: linear bands (+-), and deviations of a sample of '//to_text(sample%trials)//' linkages')
-      do i = 1, size(linear%worst, 1)
-         line = full_precision(linear%nominal%input(i))//' 1'
-         do k = 1, linear%kind%components
-            line = line//' '//full_precision(linear%nominal%actual(i, k))
-            if (linear%dead(i)) then
-               line = line//' NaN NaN'
-            else
-               line = line//' '//full_precision(linear%worst(i, k))//' '//full_precision(linear%square(i, k))
-            end if
-            if (sample%any_closed) line = line//' '//full_precision(sample%low(i, k))//' '//full_precision(sample%high(i, k))// &
-                                          ' '//full_precision(sample%mean(i, k))//' '//full_precision(sample%deviation(i, k))
+      table = table_of('tolerances', about//to_text(sample%trials)//' linkages', named=.false., &
+                       notes=title//new_line('a')//about//to_text(sample%trials)//' linkages')
+      associate (n => size(linear%worst, 1), kind => linear%kind)
+         call table%add(input_name(), linear%nominal%input(:n), input_unit(slides))
+         call table%add(closed_name, spread(.true., 1, n))
+         do k = 1, kind%components
+            call table%add(output_name(kind, k), linear%nominal%actual(:n, k), output_unit(k == kind%angle), &
+                           plotted=plotted_output(kind, k))
+            call add('worst_case', linear%worst(:, k), .not. linear%dead)
+            call add('root_sum_square', linear%square(:, k), .not. linear%dead)
+            if (.not. sample%any_closed) cycle
+            call add('lowest', sample%low(:, k))
+            call add('highest', sample%high(:, k))
+            call add('mean', sample%mean(:, k))
+            call add('std_deviation', sample%deviation(:, k))
          end do
-         call text%add(line)
-      end do
+      end associate
+      call tables%put(table)
 
    contains
 
-      pure function axis(k) result(suffix)
-         integer, intent(in) :: k
-         character(:), allocatable :: suffix
+      subroutine add(what, values, known)
+         character(*), intent(in) :: what
+         real(wp), intent(in) :: values(:)
+         logical, intent(in), optional :: known(:)
 
-         suffix = trim(linear%kind%suffix(k))
-      end function axis
-   end subroutine plot_tolerances
+         call table%add(output_name(linear%kind, k)//'.'//what, values, output_unit(k == linear%kind%angle), known, &
+                        what//trim(linear%kind%suffix(k)))
+      end subroutine add
+   end subroutine put_tolerances
 end module psalm_tolerance_list

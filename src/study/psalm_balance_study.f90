@@ -28,7 +28,7 @@ module psalm_balance_study
    implicit none (type, external)
    private
    public :: balance_study_t, outcome_t, judge_balance, find_balance
-   public :: channel_force, channel_moment, channel_torque, first_joint_channel
+   public :: channel_force, channel_moment, channel_torque
 
    integer, parameter :: channel_force = 1, channel_moment = 2, channel_torque = 3, first_joint_channel = 4
    integer, parameter :: fewest_positions = 36     !! fewer do not tell the rank of a motion

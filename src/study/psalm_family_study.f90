@@ -15,7 +15,10 @@ module psalm_family_study
       real(wp), allocatable :: setting(:)             !! shape (settings): length, or degrees
       real(wp), allocatable :: input(:)               !! shape (positions): as listings have it
       character(number_name), allocatable :: numbers(:) !! names of the numbers of the output
+      character(number_name), allocatable :: columns(:) !! the same as names of columns
       logical, allocatable :: angle(:)                !! they are angles, degrees
+      logical :: sets_angle = .false.                 !! the dimension is an angle
+      logical :: slides = .false.                     !! the input is a length
       logical, allocatable :: closed(:, :)            !! shape (positions, settings)
       real(wp), allocatable :: actual(:, :, :)        !! shape (positions, numbers, settings)
    end type family_t

@@ -1,10 +1,11 @@
 !> How families of curves are computed. Only this knows the group SWEEP.
 submodule(psalm_family_study) psalm_family_study_body
+   use psalm_column_names, only: output_name
    use psalm_error, only: problem_t, motion_t, new_problem, own_inputs_at
    use psalm_kinds, only: full_turn
    use psalm_output_kind, only: output_kind_t, output_kind
    use psalm_parameters, only: parameters_t, no_parameters, name_of, variable_outlk, variable_outang, variable_origlk, &
-                               variable_origng, variable_crnki
+                               variable_origng, variable_crnki, variable_gama
    use psalm_sweep_group, only: sweep_group_t, sweep_of, swept_length, swept_angle, swept_outlk, swept_outang, swept_origlk, &
                                 swept_origng
    use psalm_sketch_study, only: sketch_study_t, study_sketch
@@ -62,7 +63,14 @@ contains
       allocate (family%closed(size(delt), size(family%setting)))
       allocate (family%actual(size(delt), kind%components, size(family%setting)))
       family%numbers = [character(number_name) :: ('OUTPUT'//kind%suffix(c), c=1, kind%components)]
+      allocate (family%columns(kind%components))
+      do c = 1, kind%components
+         family%columns(c) = output_name(kind, c)
+      end do
       family%angle = [(c == kind%angle, c=1, kind%components)]
+      family%slides = mechanism%sliding_input
+      family%sets_angle = any(parameters%variables(1)%kind == [variable_gama, variable_outang, variable_origng]) .or. &
+                          (parameters%variables(1)%kind == variable_crnki .and. .not. family%slides)
       by_name = set%sketch%given
       if (by_name) by_name = size(set%sketch%outputs) > 0
       do k = 1, size(family%setting)
@@ -95,6 +103,7 @@ contains
       call study_sketch(set, problem, dimensions, motion%closed, 1.0_wp, 0.0_wp, study, changed=.true.)
       if (k == 1) then
          family%numbers = [character(number_name) :: (study%names(n), n=1, size(study%names))]
+         family%columns = family%numbers
          family%angle = study%angles
          deallocate (family%actual)
          allocate (family%actual(size(motion%closed), size(study%names), size(family%setting)), source=0.0_wp)
