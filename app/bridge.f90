@@ -46,7 +46,7 @@ contains
 
    subroutine prepare_clearance(file, set, prepared, findings, mark)
       character(*), intent(in) :: file
-      type(data_set_t), intent(inout) :: set
+      type(data_set_t), intent(in) :: set
       type(prepared_t), intent(inout) :: prepared
       type(diagnostics_t), intent(inout) :: findings
       type(mark_t), intent(inout) :: mark

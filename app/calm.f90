@@ -54,7 +54,7 @@ contains
 
    subroutine prepare_cam(file, set, prepared, findings, mark)
       character(*), intent(in) :: file
-      type(data_set_t), intent(inout) :: set
+      type(data_set_t), intent(in) :: set
       type(prepared_t), intent(inout) :: prepared
       type(diagnostics_t), intent(inout) :: findings
       type(mark_t), intent(inout) :: mark
@@ -62,7 +62,6 @@ contains
 
       associate (unused => file, also_unused => mark)
       end associate
-      set%method%nguess = 0
       if (.not. findings%failed()) call prepare(set, none, prepared, findings, demand)
       if (.not. findings%failed()) call check_cam(set, cams_of(set), prepared, findings)
    end subroutine prepare_cam

@@ -57,7 +57,7 @@ contains
 
    subroutine prepare_rates(file, set, prepared, findings, mark)
       character(*), intent(in) :: file
-      type(data_set_t), intent(inout) :: set
+      type(data_set_t), intent(in) :: set
       type(prepared_t), intent(inout) :: prepared
       type(diagnostics_t), intent(inout) :: findings
       type(mark_t), intent(inout) :: mark
@@ -65,7 +65,6 @@ contains
 
       associate (unused => file, also_unused => mark)
       end associate
-      set%method%nguess = 0
       if (.not. findings%failed()) call prepare(set, none, prepared, findings, demand)
    end subroutine prepare_rates
 

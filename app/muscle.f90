@@ -43,7 +43,7 @@ contains
 
    subroutine prepare_muscle(file, set, prepared, findings, mark)
       character(*), intent(in) :: file
-      type(data_set_t), intent(inout) :: set
+      type(data_set_t), intent(in) :: set
       type(prepared_t), intent(inout) :: prepared
       type(diagnostics_t), intent(inout) :: findings
       type(mark_t), intent(inout) :: mark

@@ -82,7 +82,7 @@ contains
 
    subroutine prepare_search(file, set, prepared, findings, mark)
       character(*), intent(in) :: file
-      type(data_set_t), intent(inout) :: set
+      type(data_set_t), intent(in) :: set
       type(prepared_t), intent(inout) :: prepared
       type(diagnostics_t), intent(inout) :: findings
       type(mark_t), intent(inout) :: mark
@@ -105,7 +105,7 @@ contains
 
    !> The search of cases that share their starts.
    subroutine run_shared(sets, prepared, devices)
-      type(data_set_t), intent(inout) :: sets(:)
+      type(data_set_t), intent(in) :: sets(:)
       type(prepared_t), intent(inout) :: prepared(:)
       type(devices_t), intent(inout) :: devices
       integer :: first, threads, k
@@ -239,6 +239,7 @@ contains
       type(progress_t), intent(inout) :: monitor
       logical, intent(inout) :: stopped
       type(chain_synthesis_t), allocatable :: search
+      class(data_set_t), allocatable :: found
       type(prepared_t), allocatable :: prepared
       type(diagnostics_t) :: findings
       type(line_t) :: none(0)
@@ -253,12 +254,13 @@ contains
       if (.not. findings%failed()) then
          call report_chain_search(set, search, devices)
          if (size(search%best) == 0) return
-         call resolve_drawn(search%drawn, findings)
-         if (.not. findings%failed()) call prepare(search%drawn, none, prepared, findings)
+         allocate (found)
+         call resolve_drawn(search%drawn, found, findings)
+         if (.not. findings%failed()) call prepare(found, none, prepared, findings)
       end if
       if (findings%count > 0) call show_findings(findings)
       devices%code = max(devices%code, findings%exit_code())
-      if (prepared%ready) call run_case(number, search%drawn, prepared, devices, stopped)
+      if (prepared%ready) call run_case(number, found, prepared, devices, stopped)
    end subroutine run_pose_search
 
    !> Every way in which the links of a sketch can be put together.

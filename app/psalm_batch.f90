@@ -48,7 +48,7 @@ module psalm_batch
          import :: data_set_t, diagnostics_t, mark_t, prepared_t
          implicit none (type, external)
          character(*), intent(in) :: file
-         type(data_set_t), intent(inout) :: set
+         type(data_set_t), intent(in) :: set
          type(prepared_t), intent(inout) :: prepared
          type(diagnostics_t), intent(inout) :: findings
          type(mark_t), intent(inout) :: mark
@@ -69,7 +69,7 @@ module psalm_batch
       subroutine study_cases(sets, prepared, devices)
          import :: data_set_t, devices_t, prepared_t
          implicit none (type, external)
-         type(data_set_t), intent(inout) :: sets(:)
+         type(data_set_t), intent(in) :: sets(:)
          type(prepared_t), intent(inout) :: prepared(:) !! shape (cases)
          type(devices_t), intent(inout) :: devices
       end subroutine study_cases
@@ -91,14 +91,13 @@ contains
    subroutine prepare_loops(does, demand, set, prepared, findings, turning)
       character(*), intent(in) :: does               !! what the program does: 'muscle balances'
       type(demand_t), intent(in) :: demand           !! greatest numbers of positions and arcs
-      type(data_set_t), intent(inout) :: set
+      type(data_set_t), intent(in) :: set
       type(prepared_t), intent(inout) :: prepared
       type(diagnostics_t), intent(inout) :: findings
       logical, intent(in), optional :: turning       !! it needs a crank that turns
       type(line_t) :: none(0)
       character(:), allocatable :: why
 
-      set%method%nguess = 0
       why = ''
       if (present(turning) .and. set%sketch%given) then
          if (count(.not. set%sketch%drives%geared) > 1) why = set%sketch%why_no_crank()

@@ -19,7 +19,7 @@ module psalm
    use psalm_margins, only: margin_t, is_violated
    use psalm_output_kind, only: output_point => motion_point, output_angle => motion_angle, output_distance => motion_distance, &
                                 output_slide => motion_slide, output_pose => motion_pose
-   use psalm_preparation, only: prepared_t, prepare, threads_for
+   use psalm_preparation, only: demand_t, prepared_t, prepare, threads_for
    use psalm_search_group, only: most_search_threads
    use psalm_rate_list, only: list_rates
    use psalm_chain_report, only: unreached_words
@@ -144,7 +144,6 @@ contains
       allocate (cases(size(sets)))
       do k = 1, size(sets)
          allocate (cases(k)%set, source=sets(k))
-         cases(k)%set%method%nguess = 0
          cases(k)%faults%file = sets(k)%file
          if (own%failed()) call cases(k)%faults%error('the text of this case has errors', line=sets(k)%title_line)
       end do
@@ -913,8 +912,11 @@ contains
       type(prepared_t) :: prepared
       type(findings_t) :: own
       type(line_t) :: no_vertices(0)
+      logical :: everywhere
 
       ready = .false.
+      everywhere = .false.
+      if (present(every_loop)) everywhere = every_loop
       own%file = memory_name
       if (allocated(case%set)) then
          allocate (set, source=case%set)
@@ -927,15 +929,15 @@ contains
       end if
       call tell(case%faults, own)
       if (.not. own%failed() .and. allocated(set)) then
-         set%method%nguess = 0
-         if (present(every_loop)) set%limits%ktheta = merge(1, set%limits%ktheta, every_loop)
-         call prepare(set, no_vertices, prepared, own)
+         if (everywhere) call prepare(set, no_vertices, prepared, own, demand_t(ktheta_only=.false.))
+         if (.not. everywhere) call prepare(set, no_vertices, prepared, own)
          ready = prepared%ready
       end if
       call tell(own, findings)
       if (.not. ready) return
       allocate (problem)
-      call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
+      call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem, &
+                        all_arcs=everywhere .or. set%limits%ktheta /= 0)
    end subroutine make_ready
 
    !> Add what was found elsewhere, with the name of its file.

@@ -345,6 +345,7 @@ contains
          call read_method_group(groups(method), set%links%nloop, set%links%maxarc, shape_known, set%sketch%given, set%method, &
                                 unused)
       end if
+      if (program /= searching_program) set%method%nguess = 0      ! it reads no simplex
       call read_drives(groups(drives), sketch_sound, set, findings)
       call fill_grid(groups(method), groups(drives), set, findings)
       if (groups(outputs)%line > 0 .and. set%method%ikin == 0) then

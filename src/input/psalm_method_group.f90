@@ -15,7 +15,7 @@ module psalm_method_group
    implicit none (type, external)
    private
    public :: method_items
-   public :: method_group_t, read_method_group, default_niter, most_positions, bytes_of_position
+   public :: method_group_t, read_method_group, default_niter, most_positions
 
    integer, parameter :: most_positions = 10000000 !! above this NDES is taken for a slip of the pen
    integer(int64), parameter :: bytes_of_position = 10*storage_size(1.0_wp)/8 !! of a case: seven arrays, and copies on the way

@@ -97,6 +97,7 @@ module psalm_error
       procedure :: want_derivatives
       procedure :: line_beside
       procedure :: set_inputs
+      procedure :: keep_positions
       procedure :: move_inputs
       procedure :: set_desired
       procedure :: set_threads
@@ -125,14 +126,18 @@ module psalm_error
 contains
 
    !> Set a problem up from a data set and its mechanism.
-   subroutine make_problem(set, mechanism, dimensions, parameters, problem)
+   subroutine make_problem(set, mechanism, dimensions, parameters, problem, all_arcs)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       type(parameters_t), intent(in) :: parameters
       type(problem_t), intent(out) :: problem
+      logical, intent(in), optional :: all_arcs !! solve every loop, both directions of every link pair; without it as KTHETA says
       real(wp), allocatable :: wanted(:, :), weight(:, :)
+      logical :: everywhere
 
+      everywhere = set%limits%ktheta /= 0
+      if (present(all_arcs)) everywhere = all_arcs
       problem%tangle = set%limits%tangle
       problem%trmin_given = set%limits%trmin_given
       if (set%limits%tangle_given) problem%slide_angle = set%limits%tangle
@@ -140,7 +145,7 @@ contains
       ! of a sketch every link is meant, whatever the output
       problem%every_loop = set%sketch%given
       problem%followed = set%sketch%given .and. .not. set%wants_search()
-      call fill_problem(mechanism, dimensions, parameters, inputs_of(set), set%limits%ktheta /= 0, problem, own_inputs_of(set))
+      call fill_problem(mechanism, dimensions, parameters, inputs_of(set), everywhere, problem, own_inputs_of(set))
       problem%toggle = set%limits%toggle
       if (set%method%ikin /= 0) return
       problem%blank = set%sketch%given .and. .not. set%method%desired
@@ -375,6 +380,21 @@ contains
          end associate
       end do
    end subroutine fill_more
+
+   !> Leave only some of the positions, with their desired values; derivatives and desired values of further outputs are dropped.
+   subroutine keep_positions(self, kept)
+      class(problem_t), intent(inout) :: self
+      integer, intent(in) :: kept(:)   !! numbers of positions
+      real(wp), allocatable :: wanted(:, :), weight(:, :), own(:, :)  ! `own` is absent where it is not allocated
+
+      if (self%desired) then
+         wanted = self%wanted(kept, :)
+         weight = self%weight(kept, :)
+      end if
+      if (allocated(self%own_delt)) own = self%own_delt(kept, :)
+      call self%set_inputs(self%delt(kept), own)
+      if (allocated(wanted)) call self%set_desired(wanted, weight)
+   end subroutine keep_positions
 
    !> Move the input positions; their number, desired values and weights stay. No allocation.
    pure subroutine move_inputs(self, delt)

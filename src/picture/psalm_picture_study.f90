@@ -10,13 +10,11 @@ module psalm_picture_study
    use psalm_finale, only: describe_violation
    use psalm_kinds, only: wp
    use psalm_markup, only: strings_t, add_string
-   use psalm_method_group, only: bytes_of_position
    use psalm_pole_scene, only: pole_scene_t, asks_for_poles, check_poles, make_pole_scene
    use psalm_preparation, only: demand_t, prepared_t, prepare
    use psalm_scene, only: scene_t, add_curves, make_scene, message_scene
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t, finding_t, level_error
-   use psalm_system, only: memory_to_be_had
    use psalm_text, only: to_text
    use psalm_vibration_scene, only: vibration_scene_t, make_vibration_scene
    implicit none (type, external)
@@ -43,10 +41,10 @@ contains
       type(pictured_t), allocatable, intent(out) :: cases(:)
       type(finding_t), allocatable :: read(:), own(:)
       type(diagnostics_t) :: noted
-      class(data_set_t), allocatable :: each      ! large: it would fill a small stack
       type(line_t) :: none(0)
       class(prepared_t), allocatable :: prepared
-      real(wp), allocatable :: chosen             ! not allocated: absent where it is an argument
+      real(wp), allocatable :: chosen             ! not allocated: absent where it is an argument, as is `kept`
+      integer, allocatable :: kept(:)
       integer :: k
       logical :: by_links
 
@@ -81,32 +79,26 @@ contains
             call make_chain_scene(sets(k), own, cases(k)%scene, chosen)
             cycle
          end if
-         ! a copy of the data set is to be had, or the allocation would end the program
-         if (.not. memory_to_be_had(2*bytes_of_position*sets(k)%method%ndes)) then
-            call findings%trouble('not enough memory for NDES='//to_text(sets(k)%method%ndes)//' positions')
-            call message_scene(sets(k), own, cases(k)%scene)
-            cycle
-         end if
-         if (allocated(each)) deallocate (each)
-         allocate (each, source=sets(k))
-         each%method%nguess = 0
-         call prepare(each, none, prepared, noted, demand)
-         if (prepared%ready .and. each%method%ikin == 0 .and. each%method%ndes > most_drawn) call thin_out(each, noted)
+         call prepare(sets(k), none, prepared, noted, demand)
+         if (allocated(kept)) deallocate (kept)
+         if (prepared%ready .and. sets(k)%method%ikin == 0 .and. sets(k)%method%ndes > most_drawn) &
+            kept = positions_drawn(sets(k), noted)
          own = [own, finding_list(noted)]
          call findings%append(noted)
-         each%method%nguess = sets(k)%method%nguess
          if (prepared%ready) then
-            call make_scene(each, prepared%mechanism, prepared%given, prepared%parameters, own, cases(k)%scene, chosen)
-            if (cases(k)%scene%sound) call add_curves(each, prepared%mechanism, prepared%given, prepared%parameters, cases(k)%scene)
-            if (each%gives('VIBR') .and. cases(k)%scene%sound) call add_vibration(each, prepared, cases(k)%scene)
-            if (each%gives('CLEAR') .and. cases(k)%scene%sound) call add_clearance(each, prepared, cases(k)%scene)
+            associate (each => sets(k), scene => cases(k)%scene)
+               call make_scene(each, prepared%mechanism, prepared%given, prepared%parameters, own, scene, chosen, kept=kept)
+               if (scene%sound) call add_curves(each, prepared%mechanism, prepared%given, prepared%parameters, scene)
+               if (each%gives('VIBR') .and. scene%sound) call add_vibration(each, prepared, scene)
+               if (each%gives('CLEAR') .and. scene%sound) call add_clearance(each, prepared, scene)
+            end associate
             if (allocated(cases(k)%scene%prescribed%beyond)) then
                if (any(cases(k)%scene%prescribed%beyond)) &
                   call add_string(cases(k)%scene%breaches, unreached_words(cases(k)%scene%prescribed%beyond))
             end if
-            if (each%method%ndes < sets(k)%method%ndes) call look_at_all_positions(sets(k), prepared, cases(k)%undrawn)
+            if (allocated(kept)) call look_at_all_positions(sets(k), prepared, cases(k)%undrawn)
          else
-            call message_scene(each, own, cases(k)%scene)
+            call message_scene(sets(k), own, cases(k)%scene)
          end if
       end do
 
@@ -180,13 +172,13 @@ contains
       if (found) scene%clearance = clearance
    end subroutine add_clearance
 
-   !> Keep evenly chosen positions, as many as a picture can show, and those of the least and the greatest input, which are the
-   !> range.
-   subroutine thin_out(set, findings)
-      type(data_set_t), intent(inout) :: set
-      type(diagnostics_t), intent(inout) :: findings
-      logical, allocatable :: keeps(:)
+   !> Numbers of evenly chosen positions, as many as a picture can show, and of those of the least and the greatest input, which
+   !> are the range.
+   function positions_drawn(set, findings) result(kept)
+      type(data_set_t), intent(in) :: set
+      type(diagnostics_t), intent(inout) :: findings  !! told that not all are drawn
       integer, allocatable :: kept(:)
+      logical, allocatable :: keeps(:)
       integer :: step, i
 
       step = (set%method%ndes - 1)/most_drawn + 1
@@ -195,19 +187,10 @@ contains
       keeps(minloc(set%method%delt, dim=1)) = .true.
       keeps(maxloc(set%method%delt, dim=1)) = .true.
       kept = pack([(i, i=1, set%method%ndes)], keeps)
-      set%method%delt = set%method%delt(kept)
-      set%method%desx = set%method%desx(kept)
-      set%method%desy = set%method%desy(kept)
-      set%method%desang = set%method%desang(kept)
-      set%method%xmult = set%method%xmult(kept)
-      set%method%ymult = set%method%ymult(kept)
-      set%method%anmult = set%method%anmult(kept)
-      if (allocated(set%method%rate_wanted)) deallocate (set%method%rate_wanted, set%method%rate_weight) ! no picture shows them
       call set%origins%warning(findings, 'METHOD', 'NDES', 'of '//to_text(set%method%ndes)//' positions '// &
-                               to_text(size(set%method%delt))//' are drawn, one in '//to_text(step)//', and numbered so on the '// &
+                               to_text(size(kept))//' are drawn, one in '//to_text(step)//', and numbered so on the '// &
                                'pictures', 1)
-      set%method%ndes = size(set%method%delt)
-   end subroutine thin_out
+   end function positions_drawn
 
    !> Violations at positions of which not all are drawn.
    subroutine look_at_all_positions(set, prepared, words)

@@ -114,7 +114,7 @@ contains
    end subroutine message_scene
 
    !> The scene of a case. Errors among its findings make it a scene of messages (`scene%sound` is false).
-   subroutine make_scene(set, mechanism, dimensions, parameters, findings, scene, chosen, delt)
+   subroutine make_scene(set, mechanism, dimensions, parameters, findings, scene, chosen, delt, kept)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
@@ -124,6 +124,7 @@ contains
       real(wp), intent(in), optional :: chosen     !! increment of the input at one more position, for DXF
       real(wp), intent(in), optional :: delt(:)    !! increments in place of those of the case: the bare linkage, without
                                                    !! wishes, forces and forbidden regions
+      integer, intent(in), optional :: kept(:)     !! numbers of the prescribed positions that are drawn; all if absent
       class(problem_t), allocatable :: own, whole   ! large: they would fill a small stack
       integer, allocatable :: place(:)
       logical :: proven
@@ -140,8 +141,7 @@ contains
       scene%tangle = set%limits%tangle
       if (allocated(set%constr%regions)) scene%regions = set%constr%regions
       scene%loops = mechanism%nloop
-      call make_problem(set, mechanism, dimensions, parameters, own)
-      if (present(delt)) call own%set_inputs(delt)
+      call begin(own)
       scene%desired = own%desired
       scene%sense = sweep_sense(own)
       whole = own
@@ -175,11 +175,24 @@ contains
       call find_wishes(scene, scene%prescribed)
       call find_wishes(scene, scene%sweep)
       call widen_view(scene)
-      call make_problem(set, mechanism, dimensions, parameters, own)
-      if (present(delt)) call own%set_inputs(delt)
+      call begin(own)
       allocate (scene%proof)
       call make_proof_scene(set, own, dimensions, scene%drawn, scene%output, scene%proof, proven)
       if (.not. proven) deallocate (scene%proof)
+
+   contains
+
+      !> At the prescribed positions that are drawn.
+      subroutine begin(own)
+         class(problem_t), intent(inout) :: own
+
+         select type (own)
+         type is (problem_t)
+            call make_problem(set, mechanism, dimensions, parameters, own)
+         end select
+         if (present(kept)) call own%keep_positions(kept)
+         if (present(delt)) call own%set_inputs(delt)
+      end subroutine begin
    end subroutine make_scene
 
    !> One more position, by its increment.

@@ -138,7 +138,7 @@ contains
          if (found%interrupted) line = 'interrupted: '//line
          if (found%next > 0) then
             resume = 'to go on, give this device 7 as device 4 with NGUESS='//to_text(size(found%best))//', FIRST='// &
-                     to_text(found%next)//', NSTART='//to_text(max(1, set%search%first + set%search%nstart - found%next))
+                     to_text(found%next)//', NSTART='//to_text(max(1, found%left))
             call devices%remark(set, resume)
             call devices%seven%add('! '//resume)
          end if

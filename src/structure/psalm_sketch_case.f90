@@ -44,14 +44,14 @@ module psalm_sketch_case
 
 contains
 
-   !> Give a case whose linkage is a sketch its loops. Cases without one are left as they are. Errors: a sketch that is none, that
-   !> does not close, or is not to be traced; dimensions to be searched that the loops have not.
-   subroutine resolve_sketch(set, findings, as_groups, as_given, sound, in_poses)
-      type(data_set_t), intent(inout) :: set
+   !> The case with its loops, made of one whose linkage is a sketch. Errors: a sketch that is none, that does not close, or is not
+   !> to be traced; dimensions to be searched that the loops have not. The case is then as it was read.
+   subroutine resolve_sketch(as_read, set, findings, as_groups, as_given, in_poses)
+      class(data_set_t), intent(in) :: as_read       !! without loops
+      type(data_set_t), intent(out) :: set
       type(diagnostics_t), intent(inout) :: findings
       logical, intent(in), optional :: as_groups     !! trace dyads as larger groups
       logical, intent(in), optional :: as_given      !! nothing is searched: what only a search could not do is no trouble
-      logical, intent(out), optional :: sound        !! the sketch itself is
       character(:), allocatable, intent(out), optional :: in_poses !! what varies that loops cannot vary, so that the search is one
                                                                    !! in poses; empty: nothing. There are no loops then
       character(:), allocatable :: why
@@ -62,13 +62,13 @@ contains
       logical :: closes, given
 
       if (present(in_poses)) in_poses = ''
-      if (present(sound)) sound = .true.
-      if (.not. set%sketch%given) return
-      if (allocated(set%traced)) deallocate (set%traced)
+      select type (as_read)
+      type is (data_set_t)
+         set = as_read
+      end select
       given = .false.
       if (present(as_given)) given = as_given
       call assemble_sketch(set, closure, state, closes, findings)
-      if (present(sound)) sound = closes
       if (.not. closes) return
       call make_loops(closure, state, loops, as_groups)
       if (.not. loops%found) then

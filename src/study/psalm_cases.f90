@@ -1,4 +1,5 @@
-!> The cases of a file, whichever way their linkages are described: what follows works on loops.
+!> The cases of a file, whichever way their linkages are described: what follows works on loops. A case is read, a sketch is given
+!> its loops, and then nothing is written into it any more.
 module psalm_cases
    use psalm_data_set, only: data_set_t, read_data_sets, read_data_set_text
    use psalm_group_table, only: everything
@@ -21,8 +22,10 @@ contains
       character(*), intent(in), optional :: program          !! who reads; default psalm
       type(mark_t), intent(inout), optional :: mark          !! takes in the text
 
-      call read_data_sets(file, sets, findings, program, mark)
-      call resolve_all(sets, findings, program)
+      type(data_set_t), allocatable :: as_read(:)
+
+      call read_data_sets(file, as_read, findings, program, mark)
+      call resolve_all(as_read, sets, findings, program)
    end subroutine read_cases
 
    !> The same from a text.
@@ -33,58 +36,64 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       character(*), intent(in) :: program                    !! who reads
 
-      call read_data_set_text(text, name, sets, findings, program)
-      call resolve_all(sets, findings, program)
+      type(data_set_t), allocatable :: as_read(:)
+
+      call read_data_set_text(text, name, as_read, findings, program)
+      call resolve_all(as_read, sets, findings, program)
    end subroutine read_case_text
 
-   subroutine resolve_all(sets, findings, program)
-      type(data_set_t), intent(inout) :: sets(:)
+   subroutine resolve_all(as_read, sets, findings, program)
+      type(data_set_t), allocatable, intent(inout) :: as_read(:)  !! not allocated afterwards where it has no sketch
+      type(data_set_t), allocatable, intent(out) :: sets(:)
       type(diagnostics_t), intent(inout) :: findings
       character(*), intent(in), optional :: program
       character(:), allocatable :: reader
       integer :: i
 
-      if (findings%failed()) return
+      if (findings%failed() .or. .not. any(as_read%sketch%given)) then
+         call move_alloc(as_read, sets)
+         return
+      end if
       reader = 'psalm'
       if (present(program)) reader = program
+      allocate (sets(size(as_read)))
       do i = 1, size(sets)
-         if (sets(i)%sketch%given) call resolve(sets(i), reader, findings)
+         if (as_read(i)%sketch%given) then
+            call resolve(as_read(i), reader, sets(i), findings)
+         else
+            sets(i) = as_read(i)
+         end if
       end do
    end subroutine resolve_all
 
    !> The loops of a sketch that was drawn anew.
-   subroutine resolve_drawn(set, findings)
-      class(data_set_t), intent(inout) :: set
+   subroutine resolve_drawn(drawn, set, findings)
+      class(data_set_t), intent(in) :: drawn                 !! without loops
+      type(data_set_t), intent(out) :: set                   !! the case with its loops
       type(diagnostics_t), intent(inout) :: findings
 
-      select type (set)
-      type is (data_set_t)
-         if (allocated(set%traced)) deallocate (set%traced)
-         if (allocated(set%search_in_poses)) deallocate (set%search_in_poses)
-         call resolve(set, 'psalm', findings)
-      end select
+      call resolve(drawn, 'psalm', set, findings)
    end subroutine resolve_drawn
 
-   !> The loops of a sketch; those of larger groups where the loops of dyads do not give its joints at the drawing, or not its
+   !> A sketch with its loops; those of larger groups where the loops of dyads do not give its joints at the drawing, or not its
    !> forces.
    !> A search for dimensions that loops have not is one in poses: the loops are then those of the linkage as given.
-   subroutine resolve(set, reader, findings)
-      type(data_set_t), intent(inout) :: set
+   subroutine resolve(as_read, reader, set, findings)
+      class(data_set_t), intent(in) :: as_read
       character(*), intent(in) :: reader                     !! the program, or `everything`
+      type(data_set_t), intent(out) :: set
       type(diagnostics_t), intent(inout) :: findings
-      class(data_set_t), allocatable :: as_read    ! large: it would fill a small stack
       type(diagnostics_t) :: own
       character(:), allocatable :: why, in_poses
-      logical :: forces, given, sound
+      logical :: forces, given
 
       forces = reader /= 'psalm'
       given = all(reader /= [character(6) :: 'psalm', everything])
-      own%file = findings%file
-      allocate (as_read, source=set)
-      call resolve_sketch(set, own, as_given=given, sound=sound, in_poses=in_poses)
+      call begin(own)
+      call resolve_sketch(as_read, set, own, as_given=given, in_poses=in_poses)
       if (len(in_poses) > 0) then
-         call begin_again(as_read, set, own)
-         call resolve_sketch(set, own, as_given=.true.)
+         call begin(own)
+         call resolve_sketch(as_read, set, own, as_given=.true.)
          set%search_in_poses = in_poses
          if (set%wants_search()) call refuse_in_poses(set, findings)
          ! what loops cannot do for the drawing may be no trouble for the linkage found
@@ -97,8 +106,8 @@ contains
          end if
          if (len(why) > 0) then
             ! an arc to every joint and slide
-            call begin_again(as_read, set, own)
-            call resolve_sketch(set, own, as_groups=.true., as_given=given .or. len(in_poses) > 0)
+            call begin(own)
+            call resolve_sketch(as_read, set, own, as_groups=.true., as_given=given .or. len(in_poses) > 0)
             if (len(in_poses) > 0) set%search_in_poses = in_poses
             if (.not. own%failed() .and. set%loops() > 0) then
                call check_loops(set, why)
@@ -109,21 +118,13 @@ contains
       end if
       call findings%append(own)
 
+   contains
+
+      !> Nothing found yet.
+      subroutine begin(own)
+         type(diagnostics_t), intent(out) :: own
+
+         own%file = findings%file
+      end subroutine begin
    end subroutine resolve
-
-   !> The case as it was read, and nothing found about it.
-   subroutine begin_again(as_read, set, own)
-      class(data_set_t), intent(in) :: as_read
-      type(data_set_t), intent(inout) :: set
-      type(diagnostics_t), intent(inout) :: own
-      character(:), allocatable :: file
-
-      file = own%file
-      select type (as_read)
-      type is (data_set_t)
-         set = as_read
-      end select
-      own = diagnostics_t()
-      own%file = file
-   end subroutine begin_again
 end module psalm_cases

@@ -43,7 +43,7 @@ module psalm_chain_synthesis
       integer :: evaluations = 0
       logical :: refused = .false.               !! the solver does not work on this problem
       logical :: stopped = .false.               !! before all starts were made
-      class(data_set_t), allocatable :: drawn    !! the data set with the best linkage drawn anew, nothing varying any more
+      class(data_set_t), allocatable :: drawn    !! a case made of the best linkage: drawn anew, without loops, nothing varying any more
    end type chain_synthesis_t
 
    type, extends(starter_t) :: chain_starter_t
@@ -282,6 +282,8 @@ contains
       integer :: s
 
       drawn = set
+      if (allocated(drawn%traced)) deallocate (drawn%traced)
+      if (allocated(drawn%search_in_poses)) deallocate (drawn%search_in_poses)
       at_drawing = problem
       if (allocated(at_drawing%inputs)) deallocate (at_drawing%inputs)
       allocate (at_drawing%inputs(size(set%sketch%drives), 1), source=0.0_wp)

@@ -33,10 +33,10 @@ contains
       shares_starts = set%search%ranking == ranking_shared .and. .not. allocated(set%search_in_poses) .and. .not. set%gives('EXACT')
    end function shares_starts
 
-   !> Search all cases that share their starts: `found` of those that take part becomes what their last round led to, NSTART what it
-   !> had. When the host asks for the end, the rounds so far count.
+   !> Search all cases that share their starts: `found` of those that take part becomes what their last round led to. When the host
+   !> asks for the end, the rounds so far count.
    subroutine share_starts(sets, prepared, threads, stop)
-      type(data_set_t), intent(inout), target :: sets(:)
+      type(data_set_t), intent(in), target :: sets(:)
       type(prepared_t), intent(inout) :: prepared(:) !! shape (cases)
       integer, intent(in) :: threads
       type(stop_t), intent(in) :: stop             !! asked now and then
@@ -44,9 +44,8 @@ contains
       class(problem_t), allocatable :: problem
       real(wp) :: best(size(sets))
       logical :: left(size(sets))
-      integer :: rounds, round, k, most(size(sets))
+      integer :: rounds, round, starts, k
 
-      most = sets%search%nstart
       do k = 1, size(sets)
          left(k) = shares_starts(sets(k)) .and. prepared(k)%parameters%has_search()
       end do
@@ -61,11 +60,13 @@ contains
             if (round > 1 .and. stop%waiting()) exit
             if (allocated(contenders(k)%search)) deallocate (contenders(k)%search)
             allocate (contenders(k)%search, problem)
-            sets(k)%search%nstart = min(most(k), max(fewest_starts, most(k)/2**(rounds - round)))
+            associate (most => sets(k)%search%nstart)
+               starts = min(most, max(fewest_starts, most/2**(rounds - round)))
+            end associate
             call make_problem(sets(k), prepared(k)%mechanism, prepared(k)%given, prepared(k)%parameters, problem)
             call problem%set_threads(threads)
             call contenders(k)%search%make_starts(sets(k), problem, prepared(k)%parameters%first_values(prepared(k)%given), &
-                                                  prepared(k)%vertices, threads, stop)
+                                                  prepared(k)%vertices, threads, stop, starts=starts)
             best(k) = contenders(k)%search%least_objective()
             deallocate (problem)
          end do

@@ -76,6 +76,7 @@ module psalm_search
       logical :: interrupted = .false.     !! a signal came before
       logical :: refused = .false.         !! the solver refuses this problem
       integer :: next = 0                  !! first start not made; 0: all were
+      integer :: left = 0                  !! from there on
       type(start_record_t), allocatable :: log(:) !! of the starts made
       logical, allocatable :: by_default(:) !! shape (nvar): bounds that were not given, of arcs' lengths
       real(wp), allocatable :: low(:), high(:) !! shape (nvar): bounds
@@ -155,7 +156,7 @@ contains
    end subroutine search_many
 
    !> Make all starts; the best are not searched on from.
-   subroutine make_starts(self, set, problem, first, supplied, threads, stop, observer)
+   subroutine make_starts(self, set, problem, first, supplied, threads, stop, observer, starts)
       class(search_t), intent(inout) :: self
       type(data_set_t), intent(in), target :: set !! must live until the search is finished
       type(problem_t), intent(in) :: problem
@@ -164,6 +165,7 @@ contains
       integer, intent(in) :: threads
       type(stop_t), intent(in) :: stop          !! asked now and then
       class(observer_t), intent(inout), optional :: observer
+      integer, intent(in), optional :: starts   !! in place of NSTART
       type(worker_t), allocatable :: team(:)
       integer :: t
 
@@ -171,6 +173,7 @@ contains
       call self%ending%limit_time(set%search%maxtime)
       self%rules%supplied = size(supplied, 2)
       self%rules%starts = set%search%nstart
+      if (present(starts)) self%rules%starts = starts
       self%rules%first = set%search%first
       self%rules%kept = set%search%nbest
       if (set%search%pareto /= pareto_none) self%rules%kept = max(self%rules%kept, most_weighed)
@@ -220,7 +223,10 @@ contains
          result%feasible = count(candidates%feasible)
          result%refused = any(candidates%refused)
          i = findloc(candidates(self%rules%supplied + 1:)%done, .false., dim=1)
-         if (i > 0) result%next = self%rules%first + i - 1
+         if (i > 0) then
+            result%next = self%rules%first + i - 1
+            result%left = self%rules%starts - i + 1
+         end if
          result%interrupted = ending%requested()
          result%out_of_time = ending%late() .and. .not. result%interrupted
          result%evaluations = sum(candidates%evaluations)
