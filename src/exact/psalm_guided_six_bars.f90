@@ -337,7 +337,6 @@ contains
       type(guided_t), intent(in) :: one
       integer, intent(in) :: most
       type(guided_t), allocatable, intent(inout) :: list(:)
-      type(guided_t), allocatable :: more(:)
       integer :: place, n
 
       place = 1
@@ -347,11 +346,7 @@ contains
       end do
       if (place > most) return
       n = min(size(list) + 1, most)
-      allocate (more(n))
-      more(:place - 1) = list(:place - 1)
-      more(place) = one
-      more(place + 1:) = list(place:n - 1)
-      call move_alloc(more, list)
+      list = [list(:place - 1), one, list(place:n - 1)]
 
    contains
 

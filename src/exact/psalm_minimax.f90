@@ -125,7 +125,6 @@ contains
       real(wp), intent(in) :: longest
       type(approximation_t), allocatable, intent(inout) :: found(:)
       integer, intent(inout) :: too_long
-      type(approximation_t), allocatable :: more(:)
       integer :: k, place
 
       if (one%error > hopeless .or. .not. one%alternates) then
@@ -140,11 +139,7 @@ contains
          if (abs(found(k)%error - one%error) < same_error*one%error .and. found(k)%sense == one%sense) return
       end do
       place = count(found%error < one%error) + 1
-      allocate (more(size(found) + 1))
-      more(:place - 1) = found(:place - 1)
-      more(place) = one
-      more(place + 1:) = found(place:)
-      call move_alloc(more, found)
+      found = [found(:place - 1), one, found(place:)]
    end subroutine keep
 
    !> From an exact linkage to the nearest optimum.

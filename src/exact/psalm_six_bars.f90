@@ -311,7 +311,6 @@ contains
       integer, intent(in) :: most
       logical, intent(in) :: by_error
       type(six_bar_t), allocatable, intent(inout) :: best(:)
-      type(six_bar_t), allocatable :: more(:)
       integer :: place, n
 
       n = size(best)
@@ -326,11 +325,7 @@ contains
       end do
       if (place > most) return
       n = min(n + 1, most)
-      allocate (more(n))
-      more(:place - 1) = best(:place - 1)
-      more(place) = one
-      more(place + 1:) = best(place:n - 1)
-      call move_alloc(more, best)
+      best = [best(:place - 1), one, best(place:n - 1)]
    end subroutine keep
 
    !> Joints at an input: A, B, C, D, the third fixed pivot, the pin on the link that the driver moves, the pin on the output link.

@@ -43,7 +43,7 @@ module psalm_chain_synthesis
       integer :: evaluations = 0
       logical :: refused = .false.               !! the solver does not work on this problem
       logical :: stopped = .false.               !! before all starts were made
-      class(data_set_t), allocatable :: drawn    !! a case made of the best linkage: drawn anew, without loops, nothing varying any more
+      class(data_set_t), allocatable :: drawn    !! a case of the best linkage: drawn anew, without loops, nothing varying
    end type chain_synthesis_t
 
    type, extends(starter_t) :: chain_starter_t

@@ -166,7 +166,6 @@ contains
       type(stop_t), intent(in) :: stop          !! asked now and then
       class(observer_t), intent(inout), optional :: observer
       integer, intent(in), optional :: starts   !! in place of NSTART
-      type(worker_t), allocatable :: team(:)
       integer :: t
 
       self%ending = stop
@@ -179,26 +178,37 @@ contains
       if (set%search%pareto /= pareto_none) self%rules%kept = max(self%rules%kept, most_weighed)
       self%rules%refines = set%search%solver%refines
       self%rules%small = set%method%fmin
-      allocate (team(min(max(1, threads), self%rules%supplied + self%rules%starts)))
-      do t = 1, size(team)
-         call prepare_worker(set, problem, first, supplied, self%ending, team(t))
-         call prepare_stages(set, problem, first, supplied, self%ending, team(t))
-      end do
-      associate (merit => team(1)%merit)
-         self%rules%compared = [is_length(problem), spread(.false., 1, merit%local)]
-         call tell_apart(set, problem, merit, self%rules)
-         if (team(1)%lots) self%rules%refined = few_refined
-         self%rules%stages = team(1)%stages()
-         self%free = merit%free
-         self%by_default = merit%by_default
-         self%low = merit%default_low
-         self%high = merit%default_high
-      end associate
+      call gather(min(max(1, threads), self%rules%supplied + self%rules%starts), self%team)
+      select type (team => self%team)
+      type is (worker_t)
+         do t = 1, size(team)
+            call prepare_worker(set, problem, first, supplied, self%ending, team(t))
+            call prepare_stages(set, problem, first, supplied, self%ending, team(t))
+         end do
+         associate (merit => team(1)%merit)
+            self%rules%compared = [is_length(problem), spread(.false., 1, merit%local)]
+            call tell_apart(set, problem, merit, self%rules)
+            if (team(1)%lots) self%rules%refined = few_refined
+            self%rules%stages = team(1)%stages()
+            self%free = merit%free
+            self%by_default = merit%by_default
+            self%low = merit%default_low
+            self%high = merit%default_high
+         end associate
+      end select
       self%first = first
       self%delt = problem%delt
-      call move_alloc(team, self%team)
       call self%rules%make_all(self%team, self%ending, self%candidates, self%best, observer)
    end subroutine make_starts
+
+   !> Workers with nothing to do yet. A procedure of its own: compilers write out how a whole worker is taken apart wherever some are
+   !> allocated.
+   subroutine gather(count, team)
+      integer, intent(in) :: count
+      class(starter_t), allocatable, intent(out) :: team(:)
+
+      allocate (worker_t :: team(count))
+   end subroutine gather
 
    !> Objective of the best linkage so far; huge if there is none.
    pure real(wp) function least_objective(self)
@@ -319,7 +329,7 @@ contains
       integer :: stage
 
       associate (sizes => stage_sizes(set%search%few, problem%positions))
-         allocate (worker_t :: worker%few(size(sizes) - 1))
+         call gather(size(sizes) - 1, worker%few)
          worker%stage = size(sizes)
          select type (few => worker%few)
          type is (worker_t)
