@@ -747,6 +747,12 @@ def test_awkward():
     code, _, errors = balm("--quiet", "thin.nml")
     marks = page_data("thin.html")[0]["proof"]["marks"]
     check("many positions: the proof is of all of their range", any(m["kind"] == "opens" for m in marks), marks)
+    write("thin_sketch.nml", "SKETCH\n &CHAIN JNT='A','B','C','D', JX=0.0,-4.0,33.0,90.0, JY=0.0,31.0,82.0,5.0, LNK='A D','A B','B C','C D' &END\n"
+          " &DRIVES DRIVE='A' &END\n &OUTPUTS OUTPUT='point C','angle C D', DES2=2500*100.0 &END\n"
+          " &METHOD NDES=2500, DELT=%s &END\n &LIMITS TANGLE=80.0 &END\n" % ",\n".join("%g" % (0.1 * i) for i in range(2500)))
+    code, _, errors = balm("thin_sketch.nml")
+    check("many positions of a sketch that has desired values of its second output",
+          code == 0 and "of 2500 positions 1251 are drawn" in errors, (code, errors))
 
     write("empty.nml", "")
     code, _, errors = balm("empty.nml")
