@@ -201,8 +201,8 @@ contains
       call self%rules%make_all(self%team, self%ending, self%candidates, self%best, observer)
    end subroutine make_starts
 
-   !> Workers with nothing to do yet. A procedure of its own: compilers write out how a whole worker is taken apart wherever some are
-   !> allocated.
+   !> Workers with nothing to do yet. A procedure of its own: compilers write out how a whole worker is taken apart wherever some
+   !> are allocated.
    subroutine gather(count, team)
       integer, intent(in) :: count
       class(starter_t), allocatable, intent(out) :: team(:)
