@@ -81,7 +81,35 @@ contains
       call t%equal_text(number_or_null(ieee_value(1.0_wp, ieee_quiet_nan), .true.), 'null', 'what is no number is null')
       call t%equal_text(short_number(ieee_value(1.0_wp, ieee_quiet_nan)), '0', 'no number')
       call t%equal_text(short_number(ieee_value(1.0_wp, ieee_negative_inf)), '0', 'nor is infinity')
+      call all_sizes()
    end subroutine numbers
+
+   !> What is rounded by hand is what the run-time library writes, halves of the last digit too.
+   subroutine all_sizes()
+      character(40) :: layout, written
+      character(:), allocatable :: text
+      real(wp) :: value
+      integer :: power, k, digits, last, differ
+
+      differ = 0
+      do power = -4, 7
+         do k = 1, 400
+            digits = merge(9, 4 + mod(k, 4), mod(k, 2) == 0 .or. power > 2)
+            value = modulo(k*0.6180339887498949_wp, 9.0_wp) + 1.0_wp
+            if (mod(k, 3) == 0) value = real(int(value*64.0_wp), wp)/64.0_wp        ! some of these are halves of the last digit
+            if (mod(k, 5) == 0) value = -value
+            value = value*10.0_wp**power
+            if (floor(log10(abs(value))) /= power) cycle
+            write (layout, '("(f36.",i0,")")') digits - 1 - power
+            write (written, layout) value
+            text = trim(adjustl(written))
+            last = verify(text, '0', back=.true.)
+            if (text(last:last) == '.') last = last - 1
+            if (short_number(value, digits) /= text(:last)) differ = differ + 1
+         end do
+      end do
+      call t%equal_integer(differ, 0, 'numbers of all sizes')
+   end subroutine all_sizes
 
    subroutine lines()
       type(strings_t), allocatable :: parts(:)
