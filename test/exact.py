@@ -15,6 +15,8 @@ import tempfile
 import time
 from xml.etree import ElementTree
 
+import numpy as np
+
 TOP = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 BIN = sys.argv[1] if len(sys.argv) > 1 else os.path.join(TOP, "build", "local", "bin")
 DATA = os.path.join(TOP, "data", "exact")
@@ -410,18 +412,19 @@ def nine_points(folder):
 
 def symmetric_points(folder):
     """Nine points that lie symmetrically about an axis: paths end at infinity and in pairs, every one is accounted for; turned by 40
-    degrees they have the same linkages."""
+    degrees they have the same linkages. One of them is on the axis, so infinitely many symmetric linkages pass them besides."""
     half = [0.5 + 0.93j, 0.9 + 0.4j, 1.1 - 0.3j, 0.6 - 0.8j]
     points = [1j] + half + [complex(-z.real, z.imag) for z in half]
     pivots = []
     for name, turn in (("symmetric", 1), ("symmetric_turned", cmath.exp(2j*math.pi/9))):
         text = "SYMMETRIC\n &EXACT XP=%s,\n YP=%s, NBEST=300 &END\n" % tuple(
             ",".join("%.17g" % v for v in ((z*turn).real if k == 0 else (z*turn).imag for z in points)) for k in (0, 1))
-        status, listing, rows, _, _ = run(name, text, folder)
-        words = re.search(r"complete: (\d+) of 1442 ends distinct, (\d+) at infinity, singular: (\d+), (\d+) end where others do", listing)
+        status, listing, rows, _, errors = run(name, text, folder)
+        words = re.search(r"; (\d+) of 1442 ends distinct, (\d+) at infinity, singular: (\d+), (\d+) end where others do", listing)
         count = [int(v) for v in words.groups()] if words else [0, 0, 0, 0]
-        check(status == 0 and count[0] + count[1] + count[3] == 1442 and count[1] == 24, name + ": every end is accounted for",
-              listing[:300])
+        check(count[0] + count[1] + count[3] == 1442 and count[1] == 24, name + ": every end is accounted for", listing[:300])
+        check(status == 1 and "not complete: infinitely many" in listing and "symmetric about a line" in errors,
+              name + ": infinitely many are told", (status, listing[:300], errors[:300]))
         check(count[0] < 1442 and count[2] > 0, name + ": singular ends are recognised", count)
         pivots.append([complex(r[8], r[9])/turn for r in rows] + [complex(r[10], r[11])/turn for r in rows])
         if name == "symmetric":
@@ -430,6 +433,52 @@ def symmetric_points(folder):
     check(len(pivots[0]) > 0 and all(min(abs(z - w) for w in pivots[1]) < 1e-6*(1 + abs(z)) for z in pivots[0]) and
           all(min(abs(z - w) for w in pivots[0]) < 1e-6*(1 + abs(z)) for z in pivots[1]), "symmetric points turned: the same pivots",
           [len(p) for p in pivots])
+    # some of the infinitely many, the axis as that of x: pivots a and d on it, joints p before and q behind the point
+    turned = [z*-1j for z in points]
+    start = [-0.0119, 0.1674, -1.0067, 1.0803, 0.0083]
+    for a in (0.4, 0.41, 0.42):
+        start, error = symmetric_member(turned[:5], a, start)
+        d, r, p, q, s = start
+        worst = 0.0
+        for z in turned:
+            b = meets(z, p, a, r)
+            worst = max(worst, min(abs(abs(z + q*u - d)**2 - s) for u in b) if b else 9.9)
+        check(worst < 1e-9 and error < 1e-9, "a symmetric linkage passes all nine points, crank pivot at %g" % a, (worst, error))
+
+
+def meets(z, p, a, r):
+    """Directions u with |z - p u - a|^2 = r."""
+    w = z - a
+    c = (abs(w)**2 + p*p - r)/(2*p*abs(w))
+    if abs(c) > 1:
+        return []
+    return [w/abs(w)*cmath.exp(1j*k*math.acos(c)) for k in (1, -1)]
+
+
+def symmetric_member(points, a, start):
+    """A linkage with both pivots on the axis of x and the coupler point on the line of its joints that meets five points, the first on
+    the axis: other pivot, crank squared, distances of the point from both joints, follower squared; and what is left. By Newton's
+    method with differences: the direction of the coupler is eliminated from the equations of crank and follower, linear in it."""
+    def equations(v):
+        d, r, p, q, s = v
+        out = []
+        for k, z in enumerate(points):
+            one, two = (abs(z - a)**2 + p*p - r)*q, (abs(z - d)**2 + q*q - s)*p
+            if k == 0:
+                out.append(one*(z.real - d) + two*(z.real - a))
+            else:
+                c = one + two
+                out.append((c*z.imag)**2 + (one*(d - a) - (z.real - a)*c)**2 - (2*p*q*(d - a)*z.imag)**2)
+        return np.array(out)
+    v = np.array(start, float)
+    for _ in range(40):
+        f = equations(v)
+        jacobian = np.array([(equations(v + h) - equations(v - h))/2e-6 for h in 1e-6*np.eye(5)]).T
+        step = np.linalg.solve(jacobian, f)
+        v = v - step
+        if np.linalg.norm(step) < 1e-14:
+            break
+    return v, np.linalg.norm(equations(v))
 
 
 def bounded(folder):
@@ -612,6 +661,12 @@ def symmetric_about_pivots(folder):
     of them meets all, so there is a whole curve of linkages and no complete list. That is no success."""
     status, listing, _, _, errors = run("curve", "A CURVE OF LINKAGES\n &EXACT XP=-2,-1,0,1,2, YP=0,1,1.3,1,0, PIVOTS=0,-2,0,-3.5 &END\n", folder)
     check(status == 1 and "not complete" in listing and "not complete" in errors, "an incomplete list ends with status 1", (status, listing[:300]))
+    seven = "XP=-3,-2,-1,0.2,-1,-2,-3, YP=0.5,1.1,1.3,0,-1.3,-1.1,-0.5, PIVOTS=1.7,"
+    slider = "SLIDER=1, XP=-3,-1.7,-0.6,-3,-1.7,-0.6, YP=0.5,1.1,1.3,-0.5,-1.1,-1.3, PIVOTS=1.7,"
+    for text, told in ((seven + "0", True), (seven + "0.4", False), (slider + "0", True), (slider + "1E-3", False),
+                       ("XP=-3,-1.7,-3.5,0.4,-1.1,-1.7,-3, YP=0.5,1.1,0,0,0,-1.1,-0.5, PIVOTS=1.7,0", False)):
+        _, _, _, _, errors = run("axis", "AXIS\n &EXACT MAXTIME=0.01, %s &END\n" % text, folder)
+        check(("symmetric about a line: infinitely many" in errors) == told, "symmetric about a line: " + text, errors[:300])
 
 
 def progress(folder):

@@ -172,15 +172,16 @@ contains
       else if (study%stopped) then
          text = 'not complete: '//reason_of(study)//', '//to_text(study%followed)//' of '// &
                 to_text(max(study%paths, study%expected))//' paths followed'
+      else if (study%symmetric) then
+         text = 'not complete: infinitely many are symmetric as the points are; '//to_text(study%ends)//' of '// &
+                to_text(study%expected)//' '//what//' distinct'//other_ends()
       else if (study%complete) then
          text = 'complete: '//to_text(study%ends)//' of '//to_text(study%expected)//' '//what//' distinct'
          if (study%examined .and. study%certificate%holds()) then
             text = text//', certified'
             if (study%certificate%examined < study%ends) text = text//' but those with a pivot at infinity'
          end if
-         if (at_infinity > 0) text = text//', '//to_text(at_infinity)//' at infinity'
-         if (study%singular > 0) text = text//', singular: '//to_text(study%singular)
-         if (study%merged > 0) text = text//', '//to_text(study%merged)//' end where others do'
+         text = text//other_ends()
       else if (study%expected > 0) then
          missing = study%expected - study%ends - study%merged - at_infinity
          if (missing > 0) then
@@ -193,6 +194,17 @@ contains
          text = 'the number of ends is not known for these conditions; '//to_text(study%ends)//' of '//to_text(study%generic)// &
                 ' of a generic problem found'
       end if
+
+   contains
+
+      function other_ends() result(words)
+         character(:), allocatable :: words
+
+         words = ''
+         if (at_infinity > 0) words = ', '//to_text(at_infinity)//' at infinity'
+         if (study%singular > 0) words = words//', singular: '//to_text(study%singular)
+         if (study%merged > 0) words = words//', '//to_text(study%merged)//' end where others do'
+      end function other_ends
    end function sentence_of
 
    subroutine report_linkages(set, exact, study, devices)

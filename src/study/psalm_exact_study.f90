@@ -24,6 +24,7 @@ module psalm_exact_study
    use psalm_six_bars, only: six_bars_t, find_stephenson, find_watt
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t
+   use psalm_symmetric_points, only: leave_a_curve
    use psalm_text, only: general, to_text
    use psalm_tracker, only: polish, tracked_t
    use psalm_wanted_function, only: wanted_function_t, function_kind, function_table
@@ -86,6 +87,7 @@ module psalm_exact_study
       integer :: linkages = 0                        !! real linkages, without exchange of the legs
       logical :: complete = .false.
       logical :: degenerate = .false.                !! more than finitely many
+      logical :: symmetric = .false.                 !! points leave a curve of symmetric linkages besides
       integer :: passes = 0
       logical :: stopped = .false.                   !! the host wanted the end, or MAXTIME was over, before all was found
       logical :: out_of_time = .false.               !! of these: MAXTIME
@@ -172,6 +174,12 @@ contains
          if (all(problem%kind(:problem%points) == kind_point) .and. .not. problem%crank_given .and. &
              .not. problem%follower_given .and. lie_on_circle(p)) call complain('XP', &
             'the points lie on one circle or line: infinitely many linkages pass them')
+         if (.not. leaves_symmetric_curve(exact)) return
+         text = 'with both pivots on it'
+         if (exact%slider) text = 'with their slide at right angles to it'
+         call set%origins%warning(findings, 'EXACT', 'XP', 'the points are symmetric about a line: infinitely many linkages '// &
+                                  'pass them, '//text//' and the coupler point on the line of its joints; only others can be '// &
+                                  'listed. Move a point, or a given pivot off the line, for a complete list', 1)
          return
       end if
       conditions = sum(merge(1, 2, problem%kind(:problem%points) == kind_point))
@@ -227,6 +235,15 @@ contains
       leaves_curves = size(exact%x) == 4 .and. .not. exact%crank_pivot
       if (exact%slider .or. exact%block) leaves_curves = leaves_curves .or. (size(exact%x) == 3 .and. exact%crank_pivot)
    end function leaves_curves
+
+   !> True if the points leave a curve of linkages that are symmetric as they are.
+   pure logical function leaves_symmetric_curve(exact)
+      type(exact_group_t), intent(in) :: exact
+
+      leaves_symmetric_curve = all(is_missing(exact%angle(2:)) .and. is_missing(exact%time(2:)))
+      if (leaves_symmetric_curve) leaves_symmetric_curve = leave_a_curve(cmplx(exact%x, exact%y, wp), &
+         pack(cmplx(exact%pivots(1::2), exact%pivots(2::2), wp), [exact%crank_pivot, exact%follower_pivot]), exact%slider)
+   end function leaves_symmetric_curve
 
    !> True if points lie on one circle or line, as far as rounding tells.
    pure logical function lie_on_circle(p)
@@ -338,6 +355,10 @@ contains
          call find_nine_points(exact, limited, study)
       else
          call find_by_legs(exact, limited, study)
+      end if
+      if (study%way == way_nine .or. study%way == way_legs) then
+         study%symmetric = leaves_symmetric_curve(exact)
+         study%complete = study%complete .and. .not. study%symmetric
       end if
       if (study%stopped) study%out_of_time = .not. limited%requested()
       call leave_out_flat(exact, study)
