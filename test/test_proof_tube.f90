@@ -6,6 +6,7 @@ program test_proof_tube
    use psalm_chain_study, only: chain_study_t, study_chain
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp, degrees_per_radian, radians_per_degree
+   use psalm_proof_motion, only: proven_dead_point_t, mover_output, mover_turning
    use psalm_proof_study, only: proof_of_inputs, proof_of_turn
    use psalm_status, only: diagnostics_t
    use psalm_text, only: full_precision, to_text
@@ -15,6 +16,8 @@ program test_proof_tube
 
    call rocker()
    call crank()
+   call dead_points()
+   call double_points()
    call geared()
    call change_point()
    call triads()
@@ -101,6 +104,172 @@ contains
       call t%close_to(at, value, 1.0e-3_wp, 'crank-rocker: where it is greatest')
       call holds_samples(s, proof, 'crank-rocker')
    end subroutine crank
+
+   !> Dead points of one mover.
+   function dead_of(proof, kind, place) result(dead)
+      type(chain_proof_t), intent(in) :: proof
+      integer, intent(in) :: kind, place
+      type(proven_dead_point_t), allocatable :: dead(:)
+
+      dead = pack(proof%movement%dead, proof%movement%dead%kind == kind .and. proof%movement%dead%place == place)
+   end function dead_of
+
+   !> A crank-rocker drawn with its crank at an angle, in exact lengths: the rocker stands still with crank and coupler in line.
+   function crank_rocker(angle, method) result(text)
+      real(wp), intent(in) :: angle            !! degrees
+      character(*), intent(in) :: method
+      character(:), allocatable :: text
+      complex(wp) :: b, c
+      real(wp) :: d, along
+
+      b = 2.0_wp*cmplx(cos(angle*radians_per_degree), sin(angle*radians_per_degree), wp)
+      d = abs(6.0_wp - b)
+      along = (d*d + 36.0_wp - 25.0_wp)/(2.0_wp*d)
+      c = b + (6.0_wp - b)/d*cmplx(along, sqrt(36.0_wp - along**2), wp)
+      text = 'CRANK-ROCKER'//nl//" &CHAIN JNT='A','B','C','D', JX=0.0,"//full_precision(b%re)//','//full_precision(c%re)// &
+             ',6.0, JY=0.0,'//full_precision(b%im)//','//full_precision(c%im)//",0.0,"//nl// &
+             " LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C','C D', LENP='A B','B C','C D','A D', "// &
+             "LENV=2.0,6.0,5.0,6.0 &END"//nl//" &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='angle D C' &END "//nl//' '//method//nl
+   end function crank_rocker
+
+   !> Dead points, strokes, velocity ratio and dwells of a crank-rocker, closed forms; at the drawing and at the end of a range.
+   subroutine dead_points()
+      type(chain_study_t) :: s
+      type(chain_proof_t) :: proof
+      type(proven_dead_point_t), allocatable :: dead(:)
+      real(wp) :: at(2), ratio, low, high
+      integer :: k
+
+      ! the line of crank and coupler, 4 and 8 long, against the frame
+      at(1) = acos((64.0_wp + 36.0_wp - 25.0_wp)/96.0_wp)*degrees_per_radian
+      at(2) = 180.0_wp + acos((16.0_wp + 36.0_wp - 25.0_wp)/48.0_wp)*degrees_per_radian
+      call prove(crank_rocker(20.0_wp, '&METHOD NDES=2, DELT=0.0,5.0 &END &LIMITS DWELL=0.5 &END'), proof_of_turn, s, &
+                 proof)
+      dead = dead_of(proof, mover_output, 1)
+      call t%is_true(size(dead) == 2, 'crank-rocker: two dead points', to_text(size(dead)))
+      if (size(dead) /= 2) return
+      do k = 1, 2
+         call holds(dead(k)%low, dead(k)%high, at(k) - 20.0_wp, 1.0e-9_wp, 'crank-rocker: dead point '//to_text(k))
+         call t%is_true(dead(k)%reverses, 'crank-rocker: it turns back')
+      end do
+      call t%is_true(size(dead_of(proof, mover_turning, 4)) == 2, 'crank-rocker: so many has the rocker')
+      ratio = (360.0_wp - (at(2) - at(1)))/(at(2) - at(1))
+      call t%is_true(proof%movement%time_ratio(1) <= max(ratio, 1.0_wp/ratio), 'crank-rocker: time ratio at least')
+      call t%close_to(proof%movement%time_ratio(1), max(ratio, 1.0_wp/ratio), 1.0e-9_wp, 'crank-rocker: time ratio')
+      call t%is_true(size(proof%movement%dwells) == 2, 'crank-rocker: two dwells')
+      do k = 1, size(proof%movement%dwells)
+         associate (dwell => proof%movement%dwells(k))
+            call holds(abs(rocker_angle(20.0_wp + dwell%from) - rocker_angle(20.0_wp + dwell%at)), 0.5_wp + 1.0e-9_wp, 0.5_wp, &
+                       1.0e-7_wp, 'crank-rocker: a dwell begins where it is half a degree off')
+            call holds(abs(rocker_angle(20.0_wp + dwell%to) - rocker_angle(20.0_wp + dwell%at)), 0.5_wp + 1.0e-9_wp, 0.5_wp, &
+                       1.0e-7_wp, 'crank-rocker: it ends where it is half a degree off')
+         end associate
+      end do
+      low = huge(1.0_wp)
+      high = -huge(1.0_wp)
+      do k = 1, 7200
+         ratio = (rocker_angle(0.05_wp*real(k, wp) + 1.0e-4_wp) - rocker_angle(0.05_wp*real(k, wp) - 1.0e-4_wp))/2.0e-4_wp
+         low = min(low, ratio)
+         high = max(high, ratio)
+      end do
+      associate (own => proof%ratios(1))
+         call t%is_true(own%bounded .and. own%low(1) <= low + 1.0e-8_wp .and. own%high(2) >= high - 1.0e-8_wp, &
+                        'crank-rocker: velocity ratios of samples lie in the bracket')
+         call t%close_to(own%low(1), low, 1.0e-6_wp, 'crank-rocker: least velocity ratio')
+         call t%close_to(own%high(2), high, 1.0e-6_wp, 'crank-rocker: greatest velocity ratio')
+      end associate
+      ! drawn at a dead point: it is met from both sides
+      call prove(crank_rocker(at(1), '&METHOD NDES=3, DELT=0.0,-5.0,5.0 &END'), proof_of_inputs, s, proof)
+      dead = dead_of(proof, mover_output, 1)
+      call t%is_true(size(dead) == 1, 'drawn at a dead point: one', to_text(size(dead)))
+      if (size(dead) == 1) call t%is_true(dead(1)%reverses .and. dead(1)%low <= 0.0_wp .and. dead(1)%high >= 0.0_wp, &
+                                          'drawn at a dead point: at 0')
+      call prove(crank_rocker(at(1), '&METHOD NDES=2, DELT=0.0,5.0 &END'), proof_of_turn, s, proof)
+      dead = dead_of(proof, mover_output, 1)
+      call t%is_true(size(dead) == 2 .and. all(dead%reverses), 'drawn at a dead point: a turn meets it once', to_text(size(dead)))
+      ! the range ends at it
+      call prove(crank_rocker(20.0_wp, '&METHOD NDES=2, DELT=0.0,'//full_precision(at(1) - 20.0_wp)//' &END'), &
+                 proof_of_inputs, s, proof)
+      dead = dead_of(proof, mover_output, 1)
+      call t%is_true(size(dead) <= 1, 'range up to a dead point: one at most')
+      if (size(dead) == 1) call t%is_true(dead(1)%at_end .and. .not. dead(1)%reverses, 'range up to a dead point: it is at the end')
+   end subroutine dead_points
+
+   !> Angle of the rocker of the crank-rocker, degrees; closed form.
+   real(wp) function rocker_angle(crank)
+      real(wp), intent(in) :: crank            !! degrees
+      complex(wp) :: b, c
+      real(wp) :: d, along
+
+      b = 2.0_wp*cmplx(cos(crank*radians_per_degree), sin(crank*radians_per_degree), wp)
+      d = abs(6.0_wp - b)
+      along = (d*d + 36.0_wp - 25.0_wp)/(2.0_wp*d)
+      c = b + (6.0_wp - b)/d*cmplx(along, sqrt(36.0_wp - along**2), wp) - 6.0_wp
+      rocker_angle = atan2(c%im, c%re)*degrees_per_radian
+   end function rocker_angle
+
+   !> Two arms, the second geared to the first, whose end has a co-ordinate with a double dead point, or two or none near it: every
+   !> root of the closed form lies in a bracket, and a bracket that is narrow says how the sign changes.
+   subroutine double_points()
+      type(chain_study_t) :: s
+      type(chain_proof_t) :: proof
+      type(proven_dead_point_t), allocatable :: dead(:)
+      real(wp), parameter :: off(9) = [0.0_wp, 1.0e-4_wp, -1.0e-4_wp, 1.0e-9_wp, -1.0e-9_wp, 1.0e-13_wp, -1.0e-13_wp, &
+                                       1.0e-15_wp, -1.0e-15_wp]
+      real(wp), parameter :: double = 50.0_wp  !! degrees
+      real(wp) :: b, phase, before, here, low, high, middle
+      complex(wp) :: p
+      integer :: n, k, roots, i
+
+      middle = double*radians_per_degree
+      phase = atan2(-0.5_wp*sin(middle), -0.25_wp*cos(middle)) - 2.0_wp*middle
+      do n = 1, size(off)
+         b = hypot(0.5_wp*sin(double*radians_per_degree), 0.25_wp*cos(double*radians_per_degree))*(1.0_wp + off(n))
+         p = 1.0_wp + b*cmplx(cos(phase), sin(phase), wp)
+         call prove('TWO ARMS'//nl//" &CHAIN JNT='A','E','B','P', JX=0.0,-1.0,1.0,"//full_precision(p%re)//', JY=0.0,0.0,0.0,'// &
+                    full_precision(p%im)//','//nl//" LNAME='frame','first','second', LNK='A E','A B','B P' &END"//nl// &
+                    " &DRIVES DRIVE='A','B', RATIO=0.0,1.0 &END &OUTPUTS OUTPUT='x P' &END &METHOD NDES=2, DELT=0.0,5.0 &END"//nl, &
+                    proof_of_turn, s, proof)
+         call t%is_true(proof%complete .and. proof%returns, 'two arms: turn')
+         dead = dead_of(proof, mover_output, 1)
+         roots = 0
+         before = speed_of_arms(b, phase, 0.01_wp)
+         do k = 1, 36000
+            here = speed_of_arms(b, phase, 0.01_wp + 0.01_wp*real(k, wp))
+            if (before*here > 0.0_wp) cycle
+            low = 0.01_wp*real(k, wp)
+            high = low + 0.01_wp
+            do i = 1, 50
+               middle = 0.5_wp*(low + high)
+               if (speed_of_arms(b, phase, middle)*before > 0.0_wp) low = middle
+               if (.not. speed_of_arms(b, phase, middle)*before > 0.0_wp) high = middle
+            end do
+            roots = roots + 1
+            call t%is_true(any(dead%low <= high + 1.0e-9_wp .and. dead%high >= low - 1.0e-9_wp), 'two arms: a root is bracketed', &
+                           full_precision(off(n))//' at '//full_precision(low))
+            before = here
+         end do
+         call t%is_true(mod(count(dead%reverses), 2) == mod(roots, 2), 'two arms: as many changes of sign, but for pairs', &
+                        full_precision(off(n))//': '//to_text(count(dead%reverses))//' of '//to_text(roots))
+         if (abs(off(n)) >= 1.0e-9_wp) then
+            call t%is_true(size(dead) == count(dead%reverses), 'two arms: near a double dead point all is decided', &
+                           full_precision(off(n)))
+            call t%is_true(size(dead) == merge(4, 2, off(n) > 0.0_wp), 'two arms: two near it, or none', &
+                           full_precision(off(n))//': '//to_text(size(dead)))
+         else
+            call t%is_true(any(dead%low <= double + 1.0e-5_wp .and. dead%high >= double - 1.0e-5_wp), &
+                           'two arms: at a double dead point nothing is excluded', full_precision(off(n)))
+         end if
+      end do
+
+   end subroutine double_points
+
+   !> Rate of the co-ordinate of two arms, the second `b` long.
+   real(wp) function speed_of_arms(b, phase, degrees)
+      real(wp), intent(in) :: b, phase, degrees
+
+      speed_of_arms = -sin(degrees*radians_per_degree) - 2.0_wp*b*sin(2.0_wp*degrees*radians_per_degree + phase)
+   end function speed_of_arms
 
    !> Two geared cranks: the rods stretch where their ends are as far apart as both are long.
    subroutine geared()
@@ -192,6 +361,7 @@ contains
          if (proof%complete) closing = closing + 1
          turning = turning + count(proof%legs%turns_back)
          call holds_samples(s, proof, 'triad '//to_text(n))
+         call turn_at_dead_points(s, proof, 'triad '//to_text(n))
          sampled = sampled + count(s%motion%closed)
          call t%is_true(proof%misplaced == 0, 'triad '//to_text(n)//': no position elsewhere', to_text(proof%misplaced))
          call t%is_true(all(s%motion%closed .eqv. within(s, proof)), 'triad '//to_text(n)//': positions close where proven')
@@ -276,6 +446,24 @@ contains
                         ' '//full_precision(proof%ranges(n)%high(2)))
       end do
    end subroutine holds_samples
+
+   !> Between two dead points of a number its samples go one way.
+   subroutine turn_at_dead_points(s, proof, what)
+      type(chain_study_t), intent(in) :: s
+      type(chain_proof_t), intent(in) :: proof
+      character(*), intent(in) :: what
+      type(proven_dead_point_t), allocatable :: dead(:)
+      integer :: k
+
+      dead = dead_of(proof, mover_output, 4)
+      do k = 2, size(s%motion%closed) - 1
+         if (s%inputs(1, k + 1) > place_on(proof, 1, proof%legs(1)%reached, .true.)) exit
+         associate (v => s%values(4, 0, k - 1:k + 1), x => s%inputs(1, k - 1:k + 1))
+            if ((v(2) - v(1))*(v(3) - v(2)) >= 0.0_wp) cycle
+            call t%is_true(any(dead%low <= x(3) .and. dead%high >= x(1)), what//': a distance turns back at a dead point alone')
+         end associate
+      end do
+   end subroutine turn_at_dead_points
 
    !> The same numbers in every run.
    subroutine seed_reals()

@@ -1,6 +1,6 @@
 !> What pictures show of a proof of the motion: where it opens, extremes, dead points, the least clearances; and links with a width.
 module psalm_proof_scene
-   use psalm_chain_proof_list, only: links_of_group
+   use psalm_chain_proof_list, only: links_of_group, name_of_mover, ratio_of
    use psalm_chain_proof_study, only: chain_proof_t, place_on, place_of_extreme, prove_loops
    use psalm_chain_study, only: chain_study_t
    use psalm_clearances, only: clearance_t, list_clearances, find_depth, points_of_clearance
@@ -14,7 +14,7 @@ module psalm_proof_scene
    use psalm_place, only: beside_t
    use psalm_proof, only: limit_t, piece_closes, piece_opens
    use psalm_proof_list, only: cause_words, end_text, extreme_name, mover_name, shown, short
-   use psalm_proof_motion, only: mover_output
+   use psalm_proof_motion, only: proven_dead_point_t, mover_output
    use psalm_proof_ranges, only: extreme_x, extreme_y, extreme_output, extreme_distance
    use psalm_proof_study, only: proof_study_t, kept_t, study_proof, proof_wanted, no_proof
    use psalm_station, only: station_t, prepare_station, evaluate_station
@@ -193,6 +193,17 @@ contains
                                  place_of_extreme(proof, range, 2, turns), of_output, scene)
          end associate
       end do
+      do k = 1, size(proof%ratios)
+         associate (range => proof%ratios(k))
+            if (range%bounded) call add_extremes_of(ratio_of(study, k), range%low(1), place_of_extreme(proof, range, 1, turns), &
+                                                    range%high(2), place_of_extreme(proof, range, 2, turns), .false., scene)
+         end associate
+      end do
+      do k = 1, size(proof%movement%dead)
+         associate (dead => proof%movement%dead(k))
+            call add_dead_point(name_of_mover(study, dead), dead, dead%kind == mover_output .and. dead%place <= columns, scene)
+         end associate
+      end do
       call list_clearances(set%constr, problem%mechanism, dimensions%outlk <= 0.0_wp, clearances, joints, beside)
       if (size(clearances) == size(proof%kept) .and. proof%one_drive) then
          none%kept = proof%kept
@@ -306,12 +317,22 @@ contains
       end do
       do i = 1, size(study%movement%dead)
          associate (dead => study%movement%dead(i))
-            if (dead%high - dead%low > certain*max(1.0_wp, abs(dead%low))) cycle
-            call add_mark(scene, 'dead', 'dead point of '//lower_case(mover_name(dead))//', at '// &
-                          short(0.5_wp*(dead%low + dead%high)), 0.5_wp*(dead%low + dead%high), dead%kind == mover_output)
+            call add_dead_point(lower_case(mover_name(dead)), dead, dead%kind == mover_output, scene)
          end associate
       end do
    end subroutine add_extremes
+
+   !> A dead point, if it is bracketed narrowly.
+   subroutine add_dead_point(name, dead, of_output, scene)
+      character(*), intent(in) :: name
+      type(proven_dead_point_t), intent(in) :: dead
+      logical, intent(in) :: of_output
+      type(proof_scene_t), intent(inout) :: scene
+
+      if (dead%high - dead%low > certain*max(1.0_wp, abs(dead%low))) return
+      call add_mark(scene, 'dead', 'dead point of '//name//', at '//short(0.5_wp*(dead%low + dead%high)), &
+                    0.5_wp*(dead%low + dead%high), of_output)
+   end subroutine add_dead_point
 
    !> How far the dyads stay inside their limits.
    subroutine add_margins(study, scene)

@@ -5,18 +5,15 @@
 !> quadratics with a bound of their third derivative and of what a tube leaves open; the tube with the greatest upper bound is
 !> halved until its bound and a value that is reached agree.
 module psalm_proof_chain
-   use psalm_chain_outputs, only: output_at
-   use psalm_closure, only: closure_t, state_t, most_orders
-   use psalm_elementary, only: hypotenuse
+   use psalm_closure, only: closure_t, state_t
    use psalm_kinds, only: wp, degrees_per_radian
+   use psalm_proof_numbers, only: quadratic_t, find_numbers, is_angle, has_rate
    use psalm_proof_tube, only: tube_t, enclose, enclose_here, half_of, joins, prediction_at, enclose_turn, turning_point, &
-                               leads_to, steepest, point_majorant, travel_majorant, rounding, degree
-   use psalm_sketch, only: sketch_output_t, output_point, output_angle, output_distance, output_slide, output_between, &
-                           output_pose, output_ratio, output_x, output_y, columns_of
+                               leads_to, steepest
+   use psalm_sketch, only: sketch_output_t
    implicit none (type, external)
    private
-   public :: chain_tubes_t, leg_t, output_range_t, start_tubes, cover_leg, stands_as_drawn, is_on_motion, bracket_outputs, &
-             play_of_joint
+   public :: chain_tubes_t, leg_t, output_range_t, start_tubes, cover_leg, stands_as_drawn, is_on_motion, bracket_outputs
 
    real(wp), parameter :: first_r = 0.01_wp      !! of a line
    real(wp), parameter :: least_r = 1.0e-13_wp   !! shorter tubes are not tried
@@ -27,6 +24,7 @@ module psalm_proof_chain
    integer, parameter :: turns_tried = 8
    integer, parameter :: most_tubes = 4000       !! of a line
    integer, parameter :: most_halvings = 4000
+   integer, parameter :: tries = 60              !! of halving where a number is not bounded
    real(wp), parameter :: enough = 1.0e-11_wp    !! width of a bracket, of the drawing's size or a turn
    real(wp), parameter :: slack = 1.0e-12_wp     !! of a full turn, which is no number of the machine
 
@@ -34,6 +32,7 @@ module psalm_proof_chain
    type :: leg_t
       real(wp), allocatable :: from(:), to(:)    !! shape (drives): radians or length from the drawing
       integer :: after = 0                       !! the leg at whose end it begins; 0: at the drawing
+      real(wp) :: per = 0.0_wp                   !! of the way by the input, for velocity ratios; 0: there is no one input
       real(wp) :: reached = 0.0_wp               !! part of the way that is proven
       logical :: complete = .false.              !! all of it is
       logical :: turns_back = .false.            !! proven: a dead point, beyond which the inputs cannot go
@@ -53,7 +52,8 @@ module psalm_proof_chain
    type :: tube_part_t
       integer :: leg = 0
       type(tube_t) :: tube
-      type(tube_span_t), allocatable :: spans(:)      !! shape (numbers of all outputs)
+      real(wp) :: per = 0.0_wp                   !! as of its leg
+      type(tube_span_t), allocatable :: spans(:)      !! shape (numbers of all outputs, then their rates)
    end type tube_part_t
 
    !> All tubes of all legs.
@@ -129,7 +129,7 @@ contains
             end if
             cycle
          end if
-         call add_part(closure, outputs, number, next, tubes)
+         call add_part(closure, outputs, number, leg%per, next, tubes)
          before = next
          end_of_before = r
          leg%reached = leg%reached + 2.0_wp*r
@@ -211,10 +211,11 @@ contains
    ! ---- outputs -----------------------------------------------------------------------------------------------------
 
    !> Add a tube and the ranges of the outputs in it.
-   subroutine add_part(closure, outputs, leg, tube, tubes)
+   subroutine add_part(closure, outputs, leg, per, tube, tubes)
       type(closure_t), intent(in) :: closure
       type(sketch_output_t), intent(in) :: outputs(:)
       integer, intent(in) :: leg
+      real(wp), intent(in) :: per
       type(tube_t), intent(in) :: tube
       type(chain_tubes_t), intent(inout) :: tubes
       type(tube_part_t), allocatable :: more(:)
@@ -230,12 +231,13 @@ contains
       tubes%count = tubes%count + 1
       associate (part => tubes%parts(tubes%count))
          part%leg = leg
+         part%per = per
          part%tube = tube
-         call find_spans(closure, outputs, part%tube, part%spans)
+         call find_spans(closure, outputs, part%tube, per, part%spans)
          follows = .false.
          if (tubes%count > 1) follows = tubes%parts(tubes%count - 1)%leg == leg
          if (.not. follows) return
-         do n = 1, size(part%spans)
+         do n = 1, size(part%spans)/2
             if (.not. is_angle(outputs, n)) cycle
             before = tubes%parts(tubes%count - 1)%spans(n)%value
             call move_to(part%spans(n), before)
@@ -256,209 +258,97 @@ contains
       span%high = span%high + shift
    end subroutine move_to
 
-   !> True if a number of all outputs is an angle.
-   pure logical function is_angle(outputs, number)
-      type(sketch_output_t), intent(in) :: outputs(:)
-      integer, intent(in) :: number
-      integer :: k, n
-
-      is_angle = .false.
-      n = 0
-      do k = 1, size(outputs)
-         if (number <= n + columns_of(outputs(k))) then
-            is_angle = outputs(k)%kind == output_angle .or. outputs(k)%kind == output_between .or. &
-                       (outputs(k)%kind == output_pose .and. number == n + 3)
-            return
-         end if
-         n = n + columns_of(outputs(k))
-      end do
-   end function is_angle
-
-   !> Where all numbers of all outputs are within a tube.
-   subroutine find_spans(closure, outputs, tube, spans)
+   !> Where all numbers of all outputs are within a tube, then their rates by the input.
+   subroutine find_spans(closure, outputs, tube, per, spans)
       type(closure_t), intent(in) :: closure
       type(sketch_output_t), intent(in) :: outputs(:)
       type(tube_t), intent(in) :: tube
+      real(wp), intent(in) :: per                !! of the way, by the input; 0: there is no one input
       type(tube_span_t), allocatable, intent(out) :: spans(:)
-      real(wp), allocatable :: values(:, :)
-      real(wp) :: z(0:degree), l(3), third, error, q, low
-      integer :: k, n, numbers
+      type(quadratic_t), allocatable :: values(:), speeds(:)
+      integer :: n
 
-      numbers = 0
-      do k = 1, size(outputs)
-         numbers = numbers + columns_of(outputs(k))
+      call find_numbers(closure, outputs, tube, values, speeds)
+      allocate (spans(size(values) + size(speeds)))
+      do n = 1, size(values)
+         if (values(n)%bounded) call set_span(values(n), tube, spans(n))
+         speeds(n)%bounded = speeds(n)%bounded .and. abs(per) > 0.0_wp .and. has_rate(outputs, n)
+         speeds(n)%c = speeds(n)%c*per
+         speeds(n)%error = speeds(n)%error*abs(per)
+         if (speeds(n)%bounded) call set_span(speeds(n), tube, spans(size(values) + n))
       end do
-      allocate (spans(numbers), values(numbers, 0:most_orders))
-      call output_at(closure, tube%state, outputs, values)
-      n = 1
-      do k = 1, size(outputs)
-         associate (output => outputs(k), joints => outputs(k)%joints)
-            select case (output%kind)
-            case (output_point, output_pose, output_x, output_y)
-               z = point_majorant(closure, tube, joints(1), closure%holder(joints(1)))
-               error = play_of_joint(closure, tube, joints(1))
-               call set_span(n, z(3), error, 1.0_wp)
-               if (output%kind == output_point .or. output%kind == output_pose) &
-                  call set_span(n + 1, z(3), error, 1.0_wp)
-               if (output%kind == output_pose) then
-                  call bound_line(joints(2), joints(3), l, third, error, low)
-                  if (low > 0.0_wp) call set_span(n + 2, third, error, degrees_per_radian)
-               end if
-            case (output_angle)
-               call bound_line(joints(1), joints(2), l, third, error, low)
-               if (low > 0.0_wp) call set_span(n, third, error, degrees_per_radian)
-            case (output_between)
-               call bound_line(joints(1), joints(2), l, third, error, low)
-               q = third
-               z(0) = error
-               if (low > 0.0_wp) then
-                  call bound_line(joints(3), joints(4), l, third, error, low)
-                  if (low > 0.0_wp) call set_span(n, third + q, error + z(0), degrees_per_radian)
-               end if
-            case (output_distance)
-               call bound_line(joints(1), joints(2), l, third, error, low)
-               if (low > 0.0_wp) then
-                  q = play_of_joint(closure, tube, joints(1))
-                  if (joints(2) > 0) q = q + play_of_joint(closure, tube, joints(2))
-                  ! the length is not greater than that in the middle and the way
-                  z(0) = values(n, 0)*(1.0_wp + tube%r*l(1)*exp_bound(tube%r*l(1)))
-                  call set_span(n, z(0)*(l(1)**3 + 3.0_wp*l(1)*l(2) + l(3)), q, 1.0_wp)
-               end if
-            case (output_slide)
-               z = travel_majorant(closure, tube, output%slide)
-               associate (a => closure%sketch%slides(output%slide)%links(1), b => closure%sketch%slides(output%slide)%links(2))
-                  q = hypotenuse(closure%slide_point(2, output%slide)%re, closure%slide_point(2, output%slide)%im)
-                  error = tube%off_t(a) + tube%off_t(b) + z(0)*tube%off_phi(a) + q*tube%off_phi(b)
-                  error = error + rounding*(z(0) + maxval(abs(tube%state%t([a, b], 0)%re)) &
-                                            + maxval(abs(tube%state%t([a, b], 0)%im)))
-               end associate
-               call set_span(n, z(3), error, 1.0_wp)
-            case (output_ratio)
-               ! a ratio of rates may be infinite; it is not bounded here
-            end select
-         end associate
-         n = n + columns_of(outputs(k))
-      end do
-
-   contains
-
-      !> 1 + x + ... for the bound of a length that grows by a relative rate; x is well below 1 where tubes hold.
-      pure real(wp) function exp_bound(x)
-         real(wp), intent(in) :: x
-
-         exp_bound = 1.0_wp/max(1.0_wp - x, tiny(1.0_wp))
-      end function exp_bound
-
-      !> The line from joint to joint (0: the origin): bounds of the derivatives of the logarithm of its vector, the third of its
-      !> direction, what is open of that (radians), and the least length.
-      pure subroutine bound_line(from, to, l, third, error, low)
-         integer, intent(in) :: from, to
-         real(wp), intent(out) :: l(3), third, error, low
-         real(wp) :: p(0:degree), z(3), play
-         complex(wp) :: vector
-         integer :: link
-
-         p = point_majorant(closure, tube, from, closure%holder(from))
-         z = p(1:3)
-         play = play_of_joint(closure, tube, from)
-         vector = tube%state%joint(from, 0)
-         if (to > 0) then
-            p = point_majorant(closure, tube, to, closure%holder(to))
-            z = z + p(1:3)
-            play = play + play_of_joint(closure, tube, to)
-            vector = tube%state%joint(to, 0) - vector
-         end if
-         low = hypotenuse(vector%re, vector%im) - tube%r*z(1) - play
-         l = 0.0_wp
-         third = 0.0_wp
-         error = 0.0_wp
-         if (low <= 0.0_wp) return
-         l(1) = z(1)/low
-         l(2) = z(2)/low + l(1)**2
-         l(3) = z(3)/low + 3.0_wp*l(1)*l(2) + l(1)**3
-         third = l(3)
-         error = play/low
-         if (to == 0) return
-         ! of two joints of one link the direction is the link's
-         do link = 1, size(closure%sketch%links)
-            if (.not. closure%sketch%has_joint(link, from) .or. .not. closure%sketch%has_joint(link, to)) cycle
-            third = abs(tube%state%phi(link, 3))
-            error = tube%off_phi(link) + rounding*(1.0_wp + abs(tube%state%phi(link, 0)))
-            return
-         end do
-      end subroutine bound_line
-
-      !> The range of a quadratic with a bound of the third derivative, over the box.
-      subroutine set_span(number, third, error, unit)
-         integer, intent(in) :: number
-         real(wp), intent(in) :: third, error         !! in radians
-         real(wp), intent(in) :: unit                 !! of the value
-         real(wp) :: at(3), y, more
-         integer :: i
-
-         associate (span => spans(number), value => values(number, 0), rate => values(number, 1), change => values(number, 2))
-            span%bounded = .true.
-            span%value = value
-            more = (error + third*tube%r**3/6.0_wp)*unit + rounding*abs(value)
-            at = [-tube%r, tube%r, tube%r]
-            if (abs(rate) < tube%r*abs(change)) at(3) = -rate/change
-            span%low = huge(1.0_wp)
-            span%high = -huge(1.0_wp)
-            do i = 1, 3
-               y = value + unit*at(i)*(rate + 0.5_wp*at(i)*change)
-               if (y < span%low) span%low_at = tube%middle + at(i)
-               span%low = min(span%low, y)
-               if (y > span%high) span%high_at = tube%middle + at(i)
-               span%high = max(span%high, y)
-            end do
-            span%low = span%low - more
-            span%high = span%high + more
-            span%open = 2.0_wp*more
-         end associate
-      end subroutine set_span
    end subroutine find_spans
 
-   !> How far a joint may lie from its prediction, roundings included.
-   pure real(wp) function play_of_joint(closure, tube, joint) result(play)
-      type(closure_t), intent(in) :: closure
+   !> The range of a quadratic with what it leaves out, over a tube.
+   pure subroutine set_span(q, tube, span)
+      type(quadratic_t), intent(in) :: q
       type(tube_t), intent(in) :: tube
-      integer, intent(in) :: joint
-      real(wp) :: p(0:degree)
+      type(tube_span_t), intent(inout) :: span
+      real(wp) :: at(3), y
+      integer :: i
 
-      associate (link => closure%holder(joint))
-         p = point_majorant(closure, tube, joint, link)
-         play = tube%off_t(link) + p(0)*tube%off_phi(link) &
-                + rounding*(abs(tube%state%t(link, 0)%re) + abs(tube%state%t(link, 0)%im) &
-                            + p(0)*(1.0_wp + abs(tube%state%phi(link, 0))))
-      end associate
-   end function play_of_joint
+      span%bounded = .true.
+      span%value = q%c(0)
+      at = [-tube%r, tube%r, tube%r]
+      if (abs(q%c(1)) < 2.0_wp*tube%r*abs(q%c(2))) at(3) = -0.5_wp*q%c(1)/q%c(2)
+      span%low = huge(1.0_wp)
+      span%high = -huge(1.0_wp)
+      do i = 1, 3
+         y = q%c(0) + at(i)*(q%c(1) + at(i)*q%c(2))
+         if (y < span%low) span%low_at = tube%middle + at(i)
+         span%low = min(span%low, y)
+         if (y > span%high) span%high_at = tube%middle + at(i)
+         span%high = max(span%high, y)
+      end do
+      span%low = span%low - q%error
+      span%high = span%high + q%error
+      span%open = 2.0_wp*q%error
+   end subroutine set_span
 
    !> Brackets of the least and greatest value of every number over all tubes, which are halved where that helps.
-   subroutine bracket_outputs(closure, outputs, tubes, ranges)
+   subroutine bracket_outputs(closure, outputs, per, tubes, ranges, speeds)
       type(closure_t), intent(in) :: closure
       type(sketch_output_t), intent(in) :: outputs(:)
+      real(wp), intent(in) :: per                !! unit of the input: 1 radian, or a length like those of the drawing; 0: no rates
       type(chain_tubes_t), intent(inout) :: tubes
       type(output_range_t), allocatable, intent(out) :: ranges(:) !! shape (numbers of all outputs)
+      type(output_range_t), allocatable, intent(out) :: speeds(:) !! the same of their rates by the input
+      type(output_range_t), allocatable :: all_ranges(:)
+
+      allocate (ranges(0), speeds(0))
+      if (tubes%count == 0) return
+      allocate (all_ranges(size(tubes%parts(1)%spans)))
+      call bracket_all(closure, outputs, per, tubes, all_ranges)
+      ranges = all_ranges(:size(all_ranges)/2)
+      speeds = all_ranges(size(all_ranges)/2 + 1:)
+   end subroutine bracket_outputs
+
+   subroutine bracket_all(closure, outputs, per, tubes, ranges)
+      type(closure_t), intent(in) :: closure
+      type(sketch_output_t), intent(in) :: outputs(:)
+      real(wp), intent(in) :: per
+      type(chain_tubes_t), intent(inout) :: tubes
+      type(output_range_t), intent(inout) :: ranges(:) !! shape (numbers of all outputs, then their rates)
       real(wp) :: unit
       integer :: n, halvings, at
       logical :: done
 
-      if (tubes%count == 0) then
-         allocate (ranges(0))
-         return
-      end if
-      allocate (ranges(size(tubes%parts(1)%spans)))
       halvings = 0
       do n = 1, size(ranges)
-         ranges(n)%bounded = is_bounded(n)
+         if (n > size(ranges)/2 .and. .not. per > 0.0_wp) exit
+         call make_bounded(n, ranges(n)%bounded)
          if (.not. ranges(n)%bounded) cycle
-         unit = merge(degrees_per_radian, closure%size, is_angle(outputs, n))
+         if (n <= size(ranges)/2) then
+            unit = merge(degrees_per_radian, closure%size, is_angle(outputs, n))
+         else
+            unit = merge(1.0_wp, closure%size, is_angle(outputs, n - size(ranges)/2))/per
+         end if
          do
             call greatest(n, -1.0_wp, ranges(n)%low(1), ranges(n)%high(1), at)
             ranges(n)%leg(1) = tubes%parts(at)%leg
             ranges(n)%way(1) = tubes%parts(at)%spans(n)%low_at
             if (ranges(n)%high(1) - ranges(n)%low(1) <= enough*unit) exit
-            call split(at, done)
+            call split(at, n, done)
             if (done) exit
          end do
          do
@@ -466,22 +356,31 @@ contains
             ranges(n)%leg(2) = tubes%parts(at)%leg
             ranges(n)%way(2) = tubes%parts(at)%spans(n)%high_at
             if (ranges(n)%high(2) - ranges(n)%low(2) <= enough*unit) exit
-            call split(at, done)
+            call split(at, n, done)
             if (done) exit
          end do
       end do
 
    contains
 
-      logical function is_bounded(number)
+      !> Halve tubes in which a number is not bounded; of a ratio one of them may be too long.
+      subroutine make_bounded(number, bounded)
          integer, intent(in) :: number
-         integer :: i
+         logical, intent(out) :: bounded
+         integer :: i, try
+         logical :: done
 
-         is_bounded = .true.
-         do i = 1, tubes%count
-            is_bounded = is_bounded .and. tubes%parts(i)%spans(number)%bounded
+         do try = 0, tries
+            bounded = .true.
+            do i = 1, tubes%count
+               bounded = tubes%parts(i)%spans(number)%bounded
+               if (.not. bounded) exit
+            end do
+            if (bounded .or. number > size(ranges)/2 .or. try == tries) return
+            call split(i, number, done)
+            if (done) return
          end do
-      end function is_bounded
+      end subroutine make_bounded
 
       !> Bracket of the greatest (+1) or least (-1) value and the tube that bounds it.
       subroutine greatest(number, sense, low, high, at)
@@ -508,8 +407,9 @@ contains
       end subroutine greatest
 
       !> Put two halves in the place of a tube. `done`: nothing can be gained any more.
-      subroutine split(at, done)
+      subroutine split(at, number, done)
          integer, intent(in) :: at
+         integer, intent(in) :: number           !! what is bracketed
          logical, intent(out) :: done
          type(tube_part_t) :: whole
          type(tube_t) :: halves(2)
@@ -524,14 +424,18 @@ contains
          done = .not. (halves(1)%holds .and. halves(2)%holds)
          if (done) return
          do i = 1, 2
-            call add_part(closure, outputs, 0, halves(i), tubes)
-            do n = 1, size(whole%spans)
+            call add_part(closure, outputs, 0, whole%per, halves(i), tubes)
+            do n = 1, size(whole%spans)/2
                if (is_angle(outputs, n)) call move_to(tubes%parts(tubes%count)%spans(n), whole%spans(n)%value)
             end do
             tubes%parts(tubes%count)%leg = whole%leg
+            ! what is open falls like the third power of the width, until roundings are left
+            associate (half => tubes%parts(tubes%count)%spans(number))
+               done = half%bounded .and. half%open > 0.5_wp*whole%spans(number)%open
+            end associate
          end do
          tubes%parts(at) = tubes%parts(tubes%count)
          tubes%count = tubes%count - 1
       end subroutine split
-   end subroutine bracket_outputs
+   end subroutine bracket_all
 end module psalm_proof_chain

@@ -19,7 +19,7 @@ module psalm_proof_motion
    use psalm_taylor, only: lanes
    implicit none (type, external)
    private
-   public :: movement_t, proven_dead_point_t, bracket_t, prove_movement, mover_output, mover_turning, mover_sliding
+   public :: movement_t, proven_dead_point_t, bracket_t, prove_movement, time_ratio_of, mover_output, mover_turning, mover_sliding
 
    integer, parameter :: mover_output = 1   !! the output itself
    integer, parameter :: mover_turning = 2  !! a link, its direction
@@ -41,6 +41,7 @@ module psalm_proof_motion
       integer :: loop = 0, place = 0       !! of a link: loop and number in the loop
       real(wp) :: low = 0.0_wp, high = 0.0_wp !! bracket of the input
       logical :: reverses = .true.         !! false: it may stand still there, or not, but does not turn back
+      logical :: at_end = .false.          !! at an end of the range: whether it turns back is not known
    end type proven_dead_point_t
 
    !> Inputs between which the output stays within an amount of its value at a dead point.
@@ -211,7 +212,8 @@ contains
             point%low = pieces(k)%from
             point%high = pieces(k)%to
             point%reverses = .false.
-            if (k > 1 .and. k < size(pieces)) point%reverses = pieces(k - 1)%kind /= pieces(k + 1)%kind
+            point%at_end = k == 1 .or. k == size(pieces)
+            if (.not. point%at_end) point%reverses = pieces(k - 1)%kind /= pieces(k + 1)%kind
             dead = [dead, point]
          end do
          if (.not. joined) cycle
@@ -228,11 +230,10 @@ contains
          if (size(dead) > 1 .and. dead(1)%low <= proof%from) then
             if (dead(size(dead))%high >= proof%to) dead = dead(2:)
          end if
-         if (dead(size(dead))%high >= proof%to) then
-            dead(size(dead))%reverses = first /= before
-         else
-            dead(1)%reverses = first /= before
-         end if
+         associate (at_end => dead(merge(size(dead), 1, dead(size(dead))%high >= proof%to)))
+            at_end%reverses = first /= before
+            at_end%at_end = .false.
+         end associate
       end do
    end subroutine find_dead_points
 
@@ -403,21 +404,29 @@ contains
       type(proof_t), intent(in) :: proof
       type(proven_dead_point_t), intent(in) :: dead(:)
       type(movement_t), intent(inout) :: movement
-      real(wp) :: low, high
 
       if (.not. proof%turns .or. .not. proof%closes_everywhere() .or. proof%to - proof%from < full_turn) return
+      movement%time_ratio = time_ratio_of(dead)
+      movement%has_time_ratio = movement%time_ratio > 0.0_wp
+   end subroutine find_time_ratio
+
+   !> A lower bound of that ratio, from all dead points in a full turn; 0: there are not two strokes.
+   pure real(wp) function time_ratio_of(dead) result(ratio)
+      type(proven_dead_point_t), intent(in) :: dead(:)
+      real(wp) :: low, high
+
+      ratio = 0.0_wp
       if (size(dead) /= 2) return
       if (.not. all(dead%reverses)) return
       low = (dead(2)%low - dead(1)%high)*(1.0_wp - rounding)
       high = (dead(2)%high - dead(1)%low)*(1.0_wp + rounding)
       if (low + high > full_turn) then
-         movement%time_ratio = low/(full_turn - low)*(1.0_wp - rounding)
+         ratio = low/(full_turn - low)*(1.0_wp - rounding)
       else
-         movement%time_ratio = (full_turn - high)/high*(1.0_wp - rounding)
+         ratio = (full_turn - high)/high*(1.0_wp - rounding)
       end if
-      movement%time_ratio = max(movement%time_ratio, 1.0_wp)
-      movement%has_time_ratio = .true.
-   end subroutine find_time_ratio
+      ratio = max(ratio, 1.0_wp)
+   end function time_ratio_of
 
    !> Round each dead point of the output the inputs over which the output stays within an amount of its value there.
    subroutine find_dwells(subject, proof, mover, rate, dead, amount, movement)

@@ -21,9 +21,9 @@ module psalm_proof_tube
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
-   public :: tube_t, in_one_group, enclose, enclose_here, half_of, joins, prediction_at
+   public :: tube_t, in_one_group, enclose, enclose_here, part_of, half_of, joins, prediction_at
    public :: enclose_turn, turning_point, leads_to, steepest
-   public :: point_majorant, travel_majorant, rounding, degree
+   public :: point_majorant, travel_majorant, rates, size_of, rounding, outwards, degree
 
    integer, parameter :: degree = 4                       !! of the remainder
    real(wp), parameter :: rounding = 16.0_wp*epsilon(1.0_wp) !! of a sum of few terms of a size, generously
@@ -40,6 +40,7 @@ module psalm_proof_tube
       real(wp) :: middle = 0.0_wp, r = 0.0_wp             !! of the way
       type(state_t) :: state                              !! predicted at the middle, with its derivatives by the way
       real(wp), allocatable :: off_t(:), off_phi(:)       !! by link: how far the poses may lie from the prediction
+      real(wp), allocatable :: rate_t(:), rate_phi(:)     !! by link: how far their derivatives by the way may lie from its own
       real(wp) :: kappa = 0.0_wp                          !! norm of K
       integer :: pinned = 0                               !! around a dead point: the co-ordinate that goes along (of its link x, y,
                                                           !! turn times size); the way of the inputs is unknown. 0: elsewhere
@@ -416,19 +417,27 @@ contains
       call enclose(closure, state, middle, 0.0_wp, tube)
    end subroutine enclose_here
 
-   !> One half of a box, before (-1) or after (+1) its middle; the assembly is the same as in the whole.
+   !> A part of a box, `r` to either side of a place s from its middle; the assembly is the same as in the whole.
+   subroutine part_of(closure, whole, s, r, part)
+      type(closure_t), intent(in) :: closure
+      type(tube_t), intent(in) :: whole
+      real(wp), intent(in) :: s, r
+      type(tube_t), intent(out) :: part
+      type(state_t) :: state
+
+      state = prediction_at(whole, s)
+      call enclose(closure, state, whole%middle + s, r, part)
+      if (part%holds) part%holds = joins(closure, whole, s, part, 0.0_wp)
+   end subroutine part_of
+
+   !> One half of a box, before (-1) or after (+1) its middle.
    subroutine half_of(closure, whole, side, half)
       type(closure_t), intent(in) :: closure
       type(tube_t), intent(in) :: whole
       integer, intent(in) :: side
       type(tube_t), intent(out) :: half
-      type(state_t) :: state
-      real(wp) :: s
 
-      s = 0.5_wp*whole%r*real(side, wp)
-      state = prediction_at(whole, s)
-      call enclose(closure, state, whole%middle + s, 0.5_wp*whole%r, half)
-      if (half%holds) half%holds = joins(closure, whole, s, half, 0.0_wp)
+      call part_of(closure, whole, 0.5_wp*whole%r*real(side, wp), 0.5_wp*whole%r, half)
    end subroutine half_of
 
    !> The prediction of a box at s from its middle.
@@ -487,7 +496,7 @@ contains
          if (all%equations /= 3*size(all%links)) return
          inverse = inverse_of(closure, tube)
          if (size(inverse) == 0) return
-         bound = equations_bound(closure, tube)
+         bound = equations_bound(closure, tube, 0)
          defect = bound
          do i = 1, size(bound)
             defect(i) = sum(abs(inverse(i, :))*bound)*outwards
@@ -515,8 +524,67 @@ contains
             tube%off_t(all%links(i)) = hypotenuse(radii(3*i - 2), radii(3*i - 1))*outwards
             tube%off_phi(all%links(i)) = radii(3*i)/closure%size*outwards
          end do
+         if (tube%pinned == 0) call bound_rates(closure, inverse, k, tube)
       end associate
    end subroutine test
+
+   !> How far the derivatives by the way may lie from those of the prediction, in a tube that holds.
+   !>
+   !> With F(z, s) = 0 and the prediction y, M (z' - y') = -(M y' + F_s) at z. At y the right side is a derivative of the equations
+   !> along the prediction; from there to z its matrix changes, and F_s where a cylinder turns.
+   pure subroutine bound_rates(closure, inverse, k, tube)
+      type(closure_t), intent(in) :: closure
+      real(wp), intent(in) :: inverse(:, :)     !! shape (equations, equations)
+      real(wp), intent(in) :: k(:, :)           !! bounds |I - C F'| over the tube
+      type(tube_t), intent(inout) :: tube
+      integer, parameter :: rounds = 2          !! of making the bound tighter
+      real(wp), dimension(size(inverse, 1)) :: bound, speeds, defect, next, tighter
+      real(wp) :: change(size(inverse, 1), size(inverse, 1)), f(3)
+      complex(wp) :: p(0:most_orders)
+      integer :: i, j, m, round
+
+      allocate (tube%rate_t(size(closure%origin)), tube%rate_phi(size(closure%origin)), source=0.0_wp)
+      associate (links => closure%groups(1)%links, rows => closure%groups(1)%rows)
+         do i = 1, size(links)
+            f = rates(size_of(tube%state%t(links(i), 1:)), tube%r)
+            speeds(3*i - 2:3*i - 1) = f(1)
+            f = rates(abs(tube%state%phi(links(i), 1:)), tube%r)
+            speeds(3*i) = closure%size*f(1)
+         end do
+         change = matrix_change(closure, tube, tube%off_t, tube%off_phi, 0.0_wp, .true.)
+         bound = equations_bound(closure, tube, 1)
+         do i = 1, size(bound)
+            bound(i) = bound(i) + sum(change(i, :)*speeds)
+         end do
+         m = 1
+         do i = 1, size(rows)
+            if (rows(i)%kind == row_pin) then
+               do j = 1, 2
+                  if (closure%cylinder(rows(i)%links(j)) == 0) cycle
+                  p = local_point(closure, tube%state, rows(i)%which, rows(i)%links(j))
+                  f = rates(size_of(p(1:)), tube%r)
+                  bound(m:m + 1) = bound(m:m + 1) + f(1)*tube%off_phi(rows(i)%links(j))
+               end do
+               m = m + 1
+            end if
+            m = m + 1
+         end do
+         do i = 1, size(bound)
+            defect(i) = sum(abs(inverse(i, :))*bound)*outwards
+         end do
+         next = maxval(defect)/(1.0_wp - tube%kappa)*outwards
+         do round = 1, rounds
+            do i = 1, size(bound)
+               tighter(i) = (defect(i) + sum(k(i, :)*next))*outwards
+            end do
+            next = min(next, tighter)
+         end do
+         do i = 1, size(links)
+            tube%rate_t(links(i)) = hypotenuse(next(3*i - 2), next(3*i - 1))*outwards
+            tube%rate_phi(links(i)) = next(3*i)/closure%size*outwards
+         end do
+      end associate
+   end subroutine bound_rates
 
    !> Largest row sum.
    pure real(wp) function norm_of(k)
@@ -590,15 +658,16 @@ contains
       end do
    end function inverse_of
 
-   !> Bounds of the equations along the prediction.
-   pure function equations_bound(closure, tube) result(bound)
+   !> Bounds of the equations along the prediction, or of their first derivative by the way.
+   pure function equations_bound(closure, tube, first) result(bound)
       type(closure_t), intent(in) :: closure
       type(tube_t), intent(in) :: tube
+      integer, intent(in) :: first              !! 0, or 1: of the derivative
       real(wp) :: bound(closure%groups(1)%equations)
       real(wp) :: derivative(size(bound), 0:3), z(0:degree), angles, power
       integer :: k, m, order, count
 
-      do order = 0, 3
+      do order = first, 3
          derivative(:, order) = abs(residuals(closure, tube%state, 1, order))
       end do
       m = 1
@@ -609,10 +678,10 @@ contains
             count = merge(2, 1, rows(k)%kind == row_pin)
             power = 1.0_wp
             bound(m:m + count - 1) = 0.0_wp
-            do order = 0, 3
+            do order = first, 3
                bound(m:m + count - 1) = bound(m:m + count - 1) + (derivative(m:m + count - 1, order) &
                                                                   + rounding*angles*z(order))*power
-               power = power*tube%r/real(order + 1, wp)
+               power = power*tube%r/real(order - first + 1, wp)
             end do
             bound(m:m + count - 1) = bound(m:m + count - 1) + z(4)*power
             m = m + count
@@ -652,7 +721,7 @@ contains
       matrix = matrix_for(closure, tube)
       n = size(matrix, 1)
       angles = 1.0_wp + maxval(abs(tube%state%phi(:, 0)))
-      change = matrix_change(closure, tube, away_t, away_phi, of_way) + rounding*(angles + real(n, wp))*abs(matrix)
+      change = matrix_change(closure, tube, away_t, away_phi, of_way, .false.) + rounding*(angles + real(n, wp))*abs(matrix)
       allocate (bound(n, n))
       do j = 1, n
          do i = 1, n
@@ -662,12 +731,14 @@ contains
       end do
    end function contraction
 
-   !> How much the entries of the matrix change, when poses are `away` from the middle of the box.
-   pure function matrix_change(closure, tube, away_t, away_phi, of_way) result(change)
+   !> How much the entries of the matrix change, when poses are `away` from the middle of the box, or, with the way the same, from
+   !> the prediction.
+   pure function matrix_change(closure, tube, away_t, away_phi, of_way, same_way) result(change)
       type(closure_t), intent(in) :: closure
       type(tube_t), intent(in) :: tube
       real(wp), intent(in) :: away_t(:), away_phi(:) !! shape (links)
       real(wp), intent(in) :: of_way                 !! by this much the way, where it is unknown, may lie elsewhere
+      logical, intent(in) :: same_way                !! cylinders are as long as they are in the prediction
       real(wp) :: change(closure%groups(1)%equations, 3*size(closure%groups(1)%links))
       real(wp) :: z(0:degree), q
       integer :: k, m, slide
@@ -719,7 +790,7 @@ contains
                change(m:m + 1, tube%pinned) = change(m:m + 1, tube%pinned) + rate*away_phi(link)
             end associate
          end if
-         by_turn = ((size_of(p(0)) + longer)*away_phi(link) + longer)/closure%size
+         by_turn = ((size_of(p(0)) + longer)*away_phi(link) + merge(0.0_wp, longer, same_way))/closure%size
          if (c /= tube%pinned) change(m:m + 1, c) = change(m:m + 1, c) + by_turn
       end subroutine add_pin
 

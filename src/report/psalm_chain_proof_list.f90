@@ -5,17 +5,22 @@ module psalm_chain_proof_list
    use psalm_chain_study, only: chain_study_t
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
-   use psalm_proof_list, only: about_extremes, about_limits, list_kept, list_range, put_kept, head_of_ranges, end_text, short
+   use psalm_proof_chain, only: output_range_t
+   use psalm_proof_list, only: about_extremes, about_limits, list_dead_points, list_dwell, list_kept, list_range, &
+                               put_dead_points, put_kept, same_mover, shown, head_of_ranges, end_text, short
+   use psalm_proof_motion, only: proven_dead_point_t, mover_output, mover_turning
+   use psalm_proof_numbers, only: has_rate, is_angle
    use psalm_sketch, only: drive_turns
    use psalm_sketch_outputs, only: name_room
    use psalm_tables, only: table_t, tables_t, table_of
    use psalm_text, only: text_t, to_text, upper_case
    implicit none (type, external)
    private
-   public :: list_chain_proof, put_chain_proof, links_of_group
+   public :: list_chain_proof, put_chain_proof, links_of_group, name_of_mover, ratio_of
 
    integer, parameter :: word_room = 10   !! characters of a word in a table
    integer, parameter :: most_parts = 3   !! rows of a leg: it closes, is undecided, is not reached
+   character(*), parameter :: of_ratio = 'velocity_ratio_' !! stands before the output's name
 
 contains
 
@@ -55,6 +60,7 @@ contains
       end if
       if (proof%misplaced > 0) call text%add('   '//to_text(proof%misplaced)//' POSITIONS ARE NOT THOSE THIS MOTION LEADS TO')
       call list_ranges(study, proof, turns, text)
+      call list_movement(study, proof, turns, text)
       call list_kept(set, proof%kept, text)
 
    contains
@@ -112,7 +118,83 @@ contains
                                                 place_of_extreme(proof, one, 2, turns)], text)
          end associate
       end do
+      do n = 1, size(proof%ratios)
+         associate (one => proof%ratios(n))
+            if (one%bounded) call list_range(upper_case(ratio_of(study, n)), one%low, one%high, &
+                                             [place_of_extreme(proof, one, 1, turns), place_of_extreme(proof, one, 2, turns)], text)
+         end associate
+      end do
    end subroutine list_ranges
+
+   !> The rate of an output by the input, in words.
+   pure function ratio_of(study, number) result(words)
+      type(chain_study_t), intent(in) :: study
+      integer, intent(in) :: number            !! of all outputs
+      character(:), allocatable :: words
+
+      words = 'velocity ratio, '//trim(study%names(number))
+   end function ratio_of
+
+   !> Strokes of the outputs, dead points, dwells.
+   subroutine list_movement(study, proof, turns, text)
+      type(chain_study_t), intent(in) :: study
+      type(chain_proof_t), intent(in) :: proof
+      logical, intent(in) :: turns
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: name
+      logical :: as_angles
+      integer :: n, i, first
+
+      ! numbers of positions are told like angles
+      as_angles = turns .or. .not. proof%one_drive
+      associate (movement => proof%movement, outputs => study%closure%sketch%outputs)
+         do n = 1, size(movement%time_ratio)
+            if (.not. has_rate(outputs, n)) cycle
+            name = upper_case(trim(study%names(n)))
+            if (movement%turns_fully(n)) then
+               call text%add('   '//name//' TURNS FULLY')
+            else if (is_angle(outputs, n) .and. proof%ranges(n)%bounded) then
+               call text%add('   SWING OF '//name//' AT MOST '//shown(proof%ranges(n)%high(2) - proof%ranges(n)%low(1), 1))
+            end if
+            if (proof%one_drive .and. .not. proof%ratios(n)%bounded) call text%add('   VELOCITY RATIO OF '//name//' NOT BOUNDED')
+            if (movement%time_ratio(n) > 0.0_wp) call text%add('   TIME RATIO OF '//name//' AT LEAST '// &
+                                                               shown(movement%time_ratio(n), -1))
+            do i = 1, size(movement%dwells)
+               associate (dwell => movement%dwells(i))
+                  if (dwell%number == n) call list_dwell(name, proof%dwell, dwell%at, dwell%from, dwell%to, as_angles, text)
+               end associate
+            end do
+            if (proof%dwell > 0.0_wp .and. .not. any(movement%dead%kind == mover_output .and. movement%dead%place == n)) &
+               call text%add('   NO DWELL: '//name//' HAS NO DEAD POINT')
+         end do
+         first = 1
+         do i = 1, size(movement%dead)
+            if (i < size(movement%dead)) then
+               if (same_mover(movement%dead(i), movement%dead(i + 1))) cycle
+            end if
+            call list_dead_points(upper_case(name_of_mover(study, movement%dead(i))), movement%dead(first:i), as_angles, text)
+            first = i + 1
+         end do
+      end associate
+   end subroutine list_movement
+
+   !> What stands still at a dead point.
+   pure function name_of_mover(study, dead) result(words)
+      type(chain_study_t), intent(in) :: study
+      type(proven_dead_point_t), intent(in) :: dead
+      character(:), allocatable :: words
+
+      associate (sketch => study%closure%sketch)
+         select case (dead%kind)
+         case (mover_output)
+            words = trim(study%names(dead%place))
+         case (mover_turning)
+            words = 'link '//trim(sketch%links(dead%place)%name)//', its turning'
+         case default
+            words = 'slide '//trim(sketch%slides(dead%place)%name)//', its length'
+         end select
+      end associate
+   end function name_of_mover
 
    pure logical function first_turns(study)
       type(chain_study_t), intent(in) :: study
@@ -149,7 +231,7 @@ contains
       integer, allocatable :: group(:)
       character(:), allocatable :: input
       logical :: turns
-      integer :: n, k, rows
+      integer :: k, rows
 
       turns = first_turns(study)
       input = input_unit(.not. turns)
@@ -174,37 +256,11 @@ contains
       call table%add('loop', group(:rows))
       call table%add('cause', cause(:rows))
       call tables%put(table)
-      if (any(proof%ranges%bounded)) then
-         table = table_of('extremes', about_extremes, notes=title)
-         associate (ranges => proof%ranges, numbers => [(n, n=1, size(proof%ranges))])
-            call table%add('quantity', study%names(numbers))
-            call table%add('loop', 0*numbers)
-            call table%add('arc', 0*numbers)
-            call table%add('least_low', [(ranges(n)%low(1), n=1, size(ranges))], known=ranges%bounded)
-            call table%add('least_high', [(ranges(n)%high(1), n=1, size(ranges))], known=ranges%bounded)
-            call table%add('least_at', places(1), input, ranges%bounded)
-            call table%add('greatest_low', [(ranges(n)%low(2), n=1, size(ranges))], known=ranges%bounded)
-            call table%add('greatest_high', [(ranges(n)%high(2), n=1, size(ranges))], known=ranges%bounded)
-            call table%add('greatest_at', places(2), input, &
-                           ranges%bounded)
-         end associate
-         call tables%put(table)
-      end if
+      if (any(proof%ranges%bounded)) call put_ranges(title, study, proof, turns, tables)
+      call put_dead_points(title, proof%movement%dead, input, tables)
       call put_kept(title, proof%kept, input, tables)
 
    contains
-
-      !> Where the least or the greatest values are.
-      function places(which)
-         integer, intent(in) :: which
-         real(wp) :: places(size(proof%ranges))
-         integer :: i
-
-         places = 0.0_wp
-         do i = 1, size(places)
-            if (proof%ranges(i)%bounded) places(i) = place_of_extreme(proof, proof%ranges(i), which, turns)
-         end do
-      end function places
 
       subroutine row(what, first, last, of_group, why)
          character(*), intent(in) :: what, why
@@ -219,4 +275,58 @@ contains
          group(rows) = of_group
       end subroutine row
    end subroutine put_chain_proof
+
+   !> Brackets of the outputs, then of their velocity ratios.
+   subroutine put_ranges(title, study, proof, turns, tables)
+      character(*), intent(in) :: title
+      type(chain_study_t), intent(in) :: study
+      type(chain_proof_t), intent(in) :: proof
+      logical, intent(in) :: turns
+      type(tables_t), intent(inout) :: tables
+      type(output_range_t), allocatable :: ranges(:)
+      character(len(of_ratio) + name_room), allocatable :: names(:)
+      integer, allocatable :: zero(:)
+      type(table_t) :: table
+      character(:), allocatable :: input
+      integer :: n, k
+
+      input = input_unit(.not. turns)
+      k = size(proof%ranges)
+      n = k + count(proof%ratios%bounded)
+      allocate (ranges(n), names(n), zero(n))
+      zero = 0
+      ranges(:k) = proof%ranges
+      names(:k) = study%names
+      do n = 1, size(proof%ratios)
+         if (.not. proof%ratios(n)%bounded) cycle
+         k = k + 1
+         ranges(k) = proof%ratios(n)
+         names(k) = of_ratio//study%names(n)
+      end do
+      table = table_of('extremes', about_extremes, notes=title)
+      call table%add('quantity', names)
+      call table%add('loop', zero)
+      call table%add('arc', zero)
+      call table%add('least_low', [(ranges(n)%low(1), n=1, size(ranges))], known=ranges%bounded)
+      call table%add('least_high', [(ranges(n)%high(1), n=1, size(ranges))], known=ranges%bounded)
+      call table%add('least_at', places(1), input, ranges%bounded)
+      call table%add('greatest_low', [(ranges(n)%low(2), n=1, size(ranges))], known=ranges%bounded)
+      call table%add('greatest_high', [(ranges(n)%high(2), n=1, size(ranges))], known=ranges%bounded)
+      call table%add('greatest_at', places(2), input, ranges%bounded)
+      call tables%put(table)
+
+   contains
+
+      !> Where the least or the greatest values are.
+      function places(which)
+         integer, intent(in) :: which
+         real(wp) :: places(size(ranges))
+         integer :: i
+
+         places = 0.0_wp
+         do i = 1, size(places)
+            if (ranges(i)%bounded) places(i) = place_of_extreme(proof, ranges(i), which, turns)
+         end do
+      end function places
+   end subroutine put_ranges
 end module psalm_chain_proof_list

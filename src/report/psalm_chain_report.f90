@@ -166,8 +166,6 @@ contains
       end if
       call list_chain_proof(set, study, proof, devices%six)
       call put_chain_proof(set%title, study, proof, devices%cases(devices%last_case()))
-      if (set%limits%dwell > 0.0_wp) call devices%remark(set, 'DWELL has no effect here: dwells and dead points of the output '// &
-                                                         'are proven of '//of_dyads)
       if (set%constr%given .and. set%constr%irange /= range_positions) &
          call devices%remark(set, 'margins of groups are found here, at samples, not proven, as they are of '//of_dyads)
       if (any(proof%kept%is_broken)) call devices%note_violation()

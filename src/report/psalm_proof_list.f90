@@ -21,7 +21,7 @@ module psalm_proof_list
    private
    public :: list_proof, put_proof, describe_proof, about_limits, about_extremes
    public :: list_range, head_of_ranges, shown, short, end_text, cause_words, extreme_name, mover_name
-   public :: list_kept, put_kept
+   public :: list_kept, put_kept, list_dead_points, list_dwell, same_mover, put_dead_points
 
    character(*), parameter :: about_limits = 'a row for each part of the range, the brackets between them too'
    character(*), parameter :: about_extremes = 'a row for each quantity: brackets of its extremes; angles in degrees'
@@ -250,9 +250,7 @@ contains
          if (movement%has_time_ratio) call text%add('   TIME RATIO AT LEAST '//shown(movement%time_ratio, -1))
          do i = 1, size(movement%dwells)
             associate (dwell => movement%dwells(i))
-               call text%add('   DWELL, OUTPUT WITHIN '//short(study%dwell)//' OF ITS VALUE AT '//short(dwell%at)//': '// &
-                             trim(adjustl(end_text(dwell%from, 1, study%proof%turns)))//' TO '// &
-                             trim(adjustl(end_text(dwell%to, -1, study%proof%turns))))
+               call list_dwell('OUTPUT', study%dwell, dwell%at, dwell%from, dwell%to, study%proof%turns, text)
             end associate
          end do
          if (study%dwell > 0.0_wp .and. movement%has_ratio .and. size(movement%dwells) == 0) &
@@ -262,11 +260,22 @@ contains
             if (i < size(movement%dead)) then
                if (same_mover(movement%dead(i), movement%dead(i + 1))) cycle
             end if
-            call list_dead_points(movement%dead(first:i), study%proof, text)
+            call list_dead_points(mover_name(movement%dead(i)), movement%dead(first:i), study%proof%turns, text)
             first = i + 1
          end do
       end associate
    end subroutine list_movement
+
+   !> An output that stays where it is.
+   subroutine list_dwell(name, amount, at, from, to, turns, text)
+      character(*), intent(in) :: name
+      real(wp), intent(in) :: amount, at, from, to
+      logical, intent(in) :: turns             !! the input is an angle
+      type(text_t), intent(inout) :: text
+
+      call text%add('   DWELL, '//name//' WITHIN '//short(amount)//' OF ITS VALUE AT '//short(at)//': '// &
+                    trim(adjustl(end_text(from, 1, turns)))//' TO '//trim(adjustl(end_text(to, -1, turns))))
+   end subroutine list_dwell
 
    pure logical function same_mover(one, other)
       type(proven_dead_point_t), intent(in) :: one, other
@@ -275,21 +284,26 @@ contains
    end function same_mover
 
    !> Dead points of one link, slide or output.
-   subroutine list_dead_points(dead, proof, text)
+   subroutine list_dead_points(name, dead, turns, text)
+      character(*), intent(in) :: name
       type(proven_dead_point_t), intent(in) :: dead(:)
-      type(proof_t), intent(in) :: proof
+      logical, intent(in) :: turns             !! the input is an angle
       type(text_t), intent(inout) :: text
       character(*), parameter :: margin = '     '
       character(:), allocatable :: line, item
       integer :: i
 
-      line = '   DEAD POINTS OF '//mover_name(dead(1))//':'
+      line = '   DEAD POINTS OF '//name//':'
       do i = 1, size(dead)
          if (dead(i)%high - dead(i)%low > certain*max(1.0_wp, abs(dead(i)%low))) then
-            item = ' PERHAPS BETWEEN '//place_of(dead(i)%low, proof%turns)//' AND '//place_of(dead(i)%high, proof%turns)
+            item = ' PERHAPS BETWEEN '//place_of(dead(i)%low, turns)//' AND '//place_of(dead(i)%high, turns)
          else
             item = ' '//short(0.5_wp*(dead(i)%low + dead(i)%high))
-            if (.not. dead(i)%reverses) item = item//' (NO REVERSAL)'
+            if (dead(i)%at_end) then
+               item = item//' (END OF THE RANGE)'
+            else if (.not. dead(i)%reverses) then
+               item = item//' (NO REVERSAL)'
+            end if
          end if
          if (i < size(dead)) item = item//','
          if (len(line) + len(item) > list_columns) then
@@ -593,7 +607,6 @@ contains
       type(tables_t), intent(inout) :: tables
       character(*), parameter :: quantities(8) = [character(18) :: 'transmission_angle', 'slide', 'output_x', 'output_y', &
                                                   'output_angle', 'output_distance', 'velocity_ratio', 'angle_of_slides']
-      character(*), parameter :: movers(3) = [character(7) :: 'output', 'turning', 'sliding']
       type(table_t) :: table
       character(:), allocatable :: input
       integer :: i
@@ -613,16 +626,26 @@ contains
          call table%add('greatest_at', e%greatest_at, input)
       end associate
       call tables%put(table)
-      if (size(study%movement%dead) == 0) return
-      table = table_of('dead_points', 'a row for each dead point: brackets of the input', notes=title)
-      associate (dead => study%movement%dead)
-         call table%add('quantity', movers(dead%kind))
-         call table%add('loop', dead%loop)
-         call table%add('arc', dead%place)
-         call table%add('low', dead%low, input)
-         call table%add('high', dead%high, input)
-         call table%add('reverses', dead%reverses)
-      end associate
-      call tables%put(table)
+      call put_dead_points(title, study%movement%dead, input, tables)
    end subroutine put_extremes
+
+   !> Dead points.
+   subroutine put_dead_points(title, dead, input, tables)
+      character(*), intent(in) :: title
+      type(proven_dead_point_t), intent(in) :: dead(:)
+      character(*), intent(in) :: input        !! its unit
+      type(tables_t), intent(inout) :: tables
+      character(*), parameter :: movers(3) = [character(7) :: 'output', 'turning', 'sliding']
+      type(table_t) :: table
+
+      if (size(dead) == 0) return
+      table = table_of('dead_points', 'a row for each dead point: brackets of the input', notes=title)
+      call table%add('quantity', movers(dead%kind))
+      call table%add('loop', dead%loop)
+      call table%add('arc', dead%place)
+      call table%add('low', dead%low, input)
+      call table%add('high', dead%high, input)
+      call table%add('reverses', dead%reverses)
+      call tables%put(table)
+   end subroutine put_dead_points
 end module psalm_proof_list

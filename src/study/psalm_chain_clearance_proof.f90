@@ -9,7 +9,8 @@ module psalm_chain_clearance_proof
    use psalm_closure, only: closure_t
    use psalm_constraint_group, only: region_box, region_circle
    use psalm_kinds, only: wp
-   use psalm_proof_chain, only: chain_tubes_t, play_of_joint
+   use psalm_proof_chain, only: chain_tubes_t
+   use psalm_proof_numbers, only: play_of_joint
    use psalm_proof_clearance, only: nearest_t
    use psalm_proof_tube, only: tube_t, half_of, point_majorant, degree
    implicit none (type, external)

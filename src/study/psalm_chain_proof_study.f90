@@ -17,12 +17,16 @@ module psalm_chain_proof_study
    use psalm_kinds, only: wp, full_turn, degrees_per_radian, radians_per_degree
    use psalm_proof_chain, only: chain_tubes_t, leg_t, output_range_t, start_tubes, cover_leg, stands_as_drawn, &
                                is_on_motion, bracket_outputs
+   use psalm_proof_motion, only: proven_dead_point_t
+   use psalm_proof_standstill, only: chain_movement_t, chain_way_t, prove_standstill
    use psalm_proof_study, only: kept_t, touching, proof_of_turn
    use psalm_proof_tube, only: in_one_group
    use psalm_sketch, only: drive_turns
    implicit none (type, external)
    private
    public :: chain_proof_t, study_chain_proof, prove_loops, place_on, place_of_extreme
+
+   real(wp), parameter :: rounding = 4.0_wp*epsilon(1.0_wp)*full_turn !! of an input in degrees that is moved by a turn
 
    !> Parts of the motion and what is proven of them.
    type :: chain_proof_t
@@ -39,6 +43,9 @@ module psalm_chain_proof_study
       integer, allocatable :: group(:)       !! by leg: of one that is not complete the group nearest to a dead point where it ends
       integer, allocatable :: position(:)    !! by leg, of several drives: where it ends
       type(output_range_t), allocatable :: ranges(:) !! by number of all outputs
+      type(output_range_t), allocatable :: ratios(:) !! likewise: rate by the input, radians for degrees
+      type(chain_movement_t) :: movement     !! dead points, strokes, dwells
+      real(wp) :: dwell = 0.0_wp             !! amount of a dwell, degrees or length; 0: none are looked for
       type(kept_t), allocatable :: kept(:)   !! clearances; they are asked for over the range
       integer :: misplaced = 0               !! positions found in another assembly than the proven motion leads to
       integer :: tubes = 0
@@ -94,6 +101,7 @@ contains
                end if
                ! what is left of the turn
                proof%legs(2)%to = -(1.0_wp - proof%legs(1)%reached)*proof%legs(1)%to
+               proof%legs(2)%per = 1.0_wp/proof%legs(2)%to(1)
             end if
             begun = sound
             if (proof%legs(k)%after > 0) begun = proof%legs(proof%legs(k)%after)%complete
@@ -104,10 +112,70 @@ contains
          proof%tubes = tubes%count
          call compare_positions(study, whole, inputs, tubes, proof)
          call find_singular_groups(study, tubes, proof)
-         call bracket_outputs(whole, set%sketch%outputs, tubes, proof%ranges)
+         call prove_movement(set, whole, tubes, proof)
+         ! near a dead point rates are beyond all bounds
+         call bracket_outputs(whole, set%sketch%outputs, merge(merge(1.0_wp, whole%size, drives(1)%kind == drive_turns), 0.0_wp, &
+                                                               proof%one_drive .and. proof%complete), tubes, proof%ranges, &
+                              proof%ratios)
          call prove_clearances(set, whole, tubes, proof)
       end associate
    end subroutine study_chain_proof
+
+   !> Dead points of outputs, links and slides, strokes and dwells.
+   subroutine prove_movement(set, whole, tubes, proof)
+      type(data_set_t), intent(in) :: set
+      type(closure_t), intent(in) :: whole   !! in one group
+      type(chain_tubes_t), intent(in) :: tubes
+      type(chain_proof_t), intent(inout) :: proof
+      type(chain_way_t) :: ways(size(proof%legs))
+      logical :: turns
+      integer :: k
+
+      turns = set%sketch%drives(1)%kind == drive_turns
+      do k = 1, size(ways)
+         ! along lines of several drives each leg is a way of its own
+         ways(k)%base = place_on(proof, k, 0.0_wp, turns)
+         ways(k)%gain = place_on(proof, k, 1.0_wp, turns) - ways(k)%base
+         ways(k)%stretch = merge(1, k, proof%one_drive)
+      end do
+      proof%dwell = set%limits%dwell
+      call prove_standstill(whole, set%sketch%outputs, tubes, ways, proof%returns, proof%dwell, proof%movement)
+      if (.not. proof%full_turn .or. proof%from_drawing) return
+      ! the inputs of loops are those from 0 to 360
+      associate (movement => proof%movement)
+         do k = 1, size(movement%dead)
+            associate (dead => movement%dead(k), shift => within_turn(0.5_wp*(movement%dead(k)%low + movement%dead(k)%high)) &
+                                                          - 0.5_wp*(movement%dead(k)%low + movement%dead(k)%high))
+               dead%low = dead%low + shift - rounding
+               dead%high = dead%high + shift + rounding
+            end associate
+         end do
+         do k = 1, size(movement%dwells)
+            associate (dwell => movement%dwells(k), shift => within_turn(movement%dwells(k)%from) - movement%dwells(k)%from)
+               dwell%from = dwell%from + shift + rounding
+               dwell%to = dwell%to + shift - rounding
+               dwell%at = within_turn(dwell%at)
+            end associate
+         end do
+      end associate
+      call put_in_order(proof%movement%dead)
+   end subroutine prove_movement
+
+   !> Sort the dead points of each mover by their place; those of one mover stand together.
+   pure subroutine put_in_order(dead)
+      type(proven_dead_point_t), intent(inout) :: dead(:)
+      type(proven_dead_point_t) :: moved
+      integer :: i, k
+
+      do i = 2, size(dead)
+         moved = dead(i)
+         do k = i - 1, 1, -1
+            if (dead(k)%kind /= moved%kind .or. dead(k)%place /= moved%place .or. dead(k)%low <= moved%low) exit
+            dead(k + 1) = dead(k)
+         end do
+         dead(k + 1) = moved
+      end do
+   end subroutine put_in_order
 
    !> How near joints and links come to regions and each other; not where limits are for the positions alone.
    subroutine prove_clearances(set, whole, tubes, proof)
@@ -237,6 +305,7 @@ contains
          leg%from = [(0.0_wp, d=1, size(inputs, 1))]
          leg%to = leg%from
          leg%to(1) = ends(k)
+         leg%per = 1.0_wp/ends(k)
          associate (drives => set%sketch%drives)
             do d = 2, size(drives)
                if (.not. drives(d)%geared) cycle
