@@ -733,7 +733,77 @@ def dwells(_):
     return item("LIMITS", "IPROOF=2", "DWELL=0.5")
 
 
-dwells.figures = lambda k, run: run.block("dead_points")
+dwells.outputs = lambda k: "'point P'" if k.arcs else "'angle %s %s'" % k.line("follower")
+dwells.figures = lambda k, run: {"turning": sorted(float(v) for v in re.findall(r"^turning \S+ \S+ (\S+)", run.file(".dev9"), re.M)),
+                                 "ratio": [float(v) for v in re.findall(r"^velocity_ratio\S* .*", run.file(".dev9"), re.M)[:1]
+                                           for v in v.split()[3:]]}
+
+
+def proven_ways(k):
+    """Ways of the inputs that are proven: where each begins, and the direction in which places on it count. Of one drive places are its
+    inputs from the drawing, of several drives 2.25 is a quarter of the way to position 3, from the nearest position before it."""
+    values = increments(k)
+    if k.name != "drives":
+        first = [v[0] for v in values]
+        return [(min(first), (0.0,), (1.0,), max(first))]
+    legs = []
+    for n, to in enumerate(values[1:], 1):
+        start = min([(0.0,)*len(to), *reversed(values[:n])], key=lambda v: sum((a - b)**2 for a, b in zip(v, to)))
+        legs.append((float(n), tuple(a - n*(b - a) for a, b in zip(start, to)), tuple(b - a for a, b in zip(start, to)), n + 1.0))
+    return legs
+
+
+def are_dead_points(k, run):
+    """Dead points, velocity ratios and dwells of the angle of the follower, by differences and bisection."""
+    line = k.line("follower")
+    rows = re.findall(r"^%s (\S+) (\S+) (\d)" % ("turning 1 3" if k.arcs else r"output 0 [01]"), run.file(".dev9"), re.M)
+    found = [tuple(map(float, row)) for row in rows]
+    limits = [float(w) for row in re.findall(r"^closes (\S+) (\S+)", run.file(".dev9"), re.M) for w in row]
+    ends = [v[0] for v in increments(k)]
+    zero = 0.0 if k.name == "drives" else min(limits) - min(ends)
+    own, least, most = [], math.inf, -math.inf
+    for low, base, by, high in proven_ways(k):
+        def turn(place, other):
+            """How much the follower turns from one place to another."""
+            a, b = (k.model(*[o + x*d for o, d in zip(base, by)]) for x in (place, other))
+            return math.degrees(cmath.phase((b[line[1]] - b[line[0]])/(a[line[1]] - a[line[0]])))
+        step = (high - low)/240.0
+        h = 1e-3*step
+        rate = lambda x: turn(x - h, x + h)/(2.0*h)
+        places = [low + h + (high - low - 2.0*h)*n/240.0 for n in range(241)]
+        rates = [rate(x) for x in places]
+        least, most = min(least, *rates), max(most, *rates)
+        for x, y, a, b in zip(places, places[1:], rates, rates[1:]):
+            if (a > 0.0) == (b > 0.0):
+                continue
+            while y - x > 1e-5*step:
+                middle = 0.5*(x + y)
+                x, y = (middle, y) if (rate(middle) > 0.0) == (a > 0.0) else (x, middle)
+            own.append(x)
+            for _, start, stop in ((w, float(u) - zero, float(v) - zero) for w, u, v in re.findall(
+                    r"DWELL, .* AT (\S+): (\S+) TO (\S+)", run.out) if abs(float(w) - zero - x) < step):
+                for end, out in ((start, -1.0), (stop, 1.0)):
+                    inside = end <= low + h or end >= high - h
+                    yield "the dwell ends at %g" % end, abs(turn(x, end)) <= 0.5 + 1e-7 and (
+                        inside or abs(turn(x, end + 0.01*out*step)) > 0.5), (x, end, turn(x, end))
+    if not k.arcs and not own:
+        yield "no dead point, no dwell", "HAS NO DEAD POINT" in run.out, run.out
+    yield "as many dead points", len(found) == len(own), (found, own)
+    for (low, high, reverses), x in zip(sorted(found), sorted(own)):
+        near_enough = 1e-4*(1.0 if k.name == "drives" else max(ends) - min(ends))
+        yield "dead point at %g" % x, near(0.5*(low + high) - zero, x, near_enough) and high - low < 1e-8*(abs(x) + 1.0) and reverses == 1.0, (
+            low, high, reverses, x)
+    if k.arcs or k.name == "drives":
+        return
+    unit = 1.0 if k.turns else math.radians(1.0)
+    for low, high in re.findall(r"^velocity_ratio\S* \S+ \S+ (\S+) \S+ \S+ \S+ (\S+)", run.file(".dev9"), re.M):
+        room = 2e-2*(most - least)*unit
+        yield "velocity ratio", (float(low) <= least*unit + 1e-6*room and most*unit - 1e-6*room <= float(high) and
+                                 least*unit - float(low) < room and float(high) - most*unit < room), (low, high, least*unit, most*unit)
+    yield "there is a velocity ratio", "velocity_ratio" in run.file(".dev9"), ""
+
+
+dwells.proven = are_dead_points
 
 
 @study("regions at the positions (&CONSTR)")
@@ -866,6 +936,44 @@ def cam_forces(k):
 cam_forces.figures = lambda k, run: run.block("contact", ".calm.dev9")
 
 
+def is_power_of_cam(k, run):
+    """The cam's force times the speed of the roller along it is the power that the masses take."""
+    table, forces = run.table(".calm.csv"), run.block("contact", ".calm.dev9")["contact"]
+    zero = polar(FOUR["A"], FOUR["B"])[1] if k.arcs else 0.0
+    speed, joint = 2.0*math.pi, k.joints[0]
+    start, reach = k.drawn[joint], float(size(k, 90.0))
+    centre = start + complex(0.8, -0.6)*reach
+    shown = 0
+    for n, angle in enumerate(table["cam_angle"]):
+        force = forces[3*n + 1]
+        q = [table[c][n] for c in ("input", "input1", "input2", "input3")]
+        if n % 12 or abs(q[1]) < 1e-3*max(map(abs, table["input1"])):
+            continue
+        dt = 1e-3
+        drives = [q[0] - zero + (math.degrees(1.0) if k.turns else 1.0)*(q[1]*x + q[2]*x*x/2.0 + q[3]*x**3/6.0)
+                  for x in (s*dt*speed for s in (-2, -1, 0, 1, 2))]
+        at = [k.model(v) for v in drives]
+        power, scale = 0.0, 0.0
+        for role, mass, distance, inertia in MASSES:
+            a, b = k.line(role)
+            places = [(v[a] + float(size(k, distance))*(v[b] - v[a])/abs(v[b] - v[a]))*k.unit for v in at]
+            turns = [cmath.phase((v[b] - v[a])/(at[2][b] - at[2][a])) for v in at]
+            parts = (mass*(first_rate(places, dt).conjugate()*(second_rate(places, dt) - GRAVITY)).real,
+                     inertia*first_rate(turns, dt)*second_rate(turns, dt))
+            power, scale = power + sum(parts), scale + sum(map(abs, parts))
+        roller = complex(table["roller_x"][n], table["roller_y"][n])
+        touched = centre + complex(table["profile_x"][n], table["profile_y"][n])*cmath.exp(1j*math.radians(angle))
+        push = (roller - touched)/abs(roller - touched)
+        found = force*(push.conjugate()*first_rate([v[joint]*k.unit for v in at], dt)).real
+        shown += 1
+        yield "the roller is at its joint at cam angle %g" % angle, near(roller, at[2][joint], 1e-7*reach), (roller, at[2][joint])
+        yield "power of the cam at %g degrees" % angle, near(found, power, 1e-4*scale), (found, power, scale)
+    yield "there are angles at which it moves", shown > 5, shown
+
+
+cam_forces.proven = is_power_of_cam
+
+
 def wishes(k, factor=1.0, kinds="point P"):
     """Desired values of the first output that the drawing has at a few positions."""
     values = [(float(v),) for v in k.few.split("DELT=")[1].split(",")]
@@ -987,12 +1095,8 @@ REASONS = (
      "is no one way."),
     (r"--assemblies lists|belongs to the sketch of a group &CHAIN", "&LINKS has one output (MOTION), and the assembly of its signs."),
     (r"meet with the lengths they have and no others", "Links that brace others meet with the lengths they have and with no others."),
-    (r"DWELL has no effect here", "Not yet: proven of linkages of dyads with one drive on the frame. The ends of the range are dead "
-     "points that are proven of all."),
     (r"margins of groups are found here, at samples", "Clearances are proven; how far its group is from a dead point is found at samples "
      "of the range."),
-    (r"CAMRPM: forces at the roller are computed", "Not yet with FOLJNT, or without loops; NFOLLK and NFOLLP name the follower's arc "
-     "(device 8) of sketches with one drive on the frame."),
 )
 
 
@@ -1007,7 +1111,7 @@ def examine(field, show=0):
     if hasattr(what, "whole"):
         text = what.whole(kind)
     elif hasattr(what, "outputs"):
-        text = kind.text(what.build(kind), outputs=what.outputs)
+        text = kind.text(what.build(kind), outputs=what.outputs(kind) if callable(what.outputs) else what.outputs)
     else:
         text = kind.text(what.build(kind))
     with tempfile.TemporaryDirectory() as work:

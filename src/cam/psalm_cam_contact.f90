@@ -32,10 +32,11 @@ module psalm_cam_contact
 contains
 
    !> Force and stress at the states of a trace. `problem` is left at their inputs.
-   subroutine find_contact(cam, model, problem, states, points, roller, axes, contact)
+   subroutine find_contact(cam, model, problem, delt, states, points, roller, axes, contact)
       type(cam_group_t), intent(in) :: cam
       type(force_model_t), intent(in) :: model
       type(problem_t), intent(inout) :: problem
+      real(wp), intent(in) :: delt(:)            !! their inputs from CRNKI, degrees or length
       type(cam_trace_t), intent(in) :: states
       type(cam_points_t), intent(in) :: points
       real(wp), intent(in) :: roller             !! radius; 0: flat or a knife edge
@@ -48,7 +49,7 @@ contains
       integer :: i, n
 
       n = size(states%angle)
-      call reduce_machine(problem, model, states%q(0, :) - problem%given%crnki, reduced)
+      call reduce_machine(problem, model, delt, reduced)
       contact%known = reduced%trouble == 0
       allocate (contact%force(n), contact%stress(n), square(n), linear(n), rest(n), lost(n), source=0.0_wp)
       if (.not. contact%known) return

@@ -42,7 +42,7 @@ contains
       call analyse_forces(problem, only, 1.0_wp, 0.0_wp, motion%closed, motion%input, table)
       reduced%inertia = 2.0_wp*table%kinetic
       ! drives geared to the crank are moved through it
-      reduced%slope = 2.0_wp*table%value(:, column_drive)
+      reduced%slope = 2.0_wp*table%value(:, column_drive)*merge(model%metre, 1.0_wp, problem%mechanism%sliding_input)
       do k = 2, size(problem%mechanism%actuators)
          associate (actuator => problem%mechanism%actuators(k))
             reduced%slope = reduced%slope + 2.0_wp*actuator%by_first(1)*merge(model%metre, 1.0_wp, actuator%slides)* &

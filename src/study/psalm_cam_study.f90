@@ -402,18 +402,9 @@ contains
                        'follower on an arc (NFOLLK)', findings)
          return
       end if
-      if (cam%speed > 0.0_wp) then
-         if (has_gears(set)) then
-            call complain(set, part%cam, 'CAMRPM', 'forces at the roller are computed for sketches without gears; leave CAMRPM '// &
-                          'out', findings)
-         else if (cams(2)%given) then
-            call complain(set, part%cam, 'CAMRPM', 'forces at the roller are computed for one cam, not for two; leave CAMRPM '// &
-                          'out', findings)
-         else
-            call complain(set, part%cam, 'CAMRPM', 'forces at the roller are computed for a follower that is an arc of the '// &
-                          'loops: give NFOLLK and NFOLLP (device 8 lists the loops chosen for the sketch) in place of FOLJNT, '// &
-                          'or leave CAMRPM out', findings)
-         end if
+      if (cam%speed > 0.0_wp .and. cams(2)%given) then
+         call complain(set, part%cam, 'CAMRPM', 'forces at the roller are computed for one cam, not for two; leave CAMRPM out', &
+                       findings)
          return
       end if
       allocate (chain)
@@ -704,9 +695,20 @@ contains
       call make_force_model(set, prepared%mechanism, prepared%given, model, unused)
       allocate (problem)
       call new_problem(prepared%mechanism, prepared%given, prepared%parameters, [0.0_wp], .true., problem)
-      call find_contact(cam, model, problem, samples%states, samples%points, merge(0.0_wp, shape%roller, shape%flat), &
-                        shape%axes, contact)
+      call find_contact(cam, model, problem, increments(set, problem, shape, samples%states), samples%states, samples%points, &
+                        merge(0.0_wp, shape%roller, shape%flat), shape%axes, contact)
    end subroutine find_sampled_contact
+
+   !> Inputs of a trace as increments from CRNKI. In the poses of the links they count from the drawing, with loops from the x axis.
+   pure function increments(set, problem, shape, states) result(delt)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(cam_shape_t), intent(in) :: shape
+      type(cam_trace_t), intent(in) :: states
+      real(wp) :: delt(size(states%angle))
+
+      delt = states%q(0, :) - merge(set%method%crnki, problem%given%crnki, allocated(shape%motion%chain))
+   end function increments
 
    !> Forces at the table's angles, and at the samples for what is extreme.
    subroutine find_forces(set, prepared, samples, study)
@@ -723,8 +725,10 @@ contains
       allocate (problem, study%contact, study%fine)
       call new_problem(prepared%mechanism, prepared%given, prepared%parameters, [0.0_wp], .true., problem)
       roller = merge(0.0_wp, study%shape%roller, study%shape%flat)
-      call find_contact(study%cam, model, problem, samples%states, samples%points, roller, study%shape%axes, study%fine)
-      call find_contact(study%cam, model, problem, study%states, study%points, roller, study%shape%axes, study%contact)
+      call find_contact(study%cam, model, problem, increments(set, problem, study%shape, samples%states), samples%states, &
+                        samples%points, roller, study%shape%axes, study%fine)
+      call find_contact(study%cam, model, problem, increments(set, problem, study%shape, study%states), study%states, &
+                        study%points, roller, study%shape%axes, study%contact)
       study%lost = any(study%fine%force < 0.0_wp) .and. .not. (study%cam%conjugate .or. study%cam%track)
       study%jammed = study%fine%jams
       if (study%cam%conjugate .or. study%cam%track) call find_flanks(study, samples)
