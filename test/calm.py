@@ -786,7 +786,7 @@ def two_cams(place):
     for old, new, words in ((" &CAM2", " &USER2", "2 drives of their own, but 1 cam"), ("FOLJNT='S', ", "", "name the joint that carries"),
                             ("FOLJNT='S'", "FOLJNT='Z'", "Z"), ("FOLJNT='S'", "FOLJNT='B S'", "no common link"),
                             ("FOLJNT='S'", "FOLJNT='S', FOLLK=3.0", "name two joints"), ("&CAM2", "&CAM2 KAXIS=3,", "there is none of number 3"),
-                            ("FOLJNT='S'", "FOLJNT='S', CAMRPM=100", "for sketches without gears"), ("FOLJNT='S'", "FOLJNT='E'", "does not move")):
+                            ("FOLJNT='S'", "FOLJNT='S', CAMRPM=100", "for one cam, not for two"), ("FOLJNT='S'", "FOLJNT='E'", "does not move")):
         assert cams.count(old) == 1, old
         bad = Run(head + cams.replace(old, new), place)
         check(bad.code == 2 and words in bad.error and not bad.table, "two cams refused: " + words, bad.error)

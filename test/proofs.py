@@ -4,6 +4,7 @@
 usage: proofs.py BIN   (directory with the programs). The last line is N passed, N failed.
 """
 import csv
+import math
 import os
 import re
 import subprocess
@@ -147,6 +148,16 @@ def brackets(place):
         for row in rows:
             low, low_high, where, high_low, high, there = map(float, row[3:])
             where, there = drawn(where), drawn(there)
+            if row[0].startswith("velocity_ratio_"):
+                # between two samples the rate is once their difference by that of the inputs
+                output = row[0][len("velocity_ratio_"):]
+                unit = (math.radians(1.0) if output.startswith("angle") else 1.0)/(math.radians(1.0) if name in TURNING else 1.0)
+                pairs = sorted((value, float(one[output])) for value, one in at.items())
+                quotients = [unit*(b - a)/(y - x) for (x, a), (y, b) in zip(pairs, pairs[1:]) if y - x > 1e-3*(inputs[1] - inputs[0])]
+                slack = 1e-7*(1.0 + max(map(abs, quotients)))
+                check("%s, %s: no difference is outside" % (name, row[0]), low - slack <= min(quotients) and max(quotients) <= high + slack and
+                      max(quotients) - min(quotients) > 0.1*(high - low) - slack, (low, min(quotients), max(quotients), high))
+                continue
             values = [float(one[row[0]]) for one in table]
             slack = NEAR * max(1.0, max(map(abs, values)))
             law = "%s, %s: " % (name, row[0])
