@@ -5,6 +5,7 @@ module psalm_chain_search_list
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_kinds, only: wp
+   use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_text, only: general, to_text
    implicit none (type, external)
    private
@@ -53,6 +54,7 @@ contains
          end do
       end do
       call devices%six%add()
+      call put_found(set, search, devices%cases(devices%last_case()))
    end subroutine report_chain_search
 
    pure function number(value) result(text)
@@ -61,4 +63,33 @@ contains
 
       text = trim(adjustl(general(value, 'E')))
    end function number
+
+   !> Tables for other programs: ranking, and the dimensions of each linkage.
+   subroutine put_found(set, search, tables)
+      type(data_set_t), intent(in) :: set
+      type(chain_synthesis_t), intent(in) :: search
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      character(name_room), allocatable :: names(:)
+      integer :: k, v
+
+      associate (best => search%best, n => size(search%best(1)%x))
+         table = table_of('ranking', 'a row for each linkage found, the best first', audience=for_programs)
+         call table%add('rank', [(k, k=1, size(best))])
+         call table%add('objective', best%objective)
+         call table%add('start', best%start)
+         call tables%put(table)
+         allocate (names(n*size(best)))
+         do k = 1, size(names)
+            names(k) = unknown_name(set%sketch, modulo(k - 1, n) + 1)
+         end do
+         table = table_of('ranked_dimensions', 'a row for each linkage found and dimension that varies: length or degrees', &
+                          audience=for_programs)
+         call table%add('rank', [((k, v=1, n), k=1, size(best))])
+         call table%add('dimension', names)
+         call table%add('value', [(best(k)%x, k=1, size(best))])
+         call table%add('drawing', [(search%problem%first(:n), k=1, size(best))])
+      end associate
+      call tables%put(table)
+   end subroutine put_found
 end module psalm_chain_search_list

@@ -1,15 +1,16 @@
 !> Forces in the listing, on device 8 and on device 9.
 module psalm_force_list
+   use psalm_column_names, only: input_name, input_unit
    use psalm_data_set, only: data_set_t
    use psalm_finale, only: angle_text
    use psalm_force_analysis, only: column_of_joint, column_drive, column_fx, column_fy, column_moment
    use psalm_force_study, only: force_study_t
    use psalm_kinds, only: wp
-   use psalm_tables, only: table_t
+   use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_text, only: text_t, general, to_text, upper_case
    implicit none (type, external)
    private
-   public :: list_forces, list_joint_forces, list_shares, add_forces, trouble_at
+   public :: list_forces, list_joint_forces, list_shares, add_forces, put_forces, trouble_at
 
    integer, parameter :: name_columns = 18     !! of a name at the beginning of a line, unless it is longer
 
@@ -231,4 +232,68 @@ contains
          end do
       end associate
    end subroutine add_forces
+
+   !> Tables for other programs: powers, sizing, harmonics, with ISHARE shares.
+   subroutine put_forces(set, study, tables)
+      type(data_set_t), intent(in) :: set
+      type(force_study_t), intent(in) :: study
+      type(tables_t), intent(inout) :: tables
+      character(*), parameter :: of_all = 'N, N m, W or J'
+      type(table_t) :: table
+      logical :: known(size(study%input))
+      integer :: k, n, s
+
+      known = [(study%table%known(k), k=1, size(known))]
+      table = table_of('powers', 'a row for each position', audience=for_programs)
+      call table%add(input_name(), study%input, input_unit(study%drive_slides(1)))
+      call table%add('drive_power', study%drive_power, 'W', known)
+      if (set%masses%about_given) call table%add('frame_m_about', study%about, 'N m', known)
+      if (set%friction%given) call table%add('friction_loss', study%table%loss, 'W', known)
+      call tables%put(table)
+
+      if (any(known)) then
+         table = table_of('sizing', 'a row for each quantity over the positions: '//of_all, audience=for_programs)
+         call table%add('quantity', study%sizing%name)
+         call table%add('peak', study%sizing%peak)
+         call table%add('at', study%sizing%at, input_unit(study%drive_slides(1)))
+         call table%add('rms', study%sizing%rms)
+         call table%add('mean', study%sizing%mean)
+         call tables%put(table)
+      end if
+
+      if (size(study%harmonics) > 0) then
+         associate (all => study%harmonics)
+            table = table_of('harmonics', 'a row for each quantity and order, amplitude*cos(order*input - phase): '//of_all, &
+                             audience=for_programs)
+            call table%add('quantity', [((all(k)%name, n=0, ubound(all(k)%amplitude, 1)), k=1, size(all))])
+            call table%add('order', [((n, n=0, ubound(all(k)%amplitude, 1)), k=1, size(all))])
+            call table%add('amplitude', [(all(k)%amplitude, k=1, size(all))])
+            call table%add('phase', [(all(k)%phase, k=1, size(all))], 'deg')
+         end associate
+         call tables%put(table)
+      end if
+
+      if (set%masses%shares == 0) return
+      associate (m => size(study%input), sources => size(study%sources))
+         table = table_of('shares', 'a row for each source and position: what it does to drive and frame', audience=for_programs)
+         call table%add('source', [((study%sources(s), k=1, m), s=1, sources)])
+         call table%add(input_name(), [((study%input(k), k=1, m), s=1, sources)], input_unit(study%drive_slides(1)))
+         call add_share('drive', column_drive, trim(merge('N  ', 'N m', study%drive_slides(1))))
+         call add_share('frame_fx', column_fx, 'N')
+         call add_share('frame_fy', column_fy, 'N')
+         call add_share('frame_m', column_moment, 'N m')
+      end associate
+      call tables%put(table)
+
+   contains
+
+      subroutine add_share(name, column, unit)
+         character(*), intent(in) :: name, unit
+         integer, intent(in) :: column
+         integer :: i
+
+         call table%add(name, reshape(study%shares(:, column, :), [size(known)*size(study%sources)]), unit, &
+                        [(known, i=1, size(study%sources))])
+      end subroutine add_share
+   end subroutine put_forces
 end module psalm_force_list

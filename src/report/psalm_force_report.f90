@@ -2,7 +2,7 @@
 module psalm_force_report
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t, most_told
-   use psalm_force_list, only: list_forces, list_joint_forces, list_shares, trouble_at
+   use psalm_force_list, only: list_forces, list_joint_forces, list_shares, put_forces, trouble_at
    use psalm_force_study, only: force_study_t
    use psalm_input_text, only: position_words
    use psalm_text, only: to_text
@@ -12,7 +12,7 @@ module psalm_force_report
 
 contains
 
-   !> Forces: listing, device 8, remarks.
+   !> Forces: listing, device 8, tables, remarks.
    subroutine report_forces(set, forces, devices)
       type(data_set_t), intent(in) :: set
       type(force_study_t), intent(in) :: forces
@@ -21,6 +21,7 @@ contains
       integer :: k, told
 
       call list_forces(set, forces, devices%six)
+      call put_forces(set, forces, devices%cases(devices%last_case()))
       if (set%limits%ktheta /= 0) call list_joint_forces(forces, devices%eight)
       if (set%masses%shares /= 0) call list_shares(forces, devices%eight)
       if (.not. forces%all_known()) call devices%note_violation()

@@ -5,10 +5,11 @@ module psalm_machine_list
    use psalm_machine, only: cycle_found, cycle_grows, cycle_falls, cycle_stalls, cycle_any_speed
    use psalm_machine_study, only: machine_study_t
    use psalm_motor_group, only: motor_group_t, motor_of
+   use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_text, only: text_t, general, to_text
    implicit none (type, external)
    private
-   public :: list_machine, cycle_words
+   public :: list_machine, put_machine, cycle_words
 
    integer, parameter :: listed = 24         !! speeds of the cycle that are listed
 
@@ -93,4 +94,47 @@ contains
          words = 'COULD NOT BE COMPUTED; A FLYWHEEL (FLYWHL) OR SMOOTHER TABLES OF TORQUE MAY HELP'
       end select
    end function cycle_words
+
+   !> Tables for other programs: machine (one row), machine_cycle, run_up.
+   subroutine put_machine(study, tables)
+      type(machine_study_t), intent(in) :: study
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      logical :: steady
+      integer :: k
+
+      steady = study%turns .and. (study%cycle%state == cycle_found .or. study%cycle%state == cycle_any_speed)
+      table = table_of('machine', 'one row: the machine with its motor', audience=for_programs)
+      call table%add('turns', [study%turns])
+      call table%add('inertia_least', [study%inertia_least], 'kg m^2', [study%turns])
+      call table%add('inertia_greatest', [study%inertia_greatest], 'kg m^2', [study%turns])
+      call table%add('steady', [steady])
+      associate (of => study%cycle)
+         call table%add('speed_least', [of%least], 'rad/s', [steady])
+         call table%add('speed_greatest', [of%greatest], 'rad/s', [steady])
+         call table%add('speed_mean', [of%mean], 'rad/s', [steady])
+         call table%add('period', [of%period], 's', [steady])
+         call table%add('error', [of%error], known=[steady])
+      end associate
+      call table%add('flywheel', [study%flywheel], 'kg m^2', [study%wants_flywheel .and. study%flywheel >= 0.0_wp])
+      call tables%put(table)
+      if (steady) then
+         table = table_of('machine_cycle', 'a row for each angle of the crank from the reference input', audience=for_programs)
+         associate (steps => ubound(study%cycle%speed, 1))
+            call table%add('angle', [(full_turn*real(k, wp)/real(steps, wp), k=0, steps)], 'deg')
+            call table%add('speed', study%cycle%speed, 'rad/s')
+         end associate
+         call tables%put(table)
+      end if
+      if (.not. (study%turns .and. study%runs_up)) return
+      table = table_of('run_up', 'a row for each turn', audience=for_programs)
+      associate (of => study%run)
+         call table%add('turn', [(k, k=1, size(of%time))])
+         call table%add('time', of%time, 's')
+         call table%add('speed', of%speed, 'rad/s')
+         call table%add('speed_least', of%least, 'rad/s')
+         call table%add('speed_greatest', of%greatest, 'rad/s')
+      end associate
+      call tables%put(table)
+   end subroutine put_machine
 end module psalm_machine_list

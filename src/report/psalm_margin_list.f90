@@ -1,6 +1,7 @@
 !> How far the linkage is inside its constraints, for the listing.
 module psalm_margin_list
    use psalm_clearances, only: clearance_t, list_clearances
+   use psalm_column_names, only: input_unit
    use psalm_constraint_group, only: range_positions, range_inputs
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
@@ -9,13 +10,15 @@ module psalm_margin_list
    use psalm_margins, only: margin_t, is_violated, margin_angle, margin_slides, margin_guide, margin_offset, &
                              margin_clearance, margin_bound, margin_group
    use psalm_place, only: beside_t
+   use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_text, only: text_t, general, lower_case, to_text
    use psalm_dimensions, only: dimensions_t
    use psalm_parameters, only: name_of
    implicit none (type, external)
    private
-   public :: list_margins, describe_margin, name_of_clearance, name_of_limit
+   public :: list_margins, put_margins, describe_margin, name_of_clearance, name_of_limit
 
+   integer, parameter :: name_room = 120     !! characters of a name in a table
    integer, parameter :: name_columns = 44   !! width of a constraint's name
 
 contains
@@ -185,4 +188,28 @@ contains
          end associate
       end function joint_name
    end function name_of_clearance
+
+   !> The table `constraints` for other programs: the same.
+   subroutine put_margins(set, problem, dimensions, margins, tables)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      type(margin_t), intent(in) :: margins(:)
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      character(name_room), allocatable :: names(:)
+      integer :: i
+
+      allocate (names(size(margins)))
+      do i = 1, size(margins)
+         names(i) = lower_case(name_of_margin(set, problem, margins(i)))
+      end do
+      table = table_of('constraints', 'a row for each constraint: its least margin, degrees or length', audience=for_programs)
+      call table%add('constraint', names)
+      call table%add('margin', margins%margin)
+      call table%add('at', [(input_of(problem, dimensions, margins(i)), i=1, size(margins))], &
+                     input_unit(problem%mechanism%sliding_input), has_input(margins))
+      call table%add('violated', [(is_violated(margins(i)), i=1, size(margins))])
+      call tables%put(table)
+   end subroutine put_margins
 end module psalm_margin_list

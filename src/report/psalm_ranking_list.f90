@@ -1,5 +1,6 @@
 !> The ranking of the linkages found in the listing: what makes them different, their margins, their quality and size.
 module psalm_ranking_list
+   use psalm_column_names, only: output_unit
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
@@ -9,10 +10,11 @@ module psalm_ranking_list
    use psalm_search, only: result_t
    use psalm_search_group, only: pareto_none, pareto_largest, pareto_angle, pareto_ratio, pareto_room, pareto_band
    use psalm_summary_text, only: plain_number
+   use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_text, only: text_t, general, lower_case, rank_column, to_text
    implicit none (type, external)
    private
-   public :: ranking_entry_t, list_ranking, bounds_reached, add_to_ranking, add_share, list_common_ranking
+   public :: ranking_entry_t, list_ranking, put_ranking, bounds_reached, add_to_ranking, add_share, list_common_ranking
 
    character(*), parameter :: heads = &
       '      RMS ERROR  LARGEST ERROR  TRANSM. ANGLE LONGEST/SHORT.     ROOM WIDTH    ROOM HEIGHT TOLERANCE BAND'
@@ -225,4 +227,46 @@ contains
          words = ''
       end select
    end function weighed
+
+   !> Tables for other programs: ranking, and the dimensions that vary of each linkage.
+   subroutine put_ranking(problem, found, ranked, tables)
+      type(problem_t), intent(in) :: problem
+      type(result_t), intent(in) :: found
+      type(ranked_t), intent(in) :: ranked(:)            !! shape (linkages found)
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      character(title_width), allocatable :: names(:)
+      integer :: i, v
+
+      table = table_of('ranking', 'a row for each linkage found, the best first', audience=for_programs)
+      call table%add('rank', [(i, i=1, size(ranked))])
+      call table%add('objective', found%best(:size(ranked))%objective)
+      call table%add('start', found%best(:size(ranked))%start)
+      call table%add('change', found%best(:size(ranked))%distance)
+      call table%add('angle_margin', ranked%angle_margin, 'deg')
+      call table%add('length_margin', ranked%length_margin, 'length')
+      call table%add('longest_arc', ranked%longest_arc, 'length')
+      call table%add('rms_error', ranked%rms, output_unit(problem%output%kind%angle == 1), ranked%compared)
+      call table%add('largest_error', ranked%largest, output_unit(problem%output%kind%angle == 1), ranked%compared)
+      call table%add('transmission', ranked%angle, 'deg', ranked%has_angle)
+      call table%add('longest_to_shortest', ranked%ratio)
+      call table%add('room_width', ranked%width, 'length')
+      call table%add('room_height', ranked%height, 'length')
+      call table%add('tolerance_band', ranked%band, output_unit(problem%output%kind%angle == 1), ranked%has_band)
+      call table%add('turns', ranked%turns, .not. ranked%sliding_input)
+      call tables%put(table)
+
+      associate (variables => problem%parameters%variables, best => found%best)
+         allocate (names(size(variables)*size(ranked)))
+         do i = 1, size(names)
+            names(i) = lower_case(name_of(variables(modulo(i - 1, size(variables)) + 1)))
+         end do
+         table = table_of('ranked_dimensions', 'a row for each linkage found and dimension that varies: length or degrees', &
+                          audience=for_programs)
+         call table%add('rank', [((i, v=1, size(variables)), i=1, size(ranked))])
+         call table%add('dimension', names)
+         call table%add('value', [(best(i)%values(:size(variables)), i=1, size(ranked))])
+      end associate
+      call tables%put(table)
+   end subroutine put_ranking
 end module psalm_ranking_list

@@ -14,9 +14,9 @@ module psalm_report
    use psalm_force_study, only: force_study_t
    use psalm_input_text, only: position_words, zero_words
    use psalm_kinds, only: wp
-   use psalm_machine_list, only: list_machine, cycle_words
+   use psalm_machine_list, only: list_machine, put_machine, cycle_words
    use psalm_machine_study, only: machine_study_t
-   use psalm_margin_list, only: list_margins, describe_margin
+   use psalm_margin_list, only: list_margins, put_margins, describe_margin
    use psalm_margins, only: is_violated
    use psalm_method_group, only: default_niter
    use psalm_position_table, only: plot_positions, plot_wanted_rates, put_rates, positions_block
@@ -24,7 +24,7 @@ module psalm_report
    use psalm_proof_study, only: proof_study_t
    use psalm_rate_list, only: list_rates, list_all_rates, dead_words
    use psalm_rate_study, only: rate_study_t
-   use psalm_ranking_list, only: list_ranking, bounds_reached, add_to_ranking, add_share, list_common_ranking
+   use psalm_ranking_list, only: list_ranking, put_ranking, bounds_reached, add_to_ranking, add_share, list_common_ranking
    use psalm_search, only: result_t
    use psalm_search_group, only: ranking_none, ranking_shared
    use psalm_search_log, only: search_log_t, log_beginning, log_starts
@@ -40,7 +40,7 @@ module psalm_report
    use psalm_tolerance, only: tolerances_t
    use psalm_tolerance_list, only: list_tolerances, put_tolerances, list_output_bands, put_output_bands
    use psalm_dimensions, only: dimensions_t
-   use psalm_wish_list, only: list_output_wishes
+   use psalm_wish_list, only: list_output_wishes, put_output_wishes
    implicit none (type, external)
    private
    public :: begin_search_report, report_search, report_analysis, report_found, report_tolerances, report_violations, &
@@ -164,7 +164,10 @@ contains
       type(devices_t), intent(inout) :: devices
       type(variant_t), intent(in), optional :: variant !! what is written otherwise on device 7
 
-      if (size(search%ranked) > 0) call list_ranking(set, problem, search%found, search%ranked, devices%six)
+      if (size(search%ranked) > 0) then
+         call list_ranking(set, problem, search%found, search%ranked, devices%six)
+         call put_ranking(problem, search%found, search%ranked, devices%cases(devices%last_case()))
+      end if
       if (set%search%ranking /= ranking_none) call add_to_ranking(set, search%found, search%ranked, devices%ranking)
       if (set%search%ranking == ranking_shared) call add_share(set, search%found, devices%shares)
       if (set%limits%last /= 0 .and. allocated(devices%ranking)) call list_common_ranking(devices%ranking, devices%shares, &
@@ -229,7 +232,10 @@ contains
       integer :: i
 
       call list_results(set, problem, analysis%dimensions, analysis%motion, devices%six, devices%published)
-      if (allocated(analysis%wishes)) call list_output_wishes(analysis%wishes, problem%blank, devices%six)
+      if (allocated(analysis%wishes)) then
+         call list_output_wishes(analysis%wishes, problem%blank, devices%six)
+         call put_output_wishes(analysis%wishes, devices%cases(devices%last_case()))
+      end if
       call list_setup(set, problem, devices%eight)
       if (len(set%skipped) > 0) call devices%eight%add(' GROUPS THAT PSALM DOES NOT READ: '//set%skipped)
       if (allocated(set%traced)) call devices%eight%add_text(set%traced%chosen)
@@ -251,6 +257,7 @@ contains
       integer :: i
 
       call list_margins(set, problem, analysis%dimensions, analysis%margins, devices%six)
+      call put_margins(set, problem, analysis%dimensions, analysis%margins, devices%cases(devices%last_case()))
       do i = 1, size(analysis%margins)
          if (.not. is_violated(analysis%margins(i))) cycle
          call devices%note_violation()
@@ -459,6 +466,7 @@ contains
       type(devices_t), intent(inout) :: devices
 
       call list_machine(set, machine, devices%six)
+      call put_machine(machine, devices%cases(devices%last_case()))
       if (machine%is_complete()) return
       call devices%note_violation()
       call devices%remark(set, 'motion from torque: '//lower_case(cycle_words(machine)))

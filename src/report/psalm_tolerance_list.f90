@@ -7,13 +7,15 @@ module psalm_tolerance_list
    use psalm_kinds, only: wp
    use psalm_output_kind, only: output_kind_t
    use psalm_sketch, only: sketch_t
-   use psalm_tables, only: table_t, tables_t, table_of
-   use psalm_text, only: text_t, general, to_text, upper_case
+   use psalm_tables, only: table_t, tables_t, table_of, for_programs
+   use psalm_text, only: text_t, general, lower_case, to_text, upper_case
    use psalm_tolerance, only: tolerance_t, sample_t
    use psalm_parameters, only: name_of
    implicit none (type, external)
    private
    public :: list_tolerances, put_tolerances, list_output_bands, put_output_bands
+
+   integer, parameter :: name_room = 120   !! characters of a name in a table
 
 contains
 
@@ -180,6 +182,7 @@ contains
          end do
       end associate
       call tables%put(table)
+      call put_effects(linear, tables)
 
    contains
 
@@ -192,4 +195,33 @@ contains
                         what//trim(linear%kind%suffix(k)))
       end subroutine add
    end subroutine put_tolerances
+
+   !> The table `dimension_effects` for other programs: the largest effect of each tolerance.
+   subroutine put_effects(linear, tables)
+      type(tolerance_t), intent(in) :: linear
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      character(name_room), allocatable :: names(:)
+      integer, allocatable :: worst(:)
+      real(wp), allocatable :: effect(:)
+      integer :: v
+
+      associate (n => size(linear%tolerance))
+         allocate (names(n), worst(n), effect(n))
+         do v = 1, n
+            names(v) = lower_case(name_of(linear%variables(v)))
+            associate (amount => sqrt(sum(linear%effect(:, v, :min(2, linear%kind%components))**2, dim=2)))
+               worst(v) = maxloc(amount, dim=1)
+               effect(v) = amount(worst(v))
+            end associate
+         end do
+      end associate
+      table = table_of('dimension_effects', 'a row for each dimension with a tolerance: its largest effect on the output', &
+                       audience=for_programs)
+      call table%add('dimension', names)
+      call table%add('tolerance', linear%tolerance)
+      call table%add('effect', effect, output_unit(linear%kind%angle == 1))
+      call table%add(position_name, worst)
+      call tables%put(table)
+   end subroutine put_effects
 end module psalm_tolerance_list

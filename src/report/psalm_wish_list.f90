@@ -1,11 +1,13 @@
 !> What further outputs of a sketch do, beside what is desired of them.
 module psalm_wish_list
+   use psalm_column_names, only: position_name
    use psalm_kinds, only: wp
    use psalm_output_wishes, only: output_wishes_t, sum_of_wish_errors
+   use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_text, only: text_t, general, upper_case
    implicit none (type, external)
    private
-   public :: list_output_wishes
+   public :: list_output_wishes, put_output_wishes
 
    integer, parameter :: name_columns = 30 !! of the name of a number
 
@@ -40,4 +42,29 @@ contains
       call text%add(trim(merge(' TOTAL ERROR                  ', ' THEIR PART OF THE TOTAL ERROR', alone))//' '// &
                     trim(adjustl(general(sum_of_wish_errors(wishes)))))
    end subroutine list_output_wishes
+
+   !> The table `wishes` for other programs: the same.
+   subroutine put_output_wishes(wishes, tables)
+      type(output_wishes_t), intent(in) :: wishes
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      integer, allocatable :: at(:), of(:)         !! shape (rows): position, number
+      integer :: k, i
+
+      associate (weighs => wishes%problem%wish_weights(:size(wishes%miss, 1), :size(wishes%miss, 2)) > 0.0_wp)
+         at = pack(spread([(i, i=1, size(weighs, 1))], 2, size(weighs, 2)), weighs)
+         of = pack(spread([(k, k=1, size(weighs, 2))], 1, size(weighs, 1)), weighs)
+      end associate
+      table = table_of('wishes', 'a row for each number of a further output and position where a value is desired', &
+                       audience=for_programs)
+      call table%add('output', [(wishes%names(of(k)), k=1, size(of))])
+      call table%add(position_name, at)
+      associate (desired => [(wishes%problem%wish_values(at(k), of(k)), k=1, size(at))], &
+                 miss => [(wishes%miss(at(k), of(k)), k=1, size(at))], known => [(wishes%exists(at(k), of(k)), k=1, size(at))])
+         call table%add('desired', desired)
+         call table%add('actual', desired + miss, known=known)
+         call table%add('error', -miss, known=known)
+      end associate
+      call tables%put(table)
+   end subroutine put_output_wishes
 end module psalm_wish_list
