@@ -6,7 +6,7 @@ module psalm_family_study
    use psalm_mechanism, only: mechanism_t
    implicit none (type, external)
    private
-   public :: family_t, find_family
+   public :: family_t, find_family, sets_one_of
 
    integer, parameter :: number_name = 48   !! characters of the name of a number
 
@@ -35,5 +35,13 @@ module psalm_family_study
          type(family_t), intent(out) :: family
          logical, intent(out) :: found
       end subroutine find_family
+
+      !> True if the dimension of SWEEP is the length of one of some arcs of a sketch.
+      pure module logical function sets_one_of(set, mechanism, which)
+         implicit none (type, external)
+         type(data_set_t), intent(in) :: set
+         type(mechanism_t), intent(in) :: mechanism
+         logical, intent(in) :: which(:)                 !! shape (arcs)
+      end function sets_one_of
    end interface
 end module psalm_family_study

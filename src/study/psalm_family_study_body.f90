@@ -13,6 +13,17 @@ submodule(psalm_family_study) psalm_family_study_body
 
 contains
 
+   module procedure sets_one_of
+      type(sweep_group_t) :: sweep
+      integer :: n
+
+      sets_one_of = .false.
+      if (.not. set%gives('SWEEP')) return
+      sweep = sweep_of(set)
+      sets_one_of = any([(which(n) .and. (all(mechanism%arcs(n)%joints == sweep%joints) .or. &
+                                          all(mechanism%arcs(n)%joints == sweep%joints([2, 1]))), n=1, size(which))])
+   end procedure sets_one_of
+
    module procedure find_family
       type(sweep_group_t) :: sweep
       type(parameters_t) :: parameters

@@ -6,6 +6,7 @@ module psalm_preparation
    use psalm_dyad_groups, only: dyads_of_variables
    use psalm_dyad_kind, only: assur_higher
    use psalm_error, only: inputs_of
+   use psalm_family_study, only: sets_one_of
    use psalm_force_model, only: force_model_t, forces_wanted, make_force_model
    use psalm_group_anchor, only: choose_anchor
    use psalm_kinds, only: wp
@@ -15,7 +16,6 @@ module psalm_preparation
    use psalm_start, only: read_vertices
    use psalm_search, only: result_t
    use psalm_status, only: diagnostics_t, level_warning
-   use psalm_sweep_group, only: sweep_group_t, sweep_of
    use psalm_system, only: memory_to_be_had, threads_to_be_had
    use psalm_text, only: to_text
    use psalm_dimensions, only: dimensions_t
@@ -125,19 +125,13 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       character(*), parameter :: why = 'links that brace each other (KOVER) meet with the lengths they have and no others; '// &
                                        'leave it out, or draw the linkage without the links in excess'
-      type(sweep_group_t) :: sweep
       logical :: braced(size(mechanism%arcs))
       integer :: n
 
       braced = [(mechanism%is_braced(mechanism%arcs(n)%loop), n=1, size(braced))]
       if (.not. any(braced)) return
       if (set%toler%given) call set%origins%error(findings, 'TOLER', '', why)
-      if (set%gives('SWEEP')) then
-         sweep = sweep_of(set)
-         if (any([(braced(n) .and. all(mechanism%arcs(n)%joints == sweep%joints .or. &
-                                       mechanism%arcs(n)%joints == sweep%joints([2, 1])), n=1, size(braced))])) &
-            call set%origins%error(findings, 'SWEEP', '', why)
-      end if
+      if (sets_one_of(set, mechanism, braced)) call set%origins%error(findings, 'SWEEP', '', why)
       if (any(braced .and. (parameters%length_variable > 0 .or. parameters%angle_variable > 0))) &
          call set%origins%error(findings, 'CHAIN', 'VARY', why)
    end subroutine refuse_changes
