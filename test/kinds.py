@@ -1095,7 +1095,7 @@ REASONS = (
      "is no one way."),
     (r"--assemblies lists|belongs to the sketch of a group &CHAIN", "&LINKS has one output (MOTION), and the assembly of its signs."),
     (r"meet with the lengths they have and no others", "Links that brace others meet with the lengths they have and with no others."),
-    (r"margins of groups are found here, at samples", "Clearances are proven; how far its group is from a dead point is found at samples "
+    (r"how far groups are from a dead point is found here at samples", "Clearances are proven; how far its group is from a dead point is found at samples "
      "of the range."),
 )
 

@@ -24,6 +24,7 @@ module psalm_proof_chain
    integer, parameter :: turns_tried = 8
    integer, parameter :: most_tubes = 4000       !! of a line
    integer, parameter :: most_halvings = 4000
+   integer, parameter :: most_of_rate = 200      !! halvings for a velocity ratio: where it is nearly constant, every tube counts
    integer, parameter :: tries = 60              !! of halving where a number is not bounded
    real(wp), parameter :: enough = 1.0e-11_wp    !! width of a bracket, of the drawing's size or a turn
    real(wp), parameter :: slack = 1.0e-12_wp     !! of a full turn, which is no number of the machine
@@ -272,7 +273,7 @@ contains
       allocate (spans(size(values) + size(speeds)))
       do n = 1, size(values)
          if (values(n)%bounded) call set_span(values(n), tube, spans(n))
-         speeds(n)%bounded = speeds(n)%bounded .and. abs(per) > 0.0_wp .and. has_rate(outputs, n)
+         speeds(n)%bounded = speeds(n)%bounded .and. abs(per) > 0.0_wp .and. has_rate(closure%sketch, outputs, n)
          speeds(n)%c = speeds(n)%c*per
          speeds(n)%error = speeds(n)%error*abs(per)
          if (speeds(n)%bounded) call set_span(speeds(n), tube, spans(size(values) + n))
@@ -330,12 +331,14 @@ contains
       type(chain_tubes_t), intent(inout) :: tubes
       type(output_range_t), intent(inout) :: ranges(:) !! shape (numbers of all outputs, then their rates)
       real(wp) :: unit
-      integer :: n, halvings, at
+      integer :: n, halvings, allowed, at
       logical :: done
 
       halvings = 0
+      allowed = most_halvings
       do n = 1, size(ranges)
          if (n > size(ranges)/2 .and. .not. per > 0.0_wp) exit
+         if (n > size(ranges)/2) allowed = halvings + most_of_rate
          call make_bounded(n, ranges(n)%bounded)
          if (.not. ranges(n)%bounded) cycle
          if (n <= size(ranges)/2) then
@@ -417,7 +420,7 @@ contains
 
          whole = tubes%parts(at)
          halvings = halvings + 1
-         done = halvings > most_halvings .or. whole%tube%r < least_r
+         done = halvings > allowed .or. whole%tube%r < least_r
          if (done) return
          call half_of(closure, whole%tube, -1, halves(1))
          call half_of(closure, whole%tube, 1, halves(2))

@@ -10,7 +10,7 @@ module psalm_proof_numbers
    use psalm_kinds, only: wp, degrees_per_radian
    use psalm_proof_tube, only: tube_t, point_majorant, travel_majorant, rates, size_of, rounding, outwards, degree
    use psalm_sketch, only: sketch_output_t, output_point, output_angle, output_distance, output_slide, output_between, &
-                           output_pose, output_ratio, output_x, output_y, columns_of
+                           output_pose, output_ratio, output_x, output_y, columns_of, sketch_t, drive_slides, drive_stretches
    implicit none (type, external)
    private
    public :: quadratic_t, find_numbers, rate_of_link, rate_of_slide, is_angle, has_rate, play_of_joint
@@ -38,16 +38,28 @@ contains
    end function is_angle
 
    !> True if a number stands for its output, so that it has a velocity ratio and dead points; x and y of a point have none, nor has
-   !> a ratio.
-   pure logical function has_rate(outputs, number)
+   !> a ratio, nor what is itself the displacement of a drive.
+   pure logical function has_rate(sketch, outputs, number)
+      type(sketch_t), intent(in) :: sketch
       type(sketch_output_t), intent(in) :: outputs(:)
       integer, intent(in) :: number
-      integer :: k, n
+      integer :: k, n, i
 
       has_rate = .false.
       call find_output(outputs, number, k, n)
       if (k == 0) return
       has_rate = (columns_of(outputs(k)) == 1 .and. outputs(k)%kind /= output_ratio) .or. is_angle(outputs, number)
+      associate (output => outputs(k), drives => sketch%drives)
+         do n = 1, size(drives)
+            select case (drives(n)%kind)
+            case (drive_slides)
+               if (output%kind == output_slide .and. output%slide == drives(n)%slide) has_rate = .false.
+            case (drive_stretches)
+               if (output%kind == output_distance .and. all([(any(sketch%links(drives(n)%link)%joints == output%joints(i)), &
+                                                              i=1, 2)])) has_rate = .false.
+            end select
+         end do
+      end associate
    end function has_rate
 
    !> Which output a number of all outputs belongs to, and which of its numbers it is. 0: there is no such number.

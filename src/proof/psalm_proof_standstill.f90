@@ -90,7 +90,7 @@ contains
       if (tubes%count == 0) return
       fastest = fastest_of(closure, tubes)
       do k = 1, n
-         if (.not. has_rate(outputs, k)) cycle
+         if (.not. has_rate(closure%sketch, outputs, k)) cycle
          call find_dead(chain_signal_t(mover_output, k), merge(fastest, fastest*closure%size, is_angle(outputs, k)), own)
          movement%dead = [movement%dead, own]
          if (closed_turn) movement%time_ratio(k) = time_ratio_of(own)

@@ -149,7 +149,7 @@ contains
       as_angles = turns .or. .not. proof%one_drive
       associate (movement => proof%movement, outputs => study%closure%sketch%outputs)
          do n = 1, size(movement%time_ratio)
-            if (.not. has_rate(outputs, n)) cycle
+            if (.not. has_rate(study%closure%sketch, outputs, n)) cycle
             name = upper_case(trim(study%names(n)))
             if (movement%turns_fully(n)) then
                call text%add('   '//name//' TURNS FULLY')

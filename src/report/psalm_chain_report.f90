@@ -167,7 +167,9 @@ contains
       call list_chain_proof(set, study, proof, devices%six)
       call put_chain_proof(set%title, study, proof, devices%cases(devices%last_case()))
       if (set%constr%given .and. set%constr%irange /= range_positions) &
-         call devices%remark(set, 'margins of groups are found here, at samples, not proven, as they are of '//of_dyads)
+         call devices%remark(set, 'how far groups are from a dead point is found here at samples, not proven, as it is of '// &
+                             of_dyads//trim(merge('; that they meet none over the range is proven', repeat(' ', 46), &
+                                                  proof%complete)))
       if (any(proof%kept%is_broken)) call devices%note_violation()
       if (any(proof%kept%is_broken)) call devices%remark(set, to_text(count(proof%kept%is_broken))//' of '// &
          to_text(size(proof%kept))//' clearances are proven to be less than asked; see the end of the listing')
