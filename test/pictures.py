@@ -244,6 +244,12 @@ def test_cutting():
     check("cutting, flat: holes of each link are as far apart as its joints", len(pairs) == 4 and all(r == 3.0 for *_, r in holes) and len(holes) == 8, str(spots))
     check("cutting, flat: links lie along their longest line and apart", sum(level for level, *_ in pairs) >= 3 and
           len({round(min(v.dxf.location.y for v in line.vertices), 6) for line in flat.modelspace().query("POLYLINE")}) == 4)
+    write("hidden.nml", changed(read(source), "OUTPUT='point P'", "OUTPUT='angle rocker','point P'"))
+    balm("--quiet", "hidden.nml")
+    for name, wanted in (("hidden.dxf", moving), ("hidden.flat.dxf", areas)):
+        ours = {line.dxf.layer: outline_area(line) for line in ezdxf.readfile(name).modelspace().query("POLYLINE") if line.dxf.layer in areas}
+        check("cutting: parts are the same with another first output, " + name, ours.keys() == wanted.keys() and
+              all(near(ours[k], v, 1e-9) for k, v in wanted.items()), "%s %s" % (ours, wanted))
     write("pinned.nml", changed(read(source), "INCREM=40.0", "POSITN=5"))
     balm("--quiet", "pinned.nml")
     check("cutting: POSITN is the number of a position", {(c.dxf.center.x, c.dxf.center.y) for c in ezdxf.readfile("pinned.dxf").modelspace().query("CIRCLE")} == set(pins))

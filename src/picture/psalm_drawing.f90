@@ -56,15 +56,11 @@ contains
             call add_comment()
             call put(ending(k, '.move.svg'))
          end if
-         call text%add('999') ! a comment of DXF
-         call text%add('run '//mark)
-         call write_dxf(cases(k)%scene, cases(k)%dxf, text)
-         call put(ending(k, '.dxf'))
-         if (.not. cases(k)%dxf%flat) cycle
-         call text%add('999')
-         call text%add('run '//mark)
-         call write_flat_dxf(cases(k)%scene, cases(k)%dxf, text)
-         call put(ending(k, '.flat.dxf'))
+         if (allocated(cases(k)%parts)) then
+            call draw_parts(cases(k)%parts)
+         else
+            call draw_parts(cases(k)%scene)
+         end if
       end do
       ! four poses do not move
       linkages = pack([(k, k=1, size(cases))], [(.not. allocated(cases(k)%poles), k=1, size(cases))])
@@ -82,6 +78,21 @@ contains
       call put('.html')
 
    contains
+
+      !> Drawings for CAD.
+      subroutine draw_parts(scene)
+         type(scene_t), intent(in) :: scene
+
+         call text%add('999') ! a comment of DXF
+         call text%add('run '//mark)
+         call write_dxf(scene, cases(k)%dxf, text)
+         call put(ending(k, '.dxf'))
+         if (.not. cases(k)%dxf%flat) return
+         call text%add('999')
+         call text%add('run '//mark)
+         call write_flat_dxf(scene, cases(k)%dxf, text)
+         call put(ending(k, '.flat.dxf'))
+      end subroutine draw_parts
 
       subroutine add_comment()
 

@@ -27,6 +27,7 @@ module psalm_picture_study
    !> One case as it is to be drawn.
    type :: pictured_t
       type(scene_t) :: scene
+      type(scene_t), allocatable :: parts         !! for CAD, where the scene is of loops, which lack joints that they do not need
       type(dxf_group_t) :: dxf                    !! how the drawing for CAD is to be
       type(pole_scene_t), allocatable :: poles    !! in place of a linkage: four poses of &EXACT
       type(strings_t), allocatable :: undrawn(:)  !! first violations at all positions, where not all are drawn
@@ -89,6 +90,10 @@ contains
             associate (each => sets(k), scene => cases(k)%scene)
                call make_scene(each, prepared%mechanism, prepared%given, prepared%parameters, own, scene, chosen, kept=kept)
                if (scene%sound) call add_curves(each, prepared%mechanism, prepared%given, prepared%parameters, scene)
+               if (each%sketch%given .and. scene%sound .and. (cases(k)%dxf%flat .or. cases(k)%dxf%width > 0.0_wp)) then
+                  allocate (cases(k)%parts)
+                  call make_chain_scene(each, own, cases(k)%parts, chosen)
+               end if
                if (each%gives('VIBR') .and. scene%sound) call add_vibration(each, prepared, scene)
                if (each%gives('CLEAR') .and. scene%sound) call add_clearance(each, prepared, scene)
             end associate
