@@ -7,7 +7,6 @@ program kalm
    use psalm_chain_report, only: report_chain_proof, report_outputs, report_still_drives
    use psalm_chain_study, only: chain_study_t
    use psalm_data_set, only: data_set_t
-   use psalm_dimensions, only: dimensions_t
    use psalm_devices, only: devices_t, header_of
    use psalm_error, only: problem_t, make_problem
    use psalm_force_model, only: forces_wanted
@@ -104,7 +103,7 @@ contains
       call report_rates(set, problem, rates, devices, forces, machine)
       if (set%sketch%given) call report_outputs(set, sketch, rates%motion%beyond, accelerations, devices)
       if (proof_wanted(set, .false.) /= no_proof .and. set%is_beyond_arrays()) then
-         call prove_sketch(set, prepared%given, devices)
+         call prove_sketch(set, devices)
       else if (proof_wanted(set, .false.) /= no_proof) then
          allocate (proof)
          call study_proof(set, problem, prepared%given, proof_wanted(set, .false.), proof)
@@ -120,16 +119,15 @@ contains
    end subroutine run_case
 
    !> The proof of a sketch with a larger group, which is made in the poses of its links.
-   subroutine prove_sketch(set, dimensions, devices)
+   subroutine prove_sketch(set, devices)
       type(data_set_t), intent(in) :: set
-      type(dimensions_t), intent(in) :: dimensions
       type(devices_t), intent(inout) :: devices
       type(chain_study_t), allocatable :: study
       type(chain_proof_t), allocatable :: proof
       logical :: sound
 
       allocate (study, proof)
-      call prove_loops(set, proof_wanted(set, .false.), dimensions, study, proof, sound)
+      call prove_loops(set, proof_wanted(set, .false.), study, proof, sound)
       if (sound) call report_chain_proof(set, study, proof, devices)
    end subroutine prove_sketch
 end program kalm

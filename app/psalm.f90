@@ -7,7 +7,7 @@ program psalm
    use psalm_analysis, only: analysis_t, wanted_t, analyse, wanted_by
    use psalm_cases, only: resolve_drawn
    use psalm_chain_proof_study, only: chain_proof_t, prove_loops
-   use psalm_chain_report, only: report_chain_proof, report_outputs
+   use psalm_chain_report, only: report_chain_proof, report_outputs, report_swept_outputs, several_outputs
    use psalm_chain_search_list, only: report_chain_search
    use psalm_chain_synthesis, only: chain_synthesis_t, synthesise_chain
    use psalm_chain_study, only: chain_study_t
@@ -31,7 +31,7 @@ program psalm
                            report_tolerances, report_violations, report_summary, report_proof
    use psalm_search_log, only: search_log_t, begin_log
    use psalm_signals, only: signals_t, shield_threads
-   use psalm_sketch_study, only: sketch_study_t, study_sketch
+   use psalm_sketch_study, only: sketch_study_t, study_conditions, study_sketch, study_sweep
    use psalm_sketch_text, only: variant_t, variant_of
    use psalm_source, only: line_t, read_lines
    use psalm_status, only: diagnostics_t
@@ -138,6 +138,7 @@ contains
       type(wanted_t) :: wanted
       type(search_log_t) :: log
       type(sketch_study_t) :: sketch
+      type(sketch_study_t), allocatable :: swept
       integer :: threads
 
       if (set%gives('EXACT')) then
@@ -169,8 +170,14 @@ contains
       call report_analysis(set, problem, analysis, prepared%warnings, devices)
       if (set%sketch%given .and. .not. set%wants_search()) then
          call study_sketch(set, problem, dimensions, analysis%motion%closed, 1.0_wp, 0.0_wp, sketch)
+         if (set%limits%icond /= 0) call study_conditions(set, problem, dimensions, sketch)
          call put_sketch(set%sketch, sketch, 0, devices%cases(devices%last_case()))
          call report_outputs(set, sketch, analysis%motion%beyond, 0, devices)
+         if (allocated(analysis%sweep) .and. several_outputs(set)) then
+            allocate (swept)
+            call study_sweep(set, problem, dimensions, analysis%sweep%closed, swept)
+            call report_swept_outputs(set, swept, devices)
+         end if
       else
          call put_positions(problem, analysis%motion, devices%cases(devices%last_case()), analysis%condition)
       end if
@@ -196,7 +203,7 @@ contains
       if (set%gives('SWEEP')) call run_family(set, problem%mechanism, dimensions, devices)
       if (proof_wanted(set, prepared%parameters%has_search()) /= no_proof) then
          if (set%is_beyond_arrays()) then
-            call prove_sketch(set, prepared%parameters%has_search(), dimensions, devices)
+            call prove_sketch(set, prepared%parameters%has_search(), devices)
          else
             allocate (proof)
             call study_proof(set, problem, dimensions, proof_wanted(set, prepared%parameters%has_search()), proof)
@@ -279,10 +286,9 @@ contains
    end subroutine run_assemblies
 
    !> The proof of a sketch with a larger group, which is made in the poses of its links.
-   subroutine prove_sketch(set, searched, dimensions, devices)
+   subroutine prove_sketch(set, searched, devices)
       type(data_set_t), intent(in) :: set
       logical, intent(in) :: searched                !! there was a search: the sketch is not its result
-      type(dimensions_t), intent(in) :: dimensions
       type(devices_t), intent(inout) :: devices
       type(chain_study_t), allocatable :: study
       type(chain_proof_t), allocatable :: proof
@@ -295,7 +301,7 @@ contains
          return
       end if
       allocate (study, proof)
-      call prove_loops(set, proof_wanted(set, .false.), dimensions, study, proof, sound)
+      call prove_loops(set, proof_wanted(set, .false.), study, proof, sound)
       if (sound) call report_chain_proof(set, study, proof, devices)
    end subroutine prove_sketch
 

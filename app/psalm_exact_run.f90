@@ -115,10 +115,10 @@ contains
             proof%from = 0.0_wp
             proof%to = full_turn
          else
-            call take_part(turn, prepared%given%crnki, proof)
+            call take_part(turn, proof)
          end if
       else if (.not. proof%closes) then
-         call take_part(way, prepared%given%crnki, proof)
+         call take_part(way, proof)
       end if
    end subroutine prove_one
 
@@ -139,9 +139,8 @@ contains
    end subroutine take_least_angle
 
    !> The part of the range that closes and holds the first position.
-   pure subroutine take_part(study, first, proof)
+   pure subroutine take_part(study, proof)
       type(proof_study_t), intent(in) :: study
-      real(wp), intent(in) :: first                  !! crank angle of the first position
       type(exact_proof_t), intent(inout) :: proof
       real(wp) :: shift
       integer :: part, last
@@ -152,11 +151,11 @@ contains
       if (part == 0) return
       associate (limits => study%proof%limits)
          last = size(limits)
-         proof%from = limits(part)%from - first
-         proof%to = limits(part)%to - first
+         proof%from = limits(part)%from - study%reference
+         proof%to = limits(part)%to - study%reference
          ! a part that goes on over the end of the turn
          if (study%full_turn .and. part == 1 .and. last > 1 .and. limits(last)%kind == piece_closes) &
-            proof%from = limits(last)%from - full_turn - first
+            proof%from = limits(last)%from - full_turn - study%reference
       end associate
       if (.not. study%full_turn) return
       ! the first position is in it

@@ -449,13 +449,24 @@ def degrees(_):
     return item("LIMITS", "IPLOT=1")
 
 
-degrees.figures = lambda k, run: {"plot": [float(w) for w in run.file(".dev9").split("\n\n\n")[1].split() if is_number(w)]
-                                  if "\n\n\n" in run.file(".dev9") else []}
+degrees.figures = lambda k, run: {"plot": drawn_inputs(k, [v for row in plotted(run) for v in row[:4]], 4, 0)}
+
+
+def plotted(run):
+    """Rows of every degree: input, closed, x, y, and what else there is."""
+    blocks = run.file(".dev9").split("\n\n\n")
+    return [[float(w) for w in line.split()] for line in blocks[1].splitlines() if line and line[0] != "#"] if len(blocks) > 1 else []
+
+
+def drawn_inputs(k, numbers, row, *places):
+    """Rows of numbers with their inputs, at these places of a row, from the drawing in a turn: those of arcs count from the x axis."""
+    zero = polar(FOUR["A"], FOUR["B"])[1] if k.arcs else 0.0
+    return [round((v - zero) % 360.0, 6) % 360.0 if k.turns and i % row in places else v for i, v in enumerate(numbers)]
 
 
 def are_on_the_way(k, run):
     """Places of every degree, or of 361 even steps of a range."""
-    rows = [[float(w) for w in line.split()] for line in run.file(".dev9").split("\n\n\n")[1].splitlines() if line and line[0] != "#"]
+    rows = plotted(run)
     first = [v[0] for v in increments(k)]
     whole = k.turns and k.motion == "IKIN=15"
     yield "361 rows, or 360", len(rows) in (360, 361), len(rows)
@@ -679,7 +690,7 @@ def sweep(k):
     return item("SWEEP", which, "SWLOW=%.9g" % (0.99*length), "SWHIGH=%.9g" % (1.01*length))
 
 
-sweep.figures = lambda k, run: run.block("sweep")
+sweep.figures = lambda k, run: {n: drawn_inputs(k, v, 5, 1) for n, v in run.block("sweep", words=range(5)).items()}
 
 
 def are_settings(k, run):
@@ -734,7 +745,8 @@ def dwells(_):
 
 
 dwells.outputs = lambda k: "'point P'" if k.arcs else "'angle %s %s'" % k.line("follower")
-dwells.figures = lambda k, run: {"turning": sorted(float(v) for v in re.findall(r"^turning \S+ \S+ (\S+)", run.file(".dev9"), re.M)),
+dwells.figures = lambda k, run: {"turning": sorted(drawn_inputs(k, [
+    float(v) for v in re.findall(r"^turning \S+ \S+ (\S+)", run.file(".dev9"), re.M)], 1, 0)),
                                  "ratio": [float(v) for v in re.findall(r"^velocity_ratio\S* .*", run.file(".dev9"), re.M)[:1]
                                            for v in v.split()[3:]]}
 
@@ -858,7 +870,7 @@ def proven_margins(k):
     return margins.build(k)
 
 
-proven_margins.figures = lambda k, run: run.block("clearance")
+proven_margins.figures = lambda k, run: {n: drawn_inputs(k, v, 7, 5) for n, v in run.block("clearance", words=range(7)).items()}
 
 
 @study("counterweights, complete balance (&BALANC)", "muscle", "--json")
@@ -881,7 +893,7 @@ def springs(k):
                                        "SFHIGH=" + size(k, 100.0), "SKMAX=5000.0")
 
 
-springs.figures = lambda k, run: run.block("spring_load", ".muscle.dev9")
+springs.figures = lambda k, run: {n: drawn_inputs(k, v, 3, 0) for n, v in run.block("spring_load", ".muscle.dev9").items()}
 springs.of_drive = True
 
 

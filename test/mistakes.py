@@ -200,7 +200,7 @@ DOUBTS = [
      "&METHOD CRNKI: counts from the drawing in a sketch, and DELT from there: the first position is 224.0000 from the drawing"),
     ("psalm", SKETCH, "'point P'", "'y C','point P'", "  Output              y_C 80.75798 to 82.00000 at the positions"),
     ("psalm", SKETCH, "'point P'", "'point P','y C'", "  Output              y_C 80.75798 to 82.00000 at the positions"),
-    ("psalm", SKETCH, "'point P'", "'x P'", "  Inputs              count from the x axis; the drawing, input 0 of the table (CSV), is at 97.35"),
+    ("psalm", SKETCH, "'point P'", "'x P'", "  Inputs              count from the drawing, where the crank is at 97.35238 degrees from the x axis"),
     ("kalm", SKETCH, " &METHOD", " &RATES SPEED=1.0 &END\n &MASSES NMASS=1, MNAME='crank', MASS=1.0 &END\n &METHOD",
      "&MASSES UNITL: missing: lengths are taken as metres, and this linkage is 95 m large"),
     ("kalm", DRIVES, " &METHOD", " &RATES SPEED=1.0 &END\n &METHOD",

@@ -36,11 +36,10 @@ def run(text, place, code=0):
     return done.stdout, blocks, table
 
 
-def zero_of(place, table):
-    """What the inputs of device 9 count from, beside those of the table, which count from the drawing."""
+def first_input(place):
+    """The first input of device 9, which counts from the drawing, as the table does."""
     with open(os.path.join(place, "case.dev9"), encoding="utf-8") as file:
-        first = next((line.split() for line in file if not line.startswith("#")), None)
-    return float(first[0]) - float(next(value for key, value in table[0].items() if key.startswith("input")))
+        return next((float(line.split()[0]) for line in file if not line.startswith("#")), None)
 
 
 def listed(numbers):
@@ -130,11 +129,11 @@ def brackets(place):
         cases.append((name, text, spread(low, high, 4), " &METHOD NDES=%d, DELT=%s &END\n"))
     for name, text, ends, method in cases:
         listing, blocks, table = run(text + method % (len(ends), listed(ends)) + " &LIMITS IPROOF=2 &END\n", place)
-        zero = zero_of(place, table)
+        check(name + ": one zero of the input", first_input(place) == float(next(value for key, value in table[0].items()
+                                                                                  if key.startswith("input"))), table[0])
 
         def drawn(value):
-            """The input from the drawing of one as device 9 has it, in the range."""
-            value -= zero
+            """An input in the range."""
             return value + (360.0 * round((sum((ends[0], ends[-1]))/2 - value)/360.0) if name in TURNING else 0.0)
 
         check(name + ": closes", "CLOSES FOR EVERY INPUT OF THE RANGE" in listing, listing)

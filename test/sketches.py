@@ -423,10 +423,10 @@ def other_way_round(programs):
         done, rows = run_psalm(programs, folder, "gap", text % (gears, *deltas))
     got = "%s %s" % (rows, done.stderr[:300])
     yield "a gap ends the motion of a crank with gears", [row[1] for row in rows] == [1, 0, 0, 1] and done.returncode == 1, got
-    # the wheel turns by -30/40 of the crank, whose input counts from the x axis here
+    # the wheel turns by -30/40 of the crank, whose input counts from the drawing, 45 degrees from the x axis
     for row in rows:
         if row[1] == 1:
-            wheel = math.radians(90.0 - 0.75*(row[0] - 45.0))
+            wheel = math.radians(90.0 - 0.75*row[0])
             place = complex(-70.0 + 25.0*math.cos(wheel), 25.0*math.sin(wheel))
             yield "place of a point of the wheel", abs(complex(row[2], row[3]) - place) < 1e-10, got
 

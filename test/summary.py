@@ -205,11 +205,11 @@ def coincident_joints(work):
     block = lines_of(result.stderr)[0]
     check("scissors: exit status", result.returncode == 1, result.returncode)
     ends = numbers(block["Closes"])
-    check("scissors: one range closes", close(ends[0], 270, 0.02) and close(ends[1], 90, 0.02) and "and" not in block["Closes"], block)
-    check("scissors: the joints are named", re.fullmatch(r"from input 90(\.\d+)? to 2(70|69\.9\d*): joints C and D coincide", block["Undetermined"]),
+    start = math.degrees(math.atan2(60, 80))    # the crank's angle in the drawing, from which inputs count
+    check("scissors: one range closes", close(ends[0], 270 - start, 0.02) and close(ends[1], 90 - start, 0.02) and "and" not in block["Closes"], block)
+    check("scissors: the joints are named", re.fullmatch(r"from input 53\.1\d* to 233\.1\d*: joints C and D coincide", block["Undetermined"]),
           block)
     rows = list(csv.DictReader((work / "lift.csv").open()))
-    start = math.degrees(math.atan2(60, 80))
     # flat on the floor its links are in a line: a dead point, which the motion from the drawing does not pass
     check("scissors: the table ends where it lies flat", all((row["closed"] == "1") == (0 < (start + float(row["input"])) % 360 < 90)
                                                             for row in rows),

@@ -20,6 +20,7 @@ module psalm_cam_motion
    use psalm_output_kind, only: motion_pose
    use psalm_parameters, only: parameters_t
    use psalm_rates, only: highest_order
+   use psalm_shown_input, only: reference_input
    implicit none (type, external)
    private
    public :: cam_motion_t, prepare_cam_motion, chained_motion
@@ -34,7 +35,7 @@ module psalm_cam_motion
       logical :: angular = .false.                   !! and that is an angle
       type(followed_t) :: what                       !! the output's component, and units
       type(moved_problem_t), allocatable :: output, follower
-      real(wp) :: reference = 0.0_wp                 !! CRNKI
+      real(wp) :: reference = 0.0_wp                 !! the reference input as shown
       real(wp), allocatable :: q(:), f(:)            !! the stretch: inputs that rise, outputs there
       type(ways_t) :: ways                           !! this stretch and those beyond its dead points
       type(cam_chain_t), allocatable :: chain        !! of a sketch solved in the poses of its links, in place of all this
@@ -57,7 +58,7 @@ contains
       motion%law = law
       motion%of_output = cam%of_output
       motion%what%turning_input = .not. mechanism%sliding_input
-      motion%reference = given%crnki
+      motion%reference = reference_input(mechanism, given)
       allocate (motion%q(0), motion%f(0))
       allocate (motion%follower)
       call make_follower(cam, cam%roller, mechanism, given, parameters, motion%follower)

@@ -8,6 +8,7 @@ module psalm_cam_stretch
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, is_dead, highest_order
+   use psalm_shown_input, only: reference_input
    implicit none (type, external)
    private
    public :: moved_problem_t, followed_t, stretch_t, stretch_end_t, find_stretch, find_dead_point, rise_from
@@ -81,12 +82,12 @@ contains
 
       associate (problem => self%problem)
          if (self%prepared /= size(inputs)) then
-            call problem%set_inputs(inputs - problem%given%crnki)
+            call problem%set_inputs(inputs - reference_input(problem%mechanism, problem%given))
             call problem%bind(problem%given)
             call prepare_rates(problem, self%rates)
             self%prepared = size(inputs)
          else
-            call problem%move_inputs(inputs - problem%given%crnki)
+            call problem%move_inputs(inputs - reference_input(problem%mechanism, problem%given))
          end if
          shut = .true.
          do block = 1, problem%blocks()

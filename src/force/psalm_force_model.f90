@@ -172,7 +172,7 @@ contains
          end associate
       end do
       ! of a sketch every input counts from the drawing
-      model%table_input = set%loads%input + merge(set%drawn_input(), 0.0_wp, set%sketch%given)
+      model%table_input = set%loads%input
       model%table_factor = set%loads%factor
       do k = 1, size(model%springs)
          associate (spring => model%springs(k))

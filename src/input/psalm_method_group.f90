@@ -45,6 +45,8 @@ module psalm_method_group
       real(wp) :: bounce = 3.0_wp, expand = 2.0_wp, snake = 0.5_wp, reduce = 0.25_wp, shrink = 0.5_wp
       integer :: niter = default_niter, ncheck = 1
       real(wp) :: fmin = 0.0_wp, small = 0.001_wp
+   contains
+      procedure :: turn_begins
    end type method_group_t
 
    !> The items of the group.
@@ -62,7 +64,7 @@ module psalm_method_group
       rule_t('DELT', a_number, 'NDES', '', '0', '', &
              'increments of the input from CRNKI, degrees or length'), &
       rule_t('CRNKI', a_number, '', '', '0', '', &
-             'reference input: angle of the crank from the x axis, or input length'), &
+             'reference input: angle of the crank from the x axis, or input length; of a sketch, counted from the drawing'), &
       rule_t('DESX', a_number, 'NDES', 'length', '0', '', &
              'desired x of the output point relative to XADD, MOTION 0 and 4'), &
       rule_t('DESY', a_number, 'NDES', 'length', '0', '', &
@@ -151,6 +153,21 @@ module psalm_method_group
              'coefficient of shrinkage')]
 
 contains
+
+   !> Where the turn begins that is shown of a sketch: the whole degree at or below its least input, so that a turn later is exact.
+   pure real(wp) function turn_begins(self)
+      class(method_group_t), intent(in) :: self
+      real(wp) :: least
+
+      least = 0.0_wp
+      if (self%ikin < 0) then
+         least = real(self%ikin*(359/abs(self%ikin)), wp)
+      else if (self%ikin == 0 .and. size(self%delt) > 0) then
+         least = minval(self%delt)
+      end if
+      least = self%crnki + least
+      turn_begins = least - modulo(least, 1.0_wp)
+   end function turn_begins
 
    !> Read the group. Errors: numbers out of range, fewer or more values than NDES.
    subroutine read_method_group(group, nloop, maxarc, shape_known, of_sketch, method, findings)

@@ -21,10 +21,12 @@ module psalm_column_names
    implicit none (type, external)
    private
    public :: input_name, closed_name, position_name, output_name, desired_name, joint_name, by_time, by_input, per_time, per_input
+   public :: condition_name, crank_name
    public :: plotted_output, plotted_desired, plotted_component, plotted_rate
    public :: input_unit, drive_unit, output_unit, rate_unit, number_unit
 
-   character(*), parameter :: closed_name = 'closed', position_name = 'position'
+   character(*), parameter :: closed_name = 'closed', position_name = 'position', condition_name = 'condition'
+   character(*), parameter :: crank_name = 'crank_angle' !! from the x axis, beside inputs that count from the drawing
 
    integer, parameter :: most_orders = 3
    character(*), parameter :: of_time(0:most_orders) = [character(2) :: '', '.v', '.a', '.j']

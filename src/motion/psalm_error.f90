@@ -3,7 +3,7 @@
 !> A `problem_t` is everything an analysis or a search works on: topology, plan, inputs, desired values and weights, and a
 !> linkage to move. Source of motions and objective: Oldham (1977), chapter 5 and appendix B.
 module psalm_error
-   use psalm_angles, only: unit_vector, within_turn
+   use psalm_angles, only: unit_vector
    use psalm_assur, only: breach_of, coincidence_of
    use psalm_data_set, only: data_set_t
    use psalm_dyad, only: breach_t, violation_none, violation_angle_small, violation_undetermined, violation_slides, &
@@ -19,6 +19,7 @@ module psalm_error
    use psalm_sketch, only: wish_column_t
    use psalm_parameters, only: parameters_t
    use psalm_place, only: beside_t
+   use psalm_shown_input, only: crank_angle_at, input_at, shows_crank
    implicit none (type, external)
    private
    public :: problem_t, motion_t, violation_t, crossing_t, make_problem, new_problem, inputs_of, own_inputs_of, &
@@ -44,7 +45,9 @@ module psalm_error
       logical, allocatable :: closed(:)            !! every loop the output depends on closes
       logical, allocatable :: beyond(:)            !! of a sketch: the links can be put together, but the linkage does not come
                                                    !! there from the drawing without passing a dead point: not `closed`
-      real(wp), allocatable :: input(:)            !! degrees in a turn, or length
+      real(wp), allocatable :: input(:)            !! as shown (`psalm_shown_input`): degrees or length
+      real(wp), allocatable :: crank(:)            !! angle of the crank from the x axis, degrees in a turn; not allocated: none is
+                                                   !! shown beside the input
       real(wp), allocatable :: actual(:, :)        !! shape (positions, components): x and y, or angle, distance, length
       real(wp), allocatable :: error(:, :)         !! desired - actual; 0 without desired values
       real(wp) :: total = 0.0_wp                   !! objective over the closed positions
@@ -679,8 +682,8 @@ contains
       allocate (sine(self%mechanism%nloop), source=0.0_wp)
       closed_before = .false.
       allocate (open_violation(self%mechanism%nloop), source=0)
-      motion%input = dimensions%crnki + self%delt
-      if (.not. self%mechanism%sliding_input) motion%input = within_turn(motion%input)
+      motion%input = input_at(self%mechanism, dimensions, self%delt)
+      if (shows_crank(self%mechanism)) motion%crank = crank_angle_at(dimensions, self%delt)
       call self%bind(dimensions)
       do block = 1, self%blocks()
          call self%solve_block(block, offset, n)

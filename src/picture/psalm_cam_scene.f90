@@ -11,6 +11,7 @@ module psalm_cam_scene
    use psalm_preparation, only: prepared_t
    use psalm_scene, only: scene_t, make_scene
    use psalm_status, only: finding_t
+   use psalm_shown_input, only: reference_input
    implicit none (type, external)
    private
    public :: cam_scene_t, cam_part_t, make_cam_scene
@@ -110,7 +111,7 @@ contains
          call make_chain_scene(set, none, scene%linkage, inputs=inputs)
       else
          call make_scene(set, prepared%mechanism, prepared%given, prepared%parameters, none, scene%linkage, &
-                         delt=scene%parts(1)%states%q(0, :) - prepared%given%crnki)
+                         delt=scene%parts(1)%states%q(0, :) - reference_input(prepared%mechanism, prepared%given))
       end if
    end subroutine make_linkage
 

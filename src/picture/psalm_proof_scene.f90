@@ -19,6 +19,7 @@ module psalm_proof_scene
    use psalm_proof_study, only: proof_study_t, kept_t, study_proof, proof_wanted, no_proof
    use psalm_station, only: station_t, prepare_station, evaluate_station
    use psalm_text, only: lower_case, to_text
+   use psalm_shown_input, only: reference_input
    implicit none (type, external)
    private
    public :: proof_scene_t, near_t, make_proof_scene, change_unit_of_proof
@@ -154,7 +155,7 @@ contains
       integer :: columns                            ! of the first output, which the picture draws
 
       allocate (study, proof)
-      call prove_loops(set, proof_wanted(set, .false.), dimensions, study, proof, sound)
+      call prove_loops(set, proof_wanted(set, .false.), study, proof, sound)
       if (.not. sound) return
       if (proof%braced > 0 .or. proof%empty) return
       found = .true.
@@ -391,7 +392,8 @@ contains
       allocate (plain, source=problem)
       allocate (station)
       plain%motion = motion_point
-      call prepare_station(plain, scene%marks%input - dimensions%crnki, .false., joints, .false., station, beside)
+      call prepare_station(plain, scene%marks%input - reference_input(plain%mechanism, dimensions), .false., &
+                           joints, .false., station, beside)
       call evaluate_station(station, dimensions)
       if (set%is_beyond_arrays()) call step_inside(station, dimensions)
       do i = 1, size(scene%marks)

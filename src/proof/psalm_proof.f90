@@ -146,10 +146,11 @@ contains
    end subroutine add_lines
 
    !> Put the numbers of a linkage in. Cosines are formed in quadruple precision from the degrees as given.
-   subroutine bind_subject(plan, dimensions, subject)
+   subroutine bind_subject(plan, dimensions, subject, zero)
       type(plan_t), intent(in) :: plan
       type(dimensions_t), intent(in) :: dimensions
       type(subject_t), intent(inout) :: subject
+      real(wp), intent(in), optional :: zero     !! crank angle, or length of the actuator, at input 0; default 0
       real(qp) :: angle(size(plan%root)), x, y
       integer :: k, n, b
 
@@ -159,6 +160,8 @@ contains
          b = plan%base(n)
          if (plan%takes_gama(n)) angle(n) = real(dimensions%gama(n), qp)
          if (b > 0) angle(n) = angle(n) + angle(b) + right_angle*real(plan%quarter(n), qp)
+         if (b > 0 .or. .not. present(zero) .or. subject%plan%sliding_input) cycle
+         if (plan%root(n) == root_crank) angle(n) = angle(n) + real(zero, qp)
       end do
       call unit_vector_quad(angle(subject%output_arc) + real(dimensions%outang, qp), x, y)
       subject%output_x = real(x, wp)
@@ -170,6 +173,9 @@ contains
                            [angle, real(dimensions%origng, qp), angle(subject%output_arc) + real(dimensions%outang, qp), &
                             [(angle_of(subject%lines(k)), k=1, size(subject%lines))]], subject)
       end if
+      if (.not. present(zero) .or. .not. subject%plan%sliding_input) return
+      subject%numbers%zero = zero
+      subject%fine_numbers%zero = real(zero, qp)
 
    contains
 

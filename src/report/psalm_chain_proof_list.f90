@@ -36,8 +36,7 @@ contains
       turns = first_turns(study)
       call text%add()
       if (proof%one_drive) then
-         call text%add(' LIMITS OF MOTION, PROVEN FOR INPUTS '//short(proof%from)//' TO '//short(proof%to)// &
-                       trim(merge(' FROM THE DRAWING', '                 ', proof%from_drawing)))
+         call text%add(' LIMITS OF MOTION, PROVEN FOR INPUTS '//short(proof%from)//' TO '//short(proof%to))
       else
          call text%add(' LIMITS OF MOTION, PROVEN ALONG STRAIGHT LINES OF THE INPUTS BETWEEN THE POSITIONS')
       end if

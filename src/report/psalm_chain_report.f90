@@ -15,7 +15,7 @@ module psalm_chain_report
    use psalm_text, only: text_t, general, lower_case, to_text
    implicit none (type, external)
    private
-   public :: report_outputs, several_outputs, range_lines, report_chain_proof, &
+   public :: report_outputs, report_swept_outputs, several_outputs, range_lines, report_chain_proof, &
              report_unreached, report_still_drives, unreached_words
 
    character(*), parameter :: of_dyads = 'linkages of dyads with one drive on the frame'
@@ -38,8 +38,17 @@ contains
       call devices%six%add()
       call devices%six%add(' ALL OUTPUTS, INPUTS FROM THE DRAWING')
       call list_rows(set, study%inputs, study%closed, names, values, devices%six, beyond)
-      call plot_sketch(set%sketch, study, orders, devices%cases(devices%last_case()))
+      call plot_sketch('outputs', set%sketch, study, orders, devices%cases(devices%last_case()))
    end subroutine report_outputs
+
+   !> All outputs over the sweep that IPLOT asks for: a block of device 9, row by row with that of the sweep.
+   subroutine report_swept_outputs(set, study, devices)
+      type(data_set_t), intent(in) :: set
+      type(sketch_study_t), intent(in) :: study
+      type(devices_t), intent(inout) :: devices
+
+      call plot_sketch('swept_outputs', set%sketch, study, 0, devices%cases(devices%last_case()))
+   end subroutine report_swept_outputs
 
    !> True if there are outputs that listing and summary of the loops do not have: all but the first, or that one, too.
    pure logical function several_outputs(set)

@@ -5,7 +5,8 @@ module psalm_check_list
    use psalm_analysis, only: arc_table_t, doubts_t
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t
-   use psalm_finale, only: angle_text, arc_table, list_reference, list_output_arc
+   use psalm_finale, only: arc_table, list_reference, list_output_arc
+   use psalm_input_text, only: angle_text
    use psalm_kinds, only: wp
    use psalm_loop_arrays, only: loop_arrays_t, arrays_of
    use psalm_output_kind, only: output_kind_t, output_kind

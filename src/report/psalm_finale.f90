@@ -9,9 +9,9 @@ module psalm_finale
                          violation_angle_large, violation_undetermined, violation_slides, violation_toggle
    use psalm_dyad_kind, only: assur_rpr, assur_rpr_guide_first, form_of, form_t
    use psalm_error, only: problem_t, motion_t, violation_t, crossing_t
-   use psalm_input_text, only: list_sketch_notes
+   use psalm_input_text, only: angle_text, crank_heading, input_heading, input_text, list_sketch_notes
    use psalm_loop_arrays, only: loop_arrays_t, arrays_of
-   use psalm_kinds, only: wp, full_turn, right_angle
+   use psalm_kinds, only: wp, right_angle
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_pose, most_rates
    use psalm_plan, only: root_frame
    use psalm_dimensions, only: dimensions_t
@@ -19,12 +19,11 @@ module psalm_finale
    use psalm_text, only: text_t, fixed, general, to_text
    implicit none (type, external)
    private
-   public :: list_results, arc_table, in_columns, list_reference, list_output_arc, angle_text, describe_violation, &
+   public :: list_results, arc_table, in_columns, list_reference, list_output_arc, describe_violation, &
              describe_crossing, mark_beyond, open_words
 
    character(*), parameter :: beyond_line = ' *** BEYOND THE PUBLISHED LISTING ***'
    integer, parameter :: column = 10   !! width of a dimension
-   real(wp), parameter :: nearly_full = 0.99_wp*full_turn !! below this no angle prints as 360.0000
 
 contains
 
@@ -201,7 +200,7 @@ contains
       type(problem_t), intent(in) :: problem
       character(:), allocatable :: line
 
-      line = merge('   INPUT LENGTH', '    CRANK ANGLE', problem%mechanism%sliding_input)
+      line = input_heading(problem%mechanism)
       select case (problem%motion)
       case (motion_point)
          if (problem%desired) line = line//'      DESIRED X      DESIRED Y'
@@ -236,13 +235,11 @@ contains
       integer :: i, c
 
       call text%add()
-      call text%add(motion_headings(problem))
+      line = motion_headings(problem)
+      if (allocated(motion%crank)) line = line//crank_heading
+      call text%add(line)
       do i = 1, size(motion%input)
-         if (problem%mechanism%sliding_input) then
-            line = general(motion%input(i))
-         else
-            line = angle_text(motion%input(i))
-         end if
+         line = input_text(problem%mechanism, motion%input(i))
          if (problem%desired) then
             do c = 1, size(motion%actual, 2)
                line = line//general(problem%wanted(i, c))
@@ -262,6 +259,7 @@ contains
                   line = line//general(motion%error(i, c))
                end do
             end if
+            if (allocated(motion%crank)) line = line//angle_text(motion%crank(i))
          else
             line = line//open_words(motion, i)
          end if
@@ -332,11 +330,11 @@ contains
             if (problem%output%kind%angle > 0) line = line//' (ANGLES IN RADIANS)'
             call text%add()
             call text%add(line)
-            line = merge('   INPUT LENGTH', '    CRANK ANGLE', problem%mechanism%sliding_input)
+            line = input_heading(problem%mechanism)
             line = line//headings('DESIRED')//headings(' ACTUAL')//headings('  ERROR')
             call text%add(line)
             do i = 1, size(motion%input)
-               line = merge(general(motion%input(i)), angle_text(motion%input(i)), problem%mechanism%sliding_input)
+               line = input_text(problem%mechanism, motion%input(i))
                do c = 1, size(wanted, 2)
                   line = line//merge(general(problem%rate_wanted(i, c, order)), blank, wanted(i, c))
                end do
@@ -377,16 +375,6 @@ contains
          end select
       end function headings
    end subroutine list_wanted_rates
-
-   !> An angle of 0 to 360 degrees; what would print as 360.0000 prints as zero.
-   pure function angle_text(degrees) result(text)
-      real(wp), intent(in) :: degrees
-      character(15) :: text
-
-      text = general(degrees)
-      if (degrees < nearly_full) return
-      if (text == general(full_turn)) text = general(0.0_wp)
-   end function angle_text
 
    !> Slides that are parallel between two positions, in words.
    function describe_crossing(motion, crossing) result(text)

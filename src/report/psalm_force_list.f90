@@ -2,7 +2,7 @@
 module psalm_force_list
    use psalm_column_names, only: input_name, input_unit
    use psalm_data_set, only: data_set_t
-   use psalm_finale, only: angle_text
+   use psalm_input_text, only: angle_text
    use psalm_force_analysis, only: column_of_joint, column_drive, column_fx, column_fy, column_moment
    use psalm_force_study, only: force_study_t
    use psalm_kinds, only: wp
@@ -32,6 +32,7 @@ contains
                        trim(merge(', DRIVE INCLUDED    ', ', WITHOUT THE DRIVE ', set%masses%motor_on_frame .or. sliding)))
          call text%add()
          line = merge('   INPUT LENGTH', '    CRANK ANGLE', sliding)
+         if (study%of_sketch) line = '          INPUT'
          line = line//merge('    DRIVE FORCE', '   DRIVE TORQUE', sliding)// &
                 '       FRAME FX       FRAME FY   FRAME MOMENT    DRIVE POWER KINETIC ENERGY'
          if (set%masses%about_given) line = line//'  MOMENT ABOUT P'
@@ -41,7 +42,7 @@ contains
          end do
          call text%add(line)
          do k = 1, size(study%input)
-            line = merge(general(study%input(k)), angle_text(study%input(k)), sliding)
+            line = merge(general(study%input(k)), angle_text(study%input(k)), sliding .or. study%of_sketch)
             if (.not. study%table%known(k)) then
                call text%add(line//'   '//upper_case(trouble_at(study, k)))
                cycle

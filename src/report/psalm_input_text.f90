@@ -1,51 +1,73 @@
-!> From where the input of a sketch counts, in words. Its listing counts the crank from the x axis, as that of loops does; its table
-!> (CSV) counts all drives from the drawing.
+!> The input in words: its heading, its numbers, from where that of a sketch counts.
 module psalm_input_text
    use psalm_data_set, only: data_set_t
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: full_turn, wp
+   use psalm_mechanism, only: mechanism_t
+   use psalm_shown_input, only: shows_crank
    use psalm_sketch, only: drive_turns
    use psalm_text, only: text_t, general, to_text, upper_case
    implicit none (type, external)
    private
-   public :: position_words, zero_words, list_sketch_notes
+   public :: input_heading, crank_heading, input_text, angle_text, position_words, zero_words, list_sketch_notes
+
+   real(wp), parameter :: nearly_full = 0.99_wp*full_turn !! below this no angle prints as 360.0000
+   character(15), parameter :: crank_heading = '    CRANK ANGLE' !! of the angle from the x axis
 
 contains
 
-   !> A position and its input for a message: that of a sketch as its table has it.
-   pure function position_words(set, position, input) result(words)
-      type(data_set_t), intent(in) :: set
-      integer, intent(in) :: position
-      real(wp), intent(in) :: input                !! as listed
-      character(:), allocatable :: words
-      real(wp) :: from_drawing
+   !> Heading of the column of inputs.
+   pure function input_heading(mechanism) result(heading)
+      type(mechanism_t), intent(in) :: mechanism
+      character(:), allocatable :: heading
 
-      words = 'position '//to_text(position)//', input '
-      if (.not. set%sketch%given) then
-         words = words//trim(adjustl(general(input)))
-         return
-      end if
-      from_drawing = set%method%crnki
-      if (set%method%ikin /= 0) then
-         from_drawing = from_drawing + real((position - 1)*set%method%ikin, wp)
+      heading = crank_heading
+      if (mechanism%sliding_input) heading = '   INPUT LENGTH'
+      if (mechanism%from_drawing) heading = '          INPUT'
+   end function input_heading
+
+   !> An input in its column.
+   pure function input_text(mechanism, input) result(text)
+      type(mechanism_t), intent(in) :: mechanism
+      real(wp), intent(in) :: input                !! as shown
+      character(:), allocatable :: text
+
+      if (mechanism%sliding_input .or. mechanism%from_drawing) then
+         text = general(input)
       else
-         from_drawing = from_drawing + set%method%delt(position)
+         text = angle_text(input)
       end if
-      words = words//trim(adjustl(general(from_drawing)))//' from the drawing'
+   end function input_text
+
+   !> An angle of 0 to 360 degrees; what would print as 360.0000 prints as zero.
+   pure function angle_text(degrees) result(text)
+      real(wp), intent(in) :: degrees
+      character(15) :: text
+
+      text = general(degrees)
+      if (degrees < nearly_full) return
+      if (text == general(full_turn)) text = general(0.0_wp)
+   end function angle_text
+
+   !> A position and its input for a message.
+   pure function position_words(position, input) result(words)
+      integer, intent(in) :: position
+      real(wp), intent(in) :: input                !! as shown
+      character(:), allocatable :: words
+
+      words = 'position '//to_text(position)//', input '//trim(adjustl(general(input)))
    end function position_words
 
-   !> From where the inputs of the listing count; empty where nothing need be said.
+   !> From where the inputs of a sketch count; empty where nothing need be said.
    pure function zero_words(set) result(words)
       type(data_set_t), intent(in) :: set
       character(:), allocatable :: words
 
       words = ''
-      if (.not. set%sketch%given) return
-      if (set%wants_search()) return               ! it has no table, and the input of the drawing may change
-      if (.not. abs(set%drawn_input()) > 0.0_wp) return
-      words = 'inputs here count from the x axis; the drawing, input 0 of the table (CSV), is at '
-      if (set%sketch%drives(1)%kind /= drive_turns) words = 'inputs here are lengths from the start of the slide; the drawing, '// &
-                                                            'input 0 of the table (CSV), is at '
-      words = words//trim(adjustl(general(set%drawn_input())))
+      if (.not. allocated(set%traced)) return
+      words = 'count from the drawing'
+      ! the crank of the drawing may change in a search
+      if (set%wants_search() .or. set%traced%floating .or. set%sketch%drives(1)%kind /= drive_turns) return
+      words = words//', where the crank is at '//trim(adjustl(general(set%traced%input)))//' degrees from the x axis'
    end function zero_words
 
    !> Append to a listing what is special about a sketch: the zero of its input, and an output that the listing cannot show.
@@ -55,7 +77,7 @@ contains
       character(:), allocatable :: zero
 
       zero = zero_words(set)
-      if (len(zero) > 0) call text%add(' '//upper_case(zero))
+      if (len(zero) > 0) call text%add(' INPUTS '//upper_case(zero))
       if (.not. set%has_stand_in()) return
       if (set%wants_search()) then
          call text%add(' HERE ARE X AND Y OF JOINT '//set%traced%stand_in//'; OUTPUT '// &

@@ -6,7 +6,6 @@ module psalm_margin_list
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp
-   use psalm_angles, only: within_turn
    use psalm_margins, only: margin_t, is_violated, margin_angle, margin_slides, margin_guide, margin_offset, &
                              margin_clearance, margin_bound, margin_group
    use psalm_place, only: beside_t
@@ -14,6 +13,7 @@ module psalm_margin_list
    use psalm_text, only: text_t, general, lower_case, to_text
    use psalm_dimensions, only: dimensions_t
    use psalm_parameters, only: name_of
+   use psalm_shown_input, only: input_at, input_in_turn
    implicit none (type, external)
    private
    public :: list_margins, put_margins, describe_margin, name_of_clearance, name_of_limit
@@ -78,8 +78,7 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(margin_t), intent(in) :: margin
 
-      input_of = dimensions%crnki + margin%delt
-      if (.not. problem%mechanism%sliding_input) input_of = within_turn(input_of)
+      input_of = input_in_turn(problem%mechanism, input_at(problem%mechanism, dimensions, margin%delt))
    end function input_of
 
    pure function name_of_margin(set, problem, margin, in_sentence) result(name)

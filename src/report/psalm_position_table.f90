@@ -1,8 +1,8 @@
 !> The table of the positions, which every analysis has: inputs, outputs, desired values, their rates, joints, forces; and the
 !> blocks of device 9 that are extracts of it.
 module psalm_position_table
-   use psalm_column_names, only: by_input, by_time, closed_name, desired_name, drive_unit, input_name, input_unit, joint_name, &
-                                 number_unit, output_name, &
+   use psalm_column_names, only: by_input, by_time, closed_name, condition_name, crank_name, desired_name, drive_unit, input_name, &
+                                 input_unit, joint_name, number_unit, output_name, &
                                  output_unit, per_input, per_time, plotted_component, plotted_desired, plotted_output, &
                                  plotted_rate, position_name, rate_unit
    use psalm_error, only: problem_t, motion_t
@@ -38,8 +38,9 @@ contains
       table = table_of(positions_block, about_positions, audience=for_programs, main=.true.)
       call add_motion(problem, motion, table)
       call add_desired(problem, size(motion%input), .true., table)
-      if (present(condition)) call table%add('condition', condition)
+      if (present(condition)) call table%add(condition_name, condition)
       if (allocated(motion%rates)) call add_wanted_rates(problem, motion, .true., table)
+      call add_crank(motion, table)
       call tables%put(table)
    end subroutine put_positions
 
@@ -66,7 +67,8 @@ contains
                        named=.false., audience=merge(for_plots, for_all, prescribed))
       call add_motion(problem, motion, table)
       if (problem%desired) call add_desired(problem, size(motion%input), prescribed, table)
-      if (present(condition)) call table%add('condition', condition, short=.true.)
+      if (present(condition)) call table%add(condition_name, condition, short=.true.)
+      call add_crank(motion, table)
       call tables%put(table)
    end subroutine plot_positions
 
@@ -95,6 +97,14 @@ contains
       call table%add(input_name(), motion%input, input_unit(problem%mechanism%sliding_input))
       call table%add(closed_name, motion%closed)
    end subroutine add_input
+
+   !> The crank's angle from the x axis, where inputs count from the drawing.
+   pure subroutine add_crank(motion, table)
+      type(motion_t), intent(in) :: motion
+      type(table_t), intent(inout) :: table
+
+      if (allocated(motion%crank)) call table%add(crank_name, motion%crank, output_unit(.true.))
+   end subroutine add_crank
 
    !> Input, closed, output.
    pure subroutine add_motion(problem, motion, table)
@@ -179,6 +189,7 @@ contains
       call add_derivatives(rates%by_input, per)
       call add_derivatives(rates%by_time, per_time())
       if (present(forces)) call add_forces(forces, table)
+      call add_crank(rates%motion, table)
       call tables%put(table)
 
    contains
@@ -231,6 +242,7 @@ contains
                            number_unit(sketch%outputs, d, per_time(), o), known(:, o))
          end do
       end do
+      call add_conditions(sketch, study, table)
       do d = 1, size(study%joints, 1)
          do o = 0, orders
             unit = rate_unit(.false., per_time(), o)
@@ -239,12 +251,14 @@ contains
          end do
       end do
       if (present(forces)) call add_forces(forces, table, study%closed)
+      if (size(study%crank) > 0) call table%add(crank_name, study%crank, output_unit(.true.))
       call tables%put(table)
    end subroutine put_sketch
 
    !> Blocks of device 9: all outputs of a sketch, whose first one alone is in the table before; with rates of several drives the
    !> change of every output with each of them, the others held.
-   pure subroutine plot_sketch(sketch, study, orders, tables)
+   pure subroutine plot_sketch(block, sketch, study, orders, tables)
+      character(*), intent(in) :: block              !! `outputs`, or `swept_outputs`: at every position of a sweep
       type(sketch_t), intent(in) :: sketch
       type(sketch_study_t), intent(in) :: study
       integer, intent(in) :: orders                  !! 2 with rates, else 0
@@ -253,7 +267,8 @@ contains
       integer :: n, o, d, k
 
       associate (numbers => [(k, k=1, size(study%closed))])
-         table = table_of('outputs', about_positions, audience=for_plots)
+         table = table_of(block, about_positions, audience=for_plots)
+         if (block /= 'outputs') table = table_of(block, 'a row for each position of the block before it')
          call table%add(position_name, numbers)
          do n = 1, size(study%names)
             do o = 0, orders
@@ -261,6 +276,7 @@ contains
                               number_unit(sketch%outputs, n, per_time(), o), study%closed)
             end do
          end do
+         call add_conditions(sketch, study, table)
          call tables%put(table)
          if (orders == 0 .or. size(study%inputs, 1) == 1) return
          table = table_of('drives', 'a row for each prescribed position: the change of outputs with a drive, the others held')
@@ -275,4 +291,17 @@ contains
          call tables%put(table)
       end associate
    end subroutine plot_sketch
+
+   !> Condition numbers of all outputs, if they were asked for.
+   pure subroutine add_conditions(sketch, study, table)
+      type(sketch_t), intent(in) :: sketch
+      type(sketch_study_t), intent(in) :: study
+      type(table_t), intent(inout) :: table
+      integer :: k
+
+      if (.not. allocated(study%conditions)) return
+      do k = 1, size(sketch%outputs)
+         call table%add(trim(sketch%outputs(k)%name)//'.'//condition_name, study%conditions(k, :), known=study%closed)
+      end do
+   end subroutine add_conditions
 end module psalm_position_table

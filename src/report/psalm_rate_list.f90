@@ -3,8 +3,8 @@ module psalm_rate_list
    use psalm_data_set, only: data_set_t
    use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t
-   use psalm_finale, only: angle_text, open_words
-   use psalm_input_text, only: list_sketch_notes
+   use psalm_finale, only: open_words
+   use psalm_input_text, only: input_heading, input_text, list_sketch_notes
    use psalm_kinds, only: wp
    use psalm_output_kind, only: motion_point, motion_pose
    use psalm_rate_study, only: rate_study_t, arc_rates_t, output_at_origin
@@ -99,7 +99,7 @@ contains
       if (abs(set%rates%accel) > 0.0_wp) call text%add(' THE SPEED IS THE SAME AT EVERY POSITION, THE ACCELERATION TOO')
       if (problem%output%kind%angle > 0) call text%add(' ANGLES IN DEGREES, THEIR RATES IN RADIANS')
       call text%add()
-      line = merge('   INPUT LENGTH', '    CRANK ANGLE', problem%mechanism%sliding_input)
+      line = input_heading(problem%mechanism)
       if (problem%motion == motion_point) then
          line = line//'              X              Y             VX             VY             AX             AY          SPEED'
       else if (problem%motion == motion_pose) then
@@ -110,7 +110,7 @@ contains
       end if
       call text%add(line)
       do k = 1, size(rates%motion%input)
-         line = merge(general(rates%motion%input(k)), angle_text(rates%motion%input(k)), problem%mechanism%sliding_input)
+         line = input_text(problem%mechanism, rates%motion%input(k))
          if (.not. rates%motion%closed(k)) then
             line = line//open_words(rates%motion, k)
          else if (rates%dead(k) /= 0) then

@@ -329,7 +329,7 @@ contains
       if (allocated(motion%beyond)) open = open - count(motion%beyond)
       if (open > 0) call devices%remark(set, 'the linkage does not close at '//to_text(open)//' of '// &
                                         to_text(size(motion%closed))//' positions')
-      if (size(motion%violations) > 0 .and. len(zero_words(set)) > 0) call devices%detail(set, zero_words(set))
+      if (size(motion%violations) > 0 .and. len(zero_words(set)) > 0) call devices%detail(set, 'inputs '//zero_words(set))
       do i = 1, min(size(motion%violations), most_told)
          call devices%detail(set, describe_violation(problem, motion, motion%violations(i)))
       end do
@@ -411,8 +411,8 @@ contains
       call list_tolerances(result%linear, result%sample, devices%six)
       call put_tolerances(set%title, sliding_input, result%linear, result%sample, devices%cases(devices%last_case()))
       if (several_outputs(set) .and. allocated(result%linear%bands)) then
-         call list_output_bands(set%sketch, result%linear, devices%six)
-         call put_output_bands(set%sketch, result%linear, devices%cases(devices%last_case()))
+         call list_output_bands(set%sketch, result%linear, result%sample, devices%six)
+         call put_output_bands(set%sketch, result%linear, result%sample, devices%cases(devices%last_case()))
       end if
       if (allocated(result%adjustments)) then
          call list_adjustments(result%linear, result%adjustments, set%toler%outtol, devices%six)
@@ -454,7 +454,7 @@ contains
          if (rates%dead(k) == 0 .or. .not. rates%motion%closed(k)) cycle
          told = told + 1
          if (told <= most_told) call devices%remark(set, lower_case(dead_words(rates%dead(k)))//' at '// &
-                                                    position_words(set, k, rates%motion%input(k)))
+                                                    position_words(k, rates%motion%input(k)))
       end do
       if (told > most_told) call devices%detail(set, 'and '//to_text(told - most_told)//' more dead points')
    end subroutine report_rates

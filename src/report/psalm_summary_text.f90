@@ -43,7 +43,7 @@ contains
       end if
       call add_line('Closes', trim(adjustl(words)), text)
       if (present(zero)) then
-         if (len(zero) > 0) call add_line('Inputs', zero(len('inputs here ') + 1:), text)
+         if (len(zero) > 0) call add_line('Inputs', zero, text)
       end if
       if (summary%undetermined_loop > 0 .and. present(coincident)) call add_line('Undetermined', 'from input '// &
          plain_number(summary%undetermined%low)//' to '//plain_number(summary%undetermined%high)//': '//coincident//' coincide', &

@@ -3,7 +3,7 @@ module psalm_tolerance_list
    use psalm_column_names, only: closed_name, input_name, input_unit, number_unit, output_name, output_unit, per_time, &
                                  plotted_output, position_name
    use psalm_elementary, only: hypotenuse
-   use psalm_finale, only: angle_text
+   use psalm_input_text, only: angle_text
    use psalm_kinds, only: wp
    use psalm_output_kind, only: output_kind_t
    use psalm_sketch, only: sketch_t
@@ -54,11 +54,9 @@ contains
       else
          call text%add(' BANDS OF THE OUTPUT (+-), AND WHAT THE SAMPLE DEVIATED')
       end if
-      line = '          INPUT     WORST CASE ROOT SUM SQUARE'
-      if (sample%any_closed) line = line//'         LOWEST        HIGHEST           MEAN   STD.DEVIATION'
-      call text%add(line)
+      call text%add(head_of_bands(sample))
       do i = 1, size(linear%worst, 1)
-         line = angle_text(linear%nominal%input(i))
+         line = input_of(linear, i)
          if (linear%dead(i)) then
             call text%add(line//'   DEAD POINT: THE EFFECTS ARE INFINITE')
             cycle
@@ -66,8 +64,7 @@ contains
          do k = 1, kind%components
             if (k > 1) line = repeat(' ', 15)
             line = line//general(linear%worst(i, k))//' '//general(linear%square(i, k))
-            if (sample%any_closed) line = line//general(sample%low(i, k))//general(sample%high(i, k))// &
-                                          general(sample%mean(i, k))//' '//general(sample%deviation(i, k))
+            if (sample%any_closed) line = line//sample_text(sample, i, k)
             call text%add(line)
          end do
       end do
@@ -79,16 +76,51 @@ contains
       if (sample%open > size(sample%named)) call text%add('   AND '//to_text(sample%open - size(sample%named))//' MORE')
    end subroutine list_tolerances
 
+   pure function head_of_bands(sample) result(line)
+      type(sample_t), intent(in) :: sample
+      character(:), allocatable :: line
+
+      line = '          INPUT     WORST CASE ROOT SUM SQUARE'
+      if (sample%any_closed) line = line//'         LOWEST        HIGHEST           MEAN   STD.DEVIATION'
+   end function head_of_bands
+
+   !> What the sample deviated in a column.
+   pure function sample_text(sample, position, k) result(text)
+      type(sample_t), intent(in) :: sample
+      integer, intent(in) :: position, k
+      character(:), allocatable :: text
+
+      text = general(sample%low(position, k))//general(sample%high(position, k))//general(sample%mean(position, k))//' '// &
+             general(sample%deviation(position, k))
+   end function sample_text
+
+   !> An input in its column; of a crank that is drawn it counts from the drawing, over as many turns as are asked for.
+   pure function input_of(linear, position) result(text)
+      type(tolerance_t), intent(in) :: linear
+      integer, intent(in) :: position
+      character(15) :: text
+
+      associate (input => linear%nominal%input(position))
+         text = angle_text(input)
+         if (allocated(linear%nominal%crank)) text = general(input)
+      end associate
+   end function input_of
+
    !> Bands of all outputs of a sketch, and the dimension that has the largest effect on each.
-   subroutine list_output_bands(sketch, linear, text)
+   subroutine list_output_bands(sketch, linear, sample, text)
       type(sketch_t), intent(in) :: sketch
       type(tolerance_t), intent(in) :: linear
+      type(sample_t), intent(in) :: sample
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
       integer :: n, i
 
       call text%add()
-      call text%add(' BANDS OF ALL OUTPUTS (+-)')
+      if (sample%any_closed) then
+         call text%add(' BANDS OF ALL OUTPUTS (+-), AND WHAT THE SAMPLE DEVIATED')
+      else
+         call text%add(' BANDS OF ALL OUTPUTS (+-)')
+      end if
       associate (bands => linear%bands)
          do n = 1, size(bands%names)
             if (.not. bands%known(n)) then
@@ -98,13 +130,14 @@ contains
             line = ' '//upper_case(trim(bands%names(n)))//': THE LARGEST EFFECT, '
             line = line//trim(adjustl(general(maxval(bands%effect(:, n)))))
             call text%add(line//', IS THAT OF '//column_words(maxloc(bands%effect(:, n), dim=1)))
-            call text%add('          INPUT     WORST CASE ROOT SUM SQUARE')
+            call text%add(head_of_bands(sample))
             do i = 1, size(bands%worst, 1)
-               line = angle_text(linear%nominal%input(i))
+               line = input_of(linear, i)
                if (linear%dead(i)) then
                   line = line//'   DEAD POINT: THE EFFECTS ARE INFINITE'
                else
                   line = line//general(bands%worst(i, n))//' '//general(bands%square(i, n))
+                  if (sample%any_closed) line = line//sample_text(sample, i, linear%kind%components + n)
                end if
                call text%add(line)
             end do
@@ -129,15 +162,16 @@ contains
       end function column_words
    end subroutine list_output_bands
 
-   !> The table `output_tolerances` of a sketch: the same bands.
-   pure subroutine put_output_bands(sketch, linear, tables)
+   !> The table `output_tolerances` of a sketch: the same bands, and what the sample deviated.
+   pure subroutine put_output_bands(sketch, linear, sample, tables)
       type(sketch_t), intent(in) :: sketch
       type(tolerance_t), intent(in) :: linear
+      type(sample_t), intent(in) :: sample
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
       character(:), allocatable :: name, unit
-      logical :: known(size(linear%dead))
-      integer :: n, i
+      logical :: known(size(linear%dead)), drawn(size(linear%dead))
+      integer :: n, i, k
 
       table = table_of('output_tolerances', 'a row for each position: bands of the outputs (+-)')
       associate (bands => linear%bands)
@@ -148,6 +182,13 @@ contains
             known = bands%known(n) .and. .not. linear%dead
             call table%add(name//'.worst_case', bands%worst(:, n), unit, known)
             call table%add(name//'.root_sum_square', bands%square(:, n), unit, known)
+            if (.not. sample%any_closed) cycle
+            drawn = bands%known(n)
+            k = linear%kind%components + n
+            call table%add(name//'.lowest', sample%low(:, k), unit, drawn)
+            call table%add(name//'.highest', sample%high(:, k), unit, drawn)
+            call table%add(name//'.mean', sample%mean(:, k), unit, drawn)
+            call table%add(name//'.std_deviation', sample%deviation(:, k), unit, drawn)
          end do
       end associate
       call tables%put(table)

@@ -42,6 +42,9 @@ contains
          call take_speeds(set, mechanism)
          dimensions = traced_dimensions(set%traced)
          dimensions%crnki = set%method%crnki + set%traced%input
+         mechanism%from_drawing = .true.
+         mechanism%reference = set%method%crnki
+         mechanism%first_input = set%method%turn_begins()
          call assign_bodies(mechanism)
       else
          call classify_arcs(set, mechanism, in_order, findings)

@@ -229,17 +229,19 @@ contains
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(motion_t), intent(in) :: motion
-      real(wp) :: away
+      real(wp) :: away, extent
       integer :: i, c, first
 
       stays_at_rest = .false.
       first = findloc(motion%closed, .true., dim=1)
       if (first == 0) return
+      extent = maxval(dimensions%arcl)
+      if (.not. extent > 0.0_wp) extent = 1.0_wp   ! all of its arcs slide
       do i = first + 1, size(motion%closed)
          if (.not. motion%closed(i)) cycle
          if (motion%input(i) /= motion%input(first)) stays_at_rest = .true.
          do c = 1, size(motion%actual, 2)
-            away = abs(motion%actual(i, c) - motion%actual(first, c))/maxval(dimensions%arcl)
+            away = abs(motion%actual(i, c) - motion%actual(first, c))/extent
             if (c == problem%output%kind%angle) &
                away = abs(nearest_difference(motion%actual(i, c), motion%actual(first, c)))/full_turn
             if (away > at_rest) then

@@ -25,6 +25,7 @@ module psalm_cam_study
    use psalm_sketch_case, only: assemble_sketch
    use psalm_status, only: diagnostics_t
    use psalm_text, only: general, to_text
+   use psalm_shown_input, only: reference_input
    implicit none (type, external)
    private
    public :: cam_role_t, role_cam, role_conjugate, role_outer_wall, parts_of
@@ -695,19 +696,17 @@ contains
       call make_force_model(set, prepared%mechanism, prepared%given, model, unused)
       allocate (problem)
       call new_problem(prepared%mechanism, prepared%given, prepared%parameters, [0.0_wp], .true., problem)
-      call find_contact(cam, model, problem, increments(set, problem, shape, samples%states), samples%states, samples%points, &
+      call find_contact(cam, model, problem, increments(problem, samples%states), samples%states, samples%points, &
                         merge(0.0_wp, shape%roller, shape%flat), shape%axes, contact)
    end subroutine find_sampled_contact
 
-   !> Inputs of a trace as increments from CRNKI. In the poses of the links they count from the drawing, with loops from the x axis.
-   pure function increments(set, problem, shape, states) result(delt)
-      type(data_set_t), intent(in) :: set
+   !> Inputs of a trace as increments from the reference position.
+   pure function increments(problem, states) result(delt)
       type(problem_t), intent(in) :: problem
-      type(cam_shape_t), intent(in) :: shape
       type(cam_trace_t), intent(in) :: states
       real(wp) :: delt(size(states%angle))
 
-      delt = states%q(0, :) - merge(set%method%crnki, problem%given%crnki, allocated(shape%motion%chain))
+      delt = states%q(0, :) - reference_input(problem%mechanism, problem%given)
    end function increments
 
    !> Forces at the table's angles, and at the samples for what is extreme.
@@ -725,9 +724,9 @@ contains
       allocate (problem, study%contact, study%fine)
       call new_problem(prepared%mechanism, prepared%given, prepared%parameters, [0.0_wp], .true., problem)
       roller = merge(0.0_wp, study%shape%roller, study%shape%flat)
-      call find_contact(study%cam, model, problem, increments(set, problem, study%shape, samples%states), samples%states, &
+      call find_contact(study%cam, model, problem, increments(problem, samples%states), samples%states, &
                         samples%points, roller, study%shape%axes, study%fine)
-      call find_contact(study%cam, model, problem, increments(set, problem, study%shape, study%states), study%states, &
+      call find_contact(study%cam, model, problem, increments(problem, study%states), study%states, &
                         study%points, roller, study%shape%axes, study%contact)
       study%lost = any(study%fine%force < 0.0_wp) .and. .not. (study%cam%conjugate .or. study%cam%track)
       study%jammed = study%fine%jams

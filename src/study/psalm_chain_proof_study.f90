@@ -11,7 +11,6 @@ module psalm_chain_proof_study
    use psalm_closure, only: closure_t, state_t, matrix_of
    use psalm_constraint_group, only: range_positions
    use psalm_data_set, only: data_set_t
-   use psalm_dimensions, only: dimensions_t
    use psalm_dense, only: factors_t, factorise
    use psalm_limits_group, only: proof_by_default
    use psalm_kinds, only: wp, full_turn, degrees_per_radian, radians_per_degree
@@ -36,8 +35,7 @@ module psalm_chain_proof_study
       logical :: full_turn = .false.
       logical :: returns = .false.           !! after it the linkage stands as drawn
       logical :: complete = .false.          !! everything asked for is proven to close
-      logical :: from_drawing = .true.       !! inputs count from the drawing; else they are those of the loops
-      real(wp) :: zero = 0.0_wp              !! the input of the drawing: 0, or that of the loops
+      real(wp) :: begins = 0.0_wp            !! where a turn of inputs begins as shown, degrees
       real(wp) :: from = 0.0_wp, to = 0.0_wp !! what is asked for: degrees or length, or positions
       type(leg_t), allocatable :: legs(:)
       integer, allocatable :: group(:)       !! by leg: of one that is not complete the group nearest to a dead point where it ends
@@ -54,12 +52,11 @@ module psalm_chain_proof_study
 contains
 
    !> Prove the motion of a sketch over a full turn of its first drive, or over its positions.
-   subroutine study_chain_proof(set, study, range, proof, zero)
+   subroutine study_chain_proof(set, study, range, proof)
       type(data_set_t), intent(in) :: set
       type(chain_study_t), intent(in) :: study
       integer, intent(in) :: range           !! one of `proof_of_...`
       type(chain_proof_t), intent(out) :: proof
-      real(wp), intent(in), optional :: zero !! of a sketch with loops: their input in the drawing
       type(chain_tubes_t), allocatable :: tubes
       real(wp), allocatable :: inputs(:, :)
       type(closure_t) :: whole
@@ -77,10 +74,6 @@ contains
             ! with a phase the drawing is on no line of the first drive
             if (drives(k)%geared .and. abs(drives(k)%phase) > 0.0_wp) proof%one_drive = .false.
          end do
-         if (present(zero) .and. proof%one_drive) then
-            proof%from_drawing = .false.
-            proof%zero = zero
-         end if
          proof%full_turn = proof%one_drive .and. range == proof_of_turn .and. drives(1)%kind == drive_turns
          if (proof%one_drive) then
             call find_both_ways(set, inputs, proof)
@@ -140,21 +133,21 @@ contains
       end do
       proof%dwell = set%limits%dwell
       call prove_standstill(whole, set%sketch%outputs, tubes, ways, proof%returns, proof%dwell, proof%movement)
-      if (.not. proof%full_turn .or. proof%from_drawing) return
-      ! the inputs of loops are those from 0 to 360
+      if (.not. proof%full_turn) return
+      ! in the turn that is shown
       associate (movement => proof%movement)
          do k = 1, size(movement%dead)
-            associate (dead => movement%dead(k), shift => within_turn(0.5_wp*(movement%dead(k)%low + movement%dead(k)%high)) &
+            associate (dead => movement%dead(k), shift => in_turn_of(proof, 0.5_wp*(movement%dead(k)%low + movement%dead(k)%high)) &
                                                           - 0.5_wp*(movement%dead(k)%low + movement%dead(k)%high))
                dead%low = dead%low + shift - rounding
                dead%high = dead%high + shift + rounding
             end associate
          end do
          do k = 1, size(movement%dwells)
-            associate (dwell => movement%dwells(k), shift => within_turn(movement%dwells(k)%from) - movement%dwells(k)%from)
+            associate (dwell => movement%dwells(k), shift => in_turn_of(proof, movement%dwells(k)%from) - movement%dwells(k)%from)
                dwell%from = dwell%from + shift + rounding
                dwell%to = dwell%to + shift - rounding
-               dwell%at = within_turn(dwell%at)
+               dwell%at = in_turn_of(proof, dwell%at)
             end associate
          end do
       end associate
@@ -197,24 +190,23 @@ contains
             call bracket_clearance(whole, clearances(k), tubes, kept%nearest, leg, way)
             if (.not. kept%nearest%found) cycle
             kept%nearest%at = place_on(proof, leg, way, set%sketch%drives(1)%kind == drive_turns)
-            if (proof%full_turn .and. .not. proof%from_drawing) kept%nearest%at = within_turn(kept%nearest%at)
+            kept%nearest%at = in_turn_of(proof, kept%nearest%at)
             kept%is_broken = kept%nearest%high < clearances(k)%asked - touching*whole%size
          end associate
       end do
    end subroutine prove_clearances
 
    !> The proof of a sketch with loops and a larger group, made in the poses of its links. Not `sound`: the drawing does not close.
-   subroutine prove_loops(set, range, dimensions, study, proof, sound)
+   subroutine prove_loops(set, range, study, proof, sound)
       type(data_set_t), intent(in) :: set
       integer, intent(in) :: range           !! one of `proof_of_...`
-      type(dimensions_t), intent(in) :: dimensions
       type(chain_study_t), intent(out) :: study
       type(chain_proof_t), intent(out) :: proof
       logical, intent(out) :: sound
 
       call study_chain(set, 1.0_wp, 0.0_wp, study)
       sound = study%sound
-      if (sound) call study_chain_proof(set, study, range, proof, dimensions%crnki)
+      if (sound) call study_chain_proof(set, study, range, proof)
    end subroutine prove_loops
 
    !> Count the positions that are not on the motion that is proven to lead to them.
@@ -295,8 +287,9 @@ contains
       unit = merge(degrees_per_radian, 1.0_wp, set%sketch%drives(1)%kind == drive_turns)
       ends = [max(0.0_wp, maxval(inputs(1, :))), min(0.0_wp, minval(inputs(1, :)))]
       if (proof%full_turn) ends = [full_turn*radians_per_degree, -full_turn*radians_per_degree]
-      proof%from = proof%zero + merge(0.0_wp, ends(2)*unit, proof%full_turn)
-      proof%to = proof%zero + merge(full_turn, ends(1)*unit, proof%full_turn)
+      proof%begins = set%method%turn_begins()
+      proof%from = merge(proof%begins, ends(2)*unit, proof%full_turn)
+      proof%to = merge(proof%begins + full_turn, ends(1)*unit, proof%full_turn)
       allocate (proof%legs(0))
       do k = 1, 2
          if (abs(ends(k)) <= 0.0_wp) cycle
@@ -356,13 +349,12 @@ contains
       if (proof%one_drive) then
          place = proof%legs(leg)%from(1) + way*(proof%legs(leg)%to(1) - proof%legs(leg)%from(1))
          if (turns) place = place*degrees_per_radian
-         place = proof%zero + place
       else
          place = real(proof%position(leg) - 1, wp) + way
       end if
    end function place_on
 
-   !> Where an output is least or greatest; over a turn the inputs of loops are those from 0 to 360, as in the listing.
+   !> Where an output is least or greatest; over a turn in the turn that is shown.
    pure real(wp) function place_of_extreme(proof, range, which, turns) result(place)
       type(chain_proof_t), intent(in) :: proof
       type(output_range_t), intent(in) :: range
@@ -370,6 +362,15 @@ contains
       logical, intent(in) :: turns           !! the first drive turns
 
       place = place_on(proof, range%leg(which), range%way(which), turns)
-      if (proof%full_turn .and. .not. proof%from_drawing) place = within_turn(place)
+      place = in_turn_of(proof, place)
    end function place_of_extreme
+
+   !> The same input in the turn that is shown.
+   pure real(wp) function in_turn_of(proof, input)
+      type(chain_proof_t), intent(in) :: proof
+      real(wp), intent(in) :: input          !! degrees
+
+      in_turn_of = input
+      if (proof%full_turn) in_turn_of = proof%begins + within_turn(input - proof%begins)
+   end function in_turn_of
 end module psalm_chain_proof_study

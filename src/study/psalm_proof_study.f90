@@ -2,7 +2,7 @@
 !>
 !> Data in, results out: nothing is printed or worded here.
 module psalm_proof_study
-   use psalm_angles, only: unit_vector, within_turn
+   use psalm_angles, only: unit_vector
    use psalm_clearances, only: clearance_t, list_clearances, find_corners
    use psalm_constraint_group, only: range_inputs, range_positions, range_turn, region_box, region_half_plane, region_circle
    use psalm_data_set, only: data_set_t
@@ -11,6 +11,7 @@ module psalm_proof_study
    use psalm_dyad_kind, only: assur_rrr
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, full_turn, right_angle
+   use psalm_mechanism, only: mechanism_t
    use psalm_output_kind, only: motion_point
    use psalm_parameters, only: no_parameters
    use psalm_place, only: beside_t
@@ -24,6 +25,7 @@ module psalm_proof_study
    use psalm_proof_ranges, only: proven_extreme_t, prove_extremes, prove_tolerance, extreme_output, extreme_distance, extreme_ratio
    use psalm_station, only: station_t, prepare_station, linearise_station
    use psalm_summary, only: loop_kind_t, kinds_of
+   use psalm_shown_input, only: input_in_turn, reference_input, zero_input
    implicit none (type, external)
    private
    public :: touching, proof_study_t, kept_t, study_proof, study_closure, proof_wanted, no_proof, proof_of_turn, proof_of_inputs
@@ -47,6 +49,7 @@ module psalm_proof_study
    type :: proof_study_t
       logical :: empty = .false.             !! all inputs are the same: there is no range
       logical :: full_turn = .false.         !! the range is a full turn, whose end is its beginning
+      real(wp) :: reference = 0.0_wp         !! the reference input as shown, degrees or length
       type(proof_t) :: proof
       type(proven_extreme_t), allocatable :: extremes(:)
       type(loop_kind_t), allocatable :: kinds(:) !! of loops that are a four-bar, by the lengths exactly as given
@@ -177,21 +180,22 @@ contains
 
       allocate (study%kept(0), study%margins(0))
       study%full_turn = range == proof_of_turn .and. .not. problem%mechanism%sliding_input
-      from = 0.0_wp
-      to = full_turn
+      study%reference = reference_input(problem%mechanism, dimensions)
+      from = problem%mechanism%first_input
+      to = from + full_turn
       if (.not. study%full_turn) then
-         from = dimensions%crnki + minval(problem%delt)
-         to = dimensions%crnki + maxval(problem%delt)
+         from = study%reference + minval(problem%delt)
+         to = study%reference + maxval(problem%delt)
       end if
       study%empty = .not. from < to
       if (study%empty) return
       plan = make_plan(problem%mechanism, merge(motion_point, problem%motion, placed), everything=.true., all_roots=.true., &
                        joints=joints)
       call prepare_subject(problem%mechanism, plan, subject, placed, beside)
-      call bind_subject(plan, dimensions, subject)
+      call bind_subject(plan, dimensions, subject, zero_input(problem%mechanism, dimensions))
       call prove_closure(subject, from, to, study%proof)
       call prove_extremes(subject, study%proof, study%extremes, boxes)
-      call place_positions(dimensions%crnki + problem%delt, study)
+      call place_positions(problem%mechanism, study%reference + problem%delt, study)
    end subroutine begin_proof
 
    !> The worst corner to first order: least over the range of what is left of a closure measure over the sum of its slopes.
@@ -216,7 +220,7 @@ contains
       end do
       if (size(plain%parameters%variables) == 0) return
       ! a joint that is asked for has every loop solved
-      call prepare_station(plain, [(study%proof%from - dimensions%crnki + (study%proof%to - study%proof%from) &
+      call prepare_station(plain, [(study%proof%from - study%reference + (study%proof%to - study%proof%from) &
                                     *(real(i, wp)/real(steps_of_corner, wp)), i=0, steps_of_corner)], .false., &
                            reshape([1, 0], [2, 1]), .true., station)
       call linearise_station(station, dimensions)
@@ -346,7 +350,8 @@ contains
    end subroutine add_output
 
    !> Which part of the range that closes without a gap holds each prescribed position.
-   pure subroutine place_positions(inputs, study)
+   pure subroutine place_positions(mechanism, inputs, study)
+      type(mechanism_t), intent(in) :: mechanism
       real(wp), intent(in) :: inputs(:)            !! shape (positions)
       type(proof_study_t), intent(inout) :: study
       real(wp) :: input
@@ -359,7 +364,7 @@ contains
          joined = study%full_turn .and. last > 1 .and. limits(1)%kind == piece_closes .and. limits(last)%kind == piece_closes
          do i = 1, size(inputs)
             input = inputs(i)
-            if (study%full_turn) input = within_turn(input)
+            if (study%full_turn) input = input_in_turn(mechanism, input)
             study%circuit(i) = study%proof%closes_at(input)
             if (joined .and. study%circuit(i) == last) study%circuit(i) = 1
          end do

@@ -1,21 +1,27 @@
 !> All outputs and joints of a sketch at the positions of a case; of one that has loops they are found by these, block by block.
 module psalm_sketch_study
+   use psalm_condition, only: condition_t, condition_at, prepare_condition
    use psalm_closure, only: most_orders
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp
+   use psalm_output_condition, only: output_conditions
    use psalm_rates, only: rates_t, prepare_rates, differentiate, is_dead
    use psalm_sketch, only: columns_of, output_ratio
-   use psalm_sketch_motion, only: sketch_motion_t, locate_sketch, observe_sketch
+   use psalm_sketch_motion, only: sketch_motion_t, find_places, locate_sketch, observe_sketch
    use psalm_sketch_outputs, only: names_of_numbers, values_of_outputs, unwrap, name_room
+   use psalm_shown_input, only: crank_angle_at, input_at, shows_crank
+   use psalm_sweep, only: sweep_inputs
    implicit none (type, external)
    private
-   public :: sketch_study_t, study_sketch
+   public :: sketch_study_t, study_sketch, study_sweep, study_conditions
 
    !> What a sketch does.
    type :: sketch_study_t
       real(wp), allocatable :: inputs(:, :)         !! shape (drives, positions): degrees or length, from the drawing
+      real(wp), allocatable :: crank(:)             !! shape (positions): its angle from the x axis, degrees in a turn; empty: it is
+                                                    !! not shown
       logical, allocatable :: closed(:)             !! shape (positions): it is reached from the drawing
       logical, allocatable :: dead(:)               !! shape (positions): rates are infinite
       character(name_room), allocatable :: names(:) !! of the numbers of all outputs
@@ -23,10 +29,61 @@ module psalm_sketch_study
       real(wp), allocatable :: values(:, :, :)      !! shape (numbers, 0:most_orders, positions); angles in degrees, rates radians;
                                                     !! huge: a ratio to what stands still, and its rates
       real(wp), allocatable :: by_drive(:, :, :)    !! shape (numbers, drives, positions): change with one drive, the others held
+      real(wp), allocatable :: conditions(:, :)     !! shape (outputs, positions): condition numbers, if asked for;
+                                                    !! of a ratio huge
       complex(wp), allocatable :: joints(:, :, :)   !! shape (joints, 0:most_orders, positions): places and rates by time
    end type sketch_study_t
 
 contains
+
+   !> Condition numbers of all outputs.
+   subroutine study_conditions(set, problem, dimensions, study)
+      type(data_set_t), intent(in) :: set               !! a sketch with its loops
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      type(sketch_study_t), intent(inout) :: study
+      class(problem_t), allocatable :: own              ! large: it would fill a small stack
+      type(sketch_motion_t) :: sketch
+      type(condition_t) :: condition
+      complex(wp), allocatable :: joint(:, :)
+      real(wp), allocatable :: moved(:, :)
+      real(wp) :: unused
+      integer :: block, offset, n, i
+
+      allocate (own, source=problem)
+      if (allocated(own%linkages)) deallocate (own%linkages)
+      call locate_sketch(set, own%mechanism, sketch)
+      call own%want_derivatives(.true., sketch%points)
+      call own%bind(dimensions)
+      call prepare_condition(own%linkage, condition)
+      allocate (study%conditions(size(set%sketch%outputs), own%positions), source=0.0_wp)
+      allocate (joint(size(sketch%drawn), own%linkage%room), moved(size(sketch%arcs), own%linkage%room))
+      do block = 1, own%blocks()
+         call own%solve_block(block, offset, n)
+         call own%output_of(n)
+         call find_places(sketch, own, n, joint(:, :n), moved(:, :n))
+         do i = 1, n
+            if (.not. study%closed(offset + i)) cycle
+            call condition_at(own, i, offset + i, condition, unused)
+            call output_conditions(set%sketch%outputs, sketch, own, condition, joint(:, i), moved(:, i), &
+                                   study%conditions(:, offset + i))
+         end do
+      end do
+   end subroutine study_conditions
+
+   !> The same over the sweep of the input that IPLOT asks for.
+   subroutine study_sweep(set, problem, dimensions, closed, study)
+      type(data_set_t), intent(in) :: set               !! a sketch with its loops
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      logical, intent(in) :: closed(:)                  !! shape (steps of the sweep): by its analysis
+      type(sketch_study_t), intent(out) :: study
+      class(problem_t), allocatable :: fine             ! large: it would fill a small stack
+
+      allocate (fine, source=problem)
+      call fine%set_inputs(sweep_inputs(problem))
+      call study_sketch(set, fine, dimensions, closed, 1.0_wp, 0.0_wp, study)
+   end subroutine study_sweep
 
    !> Outputs and joints at the positions of a problem, with their rates by time.
    subroutine study_sketch(set, problem, dimensions, closed, speed, accel, study, changed)
@@ -60,7 +117,8 @@ contains
       allocate (rates)
       call prepare_rates(own, rates)
       allocate (study%inputs(size(set%sketch%drives), problem%positions))
-      study%inputs(1, :) = dimensions%crnki - dimensions%drawn + problem%delt
+      study%inputs(1, :) = input_at(own%mechanism, dimensions, problem%delt)
+      study%crank = pack(crank_angle_at(dimensions, problem%delt), spread(shows_crank(own%mechanism), 1, problem%positions))
       do k = 2, size(study%inputs, 1)
          if (set%sketch%drives(k)%geared) then
             study%inputs(k, :) = set%sketch%drives(k)%ratio*study%inputs(1, :) + set%sketch%drives(k)%phase

@@ -18,6 +18,7 @@ module psalm_spring_study
    use psalm_spring_search, only: spring_search_t, search_springs
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
+   use psalm_shown_input, only: reference_input
    implicit none (type, external)
    private
    public :: spring_study_t, spring_result_t, judge_springs, find_springs
@@ -219,7 +220,7 @@ contains
       allocate (problem, source=given)
       allocate (ends(steps_of_turn, 2, 4), inputs(steps_of_turn))
       do k = 1, steps_of_turn
-         inputs(k) = full_turn*real(k - 1, wp)/real(steps_of_turn, wp) - dimensions%crnki
+         inputs(k) = full_turn*real(k - 1, wp)/real(steps_of_turn, wp) - reference_input(problem%mechanism, dimensions)
       end do
       call problem%set_inputs(inputs)
       call problem%want_derivatives(.true., vertices_of(problem%mechanism))

@@ -5,6 +5,8 @@
 !> out to threads in chunks, whose random numbers are streams of their own: the same bits for any number of threads.
 !> Source: Oldham (1977), section 8.2.5 and chapter 1.
 module psalm_tolerance
+   use psalm_angles, only: nearest_difference, unit_vector
+   use psalm_closure, only: most_orders
    use psalm_adjustment, only: adjustment_t, find_adjustments
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t, inputs_of, new_problem, own_inputs_at
@@ -14,9 +16,9 @@ module psalm_tolerance
    use psalm_output_kind, only: output_kind_t
    use psalm_rates, only: form_frames, is_dead
    use psalm_sensitivity, only: sensitivity_t, wanted_outputs_t, prepare_sensitivity, find_jacobian
-   use psalm_sketch, only: output_ratio, columns_of
-   use psalm_sketch_motion, only: locate_sketch
-   use psalm_sketch_outputs, only: names_of_numbers, name_room
+   use psalm_sketch, only: sketch_output_t, output_ratio, columns_of
+   use psalm_sketch_motion, only: sketch_motion_t, find_places, locate_sketch
+   use psalm_sketch_outputs, only: names_of_numbers, name_room, values_of_outputs
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
    use psalm_parameters, only: parameters_t, variable_t, no_parameters, variable_crnki, variable_length, variable_gama, &
@@ -38,7 +40,20 @@ module psalm_tolerance
       private
       class(problem_t), allocatable :: problem     !! for derivatives
       class(problem_t), allocatable :: lean        !! the same, for positions alone
+      type(sampled_t), allocatable :: outputs      !! of a sketch; not allocated: the first output alone
    end type deviating_t
+
+   !> All outputs of a sketch, for the sample.
+   type :: sampled_t
+      type(sketch_motion_t) :: sketch              !! its points are in the plan of the lean problem
+      type(sketch_output_t), allocatable :: outputs(:)
+      logical, allocatable :: known(:)             !! shape (numbers): it is no ratio of rates
+      logical, allocatable :: angle(:)             !! shape (numbers): deviations are degrees
+      integer, allocatable :: apart(:)             !! joints that move and stand off the arcs: they deviate by themselves
+      integer :: listed = 0                        !! the one of these that is the output of the loops, which OUTLK and OUTANG move
+      real(wp) :: along = 0.0_wp, turn = 0.0_wp    !! tolerances of their distances and angles, length and degrees
+      real(wp), allocatable :: nominal(:, :)       !! shape (positions, numbers)
+   end type sampled_t
 
    !> Bands of all outputs of a sketch. Columns are the dimensions with a tolerance, then those of joints that stand off the arcs:
    !> their distance and their angle.
@@ -72,7 +87,8 @@ module psalm_tolerance
       integer :: open = 0                          !! linkages that do not close at some position
       integer :: named(most_named) = 0             !! the first of them
       integer :: loop(most_named) = 0              !! and the loop that fails
-      real(wp), allocatable :: low(:, :), high(:, :), mean(:, :), deviation(:, :) !! shape (positions, components)
+      real(wp), allocatable :: low(:, :), high(:, :), mean(:, :), deviation(:, :) !! shape (positions, columns): components of the
+                                                   !! first output; of a sketch then the numbers of all outputs
    end type sample_t
 
    !> Results.
@@ -182,6 +198,7 @@ contains
          wanted%numbers = size(result%bands%names)
          call find_jacobian(deviating%problem, dimensions, work, result%effect, wanted=wanted)
          call make_bands(set, result%tolerance, wanted, result%bands)
+         call prepare_sampled(set, dimensions, wanted, result%bands%known, deviating)
       else
          call find_jacobian(deviating%problem, dimensions, work, result%effect)
       end if
@@ -221,6 +238,93 @@ contains
          if (wanted%outputs(k)%kind == output_ratio) bands%known(n) = .false.
       end do
    end subroutine make_bands
+
+   !> Make the sample ready for all outputs of a sketch, with their values on the nominal linkage.
+   subroutine prepare_sampled(set, dimensions, wanted, known, deviating)
+      type(data_set_t), intent(in) :: set
+      type(dimensions_t), intent(in) :: dimensions
+      type(wanted_outputs_t), intent(in) :: wanted
+      logical, intent(in) :: known(:)              !! shape (numbers)
+      type(deviating_t), intent(inout) :: deviating
+      complex(wp), allocatable :: joint(:, :)
+      real(wp), allocatable :: moved(:, :)
+      integer :: k
+
+      allocate (deviating%outputs)
+      associate (all => deviating%outputs)
+         all%sketch = wanted%sketch
+         all%outputs = wanted%outputs
+         all%known = known
+         all%angle = wanted%angle
+         all%along = set%toler%tollen
+         all%turn = set%toler%tolang
+         all%apart = pack([(k, k=1, size(all%sketch%moving))], abs(all%sketch%moving%offset) > 0.0_wp)
+         if (dimensions%outlk > 0.0_wp .and. size(all%apart) > 0) &
+            all%listed = findloc(all%sketch%moving(all%apart)%joint, set%traced%output_joint, dim=1)
+         call deviating%lean%want_derivatives(.true., all%sketch%points)
+         call deviating%lean%bind(dimensions)
+         allocate (all%nominal(deviating%lean%positions, size(known)))
+         allocate (joint(size(all%sketch%drawn), deviating%lean%linkage%room))
+         allocate (moved(size(all%sketch%arcs), deviating%lean%linkage%room))
+         call find_numbers(all, all%sketch, joint, moved, deviating%lean, .false., all%nominal)
+      end associate
+   end subroutine prepare_sampled
+
+   !> Numbers of all outputs at every position of a bound problem; of ratios 0.
+   subroutine find_numbers(all, sketch, joint, moved, problem, solved, numbers)
+      type(sampled_t), intent(in) :: all
+      type(sketch_motion_t), intent(in) :: sketch  !! with the offsets of this linkage
+      complex(wp), intent(out) :: joint(:, :)      !! shape (joints, room of a block): to work in
+      real(wp), intent(out) :: moved(:, :)         !! shape (slides, room)
+      class(problem_t), intent(inout) :: problem
+      logical, intent(in) :: solved                !! the last block is
+      real(wp), intent(out) :: numbers(:, :)       !! shape (positions, numbers)
+      complex(wp) :: place(size(sketch%drawn), 0:most_orders)
+      real(wp) :: travel(size(sketch%arcs), 0:most_orders)
+      real(wp) :: values(size(numbers, 2), 0:most_orders)
+      real(wp), parameter :: any_rate(2) = 1.0_wp
+      integer :: block, offset, n, i
+
+      place = (0.0_wp, 0.0_wp)
+      travel = 0.0_wp
+      n = problem%positions
+      offset = 0
+      do block = 1, problem%blocks()
+         if (.not. (solved .and. problem%blocks() == 1)) call problem%solve_block(block, offset, n)
+         call find_places(sketch, problem, n, joint(:, :n), moved(:, :n))
+         do i = 1, n
+            place(:, 0) = joint(:, i)
+            travel(:, 0) = moved(:, i)
+            call values_of_outputs(all%outputs, place, travel, any_rate, values)
+            numbers(offset + i, :) = merge(values(:, 0), 0.0_wp, all%known)
+         end do
+      end do
+   end subroutine find_numbers
+
+   !> Joints that stand off the arcs: their distances and angles deviate, too; the output of the loops is where its dimensions are.
+   subroutine move_apart(all, dimensions, random, sketch)
+      type(sampled_t), intent(in) :: all
+      type(dimensions_t), intent(in) :: dimensions
+      type(xoshiro_t), intent(inout) :: random
+      type(sketch_motion_t), intent(inout) :: sketch
+      real(wp) :: deviate(2), c, s
+      integer :: k
+
+      do k = 1, size(all%apart)
+         call random%next(deviate(1))
+         call random%next(deviate(2))
+         associate (nominal => all%sketch%moving(all%apart(k))%offset, offset => sketch%moving(all%apart(k))%offset)
+            if (k == all%listed) then
+               call unit_vector(dimensions%outang, c, s)
+               offset = dimensions%outlk*cmplx(c, s, wp)
+            else
+               deviate = 2.0_wp*deviate - 1.0_wp
+               call unit_vector(deviate(2)*all%turn, c, s)
+               offset = nominal*(1.0_wp + deviate(1)*all%along/abs(nominal))*cmplx(c, s, wp)
+            end if
+         end associate
+      end do
+   end subroutine move_apart
 
    !> Every dimension with a tolerance as a variable.
    pure function deviating_dimensions(set, mechanism) result(parameters)
@@ -325,11 +429,13 @@ contains
       type(xoshiro_t), allocatable :: random(:)
       real(wp), allocatable :: low(:, :, :), high(:, :, :), total(:, :, :), squares(:, :, :) !! by chunk of a round
       integer, allocatable :: made(:), open(:), named(:, :), loop(:, :)
-      integer :: chunk, chunks, before, at_once, k, t, n, i, closed, components
+      integer :: chunk, chunks, before, at_once, k, t, n, i, closed, components, columns
 
       if (present(interrupt)) ending = interrupt
       n = deviating%problem%positions
       components = deviating%problem%output%kind%components
+      columns = components
+      if (allocated(deviating%outputs)) columns = components + size(deviating%outputs%known)
       ! whole streams
       chunk = linkages_of_stream*(1 + (max(least_chunk, (trials - 1)/most_chunks + 1) - 1)/linkages_of_stream)
       chunks = (trials - 1)/chunk + 1
@@ -341,19 +447,19 @@ contains
          call workers(t)%set_desired(linear%nominal%actual, spread(spread(1.0_wp, 1, n), 2, components))
       end do
       at_once = min(chunks, chunks_at_once*size(workers))
-      allocate (low(n, components, at_once), high(n, components, at_once))
-      allocate (total(n, components, at_once), squares(n, components, at_once))
+      allocate (low(n, columns, at_once), high(n, columns, at_once))
+      allocate (total(n, columns, at_once), squares(n, columns, at_once))
       allocate (made(at_once), open(at_once), named(most_named, at_once), loop(most_named, at_once), source=0)
-      allocate (sample%low(n, components), source=huge(1.0_wp))
-      allocate (sample%high(n, components), source=-huge(1.0_wp))
-      allocate (sample%mean(n, components), sample%deviation(n, components), source=0.0_wp)
+      allocate (sample%low(n, columns), source=huge(1.0_wp))
+      allocate (sample%high(n, columns), source=-huge(1.0_wp))
+      allocate (sample%mean(n, columns), sample%deviation(n, columns), source=0.0_wp)
       do before = 0, chunks - 1, at_once
          !$omp parallel do num_threads(size(workers)) schedule(static) private(k)
          do t = 1, size(workers)
             do k = t, min(at_once, chunks - before), size(workers)
-               call run_chunk(linear, workers(t), random(t), (before + k - 1)*chunk + 1, min(trials, (before + k)*chunk), &
-                              ending, low(:, :, k), high(:, :, k), total(:, :, k), squares(:, :, k), made(k), open(k), &
-                              named(:, k), loop(:, k))
+               call run_chunk(deviating, linear, workers(t), random(t), (before + k - 1)*chunk + 1, &
+                              min(trials, (before + k)*chunk), ending, low(:, :, k), high(:, :, k), total(:, :, k), &
+                              squares(:, :, k), made(k), open(k), named(:, k), loop(:, k))
             end do
          end do
          !$omp end parallel do
@@ -379,18 +485,22 @@ contains
    end subroutine draw_sample
 
    !> The linkages from one number to another.
-   subroutine run_chunk(linear, problem, random, from, to, ending, low, high, total, squares, made, open, named, loop)
+   subroutine run_chunk(deviating, linear, problem, random, from, to, ending, low, high, total, squares, made, open, named, &
+                        loop)
+      type(deviating_t), intent(in) :: deviating
       type(tolerance_t), intent(in) :: linear
       type(problem_t), intent(inout) :: problem
       type(xoshiro_t), intent(inout) :: random
       integer, intent(in) :: from, to             !! `from` begins a stream
       type(stop_t), intent(in) :: ending
-      real(wp), intent(out) :: low(:, :), high(:, :), total(:, :), squares(:, :) !! shape (positions, components)
+      real(wp), intent(out) :: low(:, :), high(:, :), total(:, :), squares(:, :) !! shape (positions, columns)
       integer, intent(out) :: made, open, named(:), loop(:)
       type(dimensions_t) :: dimensions
-      real(wp), allocatable :: nominal(:), values(:), miss(:, :)
+      type(sketch_motion_t), allocatable :: sketch
+      complex(wp), allocatable :: joint(:, :)
+      real(wp), allocatable :: nominal(:), values(:), miss(:, :), moved(:, :)
       real(wp) :: deviate
-      integer :: t, v, failed, i, k, unasked
+      integer :: t, v, failed, i, k, unasked, first
 
       low = huge(low)
       high = -huge(high)
@@ -403,6 +513,11 @@ contains
       nominal = problem%parameters%first_values(linear%dimensions)
       values = nominal
       allocate (miss(problem%positions, size(low, 2)), source=0.0_wp)
+      first = size(linear%effect, 3)
+      if (allocated(deviating%outputs)) then
+         sketch = deviating%outputs%sketch
+         allocate (joint(size(sketch%drawn), problem%linkage%room), moved(size(sketch%arcs), problem%linkage%room))
+      end if
       unasked = max(1, solved_unasked/max(1, problem%positions))
       made = 0
       do t = from, to
@@ -416,7 +531,8 @@ contains
             values(v) = nominal(v) + linear%tolerance(v)*(2.0_wp*deviate - 1.0_wp)
          end do
          call problem%parameters%apply(values, dimensions)
-         call problem%deviations(dimensions, miss, failed)
+         if (allocated(sketch)) call move_apart(deviating%outputs, dimensions, random, sketch)
+         call problem%deviations(dimensions, miss(:, :first), failed)
          if (failed > 0) then
             open = open + 1
             if (open <= most_named) then
@@ -425,6 +541,7 @@ contains
             end if
             cycle
          end if
+         if (allocated(sketch)) call miss_of_outputs()
          do k = 1, size(low, 2)
             do i = 1, size(miss, 1)
                low(i, k) = merge(miss(i, k), low(i, k), miss(i, k) < low(i, k))
@@ -434,5 +551,23 @@ contains
             end do
          end do
       end do
+
+   contains
+
+      !> Deviations of all outputs.
+      subroutine miss_of_outputs()
+         integer :: number
+
+         associate (all => deviating%outputs)
+            call find_numbers(all, sketch, joint, moved, problem, .true., miss(:, first + 1:))
+            do number = 1, size(all%known)
+               if (all%angle(number)) then
+                  miss(:, first + number) = nearest_difference(miss(:, first + number), all%nominal(:, number))
+               else
+                  miss(:, first + number) = miss(:, first + number) - all%nominal(:, number)
+               end if
+            end do
+         end associate
+      end subroutine miss_of_outputs
    end subroutine run_chunk
 end module psalm_tolerance

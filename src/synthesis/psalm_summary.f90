@@ -4,7 +4,7 @@
 !> The input is swept in steps of half a degree (a sliding input: 720 steps of its range); ends, extremes and narrow gaps between
 !> the steps are then found by looking ever more closely. That is a search, no proof.
 module psalm_summary
-   use psalm_angles, only: arc_sine, nearest_difference, within_turn
+   use psalm_angles, only: arc_sine, nearest_difference
    use psalm_dyad_kind, only: assur_higher, assur_prr, assur_rrp, assur_rrr, form_of, form_t
    use psalm_elementary, only: hypotenuse
    use psalm_exact_sum, only: sign_of_sum
@@ -16,6 +16,7 @@ module psalm_summary
    use psalm_sweep, only: sweep_sense
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
+   use psalm_shown_input, only: input_in_turn, reference_input
    implicit none (type, external)
    private
    public :: summary_t, loop_kind_t, range_t, summarise, kinds_of, kind_of_four_bar
@@ -720,10 +721,10 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       real(wp), intent(in) :: delt
 
-      input_of = dimensions%crnki + delt
+      input_of = reference_input(problem%mechanism, dimensions) + delt
       if (problem%mechanism%sliding_input) return
       if (abs(input_of - anint(input_of)) < rounding_of_input) input_of = anint(input_of)
-      input_of = within_turn(input_of)
+      input_of = input_in_turn(problem%mechanism, input_of)
    end function input_of
 
    !> Loops that are a four-bar or a slider-crank driven at the input crank.
