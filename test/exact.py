@@ -441,12 +441,12 @@ def symmetric_points(folder):
         d, r, p, q, s = start
         worst = 0.0
         for z in turned:
-            b = meets(z, p, a, r)
+            b = directions(z, p, a, r)
             worst = max(worst, min(abs(abs(z + q*u - d)**2 - s) for u in b) if b else 9.9)
         check(worst < 1e-9 and error < 1e-9, "a symmetric linkage passes all nine points, crank pivot at %g" % a, (worst, error))
 
 
-def meets(z, p, a, r):
+def directions(z, p, a, r):
     """Directions u with |z - p u - a|^2 = r."""
     w = z - a
     c = (abs(w)**2 + p*p - r)/(2*p*abs(w))
