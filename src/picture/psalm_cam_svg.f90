@@ -2,21 +2,31 @@
 !> acceleration, jerk, pressure angle and curvature of the profile over the turn.
 module psalm_cam_svg
    use psalm_cam_scene, only: cam_part_t, cam_scene_t
+   use psalm_column_names, only: rate_unit
    use psalm_cam_study, only: cam_study_t, role_cam, role_outer_wall
    use psalm_kinds, only: wp, full_turn
-   use psalm_markup, only: xml_text, short_number
-   use psalm_svg_frame, only: begin_svg
+   use psalm_markup, only: short_number
+   use psalm_svg_panel, only: plot_panel_t, begin_picture, draw_axes, draw_curve, draw_level, px
    use psalm_text, only: text_t
    implicit none (type, external)
    private
    public :: write_cam_svg
 
    real(wp), parameter :: width = 860.0_wp, tallest = 680.0_wp, margin = 40.0_wp, header = 56.0_wp !! sizes, pixels
-   real(wp), parameter :: panel = 100.0_wp, gap = 42.0_wp, joint_radius = 4.0_wp
+   real(wp), parameter :: panel_height = 100.0_wp, gap = 66.0_wp, axis = 72.0_wp, joint_radius = 4.0_wp
    real(wp), parameter :: near_limit = 5.0_wp  !! degrees from the values: a limit is drawn
    character(*), parameter :: names(0:3) = [character(26) :: 'output', 'output, first derivative', 'output, second derivative', &
                                             'output, third derivative']
-   integer, parameter :: panels = 6, digits_for_people = 6
+   real(wp), parameter :: tick = 90.0_wp       !! degrees of the cam between marks
+   integer, parameter :: panels = 6
+   character(*), parameter :: light = &
+      'path,circle{vector-effect:non-scaling-stroke}.profile{stroke-width:2.2;fill:#b5541c;fill-opacity:.14}'// &
+      '.wall{stroke-width:2.2}.pitch{stroke:#8893a0;stroke-dasharray:6 4}.cutter{stroke:#2e8540;stroke-width:.8}'// &
+      '.follower{stroke:#0b57d0;stroke-width:1.8}.shaft{stroke:#c62828}.bar{stroke:#7d8994;stroke-width:2.2}'// &
+      '.joint{fill:#fff;stroke-width:1.2}'
+   character(*), parameter :: dark = &
+      '.profile{fill:#f0a070}.pitch{stroke:#6b7681}.cutter{stroke:#7ccf8a}.follower{stroke:#7db4ff}.shaft{stroke:#ff6b60}'// &
+      '.bar{stroke:#8793a0}.joint{fill:#14191f}'
 
 contains
 
@@ -28,7 +38,6 @@ contains
       type(text_t), intent(inout) :: text
       complex(wp) :: middle, offset
       real(wp) :: scale, reach, height, size_of_scene(2), shown
-      logical :: ends                                !! the cam slides: its curves have two ends
       integer :: k, i
 
       middle = 0.5_wp*(scene%low + scene%high)
@@ -36,21 +45,8 @@ contains
       scale = min((width - 2.0_wp*margin)/size_of_scene(1), (tallest - 2.0_wp*margin)/size_of_scene(2))
       shown = scale*size_of_scene(2) + 2.0_wp*margin
       reach = maxval(abs(studies(1)%points%profile))
-      height = header + shown + real(panels, wp)*(panel + gap)*real(count(studies%part%role == role_cam), wp) + margin
-      call begin_svg(title, width, height, text)
-      call text%add('<style>svg{max-width:100%;height:auto}text{font:13px "DejaVu Sans",Verdana,Arial,sans-serif;fill:#14202b}'// &
-                    '.head{font-size:18px;font-weight:bold}.tick{font-size:11px;fill:#56636f}path,circle{fill:none;'// &
-                    'stroke:#14202b;vector-effect:non-scaling-stroke;stroke-linejoin:round}.profile{stroke-width:2.2;'// &
-                    'fill:#b5541c;fill-opacity:.14}.wall{stroke-width:2.2}.pitch{stroke:#8893a0;stroke-dasharray:6 4}'// &
-                    '.cutter{stroke:#2e8540;stroke-width:.8}.follower{stroke:#0b57d0;stroke-width:1.8}'// &
-                    '.curve{stroke:#0b57d0;stroke-width:1.5}.shaft{stroke:#c62828}.bar{stroke:#7d8994;stroke-width:2.2}'// &
-                    '.joint{fill:#fff;stroke-width:1.2}.frame{stroke:#c9d1d8}.limit{stroke:#c62828;stroke-dasharray:4 4}'// &
-                    '.paper{fill:#fff}@media(prefers-color-scheme:dark){.paper{fill:#14191f}text{fill:#e6ebf0}'// &
-                    '.tick{fill:#aab6c1}path,circle{stroke:#e6ebf0}.profile{fill:#f0a070}.pitch{stroke:#6b7681}'// &
-                    '.cutter{stroke:#7ccf8a}.follower,.curve{stroke:#7db4ff}.shaft,.limit{stroke:#ff6b60}'// &
-                    '.bar{stroke:#8793a0}.joint{fill:#14191f}.frame{stroke:#36404a}}</style>')
-      call text%add('<rect class="paper" width="'//px(width)//'" height="'//px(height)//'"/>')
-      call text%add('<text class="head" x="28" y="34">'//xml_text(trim(title))//'</text>')
+      height = header + shown + real(panels, wp)*(panel_height + gap)*real(count(studies%part%role == role_cam), wp) + margin
+      call begin_picture(title, width, height, light, dark, text)
       call text%add('<g transform="translate('//px(0.5_wp*width)//' '//px(header + 0.5_wp*shown)//') scale('// &
                     short_number(scale)//' '//short_number(-scale)//') translate('//short_number(-middle%re)//' '// &
                     short_number(-middle%im)//')">')
@@ -99,13 +95,6 @@ contains
 
    contains
 
-      pure function px(value) result(number)
-         real(wp), intent(in) :: value
-         character(:), allocatable :: number
-
-         number = short_number(value, digits_for_people)
-      end function px
-
       pure function pair(point) result(numbers)
          complex(wp), intent(in) :: point
          character(:), allocatable :: numbers
@@ -152,26 +141,29 @@ contains
          real(wp) :: limits(2)
          integer :: order
 
-         ends = study%shape%axes%slides
          do order = 0, 3
-            call curve(drawn + order + 1, adjustl(prefix//names(order)), part%states%y(order, :), [real(wp) ::])
+            call curve(drawn + order + 1, trim(adjustl(prefix//names(order)))//', '// &
+                       rate_unit(study%shape%motion%angular, 'rad', order), study, part%states%y(order, :), [real(wp) ::])
          end do
          limits = [-study%cam%pressure_angle, study%cam%pressure_angle]
          associate (values => part%points%pressure)
-            call curve(drawn + 5, adjustl(prefix//'pressure angle, degrees'), values, &
+            call curve(drawn + 5, trim(adjustl(prefix//'pressure angle, degrees')), study, values, &
                        pack(limits, limits > minval(values) - near_limit .and. limits < maxval(values) + near_limit))
          end associate
-         call curve(drawn + panels, adjustl(prefix//'curvature of the profile'), 1.0_wp/part%points%radius, [real(wp) ::])
+         call curve(drawn + panels, trim(adjustl(prefix//'curvature of the profile, 1/length')), study, 1.0_wp/part%points%radius, &
+                    [real(wp) ::])
          drawn = drawn + panels
       end subroutine curves
 
       !> One panel: a curve over the cam angle between its least and greatest value, with limits.
-      subroutine curve(number, name, values, limits)
+      subroutine curve(number, name, study, values, limits)
          integer, intent(in) :: number
          character(*), intent(in) :: name
+         type(cam_study_t), intent(in) :: study
          real(wp), intent(in) :: values(:), limits(:)
-         real(wp) :: low, high, top, x
-         integer :: i
+         type(plot_panel_t) :: panel
+         real(wp) :: low, high
+         integer :: i, n
 
          low = min(minval(values), minval(limits))
          high = max(maxval(values), maxval(limits))
@@ -179,41 +171,19 @@ contains
             low = low - 1.0_wp
             high = high + 1.0_wp
          end if
-         top = header + shown + real(number - 1, wp)*(panel + gap) + gap
-         call text%add('<path class="frame" d="M'//px(margin)//' '//px(top)//'H'//px(width - margin)//'V'//px(top + panel)//'H'// &
-                       px(margin)//'Z"/>')
-         if (low < 0.0_wp .and. high > 0.0_wp) call level('frame', height_of(0.0_wp, top, low, high))
+         panel = plot_panel_t(axis, header + shown + real(number - 1, wp)*(panel_height + gap) + gap, width - axis - margin, &
+                         panel_height, 0.0_wp, full_turn, low, high)
+         call draw_axes(panel, name//': '//px(minval(values))//' to '//px(maxval(values)), tick, text, &
+                        'cam angle, degrees')
          do i = 1, size(limits)
-            call level('limit', height_of(limits(i), top, low, high))
+            call draw_level(panel, 'limit', limits(i), text)
          end do
-         call text%add('<text x="'//px(margin)//'" y="'//px(top - 7.0_wp)//'">'//trim(name)//': '//px(minval(values))//' to '// &
-                       px(maxval(values))//'</text>')
-         call text%add('<path class="curve" d="')
-         do i = 1, size(values) + merge(0, 1, ends)
-            x = margin + (width - 2.0_wp*margin)*real(i - 1, wp)/real(size(values) - merge(1, 0, ends), wp)
-            call text%add(merge('M', 'L', i == 1)//px(x)//' '// &
-                          px(height_of(values(modulo(i - 1, size(values)) + 1), top, low, high)))
-         end do
-         call text%add('"/>')
-         do i = 0, 4
-            x = margin + (width - 2.0_wp*margin)*0.25_wp*real(i, wp)
-            call text%add('<text class="tick" x="'//px(x)//'" y="'//px(top + panel + 12.0_wp)//'" text-anchor="middle">'// &
-                          px(0.25_wp*full_turn*real(i, wp))//'</text>')
-         end do
+         n = size(values)
+         if (study%shape%axes%slides) then      ! its curves have two ends
+            call draw_curve(panel, 'curve', [(full_turn*real(i, wp)/real(n - 1, wp), i=0, n - 1)], values, text)
+         else
+            call draw_curve(panel, 'curve', [(full_turn*real(i, wp)/real(n, wp), i=0, n)], [values, values(1)], text)
+         end if
       end subroutine curve
-
-      !> A line across a panel.
-      subroutine level(class, y)
-         character(*), intent(in) :: class
-         real(wp), intent(in) :: y
-
-         call text%add('<path class="'//class//'" d="M'//px(margin)//' '//px(y)//'H'//px(width - margin)//'"/>')
-      end subroutine level
-
-      pure real(wp) function height_of(value, top, low, high)
-         real(wp), intent(in) :: value, top, low, high
-
-         height_of = top + panel*(high - value)/(high - low)
-      end function height_of
    end subroutine write_cam_svg
 end module psalm_cam_svg

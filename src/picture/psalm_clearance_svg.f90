@@ -4,19 +4,18 @@ module psalm_clearance_svg
    use psalm_clearance_study, only: clearance_study_t, verdict_kept
    use psalm_flypast_chart, only: chart_t
    use psalm_kinds, only: wp, pi, full_turn, radians_per_degree
-   use psalm_markup, only: xml_text, short_number
-   use psalm_svg_frame, only: begin_svg
+   use psalm_markup, only: short_number
+   use psalm_svg_panel, only: plot_panel_t, begin_picture, draw_axes, draw_curve, px, round_step
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
    public :: write_clearance_svg
 
    real(wp), parameter :: width = 900.0_wp, margin = 70.0_wp, header = 60.0_wp !! sizes, pixels
-   real(wp), parameter :: panel = 180.0_wp, gap = 50.0_wp    !! height of the curves, and between them
+   real(wp), parameter :: panel_height = 180.0_wp, gap = 50.0_wp    !! height of the curves, and between them
    real(wp), parameter :: chart_height = 470.0_wp, chart_radius = 180.0_wp
    real(wp), parameter :: footer = 40.0_wp, head_room = 1.15_wp
    real(wp), parameter :: classes(*) = [0.05_wp, 0.1_wp, 0.2_wp, 0.4_wp, 0.8_wp] !! upper ends of the indices of one colour
-   integer, parameter :: digits_for_people = 5
    real(wp), parameter :: tick = 60.0_wp                     !! degrees between marks of the input
 
 contains
@@ -31,48 +30,42 @@ contains
 
       charts = 0
       if (allocated(study%chart%h3)) charts = size(study%chart%h3)
-      height = header + 2.0_wp*(panel + gap) + gap + real(charts, wp)*chart_height + footer
-      call begin_svg(title, width, height, text)
-      call write_style(text)
-      call text%add('<rect class="paper" width="'//px(width)//'" height="'//px(height)//'"/>')
-      call text%add('<text class="head" x="28" y="34">'//xml_text(trim(title))//'</text>')
+      height = header + 2.0_wp*(panel_height + gap) + gap + real(charts, wp)*chart_height + footer
+      call begin_picture(title, width, height, own_style(.false.), own_style(.true.), text)
       top = header + 0.6_wp*gap
       call draw_forces(study, top, text)
-      call draw_lag(study, top + panel + gap, text)
+      call draw_lag(study, top + panel_height + gap, text)
       do k = 1, charts
-         top = header + 2.0_wp*(panel + gap) + gap + real(k - 1, wp)*chart_height
+         top = header + 2.0_wp*(panel_height + gap) + gap + real(k - 1, wp)*chart_height
          call draw_losses(study, k, top, text)
          call draw_indices(study%chart, k, top, text)
       end do
       call text%add('</svg>')
    end subroutine write_clearance_svg
 
-   subroutine write_style(text)
-      type(text_t), intent(inout) :: text
-      character(*), parameter :: light(*) = [character(7) :: '#fde7b0', '#fcc46c', '#f59e3f', '#e2701f', '#bd4312', '#7c2310']
-      character(*), parameter :: dark(*) = [character(7) :: '#4a3413', '#714711', '#9c5d12', '#c9741a', '#ee9138', '#ffc480']
+   !> What this picture has besides the style of all.
+   pure function own_style(dark) result(style)
+      logical, intent(in) :: dark
+      character(:), allocatable :: style
+      character(*), parameter :: lights(*) = [character(7) :: '#fde7b0', '#fcc46c', '#f59e3f', '#e2701f', '#bd4312', '#7c2310']
+      character(*), parameter :: darks(*) = [character(7) :: '#4a3413', '#714711', '#9c5d12', '#c9741a', '#ee9138', '#ffc480']
       integer :: k
 
-      call text%add('<style>svg{max-width:100%;height:auto}text{font:13px sans-serif;fill:#222}.head{font-size:18px}'// &
-                    '.small{font-size:11.5px;fill:#555}.middle{text-anchor:middle}.right{text-anchor:end}'// &
-                    'path,circle{fill:none;stroke:#222}.frame{stroke:#bbb}.zero{stroke:#888;stroke-dasharray:3 3}'// &
-                    '.load{stroke:#0b57d0;stroke-width:1.4}.contact{stroke:#c62828;stroke-width:1.4}'// &
-                    '.after{stroke-width:1;stroke-dasharray:4 3}.loss{stroke:none;fill:#c62828}'// &
-                    '.passage{stroke:none;fill:#d3302f;fill-opacity:.75}'// &
-                    '.terminal{stroke:none;fill:#d3302f;fill-opacity:.3}.ring{stroke:#999;stroke-width:.7}'// &
-                    '.here{fill:#0b57d0;stroke:#fff;stroke-width:1.5}.paper{fill:#fff}')
-      do k = 1, size(light)
-         call text%add('.i'//to_text(k)//'{stroke:none;fill:'//light(k)//'}')
+      if (dark) then
+         style = '.ring{stroke:#566}.contact{stroke:#ff6b60}.loss,.passage,.terminal{stroke:none;fill:#ff6b60}'// &
+                 '.here{fill:#7db4ff;stroke:#14191f}'
+      else
+         style = '.contact{stroke:#c62828;stroke-width:1.4}.after{stroke-width:1;stroke-dasharray:4 3}'// &
+                 '.loss{stroke:none;fill:#c62828}.passage{stroke:none;fill:#d3302f;fill-opacity:.75}'// &
+                 '.terminal{stroke:none;fill:#d3302f;fill-opacity:.3}.ring{stroke:#999;stroke-width:.7}'// &
+                 '.here{fill:#0b57d0;stroke:#fff;stroke-width:1.5}'
+      end if
+      do k = 1, size(lights)
+         style = style//'.i'//to_text(k)//'{stroke:none;fill:'
+         if (dark) style = style//darks(k)//'}'
+         if (.not. dark) style = style//lights(k)//'}'
       end do
-      call text%add('@media screen and (prefers-color-scheme:dark){.paper{fill:#14191f}text{fill:#ddd}.small{fill:#aab}'// &
-                    'path,circle{stroke:#ddd}.frame,.ring{stroke:#566}.zero{stroke:#788}.load{stroke:#7db4ff}'// &
-                    '.contact{stroke:#ff6b60}.loss{stroke:none;fill:#ff6b60}.passage,.terminal{stroke:none;fill:#ff6b60}'// &
-                    '.here{fill:#7db4ff;stroke:#14191f}')
-      do k = 1, size(dark)
-         call text%add('.i'//to_text(k)//'{stroke:none;fill:'//dark(k)//'}')
-      end do
-      call text%add('}</style>')
-   end subroutine write_style
+   end function own_style
 
    ! ---- curves over the turn ----------------------------------------------------------------------------------------
 
@@ -81,6 +74,7 @@ contains
       type(clearance_study_t), intent(in) :: study
       real(wp), intent(in) :: top
       type(text_t), intent(inout) :: text
+      type(plot_panel_t) :: panel
       real(wp) :: low, high
       integer :: k
 
@@ -89,14 +83,15 @@ contains
       ! after a loss the force of an unbroken contact may swing to any height
       if (study%followed) low = min(low, max(-0.5_wp*high, minval(study%force)))
       if (study%followed) high = min(head_room*high, max(high, maxval(study%force)))
-      call draw_axes(study, 'load without clearance (blue) and force of contact (red; dashed after its first loss), N', &
-                     low, high, top, text)
-      call draw_curve('load', study%cycle%input, study%cycle%amount, low, high, top, text)
-      call draw_followed(study, study%force, low, high, top, text)
+      panel = panel_of(study, low, high, top)
+      call draw_axes(panel, 'load without clearance (blue) and force of contact (red; dashed after its first loss), N', &
+                     sign(tick, study%load%sense), text)
+      call draw_curve(panel, 'curve', in_turn(study%cycle%input), study%cycle%amount, text)
+      call draw_followed(study, study%force, panel, text)
       do k = 1, size(study%minima)
          if (study%minima(k)%verdict == verdict_kept) cycle
          call text%add('<circle class="loss" data-input="'//short_number(study%minima(k)%input)//'" cx="'// &
-                       px(x_of(study%minima(k)%input))//'" cy="'//px(y_of(study%minima(k)%load, low, high, top))//'" r="4"/>')
+                       px(panel%x_of(in_turn(study%minima(k)%input)))//'" cy="'//px(panel%y_of(study%minima(k)%load))//'" r="4"/>')
       end do
    end subroutine draw_forces
 
@@ -104,104 +99,50 @@ contains
       type(clearance_study_t), intent(in) :: study
       real(wp), intent(in) :: top
       type(text_t), intent(inout) :: text
+      type(plot_panel_t) :: panel
       real(wp) :: low, high
 
       low = 0.0_wp
       high = 0.0_wp
       if (study%followed) low = min(low, minval(study%lag))
       if (study%followed) high = max(high, maxval(study%lag))
-      call draw_axes(study, 'lag of the pin behind the load, degrees', low, high, top, text)
-      call draw_followed(study, study%lag, low, high, top, text)
-      call text%add('<text class="small middle" x="'//px(0.5_wp*width)//'" y="'//px(top + panel + 34.0_wp)// &
-                    '">input from the reference position, degrees</text>')
+      panel = panel_of(study, low, high, top)
+      call draw_axes(panel, 'lag of the pin behind the load, degrees', sign(tick, study%load%sense), text, &
+                     'input from the reference position, degrees')
+      call draw_followed(study, study%lag, panel, text)
    end subroutine draw_lag
 
    !> What is followed, after the first loss in another line.
-   subroutine draw_followed(study, values, low, high, top, text)
+   subroutine draw_followed(study, values, panel, text)
       type(clearance_study_t), intent(in) :: study
-      real(wp), intent(in) :: values(:), low, high, top
+      real(wp), intent(in) :: values(:)
+      type(plot_panel_t), intent(in) :: panel
       type(text_t), intent(inout) :: text
       integer :: last
 
       if (.not. study%followed) return
       last = size(values)
       if (study%loses) last = count(abs(study%input) <= abs(study%loss))
-      call draw_curve('contact', study%input(:last), values(:last), low, high, top, text)
-      if (last < size(values)) call draw_curve('contact after', study%input(last:), values(last:), low, high, top, text)
+      call draw_curve(panel, 'contact', in_turn(study%input(:last)), values(:last), text)
+      if (last < size(values)) call draw_curve(panel, 'contact after', in_turn(study%input(last:)), values(last:), text)
    end subroutine draw_followed
 
-   subroutine draw_axes(study, name, low, high, top, text)
+   !> A panel over the turn: inputs run to the right in the sense of the crank's turning.
+   pure type(plot_panel_t) function panel_of(study, low, high, top)
       type(clearance_study_t), intent(in) :: study
-      character(*), intent(in) :: name
       real(wp), intent(in) :: low, high, top
-      type(text_t), intent(inout) :: text
-      real(wp) :: step, value
-      integer :: k
 
-      call text%add('<text x="'//px(margin)//'" y="'//px(top - 8.0_wp)//'">'//name//'</text>')
-      step = round_step((high - low)/4.0_wp)
-      do k = ceiling(low/step), floor(high/step)
-         value = step*real(k, wp)
-         call text%add('<path class="'//trim(merge('zero ', 'frame', k == 0))//'" d="M'//px(margin)//' '// &
-                       px(y_of(value, low, high, top))//'H'//px(width - margin)//'"/><text class="small right" x="'// &
-                       px(margin - 6.0_wp)//'" y="'//px(y_of(value, low, high, top) + 4.0_wp)//'">'//px(value)//'</text>')
-      end do
-      do k = 0, nint(full_turn/tick)
-         value = study%load%sense*tick*real(k, wp)
-         call text%add('<path class="frame" d="M'//px(x_of(value))//' '//px(top)//'v'//px(panel + 4.0_wp)// &
-                       '"/><text class="small middle" x="'//px(x_of(value))//'" y="'//px(top + panel + 18.0_wp)//'">'// &
-                       px(value)//'</text>')
-      end do
-   end subroutine draw_axes
+      panel_of = plot_panel_t(margin, top, width - 2.0_wp*margin, panel_height, 0.0_wp, &
+                              sign(full_turn, study%load%sense), low, high)
+   end function panel_of
 
-   !> A curve over the turn; where the input begins anew so does the line.
-   subroutine draw_curve(class, input, values, low, high, top, text)
-      character(*), intent(in) :: class
-      real(wp), intent(in) :: input(:), values(:), low, high, top !! degrees
-      type(text_t), intent(inout) :: text
-      real(wp) :: x, before
-      integer :: i
-
-      if (size(input) == 0) return
-      call text%add('<path class="'//class//'" d="')
-      before = huge(1.0_wp)
-      do i = 1, size(input)
-         x = x_of(input(i))
-         call text%add(merge('M', 'L', x < before)//px(x)//' '//px(y_of(min(high, max(low, values(i))), low, high, top)))
-         before = x
-      end do
-      call text%add('"/>')
-   end subroutine draw_curve
-
-   !> Inputs run to the right in the sense of the crank's turning.
-   pure real(wp) function x_of(input) result(x)
+   !> An input within the turn, of its sign.
+   elemental real(wp) function in_turn(input)
       real(wp), intent(in) :: input               !! degrees
-      real(wp) :: turned
 
-      turned = abs(input)
-      if (turned > full_turn) turned = modulo(turned, full_turn)
-      x = margin + (width - 2.0_wp*margin)*turned/full_turn
-   end function x_of
-
-   pure real(wp) function y_of(value, low, high, top) result(y)
-      real(wp), intent(in) :: value, low, high, top
-
-      y = top + panel*(high - value)/max(high - low, tiny(1.0_wp)*1.0e10_wp)
-   end function y_of
-
-   !> The next 1, 2 or 5 times a power of ten, not below the value.
-   pure real(wp) function round_step(value)
-      real(wp), intent(in) :: value
-      real(wp) :: power
-
-      round_step = 1.0_wp
-      if (.not. value > 0.0_wp) return
-      power = 10.0_wp**floor(log10(value))
-      round_step = 10.0_wp*power
-      if (value <= 5.0_wp*power) round_step = 5.0_wp*power
-      if (value <= 2.0_wp*power) round_step = 2.0_wp*power
-      if (value <= power) round_step = power
-   end function round_step
+      in_turn = input
+      if (abs(input) > full_turn) in_turn = sign(modulo(abs(input), full_turn), input)
+   end function in_turn
 
    ! ---- charts ------------------------------------------------------------------------------------------------------
 
@@ -407,11 +348,4 @@ contains
          place = px(x + radius*cos(angle))//' '//px(y - radius*sin(angle))
       end function at
    end function sector_of
-
-   pure function px(value) result(number)
-      real(wp), intent(in) :: value
-      character(:), allocatable :: number
-
-      number = short_number(value, digits_for_people)
-   end function px
 end module psalm_clearance_svg

@@ -3,10 +3,10 @@
 module psalm_pole_svg
    use psalm_defects, only: exact_linkage_t
    use psalm_kinds, only: wp, half_turn, full_turn
-   use psalm_markup, only: xml_text, short_number
+   use psalm_markup, only: short_number
    use psalm_pole_curves, only: branches
    use psalm_pole_scene, only: pole_scene_t, poses_drawn, rays_drawn
-   use psalm_svg_frame, only: begin_svg
+   use psalm_svg_panel, only: begin_picture, px
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
@@ -39,11 +39,8 @@ contains
       width = 2.0_wp*margin + plane + gap + map_size
       if (.not. scene%has_map) width = narrow
       height = header + plane + footer
-      call begin_svg(scene%title, width, height, text)
-      call write_style(text)
-      call text%add('<rect class="paper" width="'//px(width)//'" height="'//px(height)//'"/>')
-      call text%add('<text class="head" x="28" y="34">'//xml_text(trim(scene%title))//'</text>')
-      call text%add('<text class="sub" x="28" y="56">'//subtitle(scene)//'</text>')
+      call begin_picture(scene%title, width, height, own_style(.false.), own_style(.true.), text)
+      call text%add('<text class="small" x="28" y="56">'//subtitle(scene)//'</text>')
       call choose_view(scene, view)
       call draw_plane(scene, view, text)
       if (scene%has_map) call draw_map(scene, text)
@@ -69,35 +66,33 @@ contains
       end associate
    end function subtitle
 
-   subroutine write_style(text)
-      type(text_t), intent(inout) :: text
-      character(7), parameter :: light(defect) = ['#cfe3fb', '#8fbdf2', '#3f86d8', '#0a4aa0', '#fde3c0', '#f8bd77', '#e5862b', &
-                                                  '#a8500c', '#d9dde1']
-      character(7), parameter :: dark(defect) = ['#183352', '#1f5187', '#3b86d4', '#9cceff', '#4d3310', '#80541a', '#c98125', &
-                                                 '#ffc680', '#2b323a']
+   !> What this picture has besides the style of all.
+   pure function own_style(dark) result(style)
+      logical, intent(in) :: dark
+      character(:), allocatable :: style
+      character(7), parameter :: lights(defect) = ['#cfe3fb', '#8fbdf2', '#3f86d8', '#0a4aa0', '#fde3c0', '#f8bd77', '#e5862b', &
+                                                   '#a8500c', '#d9dde1']
+      character(7), parameter :: darks(defect) = ['#183352', '#1f5187', '#3b86d4', '#9cceff', '#4d3310', '#80541a', '#c98125', &
+                                                  '#ffc680', '#2b323a']
       integer :: k
 
-      call text%add('<style>svg{max-width:100%;height:auto}text{font:13px "DejaVu Sans",Verdana,Arial,sans-serif;fill:#14202b}'// &
-                    '.head{font-size:18px;font-weight:bold}.sub,.tick{font-size:11.5px;fill:#56636f}.middle{text-anchor:middle}'// &
-                    '.right{text-anchor:end}path,circle,line,rect.box{fill:none;stroke:#14202b}.box,.rule{stroke:#9aa5b0}'// &
-                    '.centre{stroke:#0b57d0;stroke-width:1.8}.pin{stroke:#b5541c;stroke-width:1.8;stroke-dasharray:6 3}'// &
-                    '.pole{stroke:#56636f}.pose{stroke-width:1.6}.link{stroke:#2e8540;stroke-width:5;stroke-linecap:round;'// &
-                    'stroke-linejoin:round;stroke-opacity:.55;fill:#2e8540;fill-opacity:.16}.slide{stroke:#2e8540;'// &
-                    'stroke-dasharray:9 4}.joint{fill:#fff;stroke-width:1.4}.fixed{fill:#14202b}.dot{fill:#14202b;stroke:none}'// &
-                    '.mark{stroke:#c62828;stroke-width:2.2}.paper{fill:#fff}')
+      if (dark) then
+         style = 'line,rect.box{stroke:#e6ebf0}.box,.rule{stroke:#56636f}.centre{stroke:#7db4ff}.pin{stroke:#f0a070}'// &
+                 '.pole{stroke:#8893a0}.link{stroke:#7ccf8a;fill:#7ccf8a}.slide{stroke:#7ccf8a}.joint{fill:#14191f}'// &
+                 '.fixed,.dot{fill:#e6ebf0}.dot{stroke:none}.mark{stroke:#ff6b60}'
+      else
+         style = 'line,rect.box{fill:none;stroke:#14202b}.box,.rule{stroke:#9aa5b0}.centre{stroke:#0b57d0;stroke-width:1.8}'// &
+                 '.pin{stroke:#b5541c;stroke-width:1.8;stroke-dasharray:6 3}.pole{stroke:#56636f}.pose{stroke-width:1.6}'// &
+                 '.link{stroke:#2e8540;stroke-width:5;stroke-linecap:round;stroke-opacity:.55;fill:#2e8540;fill-opacity:.16}'// &
+                 '.slide{stroke:#2e8540;stroke-dasharray:9 4}.joint{fill:#fff;stroke-width:1.4}.fixed{fill:#14202b}'// &
+                 '.dot{fill:#14202b;stroke:none}.mark{stroke:#c62828;stroke-width:2.2}'
+      end if
       do k = 1, defect
-         call text%add('.m'//to_text(k)//'{stroke:none;fill:'//light(k)//'}')
+         style = style//'.m'//to_text(k)//'{stroke:none;fill:'
+         if (dark) style = style//darks(k)//'}'
+         if (.not. dark) style = style//lights(k)//'}'
       end do
-      call text%add('@media screen and (prefers-color-scheme:dark){.paper{fill:#14191f}text{fill:#e6ebf0}'// &
-                    '.sub,.tick{fill:#aab6c1}path,circle,line,rect.box{stroke:#e6ebf0}.box,.rule{stroke:#56636f}'// &
-                    '.centre{stroke:#7db4ff}.pin{stroke:#f0a070}.pole{stroke:#8893a0}.link{stroke:#7ccf8a;fill:#7ccf8a}'// &
-                    '.slide{stroke:#7ccf8a}'// &
-                    '.joint{fill:#14191f}.fixed,.dot{fill:#e6ebf0}.dot{stroke:none}.mark{stroke:#ff6b60}')
-      do k = 1, defect
-         call text%add('.m'//to_text(k)//'{stroke:none;fill:'//dark(k)//'}')
-      end do
-      call text%add('}</style>')
-   end subroutine write_style
+   end function own_style
 
    ! ---- the plane -----------------------------------------------------------------------------------------------------
 
@@ -157,7 +152,7 @@ contains
             if (.not. scene%has_pole(i, k)) cycle
             place = in_pixels(view, scene%pole(i, k))
             call text%add('<path class="pole" d="M'//px(place%re - 4.0_wp)//' '//px(place%im)// &
-                          'h8m-4 -4v8"/><text class="tick" x="'//px(place%re + 6.0_wp)//'" y="'//px(place%im - 5.0_wp)//'">P'// &
+                          'h8m-4 -4v8"/><text class="small" x="'//px(place%re + 6.0_wp)//'" y="'//px(place%im - 5.0_wp)//'">P'// &
                           to_text(i)//to_text(k)//'</text>')
          end do
       end do
@@ -175,7 +170,7 @@ contains
       call key(margin, below, '<path class="centre" d="M0 -4h30"/>', 'fixed pivots')
       call key(margin + 150.0_wp, below, '<path class="pin" d="M0 -4h30"/>', 'pins, in pose 1')
       call key(margin + 310.0_wp, below, '<path class="pole" d="M11 -4h8m-4 -4v8"/>', 'poles of two poses')
-      call text%add('<text class="tick" x="'//px(margin)//'" y="'//px(below + 24.0_wp)//'">the side of the square is '// &
+      call text%add('<text class="small" x="'//px(margin)//'" y="'//px(below + 24.0_wp)//'">the side of the square is '// &
                     short_number(2.0_wp*view%half, digits_for_people)//'</text>')
 
    contains
@@ -184,7 +179,7 @@ contains
          real(wp), intent(in) :: x, y
          character(*), intent(in) :: sign, words
 
-         call text%add('<g transform="translate('//px(x)//' '//px(y)//')">'//sign//'<text class="sub" x="38">'//words// &
+         call text%add('<g transform="translate('//px(x)//' '//px(y)//')">'//sign//'<text class="small" x="38">'//words// &
                        '</text></g>')
       end subroutine key
    end subroutine draw_plane
@@ -320,14 +315,14 @@ contains
          y = bottom - 0.25_wp*real(k, wp)*map_size
          call text%add('<path class="rule" d="M'//px(x)//' '//px(bottom)//'v'//px(merge(-map_size, 5.0_wp, k == 2))//'M'// &
                        px(left)//' '//px(y)//'h'//px(merge(map_size, -5.0_wp, k == 2))//'"/>')
-         call text%add('<text class="tick middle" x="'//px(x)//'" y="'//px(bottom + 18.0_wp)//'">'//tick(k)//'</text>')
-         call text%add('<text class="tick right" x="'//px(left - 9.0_wp)//'" y="'//px(y + 4.0_wp)//'">'//tick(k)//'</text>')
+         call text%add('<text class="small middle" x="'//px(x)//'" y="'//px(bottom + 18.0_wp)//'">'//tick(k)//'</text>')
+         call text%add('<text class="small right" x="'//px(left - 9.0_wp)//'" y="'//px(y + 4.0_wp)//'">'//tick(k)//'</text>')
       end do
       call text%add('<rect class="box" x="'//px(left)//'" y="'//px(header)//'" width="'//px(map_size)//'" height="'// &
                     px(map_size)//'"/>')
-      call text%add('<text class="sub middle" x="'//px(left + 0.5_wp*map_size)//'" y="'//px(bottom + 38.0_wp)// &
+      call text%add('<text class="small middle" x="'//px(left + 0.5_wp*map_size)//'" y="'//px(bottom + 38.0_wp)// &
                     '">one fixed pivot: its direction from P1'//to_text(scene%base)//', degrees, on branch 1 and branch 2</text>')
-      call text%add('<text class="sub middle" transform="translate('//px(left - 52.0_wp)//' '//px(bottom - 0.5_wp*map_size)// &
+      call text%add('<text class="small middle" transform="translate('//px(left - 52.0_wp)//' '//px(bottom - 0.5_wp*map_size)// &
                     ') rotate(-90)">the other fixed pivot</text>')
       if (scene%has_best) then
          do k = 1, 2
@@ -369,7 +364,7 @@ contains
       integer :: i, k
 
       do i = 1, 2
-         call text%add('<text class="sub" x="'//px(left)//'" y="'//px(top + 20.0_wp*real(i - 1, wp) + 11.0_wp)//'">'// &
+         call text%add('<text class="small" x="'//px(left)//'" y="'//px(top + 20.0_wp*real(i - 1, wp) + 11.0_wp)//'">'// &
                        trim(names(i))//'</text>')
          do k = 1, shades
             call text%add('<rect class="m'//to_text((i - 1)*shades + k)//'" x="'//px(left + first + box*real(k - 1, wp))// &
@@ -377,21 +372,14 @@ contains
          end do
       end do
       do k = 1, shades
-         call text%add('<text class="tick" x="'//px(left + first + box*real(k - 1, wp))//'" y="'//px(top + 52.0_wp)//'">'// &
+         call text%add('<text class="small" x="'//px(left + first + box*real(k - 1, wp))//'" y="'//px(top + 52.0_wp)//'">'// &
                        short_number(merge(0.0_wp, levels(max(k - 1, 1)), k == 1))//'&#176;</text>')
       end do
       call text%add('<rect class="m'//to_text(defect)//'" x="'//px(left + first + box*real(shades, wp) + 16.0_wp)//'" y="'// &
-                    px(top)//'" width="14" height="14"/><text class="sub" x="'// &
+                    px(top)//'" width="14" height="14"/><text class="small" x="'// &
                     px(left + first + box*real(shades, wp) + 36.0_wp)//'" y="'//px(top + 11.0_wp)//'">defect</text>')
       call text%add('<rect class="box" x="'//px(left + first + box*real(shades, wp) + 16.5_wp)//'" y="'//px(top + 20.5_wp)// &
-                    '" width="13" height="13"/><text class="sub" x="'//px(left + first + box*real(shades, wp) + 36.0_wp)// &
+                    '" width="13" height="13"/><text class="small" x="'//px(left + first + box*real(shades, wp) + 36.0_wp)// &
                     '" y="'//px(top + 31.0_wp)//'">no pivot</text>')
    end subroutine draw_key
-
-   pure function px(value) result(number)
-      real(wp), intent(in) :: value
-      character(:), allocatable :: number
-
-      number = short_number(real(nint(value*10.0_wp), wp)/10.0_wp)
-   end function px
 end module psalm_pole_svg
