@@ -4,6 +4,7 @@
 !> | --- | --- | --- |
 !> | `position` | number of a position | |
 !> | `input`, `input.DRIVE` | input; of one drive, of several | |
+!> | `crank_angle`, `crank_angle.DRIVE` | angle of the first drive's crank from the x axis | |
 !> | `closed` | 1: the linkage closes there | |
 !> | `output`, `output.x` `.y` `.angle` | output of a linkage of loops | `actual`, `actual_x` ... |
 !> | `NAME`, `NAME.x` `.y` `.angle` | an output of a sketch | |
@@ -26,7 +27,6 @@ module psalm_column_names
    public :: input_unit, drive_unit, output_unit, rate_unit, number_unit
 
    character(*), parameter :: closed_name = 'closed', position_name = 'position', condition_name = 'condition'
-   character(*), parameter :: crank_name = 'crank_angle' !! from the x axis, beside inputs that count from the drawing
 
    integer, parameter :: most_orders = 3
    character(*), parameter :: of_time(0:most_orders) = [character(2) :: '', '.v', '.a', '.j']
@@ -40,16 +40,35 @@ contains
       type(sketch_t), intent(in), optional :: sketch   !! none: a linkage of loops
       integer, intent(in), optional :: drive
       character(:), allocatable :: name
-      integer :: i
 
       name = 'input'
-      if (.not. present(sketch)) return
-      if (size(sketch%drives) <= 1) return
-      name = 'input.'//sketch%drive_label(drive)
-      do i = 1, len(name)
-         if (name(i:i) == ' ') name(i:i) = '-'
-      end do
+      if (present(sketch)) name = name//of_drive(sketch, drive)
    end function input_name
+
+   !> The angle of the first drive's crank from the x axis, beside inputs that count from the drawing: `crank_angle`, of several
+   !> drives with the name of the first.
+   pure function crank_name(sketch) result(name)
+      type(sketch_t), intent(in), optional :: sketch   !! none: a linkage of loops
+      character(:), allocatable :: name
+
+      name = 'crank_angle'
+      if (present(sketch)) name = name//of_drive(sketch, 1)
+   end function crank_name
+
+   !> What tells the column of a drive from those of others; of one drive nothing.
+   pure function of_drive(sketch, drive) result(ending)
+      type(sketch_t), intent(in) :: sketch
+      integer, intent(in) :: drive
+      character(:), allocatable :: ending
+      integer :: i
+
+      ending = ''
+      if (size(sketch%drives) <= 1) return
+      ending = '.'//sketch%drive_label(drive)
+      do i = 1, len(ending)
+         if (ending(i:i) == ' ') ending(i:i) = '-'
+      end do
+   end function of_drive
 
    !> A component of the output of a linkage of loops.
    pure function output_name(kind, component) result(name)

@@ -103,7 +103,7 @@ contains
       type(motion_t), intent(in) :: motion
       type(table_t), intent(inout) :: table
 
-      if (allocated(motion%crank)) call table%add(crank_name, motion%crank, output_unit(.true.))
+      if (allocated(motion%crank)) call table%add(crank_name(), motion%crank, output_unit(.true.))
    end subroutine add_crank
 
    !> Input, closed, output.
@@ -251,7 +251,7 @@ contains
          end do
       end do
       if (present(forces)) call add_forces(forces, table, study%closed)
-      if (size(study%crank) > 0) call table%add(crank_name, study%crank, output_unit(.true.))
+      if (size(study%crank) > 0) call table%add(crank_name(sketch), study%crank, output_unit(.true.))
       call tables%put(table)
    end subroutine put_sketch
 
