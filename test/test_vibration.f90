@@ -1,12 +1,14 @@
 !> The forced Hill equation, boundaries of stability, vibrating links, flexible drives, estimates: laws, and figures computed
 !> independently of this code (theory after Haines and Oldham; four-bar 1:5:2:5 of Oldham's chapter 14).
 program test_vibration
+   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_positive_inf
    use check, only: checks_t
    use psalm_flexible_drive, only: drive_coefficients, drive_response, mean_ratio, ratio_for_mean
    use psalm_floquet, only: coupled_multipliers
    use psalm_harmonic_bounds, only: extent_t, extent_of, harmonic_bound
    use psalm_hill, only: hill_t, solve_hill, greatest_of
    use psalm_kinds, only: wp, pi
+   use psalm_lapack, only: general_eigenvalues
    use psalm_link_vibration, only: moving_link_t, mode_stiffness, coupling, mode_force, timoshenko_factor
    use psalm_periodic, only: periodic_t, periodic_from_samples, periodic_constant
    use psalm_stability, only: boundaries_t, stability_boundaries, series_boundaries
@@ -346,6 +348,8 @@ contains
       call t%is_true(ok, 'multipliers of one mode by the way of many converge')
       call t%close_to(min(abs(mu(1) - hill%multipliers(1)), abs(mu(1) - hill%multipliers(2)))/abs(mu(1)), 0.0_wp, 1.0e-8_wp, &
                       'multipliers of one mode by the way of many')
+      call general_eigenvalues(reshape([ieee_value(1.0_wp, ieee_positive_inf), 0.0_wp, 0.0_wp, 1.0_wp], [2, 2]), mu, ok)
+      call t%is_true(.not. ok, 'eigenvalues of what overflowed: told, the program goes on')
    end subroutine multipliers
 
    !> Steady response of mode 1, damping 0.015, in crank lengths: harmonics 0 to 4 and the peak.

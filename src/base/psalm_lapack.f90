@@ -60,7 +60,8 @@ contains
       ok = info == 0
    end subroutine hermitian_eigenvalues
 
-   !> Eigenvalues of a real matrix, the largest modulus first. Errors: `ok` false if the library does not converge.
+   !> Eigenvalues of a real matrix, the largest modulus first. Errors: `ok` false if the library does not converge, or if an element
+   !> is no finite number: the library would end the program.
    subroutine general_eigenvalues(matrix, values, ok)
       real(wp), intent(in) :: matrix(:, :)    !! shape (n, n)
       complex(wp), intent(out) :: values(:)   !! shape (n)
@@ -70,7 +71,10 @@ contains
       integer :: info, n
 
       n = size(values)
+      values = (0.0_wp, 0.0_wp)
+      ok = .false.
       a = real(matrix, dp)
+      if (.not. all(abs(a) <= huge(1.0_dp))) return
       call dgeev('N', 'N', n, a, n, wr, wi, none, 1, none, 1, work, size(work), info)
       ok = info == 0
       values = cmplx(wr, wi, wp)
