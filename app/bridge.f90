@@ -1,6 +1,6 @@
 !> bridge: joints with clearance in planar linkages - following, loss of contact, flight, impact - from a namelist file.
 program bridge
-   use psalm_batch, only: outputs_t, common_options, json_option, ending_of_case, prepare_loops, run_files
+   use psalm_batch, only: outputs_t, common_options, json_option, ending_of_case, run_files
    use psalm_check_list, only: list_input
    use psalm_clearance_group, only: clearance_of
    use psalm_clearance_report, only: report_clearance
@@ -11,7 +11,7 @@ program bridge
    use psalm_devices, only: devices_t, header_of
    use psalm_error, only: problem_t, make_problem
    use psalm_mark, only: mark_t
-   use psalm_preparation, only: demand_t, prepared_t
+   use psalm_preparation, only: demand_t, prepared_t, prepare_loops
    use psalm_status, only: diagnostics_t
    use psalm_system, only: finish_program
    use psalm_text, only: text_t

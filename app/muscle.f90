@@ -1,6 +1,6 @@
 !> muscle: counterweights and springs for planar linkages, from a namelist file.
 program muscle
-   use psalm_batch, only: outputs_t, common_options, json_option, prepare_loops, run_files
+   use psalm_batch, only: outputs_t, common_options, json_option, run_files
    use psalm_check_list, only: list_input
    use psalm_console, only: arguments_t, begin
    use psalm_data_set, only: data_set_t
@@ -9,7 +9,7 @@ program muscle
    use psalm_mark, only: mark_t
    use psalm_muscle_report, only: report_muscle
    use psalm_muscle_study, only: muscle_study_t, check_muscle, find_muscle
-   use psalm_preparation, only: demand_t, prepared_t
+   use psalm_preparation, only: demand_t, prepared_t, prepare_loops
    use psalm_status, only: diagnostics_t
    use psalm_system, only: finish_program
    implicit none (type, external)

@@ -5,15 +5,14 @@ module psalm_batch
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_mark, only: mark_t
-   use psalm_preparation, only: demand_t, prepared_t, prepare
-   use psalm_source, only: line_t
+   use psalm_preparation, only: prepared_t
    use psalm_status, only: diagnostics_t
    use psalm_system, only: write_standard_error
    use psalm_text, only: to_text
    implicit none (type, external)
    private
    public :: csv_of_sketches, csv_always
-   public :: outputs_t, prepare_case, study_case, common_options, json_option, prepare_loops, run_file, run_files, ending_of_case
+   public :: outputs_t, prepare_case, study_case, common_options, json_option, run_file, run_files, ending_of_case
 
    integer, parameter :: ending_length = 16
    integer, parameter :: csv_asked = 0               !! with --json
@@ -86,27 +85,6 @@ contains
       text = ending
       if (number > 1) text = '-'//to_text(number)//ending
    end function ending_of_case
-
-   !> Prepare a case for a program that needs loops and makes no search.
-   subroutine prepare_loops(does, demand, set, prepared, findings, turning)
-      character(*), intent(in) :: does               !! what the program does: 'muscle balances'
-      type(demand_t), intent(in) :: demand           !! greatest numbers of positions and arcs
-      type(data_set_t), intent(in) :: set
-      type(prepared_t), intent(inout) :: prepared
-      type(diagnostics_t), intent(inout) :: findings
-      logical, intent(in), optional :: turning       !! it needs a crank that turns
-      type(line_t) :: none(0)
-      character(:), allocatable :: why
-
-      why = ''
-      if (present(turning) .and. set%sketch%given) then
-         if (count(.not. set%sketch%drives%geared) > 1) why = set%sketch%why_no_crank()
-      end if
-      if (len(why) > 0) then
-         call findings%error(does//' linkages with a crank that turns; '//why, line=set%title_line, group='DRIVES')
-      end if
-      if (.not. findings%failed()) call prepare(set, none, prepared, findings, demand)
-   end subroutine prepare_loops
 
    !> Run the cases of all files of the command line.
    subroutine run_files(arguments, outputs, prepare_it, study, code)

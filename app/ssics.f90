@@ -1,6 +1,6 @@
 !> ssics: steady state and stability of the drives and links of planar linkages, from a namelist file.
 program ssics
-   use psalm_batch, only: outputs_t, common_options, json_option, prepare_loops, run_file
+   use psalm_batch, only: outputs_t, common_options, json_option, run_file
    use psalm_check_list, only: list_input
    use psalm_console, only: arguments_t, begin, prepare_outputs, stem_of
    use psalm_data_set, only: data_set_t
@@ -9,7 +9,7 @@ program ssics
    use psalm_error, only: problem_t, make_problem
    use psalm_gnuplot, only: write_pictures, name_of
    use psalm_mark, only: mark_t
-   use psalm_preparation, only: demand_t, prepared_t
+   use psalm_preparation, only: demand_t, prepared_t, prepare_loops
    use psalm_status, only: diagnostics_t
    use psalm_steady_report, only: report_steady
    use psalm_steady_study, only: steady_study_t, check_steady, find_steady

@@ -78,6 +78,44 @@ check "example own_objective: stroke and ratio wanted, by the closed form too" a
           exit !((s - 80)^2 < 1e-6 && (q - 1.2)^2 < 1e-8 && (s - v["stroke"])^2 < 1e-6 && (q - v["ratio"])^2 < 1e-8) }' \
     "$work/own_objective"
 
+# the other verbs: what they list is what the programs list
+says() { # says EXAMPLE PROGRAM FILE WORDS: both outputs have a line with the words, the same line, and not only once in nothing
+    local one other
+    one=$(grep -m1 -F -- "$4" "$work/$1") || return 1
+    local options=(--quiet --output-dir "$work")
+    [ "$1" != assemblies ] || options+=(--assemblies)
+    other=$("$bin/$2" "${options[@]}" "$top/data/$3" 2>/dev/null | grep -m1 -F -- "$4") || return 1
+    [ "$one" = "$other" ]
+}
+while read -r example program file words; do
+    check "example $example runs" run_example "$example"
+    check "example $example: '$words' as $program lists it" says "$example" "$program" "$file" "$words"
+done <<'END'
+machine kalm engine.nml STEADY CYCLE
+tolerances psalm adjustable_stroke.nml WORST CASE
+sweep psalm adjustable_stroke.nml FAMILY OF CURVES
+exact psalm exact/five_poses.nml certified: 
+proof psalm geared_five_bar.nml PROVEN
+assemblies psalm triad_six_assemblies.nml ASSEMBLIES AT
+balance muscle muscle/haines_bodies.nml BALANCE
+springs muscle muscle/haines_spring.nml SPRING
+vibration ssics rig_coupler.nml EULER
+cams calm calm/conjugate_cams.nml CAM
+clearance bridge bridge/four_bar_haines.nml JOINT M1 WITH CLEARANCE:
+END
+check "example sketch runs" run_example sketch
+check "example sketch: the path of P in CASE.csv of the same sketch" same_columns 24 <(rows_of <"$work/sketch" | awk '{ print $2, $3 }') \
+    <("$bin/psalm" --quiet --output-dir "$work" "$top/data/sketch_four_bar.nml" >/dev/null
+      awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) { if ($i == "P.x") x = i; if ($i == "P.y") y = i }; next } { print $x, $y }' \
+          "$work/sketch_four_bar.csv")
+check "example summary runs" run_example summary
+check "example summary: that of psalm" grep -qF "$("$bin/psalm" --output-dir "$work" "$top/data/dyad4_slider_crank.nml" 2>&1 >/dev/null |
+    grep -m1 -E '^  Closes')" "$work/summary"
+check "example picture runs" run_example picture
+check "example picture: SVG, DXF, page, board" test "$(awk '$1 ~ /^\./ && $2 > 1000' "$work/picture" | wc -l)" -ge 4
+check "example next_study runs" run_example next_study
+check "example next_study: a torque" awk '/largest torque/ && $3 > 0 { found = 1 } END { exit !found }' "$work/next_study"
+
 if [ -n "$built" ]; then
     echo "$passed passed, $failed failed"
     [ $failed -eq 0 ]

@@ -2,7 +2,7 @@
 program test_library
    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan, ieee_positive_inf
    use check, only: checks_t
-   use psalm, only: find_forces, force_study_t
+   use psalm, only: find_forces, force_study_t, report_t, study, verbs
    use psalm, only: wp, case_t, analysis_t, wanted_t, synthesis_t, rate_study_t, tolerances_t, findings_t, ending_t, stop_t, &
                     new_case, read_file, read_text, analyse, synthesise, found_case, find_rates, find_tolerances, minimise, &
                     output_slide, output_point, ended_converged, ended_iterations, ended_on_request, ended_starts, &
@@ -30,6 +30,10 @@ program test_library
    call own_problem()
    call tolerances()
    call forces_of_sketch()
+   call sketch_in_memory()
+   call opened()
+   call texts()
+   call every_verb()
    call t%report()
 
 contains
@@ -56,15 +60,15 @@ contains
    subroutine in_memory()
       type(analysis_t) :: analysis
       type(findings_t) :: findings
-      character(:), allocatable :: listing
+      type(report_t) :: report
 
-      call analyse(slider_crank(), analysis, findings, listing=listing)
+      call analyse(slider_crank(), analysis, findings, report=report)
       call t%equal_integer(findings%count, 0, 'a case made in memory: no findings')
       call t%equal_integer(size(analysis%motion%input), 24, 'a turn in steps of 15 degrees')
       call t%close_to(maxval(abs(analysis%motion%actual(:, 1) - slide(analysis%motion%input, crank))), 0.0_wp, 1.0e-12_wp, &
                       'a case made in memory: the slide is that of a right triangle')
       call t%is_true(.not. analysis%is_violating() .and. all(analysis%motion%closed), 'it closes everywhere')
-      call t%is_true(index(listing, '179.6424') > 0, 'its listing')
+      call t%is_true(index(report%listing, '179.6424') > 0, 'its listing')
    end subroutine in_memory
 
    !> From text, from a file, in memory: the same bits.
@@ -178,8 +182,8 @@ contains
       call t%finds(findings, 'cannot open', 'a file that is not there')
       call t%equal_integer(size(cases), 0, 'a file that is not there has no case')
       call read_file('data/needle.nml', cases, findings)
-      call cases(1)%set_item('LIMITS', 'TANGLE', 50.0_wp)
-      call refused(cases(1), 'this one was read', 'an item of a case that was read')
+      call cases(1)%add_loop([1, -2, 3, 4], [1, 0, -4, 1])
+      call refused(cases(1), 'add no loops', 'a loop of a case that was read')
    end subroutine incomplete
 
    !> Every verb refuses the case and leaves results that can be looked at.
@@ -238,7 +242,7 @@ contains
       type(case_t) :: case
       type(rate_study_t) :: rate_of
       type(findings_t) :: findings
-      character(:), allocatable :: listing
+      type(report_t) :: report
       real(wp), parameter :: speed = 3.0_wp, h = 1.0e-4_wp, per_degree = 57.295779513082320876798_wp
       integer :: k
       real(wp) :: difference
@@ -246,13 +250,13 @@ contains
       case = slider_crank()
       call case%set_item('RATES', 'SPEED', speed)
       call case%set_item('RATES', 'UNITS', 'RAD/S')
-      call find_rates(case, rate_of, findings, listing)
+      call find_rates(case, rate_of, findings, report)
       call t%equal_integer(findings%count, 0, 'rates: no findings')
       do k = 1, size(rate_of%dead)
          difference = (slide(rate_of%motion%input(k) + h, crank) - slide(rate_of%motion%input(k) - h, crank))/(2.0_wp*h)*per_degree
          call t%close_to(rate_of%by_time(1, 1, k), speed*difference, 1.0e-7_wp, 'velocity of the slide against a difference')
       end do
-      call t%is_true(index(listing, 'SPEED OF THE INPUT') > 0, 'the listing of rates')
+      call t%is_true(index(report%listing, 'SPEED OF THE INPUT') > 0, 'the listing of rates')
    end subroutine rates
 
    !> The same speed in each unit; units that do not fit the input.
@@ -468,4 +472,180 @@ contains
       call t%finds(findings, 'motion from torque needs one drive that all others follow', &
                    'several drives have no motion from torque')
    end subroutine forces_of_sketch
+
+   !> The four-bar of data/sketch_four_bar.nml, made joint by joint.
+   function four_bar() result(case)
+      type(case_t) :: case
+
+      case = new_case('FOUR-BAR FROM A SKETCH')
+      call case%add_joint('A', 0.0_wp, 0.0_wp, fixed=.true.)
+      call case%add_joint('B', -4.0_wp, 31.0_wp)
+      call case%add_joint('C', 0.0_wp, 0.0_wp)
+      call case%add_joint('D', 90.0_wp, 5.0_wp, fixed=.true.)
+      call case%add_joint('P', 20.0_wp, 95.0_wp)
+      call case%add_joint('C', 33.0_wp, 82.0_wp)
+      call case%add_link('A B', 'crank')
+      call case%add_link('B C P')
+      call case%add_link('C D', 'rocker')
+      call case%add_drive('A', 'frame', 'crank')
+      call case%add_output('point P')
+      call case%set_turn(15)
+      call case%set_item('LIMITS', 'TANGLE', 80.0_wp)
+   end function four_bar
+
+   !> A sketch made in memory is the one of its file, to the last bit; its columns have names.
+   subroutine sketch_in_memory()
+      type(case_t) :: made, slide
+      type(case_t), allocatable :: read(:)
+      type(analysis_t) :: one, other
+      type(findings_t) :: findings
+      type(report_t) :: report
+      real(wp), allocatable :: x(:)
+
+      made = four_bar()
+      call read_file('data/sketch_four_bar.nml', read, findings)
+      call analyse(made, one, findings, report=report)
+      call analyse(read(1), other, findings)
+      call t%equal_integer(findings%count, 0, 'a sketch made in memory: no findings')
+      call t%is_true(all(abs(one%motion%actual - other%motion%actual) <= 0.0_wp), 'sketch in memory and file: the same bits')
+      call t%is_true(report%find('positions') > 0 .and. report%find('position') == 0, 'a table of positions')
+      x = report%column('positions', 'P.x')
+      call t%is_true(size(x) == 24 .and. size(report%column('positions', 'C.y')) == 24 .and. &
+                     size(report%column('positions', 'Q.x')) == 0, 'joints by name')
+      if (size(x) == 24) call t%is_true(all(abs(x - one%motion%actual(:, 1)) <= 1.0e-12_wp), 'the column of a joint is the output')
+      slide = new_case('SLIDER')
+      call slide%add_joint('O', 0.0_wp, 0.0_wp, fixed=.true.)
+      call slide%add_joint('B', 40.0_wp, 0.0_wp)
+      call slide%add_joint('C', 40.0_wp + sqrt(rod**2 - offset**2), offset)
+      call slide%add_link('O B', 'crank')
+      call slide%add_link('B C', 'rod')
+      call slide%add_link('C', 'block')
+      call slide%add_slide('frame', 'block', 40.0_wp + sqrt(rod**2 - offset**2), offset, 0.0_wp)
+      call slide%add_drive('O')
+      call slide%add_output('point C', 'pin')
+      call slide%set_turn(15)
+      call analyse(slide, one, findings)
+      call t%equal_integer(findings%count, 0, 'a slide made in memory: no findings')
+      if (findings%count > 0) return
+      call t%close_to(maxval(abs(one%motion%actual(:, 1) - slide_of(one%motion%input))), 0.0_wp, 1.0e-9_wp, &
+                      'its pin is where a right triangle has it')
+      call made%add_joint('E F', 1.0_wp, 2.0_wp)
+      call refused(made, 'one word', 'a joint of two words')
+   end subroutine sketch_in_memory
+
+   elemental real(wp) function slide_of(degrees)
+      real(wp), intent(in) :: degrees
+
+      slide_of = slide(degrees, crank)
+   end function slide_of
+
+   !> An item of a case that was read; loops cannot be added to it.
+   subroutine opened()
+      type(case_t), allocatable :: cases(:)
+      type(analysis_t) :: analysis
+      type(findings_t) :: findings
+
+      call read_file('data/dyad4_slider_crank.nml', cases, findings)
+      call cases(1)%set_item('METHOD', 'IKIN', 90)
+      call analyse(cases(1), analysis, findings)
+      call t%equal_integer(findings%count, 0, 'an item of a case that was read: no findings')
+      call t%equal_integer(size(analysis%motion%input), 4, 'an item of a case that was read counts')
+      call t%close_to(cases(1)%length(1, 2), rod, 0.0_wp, 'its dimensions are still there')
+      call cases(1)%set_length(1, 2, 150.0_wp)
+      call cases(1)%set_item('METHOD', 'IKIN', 180)
+      call analyse(cases(1), analysis, findings)
+      call t%equal_integer(size(analysis%motion%input), 2, 'again an item')
+      call t%close_to(analysis%motion%actual(1, 1), 40.0_wp + sqrt(150.0_wp**2 - offset**2), 1.0e-11_wp, &
+                      'a changed length survives an item')
+      call cases(1)%add_loop([1, -2, 3, 4], [1, 0, -4, 1])
+      call refused(cases(1), 'add no loops', 'a loop for a case that was read')
+   end subroutine opened
+
+   !> The text of a case is the case: read again the same bits, changed dimensions included; of every case of a file.
+   subroutine texts()
+      character(*), parameter :: files(*) = [character(40) :: 'data/dyad4_slider_crank.nml', 'data/sketch_four_bar.nml', &
+                                             'data/jansen.nml', 'data/textile.nml', 'data/four_bars.json', &
+                                             'data/geared_five_bar.nml', 'data/landing_gear.nml']
+      type(case_t), allocatable :: cases(:), again(:)
+      type(analysis_t) :: one, other
+      type(findings_t) :: findings
+      integer :: i, k
+
+      do i = 1, size(files)
+         call read_file(trim(files(i)), cases, findings)
+         do k = 1, size(cases)
+            call read_text(cases(k)%text(), again, findings)
+            call t%is_true(size(again) == 1, 'the text of one case: '//files(i))
+            if (size(again) /= 1) cycle
+            call analyse(cases(k), one, findings)
+            call analyse(again(1), other, findings)
+            call t%is_true(size(one%motion%actual) == size(other%motion%actual), 'as many results: '//files(i))
+            if (size(one%motion%actual) /= size(other%motion%actual)) cycle
+            call t%is_true(all(abs(one%motion%actual - other%motion%actual) <= 0.0_wp), &
+                           'text read again: the same bits: '//files(i))
+         end do
+      end do
+      call read_file('data/dyad4_slider_crank.nml', cases, findings)
+      call cases(1)%set_length(1, 1, 35.0_wp)
+      call cases(1)%set_angle(1, 4, 268.0_wp)
+      call read_text(cases(1)%text(), again, findings)
+      call t%is_true(size(again) == 1, 'the text of changed dimensions')
+      if (size(again) /= 1) return
+      call t%is_true(abs(again(1)%length(1, 1) - 35.0_wp) <= 0.0_wp .and. abs(again(1)%angle(1, 4) - 268.0_wp) <= 0.0_wp, &
+                     'changed dimensions are in the text')
+   end subroutine texts
+
+   !> Every verb by its name, on a case that asks for it; and on one that does not.
+   subroutine every_verb()
+      type :: trial_t
+         character(12) :: verb
+         character(40) :: file
+      end type trial_t
+      type(trial_t), parameter :: trials(*) = [ &
+         trial_t('analysis', 'data/textile.nml'), trial_t('summary', 'data/textile.nml'), &
+         trial_t('tolerances', 'data/adjustable_stroke.nml'), trial_t('sweep', 'data/adjustable_stroke.nml'), &
+         trial_t('synthesis', 'data/path5.nml'), trial_t('exact', 'data/exact/five_poses.nml'), &
+         trial_t('proof', 'data/geared_five_bar.nml'), trial_t('assemblies', 'data/sketch_four_bar.nml'), &
+         trial_t('rates', 'data/engine.nml'), trial_t('forces', 'data/engine.nml'), trial_t('machine', 'data/engine.nml'), &
+         trial_t('balance', 'data/muscle/haines_bodies.nml'), trial_t('springs', 'data/muscle/haines_spring.nml'), &
+         trial_t('vibration', 'data/ssics/hill.nml'), trial_t('vibration', 'data/rig_coupler.nml'), &
+         trial_t('cams', 'data/calm/conjugate_cams.nml'), trial_t('clearance', 'data/bridge/four_bar_haines.nml'), &
+         trial_t('picture', 'data/jansen.nml'), trial_t('board', 'data/jansen.nml')]
+      type(case_t), allocatable :: cases(:)
+      type(case_t) :: plain
+      type(findings_t) :: findings
+      type(report_t) :: report
+      integer :: i
+
+      plain = slider_crank()
+      do i = 1, size(verbs)
+         call t%is_true(any(trials%verb == verbs(i)%name), 'the verb '//trim(verbs(i)%name)//' is tried')
+         findings = findings_t()
+         call study(plain, trim(verbs(i)%name), report, findings)
+         if (index(verbs(i)%groups, 'RATES') > 0 .or. verbs(i)%program == 'psalm') cycle
+         if (verbs(i)%name == 'picture' .or. verbs(i)%name == 'forces') cycle
+         call t%is_true(findings%failed(), 'a case that does not ask for '//trim(verbs(i)%name)//' is refused')
+      end do
+      do i = 1, size(trials)
+         findings = findings_t()
+         call read_file(trim(trials(i)%file), cases, findings)
+         call study(cases(1), trim(trials(i)%verb), report, findings)
+         call t%is_true(.not. findings%failed(), trim(trials(i)%verb)//' of '//trim(trials(i)%file)//': no errors')
+         call t%is_true(len(report%listing) > 0 .or. size(report%files) > 0, trim(trials(i)%verb)//': something to read')
+         select case (trials(i)%verb)
+         case ('picture', 'board', 'summary')
+         case default
+            call t%is_true(report%tables%count > 0, trim(trials(i)%verb)//': tables')
+         end select
+         select case (trials(i)%verb)
+         case ('synthesis', 'exact', 'balance', 'springs')
+            call t%is_true(size(report%cases) > 0, trim(trials(i)%verb)//': linkages as cases')
+         end select
+      end do
+      findings = findings_t()
+      call study(plain, 'analisys', report, findings)
+      call t%is_true(findings%failed(), 'a verb that is not there')
+      if (findings%count > 0) call t%is_true(index(findings%list(findings%count)%text, "did you mean 'analysis'?") > 0, &
+                                             'the nearest verb is named')
+   end subroutine every_verb
 end program test_library

@@ -80,6 +80,7 @@ module psalm_group
       procedure :: get_reals
       procedure :: finish
       procedure :: render
+      procedure :: render_item
    end type group_t
 
 contains
@@ -521,32 +522,42 @@ contains
    subroutine render(self, text)
       class(group_t), intent(in) :: self
       type(text_t), intent(inout) :: text
-      integer :: i, k
+      integer :: i
 
       call text%add(' &'//trim(self%name))
       do i = 1, self%count
-         associate (item => self%items(i))
-            call text%add_text('  '//trim(item%name))
-            if (item%subscripts == 1) call text%add_text('('//to_text(item%subscript(1))//')')
-            if (item%subscripts == 2) call text%add_text('('//to_text(item%subscript(1))//','//to_text(item%subscript(2))//')')
-            call text%add_text('=')
-            do k = 1, item%count
-               associate (value => self%values(item%first + k - 1))
-                  if (value%repeats > 1) call text%add_text(to_text(value%repeats)//'*')
-                  if (value%quoted) then
-                     call text%add_text("'"//self%text_of(value)//"'")
-                  else
-                     call text%add_text(self%text_of(value))
-                  end if
-                  call text%add_text(',')
-                  if (mod(k, values_a_line) == 0) call text%add_text(new_line('a')//'   ')
-               end associate
-            end do
-            call text%add()
-         end associate
+         call self%render_item(i, text)
       end do
       call text%add(' &END')
    end subroutine render
+
+   !> Append an item as it was written.
+   subroutine render_item(self, i, text)
+      class(group_t), intent(in) :: self
+      integer, intent(in) :: i
+      type(text_t), intent(inout) :: text
+      integer :: k
+
+      associate (item => self%items(i))
+         call text%add_text('  '//trim(item%name))
+         if (item%subscripts == 1) call text%add_text('('//to_text(item%subscript(1))//')')
+         if (item%subscripts == 2) call text%add_text('('//to_text(item%subscript(1))//','//to_text(item%subscript(2))//')')
+         call text%add_text('=')
+         do k = 1, item%count
+            associate (value => self%values(item%first + k - 1))
+               if (value%repeats > 1) call text%add_text(to_text(value%repeats)//'*')
+               if (value%quoted) then
+                  call text%add_text("'"//self%text_of(value)//"'")
+               else
+                  call text%add_text(self%text_of(value))
+               end if
+               call text%add_text(',')
+               if (mod(k, values_a_line) == 0) call text%add_text(new_line('a')//'   ')
+            end associate
+         end do
+         call text%add()
+      end associate
+   end subroutine render_item
 
    !> First element an item fills; `not_a_position` after reporting a subscript out of range.
    subroutine start_of(group, item, n, findings, first, columns)

@@ -1,6 +1,5 @@
 !> The loops of a sketch as they are traced: arcs between points, joints first and then feet of slides.
 module psalm_traced_loops
-   use psalm_dimensions, only: dimensions_t
    use psalm_kinds, only: wp
    use psalm_output_kind, only: motion_point
    use psalm_place, only: place_t, travel_t
@@ -118,7 +117,6 @@ module psalm_traced_loops
       procedure :: number_of
       procedure :: output_line
       procedure :: are_of_one_crank
-      procedure :: take_dimensions
       procedure :: hold_all
       procedure :: are_beyond_arrays
    end type loops_t
@@ -161,21 +159,6 @@ contains
       if (joints(1) > size(self%joint_loop)) joints(1) = 0
       joints(2) = self%output_joint
    end function output_line
-
-   !> Have the dimensions that a search has found, none of which varies any more.
-   pure subroutine take_dimensions(self, dimensions)
-      class(loops_t), intent(inout) :: self
-      type(dimensions_t), intent(in) :: dimensions
-
-      self%arcs%arcl = dimensions%arcl
-      self%arcs%gama = dimensions%gama
-      self%outlk = dimensions%outlk
-      self%outang = dimensions%outang
-      self%origlk = dimensions%origlk
-      self%origng = dimensions%origng
-      self%anchor = dimensions%anchor
-      call self%hold_all()
-   end subroutine take_dimensions
 
    !> Nothing varies any more.
    pure subroutine hold_all(self)

@@ -10,7 +10,7 @@ module psalm_devices
    use psalm_version, only: version
    implicit none (type, external)
    private
-   public :: devices_t, header_of, most_told
+   public :: devices_t, drawing_t, header_of, most_told
 
    integer, parameter :: most_told = 5 !! messages of one kind on standard error; the listing has all
 

@@ -23,7 +23,7 @@ module psalm_preparation
    use psalm_parameters, only: parameters_t
    implicit none (type, external)
    private
-   public :: demand_t, prepared_t, prepare, threads_for, threads_wanted
+   public :: demand_t, prepared_t, prepare, prepare_loops, threads_for, threads_wanted
 
    integer(int64), parameter :: megabyte = 1000000_int64
 
@@ -104,6 +104,27 @@ contains
       call findings%append(own)
       prepared%ready = .not. own%failed()
    end subroutine prepare
+
+   !> Prepare a case for a program that needs loops and makes no search.
+   subroutine prepare_loops(does, demand, set, prepared, findings, turning)
+      character(*), intent(in) :: does               !! what the program does: 'muscle balances'
+      type(demand_t), intent(in) :: demand           !! greatest numbers of positions and arcs
+      type(data_set_t), intent(in) :: set
+      class(prepared_t), intent(inout) :: prepared
+      type(diagnostics_t), intent(inout) :: findings
+      logical, intent(in), optional :: turning       !! it needs a crank that turns
+      type(line_t) :: none(0)
+      character(:), allocatable :: why
+
+      why = ''
+      if (present(turning) .and. set%sketch%given) then
+         if (count(.not. set%sketch%drives%geared) > 1) why = set%sketch%why_no_crank()
+      end if
+      if (len(why) > 0) then
+         call findings%error(does//' linkages with a crank that turns; '//why, line=set%title_line, group='DRIVES')
+      end if
+      if (.not. findings%failed()) call prepare(set, none, prepared, findings, demand)
+   end subroutine prepare_loops
 
    !> What goes along one input.
    subroutine refuse_ranges(set, findings)

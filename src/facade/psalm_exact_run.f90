@@ -22,7 +22,7 @@ module psalm_exact_run
    use psalm_text, only: text_t
    implicit none (type, external)
    private
-   public :: run_exact
+   public :: run_exact, study_all_exact
 
 contains
 
@@ -33,17 +33,26 @@ contains
       type(stop_t), intent(in) :: stop               !! asked now and then
       type(devices_t), intent(inout) :: devices
       type(exact_study_t), allocatable :: study
+
+      allocate (study)
+      call study_all_exact(set, stop, study)
+      call report_exact(set, study, devices)
+   end subroutine run_exact
+
+   !> Find and prove.
+   subroutine study_all_exact(set, stop, study)
+      type(data_set_t), intent(in) :: set
+      type(stop_t), intent(in) :: stop               !! asked now and then
+      type(exact_study_t), intent(out) :: study
       type(exact_group_t) :: exact
       type(stop_t) :: limited
 
       limited = stop
       exact = exact_of(set)
       call limited%limit_time(exact%longest_time)
-      allocate (study)
       call find_exact(set, study, stop)
       if (set%limits%iproof > 0) call prove(set, exact, limited, study)
-      call report_exact(set, study, devices)
-   end subroutine run_exact
+   end subroutine study_all_exact
 
    !> Look at results in their order until as many are proven as are listed, or until a stop: then the others are skipped.
    subroutine prove(set, exact, stop, study)

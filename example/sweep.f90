@@ -1,0 +1,18 @@
+!> The stroke of a slider for five settings of a pin.
+program show_sweep
+   use psalm, only: case_t, findings_t, report_t, find_family, family_t, read_file
+   implicit none (type, external)
+   type(case_t), allocatable :: cases(:)
+   type(family_t) :: result
+   type(findings_t) :: findings
+   type(report_t) :: report
+   integer :: i
+
+   call read_file('data/adjustable_stroke.nml', cases, findings)
+   if (.not. findings%failed()) call find_family(cases(1), result, findings, report)
+   do i = 1, findings%count
+      print '(a)', findings%list(i)%render()
+   end do
+   if (findings%failed()) error stop 1
+   print '(a)', report%listing
+end program show_sweep

@@ -1,0 +1,18 @@
+!> What the tolerances of its dimensions do to the stroke of a slider.
+program show_tolerances
+   use psalm, only: case_t, findings_t, report_t, find_tolerances, tolerances_t, read_file
+   implicit none (type, external)
+   type(case_t), allocatable :: cases(:)
+   type(tolerances_t) :: result
+   type(findings_t) :: findings
+   type(report_t) :: report
+   integer :: i
+
+   call read_file('data/adjustable_stroke.nml', cases, findings)
+   if (.not. findings%failed()) call find_tolerances(cases(1), result, findings, report=report)
+   do i = 1, findings%count
+      print '(a)', findings%list(i)%render()
+   end do
+   if (findings%failed()) error stop 1
+   print '(a)', report%listing
+end program show_tolerances
