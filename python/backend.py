@@ -1,17 +1,25 @@
-"""What pip calls to build the Python package: compiles the shared library from the checkout and puts it beside the module.
+"""What pip calls to build the Python package: compiles the shared library and puts it beside the module.
 
-Needs gfortran and NLopt (scripts/setup installs them); fpm comes from pip. The wheel is for machines like this one.
+A backend of its own, because the library is built by fpm, which neither meson-python nor scikit-build-core knows: a second description of
+380 Fortran modules in another build system would have to be kept equal to fpm.toml. Needs gfortran and NLopt (scripts/setup installs
+them); fpm comes from pip. In a checkout `pip install ./python` builds for the machine at hand; a source distribution holds all sources
+and is built in the same way, without the network but for fpm. scripts/package makes the wheel for other machines.
 """
 import base64
 import hashlib
+import io
 import os
 import re
 import subprocess
 import sysconfig
+import tarfile
 import tempfile
 import zipfile
 
 HERE = os.path.dirname(os.path.abspath(__file__))
+TOP = os.path.dirname(HERE)
+# what a source distribution holds of the checkout, below sources/
+SOURCES = ("fpm.toml", "LICENSE", "src", "generated", "include", "tools/gfortran", "scripts/build_library", "scripts/setup")
 
 
 def _project(key):
@@ -20,20 +28,45 @@ def _project(key):
 
 
 def _metadata():
-    return "Metadata-Version: 2.1\nName: psalm\nVersion: %s\nSummary: %s\nRequires-Python: %s\nRequires-Dist: numpy>=1.24\n" % (
-        _project("version"), _project("description"), _project("requires-python"))
+    with open(os.path.join(HERE, "README.md"), encoding="utf-8") as file:
+        readme = file.read()
+    return ("Metadata-Version: 2.1\nName: psalm\nVersion: %s\nSummary: %s\nRequires-Python: %s\nLicense: MIT\n"
+            "Requires-Dist: numpy>=1.24\nProvides-Extra: frames\nRequires-Dist: pandas; extra == 'frames'\n"
+            "Requires-Dist: xarray; extra == 'frames'\nProvides-Extra: plot\nRequires-Dist: matplotlib; extra == 'plot'\n"
+            "Description-Content-Type: text/markdown\n\n%s" %
+            (_project("version"), _project("description"), _project("requires-python"), readme))
+
+
+def _checkout():
+    """Where the sources are: around this directory, or within it, of a source distribution."""
+    for place in (os.path.join(HERE, "sources"), TOP):
+        if os.path.exists(os.path.join(place, "scripts", "build_library")):
+            return place
+    raise RuntimeError("the sources of the library are not there")
+
+
+def _modules():
+    """The files of the package, relative to it."""
+    folder = os.path.join(HERE, "psalm")
+    return [n for n in sorted(os.listdir(folder)) if n.endswith((".py", ".typed"))]
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
-    script = os.path.join(HERE, "..", "scripts", "build_library")
-    if not os.path.exists(script):
-        raise RuntimeError("the package is built in a checkout of the repository: pip install ./python")
+    """For the machine at hand; with PSALM_LEVELS="x86-64-v2 x86-64-v3" for these instruction sets, each in a folder of its own."""
+    script = os.path.join(_checkout(), "scripts", "build_library")
     tag = "py3-none-" + re.sub(r"[-.]", "_", sysconfig.get_platform())
     name = "psalm-%s" % _project("version")
     info = name + ".dist-info/"
+    levels = os.environ.get("PSALM_LEVELS", "").split()
+    files = {"psalm/" + n: os.path.join(HERE, "psalm", n) for n in _modules()}
+    files[info + "LICENSE"] = os.path.join(_checkout(), "LICENSE")
     with tempfile.TemporaryDirectory() as out:
-        subprocess.run([script, out], check=True)
-        files = {"psalm/__init__.py": os.path.join(HERE, "psalm", "__init__.py"), "psalm/libpsalm.so": os.path.join(out, "libpsalm.so")}
+        for level in levels or [""]:
+            place = os.path.join(out, level)
+            subprocess.run([script] + (["--level", level] if level else []) + [place], check=True)
+            library = os.path.realpath(os.path.join(place, "libpsalm.so"))
+            subprocess.run(["strip", "--strip-unneeded", library], check=False)
+            files["psalm/%s/libpsalm.so.1" % level if level else "psalm/libpsalm.so"] = library
         content = {}
         for place, path in files.items():
             with open(path, "rb") as file:
@@ -53,4 +86,24 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
 
 
 def build_sdist(sdist_directory, config_settings=None):
-    raise RuntimeError("there is no source distribution: the package is built in a checkout of the repository")
+    """All sources: the package, and below sources/ what its library is built from."""
+    name = "psalm-%s" % _project("version")
+    checkout = _checkout()
+
+    def plain(member):
+        member.uid = member.gid = 0
+        member.uname = member.gname = ""
+        return None if "__pycache__" in member.name else member
+
+    with tarfile.open(os.path.join(sdist_directory, name + ".tar.gz"), "w:gz") as archive:
+        for part in ("backend.py", "pyproject.toml", "README.md"):
+            archive.add(os.path.join(HERE, part), name + "/" + part, filter=plain)
+        for part in _modules():
+            archive.add(os.path.join(HERE, "psalm", part), name + "/psalm/" + part, filter=plain)
+        for part in SOURCES:
+            archive.add(os.path.join(checkout, part), name + "/sources/" + part, filter=plain)
+        metadata = _metadata().encode()
+        member = tarfile.TarInfo(name + "/PKG-INFO")
+        member.size = len(metadata)
+        archive.addfile(member, io.BytesIO(metadata))
+    return name + ".tar.gz"

@@ -1,0 +1,34 @@
+"""A sweep over two lengths on all processors: cases are pickled by their text and analysed by worker processes.
+
+joblib does the same: joblib.Parallel(n_jobs=-1)(joblib.delayed(stroke)(case) for case in cases)."""
+import concurrent.futures
+import multiprocessing
+
+import numpy
+import psalm
+
+
+def slider_crank(crank, rod):
+    """A slider-crank with an offset of 10, drawn at 30 degrees of its crank."""
+    x, y = crank*numpy.cos(numpy.pi/6), crank*numpy.sin(numpy.pi/6)
+    pin = x + numpy.sqrt(rod**2 - (10 - y)**2)
+    return psalm.from_joints({"O": (0, 0), "B": (x, y), "C": (pin, 10)}, links={"frame": "O", "crank": "O B", "rod": "B C", "block": "C"},
+                             slides=[("frame", "block", pin, 10, 0)], drive="O", output="point C", step=2)
+
+
+def stroke(case):
+    """Stroke of the pin."""
+    return float(numpy.ptp(case.analyse()["C"].x))
+
+
+def main():
+    sizes = [(crank, rod) for crank in (30, 40, 50) for rod in (120, 140, 160)]
+    cases = [slider_crank(*size) for size in sizes]
+    # "spawn": a forked child must not start threads of the library again
+    with concurrent.futures.ProcessPoolExecutor(mp_context=multiprocessing.get_context("spawn")) as pool:
+        for (crank, rod), found in zip(sizes, pool.map(stroke, cases)):
+            print(f"{crank:6.1f}{rod:8.1f}{found:12.5f}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,351 @@
+"""What a study gives: tables of named columns, as NumPy arrays."""
+import html
+import typing
+
+import numpy
+
+from . import _library
+from ._library import library
+
+
+class Finding(typing.NamedTuple):
+    """An error, a warning or a remark: level, line (0: none), text with its place."""
+    level: str
+    line: int
+    text: str
+
+
+class Error(Exception):
+    """A case has errors, a file cannot be read, or a call is wrong. `findings` says what, each with its line."""
+
+    def __init__(self, status: int, findings: typing.Sequence[Finding] = (), words: str = ""):
+        self.status, self.findings = status, list(findings)
+        super().__init__("\n".join(f.text for f in self.findings) or words or library.psalm_status_text(status).decode())
+
+    def __reduce__(self):
+        return Error, (self.status, self.findings, str(self))
+
+
+class Column(numpy.ndarray):
+    """A column of a table: an array of the shape (rows,) with its `unit`; further columns of the same name are its attributes:
+    `rocker.v` is the column `rocker.v`."""
+    unit = ""
+    _table = _name = None
+
+    def __array_finalize__(self, other):
+        self.unit = getattr(other, "unit", "")
+
+    def __array_wrap__(self, array, context=None, return_scalar=False):
+        # what is computed from a column has another unit
+        return array[()] if array.ndim == 0 else numpy.asarray(array)
+
+    def __getattr__(self, name):
+        if self._table is not None and not name.startswith("_"):
+            column = "%s.%s" % (self._name, name)
+            if column in self._table:
+                return self._table[column]
+        raise AttributeError("there is no column %s.%s" % (self._name, name) if self._name else name)
+
+    def __reduce__(self):
+        return numpy.asarray(self).__reduce__()
+
+
+class Group:
+    """Columns of one name: `motion["P"].x` is the column `P.x`. `xy` is an array of the shape (rows, 2)."""
+
+    def __init__(self, table: "Table", name: str):
+        self._table, self._name = table, name
+
+    def __getattr__(self, name: str) -> Column:
+        if not name.startswith("_"):
+            column = "%s.%s" % (self._name, name)
+            if column in self._table:
+                return self._table[column]
+        raise AttributeError("there is no column %s.%s; there are %s" % (self._name, name, ", ".join(dir(self))))
+
+    def __dir__(self):
+        return [n[len(self._name) + 1:] for n in self._table.columns if n.startswith(self._name + ".")]
+
+    @property
+    def xy(self) -> numpy.ndarray:
+        """(rows, 2): x and y."""
+        return numpy.column_stack([self.x, self.y])
+
+    def __repr__(self):
+        return "<psalm columns %s>" % ", ".join("%s.%s" % (self._name, n) for n in dir(self))
+
+
+class Table(typing.Mapping):
+    """A table of a result: names of its columns to arrays of the shape (rows,). What is not known is NaN.
+
+    `table["P.x"]` is a column, `table["P"].x` the same, `table["P"].xy` both coordinates. `units` has the unit of every column.
+    """
+
+    def __init__(self, result: "Result", number: int):
+        # the result lives as long as its tables
+        self._result, self._number, self._read = result, number, {}
+        self.name: str = library.psalm_table_name(result._handle, number).decode()
+        self.rows: int = library.psalm_row_count(result._handle, number)
+        self._columns = None
+
+    @property
+    def about(self) -> str:
+        """What a row is."""
+        return library.psalm_table_about(self._result._handle, self._number).decode()
+
+    @property
+    def columns(self) -> typing.List[str]:
+        """Names of the columns."""
+        if self._columns is None:
+            handle, number = self._result._handle, self._number
+            self._columns = [library.psalm_column_name(handle, number, c).decode()
+                             for c in range(1, library.psalm_column_count(handle, number) + 1)]
+        return self._columns
+
+    @property
+    def units(self) -> typing.Dict[str, str]:
+        """Unit of every column; empty for pure numbers and words."""
+        return {name: library.psalm_column_unit(self._result._handle, self._number, c).decode()
+                for c, name in enumerate(self.columns, 1)}
+
+    def __contains__(self, name):
+        return isinstance(name, str) and library.psalm_find_column(self._result._handle, self._number, name.encode()) > 0
+
+    def __iter__(self):
+        return iter(self.columns)
+
+    def __len__(self):
+        return len(self.columns)
+
+    def __getitem__(self, name: str):
+        if name in self._read:
+            return self._read[name]
+        if not isinstance(name, str):
+            raise KeyError(name)
+        handle, number = self._result._handle, self._number
+        place = library.psalm_find_column(handle, number, name.encode())
+        if place == 0:
+            group = Group(self, name)
+            if dir(group):
+                return group
+            raise KeyError("%s; there are %s" % (name, ", ".join(self.columns)))
+        kind = library.psalm_column_kind(handle, number, place)
+        if kind == _library.WORD:
+            values = numpy.array([library.psalm_word(handle, number, place, r).decode() for r in range(1, self.rows + 1)], dtype=object)
+        else:
+            values = numpy.empty(self.rows)
+            if library.psalm_column(handle, number, place, self.rows, values.ctypes.data) != _library.DONE:
+                raise Error(_library.MISUSE)
+            if kind == _library.FLAG and not numpy.isnan(values).any():
+                values = values > 0.5
+            elif kind == _library.WHOLE and not numpy.isnan(values).any():
+                values = values.astype(int)
+            values = values.view(Column)
+            values.unit = library.psalm_column_unit(handle, number, place).decode()
+            values._table, values._name = self, name
+        self._read[name] = values
+        return values
+
+    def to_dict(self) -> typing.Dict[str, numpy.ndarray]:
+        """Plain arrays by name."""
+        return {name: numpy.asarray(self[name]) for name in self.columns}
+
+    def to_dataframe(self):
+        """A pandas.DataFrame, a row for each row; `attrs["units"]` has the units."""
+        import pandas
+        frame = pandas.DataFrame(self.to_dict())
+        frame.attrs["units"], frame.attrs["about"] = self.units, self.about
+        return frame
+
+    def to_xarray(self):
+        """An xarray.Dataset over the dimension `row`, or `input`, if the table has that column; every variable has its unit."""
+        import xarray
+        units = self.units
+        over = "input" if "input" in units else "row"
+        data = xarray.Dataset({n: (over, v, {"units": units[n]}) for n, v in self.to_dict().items() if n != over},
+                              attrs={"about": self.about})
+        return data.assign_coords(input=("input", self.to_dict()["input"], {"units": units["input"]})) if over == "input" else data
+
+    def __repr__(self):
+        return "<psalm.Table %s: %d rows of %s>" % (self.name, self.rows, ", ".join(self.columns))
+
+    def _repr_html_(self, most=20):
+        units = self.units
+        head = "".join("<th>%s%s</th>" % (html.escape(n), "<br><small>%s</small>" % html.escape(units[n]) if units[n] else "")
+                       for n in self.columns)
+        data = list(self.to_dict().values())
+        rows = "".join("<tr>%s</tr>" % "".join("<td>%s</td>" % (html.escape(v[r]) if isinstance(v[r], str) else "%.6g" % v[r])
+                                               for v in data) for r in range(min(most, self.rows)))
+        more = "" if self.rows <= most else "<p>%d rows more</p>" % (self.rows - most)
+        return "<table><caption>%s</caption><tr>%s</tr>%s</table>%s" % (html.escape(self.about), head, rows, more)
+
+
+class Result:
+    """What a study gives.
+
+    `result["P"].x` is a column of the table that it is about; `result.tables` has all tables by name. `listing` is what the program
+    prints, `files` are pictures by the ending of their name, `cases` the linkages found, best first. `violated` tells that closure or a
+    limit is violated, or that a search stopped early; `findings` has warnings and remarks.
+    """
+
+    def __init__(self, handle: int, findings: typing.List[Finding], violated: bool, verb: str):
+        self._handle, self._tables, self._cases = handle, {}, None
+        self.findings, self.violated, self.verb = findings, violated, verb
+
+    def __del__(self):
+        if getattr(self, "_handle", None) and library:
+            library.psalm_result_free(self._handle)
+            self._handle = None
+
+    def __reduce__(self):
+        raise TypeError("a result of psalm is not copied or pickled: take its tables, as result.to_dict()")
+
+    def _table(self, number):
+        if number not in self._tables:
+            self._tables[number] = Table(self, number)
+        return self._tables[number]
+
+    @property
+    def tables(self) -> typing.Dict[str, Table]:
+        """All tables by name."""
+        all_tables = [self._table(t) for t in range(1, library.psalm_table_count(self._handle) + 1)]
+        return {t.name: t for t in reversed(all_tables)}
+
+    @property
+    def table(self) -> Table:
+        """The table that the result is about: the first."""
+        if library.psalm_table_count(self._handle) == 0:
+            raise KeyError("this result has no table")
+        return self._table(1)
+
+    def __contains__(self, name):
+        return name in self.table
+
+    def __getitem__(self, name: str):
+        """A column of the first table, or a group of them; else a table."""
+        try:
+            return self.table[name]
+        except KeyError:
+            place = library.psalm_find_table(self._handle, name.encode()) if isinstance(name, str) else 0
+            if place == 0:
+                raise
+            return self._table(place)
+
+    @property
+    def listing(self) -> str:
+        """What the program prints; empty of a brief study."""
+        return library.psalm_listing(self._handle).decode(errors="replace")
+
+    @property
+    def data_set(self) -> str:
+        """The linkages found, in the notation of the manual; empty if there are none."""
+        return library.psalm_found_text(self._handle).decode(errors="replace")
+
+    @property
+    def cases(self) -> list:
+        """The linkages found as cases, best first."""
+        if self._cases is None:
+            from ._cases import Case
+            self._cases = [Case._of_result(self._handle, k) for k in range(1, library.psalm_case_count(self._handle) + 1)]
+        return self._cases
+
+    @property
+    def files(self) -> typing.Dict[str, str]:
+        """Pictures and pages: ending of the name (".svg", ".dxf", ".html" ...) to content."""
+        return {library.psalm_file_ending(self._handle, k).decode(): library.psalm_file_content(self._handle, k).decode(errors="replace")
+                for k in range(1, library.psalm_file_count(self._handle) + 1)}
+
+    def to_dict(self):
+        """Arrays of the first table by name."""
+        return self.table.to_dict()
+
+    def to_dataframe(self):
+        """The first table as pandas.DataFrame."""
+        return self.table.to_dataframe()
+
+    def to_xarray(self):
+        """The first table as xarray.Dataset."""
+        return self.table.to_xarray()
+
+    def __repr__(self):
+        parts = ["%s (%d x %d)" % (t.name, t.rows, len(t)) for t in self.tables.values()]
+        if library.psalm_case_count(self._handle):
+            parts.append("%d linkages" % library.psalm_case_count(self._handle))
+        if library.psalm_file_count(self._handle):
+            parts.append(" ".join(self.files))
+        return "<psalm.%s of %s%s%s>" % (type(self).__name__, self.verb, ": " if parts else "", ", ".join(parts)) + \
+            (" violated" if self.violated else "")
+
+    def _repr_html_(self):
+        if ".html" in self.files:
+            return frame_of(self.files[".html"])
+        if library.psalm_table_count(self._handle) == 0:
+            return "<pre>%s</pre>" % html.escape(self.listing)
+        return self.table._repr_html_()
+
+
+class Motion(Result):
+    """Result of an analysis, of rates or forces: a row for each position.
+
+    Of a linkage given by its loops the output has properties too: `actual`, `desired`, `deviation` of the shape (positions,
+    components), and after rates `velocity`, `acceleration`, `jerk` (by time), `rate`, `rate2`, `rate3` (by the input).
+    """
+
+    @property
+    def input(self) -> numpy.ndarray:
+        """(positions,): degrees, or length of a sliding input; of several drives that of the first."""
+        return self.table["input"] if "input" in self.table else self.table[next(n for n in self.table if n.startswith("input."))]
+
+    @property
+    def closed(self) -> numpy.ndarray:
+        """(positions,) of bool: every loop that matters closes."""
+        return numpy.asarray(self.table["closed"], dtype=bool)
+
+    def _components(self, name, ending=""):
+        table = self.table
+        if name + ending in table:
+            return numpy.asarray(table[name + ending])[:, None]
+        found = [c + ending for c in (name + ".x", name + ".y", name + ".angle") if c + ending in table]
+        if not found:
+            raise AttributeError("there is no column %s%s; there are %s" % (name, ending, ", ".join(table.columns)))
+        return numpy.column_stack([table[c] for c in found])
+
+    actual = property(lambda self: self._components("output"), doc="(positions, components): output; NaN where it does not close")
+    desired = property(lambda self: self._components("desired"), doc="(positions, components): desired output")
+    deviation = property(lambda self: self._components("deviation"), doc="(positions, components): desired minus actual")
+    velocity = property(lambda self: self._components("output", ".v"), doc="(positions, components): by time; NaN at a dead point")
+    acceleration = property(lambda self: self._components("output", ".a"), doc="(positions, components): by time")
+    jerk = property(lambda self: self._components("output", ".j"), doc="(positions, components): by time")
+    rate = property(lambda self: self._components("output", ".first"), doc="(positions, components): by the input, angles in radians")
+    rate2 = property(lambda self: self._components("output", ".second"), doc="(positions, components): second, by the input")
+    rate3 = property(lambda self: self._components("output", ".third"), doc="(positions, components): third, by the input")
+
+    @property
+    def objective(self) -> float:
+        """Weighted sum of the squared deviations."""
+        return float(self.tables["totals"]["objective"][0])
+
+
+class Search(Result):
+    """Result of a search: a sequence of the linkages found, best first. `search[0]` is a case, `search["objective"]` a column over
+    the linkages. `best_objective` is that of the first."""
+
+    def __len__(self):
+        return library.psalm_case_count(self._handle)
+
+    def __bool__(self):
+        return len(self) > 0
+
+    def __iter__(self):
+        return iter(self.cases)
+
+    def __getitem__(self, key):
+        if isinstance(key, (int, slice, numpy.integer)):
+            return self.cases[key]
+        return super().__getitem__(key)
+
+
+def frame_of(page: str, height: int = 640) -> str:
+    """A page in a frame that can reach nothing outside it."""
+    return '<iframe sandbox="allow-scripts" style="width:100%%;height:%dpx;border:0" srcdoc="%s"></iframe>' % (
+        height, html.escape(page, quote=True))
