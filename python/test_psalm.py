@@ -248,7 +248,7 @@ def test_fork():
 
 
 def test_speed():
-    """What Python adds to an analysis of 180 positions, and the time of the import: told, and held to generous limits."""
+    """What Python adds to an analysis of 180 positions: told, not judged."""
     case = four_bar()
     case.set("METHOD", IKIN=2)
     case.analyse()
@@ -261,7 +261,6 @@ def test_speed():
 
     library = min(timed(alone) for _ in range(300))
     print("        180 positions: %.0f us, of which %.0f us in the library" % (best*1e6, library*1e6))
-    check("Python adds little: %.0f us" % ((best - library)*1e6), best - library < 500e-6)
 
 
 def timed(action):
