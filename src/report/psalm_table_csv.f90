@@ -1,7 +1,7 @@
 !> Tables as CSV (RFC 4180 but for the line feeds): a row of names, then the rows; nothing stands for what is not known.
 module psalm_table_csv
    use psalm_tables, only: column_t, table_t, kind_word
-   use psalm_table_field, only: number_field
+   use psalm_table_field, only: add_number
    use psalm_text, only: text_t
    implicit none (type, external)
    private
@@ -23,23 +23,23 @@ contains
       do k = 1, table%rows
          do c = 1, table%count
             if (c > 1) call text%add_text(',')
-            if (table%columns(c)%known(k)) call text%add_text(field(table%columns(c), k))
+            if (table%columns(c)%known(k)) call add_field(table%columns(c), k, text)
          end do
          call text%add()
       end do
    end subroutine write_csv
 
-   pure function field(column, row) result(text)
+   pure subroutine add_field(column, row, text)
       type(column_t), intent(in) :: column
       integer, intent(in) :: row
-      character(:), allocatable :: text
+      type(text_t), intent(inout) :: text
 
       if (column%kind == kind_word) then
-         text = quoted(trim(column%words(row)))
+         call text%add_text(quoted(trim(column%words(row))))
       else
-         text = number_field(column, row)
+         call add_number(column, row, text)
       end if
-   end function field
+   end subroutine add_field
 
    !> A text as CSV has it.
    pure function quoted(written) result(text)

@@ -2,26 +2,26 @@
 module psalm_table_field
    use psalm_kinds, only: wp
    use psalm_tables, only: column_t, kind_flag, kind_whole
-   use psalm_text, only: full_precision, to_text
+   use psalm_text, only: text_t, full_precision, to_text
    implicit none (type, external)
    private
-   public :: number_field
+   public :: add_number
 
 contains
 
-   !> A known value of a column without words: 17 digits, an integer, or a flag.
-   pure function number_field(column, row) result(text)
+   !> Append a known value of a column without words: 17 digits, an integer, or a flag.
+   pure subroutine add_number(column, row, text)
       type(column_t), intent(in) :: column
       integer, intent(in) :: row
-      character(:), allocatable :: text
+      type(text_t), intent(inout) :: text
 
       select case (column%kind)
       case (kind_flag)
-         text = merge('1', '0', column%values(row) > 0.0_wp)
+         call text%add_text(merge('1', '0', column%values(row) > 0.0_wp))
       case (kind_whole)
-         text = to_text(nint(column%values(row)))
+         call text%add_text(to_text(nint(column%values(row))))
       case default
-         text = full_precision(column%values(row))
+         call text%add_text(full_precision(column%values(row)))
       end select
-   end function number_field
+   end subroutine add_number
 end module psalm_table_field

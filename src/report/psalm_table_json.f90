@@ -2,7 +2,7 @@
 module psalm_table_json
    use psalm_markup, only: json_text, comma
    use psalm_tables, only: column_t, table_t, tables_t, for_plots, kind_word
-   use psalm_table_field, only: number_field
+   use psalm_table_field, only: add_number
    use psalm_text, only: text_t
    implicit none (type, external)
    private
@@ -53,7 +53,7 @@ contains
             if (.not. table%columns(c)%known(k)) then
                call text%add_text('null')
             else
-               call text%add_text(field(table%columns(c), k))
+               call add_field(table%columns(c), k, text)
             end if
          end do
          call text%add(']'//trim(merge(',', ' ', c < table%count)))
@@ -61,15 +61,15 @@ contains
       call text%add_text('}}')
    end subroutine write_table
 
-   pure function field(column, row) result(text)
+   pure subroutine add_field(column, row, text)
       type(column_t), intent(in) :: column
       integer, intent(in) :: row
-      character(:), allocatable :: text
+      type(text_t), intent(inout) :: text
 
       if (column%kind == kind_word) then
-         text = json_text(trim(column%words(row)))
+         call text%add_text(json_text(trim(column%words(row))))
       else
-         text = number_field(column, row)
+         call add_number(column, row, text)
       end if
-   end function field
+   end subroutine add_field
 end module psalm_table_json

@@ -2,7 +2,7 @@
 !> row a line, `NaN` for what is not known.
 module psalm_table_plot
    use psalm_tables, only: column_t, table_t, for_programs, kind_short, kind_word
-   use psalm_table_field, only: number_field
+   use psalm_table_field, only: add_number
    use psalm_text, only: text_t, general
    implicit none (type, external)
    private
@@ -37,29 +37,31 @@ contains
       do k = 1, table%rows
          do c = 1, table%count
             if (c > 1) call text%add_text(' ')
-            call text%add_text(field(table%columns(c), k))
+            call add_field(table%columns(c), k, text)
          end do
          call text%add()
       end do
    end subroutine write_plot_block
 
-   pure function field(column, row) result(text)
+   pure subroutine add_field(column, row, text)
       type(column_t), intent(in) :: column
       integer, intent(in) :: row
-      character(:), allocatable :: text
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: word
       integer :: i
 
       if (.not. column%known(row)) then
-         text = 'NaN'
+         call text%add_text('NaN')
       else if (column%kind == kind_word) then
-         text = trim(column%words(row))
-         do i = 1, len(text)
-            if (text(i:i) == ' ') text(i:i) = '-'
+         word = trim(column%words(row))
+         do i = 1, len(word)
+            if (word(i:i) == ' ') word(i:i) = '-'
          end do
+         call text%add_text(word)
       else if (column%kind == kind_short) then
-         text = trim(adjustl(general(column%values(row), 'E')))
+         call text%add_text(trim(adjustl(general(column%values(row), 'E'))))
       else
-         text = number_field(column, row)
+         call add_number(column, row, text)
       end if
-   end function field
+   end subroutine add_field
 end module psalm_table_plot
