@@ -4,9 +4,10 @@ program balm
    use psalm_console, only: arguments_t, begin, begin_mark, prepare_outputs, say, show_findings, stem_of
    use psalm_board, only: write_board
    use psalm_cases, only: read_cases, read_case_text
-   use psalm_data_set, only: data_set_t
+   use psalm_contact_sheet, only: write_contact_sheet
+   use psalm_data_set, only: data_set_t, title_columns
    use psalm_devices, only: devices_t
-   use psalm_drawing, only: picture_t, draw_file, draw_curves
+   use psalm_drawing, only: picture_t, add_picture, draw_file, draw_curves, ending
    use psalm_files, only: exchange_t, directory_of
    use psalm_gnuplot, only: write_pictures, name_of
    use psalm_mark, only: mark_t
@@ -18,8 +19,8 @@ program balm
    use psalm_text, only: text_t
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
-   character(*), parameter :: endings(*) = [character(10) :: '.svg', '.html', '.dxf', '.flat.dxf', '.gp', '.png', '.pdf', &
-                                           '.edit.html', '.move.svg']
+   character(*), parameter :: endings(*) = [character(11) :: '.svg', '.html', '.dxf', '.flat.dxf', '.gp', '.png', '.pdf', &
+                                           '.edit.html', '.move.svg', '.sheet.html']
    type(arguments_t) :: arguments
    logical :: finished
    integer :: code, i
@@ -35,6 +36,7 @@ program balm
       '  --curves          curves too: CASE.gp, CASE.png, CASE.pdf, by gnuplot; convergence from CASE.dev1'//nl// &
       '  --assemblies      the SVG shows the other assembly of each dyad in grey'//nl// &
       '  --animate         CASE.move.svg too: the linkage moves, without a script'//nl// &
+      '  --sheet           CASE.sheet.html too: all cases of the file moving on one page (with --animate)'//nl// &
       common_options// &
       nl//'Exit status: 0 done; 1 done, but the linkage violates closure or transmission limits; 2 the input is wrong'//nl// &
       '(the pictures show the messages); 3 a file could not be read or written, or gnuplot failed.'//nl, &
@@ -82,10 +84,35 @@ contains
       if (arguments%curves) call draw_scripts(cases, stem, mark, scripts)
       call draw_file(cases, arguments%assemblies, arguments%animate, mark%name(), pictures)
       if (size(pictures) == 0) return
+      if (arguments%sheet) call add_sheet(file, name_of(stem), sets, cases, pictures)
       call prepare_outputs(arguments, stem, pictures%ending, ready, code)
       if (.not. ready) return
       call write_pictures(arguments, stem, pictures, scripts, code)
    end subroutine run_file
+
+   !> The page of all cases, as the animations show them.
+   subroutine add_sheet(file, stem, sets, cases, pictures)
+      character(*), intent(in) :: file, stem         !! stem: of the names of the pictures, without directory
+      type(data_set_t), intent(in) :: sets(:)
+      type(pictured_t), intent(in) :: cases(:)
+      type(picture_t), allocatable, intent(inout) :: pictures(:)
+      type(line_t), allocatable :: lines(:)
+      type(diagnostics_t) :: unused
+      type(text_t) :: page
+      character(len(stem) + 24) :: names(size(cases))
+      character(title_columns) :: titles(size(cases))
+      integer :: k
+
+      allocate (lines(0))
+      if (file /= '-') call read_lines(file, lines, unused)
+      do k = 1, size(cases)
+         titles(k) = sets(k)%title
+         names(k) = ''
+         if (any(pictures%ending == ending(k, '.move.svg'))) names(k) = stem//ending(k, '.move.svg')
+      end do
+      call write_contact_sheet(titles, names, sets%title_line, lines, page)
+      call add_picture(pictures, '.sheet.html', page%content())
+   end subroutine add_sheet
 
    !> The drawing board, with a case or empty. A case with mistakes is drawn as far as it can be read.
    subroutine make_board(file)

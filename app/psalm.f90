@@ -21,6 +21,10 @@ program psalm
    use psalm_family_study, only: family_t, find_family
    use psalm_finale, only: mark_beyond
    use psalm_kinds, only: wp
+   use psalm_kind_choice, only: choice_t, look_at_choice
+   use psalm_kind_search, only: kind_study_t, search_kinds, kinds_wanted, check_kinds
+   use psalm_kinds_report, only: report_kinds, report_choice
+   use psalm_linkage_kinds, only: linkage_kind_t
    use psalm_mark, only: mark_t
    use psalm_limits_group, only: proof_by_default
    use psalm_mechanism, only: mechanism_t
@@ -61,6 +65,7 @@ program psalm
       nl//'The listing goes to standard output; CASE.dev1, .dev2, .dev7, .dev8 and .dev9 beside the case.'//nl// &
       nl//json_option// &
       '  --assemblies      list every way in which the links of a sketch can be put together'//nl// &
+      '  --kinds           list the kinds of linkages that &KINDS asks for, without a search'//nl// &
       '  --links           device 7 has the equivalent &LINKS of a sketch, where they exist'//nl// &
       '  --device4 FILE    read supplied vertices (NGUESS) from FILE; default CASE.dev4'//nl// &
       '  --threads N       threads that share the work; default THREADS of the case, or 1'//nl// &
@@ -93,6 +98,10 @@ contains
          if (.not. findings%failed()) call check_exact(set, findings)
          return
       end if
+      if (set%of_kinds) then
+         if (.not. (findings%failed() .or. arguments%kinds)) call check_kinds(set, findings)
+         return
+      end if
       allocate (device4(0))
       if (set%method%nguess > 0) then
          call read_lines(device4_of(arguments, file), device4, findings)
@@ -103,12 +112,50 @@ contains
       if (.not. findings%failed()) call prepare(set, device4, prepared, findings)
    end subroutine prepare_search
 
+   !> Cases that ask for kinds of linkages become the cases of what was found; with --kinds nothing is searched.
+   subroutine run_kinds(sets, prepared, devices)
+      type(data_set_t), allocatable, intent(inout) :: sets(:)
+      type(prepared_t), allocatable, intent(inout) :: prepared(:)
+      type(devices_t), intent(inout) :: devices
+      type(data_set_t), allocatable :: more(:)
+      type(prepared_t), allocatable :: ready(:)
+      class(kind_study_t), allocatable :: study
+      type(linkage_kind_t), allocatable :: kinds(:)
+      type(choice_t), allocatable :: choices(:)
+      integer :: k, threads
+
+      allocate (more(0), ready(0))
+      do k = 1, size(sets)
+         if (.not. sets(k)%of_kinds) then
+            more = [more, sets(k)]
+            ready = [ready, prepared(k)]
+         else if (arguments%kinds) then
+            call kinds_wanted(sets(k), kinds)
+            call report_kinds(sets(k), kinds, devices)
+         else
+            allocate (study)
+            call take_threads(sets(k), threads, devices)
+            call search_kinds(sets(k), stop, study)
+            call look_at_choice(study, choices)
+            call report_choice(sets(k), study, choices, devices)
+            more = [more, study%sets]
+            ready = [ready, study%prepared]
+            deallocate (study)
+         end if
+      end do
+      call move_alloc(more, sets)
+      call move_alloc(ready, prepared)
+      sets%limits%last = [(0, k=1, size(sets) - 1), (1, k=1, min(1, size(sets)))]
+   end subroutine run_kinds
+
    !> The search of cases that share their starts.
    subroutine run_shared(sets, prepared, devices)
-      type(data_set_t), intent(in) :: sets(:)
-      type(prepared_t), intent(inout) :: prepared(:)
+      type(data_set_t), allocatable, intent(inout) :: sets(:)
+      type(prepared_t), allocatable, intent(inout) :: prepared(:)
       type(devices_t), intent(inout) :: devices
       integer :: first, threads, k
+
+      if (any(sets%of_kinds)) call run_kinds(sets, prepared, devices)
 
       first = findloc([(shares_starts(sets(k)), k=1, size(sets))], .true., dim=1)
       if (first == 0) return

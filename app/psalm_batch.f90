@@ -68,8 +68,8 @@ module psalm_batch
       subroutine study_cases(sets, prepared, devices)
          import :: data_set_t, devices_t, prepared_t
          implicit none (type, external)
-         type(data_set_t), intent(in) :: sets(:)
-         type(prepared_t), intent(inout) :: prepared(:) !! shape (cases)
+         type(data_set_t), allocatable, intent(inout) :: sets(:)
+         type(prepared_t), allocatable, intent(inout) :: prepared(:) !! shape (cases)
          type(devices_t), intent(inout) :: devices
       end subroutine study_cases
    end interface
@@ -164,7 +164,7 @@ contains
       logical function in_file(set)
          type(data_set_t), intent(in) :: set
 
-         in_file = outputs%csv == csv_always .or. (outputs%csv == csv_of_sketches .and. set%sketch%given)
+         in_file = outputs%csv == csv_always .or. (outputs%csv == csv_of_sketches .and. (set%sketch%given .or. set%of_kinds))
       end function in_file
    end subroutine run_file
 end module psalm_batch

@@ -47,6 +47,8 @@ module psalm_console
       integer :: threads = 0                     !! 0: not given
       logical :: json = .false.                  !! all tables of every case as CSV and JSON
       logical :: edit = .false., no_case = .false. !! balm: the drawing board; no case is named
+      logical :: sheet = .false.            !! balm: a page of all cases, moving
+      logical :: kinds = .false.            !! psalm: kinds of linkages are listed, not searched
       logical :: curves = .false., assemblies = .false. !! curves by gnuplot; psalm, balm: all assemblies
       logical :: animate = .false.                 !! balm: an SVG that moves
       logical :: links = .false.                 !! psalm: sketches as &LINKS on device 7
@@ -271,7 +273,7 @@ contains
             arguments%version = .true.
          case ('--quiet', '-q')
             arguments%quiet = .true.
-         case ('--curves', '--assemblies', '--edit', '--animate')
+         case ('--curves', '--assemblies', '--edit', '--animate', '--sheet')
             if (program /= 'balm' .and. .not. (program == 'ssics' .and. word == '--curves') .and. &
                 .not. (program == 'psalm' .and. word == '--assemblies')) then
                call say(program, "'"//word//"' is an option of balm"// &
@@ -282,13 +284,20 @@ contains
             arguments%edit = arguments%edit .or. word == '--edit'
             arguments%curves = arguments%curves .or. word == '--curves'
             arguments%assemblies = arguments%assemblies .or. word == '--assemblies'
-            arguments%animate = arguments%animate .or. word == '--animate'
+            arguments%animate = arguments%animate .or. word == '--animate' .or. word == '--sheet'
+            arguments%sheet = arguments%sheet .or. word == '--sheet'
          case ('--links')
             if (program /= 'psalm') then
                call say(program, "unknown option '"//word//"'; see --help")
                arguments%code = exit_bad_input
             end if
             arguments%links = .true.
+         case ('--kinds')
+            if (program /= 'psalm') then
+               call say(program, "unknown option '"//word//"'; see --help")
+               arguments%code = exit_bad_input
+            end if
+            arguments%kinds = .true.
          case ('--json')
             arguments%json = program /= 'balm'
             if (.not. arguments%json) then

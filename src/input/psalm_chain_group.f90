@@ -68,12 +68,11 @@ module psalm_chain_group
              '1: superfluous equations are allowed where special lengths (a parallelogram with a third link) '// &
              'fulfil them'), &
       rule_t('VARY', a_text, 'n', '', '', '', &
-             'what a search may change: `''A B''` a length, `''angle B C B P''` the angle from one line of a '// &
-             'link to another, `''place D''` a joint of the frame (its distance and direction from the input '// &
-             'pivot; of that pivot from the machine origin, where the whole linkage can move), '// &
-             '`''input''` the reference input'), &
+             'what a search may change: `''A B''` a length, `''angle B C B P''` the angle from one line of a link to '// &
+             'another, `''place D''` a joint of the frame (distance and direction from the input pivot; of that from the '// &
+             'origin), `''input''` the reference input, `''all''` every dimension of the loops'), &
       rule_t('VLOW', a_number, 'n', '', '', '', &
-             'lower bounds of the variables, in the order of VARY; a place has two values'), &
+             'lower bounds of the variables, in the order of VARY; a place has two values; of `''all''` that of all lengths'), &
       rule_t('VHIGH', a_number, 'n', '', '', '', &
              'upper bounds of the variables')]
 

@@ -5,12 +5,14 @@
 module psalm_data_set
    use psalm_case_group, only: section_t, surroundings_t
    use psalm_chain_group, only: read_chain_group
+   use psalm_curve_group, only: expand_curve
    use psalm_constraint_group, only: constraint_group_t, range_positions, read_constraint_group, read_least_angle
    use psalm_friction_group, only: friction_group_t, read_friction_group
    use psalm_drives_group, only: read_drives_group
    use psalm_group_table, only: everything, program_of, program_reads, is_users, nearest_group
    use psalm_group, only: group_t, out_of
    use psalm_kinds, only: wp, right_angle
+   use psalm_kinds_defaults, only: complete_kinds_case
    use psalm_limits_group, only: limits_group_t, read_limits_group
    use psalm_json_case, only: is_json, read_json_cases
    use psalm_links_group, only: links_group_t, read_links_group
@@ -68,6 +70,8 @@ module psalm_data_set
       type(friction_group_t) :: friction   !! FRICTN
       type(section_t), allocatable :: sections(:) !! the groups of the studies, each read by the study that it is for
       character(:), allocatable :: others  !! the groups that device 7 keeps as they are
+      logical :: of_kinds = .false.        !! it has no linkage: kinds of them are searched (KINDS)
+      character(:), allocatable :: curve   !! mark of the file that the desired values were read from
       character(:), allocatable :: skipped !! the groups that this program does not read, with those that do; empty: none
       type(origins_t) :: origins           !! where every value was written
    contains
@@ -154,6 +158,7 @@ contains
          wants_search = method%ikin == 0 .and. (any(method%iva /= 0) .or. any(method%ivg /= 0) .or. method%ilkout /= 0 .or. &
                                                 method%ingout /= 0 .or. method%icrk /= 0 .or. method%iorig /= 0)
       end associate
+      if (self%of_kinds) wants_search = self%method%ikin == 0
       if (.not. self%sketch%given .or. .not. allocated(self%sketch%variations)) return
       wants_search = self%method%ikin == 0 .and. size(self%sketch%variations) > 0
    end function wants_search
@@ -204,6 +209,10 @@ contains
          end do
       end if
       call read_all(lines, reader, sets, findings)
+      if (.not. present(mark)) return
+      do next = 1, size(sets)
+         if (allocated(sets(next)%curve)) call mark%add(sets(next)%curve)
+      end do
    end subroutine read_data_sets
 
    !> Read every case of a text in memory, in the manner of `read_data_sets`.
@@ -322,6 +331,9 @@ contains
       if (len(case%title) > title_columns) then
          call findings%warning('the title is cut to its first '//to_text(title_columns)//' columns', line=case%line)
       end if
+      call expand_curve(case, findings%file, set%curve, findings)
+      set%of_kinds = program == searching_program .and. any(case%groups(:case%count)%name == 'KINDS')
+      if (set%of_kinds) call complete_kinds_case(case)
       call keep_others(case, program, set)
       call refuse_unknown(case, program, findings)
       do i = 1, size(names)
@@ -339,8 +351,8 @@ contains
          call read_links_group(groups(links), set%links, shape_known, unused)
       end if
       if (groups(method)%line > 0) then
-         call read_method_group(groups(method), set%links%nloop, set%links%maxarc, shape_known, set%sketch%given, set%method, &
-                                findings)
+         call read_method_group(groups(method), set%links%nloop, set%links%maxarc, shape_known, &
+                                set%sketch%given .or. set%of_kinds, set%method, findings)
       else
          call read_method_group(groups(method), set%links%nloop, set%links%maxarc, shape_known, set%sketch%given, set%method, &
                                 unused)
@@ -757,7 +769,7 @@ contains
       do i = 1, case%count
          associate (group => case%groups(i))
             select case (group%name)
-            case ('LINKS', 'METHOD', 'LIMITS', 'SEARCH', 'CHAIN', 'DRIVES', 'OUTPUTS')
+            case ('LINKS', 'METHOD', 'LIMITS', 'SEARCH', 'CHAIN', 'DRIVES', 'OUTPUTS', 'KINDS')
                cycle
             end select
             if (.not. (program == 'muscle' .and. any(group%name == written_by_muscle))) call group%render(others)
@@ -817,6 +829,20 @@ contains
             end do
             return
          end if
+      end if
+      if (any(case%groups(:case%count)%name == 'KINDS')) then
+         if (program /= searching_program .and. .not. meant_links) then
+            call findings%error('asks the program psalm for linkages; use the cases of its device 7', line=case%line, group='KINDS')
+            return
+         end if
+         do i = 1, case%count
+            if (any(case%groups(i)%name == [character(name_length) :: 'LINKS', 'CHAIN', 'DRIVES', 'OUTPUTS'])) then
+               if (program == searching_program) call findings%error( &
+                  'describes a linkage, but &KINDS asks which kind it is to be; leave one of both out', &
+                  line=case%groups(i)%line, group=trim(case%groups(i)%name))
+            end if
+         end do
+         meant_links = .true.
       end if
       ! Hill's equation from tables needs no linkage
       if (program_reads(program, 'HILL') .and. any(case%groups(:case%count)%name == 'HILL') .and. &

@@ -17,6 +17,8 @@ module psalm_group_table
    type(known_group_t), parameter :: known_groups(*) = [ &
       known_group_t('LINKS', 'psalm kalm balm ssics muscle calm bridge'), &
       known_group_t('METHOD', 'psalm kalm balm ssics muscle calm bridge'), &
+      known_group_t('CURVE', 'psalm kalm balm ssics muscle calm bridge'), &
+      known_group_t('KINDS', 'psalm'), &
       known_group_t('LIMITS', 'psalm kalm balm ssics muscle calm bridge'), &
       known_group_t('SEARCH', 'psalm kalm balm ssics muscle calm bridge'), &
       known_group_t('CONSTR', 'psalm kalm balm ssics muscle calm bridge'), &

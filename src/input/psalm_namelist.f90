@@ -26,6 +26,7 @@ module psalm_namelist
       integer :: count = 0                  !! valid elements of `groups`
    contains
       procedure :: take
+      procedure :: make
    end type case_text_t
 
    integer, parameter :: most_groups = 1000 !! of a case; above this the file is taken for something else
@@ -92,6 +93,26 @@ contains
       end do
       call group%begin(name, 0)
    end subroutine take
+
+   !> Place of the group of that name, which becomes an empty one, put down to that line, if the case has none.
+   pure subroutine make(self, name, line, place)
+      class(case_text_t), intent(inout) :: self
+      character(*), intent(in) :: name !! in capitals
+      integer, intent(in) :: line
+      integer, intent(out) :: place
+      type(group_t), allocatable :: larger(:)
+
+      place = findloc(self%groups(:self%count)%name == name, .true., dim=1)
+      if (place > 0) return
+      if (self%count == size(self%groups)) then
+         allocate (larger(self%count + 1))
+         larger(:self%count) = self%groups(:self%count)
+         call move_alloc(larger, self%groups)
+      end if
+      self%count = self%count + 1
+      place = self%count
+      call self%groups(place)%begin(name, line)
+   end subroutine make
 
    ! ---- scanning ----------------------------------------------------------------------------------------------------
 

@@ -6,6 +6,7 @@ submodule(psalm_study_groups) psalm_study_groups_listed
    use psalm_drive_group, only: drive_group_t, hill_group_t
    use psalm_dxf_group, only: dxf_group_t
    use psalm_exact_group, only: exact_group_t
+   use psalm_kinds_group, only: kinds_group_t
    use psalm_motor_group, only: motor_group_t
    use psalm_spring_design_group, only: spring_design_group_t
    use psalm_sweep_group, only: sweep_group_t
@@ -15,9 +16,9 @@ submodule(psalm_study_groups) psalm_study_groups_listed
 contains
 
    module procedure study_groups
-      allocate (sections(13))
+      allocate (sections(14))
       sections%name = [character(len(sections%name)) :: 'MOTOR', 'VIBR', 'ESTIM', 'DRIVEL', 'HILL', 'BALANC', 'CAM', 'SPRNGS', &
-                       'CLEAR', 'CAM2', 'EXACT', 'DXF', 'SWEEP']
+                       'CLEAR', 'CAM2', 'EXACT', 'DXF', 'SWEEP', 'KINDS']
       allocate (motor_group_t :: sections(1)%group)
       allocate (vibration_group_t :: sections(2)%group)
       allocate (estimate_group_t :: sections(3)%group)
@@ -31,5 +32,6 @@ contains
       allocate (exact_group_t :: sections(11)%group)
       allocate (dxf_group_t :: sections(12)%group)
       allocate (sweep_group_t :: sections(13)%group)
+      allocate (kinds_group_t :: sections(14)%group)
    end procedure study_groups
 end submodule psalm_study_groups_listed

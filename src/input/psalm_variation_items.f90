@@ -2,7 +2,7 @@
 module psalm_variation_items
    use psalm_group, only: group_t, out_of
    use psalm_kinds, only: wp
-   use psalm_sketch, only: sketch_t, variation_t, frame_link, vary_length, vary_angle, vary_place, vary_input
+   use psalm_sketch, only: sketch_t, variation_t, frame_link, vary_length, vary_angle, vary_place, vary_input, vary_all
    use psalm_sketch_names, only: word_room, find_joints, words_of, common_link, joined
    use psalm_status, only: diagnostics_t
    use psalm_take, only: take
@@ -13,7 +13,7 @@ module psalm_variation_items
 
 contains
 
-   !> What may vary: 'A B' a length, 'angle A B A C' an angle of a link, 'place D' a joint of the frame, 'input'.
+   !> What may vary: 'A B' a length, 'angle A B A C' an angle of a link, 'place D' a joint of the frame, 'input', 'all'.
    subroutine read_variations(group, sketch, findings)
       type(group_t), intent(inout) :: group
       type(sketch_t), intent(inout) :: sketch
@@ -53,6 +53,10 @@ contains
             case ('input')
                one%kind = vary_input
                wanted = 0
+            case ('all')
+               one%kind = vary_all
+               wanted = 0
+               if (n > 1) call out_of(group, 'VARY', "'all' is every dimension; leave the others out", findings, i)
             case ('length')
                continue
             case default
@@ -71,7 +75,7 @@ contains
             if (.not. valid) cycle
             if (size(joints) /= wanted) then
                call out_of(group, 'VARY', whose//' names '//to_text(size(joints))//' joints, not '//to_text(wanted)// &
-                           "; there are 'A B', 'angle A B A C', 'place D', 'input'", findings, i)
+                           "; there are 'A B', 'angle A B A C', 'place D', 'input', 'all'", findings, i)
                cycle
             end if
             one%joints(:wanted) = joints

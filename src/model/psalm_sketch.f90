@@ -15,7 +15,7 @@ module psalm_sketch
    public :: drive_turns, drive_slides, drive_stretches
    public :: output_point, output_angle, output_distance, output_slide, output_between, output_pose, output_ratio
    public :: output_x, output_y
-   public :: vary_length, vary_angle, vary_place, vary_input
+   public :: vary_length, vary_angle, vary_place, vary_input, vary_all
 
    integer, parameter :: sketch_name = 31   !! characters of a name
    integer, parameter :: frame_link = 1     !! the link that is the frame
@@ -28,6 +28,7 @@ module psalm_sketch
    integer, parameter :: vary_angle = 2      !! the angle from one line of a link to another
    integer, parameter :: vary_place = 3      !! the place of a joint of the frame: x and y
    integer, parameter :: vary_input = 4      !! the reference input
+   integer, parameter :: vary_all = 5        !! every dimension of the loops, the place of the whole included
 
    !> A rigid body and its joints.
    type :: link_t

@@ -83,6 +83,7 @@ module psalm_multistart
    contains
       procedure :: search
       procedure :: make_all
+      procedure :: make_more
       procedure :: finish
       procedure :: number_of
    end type multistart_t
@@ -168,6 +169,37 @@ contains
          call rank(self, max(self%refined, self%kept), candidates, best)
       end do
    end subroutine make_all
+
+   !> Make so many starts more, those before being known; `best` becomes the places of the best of all. Each start sees the best
+   !> results before all of these.
+   subroutine make_more(self, team, more, stop, candidates, best)
+      class(multistart_t), intent(inout) :: self
+      class(starter_t), intent(inout) :: team(:)        !! one for each thread
+      integer, intent(in) :: more
+      type(stop_t), intent(in) :: stop                  !! asked before every start
+      type(candidate_t), allocatable, intent(inout) :: candidates(:) !! shape (supplied + starts)
+      integer, allocatable, intent(inout) :: best(:)
+      type(candidate_t), allocatable :: longer(:)
+      real(wp), allocatable :: elite(:, :)
+      integer :: t, i, before
+
+      before = size(candidates)
+      allocate (longer(before + more))
+      longer(:before) = candidates
+      call move_alloc(longer, candidates)
+      self%starts = self%starts + more
+      allocate (elite(size(self%compared), size(best)))
+      do i = 1, size(best)
+         elite(:, i) = candidates(best(i))%x
+      end do
+      !$omp parallel do num_threads(size(team)) schedule(static)
+      do t = 1, size(team)
+         call make_starts(self, team(t), before + t, before + more, size(team), stop, elite, candidates)
+      end do
+      !$omp end parallel do
+      call go_through_stages(self, team, before + 1, before + more, stop, candidates)
+      call rank(self, max(self%refined, self%kept), candidates, best)
+   end subroutine make_more
 
    !> Take the starts `from` to `until` through the stages after the first: of those left the better half by what they promise, and
    !> the starts that were given.

@@ -15,7 +15,7 @@ module psalm_drawing
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
-   public :: picture_t, draw_file, draw_curves, draw_steady
+   public :: picture_t, add_picture, draw_file, draw_curves, draw_steady, ending
 
    integer, parameter :: ending_width = 24 !! room for a number and a suffix
 

@@ -7,11 +7,13 @@ submodule(psalm_item_list) psalm_item_list_body
    use psalm_constraint_group, only: constraint_items
    use psalm_drive_group, only: hill_items, shaft_items
    use psalm_drives_group, only: drive_items
+   use psalm_curve_group, only: curve_items
    use psalm_dxf_group, only: dxf_items
    use psalm_exact_group, only: exact_items
    use psalm_friction_group, only: friction_items
    use psalm_group_table, only: known_groups, nearest_group, program_of, program_reads
    use psalm_kinds, only: wp
+   use psalm_kinds_defaults, only: kinds_items
    use psalm_limits_group, only: limit_items
    use psalm_links_group, only: link_items
    use psalm_load_group, only: load_items
@@ -93,6 +95,10 @@ contains
          rules = clearance_items
       case ('DXF')
          rules = dxf_items
+      case ('KINDS')
+         rules = kinds_items
+      case ('CURVE')
+         rules = curve_items
       case ('SWEEP')
          rules = sweep_items
       case ('EXACT')

@@ -4,7 +4,7 @@
 !> with it: then every arc of the frame is counted from the machine's x axis.
 module psalm_frame_places
    use psalm_kinds, only: wp
-   use psalm_sketch, only: sketch_t, frame_link, vary_place
+   use psalm_sketch, only: sketch_t, frame_link, vary_place, vary_all
    use psalm_traced_loops, only: loops_t, traced_determined, traced_frame, traced_actuator, traced_slide
    implicit none (type, external)
    private
@@ -23,6 +23,7 @@ contains
       integer :: n
 
       why = ''
+      if (any(sketch%variations%kind == vary_all)) return ! what hangs on another arc varies too
       own = loops%arcs%link == frame_link .and. .not. (loops%arcs%same .or. loops%arcs%against)
       varies = own .and. [(is_varied_place(loops%arcs(n)%ends), n=1, size(loops%arcs))]
       pivot_varies = .false.

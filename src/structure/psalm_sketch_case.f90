@@ -17,7 +17,8 @@ module psalm_sketch_case
                                 motion_pose
    use psalm_place, only: place_t, travel_t
    use psalm_sketch, only: sketch_t, sketch_output_t, variation_t, frame_link, output_point, output_angle, output_distance, &
-                           slide_t, output_slide, output_pose, most_wished, vary_length, vary_angle, vary_place, vary_input
+                           slide_t, output_slide, output_pose, most_wished, vary_length, vary_angle, vary_place, &
+                           vary_input, vary_all
    use psalm_sketch_check, only: check_sketch
    use psalm_sketch_loops, only: make_loops
    use psalm_status, only: diagnostics_t
@@ -947,6 +948,8 @@ contains
          logical :: forward, other_forward
 
          select case (one%kind)
+         case (vary_all)
+            call vary_every(one)
          case (vary_input)
             loops%input_varies = .true.
             low(of_input) = loops%input + one%low(1)
@@ -1012,6 +1015,37 @@ contains
             end if
          end select
       end subroutine place_variation
+
+      !> All lengths and angles of arcs that are not zero, or another's, or the input; the output point on its link; the place
+      !> of the whole; the reference input, unless timing is free.
+      subroutine vary_every(one)
+         type(variation_t), intent(in) :: one
+         real(wp), parameter :: far = 100.0_wp  ! times the longest length: bound of the distance of the input pivot
+         real(wp), parameter :: angles = 720.0_wp
+         integer :: i
+
+         do i = 1, size(loops%arcs)
+            associate (arc => loops%arcs(i))
+               if (arc%same .or. arc%against .or. any(arc%kind == [traced_slide, traced_actuator])) cycle
+               arc%length_varies = arc%length > 0.0_wp
+               arc%angle_varies = arc%kind == traced_determined .or. arc%kind == traced_frame
+            end associate
+         end do
+         loops%outlk_varies = loops%outlk > 0.0_wp
+         loops%outang_varies = loops%outlk_varies
+         loops%pivot_varies = any(loops%motion == [motion_point, motion_distance, motion_pose])
+         loops%input_varies = set%method%ifree == 0
+         low_length = one%low(1)
+         high_length = one%high(1)
+         low_angle = -angles
+         high_angle = angles
+         low = [one%low(1), 0.0_wp, -angles, -angles, -angles]
+         high = [one%high(1), far*one%high(1), angles, angles, angles]
+         if (loops%sliding) then
+            low(of_input) = -far*one%high(1)
+            high(of_input) = far*one%high(1)
+         end if
+      end subroutine vary_every
 
       !> True if the angle of an arc is that from another.
       pure logical function counts_from(arc, other)

@@ -58,7 +58,8 @@ contains
       call find_variables(problem, starts)
       if (any(starts%of_length == 0) .or. min(starts%of_ground, starts%of_outang, starts%of_origng) == 0) return
       associate (angles => [starts%of_ground, starts%of_outang, starts%of_origng])
-         if (any(merit%high(angles) - merit%low(angles) < full_turn)) return
+         ! halves: the difference of bounds that are none would overflow
+         if (any(0.5_wp*merit%high(angles) - 0.5_wp*merit%low(angles) < half_turn)) return
       end associate
       starts%sense = merit%sense
       allocate (starts%station, starts%room)

@@ -14,7 +14,7 @@ module psalm_linear_unknowns
    use psalm_angles, only: degrees_of, unit_vector
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
-   use psalm_kinds, only: wp, full_turn
+   use psalm_kinds, only: wp, full_turn, half_turn
    use psalm_mechanism, only: body_frame
    use psalm_output_kind, only: motion_point
    use psalm_parameters, only: variable_length, variable_outlk, variable_outang, variable_origlk, variable_origng, &
@@ -79,7 +79,8 @@ contains
       end associate
       linear%turns(linear%outang) = .true.
       linear%turns(linear%origng) = .true.
-      if (any(linear%turns .and. high - low < full_turn)) return
+      ! halves: the difference of bounds that are none would overflow
+      if (any(linear%turns .and. 0.5_wp*high - 0.5_wp*low < half_turn)) return
       linear%turns(linear%outang) = .false.
       linear%turns(linear%origng) = .false.
       call set_points(problem%wanted(:n, 1), problem%wanted(:n, 2), problem%weight(:n, 1), linear%path)

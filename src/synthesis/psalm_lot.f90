@@ -21,6 +21,7 @@ module psalm_lot
    public :: draw_lot
 
    integer, parameter :: samples = 64, short = 16, medium = 3 !! of a lot; the best one is handed on
+   integer, parameter :: hasty_samples = 24, hasty_short = 6 !! of a lot for a glance
    integer, parameter :: tries = 16                  !! of proportions with which the linkage closes all the way
    integer, parameter :: short_steps = 8, medium_steps = 40 !! evaluations of a descent
    real(wp), parameter :: gain = 1.0e-3_wp           !! relative, of a step that ends a descent
@@ -38,7 +39,7 @@ module psalm_lot
 contains
 
    !> Draw a lot. The inputs go one of the ways that `timing` is prepared for; the merit is left as the best needs it.
-   subroutine draw_lot(problem, merit, timing, ways, senses, solver, stop, seed, random, values, way)
+   subroutine draw_lot(problem, merit, timing, ways, senses, solver, stop, seed, random, values, way, hasty)
       type(problem_t), intent(in) :: problem
       type(merit_t), intent(inout) :: merit          !! linear unknowns are eliminated
       type(timing_t), intent(inout) :: timing(:)     !! shape (2)
@@ -50,14 +51,18 @@ contains
       type(xoshiro_t), intent(inout) :: random
       real(wp), intent(out) :: values(:)             !! shape (nvar)
       integer, intent(out) :: way
+      logical, intent(in) :: hasty                   !! a small lot, for a glance
       type(trial_t) :: lot(samples), copy
-      integer :: i, order(samples), most
+      integer :: i, order(samples), most, drawn, few, fewer
 
       most = solver%most_evaluations
+      drawn = merge(hasty_samples, samples, hasty)
+      few = merge(hasty_short, short, hasty)
+      fewer = merge(1, medium, hasty)
       solver%seed = seed
       solver%least_gain = gain
       if (merit%has_range) call set_range(merit, [real(wp) ::])
-      do i = 1, samples
+      do i = 1, drawn
          lot(i)%way = 1
          if (ways > 1 .and. uniform(random) < 0.5_wp) lot(i)%way = 2
          call draw_proportions(problem, merit, timing(lot(i)%way), random, values)
@@ -68,15 +73,15 @@ contains
          call judge(lot(i))
       end do
       order = [(i, i=1, samples)]
-      call rank(samples, short)
-      do i = 1, short
+      call rank(drawn, few)
+      do i = 1, few
          call descend_twice(lot(order(i)), short_steps)
       end do
-      call rank(short, medium)
-      do i = 1, medium
+      call rank(few, fewer)
+      do i = 1, fewer
          call descend_twice(lot(order(i)), medium_steps)
       end do
-      call rank(medium, 1)
+      call rank(fewer, 1)
       associate (best => lot(order(1)))
          values = best%x(:merit%core)
          merit%delt = best%x(merit%core + 1:)

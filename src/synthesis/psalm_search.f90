@@ -106,6 +106,7 @@ module psalm_search
       real(wp) :: sense = 1.0_wp                  !! of DELT
       integer :: way = 1                          !! 1: the input goes the way of DELT, 2: the other way
       logical :: lots = .false.                   !! starts are the best of lots of random linkages
+      logical :: hasty = .false.                  !! a start is a glance: little is drawn, nothing is searched to its end
       class(solver_t), allocatable :: solver
       type(stop_t) :: stop
       type(xoshiro_t) :: random
@@ -132,7 +133,11 @@ module psalm_search
       type(stop_t) :: ending
    contains
       procedure :: make_starts
+      procedure :: make_more_starts
+      procedure :: end_by
+      procedure :: hits
       procedure :: least_objective
+      procedure :: promise
       procedure :: finish
    end type search_t
 
@@ -156,7 +161,7 @@ contains
    end subroutine search_many
 
    !> Make all starts; the best are not searched on from.
-   subroutine make_starts(self, set, problem, first, supplied, threads, stop, observer, starts)
+   subroutine make_starts(self, set, problem, first, supplied, threads, stop, observer, starts, hasty)
       class(search_t), intent(inout) :: self
       type(data_set_t), intent(in), target :: set !! must live until the search is finished
       type(problem_t), intent(in) :: problem
@@ -166,6 +171,7 @@ contains
       type(stop_t), intent(in) :: stop          !! asked now and then
       class(observer_t), intent(inout), optional :: observer
       integer, intent(in), optional :: starts   !! in place of NSTART
+      logical, intent(in), optional :: hasty    !! a glance: these starts are cut short
       integer :: t
 
       self%ending = stop
@@ -178,12 +184,15 @@ contains
       if (set%search%pareto /= pareto_none) self%rules%kept = max(self%rules%kept, most_weighed)
       self%rules%refines = set%search%solver%refines
       self%rules%small = set%method%fmin
-      call gather(min(max(1, threads), self%rules%supplied + self%rules%starts), self%team)
+      t = self%rules%supplied + self%rules%starts
+      if (present(hasty)) t = threads ! more starts will follow
+      call gather(min(max(1, threads), max(1, t)), self%team)
       select type (team => self%team)
       type is (worker_t)
          do t = 1, size(team)
             call prepare_worker(set, problem, first, supplied, self%ending, team(t))
             call prepare_stages(set, problem, first, supplied, self%ending, team(t))
+            if (present(hasty)) team(t)%hasty = hasty
          end do
          associate (merit => team(1)%merit)
             self%rules%compared = [is_length(problem), spread(.false., 1, merit%local)]
@@ -210,6 +219,46 @@ contains
       allocate (worker_t :: team(count))
    end subroutine gather
 
+   !> Make so many starts more, to their ends.
+   subroutine make_more_starts(self, more)
+      class(search_t), intent(inout) :: self    !! starts were made
+      integer, intent(in) :: more
+      integer :: t
+
+      select type (team => self%team)
+      type is (worker_t)
+         do t = 1, size(team)
+            team(t)%hasty = .false.
+         end do
+      end select
+      call self%rules%make_more(self%team, more, self%ending, self%candidates, self%best)
+   end subroutine make_more_starts
+
+   !> Let it end by this from now on.
+   subroutine end_by(self, stop)
+      class(search_t), intent(inout) :: self    !! starts were made
+      type(stop_t), intent(in) :: stop
+      integer :: t
+
+      self%ending = stop
+      select type (team => self%team)
+      type is (worker_t)
+         do t = 1, size(team)
+            team(t)%stop = stop
+         end do
+      end select
+   end subroutine end_by
+
+   !> How many starts led to the best objective, but for a part of it.
+   pure integer function hits(self, part)
+      class(search_t), intent(in) :: self
+      real(wp), intent(in) :: part
+
+      hits = 0
+      if (size(self%best) == 0) return
+      hits = count(self%candidates%feasible .and. self%candidates%objective <= (1.0_wp + part)*self%least_objective())
+   end function hits
+
    !> Objective of the best linkage so far; huge if there is none.
    pure real(wp) function least_objective(self)
       class(search_t), intent(in) :: self
@@ -217,6 +266,19 @@ contains
       least_objective = huge(least_objective)
       if (size(self%best) > 0) least_objective = self%candidates(self%best(1))%objective
    end function least_objective
+
+   !> The least objective that starts came to; of a linkage that obeys not every constraint ten times as much and a handicap.
+   pure real(wp) function promise(self, handicap)
+      class(search_t), intent(in) :: self
+      real(wp), intent(in) :: handicap
+      real(wp), parameter :: times = 10.0_wp
+
+      promise = huge(promise)
+      associate (candidates => self%candidates)
+         if (any(candidates%done)) promise = minval(merge(candidates%objective, times*candidates%objective + handicap, &
+                                                          candidates%feasible), mask=candidates%done)
+      end associate
+   end function promise
 
    !> Search on from the best starts, and tell what was found.
    subroutine finish(self, result)
@@ -601,7 +663,7 @@ contains
          values = x(:self%merit%core)
          if (self%merit%free) self%merit%delt = x(self%merit%core + 1:)
       end if
-      if (number > 1 .and. allocated(self%merit%linear) .and. .not. self%merit%free) then
+      if (self%hasty .or. (number > 1 .and. allocated(self%merit%linear) .and. .not. self%merit%free)) then
          call improve(self, rough, number, values, candidate, short_descent)
       else
          call improve(self, merge(rough_free, rough, self%merit%free), number, values, candidate)
@@ -650,8 +712,12 @@ contains
       self%merit%jacobians = 0
       call self%random%use_stream(number)
       call draw_lot(self%problem, self%merit, self%timing, merge(2, 1, goes_either_way(self)), [self%sense, -self%sense], &
-                    self%solver, self%stop, self%set%method%istart + number, self%random, values, self%way)
-      call improve(self, rough_free, number, values, candidate)
+                    self%solver, self%stop, self%set%method%istart + number, self%random, values, self%way, self%hasty)
+      if (self%hasty) then
+         call weigh(self, values, candidate)
+      else
+         call improve(self, rough_free, number, values, candidate)
+      end if
       call put_down(self, values, 0, candidate)
    end subroutine start_with_lot
 
@@ -674,7 +740,6 @@ contains
       integer, intent(in) :: number
       type(candidate_t), intent(inout) :: candidate
       real(wp) :: values(size(self%first))
-      type(margin_t), allocatable :: margins(:)
       logical :: made
 
       self%merit%evaluations = 0
@@ -683,15 +748,24 @@ contains
       call self%random%use_stream(number)
       call make_free_start(self%problem, self%merit, self%random, self%free_start(self%way), values, self%merit%delt, made)
       values = min(max(values, self%merit%low), self%merit%high)
-      candidate%x = self%merit%point(values, self%merit%delt)
-      call self%merit%accept(candidate%x, candidate%objective, candidate%feasible)
+      call weigh(self, values, candidate)
       candidate%feasible = candidate%feasible .and. made
-      if (candidate%feasible) then
-         call inspect(self%inspector, self%merit%dimensions, self%merit%delt, margins, hasty=.true.)
-         candidate%feasible = .not. any(is_violated(margins))
-      end if
       call put_down(self, values, 0, candidate)
    end subroutine start_freely
+
+   !> What a linkage is worth as it is, at the merit's inputs.
+   subroutine weigh(worker, values, candidate)
+      class(worker_t), intent(inout) :: worker
+      real(wp), intent(in) :: values(:)
+      type(candidate_t), intent(inout) :: candidate
+      type(margin_t), allocatable :: margins(:)
+
+      candidate%x = worker%merit%point(values, worker%merit%delt)
+      call worker%merit%accept(candidate%x, candidate%objective, candidate%feasible)
+      if (.not. candidate%feasible .or. worker%merit%irange == range_positions) return
+      call inspect(worker%inspector, worker%merit%dimensions, worker%merit%delt, margins, hasty=.true.)
+      candidate%feasible = .not. any(is_violated(margins))
+   end subroutine weigh
 
    !> Turn a random linkage within the box into one near a given one: every value within 1/2**fineness of itself, or of a right
    !> angle.

@@ -1,0 +1,242 @@
+!> Kinds of linkages in the listing: which there are, what a search found of each, the choice between the best.
+module psalm_kinds_report
+   use psalm_chain_graphs, only: joint_none, joint_slide, joint_driven_pin, joint_driven_slide
+   use psalm_data_set, only: data_set_t
+   use psalm_devices, only: devices_t
+   use psalm_kind_choice, only: choice_t, unbeaten_choices, proven_unknown, proven_closes
+   use psalm_kind_search, only: kind_study_t, kinds_exact, kinds_patient, kinds_all, kinds_time, kinds_request
+   use psalm_kind_sketch, only: draw_neatly
+   use psalm_kinds, only: wp
+   use psalm_sketch_text, only: write_sketch
+   use psalm_kinds_group, only: kinds_group_t, kinds_of, weighable
+   use psalm_linkage_kinds, only: linkage_kind_t
+   use psalm_text, only: general, rank_column, to_text, upper_case
+   implicit none (type, external)
+   private
+   public :: report_kinds, report_choice
+
+   integer, parameter :: name_column = 34
+   integer, parameter :: atlas_step = 10        !! degrees between the positions of a neat sketch
+   real(wp), parameter :: none_found = huge(1.0_wp)
+
+contains
+
+   !> Every kind and its joints: pins 3-4, slides 3=4, the drive marked by a star. Device 7 has each as a neat sketch.
+   subroutine report_kinds(set, kinds, devices)
+      type(data_set_t), intent(in) :: set
+      type(linkage_kind_t), intent(in) :: kinds(:)
+      type(devices_t), intent(inout) :: devices
+      class(data_set_t), allocatable :: drawn
+      integer :: k
+
+      call devices%six%add(' '//trim(set%title))
+      call devices%six%add(' KINDS OF LINKAGES: '//to_text(size(kinds)))
+      call devices%six%add('  RANK   LINKS SLIDES GROUPS LARGEST   KIND'//repeat(' ', name_column - 4)// &
+                           'LINK 1 IS THE FRAME; - A PIN, = A SLIDE, * THE DRIVE, P THE OUTPUT')
+      do k = 1, size(kinds)
+         associate (one => kinds(k))
+            call devices%six%add(rank_column(k)//column(one%graph%n, 8)//column(one%slides, 7)//column(one%groups, 7)// &
+                                 column(one%largest_group, 8)//'   '//padded(one%name)//words_of_joints(one))
+         end associate
+      end do
+      allocate (drawn, source=set)
+      drawn%of_kinds = .false.
+      drawn%method%ikin = atlas_step
+      drawn%others = ''
+      do k = 1, size(kinds)
+         drawn%title = trim(set%title)//': '//trim(kinds(k)%name)
+         call draw_neatly(kinds(k), output_of(set), drawn%sketch)
+         drawn%limits%last = merge(1, 0, k == size(kinds))
+         call write_sketch(drawn, devices%seven)
+      end do
+   end subroutine report_kinds
+
+   !> What the output is, one of `kind_of_...`.
+   integer function output_of(set)
+      type(data_set_t), intent(in) :: set
+      type(kinds_group_t) :: asked
+
+      asked = kinds_of(set)
+      output_of = asked%output
+   end function output_of
+
+   !> Joints of a kind in words, the frame numbered first and the driven link next.
+   pure function words_of_joints(kind) result(words)
+      type(linkage_kind_t), intent(in) :: kind
+      character(:), allocatable :: words
+      integer :: number(kind%graph%n), a, b, next
+
+      number = 0
+      number(kind%frame) = 1
+      next = 1
+      if (kind%base /= kind%frame) then
+         next = next + 1
+         number(kind%base) = next
+      end if
+      next = next + 1
+      number(kind%driven) = next
+      do a = 1, size(number)
+         if (number(a) > 0) cycle
+         next = next + 1
+         number(a) = next
+      end do
+      words = ''
+      do a = 1, size(number)
+         do b = a + 1, size(number)
+            words = words//joint(findloc(number, a, dim=1), findloc(number, b, dim=1), a, b)
+         end do
+      end do
+      words = words//' P ON '//to_text(number(kind%output))
+
+   contains
+
+      pure function joint(x, y, i, j) result(text)
+         integer, intent(in) :: x, y, i, j        !! links, their numbers here
+         character(:), allocatable :: text
+
+         select case (kind%graph%joint(x, y))
+         case (joint_none)
+            text = ''
+            return
+         case (joint_slide)
+            text = '='
+         case (joint_driven_pin)
+            text = '*-'
+         case (joint_driven_slide)
+            text = '*='
+         case default
+            text = '-'
+         end select
+         text = to_text(i)//text//to_text(j)//' '
+      end function joint
+   end function words_of_joints
+
+   !> What the search found, kind by kind, the best first; how it ended, and what more time would bring.
+   subroutine report_choice(set, study, choices, devices)
+      type(data_set_t), intent(in) :: set
+      class(kind_study_t), intent(in) :: study
+      type(choice_t), intent(in) :: choices(:)     !! shape (cases of the study)
+      type(devices_t), intent(inout) :: devices
+      type(kinds_group_t) :: asked
+      logical :: left(size(study%kinds)), best(size(choices))
+      character(:), allocatable :: line
+      integer :: place, k
+
+      asked = kinds_of(set)
+      call devices%six%add(' '//trim(set%title))
+      call devices%six%add(' SEARCH AMONG '//to_text(size(study%kinds))//' KINDS OF LINKAGES, '// &
+                           to_text(sum(study%looked%assemblies))//' ASSEMBLIES OF THEM, '//to_text(sum(study%looked%starts))// &
+                           ' STARTS IN '//to_text(study%rounds)//' ROUNDS')
+      call devices%six%add(' PLACE      OBJECTIVE   LINKS SLIDES ASSEMBLIES  STARTS  HITS   KIND')
+      left = .true.
+      do place = 1, size(left)
+         k = minloc(study%looked%best, dim=1, mask=left)
+         left(k) = .false.
+         associate (one => study%looked(k))
+            line = '              -'
+            if (one%best < none_found) line = general(one%best)
+            call devices%six%add(rank_column(place)//line//column(study%kinds(k)%graph%n, 8)//column(study%kinds(k)%slides, 7)// &
+                                 column(one%assemblies, 11)//column(one%starts, 8)//column(one%hits, 6)//'   '// &
+                                 trim(study%kinds(k)%name)//trim(merge(' (ITS LOOPS COULD NOT BE TRACED)', repeat(' ', 32), &
+                                                                       .not. one%drawn)))
+         end associate
+      end do
+      call devices%six%add(' HITS: STARTS OF ITS BEST ASSEMBLY THAT CAME TO ITS BEST LINKAGE, BUT FOR A HUNDREDTH OF THE OBJECTIVE')
+      call devices%six%add(' '//upper_case(how_ended(set, study)))
+      if (any(study%looked%best < none_found)) call devices%six%add(' '//upper_case(what_more_would_bring(study)))
+      call devices%remark(set, how_ended(set, study))
+      if (any(study%looked%best < none_found)) call devices%remark(set, what_more_would_bring(study))
+      if (size(choices) == 0) then
+         call devices%remark(set, 'no kind led to a linkage that obeys all limits')
+         call devices%note_violation()
+         return
+      end if
+      call devices%six%add()
+      call devices%six%add(' CHOICE (DEVICE 7 HAS THEM ALL)')
+      call devices%six%add(' PLACE      RMS ERROR  LARGEST ERROR  TRANSM. ANGLE LONGEST/SHORT.     ROOM WIDTH    ROOM HEIGHT'// &
+                           ' SUM OF LENGTHS   LINKS JOINTS   CRANK      PROVEN     KIND')
+      best = unbeaten_choices(choices, asked%weighed)
+      do k = 1, size(choices)
+         associate (one => choices(k), is => choices(k)%is)
+            line = '              -'
+            if (is%has_angle) line = general(is%angle)
+            line = rank_column(k)//general(is%rms)//general(is%largest)//line//general(is%ratio)//general(is%width)// &
+                   general(is%height)//general(one%length)//column(one%links, 8)//column(one%joints, 7)//'   '
+            if (is%sliding_input) then
+               line = line//'    -     '
+            else
+               line = line//merge('TURNS     ', 'DOES NOT  ', is%turns)
+            end if
+            if (one%proof == proven_unknown) then
+               line = line//'     -     '
+            else
+               line = line//merge(' YES       ', ' NO        ', one%proof == proven_closes)
+            end if
+            associate (title => study%sets(k)%title)
+               call devices%six%add(line//merge('* ', '  ', best(k))//title(index(title, ': ', back=.true.) + 2:))
+            end associate
+         end associate
+      end do
+      call devices%six%add(' * NONE OF THEM IS BEATEN IN BOTH '//trim(weighable(asked%weighed(1)))//' AND '// &
+                           trim(weighable(asked%weighed(2)))//' (WEIGH)')
+      call devices%six%add(' PROVEN: THE LINKAGE CLOSES OVER THE FULL TURN, OR OVER THE INPUTS IF THE CRANK DOES NOT TURN; '// &
+                           'SUM OF LENGTHS: OF ALL MOVING LINKS')
+   end subroutine report_choice
+
+   function how_ended(set, study) result(words)
+      type(data_set_t), intent(in) :: set
+      class(kind_study_t), intent(in) :: study
+      character(:), allocatable :: words
+
+      select case (study%ending)
+      case (kinds_exact)
+         words = 'the search ended because a linkage does exactly what is wanted'
+      case (kinds_patient)
+         words = 'the search ended because its last rounds brought nothing better (PATNCE)'
+      case (kinds_all)
+         words = 'the search ended because every kind had its starts (NSTART='//to_text(set%search%nstart)//')'
+      case (kinds_time)
+         words = 'the search ended because its time was over (MAXTIME)'
+      case (kinds_request)
+         words = 'the search was ended by a signal'
+      case default
+         words = 'there is no kind to search'
+      end select
+   end function how_ended
+
+   !> Starts are drawn alike: a linkage that one of n starts found is as likely beaten by the next n as not; each further start that
+   !> found it halves that chance.
+   function what_more_would_bring(study) result(words)
+      class(kind_study_t), intent(in) :: study
+      character(:), allocatable :: words
+      integer, parameter :: sure = 7
+      integer :: k, unseen
+
+      k = minloc(study%looked%best, dim=1)
+      associate (one => study%looked(k))
+         if (one%hits >= sure) then
+            words = 'the best linkage was found by '//to_text(one%hits)//' starts: as much time again would hardly bring a '// &
+                    'better one of its kind'
+         else
+            words = 'the best linkage was found by '//to_text(max(1, one%hits))//' of its starts: as much time again brings a '// &
+                    'better one of its kind with a chance of about 1 in '//to_text(2**max(1, one%hits))
+         end if
+      end associate
+      unseen = count(study%looked%assemblies == 0)
+      if (unseen > 0) words = words//'; '//to_text(unseen)//' kinds were not looked at at all'
+   end function what_more_would_bring
+
+   pure function column(number, width) result(text)
+      integer, intent(in) :: number, width
+      character(width) :: text
+
+      text = adjustr(repeat(' ', max(0, width - len(to_text(number))))//to_text(number))
+   end function column
+
+   pure function padded(name) result(text)
+      character(*), intent(in) :: name
+      character(name_column) :: text
+
+      text = name
+   end function padded
+end module psalm_kinds_report
