@@ -28,6 +28,7 @@ program psalm
    use psalm_mark, only: mark_t
    use psalm_limits_group, only: proof_by_default
    use psalm_mechanism, only: mechanism_t
+   use psalm_next_step, only: step_after_analysis, step_after_search
    use psalm_position_table, only: put_positions, put_sketch
    use psalm_preparation, only: prepared_t, prepare, threads_for, threads_wanted
    use psalm_proof_study, only: proof_study_t, study_proof, proof_wanted, no_proof
@@ -264,6 +265,11 @@ contains
          else
             call report_summary(set, analysis%summary, analysis%motion, devices)
          end if
+      end if
+      if (search%many) then
+         call devices%suggest(step_after_search(set, problem, search%found))
+      else if (allocated(analysis%summary) .and. .not. prepared%parameters%has_search()) then
+         call devices%suggest(step_after_analysis(set, analysis%summary))
       end if
       if (arguments%assemblies) call run_assemblies(set, devices)
       call mark_beyond(devices%published, devices%six)

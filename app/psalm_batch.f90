@@ -157,6 +157,7 @@ contains
       end if
       code = max(code, devices%code)
       call write_devices(arguments, stem, devices, code)
+      if (allocated(devices%next) .and. .not. arguments%quiet) call write_standard_error('Next: '//devices%next//nl)
 
    contains
 

@@ -34,6 +34,7 @@ module psalm_devices
       type(diagnostics_t) :: remarks     !! on the results, for standard error
       type(text_t) :: summary !! what the linkage does, for standard error
       integer :: summarised = 0          !! cases met by the summary
+      character(:), allocatable :: next  !! a sensible next step, for the end of the run; not allocated: none
       integer :: code = exit_done        !! exit status so far
       character(mark_width) :: mark = '' !! of the run; blank: none
    contains
@@ -45,6 +46,7 @@ module psalm_devices
       procedure :: detail
       procedure :: note_violation
       procedure :: add_drawing
+      procedure :: suggest
    end type devices_t
 
 contains
@@ -149,6 +151,14 @@ contains
       if (.not. allocated(self%drawings)) allocate (self%drawings(0))
       self%drawings = [self%drawings, drawing_t(ending, content)]
    end subroutine add_drawing
+
+   !> A next step; the first that is not empty stays.
+   pure subroutine suggest(self, words)
+      class(devices_t), intent(inout) :: self
+      character(*), intent(in) :: words
+
+      if (len(words) > 0 .and. .not. allocated(self%next)) self%next = words
+   end subroutine suggest
 
    !> Done, but a constraint is violated or a search stopped early.
    pure subroutine note_violation(self)
