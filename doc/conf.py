@@ -24,7 +24,7 @@ def contents(text, folder):
     found = []
     for part in re.split(r"^## ", text, flags=re.M)[1:]:
         caption = part.split("\n")[0]
-        pages = [page for page in dict.fromkeys(re.findall(r"\]\(([\w/]+)\.md\)", part))
+        pages = ["%s <%s>" % (words, page) for words, page in dict.fromkeys(re.findall(r"\[([^]]*)\]\(([\w/]+)\.md\)", part))
                  if os.path.exists(os.path.join(folder, page + ".md"))]
         if pages:
             found.append("```{toctree}\n:hidden:\n:caption: %s\n\n%s\n```\n" % (caption, "\n".join(pages)))

@@ -118,6 +118,10 @@ def main():
         check("a rocker that is driven goes forth and back", bars and all(bar == bar[::-1] for bar in bars) and len(bars[0]) > 20)
         lengths = [math.dist(line[:2], line[2:4]) for bar in bars for line in bar if bar is bars[0]]
         check("and keeps its length", max(lengths) - min(lengths) < 4.0*PIXEL)
+        root, *_ = moved(programs, "part", FOUR_BAR.replace("IKIN=5", "NDES=3, DELT=-20.0,0.0,25.0"))
+        crank = [frames(e) for e in root.iter(SVG + "path") if (e.get("class") or "").startswith("bar c")][0]
+        angles = [math.degrees(math.atan2(line[1] - line[3], line[2] - line[0])) for line in crank]
+        check("it moves between the positions of the case", abs(max(angles) - min(angles) - 45.0) < 0.3, (min(angles), max(angles)))
         plain = run(programs, "balm", "--quiet", "--output-dir", "plain", "four_bar.nml")
         check("without --animate there is none", plain.returncode == 0 and not os.path.exists("plain/four_bar.move.svg"))
         both = run(programs, "balm", "--edit", "--animate", "four_bar.nml")

@@ -1,7 +1,8 @@
 !> A scene as an SVG that moves without a script: SMIL animation, which browsers play in an <img> too.
 !>
 !> Places are pixels to the tenth, one value for each frame; browsers go straight from one to the next. Where the motion closes on
-!> itself the last frame is the first; else it goes forth and back over the longest stretch on which every joint is known.
+!> itself the last frame is the first; else it goes forth and back over the longest stretch on which every joint is known, between
+!> the prescribed positions where these span less than most of a turn.
 module psalm_animation
    use psalm_angles, only: degrees_of
    use psalm_kinds, only: wp, full_turn
@@ -19,6 +20,7 @@ module psalm_animation
    integer, parameter :: most_frames = 72           !! of a turn, or of a stretch one way: steps of 5 degrees
    real(wp), parameter :: seconds_a_frame = 1.0_wp/18.0_wp
    real(wp), parameter :: leap = 3.0_wp             !! a motion is closed if its ends are at most so many longest steps apart
+   real(wp), parameter :: most_of_a_turn = 300.0_wp !! degrees: positions over less than this bound the motion shown
    integer, parameter :: many = 60                  !! joints above which symbols are smaller
    real(wp), parameter :: crowded = 0.55_wp         !! size of symbols then
 
@@ -78,7 +80,7 @@ contains
       logical :: closed
 
       n = scene%sweep%n
-      good = all(scene%sweep%known, 1)
+      good = all(scene%sweep%known, 1) .and. within_positions(scene)
       closed = on_itself(scene, good)
       first = 1
       longest = 0
@@ -102,6 +104,20 @@ contains
       film%timing = ' dur="'//short_number(real(nint(10.0_wp*seconds_a_frame*real(size(film%frames), wp)), wp)/10.0_wp)// &
                     's" repeatCount="indefinite"'
    end subroutine choose_frames
+
+   !> Positions of the sweep between those prescribed; all of them where these are few or go round.
+   pure function within_positions(scene) result(within)
+      type(scene_t), intent(in) :: scene
+      logical :: within(scene%sweep%n)
+      real(wp) :: low, span
+
+      within = .true.
+      if (scene%sliding .or. scene%prescribed%n < 3 .or. size(scene%sweep%delt) /= scene%sweep%n) return
+      low = minval(scene%prescribed%delt)
+      span = maxval(scene%prescribed%delt) - low
+      if (span >= most_of_a_turn .or. span <= 0.0_wp) return
+      within = modulo(scene%sweep%delt - low, full_turn) <= span
+   end function within_positions
 
    !> From the last position the next step is the first one.
    pure logical function on_itself(scene, good)
