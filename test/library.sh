@@ -122,9 +122,9 @@ if [ -n "$built" ]; then
     exit
 fi
 
-# the program of doc/guide/library.md: a package outside, with the checkout as its only dependency
+# the first program of doc/guide/library.md: a package outside, with the checkout as its only dependency
 mkdir -p "$work/outside/app"
-awk '/^```fortran/ { on = 1; next } /^```/ { on = 0 } on' "$top/doc/guide/library.md" >"$work/outside/app/main.f90"
+awk '/^```fortran/ { on = !done; next } /^```/ { if (on) done = 1; on = 0 } on' "$top/doc/guide/library.md" >"$work/outside/app/main.f90"
 printf 'name = "outside"\n[dependencies]\npsalm.path = "%s"\n' "$(realpath --relative-to="$work/outside" "$top")" >"$work/outside/fpm.toml"
 check "doc/guide/library.md: a program of a dozen lines" test "$(wc -l <"$work/outside/app/main.f90")" -le 13
 (cd "$work/outside" && "$fpm" run --profile debug --flag "-std=f2018 -O0" 2>"$work/outside.log") >"$work/outside.out"
