@@ -263,6 +263,19 @@ def bad_input(place):
             ("needle_cam", [("OUT0=150.0, SEGOUT=146.8,146.8,150.0,150.0", "OUT0=152.0, SEGOUT=146.8,146.8,152.0,152.0")],
              "is beyond reach: the linkage gives"),
             ("needle_cam", [("NSEG=4", "KAXIS=2, NSEG=4")], "there is none of number 2"),
+            # the roller's centre on the cam's axis: in a dwell, nearly, within the rise; that of the conjugate cam
+            ("yoke", [("ORIGLK=40.0", "ORIGLK=0.0")], "&CAM XCAM: the roller's centre lies on the cam's axis (XCAM=0.0, YCAM=0.0) at 0.0 degrees"),
+            ("yoke", [("ORIGLK=40.0", "ORIGLK=1E-12")], "there is no base circle and no profile"),
+            ("yoke", [("ORIGLK=40.0", "ORIGLK=-10.0")], "(XCAM=0.0, YCAM=0.0) at 80.00000 degrees"),
+            ("conjugate_cams", [("FOLLK2=70.0", "XCAM=%.12f, YCAM=%.12f, FOLLK2=70.0" % (80 + 70*math.cos(math.radians(230)), 70*math.sin(math.radians(230))))],
+             "lies on the cam's axis (XCAM=35.00487, YCAM=-53.62311)"),
+            # it keeps to one point of the cam, which turns or slides
+            ("conjugate_cams", [("NSEG=4", "XCAM=80.0, NSEG=3"), ("110.0,160.0,290.0,360.0", "60.0,80.0,360.0"), ("OUT0=130.0", "OUT0=118.0"),
+                                ("106.0,106.0,130.0,130.0", "108.0,128.0,118.0"), ("'MODSINE','DWELL','POLY4567','DWELL'", "'POLY345','RAMP','POLY345'")],
+             "the roller's centre moves with the cam at 60.00000 degrees"),
+            ("translating_roller", [("NSEG=4", "KCAM=2, CAMDIR=90.0, CAMLEN=36.0, YCAM=-30.0, NSEG=1"), ("90.0,150.0,270.0,360.0", "360.0"),
+                                    ("20.0,20.0,0.0,0.0", "36.0"), ("'POLY345','DWELL','MODTRAP','DWELL'", "'RAMP'")],
+             "&CAM CAMLEN: the roller's centre moves with the cam (CAMLEN=36.00000)"),
             ("needle_cam", [(" &CAM", " &CAMS")], "did you mean &CAM?")):
         run = Run(data(name, *changes), place)
         check(run.code == 2 and words in run.error and not run.table, "refused: " + words, run.error)

@@ -7,12 +7,17 @@
 !> Source: Oldham (1977), 9.3.2; derivation in doc/theory/cams.md.
 module psalm_cam_profile
    use psalm_angles, only: unit_vector, angles_of
-   use psalm_cam_trace, only: cam_trace_t
+   use psalm_cam_trace, only: cam_trace_t, fault_on_axis, fault_standstill
    use psalm_elementary, only: hypotenuse
    use psalm_kinds, only: wp, radians_per_degree, right_angle
    implicit none (type, external)
    private
-   public :: cam_axes_t, cam_points_t, roller_profile, flat_profile, side_of_centre, in_machine
+   public :: cam_axes_t, cam_points_t, roller_profile, flat_profile, side_of_centre, in_machine, mark_standstill
+
+   !> Part of the distances at hand below which one, or a speed by radian of cam, is nothing: rounding gives some 1e-16 of them and
+   !> a linkage closed by iteration up to 1e-12, while a radius of curvature is known no better than by the cube of the speed.
+   real(wp), parameter :: nothing = 1.0e-9_wp
+   real(wp), parameter :: least_speed = 1.0e-100_wp   !! divides at a cusp between the angles judged; its cube is a number
 
    !> Where the cam turns, or how it slides.
    type :: cam_axes_t
@@ -103,6 +108,25 @@ contains
       side = sign(1.0_wp, total)
    end function side_of_centre
 
+   !> Faults of a roller's cam where it has no profile: its pitch curve meets the axis, or stands still. A number that is none is a
+   !> fault too.
+   pure subroutine mark_standstill(axes, states)
+      type(cam_axes_t), intent(in) :: axes
+      type(cam_trace_t), intent(inout) :: states
+      complex(wp) :: w(size(states%angle)), v(size(states%angle)), unused
+      real(wp) :: least
+      integer :: i
+
+      do i = 1, size(w)
+         call axes%relative(states%angle(i), states%c(:, i), w(i), v(i), unused)
+      end do
+      least = nothing*max(maxval(abs(w)), maxval(abs(states%c(0, :))), abs(axes%centre))
+      where (.not. abs(v) > least) states%fault = fault_standstill
+      if (.not. axes%slides) then
+         where (.not. abs(w) > least) states%fault = fault_on_axis
+      end if
+   end subroutine mark_standstill
+
    !> Profile of a roller, or of a knife edge with radius 0. No allocation but of `points`.
    pure subroutine roller_profile(states, axes, side, roller, cutter, points)
       type(cam_trace_t), intent(in) :: states
@@ -120,7 +144,7 @@ contains
          e = cmplx(ec, es, wp)
          points%machine(i) = conjg(e)
          call axes%relative(states%angle(i), states%c(:, i), w, z1, z2)
-         speed = hypotenuse(real(z1, wp), aimag(z1))
+         speed = max(hypotenuse(real(z1, wp), aimag(z1)), least_speed)
          n = (0.0_wp, 1.0_wp)*z1/speed
          points%bend(i) = side*aimag(conjg(z1)*z2)/speed**3
          points%radius(i) = radius_of(points%bend(i), roller)

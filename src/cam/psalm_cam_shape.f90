@@ -3,7 +3,7 @@ module psalm_cam_shape
    use psalm_angles, only: unit_vector
    use psalm_cam_data, only: cam_group_t, follower_flat
    use psalm_cam_motion, only: cam_motion_t
-   use psalm_cam_profile, only: cam_axes_t, cam_points_t, roller_profile, flat_profile, side_of_centre
+   use psalm_cam_profile, only: cam_axes_t, cam_points_t, roller_profile, flat_profile, side_of_centre, mark_standstill
    use psalm_cam_trace, only: cam_trace_t, fault_none
    use psalm_elementary, only: hypotenuse
    use psalm_kinds, only: wp, full_turn, radians_per_degree
@@ -114,6 +114,8 @@ contains
       end associate
       call shape%motion%trace(samples%angle, samples%piece, samples%states)
       call settle_side(shape, cam, samples%states)
+      if (any(samples%states%fault /= fault_none)) return
+      if (.not. shape%flat) call mark_standstill(shape%axes, samples%states)
       if (any(samples%states%fault /= fault_none)) return
       call shape_of(shape, samples%states, samples%points, samples%possible)
    end subroutine sample_turn

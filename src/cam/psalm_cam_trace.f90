@@ -4,11 +4,13 @@ module psalm_cam_trace
    implicit none (type, external)
    private
    public :: cam_trace_t, clear_trace
-   public :: fault_none, fault_reach, fault_dead_point, fault_open
+   public :: fault_none, fault_reach, fault_dead_point, fault_open, fault_on_axis, fault_standstill
 
    integer, parameter :: fault_none = 0, fault_reach = 1 !! the output cannot be reached
    integer, parameter :: fault_dead_point = 2            !! the output stands still there
    integer, parameter :: fault_open = 3                  !! the linkage does not close, or is at a dead point of a loop
+   integer, parameter :: fault_on_axis = 4               !! the roller's centre lies on the axis of a cam that turns
+   integer, parameter :: fault_standstill = 5            !! the pitch curve stands still: no normal, so no profile
 
    !> Output, input and follower at a row of cam angles. Derivatives are by radians of cam; those of angles in radians.
    type :: cam_trace_t

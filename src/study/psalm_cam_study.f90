@@ -15,7 +15,7 @@ module psalm_cam_study
    use psalm_cam_shape, only: cam_shape_t, cam_extreme_t, samples_t, measure, sample_turn, find_extreme, measures, &
                               measure_pressure, measure_convex, measure_concave, measure_base, measure_excursion_low, &
                               measure_face_low, measure_face_high, table_angles, upward
-   use psalm_cam_trace, only: cam_trace_t, fault_none, fault_reach, fault_dead_point
+   use psalm_cam_trace, only: cam_trace_t, fault_none, fault_reach, fault_dead_point, fault_on_axis, fault_standstill
    use psalm_closure, only: closure_t, state_t
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, new_problem
@@ -99,7 +99,8 @@ contains
    end function is_violating
 
    !> Errors: no cam, a law that cannot be made or whose velocity jumps, outputs out of reach, dead points, a linkage that does not
-   !> close, a face that turns with the cam, cams for drives that are not there.
+   !> close, a roller's centre on the cam's axis or at rest on the cam, a face that turns with the cam, cams for drives that are not
+   !> there.
    subroutine check_cam(set, cams, prepared, findings)
       type(data_set_t), intent(in) :: set
       type(cam_group_t), intent(in) :: cams(:)       !! CAM and CAM2
@@ -139,6 +140,10 @@ contains
                           'the follower does not move with the input at'//general(samples%angle(first))//' degrees; FOLLK is '// &
                           'its distance from the arc''s end', findings)
             return
+         end if
+         if (merge(cams(1)%conjugate, cams(2)%conjugate, k == 1)) then
+            call check_conjugate(set, cams, prepared, k, findings)
+            if (findings%failed()) return
          end if
          if (cams(1)%pair .and. k == 1) then
             call check_second(set, cams, prepared, samples, findings)
@@ -185,6 +190,27 @@ contains
                        trim(adjustl(general(largest_wheel*extent))), findings)
       end subroutine judge
    end subroutine judge_wheels
+
+   !> The roller of the conjugate cam has a profile too.
+   subroutine check_conjugate(set, cams, prepared, cam, findings)
+      type(data_set_t), intent(in) :: set
+      type(cam_group_t), intent(in) :: cams(:)       !! CAM and CAM2
+      type(prepared_t), intent(in) :: prepared
+      integer, intent(in) :: cam                  !! 1 or 2
+      type(diagnostics_t), intent(inout) :: findings
+      class(cam_shape_t), allocatable :: shape     ! large: it would fill a small stack
+      type(samples_t) :: samples
+      type(cam_role_t) :: part
+      integer :: first
+
+      allocate (shape)
+      part = cam_role_t(cam, role_conjugate)
+      call make_shape(set, cams, prepared, part, shape, findings)
+      if (findings%failed()) return
+      call sample_turn(shape, cam_of_part(cams, part), samples)
+      first = findloc(samples%states%fault /= fault_none, .true., dim=1)
+      if (first > 0) call refuse_motion(set, cams, cam, shape, samples, first, findings)
+   end subroutine check_conjugate
 
    !> The linkage that carries the second roller closes at every cam angle.
    subroutine check_second(set, cams, prepared, samples, findings)
@@ -463,6 +489,10 @@ contains
       integer :: k
 
       associate (motion => shape%motion, states => samples%states)
+         if (any(states%fault(first) == [fault_on_axis, fault_standstill])) then
+            call refuse_pitch(set, cams(cam), cam, samples, first, findings)
+            return
+         end if
          if (allocated(motion%chain)) then
             if (states%fault(first) == fault_dead_point) then
                call complain(set, cam, 'KOUT', 'the outputs with laws stand still at'//general(motion%chain%fault_at)// &
@@ -494,6 +524,31 @@ contains
          end select
       end associate
    end subroutine refuse_motion
+
+   !> A pitch curve beside which there is no profile, and what to change.
+   subroutine refuse_pitch(set, given, cam, samples, first, findings)
+      type(data_set_t), intent(in) :: set
+      type(cam_group_t), intent(in) :: given
+      integer, intent(in) :: cam                  !! 1 or 2
+      type(samples_t), intent(in) :: samples
+      integer, intent(in) :: first
+      type(diagnostics_t), intent(inout) :: findings
+      character(:), allocatable :: angle, axis
+
+      angle = ' at '//trim(adjustl(general(samples%angle(first))))//' degrees'
+      axis = 'XCAM='//trim(adjustl(general(given%x)))//', YCAM='//trim(adjustl(general(given%y)))
+      if (samples%states%fault(first) == fault_on_axis) then
+         call complain(set, cam, 'XCAM', 'the roller''s centre lies on the cam''s axis ('//axis//')'//angle//': there is no '// &
+                       'base circle and no profile; move the axis or the roller until they are further apart than RROLL', findings)
+      else if (given%slides) then
+         call complain(set, cam, 'CAMLEN', 'the roller''s centre moves with the cam (CAMLEN='// &
+                       trim(adjustl(general(given%travel)))//')'//angle//': the pitch curve stands still and has no profile; '// &
+                       'change CAMLEN, CAMDIR or the law', findings)
+      else
+         call complain(set, cam, 'XCAM', 'the roller''s centre moves with the cam'//angle//': the pitch curve stands still '// &
+                       'and has no profile; move the cam''s axis ('//axis//') away from the roller, or change the law', findings)
+      end if
+   end subroutine refuse_pitch
 
    !> What a case has studied: its cams, and of each the conjugate cam or the outer wall of the track.
    pure function parts_of(cams) result(parts)
