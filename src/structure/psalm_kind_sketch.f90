@@ -242,7 +242,7 @@ contains
          do i = 1, m
             call random%next(u)
             call random%next(v)
-            z(i) = real(m, wp)**0.5_wp*cmplx(u, v, wp)
+            z(i) = sqrt(real(m, wp))*cmplx(u, v, wp)
          end do
          do step = 1, steps
             call majorise(z)
