@@ -235,6 +235,7 @@ def main():
             for row, what, margin in zip(rows, case.names, seen):
                 low, high, at, asked = (float(x) for x in row[3:7])
                 best, where, values = case.least(what)
+                at += np.degrees(np.angle(case.linkage.drawn['B'] - case.linkage.drawn['A']))  # inputs count from the drawing
                 label = f'{name}, clearance {what}'
                 check(low <= best + 1e-11, f'{label}: {low!r} is proven, but {best!r} is taken at {where!r}')
                 # at an end of what closes the joints move like a square root
