@@ -14,8 +14,8 @@ module psalm_cam_profile
    private
    public :: cam_axes_t, cam_points_t, roller_profile, flat_profile, side_of_centre, in_machine, mark_standstill
 
-   !> Part of the distances at hand below which one, or a speed by radian of cam, is nothing: rounding gives some 1e-16 of them and
-   !> a linkage closed by iteration up to 1e-12, while a radius of curvature is known no better than by the cube of the speed.
+   !> Part of the distances at hand below which one, or a speed by radian of cam, is nothing: far above rounding,
+   !> and far below what can be made: a base circle of 1 nm on a cam of 1 m.
    real(wp), parameter :: nothing = 1.0e-9_wp
    real(wp), parameter :: least_speed = 1.0e-100_wp   !! divides at a cusp between the angles judged; its cube is a number
 
