@@ -136,7 +136,7 @@ contains
          else
             allocate (study)
             call take_threads(sets(k), threads, devices)
-            call search_kinds(sets(k), stop, study)
+            call search_kinds(sets(k), threads, stop, study)
             call look_at_choice(study, choices)
             call report_choice(sets(k), study, choices, devices)
             more = [more, study%sets]

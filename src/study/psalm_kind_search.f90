@@ -6,6 +6,9 @@
 !> search ends when a linkage does what is wanted exactly, when PATNCE rounds brought nothing better, when all starts are made,
 !> or when MAXTIME is over.
 !>
+!> Threads share the assemblies that are looked at, each of which is searched by one of them; where fewer are left, the starts of
+!> each. What an assembly comes to depends on neither.
+!>
 !> Source: Jamieson and Talwalkar, Non-stochastic best arm identification and hyperparameter optimization (2016).
 module psalm_kind_search
    use psalm_cases, only: resolve_drawn
@@ -38,7 +41,7 @@ module psalm_kind_search
    integer, parameter :: kinds_request = 5     !! the host asked for the end
 
    integer, parameter :: most_assemblies = 4   !! of a kind
-   integer, parameter :: workers = 1           !! of each search: its starts follow each other whatever THREADS says
+   integer, parameter :: glanced_at_once = 32  !! assemblies, then it is asked whether one is exact: not a number of threads
    integer, parameter :: drawings = 12         !! in a row without a new assembly, after which there are no more
    integer, parameter :: first_width = 8, first_starts = 2 !! of the first round
    integer, parameter :: usual_patience = 3    !! rounds
@@ -124,8 +127,9 @@ contains
    end subroutine check_kinds
 
    !> Search them. `set` has passed `check_kinds`.
-   subroutine search_kinds(set, stop, study)
+   subroutine search_kinds(set, threads, stop, study)
       type(data_set_t), intent(in) :: set
+      integer, intent(in) :: threads
       type(stop_t), intent(in) :: stop            !! asked now and then
       class(kind_study_t), intent(inout) :: study
       type(assembly_in_search_t), allocatable :: contenders(:)
@@ -149,9 +153,9 @@ contains
       floor = max(set%method%fmin, real(set%method%ndes, wp)*(exact*extent_of(set))**2)
       handicap = real(set%method%ndes, wp)*(behind*extent_of(set))**2
       call draw_contenders(set, asked, study, contenders, of_glances)
-      call glance(contenders, of_glances, of_rounds_only, floor, handicap)
-      call make_rounds(set, asked, contenders, of_rounds_only, floor, handicap, study)
-      call take_results(asked, contenders, of_all, study)
+      call glance(contenders, threads, of_glances, of_rounds_only, floor, handicap)
+      call make_rounds(set, asked, contenders, threads, of_rounds_only, floor, handicap, study)
+      call take_results(asked, contenders, threads, of_all, study)
       if (of_all%requested()) study%ending = kinds_request
    end subroutine search_kinds
 
@@ -271,38 +275,49 @@ contains
    end subroutine draw_case
 
    !> Few random linkages of each.
-   subroutine glance(contenders, stop, later, floor, handicap)
+   subroutine glance(contenders, threads, stop, later, floor, handicap)
       type(assembly_in_search_t), intent(inout) :: contenders(:)
+      integer, intent(in) :: threads
       type(stop_t), intent(in) :: stop, later     !! of glances; of what follows
       real(wp), intent(in) :: floor               !! objective below which a linkage is exact
       real(wp), intent(in) :: handicap            !! of linkages that do not obey
-      class(problem_t), allocatable :: problem
-      integer :: i
+      integer :: i, first, last
 
-      do i = 1, size(contenders)
-         if (stop%waiting() .and. i > 1) return
-         associate (one => contenders(i))
-            allocate (one%search, problem)
-            one%set%search%nstart = 1
-            call make_problem(one%set, one%prepared%mechanism, one%prepared%given, one%prepared%parameters, problem)
-            call problem%set_threads(workers)
-            call one%search%make_starts(one%set, problem, one%prepared%parameters%first_values(one%prepared%given), &
-                                        one%prepared%vertices, workers, stop, hasty=.true.)
-            call one%search%end_by(later)
-            one%best = one%search%least_objective()
-            one%promise = one%search%promise(handicap)
-            one%glanced = .true.
-            deallocate (problem)
-            if (one%best <= floor) return
-         end associate
+      do first = 1, size(contenders), glanced_at_once
+         last = min(first + glanced_at_once - 1, size(contenders))
+         !$omp parallel do num_threads(threads) schedule(dynamic)
+         do i = first, last
+            if (i == 1 .or. .not. stop%waiting()) call glance_at(contenders(i), stop, later, handicap)
+         end do
+         !$omp end parallel do
+         if (minval(contenders(:last)%best) <= floor) return
       end do
    end subroutine glance
 
+   subroutine glance_at(one, stop, later, handicap)
+      type(assembly_in_search_t), intent(inout) :: one
+      type(stop_t), intent(in) :: stop, later     !! as `glance` has them
+      real(wp), intent(in) :: handicap
+      class(problem_t), allocatable :: problem
+
+      allocate (one%search, problem)
+      one%set%search%nstart = 1
+      call make_problem(one%set, one%prepared%mechanism, one%prepared%given, one%prepared%parameters, problem)
+      call problem%set_threads(1)
+      call one%search%make_starts(one%set, problem, one%prepared%parameters%first_values(one%prepared%given), &
+                                  one%prepared%vertices, 1, stop, hasty=.true.)
+      call one%search%end_by(later)
+      one%best = one%search%least_objective()
+      one%promise = one%search%promise(handicap)
+      one%glanced = .true.
+   end subroutine glance_at
+
    !> Rounds of halving, each of twice as many contenders as the one before.
-   subroutine make_rounds(set, asked, contenders, stop, floor, handicap, study)
+   subroutine make_rounds(set, asked, contenders, threads, stop, floor, handicap, study)
       type(data_set_t), intent(in) :: set
       type(kinds_group_t), intent(in) :: asked
       type(assembly_in_search_t), intent(inout) :: contenders(:)
+      integer, intent(in) :: threads
       type(stop_t), intent(in) :: stop
       real(wp), intent(in) :: floor, handicap     !! as `glance` has them
       class(kind_study_t), intent(inout) :: study
@@ -329,15 +344,20 @@ contains
          call keep_best(contenders%promise, min(width, count(left)), left)
          starts = first_starts
          do while (any(left))
-            do k = 1, size(contenders)
-               if (.not. left(k) .or. stop%waiting()) cycle
-               associate (one => contenders(k))
-                  call one%search%make_more_starts(min(starts, set%search%nstart - one%starts))
-                  one%starts = one%starts + min(starts, set%search%nstart - one%starts)
-                  one%best = one%search%least_objective()
-                  one%promise = one%search%promise(handicap)
-               end associate
-            end do
+            if (count(left) < threads) then
+               do k = 1, size(contenders)
+                  if (.not. left(k) .or. stop%waiting()) cycle
+                  call contenders(k)%search%share_among(threads)
+                  call search_on(contenders(k), min(starts, set%search%nstart - contenders(k)%starts), handicap)
+               end do
+            else
+               !$omp parallel do num_threads(threads) schedule(dynamic)
+               do k = 1, size(contenders)
+                  if (.not. left(k) .or. stop%waiting()) cycle
+                  call search_on(contenders(k), min(starts, set%search%nstart - contenders(k)%starts), handicap)
+               end do
+               !$omp end parallel do
+            end if
             if (count(left) == 1 .or. stop%waiting()) exit
             call keep_best(contenders%promise, (count(left) + 1)/2, left)
             starts = 2*starts
@@ -349,6 +369,18 @@ contains
          width = min(2*width, size(contenders))
       end do
    end subroutine make_rounds
+
+   !> So many starts more.
+   subroutine search_on(one, more, handicap)
+      type(assembly_in_search_t), intent(inout) :: one
+      integer, intent(in) :: more
+      real(wp), intent(in) :: handicap            !! as `glance` has it
+
+      call one%search%make_more_starts(more)
+      one%starts = one%starts + more
+      one%best = one%search%least_objective()
+      one%promise = one%search%promise(handicap)
+   end subroutine search_on
 
    !> Of those left so many of the best; of equals the first.
    pure subroutine keep_best(best, most, left)
@@ -367,9 +399,10 @@ contains
    end subroutine keep_best
 
    !> The best assembly of each of the best kinds, searched on to convergence; then all are put in order.
-   subroutine take_results(asked, contenders, stop, study)
+   subroutine take_results(asked, contenders, threads, stop, study)
       type(kinds_group_t), intent(in) :: asked
       type(assembly_in_search_t), intent(inout) :: contenders(:)
+      integer, intent(in) :: threads
       type(stop_t), intent(in) :: stop
       class(kind_study_t), intent(inout) :: study
       integer, allocatable :: chosen(:), order(:)
@@ -395,11 +428,13 @@ contains
          unlisted = unlisted .and. contenders%kind /= contenders(i)%kind
       end do
       objective = huge(1.0_wp)
+      !$omp parallel do num_threads(threads) schedule(dynamic)
+      do k = 1, size(chosen)
+         call finish(contenders(chosen(k)), stop)
+      end do
+      !$omp end parallel do
       do k = 1, size(chosen)
          associate (one => contenders(chosen(k)))
-            call one%search%end_by(stop)
-            allocate (one%prepared%found)
-            call one%search%finish(one%prepared%found)
             ! what was left undone of this kind is told of all kinds together
             one%prepared%found%out_of_time = .false.
             one%prepared%found%next = 0
@@ -426,4 +461,13 @@ contains
          if (associated(contenders(i)%set)) deallocate (contenders(i)%set)
       end do
    end subroutine take_results
+
+   subroutine finish(one, stop)
+      type(assembly_in_search_t), intent(inout) :: one
+      type(stop_t), intent(in) :: stop
+
+      call one%search%end_by(stop)
+      allocate (one%prepared%found)
+      call one%search%finish(one%prepared%found)
+   end subroutine finish
 end module psalm_kind_search

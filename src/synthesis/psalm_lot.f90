@@ -6,7 +6,7 @@
 module psalm_lot
    use psalm_kinds, only: wp, full_turn
    use psalm_mechanism, only: arc_crank
-   use psalm_merit, only: merit_t, set_range
+   use psalm_merit, only: merit_t
    use psalm_error, only: problem_t
    use psalm_parameters, only: variable_length, variable_outlk, variable_origlk, variable_crnki
    use psalm_path_fit, only: square
@@ -41,7 +41,7 @@ contains
    !> Draw a lot. The inputs go one of the ways that `timing` is prepared for; the merit is left as the best needs it.
    subroutine draw_lot(problem, merit, timing, ways, senses, solver, stop, seed, random, values, way, hasty)
       type(problem_t), intent(in) :: problem
-      type(merit_t), intent(inout) :: merit          !! linear unknowns are eliminated
+      type(merit_t), intent(inout) :: merit          !! linear unknowns are eliminated; its range is that of the inputs given
       type(timing_t), intent(inout) :: timing(:)     !! shape (2)
       integer, intent(in) :: ways                    !! 1: one way only, the first
       real(wp), intent(in) :: senses(2)              !! of the inputs, either way
@@ -61,7 +61,6 @@ contains
       fewer = merge(1, medium, hasty)
       solver%seed = seed
       solver%least_gain = gain
-      if (merit%has_range) call set_range(merit, [real(wp) ::])
       do i = 1, drawn
          lot(i)%way = 1
          if (ways > 1 .and. uniform(random) < 0.5_wp) lot(i)%way = 2

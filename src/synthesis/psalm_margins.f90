@@ -144,6 +144,7 @@ contains
          else
             call fine%problem%move_inputs([delt, constraint_inputs(inspector%irange, fine%problem, delt, steps_of_range, 0)])
          end if
+         fine%problem%side = 1.0_wp ! not what the linkage before had
          call evaluate_station(fine, dimensions)
          do loop = 1, fine%problem%mechanism%nloop
             if (fine%problem%linkage%step_of_loop(loop) == 0) cycle

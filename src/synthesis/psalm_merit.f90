@@ -29,7 +29,7 @@ module psalm_merit
    implicit none (type, external)
    private
    public :: merit_t, prepare_merit, eliminate_linear, hold, let_go, put_in_order
-   public :: constraint_inputs, set_range, extra_positions
+   public :: constraint_inputs, set_range, extra_positions, forget_sides
 
    integer, parameter :: range_steps = 120           !! steps the range of the input is looked at in
    integer, parameter :: most_few = 40               !! places of it at which derivatives are found alone
@@ -264,6 +264,15 @@ contains
       if (merit%irange /= range_positions) inputs(range_steps + 2:range_steps + 1 + n) = extra(:n)
       call merit%range%problem%move_inputs(inputs)
    end subroutine set_range
+
+   !> Forget on which side of each other two slides were in the linkages looked at so far.
+   !>
+   !> Seen from the other side closure is rounded otherwise: a start would depend on those before it.
+   pure subroutine forget_sides(merit)
+      class(merit_t), intent(inout) :: merit
+
+      merit%main%problem%side = 1.0_wp
+   end subroutine forget_sides
 
    !> The unknowns of a linkage: values of the variables and, with free timing, input increments.
    pure function point(self, values, delt) result(x)

@@ -15,7 +15,7 @@ module psalm_search
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
    use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated
    use psalm_lot, only: draw_lot
-   use psalm_merit, only: merit_t, prepare_merit, eliminate_linear, hold, let_go, set_range, extra_positions
+   use psalm_merit, only: merit_t, prepare_merit, eliminate_linear, forget_sides, hold, let_go, set_range, extra_positions
    use psalm_multistart, only: candidate_t, multistart_t, starter_t
    use psalm_nlp, only: repair_count_t
    use psalm_search_group, only: order_either, pareto_none
@@ -134,6 +134,7 @@ module psalm_search
    contains
       procedure :: make_starts
       procedure :: make_more_starts
+      procedure :: share_among
       procedure :: end_by
       procedure :: hits
       procedure :: least_objective
@@ -233,6 +234,30 @@ contains
       end select
       call self%rules%make_more(self%team, more, self%ending, self%candidates, self%best)
    end subroutine make_more_starts
+
+   !> Share what follows among so many threads. The team is made anew: no member remembers anything of its starts.
+   subroutine share_among(self, threads)
+      class(search_t), intent(inout) :: self    !! starts were made
+      integer, intent(in) :: threads
+      class(starter_t), allocatable :: before(:)
+      integer :: t
+
+      if (size(self%team) == threads) return
+      call move_alloc(self%team, before)
+      call gather(threads, self%team)
+      select type (before)
+      type is (worker_t)
+         select type (team => self%team)
+         type is (worker_t)
+            associate (one => before(1))
+               do t = 1, size(team)
+                  call prepare_worker(one%set, one%problem, one%first, one%supplied, self%ending, team(t))
+                  call prepare_stages(one%set, one%problem, one%first, one%supplied, self%ending, team(t))
+               end do
+            end associate
+         end select
+      end select
+   end subroutine share_among
 
    !> Let it end by this from now on.
    subroutine end_by(self, stop)
@@ -470,6 +495,7 @@ contains
       real(wp), allocatable :: values(:)
 
       further%done = candidate%done
+      call forget_sides(self%merit)
       if (stage < self%stages()) then
          further%x = candidate%x
          further%evaluations = candidate%evaluations
@@ -500,6 +526,7 @@ contains
       real(wp) :: violation
 
       associate (merit => worker%merit)
+         call forget_sides(merit)
          merit%evaluations = candidate%evaluations
          if (merit%has_range) call set_range(merit, [real(wp) ::])
          call merit%measure(candidate%x, candidate%promise, violation)
@@ -525,6 +552,7 @@ contains
       are_one = have_same_places(self, a, b)
       if (are_one) return
       associate (merit => self%merit)
+         call forget_sides(merit)
          other = b%x
          do v = 1, merit%core
             select case (self%problem%parameters%variables(v)%kind)
@@ -649,8 +677,7 @@ contains
       end associate
       self%merit%evaluations = 0
       self%merit%jacobians = 0
-      self%merit%delt = self%problem%delt
-      if (self%merit%has_range) call set_range(self%merit, [real(wp) ::])
+      call look_from_first_input(self)
       if (self%merit%free .and. number /= 1) call retime(self, values)
       if (number > 1 .and. self%set%search%by_dyads) then
          call hold(self%merit, self%dyads /= dyad_of_start(self, number))
@@ -670,6 +697,15 @@ contains
       end if
       call put_down(self, values, before, candidate)
    end subroutine one_start
+
+   !> The input positions given, and the range looked at from them on: what a start before left is forgotten.
+   subroutine look_from_first_input(worker)
+      class(worker_t), intent(inout) :: worker
+
+      call forget_sides(worker%merit)
+      worker%merit%delt = worker%problem%delt
+      if (worker%merit%has_range) call set_range(worker%merit, [real(wp) ::])
+   end subroutine look_from_first_input
 
    !> The dyad that a start draws: each in turn, for two starts, since every other start draws near a linkage known.
    pure integer function dyad_of_start(worker, number)
@@ -710,6 +746,7 @@ contains
 
       self%merit%evaluations = 0
       self%merit%jacobians = 0
+      call look_from_first_input(self)
       call self%random%use_stream(number)
       call draw_lot(self%problem, self%merit, self%timing, merge(2, 1, goes_either_way(self)), [self%sense, -self%sense], &
                     self%solver, self%stop, self%set%method%istart + number, self%random, values, self%way, self%hasty)
@@ -744,7 +781,7 @@ contains
 
       self%merit%evaluations = 0
       self%merit%jacobians = 0
-      if (self%merit%has_range) call set_range(self%merit, [real(wp) ::])
+      call look_from_first_input(self)
       call self%random%use_stream(number)
       call make_free_start(self%problem, self%merit, self%random, self%free_start(self%way), values, self%merit%delt, made)
       values = min(max(values, self%merit%low), self%merit%high)
@@ -836,6 +873,7 @@ contains
       type(candidate_t) :: finer
       real(wp), allocatable :: values(:)
 
+      call forget_sides(self%merit)
       values = candidate%x(:self%merit%core)
       if (self%merit%free) self%merit%delt = candidate%x(self%merit%core + 1:)
       if (goes_either_way(self)) then
