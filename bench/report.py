@@ -137,7 +137,7 @@ with open(os.path.join(doc, "accuracy.md"), "w", encoding="utf-8") as out:
     out.write("""# Accuracy
 
 Measured error of the real64 program against the same sources in quadruple precision, with the condition number that the
-program prints (`bench/run`, or `test/hard_cases.sh build/local/bin build/real128/bin --table FILE`). The contract: error at most
+program prints (`bench/run`, or `test/tools/hard_cases.sh build/local/bin build/real128/bin --table FILE`). The contract: error at most
 16 epsilon times the condition number, epsilon = 2.2e-16; so the last column may not pass 16.
 
 """ + read("accuracy"))

@@ -10,7 +10,7 @@ program generic_start
    use psalm_start_text, only: characters_short, encode_short
    implicit none (type, external)
    integer, parameter :: seed = 1, lines_a_table = 200
-   integer, parameter :: of_slider = 558, of_poses = 402 !! test/exact.py has the counts
+   integer, parameter :: of_slider = 558, of_poses = 402 !! test/published/exact.py has the counts
    type(leg_problem_t) :: problem
 
    print '(a)', '!> Solutions of two generic problems of two legs, as text of psalm_start_text in single precision.'

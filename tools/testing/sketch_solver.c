@@ -1,4 +1,4 @@
-/* Independent solver for test/sketch_campaign.py: constraint equations in Cartesian coordinates of points, followed from the drawing.
+/* Independent solver for test/campaign/sketch_campaign.py: constraint equations in Cartesian coordinates of points, followed from the drawing.
    Unknowns x[1..n], x[0] = 1. A term is coefficient * f(s[drive]) * x[i] * x[j] with f = 1, cos, sin, s, s*s. A row of a gear pair
    is the sum of weight * angle of a direction, which is linear in x; its angle is counted on over turns. 80-bit arithmetic. */
 #include <math.h>

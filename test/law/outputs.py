@@ -1,0 +1,161 @@
+#!/usr/bin/env python3
+"""All outputs of a sketch, and the zero of its input.
+
+usage: test/law/outputs.py PROGRAM_DIRECTORY
+
+Every output of a four-bar and of a larger group has its values at every degree (IPLOT), its condition number (ICOND) and its part of the
+Monte Carlo sample (NTRIAL), whatever its place among the outputs; table, listing and device 9 count the input from the drawing. Held
+against each other and against laws: a uniform deviation has its variance, a change of the input its effect. Last line: N passed, N failed.
+"""
+
+import csv
+import math
+import os
+import subprocess
+import sys
+import tempfile
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
+from tally import check, report
+
+FOUR_BAR = """FOUR-BAR, ALL OUTPUTS
+ &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,33.0,90.0,20.0, JY=0.0,31.0,82.0,5.0,95.0,
+  LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P','C D' &END
+ &DRIVES DRIVE='A', DBASE='frame', DLINK='crank' &END
+"""
+SIX_BAR = """SIX-BAR WITH A GROUP OF FOUR LINKS
+ &CHAIN JNT='A','B','C','D','E','F','G','P', JX=0.0,0.0,40.0,80.0,45.0,85.0,100.0,70.0, JY=0.0,2.0,60.0,55.0,30.0,20.0,0.0,45.0,
+  LNAME='frame','crank','left','top','right','tie', LNK='A G','A B','B C E','C D','D F G','E F P' &END
+ &DRIVES DRIVE='A' &END
+"""
+OUTPUTS = ("point P", "x P", "angle C D", "distance B D", "between A B C D")
+NUMBERS = ("point_P.x", "point_P.y", "x_P", "angle_C_D", "distance_B_D", "between_A_B_C_D")
+
+
+class Run:
+    """A case and its files."""
+
+    def __init__(self, programs, work, text, program="psalm"):
+        path = os.path.join(work, "case.nml")
+        with open(path, "w", encoding="ascii") as file:
+            file.write(text)
+        done = subprocess.run([os.path.join(programs, program), path], capture_output=True, text=True, check=False)
+        self.status, self.listing, self.messages = done.returncode, done.stdout, done.stderr
+        ending = "" if program == "psalm" else "." + program
+        with open(os.path.join(work, "case%s.dev9" % ending), encoding="ascii") as file:
+            self.parts = [part.strip("\n").split("\n") for part in file.read().split("\n\n\n")]
+        with open(os.path.join(work, "case%s.csv" % ending), encoding="ascii", newline="") as file:
+            self.table = list(csv.DictReader(file))
+
+    def block(self, name):
+        """Columns of a block of device 9."""
+        for part in self.parts:
+            if part[0] == "# block " + name:
+                names = part[1][2:].split()
+                rows = [[float(word) for word in line.split()] for line in part if line[0] != "#"]
+                return {n: [row[i] for row in rows] for i, n in enumerate(names)}
+        return {}
+
+    def rows(self, which):
+        """Rows of the first blocks, which have no names: the positions and every degree."""
+        return [[float(word) for word in line.split()] for line in self.parts[which] if line[0] != "#"]
+
+
+def case(head, outputs, *groups):
+    wanted = " &OUTPUTS OUTPUT=" + ",".join("'%s'" % name for name in outputs) + " &END\n"
+    return head + wanted + "".join(" %s &END\n" % group for group in groups)
+
+
+def far(one, other):
+    return max(abs(a - b) for a, b in zip(one, other))
+
+
+def zero(run):
+    """Listing, device 9, table: one input; the crank's angle beside it."""
+    rows, table = run.rows(0), run.table
+    check("device 9 and table have the same inputs", [row[0] for row in rows] == [float(row["input"]) for row in table], rows[:2])
+    lines = run.listing.split("          INPUT ", 1)[1].split("\n")[1:len(table) + 1]
+    check("the listing has them, too", all(abs(float(line.split()[0]) - float(row["input"])) < 1e-4 for line, row in zip(lines, table)), lines[:2])
+    for line, row, nine in zip(lines, table, rows):
+        angle = math.degrees(math.atan2(float(row["B.y"]), float(row["B.x"]))) % 360.0
+        check("the crank's angle", abs(angle - float(row["crank_angle"])) < 1e-9 and abs(angle - nine[-1]) < 1e-9 and
+              abs(angle - float(line.split()[-1])) < 1e-3, (angle, row["crank_angle"], nine[-1], line))
+    check("summary and listing say from where", "count from the drawing, where the crank is at " in run.messages and
+          "INPUTS COUNT FROM THE DRAWING, WHERE THE CRANK IS AT " in run.listing, run.messages)
+
+
+def every_degree(run, numbers, step):
+    """All outputs at every degree: the first as the sweep has it, all as the table at its positions."""
+    swept, first = run.block("swept_outputs"), run.rows(1)
+    check("360 steps", len(first) == 360 and all(len(swept.get(name, [])) == 360 for name in numbers), list(swept))
+    check("the first output as in the sweep", far(swept["point_P.x"], [row[2] for row in first]) < 1e-10 and
+          far(swept["point_P.y"], [row[3] for row in first]) < 1e-10)
+    for name in numbers:
+        there = [float(row[name]) for row in run.table]
+        here = swept[name][::step]
+        turns = 360.0 if name.startswith(("angle", "between")) else 1e300
+        check("%s at every degree" % name, max(abs(math.remainder(a - b, turns)) for a, b in zip(here, there)) < 1e-10, (here[:2], there[:2]))
+
+
+def sample(run, numbers):
+    """Small uniform deviations: three times the variance is the square of the root-sum-square; none leaves the worst case."""
+    bands = run.block("output_tolerances")
+    for name in numbers:
+        of = {what: bands.get("%s.%s" % (name, what), []) for what in ("worst_case", "root_sum_square", "lowest", "highest", "std_deviation")}
+        check("%s: has its bands and its sample" % name, all(len(values) == len(run.table) for values in of.values()), list(bands)[:8])
+        for worst, square, low, high, deviation in zip(*of.values()):
+            check("%s: the deviation of the sample" % name, abs(deviation*math.sqrt(3.0) - square) < 0.03*square, (deviation, square))
+            check("%s: the sample lies in the worst case" % name, -1.02*worst < low < 0.0 < high < 1.02*worst, (worst, low, high))
+
+
+def conditions(run, rates, numbers):
+    """At least the effect of the input's own rounding: its rate, relative to the output, angles to a radian."""
+    block = run.block("outputs")
+    main = [row[4] for row in run.rows(0)]
+    own = block["point_P.condition"]
+    check("point P as the output of the loops", all(0.5 < a/b < 2.0 for a, b in zip(own, main)), (own[:3], main[:3]))
+    check("x P as point P", block["x_P.condition"] == own)
+    for name in numbers:
+        column = name.split(".")[0] + ".condition"
+        for k, row in enumerate(rates.table):
+            rate = float(row[name + ".v"])
+            size = 1.0
+            if name.startswith(("point", "x_")):
+                size, rate = math.hypot(float(row["P.x"]), float(row["P.y"])), rate
+            elif name.startswith("distance"):
+                size = float(row[name])
+            check("%s is no better than its rate" % column, 1.0 <= abs(rate)/size + 1.0 <= block[column][k] + 1.0 < 1e16,
+                  (rate, size, block[column][k]))
+
+
+def main():
+    programs = os.path.abspath(sys.argv[1])
+    with tempfile.TemporaryDirectory() as work:
+        for head in (FOUR_BAR, SIX_BAR):
+            groups = ("&METHOD IKIN=30", "&LIMITS TANGLE=89.0, IPLOT=1, ICOND=1", "&TOLER TOLLEN=0.002, TOLANG=0.002, NTRIAL=20000")
+            outputs, numbers = OUTPUTS, NUMBERS
+            run = Run(programs, work, case(head, outputs, *groups))
+            check("psalm has a result", run.status < 2 and len(run.table) == 12, run.messages)
+            if head == FOUR_BAR:
+                zero(run)
+            closed = all(row["closed"] == "1" for row in run.table)
+            check("it turns fully", closed, run.messages)
+            every_degree(run, numbers, 30)
+            sample(run, numbers)
+            rates = Run(programs, work, case(head, outputs, *groups[:2], "&RATES SPEED=1.0"), "kalm")
+            conditions(run, rates, numbers)
+            # the order of the outputs changes no number
+            other = Run(programs, work, case(head, outputs[::-1], *groups))
+            for name in numbers:
+                check("%s whatever is asked first" % name, [row[name] for row in other.table] == [row[name] for row in run.table])
+                one, two = run.block("output_tolerances"), other.block("output_tolerances")
+                for what in ("worst_case", "lowest", "std_deviation"):
+                    a, b = one["%s.%s" % (name, what)], two["%s.%s" % (name, what)]
+                    # the sample draws for the dimensions of another first output in another order
+                    check("%s.%s whatever is asked first" % (name, what), far(a, b) < (1e-12 if what == "worst_case" else 0.1)*max(map(abs, a)),
+                          (a[:2], b[:2]))
+    return report()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

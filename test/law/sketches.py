@@ -1,0 +1,555 @@
+#!/usr/bin/env python3
+"""Sketches against an independent route: Newton's method on the poses of all links, started from the drawing, in numpy.
+
+usage: test/law/sketches.py PROGRAM_DIRECTORY [--count N]. Last line: N passed, N failed.
+
+Random chains of dyads of every kind are written as sketches; psalm chooses loops and signs, and its output is compared with what
+Newton finds for the sketch itself, so are all joints in CASE.csv, and so is what the equivalent &LINKS of --links do.
+What a search finds is drawn anew on device 7: read again it must be the same linkage. Exit status, summary and table must agree
+whatever output is named first, and positions must not depend on those before them."""
+import argparse
+import cmath
+import csv
+import itertools
+import math
+import os
+import random
+import re
+import resource
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+
+KINDS = ["RRR", "RRP", "RPR", "PRP", "RPP"]
+
+SEARCHES = {
+    "four_bar": """SEARCH FROM A SKETCH
+ &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,33.0,90.0,20.0, JY=0.0,31.0,82.0,5.0,95.0,
+  LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P','C D',
+  VARY='A B','B C','C D','B P','angle B C B P','place D','input',
+   &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point P' &END
+ &METHOD NDES=5, DELT=0.0,20.0,40.0,60.0,80.0, DESX=20.,12.,5.,0.,-6., DESY=95.,96.,95.,92.,87. &END
+ &SEARCH SOLVER='LSQ', NSTART=20 &END
+ &LIMITS TANGLE=70.0 &END
+""",
+    "slides": """SEARCH SLIDER-CRANK AND RPR
+ &CHAIN JNT='A','B','C','D','F','P', JX=0.0,20.0,130.0,60.0,40.,70., JY=0.0,30.0,10.0,60.0,-50.,70.,
+  LNAME='frame','crank','rod','piston','barrel','plunger', LNK='A F','A B','B C D','C','F P','D',
+  NSLIDE=2, SLNK='frame','barrel', SLNK2='piston','plunger', SLX=0.0,60., SLY=10.0,60., SLANG=0.0,70.,
+  VARY='A B','B C','B D','angle B C B D','place F','input',
+  VLOW=20.0,60.0,20.0,0.0,40.0,-90.0,-60.0, VHIGH=60.0,160.0,80.0,90.0,90.0,-20.0,60.0 &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point P' &END
+ &METHOD NDES=4, DELT=0.0,20.0,40.0,60.0, DESX=70.,66.,60.,55., DESY=70.,72.,74.,75. &END
+ &SEARCH SOLVER='LSQ', NSTART=5 &END
+ &LIMITS TANGLE=85.0 &END
+""",
+    "yoke": """SEARCH SCOTCH YOKE AND SLOT
+ &CHAIN JNT='A','B','Q','R', JX=0.0,20.0,60.0,90., JY=0.0,30.0,10.0,40.,
+  LNAME='frame','crank','block','yoke','arm','slider', LNK='A','A B','B','Q','Q R','R',
+  NSLIDE=3, SLNK='yoke','frame','frame', SLNK2='block','yoke','slider', SLX=20.0,60.0,90., SLY=30.0,10.0,40., SLANG=80.0,5.0,60.,
+  VARY='A B','Q R','input' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point R' &END
+ &METHOD NDES=4, DELT=0.0,10.0,20.0,30.0, DESX=90.,88.,86.,83., DESY=40.,36.,32.,27. &END
+ &SEARCH SOLVER='LSQ', NSTART=5 &END
+ &LIMITS TANGLE=85.0 &END
+""",
+}
+
+
+class Sketch:
+    """Joints, links and slides; the first link is the frame, the second the driven one."""
+
+    def __init__(self, title, sliding=False):
+        self.title, self.joints, self.links, self.slides, self.sliding = title, {}, [[], []], [], sliding
+        if not sliding:
+            self.joints["A"] = 0j
+            self.links = [["A"], ["A"]]
+        self.extra = ""
+
+    def joint(self, place, *links):
+        name = "J%d" % len(self.joints)
+        self.joints[name] = complex(round(place.real, 3), round(place.imag, 3))
+        for link in links:
+            self.links[link].append(name)
+        return name
+
+    def slide(self, a, b, place, angle):
+        self.slides.append((a, b, complex(round(place.real, 3), round(place.imag, 3)), round(angle, 3)))
+
+    def text(self, output, deltas):
+        def row(values):
+            lines, line = [], "  "
+            for value in values:
+                line += value + ","
+                if len(line) > 90:
+                    lines.append(line)
+                    line = "  "
+            return "\n".join(lines + [line])
+        names = list(self.joints)
+        text = self.title + "\n &CHAIN JNT=\n" + row("'%s'" % n for n in names)
+        text += "\n  JX=\n" + row("%.3f" % self.joints[n].real for n in names)
+        text += "\n  JY=\n" + row("%.3f" % self.joints[n].imag for n in names)
+        text += "\n  LNK=\n" + row("'%s'" % " ".join(link) for link in self.links)
+        if self.slides:
+            text += "\n  NSLIDE=%d, SLNK=%s, SLNK2=%s,\n" % (len(self.slides), ",".join("'%d'" % (s[0] + 1) for s in self.slides),
+                                                           ",".join("'%d'" % (s[1] + 1) for s in self.slides))
+            text += "  SLX=%s,\n  SLY=%s,\n  SLANG=%s" % tuple(",".join(f(s) for s in self.slides) for f in (
+                lambda s: "%.3f" % s[2].real, lambda s: "%.3f" % s[2].imag, lambda s: "%.3f" % s[3]))
+        text += self.extra + " &END\n &DRIVES DRIVE='%s', DBASE='1', DLINK='2' &END\n" % ("S1" if self.sliding else "A")
+        text += " &OUTPUTS OUTPUT='%s' &END\n" % output
+        return text + " &METHOD NDES=%d, DELT=%s &END\n &LIMITS TANGLE=90.0, TOGGLE=0.0 &END\n" % (
+            len(deltas), ",".join("%.3f" % d for d in deltas))
+
+    def residual(self, pose, turn):
+        """Everything that must vanish; pose: (x, y, angle) of every link but the frame, counted from the drawing."""
+        t = [0j] + [complex(pose[3 * k], pose[3 * k + 1]) for k in range(len(self.links) - 1)]
+        phi = [0.0] + [pose[3 * k + 2] for k in range(len(self.links) - 1)]
+        place = lambda link, p: t[link] + cmath.exp(1j * phi[link]) * p
+        rest = [phi[1] - turn]
+        if self.sliding:
+            a, b, p, angle = self.slides[0]
+            rest = [((place(b, p) - place(a, p)) * cmath.exp(-1j * math.radians(angle))).real - turn]
+        for name, p in self.joints.items():
+            at = [k for k, link in enumerate(self.links) if name in link]
+            for other in at[1:]:
+                d = place(other, p) - place(at[0], p)
+                rest += [d.real, d.imag]
+        for a, b, p, angle in self.slides:
+            rest.append(phi[b] - phi[a])
+            rest.append(((place(b, p) - place(a, p)) * cmath.exp(-1j * (phi[a] + math.radians(angle)))).imag)
+        return np.array(rest)
+
+    def jacobian(self, pose, turn):
+        """By differences of a complex step would need analytic functions; central differences serve the direction only."""
+        h = 1e-6
+        columns = []
+        for k in range(len(pose)):
+            e = np.zeros(len(pose))
+            e[k] = h
+            columns.append((self.residual(pose + e, turn) - self.residual(pose - e, turn)) / (2 * h))
+        return np.array(columns).T
+
+    def solve(self, turn, steps=8):
+        """Follow from the drawing; None where the way is not safe: the chain then is drawn anew."""
+        pose = np.zeros(3 * (len(self.links) - 1))
+        before = None
+        for k in range(1, steps + 1):
+            part = turn * k / steps
+            for _ in range(30):
+                matrix = self.jacobian(pose, part)
+                if np.linalg.cond(matrix) > 3e5:
+                    return None
+                step = np.linalg.solve(matrix, -self.residual(pose, part))
+                pose = pose + step
+                if np.max(np.abs(step)) < 1e-13 * 100:
+                    break
+            sign = np.sign(np.linalg.det(matrix))
+            if before is not None and sign != before:
+                return None
+            before = sign
+        return pose
+
+    def place(self, pose, name):
+        link = [k for k, joints in enumerate(self.links) if name in joints][-1]
+        if link == 0:
+            return self.joints[name]
+        return complex(pose[3 * link - 3], pose[3 * link - 2]) + cmath.exp(1j * pose[3 * link - 1]) * self.joints[name]
+
+
+def random_sketch(source, dyads, number, sliding=False):
+    """A driven link, on a pivot or a slide, and dyads on links that are there already."""
+    sketch = Sketch("RANDOM CHAIN %d" % number, sliding)
+    spot = lambda: complex(source.uniform(-100, 100), source.uniform(-100, 100))
+    if sliding:
+        sketch.slide(0, 1, spot(), source.uniform(0, 360))
+    else:
+        sketch.joints["A"] = complex(round(source.uniform(-20, 20), 3), round(source.uniform(-20, 20), 3))
+    for k in range(dyads):
+        kind = source.choice(KINDS)
+        there = list(range(len(sketch.links)))
+        first = 1 if k == 0 else source.choice(there)
+        second = source.choice([link for link in there if link != first])
+        if k == 0:
+            second = 0
+        p, q = len(sketch.links), len(sketch.links) + 1
+        sketch.links += [[], []]
+        if kind[0] == "R":
+            sketch.joint(spot(), first, p)
+        else:
+            sketch.slide(first, p, spot(), source.uniform(0, 360))
+        if kind[1] == "R":
+            sketch.joint(spot(), p, q)
+        else:
+            sketch.slide(p, q, spot(), source.uniform(0, 360))
+        if kind[2] == "R":
+            sketch.joint(spot(), q, second)
+        else:
+            sketch.slide(second, q, spot(), source.uniform(0, 360))
+        sketch.title += " " + kind
+    last = source.randrange(max(2, len(sketch.links) - 2), len(sketch.links))
+    output = sketch.joint(spot(), last)
+    return sketch, output
+
+
+OPENS = """A SIX-BAR WHOSE SECOND LOOP OPENS
+ &CHAIN JNT='A','B','C','D','P','Q','F', JX=0.0,-10.0,60.0,80.0,40.0,60.0,75.0, JY=0.0,25.0,70.0,0.0,110.0,120.0,90.0,
+  LNAME='frame','crank','coupler','rocker','link','out', LNK='A D F','A B','B C P','C D','P Q','Q F' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT=%s &END
+ &METHOD %s &END
+ &LIMITS TANGLE=90.0 &END
+"""
+
+
+def one_verdict(programs):
+    """Exit status, summary and table agree, whatever output is named first, in all programs."""
+    outputs = ["angle rocker", "angle out", "point P"]
+    for method, opens in (("IKIN=10", True), ("IKIN=-10", True), ("NDES=3, DELT=-5.0,0.0,5.0", False)):
+        for first in range(3):
+            order = outputs[first:] + outputs[:first]
+            text = OPENS % (",".join("'%s'" % o for o in order), method)
+            for program in ("psalm", "kalm", "balm"):
+                with tempfile.TemporaryDirectory() as folder:
+                    name = os.path.join(folder, "case.nml")
+                    with open(name, "w", encoding="ascii") as file:
+                        file.write(text)
+                    done = subprocess.run([os.path.join(programs, program), name], capture_output=True, text=True, check=False)
+                    law = "%s, %s first, %s" % (program, order[0], method)
+                    yield law + ": exit status", done.returncode == opens, done.stderr
+                    if program == "balm":
+                        continue
+                    yield law + ": summary", ("full turn" in done.stderr) is False and (
+                        ("16 of 36" in done.stderr) == opens), done.stderr
+                    ending = ".csv" if program == "psalm" else ".kalm.csv"
+                    with open(os.path.join(folder, "case" + ending), encoding="ascii") as file:
+                        rows = list(csv.DictReader(file))
+                    yield law + ": table", (sum(row["closed"] == "1" for row in rows) == (16 if opens else 3)), len(rows)
+
+
+ORDER = """ONE POSITION AND OTHERS BEFORE IT
+ &CHAIN JNT='J1','J2','J3','J4','J5',
+  JX=-36.108897664860741,62.765956755840733,-41.192958481149347,44.172163605989724,-35.162362998769616,
+  JY=-63.093069650205322,-12.294557093576298,5.4324566557634153,-14.924227550985382,27.167443906773162,
+  LNAME='frame','crank','L2', LNK='J1 J3','J1 J2 J5','J3 J4' &END
+ &DRIVES DRIVE='J1','J5 J4', DBASE='frame','', DLINK='crank','', DELT2=%s &END
+ &OUTPUTS OUTPUT='angle L2' &END
+ &METHOD NDES=%d, DELT=%s &END
+ &LIMITS TANGLE=90.0 &END
+"""
+FAR = """SLIDES ON SLIDES THAT RUN TO INFINITY
+ &CHAIN JNT='J1','J2','J3','J4','J5','J6',
+  JX=1.0694518452964654,-0.57044566227058202,-0.32822739600596501,0.36528494185255106,1.284245538777639,-1.3065530300538815,
+  JY=0.44706411868187629,0.92462924661214574,1.4639554143903633,-0.28053230656787814,-0.62328476322110093,0.31870616410124875,
+  LNAME='frame','crank','L2','L3','L4','L5', LNK='J1 J5','J1 J2','J3','J3 J4','J4','J5 J6',
+  SLNK='crank','frame','L5', SLNK2='L2','L3','L4', SLX=-0.32822739600596501,-0.54264861198105785,0.36528494185255106,
+  SLY=1.4639554143903633,1.3125354492825996,-0.28053230656787814,
+  SLANG=25.364200871782259,-168.36806946338299,159.54557085944671 &END
+ &DRIVES DRIVE='J1', DBASE='frame', DLINK='crank' &END
+ &OUTPUTS OUTPUT='point J6' &END
+ &METHOD IKIN=10 &END
+ &LIMITS TANGLE=90.0 &END
+"""
+
+
+def one_way(programs):
+    """Whether a position closes depends on itself, not on those before it; and to find that none closes beyond an end is quick."""
+    wanted = [(-47.514153826251281, -15.529855673477563), (31.312365506532775, -28.593754279798169),
+              (36.49074920858142, -19.380525533525905)]
+    with tempfile.TemporaryDirectory() as folder:
+        angles = {}
+        for n, order in enumerate(itertools.permutations(range(3))):
+            rows = [wanted[k] for k in order]
+            text = ORDER % (",".join("%.15g" % r[1] for r in rows), 3, ",".join("%.15g" % r[0] for r in rows))
+            done, _ = run_psalm(programs, folder, "o%d" % n, text)
+            with open(os.path.join(folder, "o%d.csv" % n), encoding="ascii") as file:
+                table = list(csv.DictReader(file))
+            yield "order %s of three positions: all close" % (order,), done.returncode == 0, done.stderr
+            for k, row in zip(order, table):
+                value = float(row["angle_L2"] or "nan")
+                yield "order %s: the same place" % (order,), abs((value - angles.setdefault(k, value) + 180) % 360 - 180) < 1e-9, value
+        used = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        done, _ = run_psalm(programs, folder, "far", FAR)
+        used = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - used
+        yield "slides that run to infinity: quick", used < 2.0, used
+        with open(os.path.join(folder, "far.csv"), encoding="ascii") as file:
+            closed = [int(row["closed"]) for row in csv.DictReader(file)]
+        # the slide of the crank is parallel to that of the frame where 25.364 + input = -168.368 + 180 k
+        ends = [(-168.36806946338299 - 25.364200871782259 + 180 * k) % 360 for k in range(2)]
+        want = [int(not min(ends) < 10 * k < max(ends)) for k in range(36)]
+        yield "slides that run to infinity: the range between the two dead points", closed == want, closed
+
+
+SEARCHED = """THE SECOND LOOP MUST CLOSE TOO
+ &CHAIN JNT='A','B','C','D','P','Q','F', JX=0.0,-10.0,60.0,80.0,40.0,60.0,75.0, JY=0.0,25.0,70.0,0.0,110.0,120.0,90.0,
+  LNAME='frame','crank','coupler','rocker','link','out', LNK='A D F','A B','B C P','C D','P Q','Q F', VARY='A B','B C','C D' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='angle rocker','angle out' &END
+ &METHOD NDES=3, DELT=0.0,60.0,120.0, DESANG=-74.0,-55.0,-45.0 &END
+ &SEARCH SOLVER='LSQ', NSTART=8 &END
+ &CONSTR IRANGE=2 &END
+ &LIMITS TANGLE=80.0 &END
+"""
+
+
+def searched(programs):
+    """A search over the turn keeps all loops of a sketch closed, also those that the first output does not need."""
+    with tempfile.TemporaryDirectory() as folder:
+        done, _ = run_psalm(programs, folder, "found", SEARCHED)
+        yield "search: done", done.returncode == 0 and "over the full turn" in done.stderr, done.stderr
+        with open(os.path.join(folder, "found.dev7"), encoding="ascii") as file:
+            found = file.read()
+        found = re.sub(r"(&CHAIN[^&]*?)VARY=[^&]*(&END)", r"\1\2", found)
+        found = re.sub(r"&METHOD[^&]*&END", "&METHOD IKIN=2 &END", found)
+        found = re.sub(r"&(SEARCH|CONSTR)[^&]*&END", "", found)
+        done, _ = run_psalm(programs, folder, "again", found)
+        with open(os.path.join(folder, "again.csv"), encoding="ascii") as file:
+            rows = list(csv.DictReader(file))
+        yield "search: the linkage found closes everywhere", len(rows) == 180 and all(r["closed"] == "1" for r in rows), done.stderr
+
+
+WISHED = """ONE WISH IN TWO WORDS
+ &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,33.0,90.0,20.0, JY=0.0,31.0,82.0,5.0,95.0,
+  LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P','C D',
+  VARY='A B','B C','C D','place D','input' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='%s','x C'%s &END
+ &METHOD NDES=3, DELT=0.0,20.0,40.0%s &END
+ &SEARCH SOLVER='LSQ', NSTART=3 &END
+ &LIMITS TANGLE=80.0 &END
+"""
+# output, DES1 and WGT1, DESX ...
+WISHES = (("point P", "DES1=20.,95.,10.,96.,0.,93., WGT1=1.0,2.0,1.0",
+           "DESX=20.,10.,0., DESY=95.,96.,93., XMULT=1.0,2.0,1.0, YMULT=1.0,2.0,1.0"),
+          ("angle rocker", "DES1=-50.,-44.,-39.", "DESANG=-50.,-44.,-39."),
+          ("distance P", "DES1=97.,96.,93., WGT1=3.0", "DESANG=97.,96.,93., ANMULT=3.0,3.0,3.0"),
+          ("pose P B P", "DES1=20.,95.,70.,10.,96.,80.,0.,93.,85.", "DESX=20.,10.,0., DESY=95.,96.,93., DESANG=70.,80.,85."))
+
+
+def wished(programs):
+    """DES1 of the first output and DESX ... of &METHOD are one search to the last bit; free timing is open to both."""
+    with tempfile.TemporaryDirectory() as folder:
+        for output, first, second in WISHES:
+            for timing in ("", ", IFREE=1"):
+                found = []
+                words = {"des1": WISHED % (output, ", " + first, timing), "desx": WISHED % (output, "", timing + ", " + second)}
+                for name, text in words.items():
+                    done, _ = run_psalm(programs, folder, name, text)
+                    law = "%s%s: %s" % (output, timing, name)
+                    yield law + " is searched", done.returncode in (0, 1) and "led to a linkage" in done.stderr, done.stderr
+                    with open(os.path.join(folder, name + ".dev7"), encoding="ascii") as file:
+                        found.append([line for line in file if not line.startswith("! run")])
+                yield "%s%s: the same linkage in either word" % (output, timing), found[0] == found[1] and len(found[0]) > 10, found
+
+
+TABLE = """A LOAD TABLE OVER THE CRANK
+ &CHAIN JNT='O','A','B','Q', JX=0,30,120,20, JY=0,40,-10,-90, LNAME='frame','crank','rod','piston'%s,
+  LNK='O%s','O A','A B','B'%s, SLNK='frame', SLNK2='piston', SLX=120, SLY=-10, SLANG=0 &END
+ &DRIVES DRIVE='O'%s &END
+ &OUTPUTS OUTPUT='point B' &END
+ &METHOD NDES=4, DELT=0,30,60,90 &END
+ &RATES SPEED=0.001 &END
+ &MASSES NMASS=1, MNAME='rod', MASS=0.001, UNITL=0.001 &END
+ &LOADS NLOAD=1, LNAME='piston', LFX=-100, LTABLE=1, NTABLE=1, NTABIN=4, TABIN=0,40,41,359, TABVAL=1,1,0,0 &END
+"""
+
+
+def one_zero(programs):
+    """A table of loads counts from the drawing, however the sketch is solved: a second drive that stands still changes nothing."""
+    with tempfile.TemporaryDirectory() as folder:
+        drives = []
+        for name, words in (("one", ("", " Q", "", "")),
+                            ("two", (",'second'", "", ",'O Q'", ",'O', DBASE='frame','frame', DLINK='crank','second', DELT2=4*0"))):
+            path = os.path.join(folder, name + ".nml")
+            with open(path, "w", encoding="ascii") as file:
+                file.write(TABLE % words)
+            done = subprocess.run([os.path.join(programs, "kalm"), path], capture_output=True, text=True, check=False)
+            yield "table of loads, %s: done" % name, done.returncode == 0, done.stderr
+            with open(os.path.join(folder, name + ".kalm.csv"), encoding="ascii") as file:
+                drives.append([float(row["drive"]) for row in csv.DictReader(file)])
+        yield "table of loads: the same drive", all(abs(a - b) < 1e-12 for a, b in zip(*drives)), drives
+        yield "table of loads: it ends 41 degrees from the drawing", [abs(d) > 1 for d in drives[0]] == [True, True, False, False], drives
+
+
+RIGID = """A FOUR-BAR WHOSE CRANK IS A TRIANGLE OF THREE LINKS
+ &CHAIN JNT='A','B','C','D','E', JX=0.0,30.0,90.0,110.0,10.0, JY=0.0,10.0,70.0,0.0,30.0,
+  LNAME='frame','crank','brace one','brace two','coupler','rocker', LNK='A D','A B','A E','E B','B C','C D' &END
+ &DRIVES DRIVE='A', DBASE='frame', DLINK='crank' &END
+ &OUTPUTS OUTPUT='point C' &END
+ &METHOD IKIN=30 &END
+ &LIMITS TANGLE=90.0 &END
+""".replace("brace ", "brace_")
+
+
+def rigid_triangle(programs):
+    """Links that brace another one move with it: the same motion as without them."""
+    with tempfile.TemporaryDirectory() as folder:
+        tables = []
+        for name, text in (("with", RIGID), ("without", RIGID.replace(",'brace_one','brace_two'", "").replace(",'A E','E B'", "")
+                                             .replace(",'E', JX", ", JX").replace(",10.0, JY", ", JY").replace("0.0,30.0,\n", "0.0,\n"))):
+            done, _ = run_psalm(programs, folder, name, text)
+            yield "triangle, %s braces: runs" % name, done.returncode in (0, 1), done.stderr
+            with open(os.path.join(folder, name + ".csv"), encoding="ascii") as file:
+                tables.append(list(csv.DictReader(file)))
+        yield "triangle: rows", [r["closed"] for r in tables[0]] == [r["closed"] for r in tables[1]], tables
+        same = all(abs(float(a["C." + x]) - float(b["C." + x])) < 1e-9 for a, b in zip(*tables) if a["closed"] == "1" for x in "xy")
+        yield "triangle: the same places", same, tables
+        turned = all(abs(abs(complex(float(r["E.x"]), float(r["E.y"]))) - math.hypot(10, 30)) < 1e-9 for r in tables[0] if r["closed"] == "1")
+        yield "triangle: its tip keeps its distance", turned, tables[0]
+
+
+def other_way_round(programs):
+    """A crank that cannot pass a gap, drawn at 45 degrees: the far side of the gap is reached the other way round, unless a wheel
+    that the crank turns stands elsewhere then."""
+    # crank 60, coupler 120, rocker 60, frame 100: no assembly where B D < 60, within 33.557 degrees of the frame (cosines)
+    gap = math.degrees(math.acos((60.0**2 + 100.0**2 - 60.0**2)/(2*60.0*100.0)))
+    text = """CRANK WITH A GAP
+ &CHAIN JNT='A','B','C','D','E','F', JX=0.0,42.42640687119285,158.66140298107615,100.0,-70.0,-70.0,
+  JY=0.0,42.426406871192846,12.603166280415046,0.0,0.0,25.0,
+  LNAME='frame','crank','coupler','rocker','wheel', LNK='A D E','A B','B C','C D','E F'%s
+ &DRIVES DRIVE='A', DBASE='frame', DLINK='crank' &END
+ &OUTPUTS OUTPUT='point F' &END
+ &METHOD NDES=4, DELT=%r,%r,%r,90.0 &END
+ &LIMITS TANGLE=90.0, TOGGLE=0.0 &END
+"""
+    gears = ", GEARA='crank', GEARB='wheel', GCARR='frame', GTA=30.0, GTB=40.0 &END"
+    deltas = (gap - 45.0 + 0.1, gap - 45.0 - 0.1, -90.0)
+    with tempfile.TemporaryDirectory() as folder:
+        done, rows = run_psalm(programs, folder, "gap", text % (gears, *deltas))
+    got = "%s %s" % (rows, done.stderr[:300])
+    yield "a gap ends the motion of a crank with gears", [row[1] for row in rows] == [1, 0, 0, 1] and done.returncode == 1, got
+    # the wheel turns by -30/40 of the crank, whose input counts from the drawing, 45 degrees from the x axis
+    for row in rows:
+        if row[1] == 1:
+            wheel = math.radians(90.0 - 0.75*row[0])
+            place = complex(-70.0 + 25.0*math.cos(wheel), 25.0*math.sin(wheel))
+            yield "place of a point of the wheel", abs(complex(row[2], row[3]) - place) < 1e-10, got
+
+
+def run_psalm(programs, folder, name, text, *options):
+    path = os.path.join(folder, name + ".nml")
+    with open(path, "w", encoding="ascii") as file:
+        file.write(text)
+    done = subprocess.run([os.path.join(programs, "psalm"), *options, path], capture_output=True, text=True, check=False)
+    rows = []
+    if done.returncode in (0, 1):
+        with open(os.path.join(folder, name + ".dev9"), encoding="ascii") as file:
+            for line in file:
+                if line.startswith("# block limits"):
+                    break
+                if line.strip() and not line.startswith("#"):
+                    rows.append([float(v) for v in line.split()])
+    return done, rows
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("programs")
+    parser.add_argument("--count", type=int, default=60)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--keep")
+    arguments = parser.parse_args()
+    source = random.Random(arguments.seed)
+    passed = failed = 0
+    worst = 0.0
+    told = []
+    with tempfile.TemporaryDirectory() as folder:
+        folder = arguments.keep or folder
+        number = 0
+        while number < arguments.count:
+            sketch, output = random_sketch(source, source.randint(1, 6), number)
+            deltas = [0.0, 2.0, -3.0]
+            poses = [sketch.solve(math.radians(d)) for d in deltas]
+            if any(pose is None for pose in poses):
+                continue
+            number += 1
+            done, rows = run_psalm(arguments.programs, folder, "c%d" % number, sketch.text("point " + output, deltas))
+            if done.returncode not in (0, 1) or len(rows) != len(deltas):
+                told.append("%s: exit status %d: %s" % (sketch.title, done.returncode, done.stderr.strip()[:300]))
+                failed += 1
+                continue
+            wrong = 0.0
+            for pose, row in zip(poses, rows):
+                at = sketch.place(pose, output)
+                wrong = max(wrong, abs(complex(row[2], row[3]) - at) / 100)
+            with open(os.path.join(folder, "c%d.csv" % number), encoding="ascii") as file:
+                for pose, row in zip(poses, csv.DictReader(file)):
+                    for name in sketch.joints:
+                        at = complex(float(row[name + ".x"]), float(row[name + ".y"]))
+                        wrong = max(wrong, abs(sketch.place(pose, name) - at) / 100)
+            # the equivalent loops, asked for on device 7 and read again
+            run_psalm(arguments.programs, folder, "c%d" % number, sketch.text("point " + output, deltas), "--links", "--quiet")
+            with open(os.path.join(folder, "c%d.dev7" % number), encoding="ascii") as file:
+                loops = file.read()
+            again, same = run_psalm(arguments.programs, folder, "l%d" % number, loops, "--quiet")
+            if "&LINKS" not in loops or "&CHAIN" in loops or again.returncode not in (0, 1) or len(same) != len(rows):
+                wrong = 1.0
+            for row, other in zip(rows, same):
+                wrong = max([wrong] + [abs(a - b) / 100 for a, b in zip(row[1:], other[1:])])
+            worst = max(worst, wrong)
+            if wrong < 1e-12:
+                passed += 1
+            else:
+                failed += 1
+                told.append("%s: differs by %.2e" % (sketch.title, wrong))
+    # a drive that slides on the frame: listing and table, by loops where they exist
+    by_loops = 0
+    with tempfile.TemporaryDirectory() as folder:
+        number = 0
+        while number < arguments.count // 2:
+            sketch, output = random_sketch(source, source.randint(1, 3), number, sliding=True)
+            deltas = [0.0, 2.0, -3.0]
+            poses = [sketch.solve(d) for d in deltas]
+            if any(pose is None for pose in poses):
+                continue
+            number += 1
+            done, rows = run_psalm(arguments.programs, folder, "s%d" % number, sketch.text("point " + output, deltas))
+            wrong = 1.0
+            if done.returncode in (0, 1) and len(rows) == len(deltas):
+                by_loops += " ARRAY OF ARC LENGTHS" in done.stdout
+                wrong = max(abs(complex(row[2], row[3]) - sketch.place(pose, output)) / 100 for pose, row in zip(poses, rows))
+                with open(os.path.join(folder, "s%d.csv" % number), encoding="ascii") as file:
+                    for pose, row in zip(poses, csv.DictReader(file)):
+                        for name in sketch.joints:
+                            at = complex(float(row[name + ".x"]), float(row[name + ".y"]))
+                            wrong = max(wrong, abs(sketch.place(pose, name) - at) / 100)
+            worst = max(worst, wrong)
+            passed += wrong < 1e-11
+            failed += not wrong < 1e-11
+            if not wrong < 1e-11:
+                told.append("sliding drive: %s: differs by %.2e: %s" % (sketch.title, wrong, done.stderr[:300]))
+    if by_loops < arguments.count // 10:
+        failed += 1
+        told.append("sliding drives: only %d of %d were solved by loops" % (by_loops, number))
+    for say in (one_verdict, one_way, other_way_round, searched, wished, one_zero, rigid_triangle):
+        for law, holds, got in say(arguments.programs):
+            passed += bool(holds)
+            failed += not holds
+            if not holds:
+                told.append("%s: %s" % (law, got))
+    with tempfile.TemporaryDirectory() as folder:
+        for name, text in SEARCHES.items():
+            done, rows = run_psalm(arguments.programs, folder, name, text)
+            with open(os.path.join(folder, name + ".dev7"), encoding="ascii") as file:
+                found = file.read()
+            again, same = run_psalm(arguments.programs, folder, name + "_again", found)
+            differ = max((abs(a - b) for r, s in zip(rows, same) for a, b in zip(r[1:], s[1:])), default=1.0)
+            if "&CHAIN" in found and done.returncode == again.returncode == 0 and len(rows) == len(same) and differ < 1e-9:
+                passed += 1
+            else:
+                failed += 1
+                told.append("search of %s: its device 7 is another linkage, by %.1e; %s" % (name, differ, again.stderr))
+    for line in told:
+        print("FAILED:", line)
+    print("largest difference, of the size of the drawing: %.1e" % worst)
+    print("%d passed, %d failed" % (passed, failed))
+    sys.exit(failed > 0)
+
+
+if __name__ == "__main__":
+    main()

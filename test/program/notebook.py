@@ -1,0 +1,48 @@
+#!/usr/bin/env python3
+"""The notebooks and examples of the Python package, run as a new user would: cell by cell, in one name space, without Jupyter.
+
+usage: notebook.py, with the module psalm on the path. Last line: N passed, N failed."""
+import glob
+import io
+import json
+import os
+import sys
+import traceback
+from contextlib import redirect_stdout
+
+HERE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python", "example")
+passed = failed = 0
+
+
+def check(law, right, words=""):
+    global passed, failed
+    if right:
+        passed += 1
+    else:
+        failed += 1
+        print("FAILED: notebook: %s\n%s" % (law, words))
+
+
+for path in sorted(glob.glob(os.path.join(HERE, "*.ipynb"))):
+    with open(path, encoding="utf-8") as file:
+        cells = json.load(file)["cells"]
+    names = {"__name__": "__main__"}
+    shown = io.StringIO()
+    for number, cell in enumerate(cells, 1):
+        if cell["cell_type"] != "code":
+            continue
+        lines = "".join(cell["source"]).splitlines()
+        # what a cell ends with is shown
+        last = lines.pop() if lines[-1].isidentifier() else None
+        try:
+            with redirect_stdout(shown):
+                exec(compile("\n".join(lines), "%s, cell %d" % (os.path.basename(path), number), "exec"), names)
+                if last:
+                    check("cell %d shows a page" % number, "<iframe" in names[last]._repr_html_())
+            check("cell %d" % number, True)
+        except Exception:
+            check("%s, cell %d" % (os.path.basename(path), number), False, traceback.format_exc())
+            break
+    check("%s says something" % os.path.basename(path), len(shown.getvalue()) > 500)
+print("%d passed, %d failed" % (passed, failed))
+sys.exit(failed > 0)

@@ -1,0 +1,66 @@
+#!/usr/bin/env bash
+# The library for other languages, from outside the package: the C interface with all its misuse, the Python module as pip installs
+# it, the slider-crank in both; Fortran against the library that is installed.
+# usage: test/program/other_languages.sh. Last lines: N passed, N failed. scripts/setup test must have run.
+set -u
+here=$(dirname "${BASH_SOURCE[0]}")
+. "$here/../../scripts/setup"
+set +e
+lib="$top/build/lib"
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+passed=0 failed=0
+check() { local law=$1; shift; if "$@" >"$work/log" 2>&1; then passed=$((passed + 1)); else
+    failed=$((failed + 1)); printf 'FAILED: other languages: %s\n' "$law"; tail -5 "$work/log"; fi; }
+# the first three positions of the slider-crank of doc/guide/library.md
+slides() { "$@" >"$work/slides" && head -3 "$work/slides" | tr -s ' ' | grep -c -E '^ (0.0 179.6424|15.0 178.6366|30.0 174.2834)$' | grep -qx 3; }
+
+check 'it builds' "$top/scripts/build_library" "$lib"
+cd "$work" || exit 1
+fortran=(gfortran -std=f2018 -I "$lib/include")
+libraries=(-L "$lib" -lpsalm "-Wl,-rpath,$lib")
+check 'example analyse.f90 compiles' "${fortran[@]}" "$top/example/analyse.f90" -o analyse "${libraries[@]}"
+check 'Fortran: the slider-crank' slides ./analyse
+check 'statically linked' "${fortran[@]}" "$top/example/analyse.f90" -o static "$lib/libpsalm.a" -lnlopt -llapack -fopenmp
+check 'statically linked: the slider-crank' slides ./static
+c=(cc -std=c11 -Wall -Wextra -Wpedantic -Werror -I "$lib/include")
+check 'slider_crank.c compiles' "${c[@]}" "$top/c/slider_crank.c" -o slider "${libraries[@]}"
+check 'C: the slider-crank' slides ./slider
+check 'the header is C++ too' sh -c 'command -v c++ || exit 0; echo "#include <psalm.h>" | c++ -Wall -Werror -fsyntax-only -x c++ -I "$1" -' - "$lib/include"
+check 'the program of all studies compiles' "${c[@]}" "$top/c/every_study.c" -o every "${libraries[@]}"
+check 'C: every study by its name' sh -c './every | grep -qx clearance && ./every rates "$1/engine.nml" | grep -q "^table positions, rows 36: input closed output"' - "$top/data"
+check 'the header compiles in a C++ program' sh -c 'command -v c++ || exit 0; echo "#include <psalm.h>
+    int main() { psalm_case *c = nullptr; return psalm_new(\"T\", &c) + psalm_interface() - PSALM_INTERFACE; }" >p.cpp &&
+    c++ -Wall -Wextra -Werror -I "$1/include" p.cpp -o p -L "$1" -lpsalm "-Wl,-rpath,$1" && ./p' - "$lib"
+check 'the library has a soname' sh -c 'objdump -p "$1/libpsalm.so" | grep -q "SONAME *libpsalm.so.1"' - "$lib"
+check 'the test in C compiles' "${c[@]}" "$top/c/test_psalm.c" -o capi "${libraries[@]}" -lm
+./capi "$top/data" || failed=$((failed + 1))
+check 'pip installs the module' "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation \
+    --target "$work/site" "$top/python"
+check 'pip: the library is beside the module' test -s site/psalm/libpsalm.so
+export PYTHONPATH="$work/site"
+check 'Python: the slider-crank' slides "$venv/bin/python" "$top/python/example/slider_crank.py"
+"$venv/bin/python" "$top/python/test_psalm.py" "$top/data" || failed=$((failed + 1))
+"$venv/bin/python" "$top/test/program/notebook.py" || failed=$((failed + 1))
+check 'Python: cases on all processors' sh -c '"$1" "$2/python/example/many_cases.py" | awk "NF == 3 { n++ } END { exit n != 9 }"' - \
+    "$venv/bin/python" "$top"
+# what each program can do is a verb of the library; its groups ask for one
+check 'every group that a program reads for a study is one of a verb' "$venv/bin/python" -c "
+import re, subprocess, psalm
+text = open('$top/src/facade/psalm_verbs.f90').read()
+verbs = re.findall(r\"verb_t\('(\w+)', '(\w+)', '([^']*)'\)\", text)
+assert [v[0] for v in verbs] == list(psalm.verbs), 'the list of the library'
+assert {v[1] for v in verbs} == {'psalm', 'kalm', 'balm', 'muscle', 'ssics', 'calm', 'bridge'}, 'every program'
+asked = {g for v in verbs for g in v[2].split()}
+case = {'LINKS', 'CHAIN', 'DRIVES', 'OUTPUTS', 'METHOD', 'CURVE', 'LIMITS', 'CONSTR'}
+try:
+    psalm.from_file('$top/data/types/kinds_for_corner.nml').synthesise()
+    assert False, 'a search over kinds is taken for something else'
+except psalm.Error as error:
+    assert 'asks the program psalm' in str(error), error
+asked |= {'KINDS'}      # of the program alone: the library refuses it, as just seen
+for program in sorted({v[1] for v in verbs}):
+    groups = re.findall(r'^ &(\w+)', subprocess.run(['$prefix/bin/' + program, '--items'], capture_output=True, text=True).stdout, re.M)
+    assert groups and set(groups) <= asked | case, (program, set(groups) - asked - case)"
+echo "$passed passed, $failed failed"
+[ $failed -eq 0 ]
