@@ -31,7 +31,7 @@ program bridge
       nl//'A revolute joint with clearance (&CLEAR): where its pin loses contact with its hole, its flight and impact.'//nl// &
       'Masses and loads come from &MASSES, &LOADS, &SPRING, the speed from &RATES.'//nl// &
       nl//'The listing goes to standard output; CASE.bridge.dev8 (input), CASE.bridge.dev9 (blocks) and CASE.bridge.svg'//nl// &
-      '(load, force of contact, lag; with NCRAD the standard charts) beside the case.'//nl// &
+      '(load, force of contact, lag; with NCRAD the standard charts) in the folder of the case.'//nl// &
       nl//json_option// &
       common_options// &
       nl//'Exit status: 0 done; 1 done, but contact is lost, or cannot be studied; 2 the input is wrong; 3 a file could'//nl// &

@@ -39,7 +39,7 @@ program calm
       'path, curvature, pressure angle; what the roller, the cutter or a flat face cannot follow.'//nl// &
       nl//'The listing goes to standard output; CASE.calm.dev8 (input), CASE.calm.dev9 and CASE.calm.csv (tables),'//nl// &
       'CASE.calm.dxf and CASE.calm.svg (drawings), CASE.calm.html (a page on which the cam turns) and with KGCODE=1'//nl// &
-      'CASE.calm.nc (G-code of the cutter path) beside the case.'//nl// &
+      'CASE.calm.nc (G-code of the cutter path) in the folder of the case.'//nl// &
       nl//json_option// &
       common_options// &
       nl//'Exit status: 0 done; 1 done, but the cam cannot be followed or made, or a limit is not kept;'//nl// &

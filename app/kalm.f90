@@ -41,7 +41,7 @@ program kalm
       nl//'With a group &MASSES, &LOADS or &SPRING: torque or force of the drive, force in every joint, force and'//nl// &
       'moment on the frame; with &MOTOR: steady cycle, run-up, flywheel.'//nl// &
       nl//'The listing goes to standard output; CASE.kalm.dev8 (input; with KTHETA=1 all arcs and joints) and'//nl// &
-      'CASE.kalm.dev9 beside the case.'//nl// &
+      'CASE.kalm.dev9 in the folder of the case.'//nl// &
       nl//json_option// &
       common_options// &
       nl//'Exit status: 0 done; 1 done, but the linkage does not close somewhere or passes a dead point;'//nl// &

@@ -28,7 +28,7 @@ program muscle
       'and weights that make a composite of shaking force, shaking moment, drive torque, joint loads and mass least.'//nl// &
       'Springs (&SPRNGS) that make the range or RMS of the drive torque, or of the load of a joint, least.'//nl// &
       nl//'The listing goes to standard output; CASE.muscle.dev7 (the case with weights and springs, for kalm and balm),'//nl// &
-      'CASE.muscle.dev8 (input) and CASE.muscle.dev9 (blocks) beside the case.'//nl// &
+      'CASE.muscle.dev8 (input) and CASE.muscle.dev9 (blocks) in the folder of the case.'//nl// &
       nl//json_option// &
       common_options// &
       nl//'Exit status: 0 done; 1 done, but what was asked for is impossible or not within the limits;'//nl// &

@@ -63,7 +63,7 @@ program psalm
       'usage: psalm [options] [CASE.nml ...]'//nl// &
       nl//'Analyses the linkage of each case, or searches for better dimensions where the case has variables.'//nl// &
       'Without a file, or with -, the case is read from standard input.'//nl// &
-      nl//'The listing goes to standard output; CASE.dev1, .dev2, .dev7, .dev8 and .dev9 beside the case.'//nl// &
+      nl//'The listing goes to standard output; CASE.dev1, .dev2, .dev7, .dev8 and .dev9 in the folder of the case.'//nl// &
       nl//json_option// &
       '  --assemblies      list every way in which the links of a sketch can be put together'//nl// &
       '  --kinds           list the kinds of linkages that &KINDS asks for, without a search'//nl// &

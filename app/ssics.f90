@@ -31,7 +31,8 @@ program ssics
       'usage: ssics [options] [CASE.nml ...]'//nl// &
       nl//'Steady state and stability: bending of links (&ESTIM, &VIBR), flexible drives (&DRIVEL), and any forced'//nl// &
       'Hill equation given by tables (&HILL). Masses and loads come from &MASSES, &LOADS, &SPRING, the speed from &RATES.'//nl// &
-      nl//'The listing goes to standard output; CASE.ssics.dev8 (input) and CASE.ssics.dev9 (blocks) beside the case.'//nl// &
+      nl//'The listing goes to standard output; CASE.ssics.dev8 (input) and CASE.ssics.dev9 (blocks) in the '// &
+      'folder of the case.'//nl// &
       nl//'  --curves          curves too: CASE.ssics.gp, .png, .pdf, by gnuplot'//nl// &
       json_option// &
       common_options// &

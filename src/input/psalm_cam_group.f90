@@ -41,7 +41,7 @@ module psalm_cam_group
              'of each segment: ''DWELL'', ''RAMP'', ''CYCLOIDAL'', ''HARMONIC'', ''PARABOLIC'', ''MODTRAP'', '// &
              '''MODSINE'', ''MCV50'', ''POLY345'', ''POLY4567'', ''TRIG'', ''POLY'''), &
       rule_t('SEGVEL', a_number, 'NSEG', '', '0', '', &
-             'velocity at the end of each segment, per radian of cam; beside a ramp it is the ramp''s'), &
+             'velocity at the end of each segment, per radian of cam; next to a ramp it is that of the ramp'), &
       rule_t('SEGACC', a_number, 'NSEG', '', '0', '', &
              '''POLY'': acceleration there'), &
       rule_t('SEGJRK', a_number, 'NSEG', '', '0', '', &

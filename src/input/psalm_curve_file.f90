@@ -130,7 +130,7 @@ contains
             return
          end if
          if (n == most_points) then
-            call findings%error('more than '//to_text(most_points)//' points; a curve is told by far fewer', line=i)
+            call findings%error('more than '//to_text(most_points)//' points; far fewer describe a curve', line=i)
             return
          end if
          if (n == size(curve%at, 2)) then

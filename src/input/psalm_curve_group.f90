@@ -257,7 +257,7 @@ contains
          call sample(line, points, sampled, fits)
          if (.not. fits) then
             call out_of(group, 'NPTS', to_text(points)//' points are too few: the curve has '//to_text(count(line%corner))// &
-                        ' corners, and one point stands at each; see CORNER', findings)
+                        ' corners, each of which takes one point; see CORNER', findings)
             return
          end if
          line = sampled

@@ -746,7 +746,7 @@ contains
          'counts arcs of &LINKS; for a sketch there are TOLLEN and TOLANG', findings)
       if (limits%given('OPLOW') .or. limits%given('OPHIGH')) call out_of(limits, merge('OPLOW ', 'OPHIGH', &
          limits%given('OPLOW')), &
-         'counts variables of &LINKS; the bounds of a sketch stand beside its variables, VLOW and VHIGH of &CHAIN', findings)
+         'counts variables of &LINKS; a sketch has its bounds in &CHAIN, VLOW and VHIGH', findings)
    end subroutine refuse_arcs
    !> True if the input slides, as ILOOP or the drive of a sketch says.
    pure logical function sliding_input(set)

@@ -51,7 +51,7 @@ module psalm_drive_group
              'position; multipliers are then of half a turn'), &
       rule_t('DOFFS', a_flag, '', '', '1', '', &
              '0: leave the offsets of the centres of mass out, as the thesis''s case study did; the right '// &
-             'inertia is listed beside'), &
+             'inertia is listed as well'), &
       rule_t('DSPLOW', a_number, '', 'rad/s', '0', '', &
              'range of speeds: the lowest'), &
       rule_t('DSPHGH', a_number, '', 'rad/s', '0', '', &

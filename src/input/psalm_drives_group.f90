@@ -288,7 +288,7 @@ contains
          end if
          call group%origins%warning(findings, 'DRIVES', item, 'drive '//trim(drive%name)//' moves the frame against link '// &
                                     trim(sketch%links(drive%base)%name)//', which goes the other way; DBASE is what a drive '// &
-                                    'stands on, as a rule the frame, and DLINK what it moves', i)
+                                    'is mounted on, as a rule the frame, and DLINK what it moves', i)
       end subroutine tell_moved_frame
 
       subroutine not_there(item, link, at)

@@ -64,7 +64,7 @@ module psalm_limits_group
       rule_t('IPROOF', a_whole, '', '', '2 after a search, else 0', '[0,2]', &
              '1: prove where the linkage closes over a full turn (a sliding input: over the range of the '// &
              'inputs), 2: over the range of the inputs, 0: prove nothing; where it is not given, IRANGE=1 '// &
-             'of &CONSTR stands for 2 and IRANGE=2 for 1; see '// &
+             'of &CONSTR means 2 and IRANGE=2 means 1; see '// &
              '[below](#the-motion-between-the-positions-proven)'), &
       rule_t('DWELL', a_number, '', '', '0', '[0,)', &
              'with a proof: amount that the output may move in a dwell, degrees or length'), &

@@ -42,7 +42,7 @@ module psalm_links_group
              'angle from the direction of the arc named in ILINK to this arc; of the last arc of loop 1: from '// &
              'the machine''s x axis'), &
       rule_t('NOUTLK', a_whole, '', '', 'required', '', &
-             'number of the arc the output hangs on; negative: output measured from the start of that arc, '// &
+             'number of the arc that carries the output; negative: output measured from the start of that arc, '// &
              'positive: from its finish'), &
       rule_t('NOUTLP', a_whole, '', '', 'required', '', &
              'loop of that arc'), &

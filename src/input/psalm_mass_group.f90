@@ -61,7 +61,7 @@ module psalm_mass_group
       rule_t('MOMY', a_number, '', 'length', '0', '', &
              'its y'), &
       rule_t('IMOTOR', a_flag, '', '', '1', '', &
-             '1: the motor stands on the frame, whose moment contains its reaction; 0: a flywheel elsewhere '// &
+             '1: the motor is mounted on the frame, whose moment contains its reaction; 0: a flywheel elsewhere '// &
              'holds the speed'), &
       rule_t('ISHARE', a_flag, '', '', '0', '', &
              '1: device 8 lists the share of every source in drive and frame force'), &

@@ -266,7 +266,7 @@ contains
       call check_weights('ANMULT', method%anmult)
       call read_rate_items(group, method%motion, merge(0, n, method%ikin /= 0), method%rate_wanted, method%rate_weight, findings)
       if (allocated(method%rate_wanted) .and. .not. method%desired) &
-         call group%origins%error(findings, 'METHOD', '', 'derivatives are wanted beside values ('// &
+         call group%origins%error(findings, 'METHOD', '', 'derivatives are desired in addition to values ('// &
                                   trim(merge('DESANG       ', 'DESX and DESY', kind%components == 1))//'), which are missing; '// &
                                   'where derivatives alone count, give the values weights of 0'// &
                                   trim(merge('; with DES1 ... of &OUTPUTS give DVEL1 ... there', repeat(' ', 48), of_sketch)))

@@ -47,7 +47,7 @@ module psalm_spring_design_group
       rule_t('NSFIND', a_whole, '', '', 'as many as the longest item has', '[0,100000]', &
              'springs'), &
       rule_t('PLINK', a_whole, 'NSFIND', '', 'required', '', &
-             'where one end is looked for, a place as in &MASSES: an arc'), &
+             'where one end may be attached, a place as in &MASSES: an arc'), &
       rule_t('PLOOP', a_whole, 'NSFIND', '', 'required', '', &
              'the loop of that arc'), &
       rule_t('PNAME', a_text, 'NSFIND', '', '', '', &
@@ -57,7 +57,7 @@ module psalm_spring_design_group
       rule_t('PANG', a_number, 'NSFIND', 'degrees', '0', '', &
              'angle from the arc''s direction'), &
       rule_t('QLINK', a_whole, 'NSFIND', '', 'required', '', &
-             'where the other end is looked for: an arc'), &
+             'where the other end may be attached: an arc'), &
       rule_t('QLOOP', a_whole, 'NSFIND', '', 'required', '', &
              'the loop of that arc'), &
       rule_t('QNAME', a_text, 'NSFIND', '', '', '', &

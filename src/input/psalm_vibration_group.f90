@@ -82,7 +82,7 @@ module psalm_vibration_group
       rule_t('NVCHRT', a_whole, '', '', '41', '[2,1000]', &
              'number of values of e in the chart'), &
       rule_t('VEBASE', a_number, '', '', '1', '(0,)', &
-             'the e that stands for the masses as given'), &
+             'the e at which the masses are those given'), &
       rule_t('NVPNT', a_whole, '', '', '256', '[16,4096]', &
              'positions in a turn')]
 

@@ -22,7 +22,7 @@ module psalm_observable
    type :: observable_t
       integer :: motion = motion_point
       type(output_kind_t) :: kind
-      integer :: arc = 0                                !! sequential number of the arc the output hangs on
+      integer :: arc = 0                                !! sequential number of the arc that carries the output
       integer :: root_x = 0, root_y = 0                 !! rows: unit vector that the output arc is turned from
       integer :: base_x = 0, base_y = 0                 !! rows: point that the output arc starts from
       integer :: slide = 0                              !! row: length that is the output

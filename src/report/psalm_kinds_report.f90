@@ -223,7 +223,7 @@ contains
          end if
       end associate
       unseen = count(study%looked%assemblies == 0)
-      if (unseen > 0) words = words//'; '//to_text(unseen)//' kinds were not looked at at all'
+      if (unseen > 0) words = words//'; '//to_text(unseen)//' kinds were not examined'
    end function what_more_would_bring
 
    pure function column(number, width) result(text)

@@ -92,7 +92,7 @@ contains
 
       if (.not. study%feasible) then
          words = 'no weights on the links allowed balance the shaking force completely'
-         if (size(study%adrift) > 0) words = words//'; adrift: '//list_of_names(study, study%adrift)
+         if (size(study%adrift) > 0) words = words//'; connected to the frame by slides only: '//list_of_names(study, study%adrift)
          if (size(study%out_of_reach) > 0) words = words//'; cannot be balanced: '//list_of_names(study, study%out_of_reach)
          call devices%remark(set, words)
          call devices%note_violation()

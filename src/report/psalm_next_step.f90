@@ -32,7 +32,7 @@ contains
       bound = ''
       if (set%limits%limval == 1) bound = given_bound(problem, found)
       if (len(bound) > 0) then
-         words = 'the best linkage stands at a bound: '//bound//'; widen it with '// &
+         words = 'the best linkage is at a bound: '//bound//'; widen it with '// &
                  trim(merge('VLOW and VHIGH  ', 'OPLOW and OPHIGH', set%sketch%given))//' and search again'
       else if (is_path(set) .and. set%method%ifree == 0 .and. set%method%ndes >= fewest_timed .and. &
                found%best(1)%objective > 0.0_wp) then

@@ -104,7 +104,7 @@ contains
       case (ended_small_objective)
          reason = 'the objective is below FMIN'
       case (ended_without_rates)
-         reason = 'no linkage has the derivatives that are wanted: a position stands at a limit of closure with each that was tried'
+         reason = 'no linkage has the desired derivatives: with each that was tried a position is at a limit of closure'
       case default
          reason = 'the simplex has converged'
       end select

@@ -85,7 +85,7 @@ contains
          end if
          if (size(ear%pairs) == 0) call find_branch(pairs, survey%known, along, ear)
          if (size(ear%pairs) == 0) then
-            why = 'links that hang on each other only'
+            why = 'links that are connected to each other only'
             return
          end if
          call trace_ring(closure, state, loop, first, pairs, ear, along, gears, survey, loops, taken, why)

@@ -239,7 +239,7 @@ contains
             if (drive == driven_by_cylinder .and. inside(kind%base)) size_of = size_of - 1
             kind%largest_group = max(kind%largest_group, size_of)
          end do
-         ! what the output hangs on
+         ! what the output depends on
          needed = .false.
          needed(kind%output) = .true.
          do

@@ -496,11 +496,11 @@ contains
          if (allocated(motion%chain)) then
             if (states%fault(first) == fault_dead_point) then
                call complain(set, cam, 'KOUT', 'the outputs with laws stand still at'//general(motion%chain%fault_at)// &
-                             ' degrees while the inputs move: a dead point, or the end of their reach; to drive through it '// &
+                             ' degrees while the inputs move: a dead point, or the end of their range; to drive through it '// &
                              'give the law of the input, KOUT=0', findings)
             else
                call complain(set, cam, 'SEGOUT', 'the linkage cannot follow at'//general(motion%chain%fault_at)// &
-                             ' degrees: it does not close, or stands at a dead point', findings)
+                             ' degrees: it does not close, or is at a dead point', findings)
             end if
             return
          end if
@@ -512,7 +512,7 @@ contains
             k = maxloc(beyond, dim=1)
             item = merge('SEGOUT', 'TABOUT', size(cams(1)%table) == 0)
             call complain(set, cam, item, 'the output wanted at'//general(samples%angle(k))//' degrees,'// &
-                          general(states%y(0, k))//', is beyond reach: the linkage gives'//general(low)//' to'//general(high)// &
+                          general(states%y(0, k))//', is out of range: the linkage gives'//general(low)//' to'//general(high)// &
                           ' while its input goes from'//general(motion%q(1))//' to'//general(motion%q(size(motion%q))), findings)
          case (fault_dead_point)
             call complain(set, cam, 'KOUT', 'the output stands still at'//general(samples%angle(first))//' degrees while the '// &

@@ -558,7 +558,7 @@ A SKETCH
  &METHOD DVELX=1.0,2.0,3.0 &END
 END
 status 2 'derivatives at the positions of a grid' "$psalm" board.nml
-said 'derivatives at the positions of a grid' 'derivatives are wanted beside values'
+said 'derivatives at the positions of a grid' 'derivatives are desired in addition to values'
 changed board.nml "s/, DLOW.*&END/ \&END/" "s/OUTPUT='point P'/OUTPUT='point P', DES1=20.0,95.0,13.0,91.0, DVEL1=-13.0,-10.0,-16.0,-16.0/" \
     's/DVELX=.*&END/NDES=2, DELT=0.0,20.0, DESX=20.0,13.0, DESY=95.0,91.0, DVELX=2*500.0 \&END/' >bad.nml
 status 2 'desired values in two groups' "$psalm" bad.nml

@@ -263,7 +263,7 @@ def bad_input(place):
             ("flat_swinging", [("SEGOUT=129.0,129.0,115.0,115.0", "SEGOUT=190.0,190.0,115.0,115.0")], "turns with the cam at"),
             ("swinging_roller", [("RCUT=10.0", "NFOLLK=-1")], "the follower does not move with the input"),
             ("needle_cam", [("OUT0=150.0, SEGOUT=146.8,146.8,150.0,150.0", "OUT0=152.0, SEGOUT=146.8,146.8,152.0,152.0")],
-             "is beyond reach: the linkage gives"),
+             "is out of range: the linkage gives"),
             ("needle_cam", [("NSEG=4", "KAXIS=2, NSEG=4")], "there is none of number 2"),
             # the roller's centre on the cam's axis: in a dwell, nearly, within the rise; that of the conjugate cam
             ("yoke", [("ORIGLK=40.0", "ORIGLK=0.0")], "&CAM XCAM: the roller's centre lies on the cam's axis (XCAM=0.0, YCAM=0.0) at 0.0 degrees"),
@@ -537,7 +537,7 @@ def knuckle(place):
                             ("4*'HARMONIC'", "'HARMONIC','POLY4567','HARMONIC','HARMONIC'", "the velocity of the input would jump"),
                             ("SEGEND=90.0,180.0,270.0,360.0", "SEGEND=90.0,170.0,270.0,360.0", "the velocity of the input would jump"),
                             ("200.0,185.0,200.0,185.0", "200.0,185.0,199.0,185.0", "more often one way than back"),
-                            ("SEGOUT=200.0,185.0,200.0", "SEGOUT=200.01,185.0,200.01", "is beyond reach: the linkage gives")):
+                            ("SEGOUT=200.0,185.0,200.0", "SEGOUT=200.01,185.0,200.01", "is out of range: the linkage gives")):
         bad = Run(equal.replace(old, new), place)
         check(bad.code == 2 and words in bad.error and not bad.table, "knuckle refused: " + words, bad.error)
     # forwards by psalm, legs of unequal length

@@ -653,7 +653,7 @@ def yokes(place):
             "  MDIST=0.02,0.01, MINERT=1E-4,1E-3 &END\n &BALANC WREACH=0.1 &END\n" % (bx, by, bx, by, across, along, draw.uniform(.2, 1))
         code, results, listing, error = muscle(text, place)
         check(code == 1 and results.get("feasible") is False and results.get("adrift") == ["yoke"], "random yoke %d is adrift" % seed, error)
-        check("adrift: yoke" in error and "yoke" in listing, "random yoke %d is named" % seed, error)
+        check("by slides only: yoke" in error and "yoke" in listing, "random yoke %d is named" % seed, error)
 
 
 # ---- pictures ---------------------------------------------------------------------------------------------------------------

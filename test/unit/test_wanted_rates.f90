@@ -484,7 +484,7 @@ contains
       call told(', DESANG=3*1.0, DVELANG=3*0.0, WVELANG=1.0,2.0', 'is one weight, or one for each of NDES=3 positions; found 2')
       call told(', DESANG=3*1.0, DACCANG=3*0.0, WACCANG=1.0,-2.0,1.0', 'weights must not be negative')
       call told(', DESANG=3*1.0, DVELX=3*0.0', 'is of no use: MOTION=1 has the derivatives DVELANG, DACCANG')
-      call told(', DVELANG=3*0.0', 'derivatives are wanted beside values (DESANG), which are missing')
+      call told(', DVELANG=3*0.0', 'derivatives are desired in addition to values (DESANG), which are missing')
    end subroutine notation
 
    subroutine told(items, words)
