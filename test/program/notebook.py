@@ -1,16 +1,19 @@
 #!/usr/bin/env python3
 """The notebooks and examples of the Python package, run as a new user would: cell by cell, in one name space, without Jupyter.
 
-usage: notebook.py, with the module psalm on the path. Last line: N passed, N failed."""
+usage: notebook.py, with the module psalm on the path. doc/tutorial/notebook.md shows cells of the first notebook, and lines that they print.
+Last line: N passed, N failed."""
 import glob
 import io
 import json
 import os
+import re
 import sys
 import traceback
 from contextlib import redirect_stdout
 
 HERE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python", "example")
+PAGE = os.path.join(HERE, "..", "..", "doc", "tutorial", "notebook.md")
 passed = failed = 0
 
 
@@ -21,6 +24,18 @@ def check(law, right, words=""):
     else:
         failed += 1
         print("FAILED: notebook: %s\n%s" % (law, words))
+
+
+def check_page(cells, printed):
+    """The page shows every cell of the notebook, in their order, and of each block of lines below what is printed."""
+    with open(PAGE, encoding="utf-8") as file:
+        page = re.sub(r"<!-- file: .*?```\n.*?^```$", "", file.read(), flags=re.M | re.S)
+    blocks = re.findall(r"^```(\w*)\n(.*?)^```$", page, re.M | re.S)
+    shown = [block for kind, block in blocks if kind == "python"]
+    check("the tutorial shows the cells of the notebook", shown == ["".join(cell["source"]) + "\n" for cell in cells if cell["cell_type"] == "code"])
+    lines = [line.strip() for line in printed.splitlines()]
+    for line in (line for kind, block in blocks if not kind for line in block.splitlines()):
+        check("the tutorial shows what is printed", line.strip() in lines, line)
 
 
 for path in sorted(glob.glob(os.path.join(HERE, "*.ipynb"))):
@@ -43,6 +58,8 @@ for path in sorted(glob.glob(os.path.join(HERE, "*.ipynb"))):
         except Exception:
             check("%s, cell %d" % (os.path.basename(path), number), False, traceback.format_exc())
             break
+    if os.path.basename(path) == "four_bar.ipynb":
+        check_page(cells, shown.getvalue())
     check("%s says something" % os.path.basename(path), len(shown.getvalue()) > 500)
 print("%d passed, %d failed" % (passed, failed))
 sys.exit(failed > 0)
