@@ -15,6 +15,8 @@ html_theme = "furo"
 html_title = "PSALM " + release
 html_show_sourcelink = False
 html_copy_source = False
+# the drawing board that the gallery opens (tools/book_pages)
+html_extra_path = [folder for folder in ["extra"] if os.path.isdir(os.path.join(os.path.dirname(os.path.abspath(__file__)), folder))]
 pygments_style = "default"
 pygments_dark_style = "monokai"
 

@@ -13,6 +13,7 @@
 
   const state = {
     sketch: blank(), source: '', file: 'sketch.nml', dirty: false,
+    book: '',                   // where the book is, seen from this page; empty: not known
     tool: 'select', selection: null, hover: null, pending: null, grid: 'auto',
     messages: [], wrong: new Set(),
     motion: {},                 // mech, start, sweep: what follows from the sketch
@@ -431,6 +432,28 @@
     view.draw();
   }
 
+  /** The page of the book for what is being done: what is wrong, else what is chosen, else the tool. Without the book, its name. */
+  function help() {
+    const { book, messages, selection, sketch, tool } = state, chosen = selection || {};
+    let page = 'board';
+    if (messages.length && sketch.joints.length) page = 'loops#what-psalm-makes-of-it';
+    else if (chosen.gear !== undefined) page = 'sketch#gears-in-chain';
+    else if (chosen.slide !== undefined || tool === 'slider') page = 'sketch#chain';
+    else if (chosen.drive !== undefined || tool === 'drive') page = 'sketch#drives';
+    else if (chosen.output !== undefined || tool === 'output') page = 'sketch#outputs-may-be-left-out';
+    const [name, place] = page.split('#');
+    if (book) window.open(book + 'guide/' + name + '.html' + (place ? '#' + place : ''), 'book');
+    else $('hint').textContent = 'The book explains this on its page guide/' + name + ' (doc/guide/' + name + '.md).';
+    return page;
+  }
+
+  /** What the address asks for: #case=TEXT&file=NAME&book=PATH. A path leads to a folder beside or above this page, nowhere else. */
+  function asked() {
+    const words = new URLSearchParams(location.hash.slice(1)), book = words.get('book') || '';
+    if (/^(\.{1,2}\/)*(\w[\w.-]*\/)*$/.test(book)) state.book = book;
+    return words.has('case') ? { lines: words.get('case').split('\n'), file: words.get('file') || 'sketch.nml' } : null;
+  }
+
   function ready() {
     view.begin();
     view.resize();
@@ -439,7 +462,7 @@
     new ResizeObserver(() => { view.resize(); view.draw(); }).observe(view.canvas);
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { view.resize(); view.draw(); });
     addEventListener('beforeunload', (event) => { if (state.dirty) event.preventDefault(); });
-    const given = JSON.parse($('data').textContent);
+    const given = asked() || JSON.parse($('data').textContent);
     board.panel.listExamples(board.examples);
     start();
     if (given.lines) {
@@ -448,7 +471,7 @@
   }
 
   Object.assign(board, { state, edit, begin, touch, end, undo: () => undo(), redo: () => undo(future, past), relax, rename, remove, freeName, tidy,
-    refresh, places, slidePlace, sides, jointOf, linkOf, linksAt, inFrame, go, drive, play, pause, table, load, start, write, save, open, fit, free, clone,
+    refresh, places, slidePlace, sides, jointOf, linkOf, linksAt, inFrame, go, drive, play, pause, table, load, start, write, save, open, fit, free, clone, help,
     canUndo: () => past.length > 0, canRedo: () => future.length > 0 });
   ready();
 })();

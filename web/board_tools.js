@@ -360,7 +360,7 @@ board.tools = (() => {
     const keys = {
       ' ': () => board.play(), Escape: () => { cancel(); board.state.selection = null; board.panel.show(); choose('select'); },
       Delete: () => board.state.selection && board.remove(board.state.selection), Backspace: () => board.state.selection && board.remove(board.state.selection),
-      f: board.fit, '+': () => zoom(1.25), '=': () => zoom(1.25), '-': () => zoom(0.8),
+      F1: () => board.help(), f: board.fit, '+': () => zoom(1.25), '=': () => zoom(1.25), '-': () => zoom(0.8),
     };
     const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
     const tool = TOOLS.find(([, , shortcut]) => shortcut === letter);
@@ -402,7 +402,8 @@ board.tools = (() => {
     canvas.addEventListener('drop', (event) => { event.preventDefault(); if (event.dataTransfer.files[0]) board.open(event.dataTransfer.files[0]); });
     document.addEventListener('keydown', key);
     const acts = { play: () => board.play(), undo: () => board.undo(), redo: () => board.redo(), save: () => board.save(), fit: () => board.fit(),
-      larger: () => zoom(1.25), smaller: () => zoom(0.8), open: () => $('file').click(), new: () => board.start() };
+      larger: () => zoom(1.25), smaller: () => zoom(0.8), open: () => $('file').click(), new: () => board.start(),
+      help: () => board.help() };
     for (const [id, act] of Object.entries(acts)) $(id).addEventListener('click', act);
     $('file').addEventListener('change', () => { if ($('file').files[0]) board.open($('file').files[0]); $('file').value = ''; });
     $('examples').addEventListener('change', () => {

@@ -410,6 +410,8 @@ module psalm_board_text
    '    <select id="examples" aria-label="examples"><option value="">Examples</option></select>'//nl// &
    '    <button id="undo" type="button" aria-label="undo" title="undo (Ctrl+Z)">&#8630;</button>'//nl// &
    '    <button id="redo" type="button" aria-label="redo" title="redo (Ctrl+Y)">&#8631;</button>'//nl// &
+   '    <button id="help" type="button" aria-label="help" title="the page of the book for what you are doing (F1)">?</butto'// &
+   'n>'//nl// &
    '  </div>'//nl// &
    '</header>'//nl// &
    '<main>'//nl// &
@@ -423,10 +425,10 @@ module psalm_board_text
    '      <button id="smaller" type="button" aria-label="smaller" title="smaller (-)">&minus;</button>'//nl// &
    '      <button id="fit" type="button" aria-label="show all" title="show all (F)">Fit</button>'//nl// &
    '      <label>grid <select id="grid" aria-label="grid">'//nl// &
-   '        <option value="auto" selected>auto</option><option value="0">off</option>'//nl// &
-   '      </select></label>'//nl
+   '        <option value="auto" selected>auto</option><option value="0">off</option>'//nl
 
    character(*), parameter :: part_6 = &
+   '      </select></label>'//nl// &
    '    </div>'//nl// &
    '  </figure>'//nl// &
    '  <aside id="panel" aria-label="properties"></aside>'//nl// &
@@ -606,10 +608,10 @@ module psalm_board_text
    "    return { titleStart: starts[first], title: lines[first].trim(), titleEnd: starts[first] + lines[first].replace(/\r$"// &
    "/, '').length,"//nl// &
    '      groups, end };'//nl// &
-   '  }'//nl// &
-   ''//nl
+   '  }'//nl
 
    character(*), parameter :: part_7 = &
+   ''//nl// &
    '  /** The place after blanks, line ends and comments. */'//nl// &
    '  function afterBlanks(text, at) {'//nl// &
    '    const part = /\s+|![^\n]*/y;'//nl// &
@@ -716,10 +718,10 @@ module psalm_board_text
    "    if (twice) throw wrong('JNT')('joint ' + twice + ' is named twice');"//nl// &
    "    const links = texts('LNK').map((words, i) => ({ name: (texts('LNAME')[i] || String(i + 1)).trim(),"//nl// &
    "      joints: jointsIn(words, names, wrong('LNK')) }));"//nl// &
-   "    const count = texts('NSLIDE').length ? numbers('NSLIDE')[0] : texts('SLNK').length;"//nl// &
-   '    const known = (name, item) => {'//nl
+   "    const count = texts('NSLIDE').length ? numbers('NSLIDE')[0] : texts('SLNK').length;"//nl
 
    character(*), parameter :: part_8 = &
+   '    const known = (name, item) => {'//nl// &
    '      if (!links.some((link) => link.name === name.trim())) throw wrong(item)("no link is called ''" + name + "''");'//nl// &
    '      return name.trim();'//nl// &
    '    };'//nl// &
@@ -829,10 +831,10 @@ module psalm_board_text
    "    if (outputs.some((o) => o.name)) wanted.push(['ONAME', outputs.map((o) => quoted(o.name || [o.kind, ...o.of].join('"// &
    "_')))]);"//nl// &
    "    list.OUTPUTS = outputs.length ? group('OUTPUTS', wanted.concat(kept(sketch, 'OUTPUTS'))) : '';"//nl// &
-   '    const method = [];'//nl// &
-   "    if (sketch.crnki) method.push(['CRNKI', [number(sketch.crnki)]]);"//nl
+   '    const method = [];'//nl
 
    character(*), parameter :: part_9 = &
+   "    if (sketch.crnki) method.push(['CRNKI', [number(sketch.crnki)]]);"//nl// &
    "    if (sketch.ikin) method.push(['IKIN', [String(sketch.ikin)]]);"//nl// &
    "    else if (!drives.some((d) => d.grid)) method.push(['NDES', [String(sketch.delt.length)]], ['DELT', sketch.delt.map("// &
    "number)]);"//nl// &
@@ -946,10 +948,10 @@ module psalm_board_text
    '        if (f === 0) continue;'//nl// &
    '        for (let j = k; j < n; j++) A[i][j] -= f * A[k][j];'//nl// &
    '        b[i] -= f * b[k];'//nl// &
-   '      }'//nl// &
-   '    }'//nl
+   '      }'//nl
 
    character(*), parameter :: part_10 = &
+   '    }'//nl// &
    '    const x = new Array(n);'//nl// &
    '    for (let k = n - 1; k >= 0; k--) {'//nl// &
    '      let v = b[k];'//nl// &
@@ -1053,10 +1055,10 @@ module psalm_board_text
    '    });'//nl// &
    '    return { sketch, size, origin, point, of, slides, rows, drives, links: sketch.links.length,'//nl// &
    "      count: rows.reduce((sum, row) => sum + (row.kind === 'pin' ? 2 : 1), 0) + drives.length };"//nl// &
-   '  }'//nl// &
-   ''//nl
+   '  }'//nl
 
    character(*), parameter :: part_11 = &
+   ''//nl// &
    '  /** Where a point of a link is, and its derivative by the turn of the link. */'//nl// &
    '  function place(mech, pose, link, p) {'//nl// &
    '    const phi = pose[3 * link + 2], c = Math.cos(phi), s = Math.sin(phi), x = c * p[0] - s * p[1], y = s * p[0] + c * p'// &
@@ -1161,10 +1163,10 @@ module psalm_board_text
    '    const right = A.map((_, i) => i < A.length - rates.length ? 0 : rates[i - (A.length - rates.length)] *'//nl// &
    "      (mech.drives[i - (A.length - rates.length)].kind === 'turn' ? mech.size : 1));"//nl// &
    '    const { x, full } = solve(A, right, n);'//nl// &
-   '    return full ? x : null;'//nl// &
-   '  }'//nl
+   '    return full ? x : null;'//nl
 
    character(*), parameter :: part_12 = &
+   '  }'//nl// &
    ''//nl// &
    '  /** From a state to other inputs, in steps that stay on the branch, of at least this part of the way; null where the '// &
    'linkage cannot'//nl// &
@@ -1273,10 +1275,10 @@ module psalm_board_text
    "    case 'distance': { const [p, q] = names(words); return { [name]: q ? Math.hypot(q[0] - p[0], q[1] - p[1]) : Math.hy"// &
    "pot(...p) }; }"//nl// &
    "    case 'slide': return { [name]: travel(mech, state.pose, mech.sketch.slides.findIndex((s) => s.name === words[0])).a"// &
-   "long };"//nl// &
-   "    case 'between': {"//nl
+   "long };"//nl
 
    character(*), parameter :: part_13 = &
+   "    case 'between': {"//nl// &
    '      const half = words.length === 2 ? [[words[0]], [words[1]]] : words.length === 4 ? [words.slice(0, 2), words.slice'// &
    '(2)] : [[...words[0]].slice(0, 2), [...words[0]].slice(2)];'//nl// &
    '      const turned = angle(line(half[1])) - angle(line(half[0]));'//nl// &
@@ -1394,11 +1396,11 @@ module psalm_board_text
    '    if (left) {'//nl// &
    '      const tail = sketch.joints.find((j) => sketch.links.filter((l) => l.joints.includes(j.name)).length === 1 &&'//nl// &
    '        names.some((name) => sketch.links.find((l) => l.name === name).joints.includes(j.name)) && !sketch.outputs.some'// &
-   '((o) => o.of.includes(j.name)));'//nl// &
-   "      if (!sketch.drives.length && left === 1) return say('Freedom 1 and no drive: with the tool Drive click a frame jo"// &
-   "int, a slide, or pull a cylinder.', [], names);"//nl
+   '((o) => o.of.includes(j.name)));'//nl
 
    character(*), parameter :: part_14 = &
+   "      if (!sketch.drives.length && left === 1) return say('Freedom 1 and no drive: with the tool Drive click a frame jo"// &
+   "int, a slide, or pull a cylinder.', [], names);"//nl// &
    "      return say('Loose: ' + (names.length > 1 ? 'links ' : 'link ') + listed(names) + ' can still move' + (held.length"// &
    " ? ' with ' +"//nl// &
    "        listed(held) + ' held' : '') + '. ' + left + ' drive' + (left > 1 ? 's' : '') + ' more, or join them.' + (tail "// &
@@ -1504,10 +1506,10 @@ module psalm_board_text
    '    drawPaths();'//nl// &
    '    sketch.slides.forEach((slide, i) => drawRail(slide, i));'//nl// &
    '    sketch.gears.forEach((gear) => drawGear(gear, p));'//nl// &
-   '    sketch.links.forEach((link, i) => drawLink(link, i, p));'//nl// &
-   "    sketch.drives.forEach((drive) => { if (drive.kind === 'cylinder') drawCylinder(drive, p); });"//nl
+   '    sketch.links.forEach((link, i) => drawLink(link, i, p));'//nl
 
    character(*), parameter :: part_15 = &
+   "    sketch.drives.forEach((drive) => { if (drive.kind === 'cylinder') drawCylinder(drive, p); });"//nl// &
    '    sketch.slides.forEach((slide, i) => drawBlock(slide, i, p));'//nl// &
    '    sketch.joints.forEach((joint) => drawJoint(joint, p(joint.name)));'//nl// &
    "    sketch.drives.forEach((drive) => { if (drive.kind === 'turn') drawMotor(...p(drive.at[0])); });"//nl// &
@@ -1612,10 +1614,10 @@ module psalm_board_text
    '        while (chain.length > 1) {'//nl// &
    '          const [a, b] = chain.slice(-2);'//nl// &
    '          if ((b[0] - a[0]) * (q[1] - a[1]) - (b[1] - a[1]) * (q[0] - a[0]) > 1e-6) break;'//nl// &
-   '          chain.pop();'//nl// &
-   '        }'//nl
+   '          chain.pop();'//nl
 
    character(*), parameter :: part_16 = &
+   '        }'//nl// &
    '        chain.push(q);'//nl// &
    '      }'//nl// &
    '      return chain;'//nl// &
@@ -1718,10 +1720,10 @@ module psalm_board_text
    '      g.globalAlpha = 1;'//nl// &
    '    }'//nl// &
    '    g.fillStyle = pens.paper;'//nl// &
-   '    g.strokeStyle = chosen ? pens.accent : wrong.has(joint.name) ? pens.warn : pens.ink;'//nl// &
-   '    g.lineWidth = 2.2;'//nl
+   '    g.strokeStyle = chosen ? pens.accent : wrong.has(joint.name) ? pens.warn : pens.ink;'//nl
 
    character(*), parameter :: part_17 = &
+   '    g.lineWidth = 2.2;'//nl// &
    '    g.beginPath();'//nl// &
    '    g.arc(x, y, r, 0, ROUND);'//nl// &
    '    g.fill();'//nl// &
@@ -1826,10 +1828,10 @@ module psalm_board_text
    ')]; };'//nl// &
    '    let best = null, least = touch ? FINGER : MOUSE;'//nl// &
    '    for (const joint of sketch.joints) {'//nl// &
-   '      const [x, y] = p(joint.name), away = Math.hypot(px - x, py - y);'//nl// &
-   '      if (joint.name !== without && away < least) { best = { joint: joint.name }; least = away; }'//nl
+   '      const [x, y] = p(joint.name), away = Math.hypot(px - x, py - y);'//nl
 
    character(*), parameter :: part_18 = &
+   '      if (joint.name !== without && away < least) { best = { joint: joint.name }; least = away; }'//nl// &
    '    }'//nl// &
    '    if (best) return best;'//nl// &
    '    sketch.slides.forEach((slide, i) => {'//nl// &
@@ -1931,10 +1933,10 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  const check = (label, on, take) => {'//nl// &
-   "    const box = make('input', { type: 'checkbox', 'aria-label': label, onchange: () => take(box.checked) });"//nl// &
-   '    box.checked = on;'//nl
+   "    const box = make('input', { type: 'checkbox', 'aria-label': label, onchange: () => take(box.checked) });"//nl
 
    character(*), parameter :: part_19 = &
+   '    box.checked = on;'//nl// &
    '    return box;'//nl// &
    '  };'//nl// &
    ''//nl// &
@@ -2046,11 +2048,11 @@ module psalm_board_text
    "      row('slides', choice('link that slides', names, slide.links[1], onto(1))),"//nl// &
    "      row('angle', numberField('direction of the slide, degrees', slide.angle, set('angle'))),"//nl// &
    "      row('through x', numberField('x of a point of the line', slide.x, set('x'))),"//nl// &
-   "      row('y', numberField('y of a point of the line', slide.y, set('y'))),"//nl// &
-   "      row('driven', check('the slide is driven', state.sketch.drives.some((d) => d.at[0] === name), () => board.tools.d"// &
-   "rive({ slide: name }))),"//nl
+   "      row('y', numberField('y of a point of the line', slide.y, set('y'))),"//nl
 
    character(*), parameter :: part_20 = &
+   "      row('driven', check('the slide is driven', state.sketch.drives.some((d) => d.at[0] === name), () => board.tools.d"// &
+   "rive({ slide: name }))),"//nl// &
    "      button('Delete', () => board.remove({ slide: name }))];"//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -2167,10 +2169,10 @@ module psalm_board_text
    "    const box = make('textarea', { 'aria-label': 'data set', spellcheck: 'false', wrap: 'off' }), told = make('p', { cl"// &
    "ass: 'wrong', role: 'alert' });"//nl// &
    '    box.value = board.write();'//nl// &
-   "    const take = button('Take over', () => {"//nl// &
-   '      try {'//nl
+   "    const take = button('Take over', () => {"//nl
 
    character(*), parameter :: part_21 = &
+   '      try {'//nl// &
    '        const sketch = board.text.parse(box.value);'//nl// &
    '        board.state.source = box.value;'//nl// &
    '        board.edit(() => { board.state.sketch = sketch; });'//nl// &
@@ -2284,10 +2286,10 @@ module psalm_board_text
    '  let pinch = 0;                         // distance of two fingers'//nl// &
    ''//nl// &
    '  // ---- what tools do -----------------------------------------------------------------------------------------------'// &
-   '-'//nl// &
-   ''//nl
+   '-'//nl
 
    character(*), parameter :: part_22 = &
+   ''//nl// &
    '  const edit = (change) => board.edit(change);'//nl// &
    ''//nl// &
    '  /** A joint at a place; on a link it belongs to it. Gives its name. */'//nl// &
@@ -2393,10 +2395,10 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** Two joints become one, in all their links. */'//nl// &
-   '  function join(from, to) {'//nl// &
-   '    const swap = (names) => [...new Set(names.map((name) => name === from ? to : name))];'//nl
+   '  function join(from, to) {'//nl
 
    character(*), parameter :: part_23 = &
+   '    const swap = (names) => [...new Set(names.map((name) => name === from ? to : name))];'//nl// &
    '    board.touch((sketch) => {'//nl// &
    '      for (const one of sketch.links) one.joints = swap(one.joints);'//nl// &
    '      for (const one of sketch.lengths) one.joints = one.joints.map((name) => name === from ? to : name);'//nl// &
@@ -2502,10 +2504,10 @@ module psalm_board_text
    "    } else if (press.tool === 'select') {"//nl// &
    '      drag(at);'//nl// &
    '    }'//nl// &
-   '  }'//nl// &
-   ''//nl
+   '  }'//nl
 
    character(*), parameter :: part_24 = &
+   ''//nl// &
    "  /** Where the line that is pulled ends: a slide's turns in steps. */"//nl// &
    '  function target({ tool, from }, at) {'//nl// &
    "    if (tool !== 'slider') return at.place;"//nl// &
@@ -2614,10 +2616,10 @@ module psalm_board_text
    'clientY) || 1; };'//nl// &
    ''//nl// &
    '  function pinchTo() {'//nl// &
-   '    const [a, b] = [...pointers.values()], box = view.canvas.getBoundingClientRect(), now = spread();'//nl// &
-   '    view.zoom(now / pinch, (a.clientX + b.clientX) / 2 - box.left, (a.clientY + b.clientY) / 2 - box.top);'//nl
+   '    const [a, b] = [...pointers.values()], box = view.canvas.getBoundingClientRect(), now = spread();'//nl
 
    character(*), parameter :: part_25 = &
+   '    view.zoom(now / pinch, (a.clientX + b.clientX) / 2 - box.left, (a.clientY + b.clientY) / 2 - box.top);'//nl// &
    '    pinch = now;'//nl// &
    '    view.draw();'//nl// &
    '  }'//nl// &
@@ -2663,7 +2665,7 @@ module psalm_board_text
    "ct'); },"//nl// &
    '      Delete: () => board.state.selection && board.remove(board.state.selection), Backspace: () => board.state.selectio'// &
    'n && board.remove(board.state.selection),'//nl// &
-   "      f: board.fit, '+': () => zoom(1.25), '=': () => zoom(1.25), '-': () => zoom(0.8),"//nl// &
+   "      F1: () => board.help(), f: board.fit, '+': () => zoom(1.25), '=': () => zoom(1.25), '-': () => zoom(0.8),"//nl// &
    '    };'//nl// &
    '    const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };'//nl// &
    '    const tool = TOOLS.find(([, , shortcut]) => shortcut === letter);'//nl// &
@@ -2710,7 +2712,8 @@ module psalm_board_text
    "    document.addEventListener('keydown', key);"//nl// &
    '    const acts = { play: () => board.play(), undo: () => board.undo(), redo: () => board.redo(), save: () => board.save'// &
    '(), fit: () => board.fit(),'//nl// &
-   "      larger: () => zoom(1.25), smaller: () => zoom(0.8), open: () => $('file').click(), new: () => board.start() };"//nl// &
+   "      larger: () => zoom(1.25), smaller: () => zoom(0.8), open: () => $('file').click(), new: () => board.start(),"//nl// &
+   '      help: () => board.help() };'//nl// &
    "    for (const [id, act] of Object.entries(acts)) $(id).addEventListener('click', act);"//nl// &
    "    $('file').addEventListener('change', () => { if ($('file').files[0]) board.open($('file').files[0]); $('file').valu"// &
    "e = ''; });"//nl// &
@@ -2729,11 +2732,11 @@ module psalm_board_text
    '<script>'//nl// &
    '// The drawing board: its state, every change with undo, the motion that follows from it, playing, files.'//nl// &
    "'use strict';"//nl// &
-   ''//nl// &
-   '(() => {'//nl// &
-   '  const { view, motion: solver, text: notation } = board;'//nl
+   ''//nl
 
    character(*), parameter :: part_26 = &
+   '(() => {'//nl// &
+   '  const { view, motion: solver, text: notation } = board;'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
    '  const MOST_UNDO = 200, TURN_TIME = 6, WAY_TIME = 4;      // seconds of a turn, of a way there'//nl// &
    '  const NEAR = 1e-3;                                       // part of a step of the sweep that is followed to a dead po'// &
@@ -2746,6 +2749,7 @@ module psalm_board_text
    ''//nl// &
    '  const state = {'//nl// &
    "    sketch: blank(), source: '', file: 'sketch.nml', dirty: false,"//nl// &
+   "    book: '',                   // where the book is, seen from this page; empty: not known"//nl// &
    "    tool: 'select', selection: null, hover: null, pending: null, grid: 'auto',"//nl// &
    '    messages: [], wrong: new Set(),'//nl// &
    '    motion: {},                 // mech, start, sweep: what follows from the sketch'//nl// &
@@ -2836,12 +2840,12 @@ module psalm_board_text
    '    const largest = Math.max(...lengths.map((l) => l.value));'//nl// &
    '    for (let round = 0; round < 60; round++) {'//nl// &
    '      const rows = [], right = [];'//nl// &
-   '      for (const { joints: [a, b], value } of lengths) {'//nl// &
-   '        const i = joints.findIndex((j) => j.name === a), k = joints.findIndex((j) => j.name === b);'//nl// &
-   '        const dx = joints[k].x - joints[i].x, dy = joints[k].y - joints[i].y, d = Math.hypot(dx, dy) || 1e-9;'//nl// &
-   '        rows.push({ i, k, u: [dx / d, dy / d] });'//nl
+   '      for (const { joints: [a, b], value } of lengths) {'//nl
 
    character(*), parameter :: part_27 = &
+   '        const i = joints.findIndex((j) => j.name === a), k = joints.findIndex((j) => j.name === b);'//nl// &
+   '        const dx = joints[k].x - joints[i].x, dy = joints[k].y - joints[i].y, d = Math.hypot(dx, dy) || 1e-9;'//nl// &
+   '        rows.push({ i, k, u: [dx / d, dy / d] });'//nl// &
    '        right.push(value - d);'//nl// &
    '      }'//nl// &
    '      worst = Math.max(0, ...right.map(Math.abs));'//nl// &
@@ -2945,12 +2949,12 @@ module psalm_board_text
    '  // ---- motion ------------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
    ''//nl// &
-   '  /** What follows from the sketch; `rough` while something is dragged. */'//nl// &
-   '  function refresh(rough = false) {'//nl// &
-   '    const { sketch } = state;'//nl// &
-   '    state.motion = {};'//nl
+   '  /** What follows from the sketch; `rough` while something is dragged. */'//nl
 
    character(*), parameter :: part_28 = &
+   '  function refresh(rough = false) {'//nl// &
+   '    const { sketch } = state;'//nl// &
+   '    state.motion = {};'//nl// &
    '    state.live = null;'//nl// &
    '    state.t = 0;'//nl// &
    '    state.messages = solver.judge(sketch);'//nl// &
@@ -3053,12 +3057,12 @@ module psalm_board_text
    '    let { x, y } = slide, u = [Math.cos(slide.angle * solver.RADIAN), Math.sin(slide.angle * solver.RADIAN)];'//nl// &
    '    if (live) {'//nl// &
    '      const row = m.mech.slides[i], at = (link, p) => {'//nl// &
-   '        const phi = live.pose[3 * link + 2], c = Math.cos(phi), s = Math.sin(phi);'//nl// &
-   '        return [live.pose[3 * link] + c * p[0] - s * p[1], live.pose[3 * link + 1] + s * p[0] + c * p[1]];'//nl// &
-   '      };'//nl// &
-   '      [x, y] = at(moves === a ? row.a : row.b, moves === a ? row.p : row.q);'//nl
+   '        const phi = live.pose[3 * link + 2], c = Math.cos(phi), s = Math.sin(phi);'//nl
 
    character(*), parameter :: part_29 = &
+   '        return [live.pose[3 * link] + c * p[0] - s * p[1], live.pose[3 * link + 1] + s * p[0] + c * p[1]];'//nl// &
+   '      };'//nl// &
+   '      [x, y] = at(moves === a ? row.a : row.b, moves === a ? row.p : row.q);'//nl// &
    '      const phi = live.pose[3 * row.a + 2];'//nl// &
    '      u = [u[0] * Math.cos(phi) - u[1] * Math.sin(phi), u[0] * Math.sin(phi) + u[1] * Math.cos(phi)];'//nl// &
    '    }'//nl// &
@@ -3158,12 +3162,12 @@ module psalm_board_text
    "    board.tools.choose('link');"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  const write = () => notation.write(state.sketch, state.source);'//nl// &
-   ''//nl// &
-   '  function save() {'//nl// &
-   "    const link = document.createElement('a');"//nl
+   '  const write = () => notation.write(state.sketch, state.source);'//nl
 
    character(*), parameter :: part_30 = &
+   ''//nl// &
+   '  function save() {'//nl// &
+   "    const link = document.createElement('a');"//nl// &
    "    link.href = URL.createObjectURL(new Blob([write()], { type: 'text/plain' }));"//nl// &
    "    link.download = state.file.replace(/\.(dev7|txt)$/, '.nml');"//nl// &
    '    link.click();'//nl// &
@@ -3193,6 +3197,31 @@ module psalm_board_text
    '    view.draw();'//nl// &
    '  }'//nl// &
    ''//nl// &
+   '  /** The page of the book for what is being done: what is wrong, else what is chosen, else the tool. Without the book,'// &
+   ' its name. */'//nl// &
+   '  function help() {'//nl// &
+   '    const { book, messages, selection, sketch, tool } = state, chosen = selection || {};'//nl// &
+   "    let page = 'board';"//nl// &
+   "    if (messages.length && sketch.joints.length) page = 'loops#what-psalm-makes-of-it';"//nl// &
+   "    else if (chosen.gear !== undefined) page = 'sketch#gears-in-chain';"//nl// &
+   "    else if (chosen.slide !== undefined || tool === 'slider') page = 'sketch#chain';"//nl// &
+   "    else if (chosen.drive !== undefined || tool === 'drive') page = 'sketch#drives';"//nl// &
+   "    else if (chosen.output !== undefined || tool === 'output') page = 'sketch#outputs-may-be-left-out';"//nl// &
+   "    const [name, place] = page.split('#');"//nl// &
+   "    if (book) window.open(book + 'guide/' + name + '.html' + (place ? '#' + place : ''), 'book');"//nl// &
+   "    else $('hint').textContent = 'The book explains this on its page guide/' + name + ' (doc/guide/' + name + '.md).';"//nl// &
+   '    return page;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** What the address asks for: #case=TEXT&file=NAME&book=PATH. A path leads to a folder beside or above this page, no'// &
+   'where else. */'//nl// &
+   '  function asked() {'//nl// &
+   "    const words = new URLSearchParams(location.hash.slice(1)), book = words.get('book') || '';"//nl// &
+   '    if (/^(\.{1,2}\/)*(\w[\w.-]*\/)*$/.test(book)) state.book = book;'//nl// &
+   "    return words.has('case') ? { lines: words.get('case').split('\n'), file: words.get('file') || 'sketch.nml' } : null"// &
+   ";"//nl// &
+   '  }'//nl// &
+   ''//nl// &
    '  function ready() {'//nl// &
    '    view.begin();'//nl// &
    '    view.resize();'//nl// &
@@ -3201,7 +3230,7 @@ module psalm_board_text
    '    new ResizeObserver(() => { view.resize(); view.draw(); }).observe(view.canvas);'//nl// &
    "    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { view.resize(); view.draw(); });"//nl// &
    "    addEventListener('beforeunload', (event) => { if (state.dirty) event.preventDefault(); });"//nl// &
-   "    const given = JSON.parse($('data').textContent);"//nl// &
+   "    const given = asked() || JSON.parse($('data').textContent);"//nl// &
    '    board.panel.listExamples(board.examples);'//nl// &
    '    start();'//nl// &
    '    if (given.lines) {'//nl// &
@@ -3213,7 +3242,7 @@ module psalm_board_text
    '  Object.assign(board, { state, edit, begin, touch, end, undo: () => undo(), redo: () => undo(future, past), relax, ren'// &
    'ame, remove, freeName, tidy,'//nl// &
    '    refresh, places, slidePlace, sides, jointOf, linkOf, linksAt, inFrame, go, drive, play, pause, table, load, start, '// &
-   'write, save, open, fit, free, clone,'//nl// &
+   'write, save, open, fit, free, clone, help,'//nl// &
    '    canUndo: () => past.length > 0, canRedo: () => future.length > 0 });'//nl// &
    '  ready();'//nl// &
    '})();'//nl// &

@@ -6,9 +6,11 @@ import csv
 import glob
 import math
 import os
+import re
 import shutil
 import sys
 import time
+import urllib.parse
 
 from playwright.sync_api import sync_playwright
 
@@ -37,6 +39,7 @@ def test_board(shots):
         test_exact_places(browser)
         test_names_elsewhere(browser)
         test_large_files(browser)
+        test_address_and_help(browser)
         browser.close()
 
 
@@ -120,6 +123,38 @@ def test_files(browser):
     check("board: an option of balm", code == 2 and "'--edit' is an option of balm" in errors, errors)
     code, _, errors = balm("--edit", "missing.nml")
     check("board: a file that is not there", code == 3, errors)
+
+
+def test_address_and_help(browser):
+    """A case in the address is on the board; help opens the page of the book for what is being done."""
+    board = Board(browser, BOARD)
+    case = read(os.path.join(DATA, "sketch_four_bar.nml"))
+    board.page.goto("about:blank")
+    board.page.goto("file://" + BOARD + "#book=./&file=four.nml&case=" + urllib.parse.quote(case))
+    board.page.wait_for_timeout(150)
+    check("board: the case of the address is on it", board.ask("board.state.sketch.joints.length") == len(re.search(r"JX=([\d.,-]+),", case)[1].split(","))
+          and board.ask("board.state.file") == "four.nml", board.chip())
+    check("board: it is drawn without complaint", not board.complaints and "it moves" in board.chip(), board.chip())
+    board.page.evaluate("window.open = (to) => { window.opened = to; }")
+    guide = os.path.join(TOP, "doc", "guide")
+    for tool, page in (("select", "./guide/board.html"), ("drive", "./guide/sketch.html#drives"), ("slider", "./guide/sketch.html#chain"),
+                       ("output", "./guide/sketch.html#outputs-may-be-left-out")):
+        board.tool(tool)
+        board.page.click("#help")
+        check("board: help with the tool %s" % tool, board.ask("window.opened") == page, board.ask("window.opened"))
+        name, _, anchor = page.removeprefix("./guide/").partition(".html#")
+        headings = re.findall(r"^#+ (.*)$", read(os.path.join(guide, name.removesuffix(".html") + ".md")), re.M)
+        slugs = [re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings]
+        check("board: the page has the place %s" % anchor, not anchor or anchor in slugs, str(slugs))
+    board.context.close()
+    board = Board(browser, BOARD)
+    board.page.goto("about:blank")
+    board.page.goto("file://" + BOARD + "#book=javascript:alert(1)//")
+    board.page.wait_for_timeout(150)
+    board.page.click("#help")
+    check("board: only a path is taken for the book", board.ask("board.state.book") == "" and not board.dialogs, board.ask("board.state.book"))
+    check("board: without the book help names the page", "guide/board" in board.page.text_content("#hint"))
+    board.context.close()
 
 
 def test_four_bar(browser, shots):
