@@ -109,8 +109,8 @@ int psalm_study(psalm_case *c, const char *verb, int options, int threads, psalm
 void psalm_result_free(psalm_result *r);                                /* NULL is allowed */
 
 /* While a study works on the case, another thread, or a signal handler, may end it and ask how far it is. psalm_cancel ends a search,
- * a sample of tolerances or an exact synthesis, mostly within milliseconds: it returns PSALM_VIOLATION, and what it found so far is
- * there. Called before the study begins it has no effect. psalm_progress gives starts, iterations or paths made, how many there will
+ * a sample of tolerances, a sweep, an exact synthesis, a proof, balance, springs, cams or a clearance, mostly within milliseconds: it
+ * returns PSALM_VIOLATION, and what a search, a sample, a sweep or an exact synthesis found so far is there; of the others nothing is. Called before the study begins it has no effect. psalm_progress gives starts, iterations or paths made, how many there will
  * be at most, and the best objective so far; each pointer may be NULL. *made is 0 before the first. Free the case only after the study
  * has returned. */
 int psalm_cancel(psalm_case *c);

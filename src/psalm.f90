@@ -16,29 +16,32 @@ module psalm
    use psalm_exact_study, only: exact_study_t
    use psalm_family_study, only: family_t
    use psalm_force_study, only: force_study_t
+   use psalm_force_verbs, only: find_balance, find_clearance, find_forces, find_machine, find_rates, find_springs, find_vibration
+   use psalm_kind_search, only: kind_study_t
    use psalm_kinds, only: wp
    use psalm_machine_study, only: machine_study_t
    use psalm_margins, only: margin_t
+   use psalm_motion_verbs, only: analyse, find_assemblies, find_family, find_tolerances, prove, proven_t, summarise
    use psalm_muscle_study, only: muscle_study_t
    use psalm_nlp, only: nlp_t, plain_nlp_t
    use psalm_output_kind, only: output_point => motion_point, output_angle => motion_angle, output_distance => motion_distance, &
                                 output_slide => motion_slide, output_pose => motion_pose
    use psalm_rate_study, only: rate_study_t
    use psalm_search, only: found_t
+   use psalm_search_verbs, only: find_exact, find_kinds, found_case, minimise, synthesise
+   use psalm_shape_verbs, only: cams_t, draw, find_cams, make_board
    use psalm_solver, only: ending_t, observer_t, search_state_t
    use psalm_status, only: findings_t => diagnostics_t, finding_t, level_error, level_remark, level_warning
    use psalm_steady_study, only: steady_study_t
    use psalm_stop, only: stop_t, stop_request_t
+   use psalm_study_frame, only: column_named, report_t
    use psalm_summary, only: summary_t
    use psalm_synthesis, only: synthesis_t, ended_unmade, ended_infeasible, ended_converged, ended_small_objective, &
                               ended_iterations, ended_starts, ended_time, ended_on_request, ended_refused, ended_without_rates
    use psalm_tables, only: column_t, table_t, tables_t, table_for_plots => for_plots, table_kind_flag => kind_flag, &
                            table_kind_whole => kind_whole, table_kind_word => kind_word
    use psalm_tolerance, only: tolerances_t
-   use psalm_verbs, only: analyse, cams_t, column_named, draw, find_assemblies, find_balance, find_cams, find_clearance, &
-                          find_exact, &
-                          find_family, find_forces, find_machine, find_rates, find_springs, find_tolerances, find_vibration, &
-                          found_case, make_board, minimise, prove, proven_t, report_t, study, summarise, synthesise, verb_t, verbs
+   use psalm_verbs, only: study, verb_t, verbs
    use psalm_version, only: version
    implicit none (type, external)
    private
@@ -59,6 +62,7 @@ module psalm
    public :: ended_unmade, ended_infeasible, ended_converged, ended_small_objective, ended_iterations, ended_starts, ended_time, &
              ended_on_request, ended_refused, ended_without_rates
    public :: find_exact, exact_study_t
+   public :: find_kinds, kind_study_t
    public :: prove, proven_t
    public :: find_assemblies, assembly_study_t
    public :: find_balance, find_springs, muscle_study_t

@@ -15,7 +15,7 @@ from ._results import Error, Finding, Motion, Result, Search, frame_of
 Numbers = typing.Union[typing.Sequence[float], numpy.ndarray]
 Progress = typing.Union[None, bool, typing.Callable[[int, int, float], typing.Any]]
 _AT_ONCE = ("analysis", "rates", "forces", "summary")   # studies so short that no thread is made for them
-_KINDS = {"analysis": Motion, "rates": Motion, "forces": Motion, "machine": Motion, "synthesis": Search, "exact": Search}
+_KINDS = {"analysis": Motion, "rates": Motion, "forces": Motion, "machine": Motion, "synthesis": Search, "exact": Search, "kinds": Search}
 
 
 def _reals(values):
@@ -418,6 +418,11 @@ class Case:
     def exact(self, progress: Progress = None) -> Search:
         """All linkages that &EXACT asks for: exactly through points, poses or pairs of a function."""
         return self.study("exact", progress=progress)
+
+    def kinds(self, progress: Progress = None) -> Search:
+        """Which kind of linkage does what is wanted, &KINDS: the best linkages of all kinds, best first; `tables["kinds"]` has what was
+        found of each kind."""
+        return self.study("kinds", progress=progress)
 
     def prove(self) -> Result:
         """What can be proven of the motion over the range of the input (IPROOF)."""

@@ -7,7 +7,7 @@ module psalm_stop
    use psalm_kinds, only: dp, wp
    implicit none (type, external)
    private
-   public :: stop_request_t, stop_t
+   public :: stop_request_t, stop_t, is_to_end
 
    !> What a host extends to be able to end a study, and, if it wants to, to show how far one is.
    type, abstract :: stop_request_t
@@ -77,6 +77,14 @@ contains
       waiting = self%late()
       if (.not. waiting) waiting = self%requested()
    end function waiting
+
+   !> True if a study must end that was given a token, or none.
+   logical function is_to_end(stop)
+      type(stop_t), intent(in), optional :: stop
+
+      is_to_end = .false.
+      if (present(stop)) is_to_end = stop%waiting()
+   end function is_to_end
 
    !> Tell the host, if there is one, that so many paths are followed.
    subroutine tell(self, done, of)

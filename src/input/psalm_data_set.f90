@@ -332,7 +332,8 @@ contains
          call findings%warning('the title is cut to its first '//to_text(title_columns)//' columns', line=case%line)
       end if
       call expand_curve(case, findings%file, set%curve, findings)
-      set%of_kinds = program == searching_program .and. any(case%groups(:case%count)%name == 'KINDS')
+      set%of_kinds = (program == searching_program .or. program == everything) .and. &
+                     any(case%groups(:case%count)%name == 'KINDS')
       if (set%of_kinds) call complete_kinds_case(case)
       call keep_others(case, program, set)
       call refuse_unknown(case, program, findings)
@@ -789,7 +790,7 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       character(:), allocatable :: name, near
       integer :: i
-      logical :: meant_links, meant_method
+      logical :: meant_links, meant_method, searches
 
       meant_links = any(case%groups(:case%count)%name == 'LINKS') .or. any(case%groups(:case%count)%name == 'CHAIN')
       do i = 1, case%count
@@ -831,13 +832,14 @@ contains
          end if
       end if
       if (any(case%groups(:case%count)%name == 'KINDS')) then
-         if (program /= searching_program .and. .not. meant_links) then
+         searches = program == searching_program .or. program == everything
+         if (.not. (searches .or. meant_links)) then
             call findings%error('asks the program psalm for linkages; use the cases of its device 7', line=case%line, group='KINDS')
             return
          end if
          do i = 1, case%count
             if (any(case%groups(i)%name == [character(name_length) :: 'LINKS', 'CHAIN', 'DRIVES', 'OUTPUTS'])) then
-               if (program == searching_program) call findings%error( &
+               if (searches) call findings%error( &
                   'describes a linkage, but &KINDS asks which kind it is to be; leave one of both out', &
                   line=case%groups(i)%line, group=trim(case%groups(i)%name))
             end if

@@ -1,7 +1,7 @@
 !> Kinds of linkages in the listing: which there are, what a search found of each, the choice between the best.
 module psalm_kinds_report
    use psalm_chain_graphs, only: joint_none, joint_slide, joint_driven_pin, joint_driven_slide
-   use psalm_data_set, only: data_set_t
+   use psalm_data_set, only: data_set_t, title_columns
    use psalm_devices, only: devices_t
    use psalm_kind_choice, only: choice_t, unbeaten_choices, proven_unknown, proven_closes
    use psalm_kind_search, only: kind_study_t, kinds_exact, kinds_patient, kinds_all, kinds_time, kinds_request
@@ -10,10 +10,11 @@ module psalm_kinds_report
    use psalm_sketch_text, only: write_sketch
    use psalm_kinds_group, only: kinds_group_t, kinds_of, weighable
    use psalm_linkage_kinds, only: linkage_kind_t
+   use psalm_tables, only: table_t, tables_t, table_of
    use psalm_text, only: general, rank_column, to_text, upper_case
    implicit none (type, external)
    private
-   public :: report_kinds, report_choice
+   public :: report_kinds, report_choice, put_kinds
 
    integer, parameter :: name_column = 34
    integer, parameter :: atlas_step = 10        !! degrees between the positions of a neat sketch
@@ -183,6 +184,46 @@ contains
                            'SUM OF LENGTHS: OF ALL MOVING LINKS')
    end subroutine report_choice
 
+   !> Tables: what the search found of each kind, and the best linkages.
+   subroutine put_kinds(study, choices, tables)
+      class(kind_study_t), intent(in) :: study
+      type(choice_t), intent(in) :: choices(:)     !! shape (cases of the study)
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      character(title_columns) :: names(size(choices))
+      integer :: k
+
+      table = table_of('found', 'a row for each linkage found, the best first')
+      do k = 1, size(names)
+         names(k) = study%sets(k)%title(index(study%sets(k)%title, ': ', back=.true.) + 2:)
+      end do
+      call table%add('rank', [(k, k=1, size(choices))])
+      call table%add('kind', names)
+      call table%add('rms_error', choices%is%rms)
+      call table%add('largest_error', choices%is%largest)
+      call table%add('transmission_angle', choices%is%angle, 'deg', choices%is%has_angle)
+      call table%add('ratio_of_lengths', choices%is%ratio)
+      call table%add('width', choices%is%width, 'length')
+      call table%add('height', choices%is%height, 'length')
+      call table%add('length', choices%length, 'length')
+      call table%add('links', choices%links)
+      call table%add('joints', choices%joints)
+      call table%add('turns', choices%is%turns, .not. choices%is%sliding_input)
+      call table%add('proven', choices%proof == proven_closes, choices%proof /= proven_unknown)
+      call tables%put(table)
+      table = table_of('kinds', 'a row for each kind of linkage')
+      associate (kinds => study%kinds, looked => study%looked)
+         call table%add('kind', [character(len(kinds%name)) :: (kinds(k)%name, k=1, size(kinds))])
+         call table%add('links', [(kinds(k)%graph%n, k=1, size(kinds))])
+         call table%add('slides', kinds%slides)
+         call table%add('objective', looked%best, known=looked%best < none_found)
+         call table%add('assemblies', looked%assemblies)
+         call table%add('starts', looked%starts)
+         call table%add('hits', looked%hits)
+      end associate
+      call tables%put(table)
+   end subroutine put_kinds
+
    function how_ended(set, study) result(words)
       type(data_set_t), intent(in) :: set
       class(kind_study_t), intent(in) :: study
@@ -198,7 +239,7 @@ contains
       case (kinds_time)
          words = 'the search ended because its time was over (MAXTIME)'
       case (kinds_request)
-         words = 'the search was ended by a signal'
+         words = 'the search was ended on request'
       case default
          words = 'there is no kind to search'
       end select

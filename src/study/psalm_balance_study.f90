@@ -24,6 +24,7 @@ module psalm_balance_study
    use psalm_pin_order, only: pin_order_t, order_by_pins
    use psalm_sort, only: ascending
    use psalm_status, only: diagnostics_t
+   use psalm_stop, only: stop_t, is_to_end
    use psalm_text, only: to_text
    implicit none (type, external)
    private
@@ -69,6 +70,7 @@ module psalm_balance_study
 
    type :: balance_study_t
       integer :: trouble = 0                       !! position that is not known; 0: none
+      logical :: stopped = .false.                 !! the host asked for the end: the rest is not there
       character(:), allocatable :: names(:)        !! of the bodies, the frame first
       integer, allocatable :: adrift(:)            !! bodies that do not hang on the frame by pins
       integer, allocatable :: out_of_reach(:)      !! bodies that weights on the links allowed cannot balance
@@ -178,11 +180,12 @@ contains
    end subroutine take_weights
 
    !> Everything the group asks for, of a case that `judge_balance` found no fault with.
-   subroutine find_balance(set, given, dimensions, study)
+   subroutine find_balance(set, given, dimensions, study, stop)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       type(balance_study_t), intent(out) :: study
+      type(stop_t), intent(in), optional :: stop    !! asked before each design
       type(balance_group_t) :: group
       class(problem_t), allocatable :: problem      ! large: it would fill a small stack
       type(force_model_t) :: model
@@ -214,11 +217,12 @@ contains
       allocate (none(parameters_of_weight, size(model%reference)), source=0.0_wp)
       study%before = [(measure_of(study%channels(k), none), k=1, size(study%channels))]
       call make_balance(problem, dimensions, model, anchor, balance)
-      call balance_completely(group, problem%mechanism, model, anchor, balance, rooms, pins, study)
-      if (size(rooms) == 0) return
+      call balance_completely(group, problem%mechanism, model, anchor, balance, rooms, pins, study, stop)
+      if (study%stopped .or. size(rooms) == 0) return
       if (group%wants_optimum()) call find_optimum(group, problem%mechanism, model, anchor, balance, rooms, study)
-      call spend_budgets(group, balance, rooms, study)
-      if (group%front > 0) call find_front(group, balance, rooms, study)
+      call spend_budgets(group, balance, rooms, study, stop)
+      if (study%stopped .or. group%front == 0) return
+      call find_front(group, balance, rooms, study, stop)
    end subroutine find_balance
 
    subroutine name_bodies(mechanism, study)
@@ -430,7 +434,7 @@ contains
 
    ! ---- complete balance --------------------------------------------------------------------------------------------
 
-   subroutine balance_completely(group, mechanism, model, anchor, balance, rooms, pins, study)
+   subroutine balance_completely(group, mechanism, model, anchor, balance, rooms, pins, study, stop)
       type(balance_group_t), intent(in) :: group
       type(mechanism_t), intent(in) :: mechanism
       type(force_model_t), intent(in) :: model
@@ -439,6 +443,7 @@ contains
       type(room_t), intent(in) :: rooms(:)
       type(pin_order_t), intent(in) :: pins
       type(balance_study_t), intent(inout) :: study
+      type(stop_t), intent(in), optional :: stop
       type(weights_t) :: weights
       type(outcome_t), allocatable :: designs(:)
       real(wp), allocatable :: key(:)
@@ -465,6 +470,8 @@ contains
       allocate (designs(size(study%sets, 2)))
       count_found = 0
       do k = 1, size(study%sets, 2)
+         study%stopped = is_to_end(stop)
+         if (study%stopped) return
          call least_weights(balance, study%sets(:, k), reach_of(study%sets(:, k)), most_of(study%sets(:, k)), weights)
          if (.not. weights%found) then
             study%out_of_limits = study%out_of_limits + 1
@@ -648,11 +655,12 @@ contains
    end function aim_of
 
    !> The least shaking force for masses: what a mass buys.
-   subroutine spend_budgets(group, balance, rooms, study)
+   subroutine spend_budgets(group, balance, rooms, study, stop)
       type(balance_group_t), intent(in) :: group
       type(force_balance_t), intent(in) :: balance
       type(room_t), intent(in) :: rooms(:)
       type(balance_study_t), intent(inout) :: study
+      type(stop_t), intent(in), optional :: stop
       type(aim_t) :: aim
       type(design_t) :: design
       type(measure_t) :: measure
@@ -661,6 +669,8 @@ contains
       deallocate (study%budgets)
       allocate (study%budgets(size(group%budgets)))
       do k = 1, size(study%budgets)
+         study%stopped = is_to_end(stop)
+         if (study%stopped) return
          aim = aim_of(group)
          aim%form = form_point
          aim%channels = [channel_force]
@@ -684,11 +694,12 @@ contains
    !> Points of a front of two criteria, from the least of the first to the least of the second, at even steps of the second.
    !>
    !> Weights are bodies, so that every point is a global optimum.
-   subroutine find_front(group, balance, rooms, study)
+   subroutine find_front(group, balance, rooms, study, stop)
       type(balance_group_t), intent(in) :: group
       type(force_balance_t), intent(in) :: balance
       type(room_t), intent(in) :: rooms(:)
       type(balance_study_t), intent(inout) :: study
+      type(stop_t), intent(in), optional :: stop
       type(front_point_t) :: point
       type(design_t) :: ends(2), design
       real(wp) :: low, high, limit
@@ -702,6 +713,8 @@ contains
          high = amount(second, ends(1)%added)
          low = amount(second, ends(2)%added)
          do k = 1, points
+            study%stopped = is_to_end(stop)
+            if (study%stopped) return
             limit = high - (high - low)*real(k - 1, wp)/real(max(points - 1, 1), wp)
             design = ends(1)
             if (k > 1) call least_composite(study%channels, rooms, aim_at(first, second, max(limit, 1.0e-9_wp*high)), &

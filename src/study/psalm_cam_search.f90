@@ -62,15 +62,16 @@ module psalm_cam_search
 contains
 
    !> Find the best cam; `cams` and `prepared` leave with its numbers if it keeps the limits, or is better than what was given.
-   subroutine search_cam(set, cams, prepared, search)
+   subroutine search_cam(set, cams, prepared, search, stop)
       type(data_set_t), intent(in), target :: set
       type(cam_group_t), intent(inout) :: cams(2)    !! CAM, which is searched, and CAM2
       type(prepared_t), intent(inout) :: prepared
       type(cam_search_t), intent(out) :: search
+      type(stop_t), intent(in), optional :: stop     !! asked now and then; the best so far is there
       type(cam_problem_t), allocatable, target :: problem
       class(solver_t), allocatable :: solver
       type(solver_kind_t) :: kind
-      type(stop_t), target :: stop
+      type(stop_t) :: limited
       type(ending_t) :: ending
       real(wp), allocatable :: x(:)
       integer :: round
@@ -80,7 +81,8 @@ contains
       search%solver = trim(kind%name)
       call new_solver(kind, solver)
       solver%most_evaluations = set%search%maxeval
-      if (set%search%maxtime > 0.0_wp) call stop%limit_time(set%search%maxtime)
+      if (present(stop)) limited = stop
+      if (set%search%maxtime > 0.0_wp) call limited%limit_time(set%search%maxtime)
       allocate (problem)
       problem%set => set
       problem%cams = cams
@@ -105,8 +107,8 @@ contains
       do round = 1, 2
          problem%samples = merge(coarse, fine, round == 1)
          problem%x = -huge(1.0_wp)
-         call solver%minimise(problem, x, stop, ending)
-         if (stop%waiting()) exit
+         call solver%minimise(problem, x, limited, ending)
+         if (limited%waiting()) exit
       end do
       search%refused = .not. ending%objective < huge(1.0_wp)
       call problem%accept(x, search%objective, search%feasible)

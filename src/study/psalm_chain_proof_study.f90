@@ -21,6 +21,7 @@ module psalm_chain_proof_study
    use psalm_proof_study, only: kept_t, touching, proof_of_turn
    use psalm_proof_tube, only: in_one_group
    use psalm_sketch, only: drive_turns
+   use psalm_stop, only: stop_t, is_to_end
    implicit none (type, external)
    private
    public :: chain_proof_t, study_chain_proof, prove_loops, place_on, place_of_extreme
@@ -30,6 +31,7 @@ module psalm_chain_proof_study
    !> Parts of the motion and what is proven of them.
    type :: chain_proof_t
       logical :: empty = .false.             !! all inputs are those of the drawing: nothing moves
+      logical :: stopped = .false.           !! the host asked for the end: what is there is no proof of the whole
       integer :: braced = 0                  !! a group with more equations than unknowns, of which nothing can be proven; 0: none
       logical :: one_drive = .true.          !! from and to are inputs of the first drive; else numbers of positions
       logical :: full_turn = .false.
@@ -52,11 +54,12 @@ module psalm_chain_proof_study
 contains
 
    !> Prove the motion of a sketch over a full turn of its first drive, or over its positions.
-   subroutine study_chain_proof(set, study, range, proof)
+   subroutine study_chain_proof(set, study, range, proof, stop)
       type(data_set_t), intent(in) :: set
       type(chain_study_t), intent(in) :: study
       integer, intent(in) :: range           !! one of `proof_of_...`
       type(chain_proof_t), intent(out) :: proof
+      type(stop_t), intent(in), optional :: stop !! asked between the steps
       type(chain_tubes_t), allocatable :: tubes
       real(wp), allocatable :: inputs(:, :)
       type(closure_t) :: whole
@@ -87,6 +90,8 @@ contains
          call start_tubes(whole, study%start, size(proof%legs), tubes, sound)
          proof%complete = sound
          do k = 1, size(proof%legs)
+            proof%stopped = is_to_end(stop)
+            if (proof%stopped) return
             if (proof%full_turn .and. k == 2) then
                if (proof%complete) then
                   proof%legs = proof%legs(:1)
@@ -105,7 +110,11 @@ contains
          proof%tubes = tubes%count
          call compare_positions(study, whole, inputs, tubes, proof)
          call find_singular_groups(study, tubes, proof)
+         proof%stopped = is_to_end(stop)
+         if (proof%stopped) return
          call prove_movement(set, whole, tubes, proof)
+         proof%stopped = is_to_end(stop)
+         if (proof%stopped) return
          ! near a dead point rates are beyond all bounds
          call bracket_outputs(whole, set%sketch%outputs, merge(merge(1.0_wp, whole%size, drives(1)%kind == drive_turns), 0.0_wp, &
                                                                proof%one_drive .and. proof%complete), tubes, proof%ranges, &
@@ -197,16 +206,17 @@ contains
    end subroutine prove_clearances
 
    !> The proof of a sketch with loops and a larger group, made in the poses of its links. Not `sound`: the drawing does not close.
-   subroutine prove_loops(set, range, study, proof, sound)
+   subroutine prove_loops(set, range, study, proof, sound, stop)
       type(data_set_t), intent(in) :: set
       integer, intent(in) :: range           !! one of `proof_of_...`
       type(chain_study_t), intent(out) :: study
       type(chain_proof_t), intent(out) :: proof
       logical, intent(out) :: sound
+      type(stop_t), intent(in), optional :: stop !! asked between the steps
 
       call study_chain(set, 1.0_wp, 0.0_wp, study)
       sound = study%sound
-      if (sound) call study_chain_proof(set, study, range, proof)
+      if (sound) call study_chain_proof(set, study, range, proof, stop)
    end subroutine prove_loops
 
    !> Count the positions that are not on the motion that is proven to lead to them.

@@ -16,6 +16,7 @@ module psalm_clearance_study
    use psalm_periodic, only: periodic_t, periodic_from_samples
    use psalm_preparation, only: prepared_t
    use psalm_status, only: diagnostics_t
+   use psalm_stop, only: stop_t, is_to_end
    implicit none (type, external)
    private
    public :: clearance_study_t, flypast_of_joint_t, check_clearance, find_clearance
@@ -63,6 +64,7 @@ module psalm_clearance_study
       type(joint_load_t) :: load
       integer :: joint = 0
       real(wp) :: diametral = 0.0_wp                 !! m
+      logical :: stopped = .false.                   !! the host asked for the end: the rest is not there
       logical :: done = .false.                      !! false: something hinders, and there is nothing else
       logical :: massless = .false.                  !! nothing moves with the pin somewhere
       type(load_cycle_t) :: cycle
@@ -130,13 +132,14 @@ contains
 
    !> Study of a case that `check_clearance` found no fault with. `study%load%trouble` tells where the crank cannot turn: then
    !> there is nothing else.
-   subroutine find_clearance(set, clearance, problem, mechanism, dimensions, study)
+   subroutine find_clearance(set, clearance, problem, mechanism, dimensions, study, stop)
       type(data_set_t), intent(in) :: set
       type(clearance_group_t), intent(in) :: clearance
       type(problem_t), intent(in) :: problem
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       type(clearance_study_t), intent(out) :: study
+      type(stop_t), intent(in), optional :: stop     !! asked before each step, and before each speed
       type(force_model_t) :: model
       type(diagnostics_t) :: unused
       type(periodic_t) :: tensor(3)
@@ -169,8 +172,10 @@ contains
             if (study%critical_clearance <= 0.0_wp .or. limit < study%critical_clearance) study%critical_clearance = limit
          end associate
       end do
-      call follow(set, clearance, tensor, study)
-      call find_speeds(clearance, tensor, study)
+      study%stopped = is_to_end(stop)
+      if (.not. study%stopped) call follow(set, clearance, tensor, study)
+      if (.not. study%stopped) call find_speeds(clearance, tensor, study, stop)
+      if (study%stopped) return
       associate (c => clearance)
          if (c%radii > 0) call make_chart(c%radii, c%angles, c%greatest_h1, c%h3, study%chart)
       end associate
@@ -321,10 +326,11 @@ contains
    end subroutine follow
 
    !> Verdicts over speeds, and the speed up to which contact is kept.
-   subroutine find_speeds(clearance, tensor, study)
+   subroutine find_speeds(clearance, tensor, study, stop)
       type(clearance_group_t), intent(in) :: clearance
       type(periodic_t), intent(in) :: tensor(3)
       type(clearance_study_t), intent(inout) :: study
+      type(stop_t), intent(in), optional :: stop
       real(wp) :: low, high, middle
       type(clearance_row_t) :: row
       integer :: i
@@ -333,6 +339,8 @@ contains
       allocate (study%speeds(clearance%speeds))
       associate (c => clearance)
          do i = 1, c%speeds
+            study%stopped = is_to_end(stop)
+            if (study%stopped) return
             middle = c%slowest
             if (c%speeds > 1) middle = c%slowest + (c%fastest - c%slowest)*real(i - 1, wp)/real(c%speeds - 1, wp)
             study%speeds(i) = row_at(middle)
@@ -343,6 +351,8 @@ contains
       low = study%speeds(i - 1)%speed
       high = study%speeds(i)%speed
       do while (high - low > sharpness*high)
+         study%stopped = is_to_end(stop)
+         if (study%stopped) return
          middle = 0.5_wp*(low + high)
          row = row_at(middle)
          if (row%lost > 0) then

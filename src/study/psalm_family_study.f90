@@ -4,6 +4,7 @@ module psalm_family_study
    use psalm_dimensions, only: dimensions_t
    use psalm_kinds, only: wp
    use psalm_mechanism, only: mechanism_t
+   use psalm_stop, only: stop_t
    implicit none (type, external)
    private
    public :: family_t, find_family, sets_one_of
@@ -19,6 +20,7 @@ module psalm_family_study
       logical, allocatable :: angle(:)                !! they are angles, degrees
       logical :: sets_angle = .false.                 !! the dimension is an angle
       logical :: slides = .false.                     !! the input is a length
+      logical :: stopped = .false.                    !! the host asked for the end: the settings so far
       logical, allocatable :: closed(:, :)            !! shape (positions, settings)
       real(wp), allocatable :: actual(:, :, :)        !! shape (positions, numbers, settings)
    end type family_t
@@ -26,7 +28,7 @@ module psalm_family_study
    interface
       !> Of a linkage of dyads. `found` is false if its dimension cannot be set: a sliding arc has no length of its own; between the
       !> joints of a sketch there must be an arc of its loops.
-      module subroutine find_family(set, mechanism, dimensions, delt, family, found)
+      module subroutine find_family(set, mechanism, dimensions, delt, family, found, stop)
          implicit none (type, external)
          type(data_set_t), intent(in) :: set
          type(mechanism_t), intent(in) :: mechanism
@@ -34,6 +36,7 @@ module psalm_family_study
          real(wp), intent(in) :: delt(:)                 !! increments of the input
          type(family_t), intent(out) :: family
          logical, intent(out) :: found
+         type(stop_t), intent(in), optional :: stop      !! asked before each setting
       end subroutine find_family
 
       !> True if the dimension of SWEEP is the length of one of some arcs of a sketch.

@@ -8,6 +8,7 @@ submodule(psalm_family_study) psalm_family_study_body
                                variable_origng, variable_crnki, variable_gama
    use psalm_sweep_group, only: sweep_group_t, sweep_of, swept_length, swept_angle, swept_outlk, swept_outang, swept_origlk, &
                                 swept_origng
+   use psalm_stop, only: is_to_end
    use psalm_sketch_study, only: sketch_study_t, study_sketch
    implicit none (type, external)
 
@@ -85,6 +86,8 @@ contains
       by_name = set%sketch%given
       if (by_name) by_name = size(set%sketch%outputs) > 0
       do k = 1, size(family%setting)
+         family%stopped = is_to_end(stop)
+         if (family%stopped) exit
          changed = dimensions
          call parameters%apply(family%setting(k:k), changed)
          call problem%analyse(changed, motion)
@@ -96,6 +99,12 @@ contains
             family%actual(:, :, k) = motion%actual
          end if
       end do
+      if (family%stopped) then
+         family%setting = family%setting(:k - 1)
+         family%closed = family%closed(:, :k - 1)
+         family%actual = family%actual(:, :, :k - 1)
+         if (k == 1) return
+      end if
       call straighten(family)
    end procedure find_family
 

@@ -8,6 +8,7 @@ module psalm_muscle_study
    use psalm_preparation, only: prepared_t
    use psalm_spring_study, only: spring_study_t, judge_springs, find_springs
    use psalm_status, only: diagnostics_t
+   use psalm_stop, only: stop_t, is_to_end
    implicit none (type, external)
    private
    public :: muscle_study_t, check_muscle, find_muscle
@@ -16,6 +17,7 @@ module psalm_muscle_study
    type :: muscle_study_t
       type(balance_study_t), allocatable :: balance
       type(spring_study_t), allocatable :: springs
+      logical :: stopped = .false.               !! the host asked for the end: springs are the best so far, weights are not there
    end type muscle_study_t
 
 contains
@@ -38,21 +40,28 @@ contains
    end subroutine check_muscle
 
    !> Studies of a case that `check_muscle` found no fault with.
-   subroutine find_muscle(set, problem, prepared, study)
+   subroutine find_muscle(set, problem, prepared, study, stop)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(prepared_t), intent(in) :: prepared
       type(muscle_study_t), intent(out) :: study
+      type(stop_t), intent(in), optional :: stop !! asked now and then
       real(wp), allocatable :: weights(:, :)
 
       if (set%gives('BALANC')) then
          allocate (study%balance)
-         call find_balance(set, problem, prepared%given, study%balance)
+         call find_balance(set, problem, prepared%given, study%balance, stop)
+         study%stopped = study%balance%stopped
+         if (study%stopped) then
+            deallocate (study%balance)
+            return
+         end if
       end if
       if (.not. set%gives('SPRNGS')) return
       allocate (weights(mass_parameters, size(prepared%mechanism%bodies)), source=0.0_wp)
       if (allocated(study%balance)) call study%balance%take_weights(weights)
       allocate (study%springs)
-      call find_springs(set, problem, prepared%given, weights, study%springs)
+      call find_springs(set, problem, prepared%given, weights, study%springs, stop)
+      study%stopped = is_to_end(stop)
    end subroutine find_muscle
 end module psalm_muscle_study

@@ -23,6 +23,7 @@ module psalm_proof_study
    use psalm_proof_plan, only: path_of
    use psalm_proven_margins, only: proven_margin_t, prove_margins
    use psalm_proof_ranges, only: proven_extreme_t, prove_extremes, prove_tolerance, extreme_output, extreme_distance, extreme_ratio
+   use psalm_stop, only: stop_t, is_to_end
    use psalm_station, only: station_t, prepare_station, linearise_station
    use psalm_summary, only: loop_kind_t, kinds_of
    use psalm_shown_input, only: input_in_turn, reference_input, zero_input
@@ -48,6 +49,7 @@ module psalm_proof_study
 
    type :: proof_study_t
       logical :: empty = .false.             !! all inputs are the same: there is no range
+      logical :: stopped = .false.           !! the host asked for the end: what is there is no proof of the whole
       logical :: full_turn = .false.         !! the range is a full turn, whose end is its beginning
       real(wp) :: reference = 0.0_wp         !! the reference input as shown, degrees or length
       type(proof_t) :: proof
@@ -83,12 +85,13 @@ contains
    end function proof_wanted
 
    !> Prove the motion of a linkage. Every loop is looked at, wanted by the output or not.
-   subroutine study_proof(set, problem, dimensions, range, study)
+   subroutine study_proof(set, problem, dimensions, range, study, stop)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       integer, intent(in) :: range                 !! one of `proof_of_...`
       type(proof_study_t), intent(out) :: study
+      type(stop_t), intent(in), optional :: stop   !! asked between the steps
       class(problem_t), allocatable :: bound
       type(subject_t), allocatable :: subject
       type(plan_t) :: plan
@@ -107,13 +110,16 @@ contains
       end if
       allocate (subject)
       call begin_proof(problem, dimensions, range, joints, size(clearances) > 0, study, subject, plan, beside)
-      if (study%empty) return
+      study%stopped = is_to_end(stop)
+      if (study%empty .or. study%stopped) return
       allocate (bound, source=problem)
       call bound%bind(dimensions)
       study%kinds = kinds_of(bound, dimensions, .true.)
       study%dwell = set%limits%dwell
       call prove_movement(subject, study%proof, set%limits%dwell, study%movement)
       call add_output(study)
+      study%stopped = is_to_end(stop)
+      if (study%stopped) return
       if (study%proof%closes_everywhere()) then
          study%largest_tried = part_of_longest*maxval(dimensions%arcl)
          call prove_tolerance(subject, study%proof%from, study%proof%to, study%largest_tried, study%tolerance)
@@ -129,6 +135,8 @@ contains
       deallocate (study%kept)
       allocate (study%kept(size(clearances)))
       do i = 1, size(clearances)
+         study%stopped = is_to_end(stop)
+         if (study%stopped) return
          associate (kept => study%kept(i))
             kept%clearance = clearances(i)
             call prove_clearance(subject, study%proof, keeping_of(subject, plan, clearances(i)), kept%nearest)

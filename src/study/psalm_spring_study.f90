@@ -17,6 +17,7 @@ module psalm_spring_study
    use psalm_spring_load, only: spring_room_t, found_spring_t, load_with, criterion_of
    use psalm_spring_search, only: spring_search_t, search_springs
    use psalm_status, only: diagnostics_t
+   use psalm_stop, only: stop_t
    use psalm_text, only: to_text
    use psalm_shown_input, only: reference_input
    implicit none (type, external)
@@ -98,12 +99,13 @@ contains
    end subroutine judge_springs
 
    !> Springs of a case that `judge_springs` found no fault with; weights that were found before act already.
-   subroutine find_springs(set, given, dimensions, weights, study)
+   subroutine find_springs(set, given, dimensions, weights, study, stop)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       real(wp), intent(in) :: weights(:, :)        !! shape (4, bodies): added to the masses, about the references
       type(spring_study_t), intent(out) :: study
+      type(stop_t), intent(in), optional :: stop   !! asked before each start: the best so far is there
       type(spring_design_group_t) :: group
       class(problem_t), allocatable :: problem      ! large: it would fill a small stack
       type(force_model_t) :: model
@@ -133,7 +135,7 @@ contains
          call find_exactly(set, group, problem, dimensions, model, springs, study)
       else
          call search_springs(study%load_before, rooms, group%criterion, group%starts, &
-                             group%seed, study%search)
+                             group%seed, study%search, stop)
          study%found = study%search%found
          springs = study%search%springs
       end if

@@ -12,6 +12,7 @@ module psalm_spring_search
    use psalm_spring_design_group, only: criterion_range, criterion_rms, criterion_peak
    use psalm_spring_fit, only: fit_springs
    use psalm_spring_load, only: spring_room_t, found_spring_t, load_with, criterion_of, add_slopes, stiffest_in, criterion_spread
+   use psalm_stop, only: stop_t, is_to_end
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    private
@@ -46,11 +47,12 @@ contains
    !> The best springs from `starts` starts (of several springs `least_times` as many), and from more of them until the best fit is
    !> met `times_met` times, at most `most_times` as many. Of several springs every one is looked for alone, too: the result is
    !> never worse than the best of them.
-   recursive subroutine search_springs(bare, rooms, criterion, starts, seed, search)
+   recursive subroutine search_springs(bare, rooms, criterion, starts, seed, search, stop)
       real(wp), intent(in) :: bare(:, :)           !! shape (positions, components): the load without these springs
       type(spring_room_t), intent(in) :: rooms(:)
       integer, intent(in) :: criterion, starts, seed
       type(spring_search_t), intent(out) :: search
+      type(stop_t), intent(in), optional :: stop   !! asked before each start: the best so far is there
       type(spring_search_t) :: tried
       type(found_spring_t) :: springs(size(rooms)), best(size(rooms), followed)
       type(xoshiro_t) :: random
@@ -78,6 +80,7 @@ contains
       least = huge(least)
       allocate (values(most_times*starts))
       do start = 1, most_times*starts
+         if (made > 0 .and. is_to_end(stop)) exit
          call random%use_stream(start)
          ! every other start draws but one spring anew, in one of the best that there are
          again = modulo(start, 2) == 0 .and. made > 0 .and. size(rooms) > 1
@@ -98,13 +101,15 @@ contains
       end do
       search%starts = made
       do k = 1, min(followed, made)
+         if (k > 1 .and. is_to_end(stop)) return
          if (least(k) >= huge(least)) exit
          call go_by_tangents(bare, rooms, criterion, best(:, k), tried)
          call keep(count(abs(values(:made) - least(k)) <= as_low*least(k) + nothing))
       end do
       if (size(rooms) == 1) return
       do k = 1, size(rooms)
-         call search_springs(bare, rooms(k:k), criterion, starts, seed, tried)
+         if (is_to_end(stop)) return
+         call search_springs(bare, rooms(k:k), criterion, starts, seed, tried, stop)
          if (.not. tried%found) cycle
          springs = search%springs
          springs%stiffness = 0.0_wp

@@ -95,6 +95,7 @@ machine kalm engine.nml STEADY CYCLE
 tolerances psalm adjustable_stroke.nml WORST CASE
 sweep psalm adjustable_stroke.nml FAMILY OF CURVES
 exact psalm exact/five_poses.nml certified: 
+kinds psalm types/kinds_for_corner.nml four-bar with a slide, 1
 proof psalm geared_five_bar.nml PROVEN
 assemblies psalm triad_six_assemblies.nml ASSEMBLIES AT
 balance muscle muscle/haines_bodies.nml BALANCE

@@ -53,12 +53,6 @@ assert [v[0] for v in verbs] == list(psalm.verbs), 'the list of the library'
 assert {v[1] for v in verbs} == {'psalm', 'kalm', 'balm', 'muscle', 'ssics', 'calm', 'bridge'}, 'every program'
 asked = {g for v in verbs for g in v[2].split()}
 case = {'LINKS', 'CHAIN', 'DRIVES', 'OUTPUTS', 'METHOD', 'CURVE', 'LIMITS', 'CONSTR'}
-try:
-    psalm.from_file('$top/data/types/kinds_for_corner.nml').synthesise()
-    assert False, 'a search over kinds is taken for something else'
-except psalm.Error as error:
-    assert 'asks the program psalm' in str(error), error
-asked |= {'KINDS'}      # of the program alone: the library refuses it, as just seen
 for program in sorted({v[1] for v in verbs}):
     groups = re.findall(r'^ &(\w+)', subprocess.run(['$prefix/bin/' + program, '--items'], capture_output=True, text=True).stdout, re.M)
     assert groups and set(groups) <= asked | case, (program, set(groups) - asked - case)"
