@@ -254,7 +254,7 @@ contains
       rank = size(basis)
       if (.not. sound) return
       ! unknowns: masses in masses of the linkage, free moments in reach times these, missing room
-      unit = max(balance%mass, tiny(1.0_wp))
+      unit = merge(balance%mass, 1.0_wp, balance%mass > 0.0_wp)   ! without any mass there is nothing to scale by
       n = size(links) + 2*size(free) + 1
       problem%lines = size(links) + 1
       problem%cones = spread(3, 1, size(links))

@@ -164,6 +164,9 @@ contains
       call t%is_true(weights%bound <= weights%total*(1.0_wp + 1.0e-9_wp), 'the bound is no higher')
       call least_weights(balance, [1], [0.05_wp], [5.0_wp], weights)
       call t%is_true(.not. weights%found, 'less mass than is needed is not enough')
+      call prepare_balance(turning, moving, 0.0_wp*turning(:, 1), 0.0_wp, balance)
+      call least_weights(balance, [1], [0.05_wp], [5.0_wp], weights)
+      call t%is_true(weights%found .and. weights%total <= 1.0e-6_wp, 'a wheel without mass needs no weight')
    end subroutine wheel
 
    !> Two wheels that turn alike (a parallelogram): either can balance both; a third that does not turn is of no use.
