@@ -419,10 +419,10 @@ class Case:
         """All linkages that &EXACT asks for: exactly through points, poses or pairs of a function."""
         return self.study("exact", progress=progress)
 
-    def kinds(self, progress: Progress = None) -> Search:
+    def kinds(self, threads: int = 0, progress: Progress = None) -> Search:
         """Which kind of linkage does what is wanted, &KINDS: the best linkages of all kinds, best first; `tables["kinds"]` has what was
         found of each kind."""
-        return self.study("kinds", progress=progress)
+        return self.study("kinds", threads=threads, progress=progress)
 
     def prove(self) -> Result:
         """What can be proven of the motion over the range of the input (IPROOF)."""

@@ -210,10 +210,11 @@ contains
    !> Which kind of linkage does what is wanted, the group KINDS: all kinds share the time of one search.
    !>
    !> The report has a table of the kinds, one of the best linkages, and these as cases, the best first.
-   subroutine find_kinds(case, kinds, findings, stop, report)
+   subroutine find_kinds(case, kinds, findings, threads, stop, report)
       type(case_t), intent(in) :: case
       type(kind_study_t), intent(out) :: kinds            !! empty if the case has errors
       type(findings_t), intent(inout) :: findings
+      integer, intent(in), optional :: threads            !! that share the work; default THREADS of the case, or 1
       type(stop_t), intent(in), optional :: stop          !! by which the host can end it; what was found so far is there
       type(report_t), intent(out), optional :: report     !! listing, tables, the linkages
       type(frame_t) :: frame
@@ -226,12 +227,13 @@ contains
 
       allocate (kinds%kinds(0), kinds%looked(0), kinds%sets(0), kinds%prepared(0))
       call frame%read(case, findings, report, 'KINDS')
+      if (frame%ready) frame%ready = may_share(threads, findings)
       if (.not. frame%ready) return
       call check_kinds(frame%set, frame%noted)
       if (frame%fails(findings)) return
       if (present(stop)) ending = stop
       deallocate (kinds%kinds, kinds%looked, kinds%sets, kinds%prepared)
-      call search_kinds(frame%set, ending, kinds)
+      call search_kinds(frame%set, threads_for(frame%set, threads_of(threads)), ending, kinds)
       if (.not. present(report)) return
       call look_at_choice(kinds, choices)
       call report_choice(frame%set, kinds, choices, frame%devices)

@@ -114,7 +114,7 @@ contains
          call synthesise(case, synthesis, findings, threads, stop, monitor, report)
       case ('kinds')
          allocate (kinds)
-         call find_kinds(case, kinds, findings, stop, report)
+         call find_kinds(case, kinds, findings, threads, stop, report)
       case ('exact')
          allocate (exact)
          call find_exact(case, exact, findings, stop, report)
