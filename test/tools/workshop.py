@@ -15,6 +15,9 @@ import time
 
 TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 LIBRARIES = ["-lnlopt", "-llapack"]
+# what the programs alone have (scripts/build_library leaves it out of the library, too), and what it needs of the library's C
+PROGRAMS_OWN = "src/base/psalm_program.c"
+BORDER = "src/base/psalm_border.c"
 
 
 def setup_value(name):
@@ -139,19 +142,20 @@ class Build:
         changed = set(self.order if everything else changed)
         programs = [s for s in self.order if self.units[s][2]]
         helpers = [s for s in self.order if s.startswith("test/") and not self.units[s][2]]
-        parts = [s for s in self.order if not self.units[s][2] and s not in helpers]
+        parts = [s for s in self.order if not self.units[s][2] and s not in helpers and s != PROGRAMS_OWN]
         basic = [self.compiler, "-fopenmp"] + [f for f in self.flags if f.startswith(("--coverage", "-fsanitize", "-O"))]
         if changed & set(parts):
             run(basic + ["-shared", "-o", self.library] + [self.object_of(s) for s in parts] + LIBRARIES)
         for source in programs:
             kind = source.split("/")[0]
             test = kind == "test"
-            if not everything and source not in changed and not (test and changed & set(helpers)):
+            own = helpers if test else [PROGRAMS_OWN, BORDER] if kind == "app" else []
+            if not everything and not changed & {source, *own}:
                 continue
             name = os.path.splitext(os.path.basename(source))[0]
             folder = {"test": self.tests, "example": self.examples}.get(kind, self.bin)
             run(basic + ["-o", os.path.join(folder, name), self.object_of(source)] +
-                ([self.object_of(s) for s in helpers] if test else []) +
+                [self.object_of(s) for s in own] +
                 [self.library, "-Wl,-rpath," + self.place] + LIBRARIES)
 
     def stamp(self):
