@@ -130,7 +130,7 @@ printf 'name = "outside"\n[dependencies]\nopenmp = "*"\npsalm.path = "%s"\n' "$(
 check "doc/guide/library.md: a program of a dozen lines" test "$(wc -l <"$work/outside/app/main.f90")" -le 13
 # what is compiled already is not compiled again
 (cd "$work/outside" &&
-    INSTALLED=$(dirname "$bin") FPM_FC="$top/test/installed/gfortran" "$fpm" run --profile debug --flag "-std=f2018 -O0" 2>"$work/outside.log") >"$work/outside.out"
+    INSTALLED=$(dirname "$bin") FPM_FC="$top/test/tools/installed/gfortran" "$fpm" run --profile debug --flag "-std=f2018 -O0" 2>"$work/outside.log") >"$work/outside.out"
 check "doc/guide/library.md: a package outside builds and runs" test $? -eq 0
 check "doc/guide/library.md: the slide that psalm lists" same_columns 24 <(grep -vE '^\[|^Project|^ \+' "$work/outside.out") "$work/motion"
 [ $failed -eq 0 ] || cat "$work"/*.log | grep -iE 'error' | head -20
