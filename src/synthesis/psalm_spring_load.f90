@@ -86,51 +86,84 @@ contains
       type(found_spring_t), intent(in) :: spring
       real(wp), intent(inout) :: load(:, :)
       real(wp), intent(out), optional :: slopes(:, :, :)
-      real(wp) :: z(2, 2), gap(2), force(2), length, factor, per_length, axes(2, 2, 2), dgap(2), dforce(2), dz(2), k
-      integer :: i, e, c
+      real(wp), dimension(size(load, 1)) :: length, factor, pull_x, pull_y, along
+      real(wp) :: z(size(load, 1), 2, 2)            ! ends: by position, x and y, end
+      real(wp) :: gap(size(load, 1), 2), force(size(load, 1), 2), dz(size(load, 1), 2), k
+      real(wp) :: way                               ! of an end as the gap counts it
+      integer :: e, c
 
       k = spring%stiffness*spring%free
-      do i = 1, size(load, 1)
-         do e = 1, 2
-            associate (path => room%ends(e))
-               axes(:, 1, e) = [path%c(i), path%s(i)]
-               axes(:, 2, e) = [-path%s(i), path%c(i)]
-               z(:, e) = [path%x(i), path%y(i)] + axes(:, 1, e)*spring%at(1, e) + axes(:, 2, e)*spring%at(2, e)
-            end associate
-         end do
-         gap = z(:, 2) - z(:, 1)
-         length = max(hypotenuse(gap(1), gap(2)), tiny(1.0_wp)**0.25_wp)
-         per_length = k/length
-         factor = spring%stiffness - per_length
-         force = factor*gap
-         load(i, :) = load(i, :) + effect(force, z)
-         if (.not. present(slopes)) cycle
-         do e = 1, 2
-            do c = 1, 2
-               dz = axes(:, c, e)
-               dgap = merge(dz, -dz, e == 2)
-               dforce = factor*dgap + (per_length/length**2*dot_product(gap, dgap))*gap
-               slopes(i, :, 2*(e - 1) + c) = effect(dforce, z) + &
-                                             merge(1.0_wp, -1.0_wp, e == 1)*room%ends(e)%slope(i, :, 3)* &
-                                             (dz(1)*force(2) - dz(2)*force(1))
-            end do
-         end do
-         slopes(i, :, 5) = effect(gap, z)
-         slopes(i, :, 6) = effect(-gap/length, z)
+      do e = 1, 2
+         associate (path => room%ends(e))
+            z(:, 1, e) = path%x + path%c*spring%at(1, e) + (-path%s)*spring%at(2, e)
+            z(:, 2, e) = path%y + path%s*spring%at(1, e) + path%c*spring%at(2, e)
+         end associate
       end do
+      gap = z(:, :, 2) - z(:, :, 1)
+      length = max(hypotenuse(gap(:, 1), gap(:, 2)), tiny(1.0_wp)**0.25_wp)
+      factor = spring%stiffness - k/length
+      do c = 1, 2
+         force(:, c) = factor*gap(:, c)
+      end do
+      do c = 1, size(load, 2)
+         load(:, c) = load(:, c) + effect(force(:, 1), force(:, 2), c)
+      end do
+      if (.not. present(slopes)) return
+      do e = 1, 2
+         way = merge(-1.0_wp, 1.0_wp, e == 1)
+         do c = 1, 2
+            associate (path => room%ends(e))
+               dz(:, 1) = merge(path%c, -path%s, c == 1)
+               dz(:, 2) = merge(path%s, path%c, c == 1)
+            end associate
+            along = k/length/length**2*(gap(:, 1)*(way*dz(:, 1)) + gap(:, 2)*(way*dz(:, 2)))
+            pull_x = factor*(way*dz(:, 1)) + along*gap(:, 1)
+            pull_y = factor*(way*dz(:, 2)) + along*gap(:, 2)
+            call put(slopes(:, :, 2*(e - 1) + c))
+            along = dz(:, 1)*force(:, 2) - dz(:, 2)*force(:, 1)
+            call turn(slopes(:, :, 2*(e - 1) + c))
+         end do
+      end do
+      pull_x = gap(:, 1)
+      pull_y = gap(:, 2)
+      call put(slopes(:, :, 5))
+      pull_x = -gap(:, 1)/length
+      pull_y = -gap(:, 2)/length
+      call put(slopes(:, :, 6))
 
    contains
 
-      !> What a pull on the first end, and its opposite on the second, does to the load.
-      pure function effect(pull, z)
-         real(wp), intent(in) :: pull(2), z(2, 2)
-         real(wp) :: effect(size(load, 2))
+      !> What a pull on the first end, and its opposite on the second, does to component `c` of the load.
+      pure function effect(x, y, c)
+         real(wp), intent(in) :: x(:), y(:)
+         integer, intent(in) :: c
+         real(wp) :: effect(size(load, 1))
 
-         associate (p => room%ends(1)%slope(i, :, :), q => room%ends(2)%slope(i, :, :))
-            effect = (p(:, 1) - q(:, 1))*pull(1) + (p(:, 2) - q(:, 2))*pull(2) + &
-                     p(:, 3)*(z(1, 1)*pull(2) - z(2, 1)*pull(1)) - q(:, 3)*(z(1, 2)*pull(2) - z(2, 2)*pull(1))
+         associate (p => room%ends(1)%slope(:, c, :), q => room%ends(2)%slope(:, c, :))
+            effect = (p(:, 1) - q(:, 1))*x + (p(:, 2) - q(:, 2))*y + p(:, 3)*(z(:, 1, 1)*y - z(:, 2, 1)*x) - &
+                     q(:, 3)*(z(:, 1, 2)*y - z(:, 2, 2)*x)
          end associate
       end function effect
+
+      !> The derivative of the load by an unknown, from that of the pull.
+      pure subroutine put(slope)
+         real(wp), intent(out) :: slope(:, :)       ! shape (positions, components)
+         integer :: component
+
+         do component = 1, size(load, 2)
+            slope(:, component) = effect(pull_x, pull_y, component)
+         end do
+      end subroutine put
+
+      !> And of the arm at which end `e` is pulled.
+      pure subroutine turn(slope)
+         real(wp), intent(inout) :: slope(:, :)
+         integer :: component
+
+         do component = 1, size(load, 2)
+            slope(:, component) = slope(:, component) - way*room%ends(e)%slope(:, component, 3)*along
+         end do
+      end subroutine turn
    end subroutine add_spring
 
    !> Derivatives alone.
