@@ -8,7 +8,7 @@ program test_elementary
    implicit none (type, external)
    integer, parameter :: qp = selected_real_kind(33)
    real(qp), parameter :: degree = 3.14159265358979323846264338327950288419716939937511_qp/180.0_qp
-   integer, parameter :: many = 1000000
+   integer, parameter :: many = 300000
    real(qp), parameter :: most_units = 0.5000001_qp
 
    !> Errors of one function.
