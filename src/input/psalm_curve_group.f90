@@ -9,6 +9,7 @@ module psalm_curve_group
    use psalm_files, only: directory_of
    use psalm_group, only: group_t, item_t, value_t, add_item, add_value, out_of
    use psalm_kinds, only: wp, full_turn, half_turn
+   use psalm_kinds_defaults, only: driven_by_cylinder
    use psalm_mark, only: mark_t
    use psalm_namelist, only: case_text_t
    use psalm_polyline, only: polyline_t, looks_closed, drop_repeats, find_corners, smooth, sample
@@ -28,6 +29,7 @@ module psalm_curve_group
       integer :: what = what_path, points = 0, closed = -1
       real(wp) :: units = 1.0_wp, smooth = 0.0_wp, corner = 30.0_wp, turn = 0.0_wp
       logical :: to_and_fro = .false.
+      logical :: of_cylinder = .false.     !! &KINDS: a cylinder drives
    end type curve_wish_t
 
    !> The items of the group.
@@ -50,7 +52,7 @@ module psalm_curve_group
              'points are averaged so far along the curve to either side, corners and ends kept; 0: not'), &
       rule_t('CORNER', a_number, '', 'degrees', '30', '(0,180]', &
              'a corner is where the curve turns by more than this at a point; 180: there are none'), &
-      rule_t('TURN', a_number, '', 'degrees or length', '360; open 180', '(-360,360]', &
+      rule_t('TURN', a_number, '', 'degrees or length', '360; open 180; cylinder: size', '(-360,360]', &
              'how far the input goes over the curve, evenly, where the file has no column input and &METHOD no DELT'), &
       rule_t('TOFRO', a_flag, '', '', '0', '', &
              '1: an open curve is passed to its end and back, in one turn')]
@@ -116,6 +118,10 @@ contains
          return
       end if
       call make_line(group, wish, curve, line, own)
+      wish%of_cylinder = driven_by_cylinder(case)
+      if (wish%of_cylinder .and. line%closed .and. .not. own%failed()) call out_of(group, 'CLOSED', &
+         'a cylinder takes the point back along the path it came by, so that it makes no closed curve; CLOSED=0 takes it as '// &
+         'an open one, and a path to and fro is wanted one way (without TOFRO)', own)
       if (.not. own%failed()) call refuse_twice(case%groups(method), group, curve, own)
       if (own%failed()) then
          call fill_in(case%groups(method), group%line)
@@ -399,6 +405,8 @@ contains
                                                               'of every point')
       else if (.not. has(method, 'DELT')) then
          turn = merge(full_turn, half_turn, line%closed)
+         if (wish%of_cylinder) turn = maxval([maxval(line%at(column_x, :)) - minval(line%at(column_x, :)), &
+                                              maxval(line%at(column_y, :)) - minval(line%at(column_y, :))])
          if (group%given('TURN')) turn = wish%turn
          inputs = [(turn*real(k - 1, wp)/real(merge(n, n - 1, line%closed), wp), k=1, n)]
          call put('DELT', inputs)

@@ -6,7 +6,7 @@ module psalm_kinds_defaults
    use psalm_text, only: upper_case
    implicit none (type, external)
    private
-   public :: kinds_items, complete_kinds_case, weigh_words
+   public :: kinds_items, complete_kinds_case, driven_by_cylinder, weigh_words
 
    character(*), parameter :: usual_starts = '100000' !! of each kind: time or patience ends the search
 
@@ -50,32 +50,17 @@ contains
 
       kinds = place_of(case, 'KINDS')
       if (kinds == 0 .or. place_of(case, 'LINKS') > 0 .or. place_of(case, 'CHAIN') > 0) return
-      of_point = word_of('OUTPUT') /= 'ANGLE' .and. word_of('OUTPUT') /= 'POSE'
-      turns = word_of('DRIVEN') /= 'CYLINDER'
-      if (word_of('OUTPUT') == 'ANGLE') call put_item(case, case%groups(kinds)%line, 'METHOD', 'MOTION', '1')
-      if (word_of('OUTPUT') == 'POSE') call put_item(case, case%groups(kinds)%line, 'METHOD', 'MOTION', '4')
-      if (of_point .and. turns) call put_item(case, case%groups(kinds)%line, 'METHOD', 'IFREE', '1')
+      of_point = word_of(case, 'OUTPUT') /= 'ANGLE' .and. word_of(case, 'OUTPUT') /= 'POSE'
+      turns = .not. driven_by_cylinder(case)
+      if (word_of(case, 'OUTPUT') == 'ANGLE') call put_item(case, case%groups(kinds)%line, 'METHOD', 'MOTION', '1')
+      if (word_of(case, 'OUTPUT') == 'POSE') call put_item(case, case%groups(kinds)%line, 'METHOD', 'MOTION', '4')
+      if (of_point) call put_item(case, case%groups(kinds)%line, 'METHOD', 'IFREE', '1')
       call put_item(case, case%groups(kinds)%line, 'SEARCH', 'SOLVER', 'LSQ')
       call put_item(case, case%groups(kinds)%line, 'SEARCH', 'NSTART', usual_starts)
       if (is_free()) call put_item(case, case%groups(kinds)%line, 'SEARCH', 'ORDER', '2')
       if (turns) call put_item(case, case%groups(kinds)%line, 'CONSTR', 'IRANGE', '2')
 
    contains
-
-      !> A word of &KINDS, in capitals; empty if it is not there.
-      pure function word_of(item) result(word)
-         character(*), intent(in) :: item
-         character(:), allocatable :: word
-         integer :: k
-
-         word = ''
-         associate (group => case%groups(kinds))
-            do k = 1, group%count
-               if (group%items(k)%name == item .and. group%items(k)%count > 0) &
-                  word = upper_case(group%text_of(group%values(group%items(k)%first)))
-            end do
-         end associate
-      end function word_of
 
       pure logical function is_free()
          integer :: k, method
@@ -91,6 +76,30 @@ contains
          end associate
       end function is_free
    end subroutine complete_kinds_case
+
+   !> True if a case asks for kinds that a cylinder drives.
+   pure logical function driven_by_cylinder(case)
+      type(case_text_t), intent(in) :: case
+
+      driven_by_cylinder = .false.
+      if (place_of(case, 'KINDS') > 0) driven_by_cylinder = word_of(case, 'DRIVEN') == 'CYLINDER'
+   end function driven_by_cylinder
+
+   !> A word of &KINDS, in capitals; empty if it is not there.
+   pure function word_of(case, item) result(word)
+      type(case_text_t), intent(in) :: case          !! has the group
+      character(*), intent(in) :: item
+      character(:), allocatable :: word
+      integer :: k
+
+      word = ''
+      associate (group => case%groups(place_of(case, 'KINDS')))
+         do k = 1, group%count
+            if (group%items(k)%name == item .and. group%items(k)%count > 0) &
+               word = upper_case(group%text_of(group%values(group%items(k)%first)))
+         end do
+      end associate
+   end function word_of
 
    !> Put an item into a group, which is made if it is not there, unless it has the item.
    pure subroutine put_item(case, line, name, item, value)

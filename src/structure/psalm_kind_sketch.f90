@@ -105,7 +105,9 @@ contains
             one%link = link(kind%driven)
             if (cylinder > 0) then
                one%kind = drive_stretches
-               one%name = sketch%links(one%link)%name
+               associate (ends => sketch%links(one%link)%joints)
+                  one%name = trim(sketch%joint_name(ends(1)))//' '//trim(sketch%joint_name(ends(2)))
+               end associate
             else
                one%kind = drive_turns
                one%joint = drive

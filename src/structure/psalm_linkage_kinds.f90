@@ -133,6 +133,8 @@ contains
          b = modulo(pair - 1, most_links) + 1
          if (b <= a .or. b > kind%graph%n) cycle
          if (kind%graph%joint(a, b) /= joint_pin) cycle
+         ! cylinder and rod have a pin each
+         if (wanted%drive == driven_by_cylinder .and. any([a, b] == kind%base .or. [a, b] == kind%driven)) cycle
          more = kind
          call set_joint(more%graph, a, b, joint_slide)
          call choose_slides(more, left - 1, pair + 1, wanted, kinds, forms)

@@ -89,8 +89,8 @@ def devices(stem):
 
 first = None
 for threads in ("1", "2", "3"):
-    code, other, said, stem = run("slides", "LINKS=4,6, SLIDES=1, NKINDS=3, PATNCE=1, ONLY='four-bar','Watt I with'",
-                                  "&LIMITS TANGLE=90 &END\n &SEARCH NSTART=8 &END", options=["--threads", threads])
+    code, other, said, stem = run("slides", "LINKS=4,6, SLIDES=1, NKINDS=3, PATNCE=1, ONLY='four-bar','Watt I with a slide, 1'",
+                                  "&LIMITS TANGLE=90 &END\n &SEARCH NSTART=4 &END", options=["--threads", threads])
     first = first or (other, devices(stem))
     check("the same for %s threads" % threads, (other, devices(stem)) == first, said)
 
@@ -127,6 +127,25 @@ for threads in ("1", "2", "3"):
 code, listing, said, stem = run("named", "LINKS=4,6, ONLY='Stephenson III', PATNCE=1, NKINDS=1", "&LIMITS TANGLE=90 &END\n &SEARCH NSTART=2 &END")
 check("only what is named", "SEARCH AMONG 1 KINDS" in listing and "STEPHENSON III" in listing.upper(), said)
 check("all starts made", "every kind had its starts" in said, said)
+
+# eight links
+code, listing, said, stem = run("eight", "LINKS=8, ONLY='chain 8-5, 3', PATNCE=1, NKINDS=1", "&LIMITS TANGLE=90 &END\n &SEARCH NSTART=2 &END")
+check("an eight-link finds its way", code in (0, 1) and "SEARCH AMONG 1 KINDS" in listing and choice(listing)[0][0] < 0.2, (said, listing[:1500]))
+# a cylinder: open paths alone, the stroke as long as the path is wide
+arc = "".join("%r,%r\n" % (1.5*math.cos(0.2*k), 1.2*math.sin(0.2*k)) for k in range(8))
+code, listing, said, stem = run("stroke", "LINKS=6, DRIVEN='CYLINDER', PATNCE=1, NKINDS=1", "&LIMITS TANGLE=85 &END\n &SEARCH NSTART=4 &END", curve=arc)
+check("a cylinder makes an open path", code in (0, 1) and choice(listing)[0][0] < 0.1, (said, listing[:1500]))
+case = open(stem + ".dev7").read()
+with open(stem + "_again.nml", "w") as out:
+    out.write(case)
+done = subprocess.run([os.path.join(BIN, "psalm"), stem + "_again.nml"], capture_output=True, text=True, timeout=300)
+check("its drive stretches a link, and device 7 is read again", re.search("DRIVE='[A-Z] [A-Z]'", case) and done.returncode in (0, 1) and "error" not in done.stderr,
+      done.stderr)
+code, listing, said, stem = run("closed", "LINKS=6, DRIVEN='CYLINDER'")
+check("a cylinder makes no closed path", code == 2 and "a cylinder takes the point back" in said, said)
+code, listing, said, stem = run("cylinders", "LINKS=6, SLIDES=1, DRIVEN='CYLINDER'", curve=arc, options=["--kinds"])
+kinds = re.findall(r"^ +\d+ +6 .* (\d.*) P ON", listing, re.M)
+check("cylinder and rod have a pin each", len(kinds) > 1 and not any(re.search(r"\b[23]=|=[23]\b", k.replace("2*=3", "")) for k in kinds), kinds)
 
 # a function and poses, whose timing is prescribed
 text = "".join("%d,%r\n" % (10*k, 60 + 20*math.sin(k/3)) for k in range(8))
