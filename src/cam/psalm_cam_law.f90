@@ -12,7 +12,7 @@ module psalm_cam_law
    implicit none (type, external)
    private
    public :: law_t, law_joint_t, make_law, highest_law_order
-   public :: law_made, law_velocity_jumps, law_singular, law_jerk_jumps, law_points_missing, law_misses
+   public :: law_made, law_velocity_jumps, law_singular, law_jerk_jumps, law_points_missing, law_beyond_tolerance
 
    integer, parameter :: highest_law_order = 5, highest_power = 7
    integer, parameter :: cells = 64                  !! of a piece, where extremes of a polynomial are looked for
@@ -21,7 +21,7 @@ module psalm_cam_law
 
    integer, parameter :: law_made = 0, law_velocity_jumps = 1, law_singular = 2, law_jerk_jumps = 3 !! how the making ended
    integer, parameter :: law_points_missing = 4 !! a table has too few points for the pieces of its fit
-   integer, parameter :: law_misses = 5         !! the fit does not stay within TABTOL
+   integer, parameter :: law_beyond_tolerance = 5         !! the fit does not stay within TABTOL
 
    integer, parameter :: wave_polynomial = 0, wave_up = 1, wave_down = 2
 
@@ -177,7 +177,7 @@ contains
          once = .true.
          if (.not. cam%table_tolerance > 0.0_wp .or. trial%residual <= cam%table_tolerance) return
       end do
-      law%state = merge(law_misses, law_points_missing, once)
+      law%state = merge(law_beyond_tolerance, law_points_missing, once)
    end subroutine fit_table
 
    !> How far a table's points are from the law.

@@ -114,7 +114,7 @@ contains
          if (component == self%kind%angle) then
             call angles_between(n, v(1, self%root_x), v(1, self%root_y), self%c, self%s, toward_x, toward_y, v(1, link%miss))
          else
-            call misses(n, wanted, v(1, link%out(component)), v(1, link%miss))
+            call find_deviations(n, wanted, v(1, link%out(component)), v(1, link%miss))
          end if
       end associate
    end subroutine miss
@@ -393,13 +393,13 @@ contains
 
    ! ---- kernels -----------------------------------------------------------------------------------------------------
 
-   pure subroutine misses(n, wanted, actual, miss)
+   pure subroutine find_deviations(n, wanted, actual, miss)
       integer, intent(in) :: n
       real(wp), intent(in) :: wanted(n), actual(n)
       real(wp), intent(out) :: miss(n)
 
       miss = wanted - actual
-   end subroutine misses
+   end subroutine find_deviations
 
    pure subroutine scaled(n, from, factor, to)
       integer, intent(in) :: n

@@ -1,6 +1,6 @@
 !> What pictures show of a proof of the motion: where it opens, extremes, dead points, the least clearances; and links with a width.
 module psalm_proof_scene
-   use psalm_chain_proof_list, only: links_of_group, name_of_mover, ratio_of
+   use psalm_chain_proof_list, only: links_of_group, name_of_quantity, ratio_of
    use psalm_chain_proof_study, only: chain_proof_t, place_on, place_of_extreme, prove_loops
    use psalm_chain_study, only: chain_study_t
    use psalm_clearances, only: clearance_t, list_clearances, find_depth, points_of_clearance
@@ -13,8 +13,8 @@ module psalm_proof_scene
    use psalm_output_kind, only: kind_of_output, motion_point
    use psalm_place, only: beside_t
    use psalm_proof, only: limit_t, piece_closes, piece_opens
-   use psalm_proof_list, only: cause_words, end_text, extreme_name, mover_name, shown, short
-   use psalm_proof_motion, only: proven_dead_point_t, mover_output
+   use psalm_proof_list, only: cause_words, end_text, extreme_name, quantity_name, shown, short
+   use psalm_proof_motion, only: proven_dead_point_t, quantity_output
    use psalm_proof_ranges, only: extreme_x, extreme_y, extreme_output, extreme_distance
    use psalm_proof_study, only: proof_study_t, kept_t, study_proof, proof_wanted, no_proof
    use psalm_station, only: station_t, prepare_station, evaluate_station
@@ -202,7 +202,8 @@ contains
       end do
       do k = 1, size(proof%movement%dead)
          associate (dead => proof%movement%dead(k))
-            call add_dead_point(name_of_mover(study, dead), dead, dead%kind == mover_output .and. dead%place <= columns, scene)
+            call add_dead_point(name_of_quantity(study, dead), dead, dead%kind == quantity_output .and. &
+                                dead%place <= columns, scene)
          end associate
       end do
       call list_clearances(set%constr, problem%mechanism, dimensions%outlk <= 0.0_wp, clearances, joints, beside)
@@ -318,7 +319,7 @@ contains
       end do
       do i = 1, size(study%movement%dead)
          associate (dead => study%movement%dead(i))
-            call add_dead_point(lower_case(mover_name(dead)), dead, dead%kind == mover_output, scene)
+            call add_dead_point(lower_case(quantity_name(dead)), dead, dead%kind == quantity_output, scene)
          end associate
       end do
    end subroutine add_extremes

@@ -19,11 +19,12 @@ module psalm_proof_motion
    use psalm_taylor, only: lanes
    implicit none (type, external)
    private
-   public :: movement_t, proven_dead_point_t, bracket_t, prove_movement, time_ratio_of, mover_output, mover_turning, mover_sliding
+   public :: movement_t, proven_dead_point_t, bracket_t, prove_movement, time_ratio_of, &
+             quantity_output, quantity_turning, quantity_sliding
 
-   integer, parameter :: mover_output = 1   !! the output itself
-   integer, parameter :: mover_turning = 2  !! a link, its direction
-   integer, parameter :: mover_sliding = 3  !! a slide, its length
+   integer, parameter :: quantity_output = 1   !! the output itself
+   integer, parameter :: quantity_turning = 2  !! a link, its direction
+   integer, parameter :: quantity_sliding = 3  !! a slide, its length
 
    integer, parameter :: first_boxes = 8, most_boxes = 4000, most_points = 4000
    real(wp), parameter :: enough = 1.0e-12_wp  !! width of a bracket of a rate
@@ -37,7 +38,7 @@ module psalm_proof_motion
 
    !> An input at which something stands still for an instant.
    type :: proven_dead_point_t
-      integer :: kind = mover_output
+      integer :: kind = quantity_output
       integer :: loop = 0, place = 0       !! of a link: loop and number in the loop
       real(wp) :: low = 0.0_wp, high = 0.0_wp !! bracket of the input
       logical :: reverses = .true.         !! false: it may stand still there, or not, but does not turn back
@@ -78,7 +79,7 @@ contains
       type(proof_t), intent(in) :: proof
       real(wp), intent(in) :: dwell                   !! amount of a dwell, degrees or length; 0: none are looked for
       type(movement_t), intent(out) :: movement
-      type(proof_models_t) :: mover
+      type(proof_models_t) :: moving
       type(signal_t) :: rate, sign
       type(proven_dead_point_t), allocatable :: own(:)
       integer :: k
@@ -94,20 +95,20 @@ contains
             end if
          end associate
       end do
-      mover%plan = subject%plan
-      do k = 1, size(mover%plan%steps)
-         mover%plan%steps(k)%wants = .true.
+      moving%plan = subject%plan
+      do k = 1, size(moving%plan%steps)
+         moving%plan%steps(k)%wants = .true.
       end do
-      call prepare_rates(mover%plan, subject%numbers, mover%models)
+      call prepare_rates(moving%plan, subject%numbers, moving%models)
       call find_output(subject, rate, sign, moves)
       if (moves) then
-         call find_dead_points(subject, proof, mover, sign, mover_output, 0, 0, own)
+         call find_dead_points(subject, proof, moving, sign, quantity_output, 0, 0, own)
          movement%dead = own
-         call find_ratio(subject, proof, mover, rate, movement)
-         if (subject%output_motion == motion_distance) call find_distance(subject, proof, mover, movement)
-         if (rate%kind == signal_turn) call follow_angle(subject, proof, mover, rate%which, own, movement)
+         call find_ratio(subject, proof, moving, rate, movement)
+         if (subject%output_motion == motion_distance) call find_distance(subject, proof, moving, movement)
+         if (rate%kind == signal_turn) call follow_angle(subject, proof, moving, rate%which, own, movement)
          call find_time_ratio(proof, own, movement)
-         if (dwell > 0.0_wp) call find_dwells(subject, proof, mover, rate, own, dwell, movement)
+         if (dwell > 0.0_wp) call find_dwells(subject, proof, moving, rate, own, dwell, movement)
       end if
       do k = 1, size(subject%plan%steps)
          associate (step => subject%plan%steps(k))
@@ -139,7 +140,7 @@ contains
             end do
             if (plan%root(arc) == root_frame .or. plan%root(arc) == root_crank) return
             sign = signal_t(signal_turn_sign, plan%root(arc))
-            call find_dead_points(subject, proof, mover, sign, mover_turning, loop, place, own)
+            call find_dead_points(subject, proof, moving, sign, quantity_turning, loop, place, own)
             movement%dead = [movement%dead, own]
          end associate
       end subroutine add_link
@@ -148,7 +149,7 @@ contains
          integer, intent(in) :: arc, loop, place
 
          sign = signal_t(signal_slide_sign, subject%plan%slot(arc))
-         call find_dead_points(subject, proof, mover, sign, mover_sliding, loop, place, own)
+         call find_dead_points(subject, proof, moving, sign, quantity_sliding, loop, place, own)
          movement%dead = [movement%dead, own]
       end subroutine add_slide
    end subroutine prove_movement
@@ -184,10 +185,10 @@ contains
    end subroutine find_output
 
    !> Every input at which a signal vanishes, bracketed.
-   subroutine find_dead_points(subject, proof, mover, sign, kind, loop, place, dead)
+   subroutine find_dead_points(subject, proof, moving, sign, kind, loop, place, dead)
       type(subject_t), intent(in) :: subject
       type(proof_t), intent(in) :: proof
-      type(proof_models_t), intent(inout) :: mover
+      type(proof_models_t), intent(inout) :: moving
       type(signal_t), intent(in) :: sign
       integer, intent(in) :: kind, loop, place
       type(proven_dead_point_t), allocatable, intent(out) :: dead(:)
@@ -197,7 +198,7 @@ contains
       logical :: joined
 
       allocate (dead(0))
-      call choose_signals([sign], mover%models)
+      call choose_signals([sign], moving%models)
       point%kind = kind
       point%loop = loop
       point%place = place
@@ -205,8 +206,8 @@ contains
       first = 0
       do i = 1, size(proof%limits)
          if (proof%limits(i)%kind /= piece_closes) cycle
-         call find_pieces(mover%plan, subject%numbers, proof%limits(i)%from, proof%limits(i)%to, first_boxes, most_boxes, &
-                          mover%models, pieces, boxes)
+         call find_pieces(moving%plan, subject%numbers, proof%limits(i)%from, proof%limits(i)%to, first_boxes, most_boxes, &
+                          moving%models, pieces, boxes)
          do k = 1, size(pieces)
             if (pieces(k)%kind /= piece_undecided) cycle
             point%low = pieces(k)%from
@@ -246,10 +247,10 @@ contains
    end function wraps
 
    !> Least and greatest value of a signal over what closes, in the unit of the models.
-   subroutine bracket_signal(subject, proof, mover, signal, spans, bounded)
+   subroutine bracket_signal(subject, proof, moving, signal, spans, bounded)
       type(subject_t), intent(in) :: subject
       type(proof_t), intent(in) :: proof
-      type(proof_models_t), intent(inout) :: mover
+      type(proof_models_t), intent(inout) :: moving
       type(signal_t), intent(in) :: signal
       type(bracket_t), intent(out) :: spans(2)
       logical, intent(out) :: bounded
@@ -258,7 +259,7 @@ contains
       type(quantity_t) :: quantities(2)
       integer :: i, k, boxes
 
-      call choose_signals([signal], mover%models)
+      call choose_signals([signal], moving%models)
       quantities%kind = quantity_measure
       quantities%which = 1
       quantities%sense = [-1, 1]
@@ -274,21 +275,21 @@ contains
             k = k + first_boxes
          end associate
       end do
-      call find_greatest(mover%plan, subject%numbers, quantities, enough, most_boxes, mover%models, places, greatest, boxes)
+      call find_greatest(moving%plan, subject%numbers, quantities, enough, most_boxes, moving%models, places, greatest, boxes)
       spans(1) = bracket_t(-greatest(1)%high, -greatest(1)%low, greatest(1)%at)
       spans(2) = bracket_t(greatest(2)%low, greatest(2)%high, greatest(2)%at)
       bounded = all(greatest%found) .and. greatest(1)%high < unbounded .and. greatest(2)%high < unbounded
    end subroutine bracket_signal
 
    !> Velocity ratio.
-   subroutine find_ratio(subject, proof, mover, rate, movement)
+   subroutine find_ratio(subject, proof, moving, rate, movement)
       type(subject_t), intent(in) :: subject
       type(proof_t), intent(in) :: proof
-      type(proof_models_t), intent(inout) :: mover
+      type(proof_models_t), intent(inout) :: moving
       type(signal_t), intent(in) :: rate
       type(movement_t), intent(inout) :: movement
 
-      call bracket_signal(subject, proof, mover, rate, movement%ratio, movement%ratio_bounded)
+      call bracket_signal(subject, proof, moving, rate, movement%ratio, movement%ratio_bounded)
       movement%has_ratio = .true.
       if (rate%kind == signal_turn) return
       movement%ratio%low = movement%ratio%low/subject%numbers%scale
@@ -296,27 +297,27 @@ contains
    end subroutine find_ratio
 
    !> Extremes of the distance of the output point from the origin.
-   subroutine find_distance(subject, proof, mover, movement)
+   subroutine find_distance(subject, proof, moving, movement)
       type(subject_t), intent(in) :: subject
       type(proof_t), intent(in) :: proof
-      type(proof_models_t), intent(inout) :: mover
+      type(proof_models_t), intent(inout) :: moving
       type(movement_t), intent(inout) :: movement
       type(signal_t) :: square
       logical :: bounded
 
       square%kind = signal_square
       square%path = subject%output_path
-      call bracket_signal(subject, proof, mover, square, movement%output, bounded)
+      call bracket_signal(subject, proof, moving, square, movement%output, bounded)
       movement%output%low = sqrt(max(movement%output%low, 0.0_wp))*(1.0_wp - rounding)/subject%numbers%scale
       movement%output%high = sqrt(max(movement%output%high, 0.0_wp))*(1.0_wp + rounding)/subject%numbers%scale
       movement%has_output = bounded
    end subroutine find_distance
 
    !> Extremes of an angle: followed from dead point to dead point, so that it may go on beyond a turn.
-   subroutine follow_angle(subject, proof, mover, root, dead, movement)
+   subroutine follow_angle(subject, proof, moving, root, dead, movement)
       type(subject_t), intent(in) :: subject
       type(proof_t), intent(in) :: proof
-      type(proof_models_t), intent(inout) :: mover
+      type(proof_models_t), intent(inout) :: moving
       integer, intent(in) :: root
       type(proven_dead_point_t), intent(in) :: dead(:)
       type(movement_t), intent(inout) :: movement
@@ -343,7 +344,7 @@ contains
       inputs = [inputs, critical(size(critical))]
       spread = [spread, 0.0_wp]
       allocate (angle(n), error(n))
-      call find_angles(subject, mover, root, inputs, angle, error)
+      call find_angles(subject, moving, root, inputs, angle, error)
       if (any(error >= 1.0_wp)) return
       do k = 2, n
          angle(k) = angle(k) - full_turn*anint((angle(k) - angle(k - 1))/full_turn)
@@ -371,9 +372,9 @@ contains
    end subroutine follow_angle
 
    !> Angles of the output at some inputs, -180 to 180 degrees, and by how much they may be wrong, radians.
-   subroutine find_angles(subject, mover, root, inputs, angle, error)
+   subroutine find_angles(subject, moving, root, inputs, angle, error)
       type(subject_t), intent(in) :: subject
-      type(proof_models_t), intent(inout) :: mover
+      type(proof_models_t), intent(inout) :: moving
       integer, intent(in) :: root
       real(wp), intent(in) :: inputs(:)
       real(wp), intent(out) :: angle(:), error(:)
@@ -386,13 +387,13 @@ contains
             do i = 1, lanes
                m(i) = inputs(min(k + i - 1, size(inputs)))
             end do
-            call evaluate_rates(mover%plan, subject%numbers, m, r, mover%models)
+            call evaluate_rates(moving%plan, subject%numbers, m, r, moving%models)
             do i = 1, min(lanes, size(inputs) - k + 1)
-               x = mover%models%base%root(i, 0, 1, root)
-               y = mover%models%base%root(i, 0, 2, root)
+               x = moving%models%base%root(i, 0, 1, root)
+               y = moving%models%base%root(i, 0, 2, root)
                angle(k + i - 1) = degrees_of(c*x - s*y, s*x + c*y)
                ! a chord below half of the radius is at most a twentieth shorter than its arc
-               error(k + i - 1) = min(1.1_wp*(mover%models%base%root_e(i, root) + rounding), 2.0_wp)
+               error(k + i - 1) = min(1.1_wp*(moving%models%base%root_e(i, root) + rounding), 2.0_wp)
                if (error(k + i - 1) > 0.5_wp) error(k + i - 1) = 2.0_wp
             end do
          end do
@@ -429,10 +430,10 @@ contains
    end function time_ratio_of
 
    !> Round each dead point of the output the inputs over which the output stays within an amount of its value there.
-   subroutine find_dwells(subject, proof, mover, rate, dead, amount, movement)
+   subroutine find_dwells(subject, proof, moving, rate, dead, amount, movement)
       type(subject_t), intent(in) :: subject
       type(proof_t), intent(in) :: proof
-      type(proof_models_t), intent(inout) :: mover
+      type(proof_models_t), intent(inout) :: moving
       type(signal_t), intent(in) :: rate
       type(proven_dead_point_t), intent(in) :: dead(:)
       real(wp), intent(in) :: amount
@@ -445,13 +446,14 @@ contains
 
       do d = 1, size(dead)
          if (dead(d)%high - dead(d)%low > 1.0e-6_wp) cycle
-         call refer_to(subject, mover, rate, dead(d), movement, amount, signals)
+         call refer_to(subject, moving, rate, dead(d), movement, amount, signals)
          if (size(signals) == 0) cycle
-         call choose_signals(signals, mover%models)
+         call choose_signals(signals, moving%models)
          do i = 1, size(proof%limits)
             associate (limit => proof%limits(i))
                if (limit%kind /= piece_closes .or. dead(d)%high < limit%from .or. dead(d)%low > limit%to) cycle
-               call find_pieces(mover%plan, subject%numbers, limit%from, limit%to, first_boxes, most_boxes, mover%models, pieces, &
+               call find_pieces(moving%plan, subject%numbers, limit%from, limit%to, first_boxes, most_boxes, &
+                                moving%models, pieces, &
                                 boxes)
                last = size(pieces)
                do k = 1, last
@@ -480,9 +482,9 @@ contains
    end subroutine find_dwells
 
    !> Signals that are positive where the output is within an amount of its value at a dead point.
-   subroutine refer_to(subject, mover, rate, dead, movement, amount, signals)
+   subroutine refer_to(subject, moving, rate, dead, movement, amount, signals)
       type(subject_t), intent(in) :: subject
-      type(proof_models_t), intent(inout) :: mover
+      type(proof_models_t), intent(inout) :: moving
       type(signal_t), intent(in) :: rate
       type(proven_dead_point_t), intent(in) :: dead
       type(movement_t), intent(in) :: movement
@@ -498,7 +500,7 @@ contains
       select case (rate%kind)
       case (signal_turn)
          if (amount >= right_angle) return
-         call evaluate_rates(mover%plan, subject%numbers, m, r, mover%models)
+         call evaluate_rates(moving%plan, subject%numbers, m, r, moving%models)
          call take_direction()
          call unit_vector(amount, cosine, sine)
          each%which = rate%which
@@ -508,11 +510,11 @@ contains
          signals(2)%sense = -1.0_wp
          signals(3)%kind = signal_turned_less
       case (signal_slide)
-         call evaluate_rates(mover%plan, subject%numbers, m, r, mover%models)
+         call evaluate_rates(moving%plan, subject%numbers, m, r, moving%models)
          each%which = rate%which
          each%kind = signal_longer
-         each%reference(1) = mover%models%base%slide(1, 0, rate%which)
-         each%doubt = sum(abs(mover%models%base%slide(1, 1:, rate%which))) + mover%models%base%slide_e(1, rate%which)
+         each%reference(1) = moving%models%base%slide(1, 0, rate%which)
+         each%doubt = sum(abs(moving%models%base%slide(1, 1:, rate%which))) + moving%models%base%slide_e(1, rate%which)
          each%amount = amount*subject%numbers%scale
          signals = [each, each]
          signals(2)%sense = -1.0_wp
@@ -520,12 +522,12 @@ contains
          if (.not. movement%has_output) return
          each%kind = signal_square
          each%path = subject%output_path
-         call choose_signals([each], mover%models)
-         call evaluate_rates(mover%plan, subject%numbers, m, r, mover%models)
-         if (mover%models%low(1, 1) <= 0.0_wp) return
+         call choose_signals([each], moving%models)
+         call evaluate_rates(moving%plan, subject%numbers, m, r, moving%models)
+         if (moving%models%low(1, 1) <= 0.0_wp) return
          each%kind = signal_farther
-         each%reference(1) = sqrt(mover%models%g(1, 0, 1))
-         each%doubt = (mover%models%high(1, 1) - mover%models%low(1, 1))/sqrt(mover%models%low(1, 1)) &
+         each%reference(1) = sqrt(moving%models%g(1, 0, 1))
+         each%doubt = (moving%models%high(1, 1) - moving%models%low(1, 1))/sqrt(moving%models%low(1, 1)) &
                       + rounding*each%reference(1)
          each%amount = amount*subject%numbers%scale
          signals = [each, each]
@@ -535,10 +537,10 @@ contains
    contains
 
       subroutine take_direction()
-         associate (root => mover%models%base%root(1, :, :, rate%which))
-            each%reference = [mover%models%base%root(1, 0, 1, rate%which), mover%models%base%root(1, 0, 2, rate%which)]
-            each%doubt = mover%models%base%root_e(1, rate%which)
-            do k = 1, ubound(mover%models%base%root, 2)
+         associate (root => moving%models%base%root(1, :, :, rate%which))
+            each%reference = [moving%models%base%root(1, 0, 1, rate%which), moving%models%base%root(1, 0, 2, rate%which)]
+            each%doubt = moving%models%base%root_e(1, rate%which)
+            do k = 1, ubound(moving%models%base%root, 2)
                each%doubt = each%doubt + abs(root(k + 1, 1)) + abs(root(k + 1, 2))
             end do
          end associate

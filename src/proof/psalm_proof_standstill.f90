@@ -7,7 +7,7 @@ module psalm_proof_standstill
    use psalm_closure, only: closure_t, row_angle, row_turn
    use psalm_kinds, only: wp, full_turn, right_angle
    use psalm_proof_chain, only: chain_tubes_t
-   use psalm_proof_motion, only: proven_dead_point_t, mover_output, mover_turning, mover_sliding, time_ratio_of
+   use psalm_proof_motion, only: proven_dead_point_t, quantity_output, quantity_turning, quantity_sliding, time_ratio_of
    use psalm_proof_numbers, only: quadratic_t, find_numbers, rate_of_link, rate_of_slide, is_angle, has_rate
    use psalm_proof_tube, only: tube_t, part_of, rounding
    use psalm_sketch, only: sketch_output_t, frame_link, drive_slides
@@ -16,7 +16,7 @@ module psalm_proof_standstill
    public :: chain_way_t, chain_movement_t, prove_standstill
 
    integer, parameter :: is_positive = 1, is_negative = -1, is_undecided = 0
-   integer, parameter :: most_enclosures = 400     !! for the dead points of one mover
+   integer, parameter :: most_enclosures = 400     !! for the dead points of one quantity
    integer, parameter :: most_cuts = 10            !! of two quadratics and their bounds, and both ends
    real(wp), parameter :: narrow = 1.0e-15_wp      !! of a leg: shorter parts are not enclosed
    real(wp), parameter :: gain_enough = 0.5_wp     !! a shorter tube must leave out less than this part
@@ -45,7 +45,7 @@ module psalm_proof_standstill
 
    !> What is to be positive.
    type :: chain_signal_t
-      integer :: mover = 0                         !! of a rate: one of `mover_...`; 0: an output within `amount` of `reference`
+      integer :: quantity = 0                         !! of a rate: `quantity_...`; 0: an output within `amount` of `reference`
       integer :: which = 0
       real(wp) :: reference = 0.0_wp, amount = 0.0_wp
    end type chain_signal_t
@@ -91,7 +91,7 @@ contains
       fastest = fastest_of(closure, tubes)
       do k = 1, n
          if (.not. has_rate(closure%sketch, outputs, k)) cycle
-         call find_dead(chain_signal_t(mover_output, k), merge(fastest, fastest*closure%size, is_angle(outputs, k)), own)
+         call find_dead(chain_signal_t(quantity_output, k), merge(fastest, fastest*closure%size, is_angle(outputs, k)), own)
          movement%dead = [movement%dead, own]
          if (closed_turn) movement%time_ratio(k) = time_ratio_of(own)
          if (closed_turn .and. is_angle(outputs, k)) movement%turns_fully(k) = goes_round(k)
@@ -99,12 +99,12 @@ contains
       end do
       turning = turning_links(closure)
       do k = 1, size(turning)
-         call find_dead(chain_signal_t(mover_turning, turning(k)), fastest, own)
+         call find_dead(chain_signal_t(quantity_turning, turning(k)), fastest, own)
          movement%dead = [movement%dead, own]
       end do
       do k = 1, size(closure%sketch%slides)
          if (any(closure%sketch%drives%kind == drive_slides .and. closure%sketch%drives%slide == k)) cycle
-         call find_dead(chain_signal_t(mover_sliding, k), fastest*closure%size, own)
+         call find_dead(chain_signal_t(quantity_sliding, k), fastest*closure%size, own)
          movement%dead = [movement%dead, own]
       end do
 
@@ -123,7 +123,7 @@ contains
          search%left = merge(most_enclosures, 0, rate_of(signal) > at_rest*unit)
          call find_pieces(search)
          allocate (dead(0))
-         point%kind = signal%mover
+         point%kind = signal%quantity
          point%place = signal%which
          associate (pieces => search%pieces)
             do i = 1, search%count
@@ -338,14 +338,14 @@ contains
       type(quadratic_t), allocatable :: values(:), speeds(:)
 
       count = 1
-      select case (signal%mover)
-      case (mover_turning)
+      select case (signal%quantity)
+      case (quantity_turning)
          q(1) = rate_of_link(tube, signal%which)
-      case (mover_sliding)
+      case (quantity_sliding)
          q(1) = rate_of_slide(closure, tube, signal%which)
       case default
          call find_numbers(closure, outputs, tube, values, speeds)
-         if (signal%mover == mover_output) then
+         if (signal%quantity == quantity_output) then
             q(1) = speeds(signal%which)
          else
             count = 2

@@ -7,8 +7,8 @@ module psalm_chain_proof_list
    use psalm_kinds, only: wp
    use psalm_proof_chain, only: output_range_t
    use psalm_proof_list, only: about_extremes, about_limits, list_dead_points, list_dwell, list_kept, list_range, &
-                               put_dead_points, put_kept, same_mover, shown, head_of_ranges, end_text, short
-   use psalm_proof_motion, only: proven_dead_point_t, mover_output, mover_turning
+                               put_dead_points, put_kept, same_quantity, shown, head_of_ranges, end_text, short
+   use psalm_proof_motion, only: proven_dead_point_t, quantity_output, quantity_turning
    use psalm_proof_numbers, only: has_rate, is_angle
    use psalm_sketch, only: drive_turns
    use psalm_sketch_outputs, only: name_room
@@ -16,7 +16,7 @@ module psalm_chain_proof_list
    use psalm_text, only: text_t, to_text, upper_case
    implicit none (type, external)
    private
-   public :: list_chain_proof, put_chain_proof, links_of_group, name_of_mover, ratio_of
+   public :: list_chain_proof, put_chain_proof, links_of_group, name_of_quantity, ratio_of
 
    integer, parameter :: word_room = 10   !! characters of a word in a table
    integer, parameter :: most_parts = 3   !! rows of a leg: it closes, is undecided, is not reached
@@ -163,37 +163,37 @@ contains
                   if (dwell%number == n) call list_dwell(name, proof%dwell, dwell%at, dwell%from, dwell%to, as_angles, text)
                end associate
             end do
-            if (proof%dwell > 0.0_wp .and. .not. any(movement%dead%kind == mover_output .and. movement%dead%place == n)) &
+            if (proof%dwell > 0.0_wp .and. .not. any(movement%dead%kind == quantity_output .and. movement%dead%place == n)) &
                call text%add('   NO DWELL: '//name//' HAS NO DEAD POINT')
          end do
          first = 1
          do i = 1, size(movement%dead)
             if (i < size(movement%dead)) then
-               if (same_mover(movement%dead(i), movement%dead(i + 1))) cycle
+               if (same_quantity(movement%dead(i), movement%dead(i + 1))) cycle
             end if
-            call list_dead_points(upper_case(name_of_mover(study, movement%dead(i))), movement%dead(first:i), as_angles, text)
+            call list_dead_points(upper_case(name_of_quantity(study, movement%dead(i))), movement%dead(first:i), as_angles, text)
             first = i + 1
          end do
       end associate
    end subroutine list_movement
 
    !> What stands still at a dead point.
-   pure function name_of_mover(study, dead) result(words)
+   pure function name_of_quantity(study, dead) result(words)
       type(chain_study_t), intent(in) :: study
       type(proven_dead_point_t), intent(in) :: dead
       character(:), allocatable :: words
 
       associate (sketch => study%closure%sketch)
          select case (dead%kind)
-         case (mover_output)
+         case (quantity_output)
             words = trim(study%names(dead%place))
-         case (mover_turning)
+         case (quantity_turning)
             words = 'link '//trim(sketch%links(dead%place)%name)//', its turning'
          case default
             words = 'slide '//trim(sketch%slides(dead%place)%name)//', its length'
          end select
       end associate
-   end function name_of_mover
+   end function name_of_quantity
 
    pure logical function first_turns(study)
       type(chain_study_t), intent(in) :: study

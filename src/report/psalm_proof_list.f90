@@ -10,7 +10,7 @@ module psalm_proof_list
    use psalm_proven_margins, only: proven_margin_t
    use psalm_proof, only: proof_t, limit_t, touch_exact, piece_closes, piece_opens, piece_undecided, cause_too_short, &
                           cause_difference, cause_guide, cause_link, cause_parallel
-   use psalm_proof_motion, only: proven_dead_point_t, mover_output, mover_turning
+   use psalm_proof_motion, only: proven_dead_point_t, quantity_output, quantity_turning
    use psalm_proof_ranges, only: proven_extreme_t, extreme_angle, extreme_slide, extreme_x, extreme_y, extreme_output, &
                                  extreme_distance, extreme_slides
    use psalm_proof_study, only: proof_study_t, kept_t
@@ -20,8 +20,8 @@ module psalm_proof_list
    implicit none (type, external)
    private
    public :: list_proof, put_proof, describe_proof, about_limits, about_extremes
-   public :: list_range, head_of_ranges, shown, short, end_text, cause_words, extreme_name, mover_name
-   public :: list_kept, put_kept, list_dead_points, list_dwell, same_mover, put_dead_points
+   public :: list_range, head_of_ranges, shown, short, end_text, cause_words, extreme_name, quantity_name
+   public :: list_kept, put_kept, list_dead_points, list_dwell, same_quantity, put_dead_points
 
    character(*), parameter :: about_limits = 'a row for each part of the range, the brackets between them too'
    character(*), parameter :: about_extremes = 'a row for each quantity: brackets of its extremes; angles in degrees'
@@ -258,9 +258,9 @@ contains
          first = 1
          do i = 1, size(movement%dead)
             if (i < size(movement%dead)) then
-               if (same_mover(movement%dead(i), movement%dead(i + 1))) cycle
+               if (same_quantity(movement%dead(i), movement%dead(i + 1))) cycle
             end if
-            call list_dead_points(mover_name(movement%dead(i)), movement%dead(first:i), study%proof%turns, text)
+            call list_dead_points(quantity_name(movement%dead(i)), movement%dead(first:i), study%proof%turns, text)
             first = i + 1
          end do
       end associate
@@ -277,11 +277,11 @@ contains
                     trim(adjustl(end_text(from, 1, turns)))//' TO '//trim(adjustl(end_text(to, -1, turns))))
    end subroutine list_dwell
 
-   pure logical function same_mover(one, other)
+   pure logical function same_quantity(one, other)
       type(proven_dead_point_t), intent(in) :: one, other
 
-      same_mover = one%kind == other%kind .and. one%loop == other%loop .and. one%place == other%place
-   end function same_mover
+      same_quantity = one%kind == other%kind .and. one%loop == other%loop .and. one%place == other%place
+   end function same_quantity
 
    !> Dead points of one link, slide or output.
    subroutine list_dead_points(name, dead, turns, text)
@@ -315,17 +315,17 @@ contains
       call text%add(line)
    end subroutine list_dead_points
 
-   pure function mover_name(dead) result(name)
+   pure function quantity_name(dead) result(name)
       type(proven_dead_point_t), intent(in) :: dead
       character(:), allocatable :: name
 
-      if (dead%kind == mover_output) then
+      if (dead%kind == quantity_output) then
          name = 'THE OUTPUT'
       else
          name = 'LOOP '//to_text(dead%loop)//', ARC '//to_text(dead%place)//', '// &
-                trim(merge('ITS TURNING', 'ITS LENGTH ', dead%kind == mover_turning))
+                trim(merge('ITS TURNING', 'ITS LENGTH ', dead%kind == quantity_turning))
       end if
-   end function mover_name
+   end function quantity_name
 
    !> An input in a line of words.
    function place_of(input, turns) result(text)
@@ -635,12 +635,12 @@ contains
       type(proven_dead_point_t), intent(in) :: dead(:)
       character(*), intent(in) :: input        !! its unit
       type(tables_t), intent(inout) :: tables
-      character(*), parameter :: movers(3) = [character(7) :: 'output', 'turning', 'sliding']
+      character(*), parameter :: quantities(3) = [character(7) :: 'output', 'turning', 'sliding']
       type(table_t) :: table
 
       if (size(dead) == 0) return
       table = table_of('dead_points', 'a row for each dead point: brackets of the input', notes=title)
-      call table%add('quantity', movers(dead%kind))
+      call table%add('quantity', quantities(dead%kind))
       call table%add('loop', dead%loop)
       call table%add('arc', dead%place)
       call table%add('low', dead%low, input)

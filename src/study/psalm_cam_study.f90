@@ -6,7 +6,7 @@ module psalm_cam_study
    use psalm_cam_data, only: cam_group_t, follower_flat
    use psalm_cam_interference, only: interference_t, find_interference
    use psalm_cam_law, only: law_t, law_joint_t, make_law, law_made, law_velocity_jumps, law_jerk_jumps, &
-                           law_points_missing, law_misses, highest_law_order
+                           law_points_missing, law_beyond_tolerance, highest_law_order
    use psalm_cam_motion, only: chained_motion, prepare_cam_motion
    use psalm_cam_pair, only: gap_t, find_gap, greatest_in, least_in, play_of
    use psalm_cam_passage, only: ways_t, ways_found, ways_jump, ways_infinite, ways_end
@@ -458,7 +458,7 @@ contains
                        findings)
          return
       end if
-      if (law%state == law_misses) then
+      if (law%state == law_beyond_tolerance) then
          call complain(set, cam, 'TABTOL', 'no fit by least squares stays so near the points; the best misses one by'// &
                        general(law%residual), findings)
          return

@@ -163,7 +163,7 @@ contains
       call put_in_order(proof%movement%dead)
    end subroutine prove_movement
 
-   !> Sort the dead points of each mover by their place; those of one mover stand together.
+   !> Sort the dead points of each quantity by their place; those of one quantity stand together.
    pure subroutine put_in_order(dead)
       type(proven_dead_point_t), intent(inout) :: dead(:)
       type(proven_dead_point_t) :: moved

@@ -12,7 +12,7 @@ program test_proof
    use psalm_proof, only: proof_t, subject_t, prepare_subject, bind_subject, prove_closure, piece_closes, piece_opens, &
                           piece_undecided, cause_too_short, cause_difference, cause_guide, cause_link, touch_exact, touch_none
    use psalm_output_kind, only: motion_angle
-   use psalm_proof_motion, only: movement_t, proven_dead_point_t, prove_movement, mover_output, mover_turning
+   use psalm_proof_motion, only: movement_t, proven_dead_point_t, prove_movement, quantity_output, quantity_turning
    use psalm_proof_ranges, only: proven_extreme_t, prove_extremes, prove_tolerance
    use psalm_quad, only: qp, unit_vector_quad
    use psalm_taylor, only: lanes, degree, multiply, range_of, reciprocal, square_root, turn_crank, norm_of, rounding
@@ -157,15 +157,15 @@ contains
       real(wp), parameter :: least = -0.0881349872442579_wp, greatest = 0.097646273426758_wp
 
       call prove_movement(subject, proof, 0.0_wp, movement)
-      own = pack(movement%dead, movement%dead%kind == mover_turning .and. movement%dead%loop == 4)
-      call t%equal_integer(count(movement%dead%kind == mover_turning), 22, 'the needle linkage has 22 dead points of its links')
+      own = pack(movement%dead, movement%dead%kind == quantity_turning .and. movement%dead%loop == 4)
+      call t%equal_integer(count(movement%dead%kind == quantity_turning), 22, 'the needle linkage has 22 dead points of its links')
       call are_at(own(:size(own)/2), dead_of_p, 'needle linkage, first link of loop 4')
       call are_at(own(size(own)/2 + 1:), dead_of_q, 'needle linkage, second link of loop 4')
       ! as the output
       subject%output_motion = motion_angle
       subject%output_arc = problem%mechanism%groups(4)%members(2)
       call prove_movement(subject, proof, 0.0_wp, movement)
-      call are_at(pack(movement%dead, movement%dead%kind == mover_output), dead_of_q, 'needle linkage, the same as output')
+      call are_at(pack(movement%dead, movement%dead%kind == quantity_output), dead_of_q, 'needle linkage, the same as output')
       associate (ratio => movement%ratio)
          call t%is_true(ratio(1)%low <= least .and. least <= ratio(1)%high .and. ratio(2)%low <= greatest .and. &
                         greatest <= ratio(2)%high, 'extremes of a velocity ratio')

@@ -6,7 +6,7 @@ program test_proof_tube
    use psalm_chain_study, only: chain_study_t, study_chain
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp, degrees_per_radian, radians_per_degree
-   use psalm_proof_motion, only: proven_dead_point_t, mover_output, mover_turning
+   use psalm_proof_motion, only: proven_dead_point_t, quantity_output, quantity_turning
    use psalm_proof_study, only: proof_of_inputs, proof_of_turn
    use psalm_status, only: diagnostics_t
    use psalm_text, only: full_precision, to_text
@@ -105,7 +105,7 @@ contains
       call holds_samples(s, proof, 'crank-rocker')
    end subroutine crank
 
-   !> Dead points of one mover.
+   !> Dead points of one quantity.
    function dead_of(proof, kind, place) result(dead)
       type(chain_proof_t), intent(in) :: proof
       integer, intent(in) :: kind, place
@@ -145,14 +145,14 @@ contains
       at(2) = 180.0_wp + acos((16.0_wp + 36.0_wp - 25.0_wp)/48.0_wp)*degrees_per_radian
       call prove(crank_rocker(20.0_wp, '&METHOD NDES=2, DELT=0.0,5.0 &END &LIMITS DWELL=0.5 &END'), proof_of_turn, s, &
                  proof)
-      dead = dead_of(proof, mover_output, 1)
+      dead = dead_of(proof, quantity_output, 1)
       call t%is_true(size(dead) == 2, 'crank-rocker: two dead points', to_text(size(dead)))
       if (size(dead) /= 2) return
       do k = 1, 2
          call holds(dead(k)%low, dead(k)%high, at(k) - 20.0_wp, 1.0e-9_wp, 'crank-rocker: dead point '//to_text(k))
          call t%is_true(dead(k)%reverses, 'crank-rocker: it turns back')
       end do
-      call t%is_true(size(dead_of(proof, mover_turning, 4)) == 2, 'crank-rocker: so many has the rocker')
+      call t%is_true(size(dead_of(proof, quantity_turning, 4)) == 2, 'crank-rocker: so many has the rocker')
       ratio = (360.0_wp - (at(2) - at(1)))/(at(2) - at(1))
       call t%is_true(proof%movement%time_ratio(1) <= max(ratio, 1.0_wp/ratio), 'crank-rocker: time ratio at least')
       call t%close_to(proof%movement%time_ratio(1), max(ratio, 1.0_wp/ratio), 1.0e-9_wp, 'crank-rocker: time ratio')
@@ -180,17 +180,17 @@ contains
       end associate
       ! drawn at a dead point: it is met from both sides
       call prove(crank_rocker(at(1), '&METHOD NDES=3, DELT=0.0,-5.0,5.0 &END'), proof_of_inputs, s, proof)
-      dead = dead_of(proof, mover_output, 1)
+      dead = dead_of(proof, quantity_output, 1)
       call t%is_true(size(dead) == 1, 'drawn at a dead point: one', to_text(size(dead)))
       if (size(dead) == 1) call t%is_true(dead(1)%reverses .and. dead(1)%low <= 0.0_wp .and. dead(1)%high >= 0.0_wp, &
                                           'drawn at a dead point: at 0')
       call prove(crank_rocker(at(1), '&METHOD NDES=2, DELT=0.0,5.0 &END'), proof_of_turn, s, proof)
-      dead = dead_of(proof, mover_output, 1)
+      dead = dead_of(proof, quantity_output, 1)
       call t%is_true(size(dead) == 2 .and. all(dead%reverses), 'drawn at a dead point: a turn meets it once', to_text(size(dead)))
       ! the range ends at it
       call prove(crank_rocker(20.0_wp, '&METHOD NDES=2, DELT=0.0,'//full_precision(at(1) - 20.0_wp)//' &END'), &
                  proof_of_inputs, s, proof)
-      dead = dead_of(proof, mover_output, 1)
+      dead = dead_of(proof, quantity_output, 1)
       call t%is_true(size(dead) <= 1, 'range up to a dead point: one at most')
       if (size(dead) == 1) call t%is_true(dead(1)%at_end .and. .not. dead(1)%reverses, 'range up to a dead point: it is at the end')
    end subroutine dead_points
@@ -231,7 +231,7 @@ contains
                     " &DRIVES DRIVE='A','B', RATIO=0.0,1.0 &END &OUTPUTS OUTPUT='x P' &END &METHOD NDES=2, DELT=0.0,5.0 &END"//nl, &
                     proof_of_turn, s, proof)
          call t%is_true(proof%complete .and. proof%returns, 'two arms: turn')
-         dead = dead_of(proof, mover_output, 1)
+         dead = dead_of(proof, quantity_output, 1)
          roots = 0
          before = speed_of_arms(b, phase, 0.01_wp)
          do k = 1, 36000
@@ -455,7 +455,7 @@ contains
       type(proven_dead_point_t), allocatable :: dead(:)
       integer :: k
 
-      dead = dead_of(proof, mover_output, 4)
+      dead = dead_of(proof, quantity_output, 4)
       do k = 2, size(s%motion%closed) - 1
          if (s%inputs(1, k + 1) > place_on(proof, 1, proof%legs(1)%reached, .true.)) exit
          associate (v => s%values(4, 0, k - 1:k + 1), x => s%inputs(1, k - 1:k + 1))
