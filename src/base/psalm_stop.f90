@@ -1,10 +1,11 @@
 !> When a search must end: the host asks for it, or the time it was given is up.
 !>
 !> A study asks now and then. The library installs no handler and masks no signal: a program that wants to stop a study extends
-!> `stop_request_t` and hands it over in a `stop_t`.
+!> `stop_request_t` and hands it over in a `stop_t`. So does a host that lets others do a part of the work (`psalm_shared_work`).
 module psalm_stop
    use, intrinsic :: iso_fortran_env, only: int64
    use psalm_kinds, only: dp, wp
+   use psalm_shared_work, only: sharing_t
    implicit none (type, external)
    private
    public :: stop_request_t, stop_t, is_to_end
@@ -29,9 +30,18 @@ module psalm_stop
    type :: stop_t
       private
       class(stop_request_t), pointer :: request => null()
+      class(sharing_t), pointer :: others => null()    !! not associated: all work is done here
       integer(int64) :: end = huge(1_int64)            !! clock count after which time is up
    contains
       procedure :: listen_to
+      procedure :: share_with
+      procedure :: is_shared
+      procedure :: members
+      procedure :: open_batch
+      procedure :: next_item
+      procedure :: keep_item
+      procedure :: close_batch
+      procedure :: take_item
       procedure :: limit_time
       procedure :: waiting
       procedure :: tell
@@ -58,6 +68,75 @@ contains
       self%request => request
    end subroutine listen_to
 
+   !> Let numbered work be shared so from now on. What it is shared by must live as long as the token and its copies.
+   subroutine share_with(self, others)
+      class(stop_t), intent(inout) :: self
+      class(sharing_t), intent(in), target :: others
+
+      self%others => others
+   end subroutine share_with
+
+   !> True if numbered work is shared.
+   pure logical function is_shared(self)
+      class(stop_t), intent(in) :: self
+
+      is_shared = associated(self%others)
+   end function is_shared
+
+   !> How many share the work, each with threads of its own.
+   integer function members(self)
+      class(stop_t), intent(in) :: self
+
+      members = 1
+      if (associated(self%others)) members = self%others%members()
+   end function members
+
+   !> Begin a batch of numbered items; without others nothing is done by this.
+   subroutine open_batch(self, label, items)
+      class(stop_t), intent(in) :: self
+      character(*), intent(in) :: label                !! what the items are, one word
+      integer, intent(in) :: items
+
+      if (associated(self%others)) call self%others%open(label, items)
+   end subroutine open_batch
+
+   !> The item to do after `item`, which was done last by this thread: the next one for this machine if the work is shared, else the
+   !> one after a step; beyond `items`: none is left.
+   integer function next_item(self, item, step, items)
+      class(stop_t), intent(in) :: self
+      integer, intent(in) :: item, step, items
+
+      next_item = item + step
+      if (.not. associated(self%others)) return
+      next_item = self%others%next()
+      if (next_item == 0) next_item = items + 1
+   end function next_item
+
+   !> Hand over what an item led to.
+   subroutine keep_item(self, item, numbers)
+      class(stop_t), intent(in) :: self
+      integer, intent(in) :: item
+      real(wp), intent(in) :: numbers(:)
+
+      if (associated(self%others)) call self%others%keep(item, numbers)
+   end subroutine keep_item
+
+   !> End the batch.
+   subroutine close_batch(self)
+      class(stop_t), intent(in) :: self
+
+      if (associated(self%others)) call self%others%close()
+   end subroutine close_batch
+
+   !> What an item of the batch closed last led to; not allocated: it is not known, or the work is not shared.
+   subroutine take_item(self, item, numbers)
+      class(stop_t), intent(in) :: self
+      integer, intent(in) :: item
+      real(wp), allocatable, intent(out) :: numbers(:)
+
+      if (associated(self%others)) call self%others%take(item, numbers)
+   end subroutine take_item
+
    !> Give so many seconds from now on; 0: no limit.
    subroutine limit_time(self, seconds)
       class(stop_t), intent(inout) :: self
@@ -76,6 +155,7 @@ contains
 
       waiting = self%late()
       if (.not. waiting) waiting = self%requested()
+      if (associated(self%others)) waiting = self%others%agree(waiting)
    end function waiting
 
    !> True if a study must end that was given a token, or none.
@@ -111,5 +191,6 @@ contains
 
       requested = .false.
       if (associated(self%request)) requested = self%request%asked()
+      if (associated(self%others)) requested = requested .or. self%others%ends()
    end function requested
 end module psalm_stop

@@ -154,15 +154,17 @@ contains
          do i = 1, size(best)
             elite(:, i) = candidates(best(i))%x
          end do
+         call stop%open_batch('starts', until - before)
          !$omp parallel do num_threads(size(team)) schedule(static)
          do t = 1, size(team)
             if (t == 1) then
-               call make_starts(self, team(t), before + t, until, size(team), stop, elite, candidates, state, observer)
+               call make_starts(self, team(t), t, before, until, size(team), stop, elite, candidates, state, observer)
             else
-               call make_starts(self, team(t), before + t, until, size(team), stop, elite, candidates)
+               call make_starts(self, team(t), t, before, until, size(team), stop, elite, candidates)
             end if
          end do
          !$omp end parallel do
+         call take_shared(stop, [(i, i=before + 1, until)], candidates)
          call go_through_stages(self, team, before + 1, until, stop, candidates)
          before = until
          deallocate (elite)
@@ -192,11 +194,13 @@ contains
       do i = 1, size(best)
          elite(:, i) = candidates(best(i))%x
       end do
+      call stop%open_batch('starts', more)
       !$omp parallel do num_threads(size(team)) schedule(static)
       do t = 1, size(team)
-         call make_starts(self, team(t), before + t, before + more, size(team), stop, elite, candidates)
+         call make_starts(self, team(t), t, before, before + more, size(team), stop, elite, candidates)
       end do
       !$omp end parallel do
+      call take_shared(stop, [(i, i=before + 1, before + more)], candidates)
       call go_through_stages(self, team, before + 1, before + more, stop, candidates)
       call rank(self, max(self%refined, self%kept), candidates, best)
    end subroutine make_more
@@ -215,15 +219,21 @@ contains
       left = [(i, i=from, until)]
       do stage = 2, rules%stages
          left = better_half(rules, candidates, left)
+         call stop%open_batch('stage', size(left))
          !$omp parallel do num_threads(size(team)) schedule(static) private(i)
          do t = 1, size(team)
-            do i = t, size(left), size(team)
+            i = t - size(team)
+            do
+               i = stop%next_item(i, size(team), size(left))
+               if (i > size(left)) exit
                ! one that is cut short is not done with
                if (.not. stop%waiting()) call team(t)%go_on(stage, candidates(left(i)))
                if (stop%waiting()) candidates(left(i))%done = .false.
+               if (candidates(left(i))%done) call stop%keep_item(i, numbers_of(candidates(left(i))))
             end do
          end do
          !$omp end parallel do
+         call take_shared(stop, left, candidates)
       end do
    end subroutine go_through_stages
 
@@ -258,16 +268,16 @@ contains
       left = candidates%feasible
       leader = 0
       if (self%refines .and. .not. stop%waiting()) then
-         call refine_all(team, best, .true., candidates)
+         call refine_all(team, best, .true., stop, candidates)
          leader = minloc(candidates%objective, dim=1, mask=left)
          ! what differed may have become one: others are searched on in its place, to the end if they still differ when settled
          do round = 1, most_refinements
             call keep_different(self, team(1), left, leader, candidates, best)
             if (all(candidates(best)%refined) .or. stop%waiting()) exit
             if (all(candidates(best)%settled)) then
-               call refine_all(team, pack(best, .not. candidates(best)%refined), .true., candidates)
+               call refine_all(team, pack(best, .not. candidates(best)%refined), .true., stop, candidates)
             else
-               call refine_all(team, pack(best, .not. candidates(best)%settled), .false., candidates)
+               call refine_all(team, pack(best, .not. candidates(best)%settled), .false., stop, candidates)
             end if
          end do
          if (.not. stop%waiting()) left = left .and. candidates%refined
@@ -276,45 +286,99 @@ contains
    end subroutine finish
 
    !> Search on from some results.
-   subroutine refine_all(team, which, thorough, candidates)
+   subroutine refine_all(team, which, thorough, stop, candidates)
       class(starter_t), intent(inout) :: team(:)
       integer, intent(in) :: which(:)
       logical, intent(in) :: thorough                   !! to the end
+      type(stop_t), intent(in) :: stop
       type(candidate_t), intent(inout) :: candidates(:)
       integer :: t, i
 
+      call stop%open_batch('refined', size(which))
       !$omp parallel do num_threads(size(team)) schedule(static) private(i)
       do t = 1, size(team)
-         do i = t, size(which), size(team)
+         i = t - size(team)
+         do
+            i = stop%next_item(i, size(team), size(which))
+            if (i > size(which)) exit
             call team(t)%refine(thorough, candidates(which(i)))
+            if (.not. stop%waiting()) call stop%keep_item(i, numbers_of(candidates(which(i))))
          end do
       end do
       !$omp end parallel do
+      call take_shared(stop, which, candidates)
       candidates(which)%settled = .true.
       candidates(which)%refined = thorough
    end subroutine refine_all
 
-   !> The starts of one member: from, from + step ... until.
-   subroutine make_starts(rules, member, from, until, step, stop, elite, candidates, state, observer)
+   !> What a candidate is, in numbers.
+   pure function numbers_of(candidate) result(numbers)
+      type(candidate_t), intent(in) :: candidate
+      real(wp), allocatable :: numbers(:)
+      real(wp), allocatable :: x(:)
+
+      allocate (x(0))
+      if (allocated(candidate%x)) x = candidate%x
+      numbers = [candidate%objective, candidate%promise, real([candidate%evaluations, candidate%jacobians], wp), &
+                 merge(1.0_wp, 0.0_wp, [candidate%done, candidate%feasible, candidate%refused, candidate%settled, &
+                                        candidate%refined]), x]
+   end function numbers_of
+
+   !> End a batch of candidates and take those that others have made.
+   subroutine take_shared(stop, which, candidates)
+      type(stop_t), intent(in) :: stop
+      integer, intent(in) :: which(:)                   !! places of the items
+      type(candidate_t), intent(inout) :: candidates(:)
+      real(wp), allocatable :: numbers(:)
+      integer :: i
+
+      if (.not. stop%is_shared()) return
+      call stop%close_batch()
+      do i = 1, size(which)
+         call stop%take_item(i, numbers)
+         if (.not. allocated(numbers)) cycle
+         associate (candidate => candidates(which(i)))
+            candidate%objective = numbers(1)
+            candidate%promise = numbers(2)
+            candidate%evaluations = nint(numbers(3))
+            candidate%jacobians = nint(numbers(4))
+            candidate%done = numbers(5) > 0.0_wp
+            candidate%feasible = numbers(6) > 0.0_wp
+            candidate%refused = numbers(7) > 0.0_wp
+            candidate%settled = numbers(8) > 0.0_wp
+            candidate%refined = numbers(9) > 0.0_wp
+            candidate%x = numbers(10:)
+         end associate
+      end do
+   end subroutine take_shared
+
+   !> The starts of one member: first, first + step ... of those after `before`, up to `until`; or those that it gets where the work
+   !> is shared.
+   subroutine make_starts(rules, member, first, before, until, step, stop, elite, candidates, state, observer)
       type(multistart_t), intent(in) :: rules
       class(starter_t), intent(inout) :: member
-      integer, intent(in) :: from, until, step
+      integer, intent(in) :: first, before, until, step
       type(stop_t), intent(in) :: stop
       real(wp), intent(in) :: elite(:, :)
       type(candidate_t), intent(inout) :: candidates(:)
       type(search_state_t), intent(inout), optional :: state
       class(observer_t), intent(inout), optional :: observer
-      integer :: i
+      integer :: i, item
 
-      do i = from, until, step
+      item = first - step
+      do
          if (stop%waiting()) return
+         item = stop%next_item(item, step, until - before)
+         i = before + item
+         if (i > until) return
          call member%start(rules%number_of(i), elite, candidates(i))
          ! what a start that was cut short has is kept, but the start is not done with
          candidates(i)%done = .not. stop%waiting()
+         if (candidates(i)%done) call stop%keep_item(item, numbers_of(candidates(i)))
          if (candidates(i)%refused) return
          if (.not. (present(observer) .and. present(state))) cycle
          state%iteration = i
-         state%evaluations = state%evaluations + candidates(i)%evaluations*step
+         state%evaluations = state%evaluations + candidates(i)%evaluations*step*stop%members()
          if (candidates(i)%feasible) state%best = min(state%best, candidates(i)%objective)
          state%worst = state%best
          call observer%report(state)

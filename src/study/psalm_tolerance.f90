@@ -32,6 +32,7 @@ module psalm_tolerance
    integer, parameter :: least_chunk = 1000     !! linkages of a chunk; sums are formed by chunk and added in order
    integer, parameter :: most_chunks = 1000     !! larger samples have larger chunks
    integer, parameter :: chunks_at_once = 4     !! of each thread: between these rounds sums are added
+   integer, parameter :: numbers_at_once = 5000000 !! of all chunks between them, where a sample is shared
    integer, parameter :: solved_unasked = 20000 !! positions between two looks whether the sample must end
    integer, parameter :: most_named = 10        !! linkages of the sample that are named because they do not close
 
@@ -429,7 +430,7 @@ contains
       type(xoshiro_t), allocatable :: random(:)
       real(wp), allocatable :: low(:, :, :), high(:, :, :), total(:, :, :), squares(:, :, :) !! by chunk of a round
       integer, allocatable :: made(:), open(:), named(:, :), loop(:, :)
-      integer :: chunk, chunks, before, at_once, k, t, n, i, closed, components, columns
+      integer :: chunk, chunks, before, at_once, of_round, k, t, n, i, closed, components, columns
 
       if (present(interrupt)) ending = interrupt
       n = deviating%problem%positions
@@ -447,6 +448,8 @@ contains
          call workers(t)%set_desired(linear%nominal%actual, spread(spread(1.0_wp, 1, n), 2, components))
       end do
       at_once = min(chunks, chunks_at_once*size(workers))
+      ! those who share a sample must have the same rounds, and as few as they can
+      if (ending%is_shared()) at_once = min(chunks, max(chunks_at_once, numbers_at_once/(n*columns)))
       allocate (low(n, columns, at_once), high(n, columns, at_once))
       allocate (total(n, columns, at_once), squares(n, columns, at_once))
       allocate (made(at_once), open(at_once), named(most_named, at_once), loop(most_named, at_once), source=0)
@@ -454,16 +457,27 @@ contains
       allocate (sample%high(n, columns), source=-huge(1.0_wp))
       allocate (sample%mean(n, columns), sample%deviation(n, columns), source=0.0_wp)
       do before = 0, chunks - 1, at_once
+         of_round = min(at_once, chunks - before)
+         made = 0
+         call ending%open_batch('samples', of_round)
          !$omp parallel do num_threads(size(workers)) schedule(static) private(k)
          do t = 1, size(workers)
-            do k = t, min(at_once, chunks - before), size(workers)
+            k = t - size(workers)
+            do
+               k = ending%next_item(k, size(workers), of_round)
+               if (k > of_round) exit
                call run_chunk(deviating, linear, workers(t), random(t), (before + k - 1)*chunk + 1, &
                               min(trials, (before + k)*chunk), ending, low(:, :, k), high(:, :, k), total(:, :, k), &
                               squares(:, :, k), made(k), open(k), named(:, k), loop(:, k))
+               if (ending%is_shared() .and. made(k) == min(trials, (before + k)*chunk) - (before + k - 1)*chunk) &
+                  call ending%keep_item(k, [low(:, :, k), high(:, :, k), total(:, :, k), squares(:, :, k), &
+                                            real([made(k), open(k), named(:, k), loop(:, k)], wp)])
             end do
          end do
          !$omp end parallel do
-         do k = 1, min(at_once, chunks - before)
+         call take_shared()
+         do k = 1, of_round
+            if (made(k) == 0) cycle
             sample%low = min(sample%low, low(:, :, k))
             sample%high = max(sample%high, high(:, :, k))
             sample%mean = sample%mean + total(:, :, k)
@@ -482,6 +496,29 @@ contains
       closed = max(1, sample%trials - sample%open)
       sample%mean = sample%mean/real(closed, wp)
       sample%deviation = sqrt(max(sample%deviation/real(closed, wp) - sample%mean**2, 0.0_wp))
+
+   contains
+
+      !> End the batch and take the chunks that others have made.
+      subroutine take_shared()
+         real(wp), allocatable :: numbers(:)
+         integer :: c, first
+
+         call ending%close_batch()
+         do c = 1, of_round
+            call ending%take_item(c, numbers)
+            if (.not. allocated(numbers)) cycle
+            low(:, :, c) = reshape(numbers(:n*columns), [n, columns])
+            high(:, :, c) = reshape(numbers(n*columns + 1:2*n*columns), [n, columns])
+            total(:, :, c) = reshape(numbers(2*n*columns + 1:3*n*columns), [n, columns])
+            squares(:, :, c) = reshape(numbers(3*n*columns + 1:4*n*columns), [n, columns])
+            first = 4*n*columns + 2
+            made(c) = nint(numbers(first - 1))
+            open(c) = nint(numbers(first))
+            named(:, c) = nint(numbers(first + 1:first + most_named))
+            loop(:, c) = nint(numbers(first + most_named + 1:first + 2*most_named))
+         end do
+      end subroutine take_shared
    end subroutine draw_sample
 
    !> The linkages from one number to another.
