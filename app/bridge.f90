@@ -1,8 +1,8 @@
 !> bridge: joints with clearance in planar linkages - following, loss of contact, flight, impact - from a namelist file.
 program bridge
-   use psalm_batch, only: outputs_t, common_options, json_option, ending_of_case, run_files
+   use psalm_batch, only: outputs_t, common_options, json_option, parts_options, ending_of_case, run_files
    use psalm_check_list, only: list_input
-   use psalm_clearance_group, only: clearance_of
+   use psalm_clearance_group, only: clearance_group_t, clearance_of
    use psalm_clearance_report, only: report_clearance
    use psalm_clearance_study, only: clearance_study_t, check_clearance, find_clearance
    use psalm_clearance_svg, only: write_clearance_svg
@@ -13,7 +13,8 @@ program bridge
    use psalm_mark, only: mark_t
    use psalm_preparation, only: demand_t, prepared_t, prepare_loops
    use psalm_status, only: diagnostics_t
-   use psalm_system, only: finish_program
+   use psalm_stop, only: stop_t
+   use psalm_team, only: team_t
    use psalm_text, only: text_t
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
@@ -21,9 +22,12 @@ program bridge
    ! saved: procedures that are handed on then need no code on the stack
    type(outputs_t), save :: outputs
    type(arguments_t), save :: arguments
+   type(team_t), save, target :: team
+   type(stop_t), save :: stop
    logical, save :: finished
    integer, save :: code
 
+   call team%start()
    outputs = outputs_t(suffix='.bridge', endings=['.dev8', '.dev9'], of_search=[character(5) ::], &
                        of_case=['.svg '])
    call begin('bridge', &
@@ -33,16 +37,33 @@ program bridge
       nl//'The listing goes to standard output; CASE.bridge.dev8 (input), CASE.bridge.dev9 (blocks) and CASE.bridge.svg'//nl// &
       '(load, force of contact, lag; with NCRAD the standard charts) in the folder of the case.'//nl// &
       nl//json_option// &
+      parts_options// &
       common_options// &
       nl//'Exit status: 0 done; 1 done, but contact is lost, or cannot be studied; 2 the input is wrong; 3 a file could'//nl// &
       'not be read or written.'//nl, &
       outputs%suffix//outputs%endings, arguments, finished)
    code = arguments%code
-   if (finished) call finish_program(code)
-   call run_files(arguments, outputs, prepare_clearance, run_case, code)
-   call finish_program(code)
+   if (finished) call team%leave(code)
+   team%shares = team%shares .or. arguments%parts > 0 .or. arguments%merge .or. arguments%so_far .or. arguments%every > 0
+   if (team%shares) call stop%share_with(team)
+   call run_files(arguments, outputs, prepare_clearance, run_case, code, team, why_undivided)
+   call team%leave(code)
 
 contains
+
+   !> Why the work of these cases cannot be divided into parts; empty: it can.
+   function why_undivided(sets) result(reason)
+      type(data_set_t), intent(in) :: sets(:)
+      character(:), allocatable :: reason
+      type(clearance_group_t) :: clearance
+      integer :: k
+
+      reason = 'there is no numbered work in it: charts (NCRAD of &CLEAR)'
+      do k = 1, size(sets)
+         clearance = clearance_of(sets(k))
+         if (clearance%radii > 0) reason = ''
+      end do
+   end function why_undivided
 
    subroutine prepare_clearance(file, set, prepared, findings, mark)
       character(*), intent(in) :: file
@@ -72,7 +93,7 @@ contains
       allocate (problem)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
       call list_input(header_of('BRIDGE', devices%mark), set, problem, devices%eight)
-      call find_clearance(set, clearance_of(set), problem, prepared%mechanism, prepared%given, study)
+      call find_clearance(set, clearance_of(set), problem, prepared%mechanism, prepared%given, study, stop)
       call report_clearance(set, prepared%mechanism, study, devices)
       if (.not. study%done) return
       call write_clearance_svg(set%title, study, picture)

@@ -2,7 +2,7 @@
 program psalm
    use psalm_assembly_list, only: report_assemblies
    use psalm_assembly_study, only: assembly_study_t, study_assemblies
-   use psalm_batch, only: csv_of_sketches, outputs_t, common_options, json_option, run_file
+   use psalm_batch, only: csv_of_sketches, outputs_t, common_options, json_option, parts_options, run_file
    use psalm_console, only: arguments_t, path_progress_t, progress_t, begin, device4_of, show_findings
    use psalm_analysis, only: analysis_t, wanted_t, analyse, wanted_by
    use psalm_cases, only: resolve_drawn
@@ -42,7 +42,8 @@ program psalm
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t
    use psalm_synthesis, only: synthesis_t, synthesise
-   use psalm_system, only: finish_program, write_standard_error
+   use psalm_system, only: write_standard_error
+   use psalm_team, only: team_t
    use psalm_text, only: to_text
    use psalm_tolerance, only: tolerances_t, study_tolerances
    use psalm_type_search, only: share_starts, shares_starts
@@ -54,10 +55,12 @@ program psalm
    type(outputs_t), save :: outputs
    type(arguments_t), save :: arguments
    type(signals_t), save, target :: signals
+   type(team_t), save, target :: team
    type(stop_t), save :: stop
    logical, save :: finished
    integer, save :: code, i
 
+   call team%start(signals)
    outputs = outputs_t(suffix='', endings=['.dev7', '.dev8', '.dev9'], of_search=['.dev1', '.dev2'], csv=csv_of_sketches)
    call begin('psalm', &
       'usage: psalm [options] [CASE.nml ...]'//nl// &
@@ -70,21 +73,57 @@ program psalm
       '  --links           device 7 has the equivalent &LINKS of a sketch, where they exist'//nl// &
       '  --device4 FILE    read supplied vertices (NGUESS) from FILE; default CASE.dev4'//nl// &
       '  --threads N       threads that share the work; default THREADS of the case, or 1'//nl// &
+      parts_options// &
       common_options// &
       nl//'Exit status: 0 done; 1 done, but limits are violated or the search stopped before converging;'//nl// &
       '2 the input is wrong; 3 a file could not be read or written.'//nl, &
       [outputs%endings, outputs%of_search], arguments, finished)
    code = arguments%code
-   if (finished) call finish_program(code)
+   if (finished) call team%leave(code)
    call stop%listen_to(signals)
+   team%shares = team%shares .or. arguments%parts > 0 .or. arguments%merge .or. arguments%so_far .or. arguments%every > 0
+   if (team%shares) call stop%share_with(team)
    do i = 1, size(arguments%files)
-      call run_file(arguments, trim(arguments%files(i)), outputs, prepare_search, run_case, code, run_shared)
-      if (signals%asked() .or. arguments%no_place) exit ! a signal came: what is left is not begun
+      call run_file(arguments, trim(arguments%files(i)), outputs, prepare_search, run_case, code, run_shared, &
+                    team, why_undivided)
+      if (asked_to_end() .or. arguments%no_place) exit ! a signal came: what is left is not begun
       call signals%release()
    end do
-   call finish_program(code)
+   call team%leave(code)
 
 contains
+
+   !> True if a signal came; where the work is shared, to one of those who share it. A part that ends where others are to go on is
+   !> not asked to end.
+   logical function asked_to_end()
+      asked_to_end = signals%asked()
+      if (team%shares) asked_to_end = stop%waiting() .and. .not. team%incomplete
+   end function asked_to_end
+
+   !> Why the work of these cases cannot be divided into parts; empty: it can.
+   function why_undivided(sets) result(reason)
+      type(data_set_t), intent(in) :: sets(:)
+      character(:), allocatable :: reason
+      integer :: k
+
+      reason = ''
+      if (any(sets%of_kinds)) then
+         reason = 'a search over kinds of linkages (&KINDS) decides by what it has found which kind is searched next'
+      else if (any([(shares_starts(sets(k)), k=1, size(sets))])) then
+         reason = 'cases that share their starts (RANKING=2) decide by what was found which case is searched next'
+      else if (.not. any([(is_numbered(sets(k)), k=1, size(sets))])) then
+         reason = 'there is no numbered work in it: many starts (SOLVER of &SEARCH other than the simplex), a sample '// &
+                  '(NTRIAL of &TOLER) or paths (&EXACT)'
+      end if
+   end function why_undivided
+
+   !> True if a case has work that is numbered.
+   pure logical function is_numbered(set)
+      type(data_set_t), intent(in) :: set
+
+      is_numbered = set%toler%ntrial > 0 .or. set%gives('EXACT') .or. &
+                    (set%wants_search() .and. set%search%solver%many_starts)
+   end function is_numbered
 
    subroutine prepare_search(file, set, prepared, findings, mark)
       character(*), intent(in) :: file
@@ -192,10 +231,11 @@ contains
       if (set%gives('EXACT')) then
          call signals%hold(1)
          paths%request => signals
+         told_stop = stop
          call told_stop%listen_to(paths)
          call run_exact(set, told_stop, devices)
          if (paths%active) call write_standard_error(nl)
-         stopped = signals%asked()
+         stopped = asked_to_end()
          return
       end if
       if (allocated(set%search_in_poses) .and. set%wants_search()) then
@@ -274,7 +314,7 @@ contains
       if (arguments%assemblies) call run_assemblies(set, devices)
       call mark_beyond(devices%published, devices%six)
       if (monitor%active) call write_standard_error(nl)
-      stopped = signals%asked()
+      stopped = asked_to_end()
    end subroutine run_case
 
    !> The output for several settings of an adjustable dimension.
@@ -310,7 +350,7 @@ contains
       findings%file = set%file
       call synthesise_chain(set, threads, stop, search, findings, monitor)
       if (monitor%active) call write_standard_error(nl)
-      stopped = signals%asked()
+      stopped = asked_to_end()
       if (.not. findings%failed()) then
          call report_chain_search(set, search, devices)
          if (size(search%best) == 0) return

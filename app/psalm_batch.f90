@@ -1,18 +1,20 @@
 !> What the programs with a listing do alike: read a file of cases, prepare and study each, write what they say.
 module psalm_batch
    use psalm_cases, only: read_cases
-   use psalm_console, only: arguments_t, begin_mark, prepare_outputs, show_findings, stem_of, write_devices
+   use psalm_console, only: arguments_t, begin_mark, prepare_outputs, say, show_findings, stem_of, write_devices
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_mark, only: mark_t
    use psalm_preparation, only: prepared_t
-   use psalm_status, only: diagnostics_t
+   use psalm_status, only: diagnostics_t, exit_bad_input, exit_done, exit_violation
    use psalm_system, only: write_standard_error
+   use psalm_team, only: team_t
    use psalm_text, only: to_text
+   use psalm_work_parts, only: all_of_it, known_only, one_part, part_name
    implicit none (type, external)
    private
    public :: csv_of_sketches, csv_always
-   public :: outputs_t, prepare_case, study_case, common_options, json_option, run_file, run_files, ending_of_case
+   public :: outputs_t, prepare_case, study_case, common_options, json_option, parts_options, run_file, run_files, ending_of_case
 
    integer, parameter :: ending_length = 16
    integer, parameter :: csv_asked = 0               !! with --json
@@ -31,6 +33,13 @@ module psalm_batch
    !> That of the programs that compute.
    character(*), parameter :: json_option = &
       '  --json            all tables of every case as CSV and JSON: CASE.csv, CASE.BLOCK.csv, CASE.json'//nl
+
+   !> Those of the programs whose work can be divided.
+   character(*), parameter :: parts_options = &
+      '  --part K/N        make the K-th of N parts of the numbered work: CASE.partK'//nl// &
+      '  --merge, --resume go on from all CASE.partK that there are, to the end'//nl// &
+      '  --so-far          report what they have, without going on'//nl// &
+      '  --checkpoint S    write what was made every S seconds: CASE.part1, to resume from'//nl
 
    !> Files that a program writes beside a case.
    type :: outputs_t
@@ -72,6 +81,14 @@ module psalm_batch
          type(prepared_t), allocatable, intent(inout) :: prepared(:) !! shape (cases)
          type(devices_t), intent(inout) :: devices
       end subroutine study_cases
+
+      !> Why the work of the cases of a file cannot be divided into parts; empty: it can.
+      function judge_cases(sets) result(reason)
+         import :: data_set_t
+         implicit none (type, external)
+         type(data_set_t), intent(in) :: sets(:)
+         character(:), allocatable :: reason
+      end function judge_cases
    end interface
 
 contains
@@ -87,22 +104,24 @@ contains
    end function ending_of_case
 
    !> Run the cases of all files of the command line.
-   subroutine run_files(arguments, outputs, prepare_it, study, code)
+   subroutine run_files(arguments, outputs, prepare_it, study, code, team, divided)
       type(arguments_t), intent(inout) :: arguments
       type(outputs_t), intent(in) :: outputs
       procedure(prepare_case) :: prepare_it
       procedure(study_case) :: study
       integer, intent(inout) :: code                 !! exit status
+      class(team_t), intent(inout), optional :: team !! who does the numbered work
+      procedure(judge_cases), optional :: divided    !! given with the team
       integer :: i
 
       do i = 1, size(arguments%files)
-         call run_file(arguments, trim(arguments%files(i)), outputs, prepare_it, study, code)
+         call run_file(arguments, trim(arguments%files(i)), outputs, prepare_it, study, code, team=team, divided=divided)
          if (arguments%no_place) exit
       end do
    end subroutine run_files
 
    !> Run all cases of a file. Mistakes are told, and the exit status is raised.
-   subroutine run_file(arguments, file, outputs, prepare_it, study, code, together)
+   subroutine run_file(arguments, file, outputs, prepare_it, study, code, together, team, divided)
       type(arguments_t), intent(inout) :: arguments
       character(*), intent(in) :: file
       type(outputs_t), intent(in) :: outputs
@@ -110,6 +129,8 @@ contains
       procedure(study_case) :: study
       integer, intent(inout) :: code                 !! exit status
       procedure(study_cases), optional :: together   !! before the first case
+      class(team_t), intent(inout), optional :: team !! who does the numbered work
+      procedure(judge_cases), optional :: divided    !! given with the team
       type(diagnostics_t) :: findings
       type(data_set_t), allocatable :: sets(:)
       type(prepared_t), allocatable :: prepared(:)
@@ -117,8 +138,8 @@ contains
       type(mark_t) :: mark
       character(:), allocatable :: stem
       character(ending_length), allocatable :: endings(:)
-      logical :: ready, stopped
-      integer :: k, i
+      logical :: ready, stopped, shared
+      integer :: k, i, written
 
       mark = begin_mark(arguments%program)
       call read_cases(file, sets, findings, program=arguments%program, mark=mark)
@@ -145,18 +166,38 @@ contains
       if (.not. ready) return
       devices%mark = mark%name()
       stopped = .false.
+      shared = .false.
+      if (present(team)) shared = team%shares
+      if (shared) then
+         call begin_parts(arguments, stem, devices%mark, divided(sets), team, ready, code)
+         if (.not. ready) return
+      end if
       if (present(together)) call together(sets, prepared, devices)
       do k = 1, size(sets)
+         if (shared) then
+            ! what all have in common is not made yet
+            if (team%mode == one_part .and. team%incomplete .and. k == 1) exit
+            call team%begin_case(k)
+         end if
          call devices%begin_case(trim(sets(k)%title), in_file(sets(k)))
          call study(k, sets(k), prepared(k), devices, stopped)
          if (stopped) exit
       end do
+      if (shared) then
+         call end_parts(arguments, team, code)
+         if (team%mode == one_part .or. .not. team%delivers) return
+      end if
       if (.not. arguments%quiet) then
          call show_findings(devices%remarks)
          call write_standard_error(devices%summary%content())
       end if
       code = max(code, devices%code)
-      call write_devices(arguments, stem, devices, code)
+      written = code
+      call write_devices(arguments, stem, devices, written)
+      if (shared) then
+         if (team%mode == all_of_it .and. .not. team%ever_short .and. written == code) call team%remove_files()
+      end if
+      code = written
       if (allocated(devices%next) .and. .not. arguments%quiet) call write_standard_error('Next: '//devices%next//nl)
 
    contains
@@ -168,4 +209,82 @@ contains
          in_file = outputs%csv == csv_always .or. (outputs%csv == csv_of_sketches .and. (set%sketch%given .or. set%of_kinds))
       end function in_file
    end subroutine run_file
+
+   !> Before the numbered work of a file: what other runs have made of it.
+   subroutine begin_parts(arguments, stem, mark, reason, team, ready, code)
+      type(arguments_t), intent(in) :: arguments
+      character(*), intent(in) :: stem, mark
+      character(*), intent(in) :: reason             !! why the cases cannot be divided; empty: they can
+      class(team_t), intent(inout) :: team
+      logical, intent(out) :: ready                  !! false: what hinders was told
+      integer, intent(inout) :: code
+      character(:), allocatable :: message
+      integer :: files
+
+      ready = .false.
+      if (arguments%every > 0) team%every = arguments%every
+      team%mode = all_of_it
+      if (arguments%parts > 0) then
+         team%mode = one_part
+         team%part = arguments%part
+         team%parts = arguments%parts
+      else if (arguments%so_far) then
+         team%mode = known_only
+      end if
+      call team%begin(stem, mark, arguments%inputs)
+      message = ''
+      if (team%mode == one_part .and. len(reason) > 0) message = 'cannot make a part: '//reason
+      if (len(message) == 0) then
+         call team%read_parts(files, message)
+         if (len(message) == 0 .and. files == 0 .and. (arguments%merge .or. arguments%so_far)) then
+            message = "nothing to go on from: there is no file '"//part_name(stem, 1)//"', nor of another part"
+         else if (len(message) == 0 .and. files > 0 .and. team%mode == all_of_it .and. .not. arguments%merge) then
+            message = "an earlier run has left '"//part_name(stem, 1)//"' or files of other parts: go on from them with "// &
+                      "--resume, or remove them"
+         end if
+      end if
+      ready = len(message) == 0
+      if (ready) return
+      call say(arguments%program, message)
+      code = max(code, exit_bad_input)
+   end subroutine begin_parts
+
+   !> After the work of a file: what is left to others, or to another run, is written.
+   subroutine end_parts(arguments, team, code)
+      type(arguments_t), intent(in) :: arguments
+      class(team_t), intent(inout) :: team
+      integer, intent(inout) :: code
+      character(:), allocatable :: text
+
+      if (team%mode == known_only) then
+         if (team%ever_short) code = max(code, exit_violation)
+         return
+      end if
+      if (team%mode == all_of_it .and. .not. team%ever_short) return
+      if (team%mode == one_part .and. team%opened == 0) then
+         call say(arguments%program, 'no part is written: the case came to no numbered work, a run without --part does all of it')
+         code = max(code, exit_bad_input)
+         return
+      end if
+      call team%write_file()
+      if (team%code /= exit_done) then
+         call say(arguments%program, team%message)
+         code = max(code, team%code)
+         return
+      end if
+      if (arguments%quiet .or. .not. team%delivers) return
+      text = 'Written: '//part_name(team%stem, team%part)
+      if (team%mode == one_part) text = text//' ('//to_text(team%made)//' items of part '//to_text(team%part)//' of '// &
+                                        to_text(team%parts)//')'
+      call write_standard_error(text//nl)
+      if (team%mode == all_of_it) then
+         text = arguments%program//' --resume goes on from there'
+      else if (team%ever_incomplete) then
+         text = 'when all parts are made, the parts once more for the next '// &
+                'round, or --merge, which makes what is left itself'
+      else
+         text = 'all is made: --merge'
+      end if
+      call write_standard_error('Next: '//text//nl)
+   end subroutine end_parts
 end module psalm_batch

@@ -51,6 +51,10 @@ module psalm_console
       logical :: kinds = .false.            !! psalm: kinds of linkages are listed, not searched
       logical :: curves = .false., assemblies = .false. !! curves by gnuplot; psalm, balm: all assemblies
       logical :: animate = .false.                 !! balm: an SVG that moves
+      ! psalm, bridge: numbered work
+      integer :: part = 0, parts = 0             !! --part K/N; 0: not given
+      logical :: merge = .false., so_far = .false. !! go on from files of parts; report what they have
+      integer :: every = 0                       !! seconds between two files; 0: not given
       logical :: links = .false.                 !! psalm: sketches as &LINKS on device 7
       logical :: quiet = .false., help = .false., version = .false.
       logical :: items = .false., schema = .false. !! the items of a case are asked for, as a list or as a schema
@@ -298,6 +302,23 @@ contains
                arguments%code = exit_bad_input
             end if
             arguments%kinds = .true.
+         case ('--merge', '--resume', '--so-far', '--part', '--checkpoint')
+            if (all(program /= ['psalm ', 'bridge'])) then
+               call say(program, "'"//word//"' is an option of psalm and bridge; see --help")
+               arguments%code = exit_bad_input
+            end if
+            arguments%merge = arguments%merge .or. any(word == ['--merge ', '--resume'])
+            arguments%so_far = arguments%so_far .or. word == '--so-far'
+            number = ''
+            if (word == '--part' .or. word == '--checkpoint') call value_of(program, word, i, number, arguments%code)
+            if (word == '--part' .and. len(number) > 0) call read_part(number, arguments)
+            if (word == '--checkpoint' .and. len(number) > 0) then
+               call parse_integer(number, arguments%every, valid, reason)
+               if (.not. valid .or. arguments%every < 1) then
+                  call say(program, "--checkpoint expects a whole number of seconds; found '"//number//"'")
+                  arguments%code = exit_bad_input
+               end if
+            end if
          case ('--json')
             arguments%json = program /= 'balm'
             if (.not. arguments%json) then
@@ -339,8 +360,32 @@ contains
                   'and --animate out')
          arguments%code = exit_bad_input
       end if
+      if (count([arguments%parts > 0, arguments%merge, arguments%so_far]) > 1) then
+         call say(program, '--part makes a part, --merge (or --resume) goes on from all that were made, --so-far makes nothing '// &
+                  'more: one of them at a time')
+         arguments%code = exit_bad_input
+      end if
       if (arguments%no_case) arguments%files = ['-']
    end subroutine read_arguments
+
+   !> K/N.
+   subroutine read_part(text, arguments)
+      character(*), intent(in) :: text
+      type(arguments_t), intent(inout) :: arguments
+      character(:), allocatable :: reason
+      logical :: valid(2)
+      integer :: slash
+
+      slash = index(text, '/')
+      valid = .false.
+      if (slash > 0) then
+         call parse_integer(text(:slash - 1), arguments%part, valid(1), reason)
+         call parse_integer(text(slash + 1:), arguments%parts, valid(2), reason)
+      end if
+      if (all(valid) .and. arguments%part >= 1 .and. arguments%part <= arguments%parts) return
+      call say(arguments%program, "--part expects K/N, the K-th of N parts, as 3/16; found '"//text//"'")
+      arguments%code = exit_bad_input
+   end subroutine read_part
 
    !> Two cases whose devices would have the same names would overwrite each other.
    subroutine check_names(arguments)

@@ -3,7 +3,7 @@
 !>
 !> A study opens a batch, asks for one item after another until none is left, hands over what each led to as numbers, closes the
 !> batch and takes the numbers of all items. Who does which item, and how the numbers come from one to the other, is the host's:
-!> files of parts (`psalm_work_parts`), ranks of a job (the package `cluster`). All who share in the work run the same study, so that
+!> files of parts (`psalm_work_parts`), ranks of a job (the package `cluster`). All who share the work run the same study, so that
 !> they open the same batches in the same order.
 module psalm_shared_work
    use psalm_kinds, only: wp
@@ -65,7 +65,7 @@ module psalm_shared_work
          real(wp), allocatable, intent(out) :: numbers(:)
       end subroutine take_i
 
-      !> Whether all are to end, if one of them finds that it is to end (or not). Within a batch called from several threads at once.
+      !> Whether all are to end, if one of them finds that it is to end (or not). Within a batch called by several threads at once.
       logical function agree_i(self, waiting)
          import :: sharing_t
          implicit none (type, external)

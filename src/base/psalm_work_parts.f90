@@ -4,8 +4,9 @@
 !> other parts have made. A run that makes all items itself writes them now and then, to be gone on with after it was killed. The
 !> files are the same in both cases: CASE.part1, CASE.part2 and so on; whoever reads them reads all.
 !>
-!> The file (doc/manual/parts.md): a line `PSALM parts 1`; `run MARK`; `part K of N`; for each batch `batch CASE ORDINAL LABEL ITEMS`
-!> and a line for each item, `ITEM COUNT` and so many numbers, with all their digits; at last `end`.
+!> The file (doc/manual/parts.md): a line `PSALM parts 1`; `run MARK`; `part K of N`; for each batch a line
+!> `batch CASE ORDINAL LABEL ITEMS` and a line for each item, `ITEM COUNT` and so many numbers, with all their digits; at last
+!> `end`.
 module psalm_work_parts
    use, intrinsic :: iso_fortran_env, only: int64
    use psalm_files, only: exchange_t, directory_of
@@ -34,16 +35,16 @@ module psalm_work_parts
    character(*), parameter :: nl = new_line('a')
 
    !> What an item led to; not allocated: it is not known.
-   type :: item_t
+   type :: made_t
       real(wp), allocatable :: numbers(:)
       logical :: own = .false.                !! goes into the file of this run
-   end type item_t
+   end type made_t
 
    type :: batch_t
       character(:), allocatable :: label
       integer :: of_case = 0, ordinal = 0
       logical :: passing = .false.            !! depends on when the run had to end: not for a file
-      type(item_t), allocatable :: items(:)
+      type(made_t), allocatable :: items(:)
    end type batch_t
 
    type, extends(sharing_t) :: parts_t
@@ -171,7 +172,8 @@ contains
       character(*), intent(in) :: text
       integer, intent(in) :: number                   !! of the part
       character(:), allocatable, intent(out) :: message !! what is wrong; empty: nothing
-      character(16) :: word, label
+      character(80) :: word, label
+      logical :: sound
       integer :: from, upto, status, of, part, of_case, ordinal, items, item, count, batch
       real(wp), allocatable :: numbers(:)
 
@@ -201,13 +203,16 @@ contains
             end if
             if (status /= 0) message = 'is damaged: '//text(from:min(upto, from + 60))
          else
+            sound = .false.
             read (text(from:upto), *, iostat=status) item, count
-            if (status == 0 .and. batch > 0) then
+            if (status == 0 .and. batch > 0) sound = item > 0 .and. count > 0
+            if (sound) sound = item <= size(self%batches(batch)%items) .and. count <= upto - from
+            if (sound) then
                allocate (numbers(count))
                read (text(from:upto), *, iostat=status) item, count, numbers
-               if (item < 1 .or. item > size(self%batches(batch)%items)) status = 1
+               sound = status == 0
             end if
-            if (status /= 0 .or. batch == 0) then
+            if (.not. sound) then
                message = 'is damaged: '//text(from:min(upto, from + 60))
             else
                self%batches(batch)%items(item)%own = self%batches(batch)%items(item)%own .or. number == self%part

@@ -3,6 +3,7 @@
 module psalm_flypast_chart
    use psalm_flypast, only: flypast_t, flight_t, follow_flypast, fly
    use psalm_kinds, only: wp, pi
+   use psalm_stop, only: stop_t
    implicit none (type, external)
    private
    public :: chart_t, loss_range_t, make_chart, scan_line, outermost_loss
@@ -32,25 +33,53 @@ module psalm_flypast_chart
 contains
 
    !> A chart at equal steps of H1 and H2. It is the same for any number of threads: every line is made by itself.
-   subroutine make_chart(radii, angles, greatest, h3, chart)
+   subroutine make_chart(radii, angles, greatest, h3, chart, stop)
       integer, intent(in) :: radii, angles
       real(wp), intent(in) :: greatest          !! H1
       real(wp), intent(in) :: h3(:)             !! each from 0 to below 1
       type(chart_t), intent(out) :: chart
-      integer :: i, k
+      type(stop_t), intent(in), optional :: stop !! asked before every line
+      type(stop_t) :: ending
+      real(wp), allocatable :: numbers(:)
+      integer :: i, k, m, n, line, lines
 
       chart%h1 = [(greatest*real(i, wp)/real(radii, wp), i=1, radii)]
       chart%h2 = [(-pi + 2.0_wp*pi*real(i - 1, wp)/real(angles, wp), i=1, angles)]
       chart%h3 = h3
       allocate (chart%lost(radii, angles, size(h3)), chart%index(radii, angles, size(h3)), chart%lines(angles, size(h3)))
-      !$omp parallel do collapse(2) schedule(dynamic)
-      do k = 1, size(h3)
-         do i = 1, angles
-            call scan_line(chart%h2(i), chart%h3(k), chart%h1, chart%lost(:, i, k), chart%index(:, i, k), &
-                           chart%lines(i, k)%ranges)
-         end do
+      chart%lost = 0
+      chart%index = 0.0_wp
+      do line = 1, size(chart%lines)
+         allocate (chart%lines(1 + modulo(line - 1, angles), 1 + (line - 1)/angles)%ranges(0))
+      end do
+      if (present(stop)) ending = stop
+      lines = size(chart%lines)
+      call ending%open_batch('lines', lines)
+      !$omp parallel do schedule(dynamic) private(i, k, line)
+      do n = 1, lines
+         if (ending%waiting()) cycle
+         line = ending%next_item(n - 1, 1, lines)
+         if (line > lines) cycle
+         k = 1 + (line - 1)/angles
+         i = line - (k - 1)*angles
+         call scan_line(chart%h2(i), chart%h3(k), chart%h1, chart%lost(:, i, k), chart%index(:, i, k), &
+                        chart%lines(i, k)%ranges)
+         call ending%keep_item(line, [real(chart%lost(:, i, k), wp), chart%index(:, i, k), chart%lines(i, k)%ranges%from, &
+                                    chart%lines(i, k)%ranges%to, real(chart%lines(i, k)%ranges%minimum, wp)])
       end do
       !$omp end parallel do
+      call ending%close_batch()
+      do line = 1, lines
+         call ending%take_item(line, numbers)
+         if (.not. allocated(numbers)) cycle
+         k = 1 + (line - 1)/angles
+         i = line - (k - 1)*angles
+         n = (size(numbers) - 2*radii)/3
+         chart%lost(:, i, k) = nint(numbers(:radii))
+         chart%index(:, i, k) = numbers(radii + 1:2*radii)
+         chart%lines(i, k)%ranges = [(loss_range_t(numbers(2*radii + m), numbers(2*radii + n + m), &
+                                                   nint(numbers(2*radii + 2*n + m))), m=1, n)]
+      end do
    end subroutine make_chart
 
    !> One radial line: what becomes of contact at each H1, and the ranges within which it is lost, in ascending order: a line may

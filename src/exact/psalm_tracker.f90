@@ -12,6 +12,7 @@ module psalm_tracker
    private
    public :: tracked_t, track, polish
 
+   integer, parameter :: of_item = 32                !! paths that are followed together where the work is shared
    integer, parameter :: remembered = 3              !! points that the predictor goes through
    integer, parameter :: most_steps = 4000          !! of a path
    real(wp), parameter :: first_step = 0.02_wp, least_step = 1.0e-12_wp
@@ -48,13 +49,104 @@ module psalm_tracker
 
 contains
 
-   !> Follow solutions of the problem at t = 1 to that at t = 0. Paths that a stop cuts off have not arrived.
+   !> Follow solutions of the problem at t = 1 to that at t = 0. Paths that a stop cuts off have not arrived. Where the work is
+   !> shared others follow some of them.
    subroutine track(path, starts, tracked, largest_prediction, stop)
       type(problem_path_t), intent(in) :: path
       complex(wp), intent(in) :: starts(:, :)        !! shape (variables, count)
       type(tracked_t), intent(out) :: tracked
       real(wp), intent(in), optional :: largest_prediction !! error accepted; smaller is safer and slower
       type(stop_t), intent(in), optional :: stop     !! asked, and told of the paths followed, before every step of the lanes
+      type(tracked_t) :: some
+      real(wp), allocatable :: numbers(:)
+      integer :: item, items, count
+      logical :: shared
+
+      count = size(starts, 2)
+      shared = .false.
+      if (present(stop)) shared = stop%is_shared() .and. count > of_item
+      if (.not. shared) then
+         call follow(path, starts, tracked, largest_prediction, stop, 0, count)
+         return
+      end if
+      call begin_paths(starts, tracked)
+      items = (count - 1)/of_item + 1
+      call stop%open_batch('paths', items)
+      item = 0
+      do
+         item = stop%next_item(item, 1, items)
+         if (item > items) exit
+         call follow(path, starts(:, first_of(item):last_of(item)), some, largest_prediction, stop, first_of(item) - 1, count)
+         if (some%stopped) exit
+         call stop%keep_item(item, [real(some%ends, wp), aimag(some%ends), real(some%last_place, wp), aimag(some%last_place), &
+                                    some%reached, some%left, some%last_t, merge(1.0_wp, 0.0_wp, some%arrived), &
+                                    real([some%steps, some%followed], wp)])
+      end do
+      call stop%close_batch()
+      do item = 1, items
+         call stop%take_item(item, numbers)
+         if (allocated(numbers)) then
+            call take_paths(numbers, first_of(item), last_of(item))
+         else
+            tracked%stopped = .true.
+         end if
+      end do
+
+   contains
+
+      pure integer function first_of(item)
+         integer, intent(in) :: item
+
+         first_of = (item - 1)*of_item + 1
+      end function first_of
+
+      pure integer function last_of(item)
+         integer, intent(in) :: item
+
+         last_of = min(item*of_item, count)
+      end function last_of
+
+      !> The paths of an item.
+      subroutine take_paths(numbers, first, last)
+         real(wp), intent(in) :: numbers(:)
+         integer, intent(in) :: first, last
+         integer :: n, m
+
+         n = last - first + 1
+         m = n*variables
+         tracked%ends(:, first:last) = reshape(cmplx(numbers(:m), numbers(m + 1:2*m), wp), [variables, n])
+         tracked%last_place(:, first:last) = reshape(cmplx(numbers(2*m + 1:3*m), numbers(3*m + 1:4*m), wp), [variables, n])
+         m = 4*m
+         tracked%reached(first:last) = numbers(m + 1:m + n)
+         tracked%left(first:last) = numbers(m + n + 1:m + 2*n)
+         tracked%last_t(first:last) = numbers(m + 2*n + 1:m + 3*n)
+         tracked%arrived(first:last) = numbers(m + 3*n + 1:m + 4*n) > 0.0_wp
+         tracked%steps = tracked%steps + nint(numbers(m + 4*n + 1))
+         tracked%followed = tracked%followed + nint(numbers(m + 4*n + 2))
+      end subroutine take_paths
+   end subroutine track
+
+   !> No path is followed yet.
+   pure subroutine begin_paths(starts, tracked)
+      complex(wp), intent(in) :: starts(:, :)        !! shape (variables, count)
+      type(tracked_t), intent(out) :: tracked
+
+      tracked%ends = starts
+      tracked%last_place = starts
+      allocate (tracked%arrived(size(starts, 2)), tracked%singular(size(starts, 2)), source=.false.)
+      allocate (tracked%reached(size(starts, 2)), tracked%last_t(size(starts, 2)), source=1.0_wp)
+      allocate (tracked%left(size(starts, 2)), source=0.0_wp)
+      allocate (tracked%winding(size(starts, 2)), source=1)
+   end subroutine begin_paths
+
+   !> Follow paths here.
+   subroutine follow(path, starts, tracked, largest_prediction, stop, before, of)
+      type(problem_path_t), intent(in) :: path
+      complex(wp), intent(in) :: starts(:, :)        !! shape (variables, count)
+      type(tracked_t), intent(out) :: tracked
+      real(wp), intent(in), optional :: largest_prediction !! error accepted; smaller is safer and slower
+      type(stop_t), intent(in), optional :: stop     !! asked, and told of the paths followed, before every step of the lanes
+      integer, intent(in) :: before, of              !! paths before these, and of all, for whoever is told
       type(work_t), allocatable :: work
       complex(wp), allocatable :: past(:, :, :), past_tangent(:, :, :), z(:, :), step(:, :), tangent(:, :)
       real(wp) :: past_t(lanes, remembered), t(lanes), h(lanes), aimed(lanes), e1(lanes), e2(lanes), accept_below
@@ -65,12 +157,7 @@ contains
       integer, allocatable :: which_arrived(:)
       logical :: accepted
 
-      tracked%ends = starts
-      tracked%last_place = starts
-      allocate (tracked%arrived(size(starts, 2)), tracked%singular(size(starts, 2)), source=.false.)
-      allocate (tracked%reached(size(starts, 2)), tracked%last_t(size(starts, 2)), source=1.0_wp)
-      allocate (tracked%left(size(starts, 2)), source=0.0_wp)
-      allocate (tracked%winding(size(starts, 2)), source=1)
+      call begin_paths(starts, tracked)
       if (size(starts, 2) == 0) return
       allocate (work)
       allocate (past(lanes, state_size, remembered), past_tangent(lanes, state_size, remembered), z(lanes, state_size), &
@@ -87,7 +174,7 @@ contains
          if (present(stop)) then
             tracked%stopped = stop%waiting()
             if (tracked%stopped) exit
-            call stop%tell(next - 1 - count(which > 0), size(starts, 2))
+            call stop%tell(before + next - 1 - count(which > 0), of)
          end if
          call predict_weights(past_t, t, h, known, aimed, weight, slope_weight)
          z(:, :used) = (0.0_wp, 0.0_wp)
@@ -191,7 +278,7 @@ contains
          past(l, variables + 1:variables + most_points, 1) = g
          past(l, variables + most_points + 1:, 1) = gh
       end subroutine take_next
-   end subroutine track
+   end subroutine follow
 
    !> Weights of past points and tangents in the prediction, for each lane by what it remembers.
    pure subroutine predict_weights(past_t, t, h, known, aimed, weight, slope_weight)

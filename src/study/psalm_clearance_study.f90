@@ -177,8 +177,9 @@ contains
       if (.not. study%stopped) call find_speeds(clearance, tensor, study, stop)
       if (study%stopped) return
       associate (c => clearance)
-         if (c%radii > 0) call make_chart(c%radii, c%angles, c%greatest_h1, c%h3, study%chart)
+         if (c%radii > 0) call make_chart(c%radii, c%angles, c%greatest_h1, c%h3, study%chart, stop)
       end associate
+      study%stopped = is_to_end(stop)
    end subroutine find_clearance
 
    subroutine find_cycle(study, speed)

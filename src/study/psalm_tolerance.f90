@@ -429,7 +429,7 @@ contains
       type(problem_t), allocatable :: workers(:)
       type(xoshiro_t), allocatable :: random(:)
       real(wp), allocatable :: low(:, :, :), high(:, :, :), total(:, :, :), squares(:, :, :) !! by chunk of a round
-      integer, allocatable :: made(:), open(:), named(:, :), loop(:, :)
+      integer, allocatable :: made(:), unclosed(:), named(:, :), loop(:, :)
       integer :: chunk, chunks, before, at_once, of_round, k, t, n, i, closed, components, columns
 
       if (present(interrupt)) ending = interrupt
@@ -452,7 +452,7 @@ contains
       if (ending%is_shared()) at_once = min(chunks, max(chunks_at_once, numbers_at_once/(n*columns)))
       allocate (low(n, columns, at_once), high(n, columns, at_once))
       allocate (total(n, columns, at_once), squares(n, columns, at_once))
-      allocate (made(at_once), open(at_once), named(most_named, at_once), loop(most_named, at_once), source=0)
+      allocate (made(at_once), unclosed(at_once), named(most_named, at_once), loop(most_named, at_once), source=0)
       allocate (sample%low(n, columns), source=huge(1.0_wp))
       allocate (sample%high(n, columns), source=-huge(1.0_wp))
       allocate (sample%mean(n, columns), sample%deviation(n, columns), source=0.0_wp)
@@ -468,10 +468,10 @@ contains
                if (k > of_round) exit
                call run_chunk(deviating, linear, workers(t), random(t), (before + k - 1)*chunk + 1, &
                               min(trials, (before + k)*chunk), ending, low(:, :, k), high(:, :, k), total(:, :, k), &
-                              squares(:, :, k), made(k), open(k), named(:, k), loop(:, k))
+                              squares(:, :, k), made(k), unclosed(k), named(:, k), loop(:, k))
                if (ending%is_shared() .and. made(k) == min(trials, (before + k)*chunk) - (before + k - 1)*chunk) &
                   call ending%keep_item(k, [low(:, :, k), high(:, :, k), total(:, :, k), squares(:, :, k), &
-                                            real([made(k), open(k), named(:, k), loop(:, k)], wp)])
+                                            real([made(k), unclosed(k), named(:, k), loop(:, k)], wp)])
             end do
          end do
          !$omp end parallel do
@@ -482,13 +482,13 @@ contains
             sample%high = max(sample%high, high(:, :, k))
             sample%mean = sample%mean + total(:, :, k)
             sample%deviation = sample%deviation + squares(:, :, k)
-            do i = 1, min(open(k), most_named)
+            do i = 1, min(unclosed(k), most_named)
                if (sample%open + i > most_named) exit
                sample%named(sample%open + i) = named(i, k)
                sample%loop(sample%open + i) = loop(i, k)
             end do
             sample%trials = sample%trials + made(k)
-            sample%open = sample%open + open(k)
+            sample%open = sample%open + unclosed(k)
          end do
          if (ending%waiting()) exit
       end do
@@ -514,7 +514,7 @@ contains
             squares(:, :, c) = reshape(numbers(3*n*columns + 1:4*n*columns), [n, columns])
             first = 4*n*columns + 2
             made(c) = nint(numbers(first - 1))
-            open(c) = nint(numbers(first))
+            unclosed(c) = nint(numbers(first))
             named(:, c) = nint(numbers(first + 1:first + most_named))
             loop(:, c) = nint(numbers(first + most_named + 1:first + 2*most_named))
          end do

@@ -1,0 +1,158 @@
+#!/usr/bin/env python3
+"""Work in parts, checkpoints and ranks: every file is, byte for byte, that of one run on one machine.
+
+usage: test/program/parts.py PROGRAM_DIRECTORY. The programs over MPI ranks are built and tested where an MPI is installed
+(scripts/cluster), else counted as skipped. Last line: N passed, N failed[, N skipped].
+"""
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
+from tally import check, report
+
+TOP = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+DATA = os.path.join(TOP, "data")
+
+
+def read(*path):
+    with open(os.path.join(DATA, *path), encoding="utf-8") as file:
+        return file.read()
+
+
+# two searches from many starts, the first with a sample
+SEARCH = read("slopes.nml").replace("&SEARCH", "&TOLER TOLLEN=0.001, NTRIAL=3500 &END\n &SEARCH", 1)
+CHART = read("bridge", "four_bar_haines.nml").replace("&CLEAR ", "&CLEAR NCRAD=5, NCANG=8, CEPS=0.5, ")
+PATHS = read("exact", "five_points_pivots.nml")
+ANALYSIS = read("sketch_four_bar.nml")
+KINDS = read("types", "kinds_for_corner.nml")
+
+
+class Case:
+    """A case in a directory of its own."""
+
+    def __init__(self, programs, program, text):
+        self.programs, self.program, self.place = programs, program, tempfile.mkdtemp()
+        with open(os.path.join(self.place, "c.nml"), "w", encoding="utf-8") as file:
+            file.write(text)
+
+    def run(self, *options, before=()):
+        done = subprocess.run([*before, os.path.join(self.programs, self.program), *options, "c.nml"], cwd=self.place,
+                              capture_output=True)
+        self.listing, self.said, self.code = done.stdout, done.stderr.decode(), done.returncode
+        return done.returncode
+
+    def files(self):
+        found = {"listing": self.listing}
+        for name in os.listdir(self.place):
+            with open(os.path.join(self.place, name), "rb") as file:
+                found[name] = file.read()
+        return found
+
+
+def whole(programs, program, text):
+    """The files of one run on one machine, and its exit status."""
+    case = Case(programs, program, text)
+    code = case.run("--threads", "2") if program == "psalm" else case.run()
+    return case.files(), code
+
+
+def parts_of(programs, program, text, name, parts, passes):
+    expected, code = whole(programs, program, text)
+    case = Case(programs, program, text)
+    names = [("c.part%d" if program == "psalm" else "c.bridge.part%d") % k for k in range(1, parts + 1)]
+    for _ in range(passes):
+        for k in range(1, parts + 1):
+            check(name + ": a part", case.run("--part", "%d/%d" % (k, parts)) == 0, case.said)
+            check(name + ": a part has no listing and writes its file alone", case.listing == b"" and
+                  set(case.files()) <= {"listing", "c.nml", *names})
+    made = sum(1 for name_of in names if os.path.getsize(os.path.join(case.place, name_of)) > 80)
+    check(name + ": every part has made something", made == parts, made)
+    check(name + ": the exit status of one run", case.run("--merge") == code, case.said)
+    check(name + ": the bytes of one run", case.files() == expected,
+          [f for f in {**expected, **case.files()} if expected.get(f) != case.files().get(f)])
+
+
+def refusals(programs):
+    for text, words in ((ANALYSIS, "no numbered work"), (KINDS, "search over kinds")):
+        case = Case(programs, "psalm", text)
+        shutil.copy(os.path.join(DATA, "types", "corner.txt"), case.place)
+        check("what cannot be divided is refused", case.run("--part", "1/2") == 2 and words in case.said, case.said)
+    case = Case(programs, "psalm", SEARCH)
+    for options, words in ((("--merge",), "nothing to go on from"), (("--part", "3/2"), "expects K/N"),
+                           (("--checkpoint", "0"), "whole number of seconds"),
+                           (("--part", "1/2", "--merge"), "one of them at a time")):
+        check("refused: " + " ".join(options), case.run(*options) == 2 and words in case.said, case.said)
+    case.run("--part", "1/2")
+    check("a file of a part is not overlooked", case.run("--checkpoint", "9") == 2 and "--resume" in case.said, case.said)
+    check("what there is so far", case.run("--so-far") == 1 and os.path.exists(os.path.join(case.place, "c.dev7")), case.said)
+    with open(os.path.join(case.place, "c.part1"), "rb") as file:
+        sound = file.read()
+    for damage, words in ((sound[:-4], "ends early"), (sound.replace(b"run ", b"run F", 1), "another run"),
+                          (sound.replace(b"PSALM", b"PSLAM"), "no file of a part"),
+                          (sound.replace(b"\n1 ", b"\n1 x", 1), "damaged")):
+        with open(os.path.join(case.place, "c.part1"), "wb") as file:
+            file.write(damage)
+        check("refused: a file that " + words, case.run("--merge") == 2 and words in case.said, case.said)
+
+
+def killed(programs):
+    """A run that is killed goes on from what it has written."""
+    text = SEARCH.replace("NSTART=60", "NSTART=600")
+    expected, code = whole(programs, "psalm", text)
+    case = Case(programs, "psalm", text)
+    run = subprocess.Popen([os.path.join(programs, "psalm"), "--checkpoint", "1", "c.nml"], cwd=case.place,
+                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    file = os.path.join(case.place, "c.part1")
+    while run.poll() is None and not os.path.exists(file):
+        time.sleep(0.02)
+    run.send_signal(signal.SIGKILL)
+    if run.wait() == -signal.SIGKILL:   # else it was done before
+        check("a killed run leaves a file", os.path.exists(file))
+        check("resumed, it has the exit status of one run", case.run("--resume") == code, case.said)
+        check("and its bytes", case.files() == expected)
+
+
+def over_ranks(programs, mpi):
+    """The programs over ranks; how many checks cannot be made."""
+    if not all(shutil.which(tool + "." + mpi) for tool in ("mpifort", "mpiexec")):
+        return 1
+    built = subprocess.run([os.path.join(TOP, "scripts", "cluster"), "--no-demo", mpi], capture_output=True, text=True,
+                           env={**os.environ, "LIBRARY": os.path.dirname(programs)})
+    check(mpi + ": it builds", built.returncode == 0, built.stderr)
+    os.environ.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMPI_MCA_rmaps_base_oversubscribe="1",
+                      OMPI_MCA_mpi_yield_when_idle="1")
+    over = os.path.join(TOP, "build", "cluster", mpi, "bin")
+    for program, text, counts in (("psalm", SEARCH, (1, 2, 4, 7)), ("psalm", PATHS, (2,)), ("bridge", CHART, (2,))):
+        expected, code = whole(programs, program, text)
+        for ranks in counts:
+            case = Case(over, program + "-mpi", text)
+            case.run(before=("mpiexec." + mpi, "-n", str(ranks)))
+            check("%s, %d ranks: the exit status of one process" % (mpi, ranks), case.code == code, case.said)
+            check("%s, %d ranks: its bytes" % (mpi, ranks), case.files() == expected,
+                  [f for f in {**expected, **case.files()} if expected.get(f) != case.files().get(f)])
+    return 0
+
+
+def main():
+    programs = os.path.abspath(sys.argv[1])
+    with tempfile.TemporaryDirectory() as work:
+        tempfile.tempdir = work
+        parts_of(programs, "psalm", SEARCH, "starts and samples", 3, 2)
+        parts_of(programs, "psalm", PATHS, "paths", 2, 1)
+        parts_of(programs, "bridge", CHART, "charts", 2, 1)
+        refusals(programs)
+        killed(programs)
+        skipped = over_ranks(programs, "openmpi") + over_ranks(programs, "mpich")
+        os.chdir("/")
+    if skipped:
+        print("SKIPPED: ranks of %d of two MPIs, which are not installed (scripts/setup cluster mpich)" % skipped)
+    return report(skipped)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
