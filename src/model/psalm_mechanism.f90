@@ -144,7 +144,7 @@ module psalm_mechanism
       logical :: geared = .false.       !! its input is that of the first, counted from the drawing, times `ratio`, and `phase`
       real(wp) :: ratio = 1.0_wp, phase = 0.0_wp
       real(wp) :: by_first(3) = [1.0_wp, 0.0_wp, 0.0_wp] !! derivatives of its input by that of the first, radians or lengths
-      type(joined_t) :: pair            !! after the first: where it moves a link on the frame; arc 0: elsewhere
+      type(joined_t) :: pair = joined_t() !! after the first: where it moves a link on the frame; arc 0: elsewhere
    end type actuator_t
 
    !> An Assur group.
