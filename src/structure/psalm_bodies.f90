@@ -188,7 +188,7 @@ contains
             if (mechanism%arcs(n)%attached) cycle
             call ends_and_bodies(n, ends, bodies)
             if (.not. (is_seated(seats, bodies(1), ends(1)) .or. is_seated(seats, bodies(2), ends(2)) .or. &
-                       joins_joints(n))) cycle
+                       joins_points(n))) cycle
             call seat(seats, bodies(1), ends(1))
             call seat(seats, bodies(2), ends(2))
             mechanism%arcs(n)%attached = .true.
@@ -209,14 +209,14 @@ contains
          if (mechanism%arcs(n)%foot > 0) bodies(mechanism%arcs(n)%foot) = mechanism%guide_of(n)
       end subroutine ends_and_bodies
 
-      !> True of an arc of a sketch from or to a joint of its link.
-      pure logical function joins_joints(n)
+      !> True of an arc of a sketch from or to a point of its link.
+      pure logical function joins_points(n)
          integer, intent(in) :: n
 
          associate (arc => mechanism%arcs(n))
-            joins_joints = arc%link > 0 .and. arc%foot == 0 .and. any(arc%joints > 0)
+            joins_points = arc%foot == 0 .and. any(arc%marks > 0)
          end associate
-      end function joins_joints
+      end function joins_points
    end subroutine find_points_of_bodies
 
    pure subroutine seat(seats, body, point)

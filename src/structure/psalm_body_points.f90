@@ -12,8 +12,8 @@ contains
 
    !> Place of a point of a body from another one, in the axes of the body's own arc.
    !>
-   !> `found` is false where no arcs of the body lead there. Points that are one joint of a sketch are one place, though loops may
-   !> not know that.
+   !> `found` is false where no arcs of the body lead there. Points that are one joint of a sketch, or one point of a slide on its
+   !> link, are one place, though loops may not know that.
    pure subroutine locate_point(mechanism, dimensions, body, from, point, at, found)
       class(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
@@ -52,7 +52,7 @@ contains
 
    contains
 
-      !> Points of arcs of the body that end at one joint of the sketch.
+      !> Points of arcs of the body that end at one point of its link.
       pure subroutine join_joints(places, known, more)
          real(wp), intent(inout) :: places(:, :)
          logical, intent(inout) :: known(:), more
@@ -64,7 +64,8 @@ contains
                           other => mechanism%arcs(mechanism%bodies(body)%arcs(j)))
                   do e = at_start, at_finish
                      do f = at_start, at_finish
-                        if (one%joints(e) == 0 .or. one%joints(e) /= other%joints(f)) cycle
+                        if (one%marks(e) == 0 .or. one%marks(e) /= other%marks(f)) cycle
+                        if (one%foot == e .or. other%foot == f) cycle
                         if (.not. known(one%ends(e)) .or. known(other%ends(f))) cycle
                         places(:, other%ends(f)) = places(:, one%ends(e))
                         known(other%ends(f)) = .true.

@@ -9,7 +9,7 @@ module psalm_sketch_loops
    use psalm_loop_trace, only: traced_dyad_t, close_loop, frame_axis
    use psalm_sketch, only: frame_link, drive_slides, drive_turns
    use psalm_sketch_paths, only: survey_t, know
-   use psalm_traced_loops, only: loops_t, traced_pair_t
+   use psalm_traced_loops, only: loops_t, traced_determined, traced_pair_t
    implicit none (type, external)
    private
    public :: make_loops
@@ -102,10 +102,26 @@ contains
                end if
             end do
             loops%loops = maxval(loops%arcs%loop)
+            call hang_on_own_axis(loops)
          end if
          loops%on = survey%on
       end associate
    end subroutine make_loops
+
+   !> A link that a drive moves along the frame has the frame's directions until a ring passes that slide: its arcs before then hang
+   !> on the arc of the slide as well, and all are of one body.
+   subroutine hang_on_own_axis(loops)
+      type(loops_t), intent(inout) :: loops
+      integer :: k
+
+      do k = 1, size(loops%arcs)
+         associate (arc => loops%arcs(k), axis => loops%axis(loops%arcs(k)%link))
+            if (arc%kind /= traced_determined .or. arc%same .or. arc%against .or. arc%link == frame_link) cycle
+            if (loops%arcs(arc%reference)%link == arc%link .or. loops%arcs(axis)%link /= arc%link) cycle
+            arc%reference = axis
+         end associate
+      end do
+   end subroutine hang_on_own_axis
 
    !> The groups, the first being one that hangs on the driven link and on no other group, if there is one.
    subroutine groups_in_order(closure, crank, on_frame, order)

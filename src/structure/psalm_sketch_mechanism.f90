@@ -78,6 +78,7 @@ contains
          arc%representative = n
          arc%link = of%link
          arc%joints = merge(of%ends, 0, of%ends <= size(traced%joint_loop))
+         arc%marks = merge(of%ends, 0, traced%on(of%ends, of%link))
          arc%rail = of%slide
          select case (of%kind)
          case (traced_crank)
