@@ -95,7 +95,8 @@ for row in read("forces").splitlines():
                                                          float(forces) / float(motion)))
 lines += ["", "## Larger groups, gears, cylinders", "",
           "Nanoseconds a position of sketches with all their joints, in blocks of 128, one thread (`bench groups`, time of the processor): "
-          "groups of more than two links, and those with gears or cylinders, by Newton's method from the position before.", "",
+          "groups of more than two links and cylinders, by Newton's method from the position before; wheels alone side by side, with a "
+          "ratio that is a whole number by products of unit vectors, else by sums of angles.", "",
           "| linkage | groups | positions | ns per position |", "| --- | --- | --- | --- |"]
 lines += ["| %s |" % " | ".join(row.split("|")) for row in read("groups").splitlines()]
 lines += ["", "## Time, ns per dyad and position", ""]

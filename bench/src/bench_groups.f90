@@ -28,7 +28,8 @@ module bench_groups
                               " LNK='A D F H K',"//links//' &END'//nl//rest
    character(*), parameter :: geared = 'TEN-BAR WITH A WHEEL'//nl//joints//",'W','V', JX="//x//',380.,380., JY='//y// &
                               ',-10.,20.,'//nl//names//",'wheel',"//nl//" LNK='A D F H K W',"//links//",'W V',"//nl// &
-                              " GEARA='s4', GEARB='wheel', GCARR='frame', GTA=20.0, GTB=30.0 &END"//nl//rest
+                              " GEARA='s4', GEARB='wheel', GCARR='frame', GTA=20.0, GTB="
+   character(*), parameter :: whole = geared//'10.0 &END'//nl//rest, broken = geared//'30.0 &END'//nl//rest
 
 contains
 
@@ -40,8 +41,10 @@ contains
 
       call read_case_text(ten_bar, 'ten-bar', sets, findings, 'psalm')
       call measure('ten-bar, a sketch', sets, findings, 360.0_wp)
-      call read_case_text(geared, 'ten-bar with a wheel', sets, findings, 'psalm')
-      call measure('the same with a wheel in gear', sets, findings, 360.0_wp)
+      call read_case_text(whole, 'ten-bar with a wheel', sets, findings, 'psalm')
+      call measure('the same with a wheel in gear, 20 to 10 teeth', sets, findings, 360.0_wp)
+      call read_case_text(broken, 'ten-bar with a wheel', sets, findings, 'psalm')
+      call measure('the same with a wheel in gear, 20 to 30 teeth', sets, findings, 360.0_wp)
       call read_cases(folder//'/stephenson2_six_bar.nml', sets, findings)
       call measure('Stephenson II, a group of four links', sets, findings, -10.0_wp)
       call read_cases(folder//'/excavator.nml', sets, findings)

@@ -53,6 +53,10 @@ module psalm_group_rings
       integer, allocatable :: row_of_turn(:)        !! shape (unknowns): row of its turn, 0: no tie needs it
       type(turn_tie_t), allocatable :: ties(:)
       type(known_turn_t), allocatable :: known(:)
+      integer, allocatable :: powers(:, :)          !! shape (unknowns, known): ties alone, whose ratios are whole numbers: the turn
+                                                    !! of each unknown is a sum of so many times the known ones, and no turn needs
+                                                    !! to be known; else not allocated
+      real(wp) :: tie_measure = 0.0_wp              !! closure measure of ties alone: that of their matrix
       real(wp), allocatable :: drawn_angle(:)       !! shape (unknowns): direction in the drawing, degrees; lengths: 0
       integer, allocatable :: ends(:, :)            !! shape (4, rings): rows of x and y of the points a ring leads from and to
       type(term_t), allocatable :: terms(:)

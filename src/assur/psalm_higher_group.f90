@@ -19,6 +19,7 @@ module psalm_higher_group
    public :: state_at, put_state, predict, correct, is_trusted
    public :: rows_of_higher, form_higher, differentiate_higher, solve_higher, is_dead_higher, bounds_higher
    public :: closure_of_higher, change_of_higher, gaps_of_ties, put_known_turns, keep_known_turns
+   public :: find_powers, multiply_directions, turns_by_ties
    public :: dead_measure, correction_t
 
    real(wp), parameter :: dead_measure = 64.0_wp*epsilon(1.0_wp)**0.75_wp !! at and below it a group is at a dead point
@@ -27,6 +28,9 @@ module psalm_higher_group
    real(wp), parameter :: nearest = 0.1_wp   !! likewise: a first correction below it that the second confirms is believed
    real(wp), parameter :: fits = 1.0e-9_wp   !! parts of the size: so far links that brace each other may be from meeting
    integer, parameter :: most_steps = 20     !! of Newton's method
+   integer, parameter :: highest_power = 64  !! of a direction: wheels with greater ratios are turned by angles
+   real(wp), parameter :: whole = 64.0_wp*epsilon(1.0_wp) !! so far from a whole number, in parts of it, a ratio is one by rounding
+   real(wp), parameter :: rounding_of_factor = 2.0_wp !! epsilons: a product of two unit vectors, and its share of the square
 
    !> What Newton's method found at a position. Moves and corrections are the largest of all unknowns: radians, parts of the size.
    type :: correction_t
@@ -242,6 +246,93 @@ contains
          matrix(j, j) = 1.0_wp
       end do
    end subroutine put_identity
+
+   !> Ties alone make linear equations of turns, always the same: their inverse, and the determinant over the lengths of columns.
+   pure subroutine turns_by_ties(higher, inverse, measure)
+      type(higher_t), intent(in) :: higher
+      real(wp), intent(out) :: inverse(:, :)       !! shape (unknowns, ties)
+      real(wp), intent(out) :: measure
+      real(wp) :: matrix(higher%equations, higher%unknowns), size_of, determinant
+      integer :: t, j
+
+      matrix = 0.0_wp
+      do t = 1, size(higher%ties)
+         associate (tie => higher%ties(t))
+            do j = 1, size(tie%rows)
+               if (tie%unknown(j) > 0) matrix(t, tie%unknown(j)) = matrix(t, tie%unknown(j)) + tie%factors(j)
+            end do
+         end associate
+      end do
+      size_of = product(sum(matrix**2, dim=1))
+      call put_identity(inverse)
+      call reduce_real(higher%equations, higher%unknowns, higher%equations, matrix, inverse, determinant)
+      measure = abs(determinant)/sqrt(size_of)
+   end subroutine turns_by_ties
+
+   !> Ties alone: whole numbers of the known turns that the unknown ones are sums of, if they are whole and no drive takes part.
+   pure subroutine find_powers(higher)
+      type(higher_t), intent(inout) :: higher
+      real(wp) :: inverse(higher%unknowns, size(higher%ties)), times(higher%unknowns, size(higher%known))
+      integer :: t, j, i
+
+      if (higher%equations /= higher%unknowns .or. any(higher%ties%drive > 0)) return
+      call turns_by_ties(higher, inverse, higher%tie_measure)
+      if (.not. higher%tie_measure > dead_measure) return
+      times = 0.0_wp
+      do t = 1, size(higher%ties)
+         associate (tie => higher%ties(t))
+            do j = 1, size(tie%rows)
+               if (tie%unknown(j) > 0 .or. tie%rows(j) == 0) cycle
+               i = findloc(higher%known%row, tie%rows(j), dim=1)
+               times(:, i) = times(:, i) - inverse(:, t)*tie%factors(j)
+            end do
+         end associate
+      end do
+      if (any(abs(times) > real(highest_power, wp))) return
+      if (any(abs(times - anint(times)) > whole*max(abs(times), 1.0_wp))) return
+      higher%powers = nint(times)
+   end subroutine find_powers
+
+   !> Directions of wheels whose ratios are whole numbers: products of powers of known directions, each counted from the drawing.
+   pure subroutine multiply_directions(n, higher, known_x, known_y, j, x, y)
+      integer, intent(in) :: n, j                  !! positions, the unknown
+      type(higher_t), intent(in) :: higher
+      real(wp), intent(in) :: known_x(:, :), known_y(:, :) !! shape (n, known): how far they have turned since the drawing
+      real(wp), intent(out) :: x(n), y(n)          !! its direction
+      real(wp) :: ux(n), uy(n), t, sense
+      integer :: i, k, power
+
+      x = higher%drawn(1, j)
+      y = higher%drawn(2, j)
+      do k = 1, size(higher%powers, 2)
+         power = abs(higher%powers(j, k))
+         sense = real(sign(1, higher%powers(j, k)), wp)
+         ux = known_x(:, k)
+         uy = sense*known_y(:, k)
+         do while (power > 0)
+            if (modulo(power, 2) == 1) then
+               do i = 1, n
+                  t = x(i)*ux(i) - y(i)*uy(i)
+                  y(i) = y(i)*ux(i) + x(i)*uy(i)
+                  x(i) = t
+               end do
+            end if
+            power = power/2
+            if (power == 0) exit
+            do i = 1, n
+               t = (ux(i) - uy(i))*(ux(i) + uy(i))
+               uy(i) = 2.0_wp*ux(i)*uy(i)
+               ux(i) = t
+            end do
+         end do
+      end do
+      ! what is left of the length of a direction grows with the power
+      do i = 1, n
+         t = 1.5_wp - 0.5_wp*(x(i)**2 + y(i)**2)
+         x(i) = x(i)*t
+         y(i) = y(i)*t
+      end do
+   end subroutine multiply_directions
 
    !> Turns of the directions that are known at position i, each less than half a turn from where the group stands. `moved` is the
    !> largest change, radians.
@@ -550,7 +641,12 @@ contains
          associate (tie => higher%ties(k))
             do j = 1, size(tie%rows)
                if (tie%rows(j) == 0) cycle
-               gap(r) = gap(r) + abs(tie%factors(j)*store%v(i, tie%rows(j)))
+               if (allocated(higher%powers)) then
+                  ! each factor of a product of directions is rounded, but no turn is
+                  gap(r) = gap(r) + rounding_of_factor*abs(tie%factors(j))
+               else
+                  gap(r) = gap(r) + abs(tie%factors(j)*store%v(i, tie%rows(j)))
+               end if
                if (tie%unknown(j) == 0) gap(r) = gap(r) + abs(tie%factors(j))*row(tie%roots(j))
             end do
             if (tie%drive > 0) gap(r) = gap(r) + abs(store%v(i, tie%drive))

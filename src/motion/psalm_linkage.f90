@@ -8,6 +8,7 @@ module psalm_linkage
    use psalm_assur, only: mark_unknowns, bind_dyad, solve_dyad, is_signed, makes_tip
    use psalm_dyad, only: dyad_t, tip_t
    use psalm_group_rings, only: higher_t, known_turn_t
+   use psalm_higher_group, only: find_powers
    use psalm_kinds, only: wp, i8, degrees_per_radian, radians_per_degree, right_angle
    use psalm_plan, only: plan_t, step_point, step_dyad, root_crank
    use psalm_rows, only: rows_t, make_rows
@@ -15,7 +16,7 @@ module psalm_linkage
    use psalm_mechanism, only: mechanism_t, linkage_group_t, arc_slide
    implicit none (type, external)
    private
-   public :: linkage_t, bound_step_t, block_length, padded, solve_point, put_seconds, put_driven_lengths
+   public :: linkage_t, bound_step_t, block_length, padded, solve_point, put_seconds, put_driven_lengths, all_between
 
    integer, parameter :: block_length = 128 !! positions solved together: all arrays stay in first-level cache
    integer, parameter :: lane = 4           !! positions are padded to a multiple of this: no remainder loops
@@ -309,6 +310,7 @@ contains
          end associate
          call prepare_ties(mechanism%groups(loop), higher)
          higher%equations = 2*higher%rings + size(higher%ties)
+         if (higher%rings == 0) call find_powers(higher)
          allocate (dyad%higher, source=higher)
       end subroutine prepare_higher
 

@@ -5,11 +5,10 @@
 !> short a group stands at a dead point. What a turning input does not reach one way it may reach the other way round. Every block
 !> is followed from the drawing, so that its bits do not depend on the blocks before it.
 submodule(psalm_linkage) psalm_linkage_walk
-   use psalm_higher_group, only: correct, correction_t, dead_measure, is_trusted, keep_known_turns, predict, &
-                                 put_known_turns, put_state, state_at
+   use psalm_higher_group, only: correct, correction_t, dead_measure, is_trusted, keep_known_turns, multiply_directions, &
+                                 predict, put_known_turns, put_state, state_at, turns_by_ties
    use psalm_angles, only: angles_of, degrees_of, unit_vectors
    use psalm_kinds, only: full_turn, half_turn, radians_per_degree
-   use psalm_linear, only: reduce_real
    implicit none (type, external)
 
    real(wp), parameter :: least_step = 1.0e-9_wp !! of the way
@@ -44,6 +43,10 @@ contains
       integer :: i, first
       logical :: sound, reached
 
+      if (allocated(self%steps(k)%dyad%higher%powers)) then
+         call follow_wheels(self, k, n)
+         return
+      end if
       first = 1
       if (self%steps(k)%dyad%higher%rings == 0) call follow_ties(self, k, n, path, first)
       if (first > n) return
@@ -74,6 +77,47 @@ contains
       end do
    end subroutine follow_group
 
+   !> Wheels whose ratios are whole numbers stand where their directions say, whatever way they came. Where a group before does not
+   !> close they stand as drawn.
+   pure subroutine follow_wheels(self, k, n)
+      class(linkage_t), intent(inout) :: self
+      integer, intent(in) :: k
+      integer, intent(in) :: n
+      real(wp), dimension(n, size(self%steps(k)%dyad%higher%known)) :: turned_x, turned_y
+      logical :: sound
+      integer :: i, j
+
+      sound = .true.
+      do j = 1, k - 1
+         if (self%steps(j)%kind /= step_dyad) cycle
+         associate (dyad => self%steps(j)%dyad)
+            sound = sound .and. all_between(self, n, self%steps(j)%loop, dyad%closes_low, dyad%closes_high)
+         end associate
+      end do
+      associate (higher => self%steps(k)%dyad%higher, v => self%store%v)
+         do j = 1, size(higher%known)
+            associate (known => higher%known(j))
+               do i = 1, n
+                  turned_x(i, j) = v(i, known%root_x)*known%drawn(1) + v(i, known%root_y)*known%drawn(2)
+                  turned_y(i, j) = v(i, known%root_y)*known%drawn(1) - v(i, known%root_x)*known%drawn(2)
+               end do
+            end associate
+         end do
+         v(1:n, self%steps(k)%dyad%measure) = higher%tie_measure
+         if (.not. sound) then
+            do i = 1, n
+               if (closes_before(self, k, i)) cycle
+               turned_x(i, :) = 1.0_wp
+               turned_y(i, :) = 0.0_wp
+               v(i, self%steps(k)%dyad%measure) = not_reached - dead_measure
+            end do
+         end if
+         do j = 1, higher%unknowns
+            call multiply_directions(n, higher, turned_x, turned_y, j, v(1:n, higher%row(j)), v(1:n, higher%row_of_sine(j)))
+         end do
+      end associate
+   end subroutine follow_wheels
+
    !> Ties alone make linear equations: turns of wheels are sums of turns of links, which go on from the position found last, of the
    !> block before perhaps: only whole turns are taken from there, so that no digit depends on it. `first` is the next position that
    !> is not found: 1 where a link turns too far between two positions, or a group before does not close.
@@ -84,7 +128,7 @@ contains
       real(wp), intent(in) :: path(n)
       integer, intent(inout) :: first
       real(wp) :: angle(n), turn(n), right(n, self%steps(k)%dyad%higher%unknowns)
-      real(wp) :: matrix(size(right, 2), size(right, 2)), inverse(size(right, 2), size(right, 2)), size_of, determinant
+      real(wp) :: inverse(size(right, 2), size(right, 2)), measure
       integer :: j, r, t
 
       associate (higher => self%steps(k)%dyad%higher)
@@ -110,27 +154,16 @@ contains
             end associate
          end do
          if (.not. higher%follows) return
-         matrix = 0.0_wp
          do t = 1, size(higher%ties)
             associate (tie => higher%ties(t))
                right(:, t) = 0.0_wp
                if (tie%drive > 0) right(:, t) = v(1:n, tie%drive)
                do j = 1, size(tie%rows)
-                  if (tie%unknown(j) > 0) then
-                     matrix(t, tie%unknown(j)) = matrix(t, tie%unknown(j)) + tie%factors(j)
-                  else if (tie%rows(j) > 0) then
-                     right(:, t) = right(:, t) - tie%factors(j)*v(1:n, tie%rows(j))
-                  end if
+                  if (tie%unknown(j) == 0 .and. tie%rows(j) > 0) right(:, t) = right(:, t) - tie%factors(j)*v(1:n, tie%rows(j))
                end do
             end associate
          end do
-         size_of = 1.0_wp
-         inverse = 0.0_wp
-         do j = 1, size(inverse, 1)
-            size_of = size_of*sum(matrix(:, j)**2)
-            inverse(j, j) = 1.0_wp
-         end do
-         call reduce_real(size(matrix, 1), size(matrix, 1), size(matrix, 1), matrix, inverse, determinant)
+         call turns_by_ties(higher, inverse, measure)
          do j = 1, higher%unknowns
             turn = 0.0_wp
             do r = 1, size(inverse, 2)
@@ -140,7 +173,7 @@ contains
             angle = higher%drawn_angle(j) + turn*degrees_per_radian
             call unit_vectors(n, angle, v(1:n, higher%row(j)), v(1:n, higher%row_of_sine(j)))
          end do
-         v(1:n, self%steps(k)%dyad%measure) = abs(determinant)/sqrt(size_of)
+         v(1:n, self%steps(k)%dyad%measure) = measure
          higher%last = path(n)
       end associate
       first = n + 1

@@ -431,6 +431,37 @@ def other_way_round(programs):
             yield "place of a point of the wheel", abs(complex(row[2], row[3]) - place) < 1e-10, got
 
 
+def wheels_of_whole_ratios(programs):
+    """A wheel that a rocker turns and a planet on the rocker that the coupler turns: ratios that are whole numbers, small and great,
+    and others, against the angles of the links in the table."""
+    text = """WHEELS
+ &CHAIN JNT='A','B','C','D','F','G','P','Q', JX=0.0,20.0,90.0,110.0,160.0,185.0,115.0,115.0,
+  JY=0.0,10.0,60.0,0.0,-20.0,-20.0,30.0,45.0,
+  LNAME='frame','crank','coupler','rocker','wheel','planet', LNK='A D F','A B','B C','D C P','F G','P Q',
+  GEARA='rocker','coupler', GEARB='wheel','planet', GCARR='frame','rocker', GTA=%r,%r, GTB=%r,%r &END
+ &DRIVES DRIVE='A', DBASE='frame', DLINK='crank' &END
+ &OUTPUTS OUTPUT='point G','point Q' &END
+ &METHOD IKIN=24 &END
+ &LIMITS TANGLE=90.0, TOGGLE=0.0 &END
+"""
+    at = lambda row, name: complex(float(row[name + ".x"]), float(row[name + ".y"]))
+    with tempfile.TemporaryDirectory() as folder:
+        for one, two in ((40.0, 20.0), (-20.0, 20.0), (30.0, 20.0), (1280.0, 20.0), (1300.0, 20.0)):
+            done, _ = run_psalm(programs, folder, "wheels", text % (one, one, two, two))
+            yield "wheels %r: runs" % (one/two), done.returncode == 0, done.stderr
+            with open(os.path.join(folder, "wheels.csv"), encoding="ascii") as file:
+                rows = list(csv.DictReader(file))
+            turn = lambda row, a, b, drawn: cmath.phase((at(row, b) - at(row, a))/drawn)
+            worst = 0.0
+            for row in rows:
+                # neither link turns by half a turn
+                rocker, coupler = turn(row, "D", "C", -20.0 + 60.0j), turn(row, "B", "C", 70.0 + 50.0j)
+                wheel, planet = -one/two*rocker, rocker - one/two*(coupler - rocker)
+                worst = max(worst, abs(at(row, "G") - at(row, "F") - 25.0*cmath.exp(1j*wheel)),
+                            abs(at(row, "Q") - at(row, "P") - 15.0j*cmath.exp(1j*planet)))
+            yield "wheels %r: directions" % (one/two), len(rows) > 10 and worst < 1e-13*(10.0 + abs(one/two))*25.0, worst
+
+
 def run_psalm(programs, folder, name, text, *options):
     path = os.path.join(folder, name + ".nml")
     with open(path, "w", encoding="ascii") as file:
@@ -526,7 +557,7 @@ def main():
     if by_loops < arguments.count // 10:
         failed += 1
         told.append("sliding drives: only %d of %d were solved by loops" % (by_loops, number))
-    for say in (one_verdict, one_way, other_way_round, searched, wished, one_zero, rigid_triangle):
+    for say in (one_verdict, one_way, other_way_round, wheels_of_whole_ratios, searched, wished, one_zero, rigid_triangle):
         for law, holds, got in say(arguments.programs):
             passed += bool(holds)
             failed += not holds
