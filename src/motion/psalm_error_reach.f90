@@ -27,8 +27,7 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(motion_t), intent(inout) :: motion
       type(scout_t) :: scout
-      real(wp) :: start, forwards, backwards, from_start, slack
-      logical :: repeats
+      real(wp) :: start
       integer :: k
 
       allocate (motion%beyond(size(motion%closed)), source=.false.)
@@ -37,29 +36,12 @@ contains
       allocate (scout%row, source=self)
       if (allocated(scout%row%linkages)) deallocate (scout%row%linkages)
       allocate (scout%lens, source=scout%row)
-      ! a way through several inputs is not one of even steps of the first
-      if (any(.not. self%mechanism%actuators(2:)%geared)) return
-      repeats = turn_repeats(self)
-      if (.not. repeats) then
-         slack = same_input*max(abs(maxval(self%delt) - start), abs(minval(self%delt) - start))
-         call follow(scout, dimensions, start, max(maxval(self%delt) - start, 0.0_wp), forwards)
-         call follow(scout, dimensions, start, min(minval(self%delt) - start, 0.0_wp), backwards)
+      if (any(.not. self%mechanism%actuators(2:)%geared)) then
+         call find_other_sides(scout%row, dimensions, start, motion%beyond)
       else
-         slack = same_input*full_turn
-         call follow(scout, dimensions, start, full_turn, forwards)
-         if (forwards >= full_turn) return
-         call follow(scout, dimensions, start, forwards - full_turn, backwards)
+         call find_ends(scout, dimensions, start, self%delt, motion%beyond)
       end if
-      do k = 1, size(motion%closed)
-         if (.not. motion%closed(k)) cycle
-         from_start = self%delt(k) - start
-         if (.not. repeats) then
-            motion%beyond(k) = from_start > forwards + slack .or. from_start < backwards - slack
-         else
-            from_start = modulo(from_start, full_turn)
-            motion%beyond(k) = from_start > forwards + slack .and. from_start - full_turn < backwards - slack
-         end if
-      end do
+      motion%beyond = motion%beyond .and. motion%closed
       motion%closed = motion%closed .and. .not. motion%beyond
       if (.not. self%desired .or. .not. any(motion%beyond)) return
       motion%total = 0.0_wp
@@ -67,6 +49,63 @@ contains
          if (motion%closed(k)) motion%total = motion%total + sum(self%weight(k, :)*motion%error(k, :)**2)
       end do
    end subroutine leave_out_unreached
+
+   !> Inputs beyond the ends of the way from the drawing.
+   subroutine find_ends(scout, dimensions, start, delt, beyond)
+      type(scout_t), intent(inout) :: scout
+      type(dimensions_t), intent(in) :: dimensions
+      real(wp), intent(in) :: start                  !! the input of the drawing
+      real(wp), intent(in) :: delt(:)                !! the others: shape (positions)
+      logical, intent(inout) :: beyond(:)            !! the same shape
+      real(wp) :: forwards, backwards, from_start, slack
+      logical :: repeats
+      integer :: k
+
+      repeats = turn_repeats(scout%row)
+      if (.not. repeats) then
+         slack = same_input*max(abs(maxval(delt) - start), abs(minval(delt) - start))
+         call follow(scout, dimensions, start, max(maxval(delt) - start, 0.0_wp), forwards)
+         call follow(scout, dimensions, start, min(minval(delt) - start, 0.0_wp), backwards)
+      else
+         slack = same_input*full_turn
+         call follow(scout, dimensions, start, full_turn, forwards)
+         if (forwards >= full_turn) return
+         call follow(scout, dimensions, start, forwards - full_turn, backwards)
+      end if
+      do k = 1, size(beyond)
+         from_start = delt(k) - start
+         if (.not. repeats) then
+            beyond(k) = from_start > forwards + slack .or. from_start < backwards - slack
+         else
+            from_start = modulo(from_start, full_turn)
+            beyond(k) = from_start > forwards + slack .and. from_start - full_turn < backwards - slack
+         end if
+      end do
+   end subroutine find_ends
+
+   !> A way through several inputs is not one of even steps of the first. Whatever way a linkage takes, it does not come to where two
+   !> slides are the other way round than in the drawing: they would have been parallel between.
+   subroutine find_other_sides(problem, dimensions, start, beyond)
+      class(problem_t), intent(inout) :: problem     !! with its positions
+      type(dimensions_t), intent(in) :: dimensions
+      real(wp), intent(in) :: start                  !! the first input of the drawing
+      logical, intent(inout) :: beyond(:)            !! shape (positions)
+      real(wp), dimension(size(beyond), problem%mechanism%nloop) :: margin, sine
+      real(wp), dimension(1, problem%mechanism%nloop) :: drawn_margin, drawn_sine
+      real(wp) :: span(problem%mechanism%nloop)
+      integer :: l
+
+      if (.not. any(problem%linkage%two_slides)) return
+      span = 0.0_wp
+      call problem%bind(dimensions)
+      call find_margins(problem, span, margin, sine)
+      call problem%set_inputs([start])
+      call problem%bind(dimensions)
+      call find_margins(problem, span, drawn_margin, drawn_sine)
+      do l = 1, size(sine, 2)
+         beyond = beyond .or. sine(:, l)*drawn_sine(1, l) < 0.0_wp
+      end do
+   end subroutine find_other_sides
 
    !> True if after a turn of the first drive everything stands as before. Not where turns count, as those of wheels do.
    pure logical function turn_repeats(self)

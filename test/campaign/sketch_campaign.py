@@ -44,6 +44,8 @@ EPSILON = 2.0 ** -52
 SINGULAR = 1.0e5            # norm of the inverse Jacobian from which on no number is compared
 TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 COUNT = 200                 # sketches of the short form
+# and these, which were wrong before: masses on links that only slide on others; slides that are parallel on the way
+ONCE_WRONG = [200136, 200272, 200496, 201797, 201960, 202034, 202073, 301168]
 MULTIPLE = 3000.0           # of epsilon times condition that a number may differ by
 BOTH_ORDERS = 4             # kalm reads both orders in one batch of so many
 PATIENCE = ["prlimit", "--cpu=120"] if shutil.which("prlimit") else [] # seconds of the processor that a run may take
@@ -1415,7 +1417,9 @@ def main():
     began = time.time()
     seeds = [arguments.only] if arguments.only is not None else range(arguments.seed, arguments.seed + arguments.count)
     batches = [seeds[k:k + arguments.batch] for k in range(0, len(seeds), arguments.batch)]
-    both = lambda batch: arguments.only is not None or batch[0]//arguments.batch % BOTH_ORDERS == 0
+    if arguments.only is None and (arguments.seed, arguments.count) == (1, COUNT):
+        batches.append(ONCE_WRONG)
+    both = lambda batch: arguments.only is not None or batch is ONCE_WRONG or batch[0]//arguments.batch % BOTH_ORDERS == 0
     with tempfile.TemporaryDirectory(dir="/dev/shm" if os.path.isdir("/dev/shm") else None) as folder:
         library = compile_solver(folder)
         pool = multiprocessing.Pool(arguments.jobs) if arguments.jobs > 1 else None
