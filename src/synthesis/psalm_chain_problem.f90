@@ -14,6 +14,7 @@ module psalm_chain_problem
    use psalm_dense, only: factors_t, factorise
    use psalm_error, only: desired_of
    use psalm_kinds, only: wp, full_turn, half_turn, radians_per_degree, degrees_per_radian
+   use psalm_merit, only: least_margin
    use psalm_nlp, only: plain_nlp_t
    use psalm_sketch, only: sketch_t, variation_t, columns_of, frame_link, most_wished, drive_turns, output_angle, output_between, &
                            output_pose, output_ratio, vary_angle, vary_input, vary_length, vary_place
@@ -22,7 +23,6 @@ module psalm_chain_problem
    private
    public :: chain_problem_t, make_chain_problem, unknown_name
 
-   real(wp), parameter :: least_margin = 0.02_wp !! of the drawing's: nearer to a dead point no linkage is accepted
    real(wp), parameter :: nudge = 1.0e-5_wp   !! of an unknown, for the slope of that margin
    real(wp), parameter :: rounding = 1.0e-9_wp !! of the drawing's size: deviations that are none
    real(wp), parameter :: far = 1.0e4_wp      !! of the drawing's size: the residual of a position that cannot be reached

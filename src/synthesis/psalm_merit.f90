@@ -29,11 +29,12 @@ module psalm_merit
    implicit none (type, external)
    private
    public :: merit_t, prepare_merit, eliminate_linear, hold, let_go, put_in_order
-   public :: constraint_inputs, set_range, extra_positions, forget_sides
+   public :: constraint_inputs, set_range, extra_positions, forget_sides, least_margin
 
    integer, parameter :: range_steps = 120           !! steps the range of the input is looked at in
    integer, parameter :: most_few = 40               !! places of it at which derivatives are found alone
    integer, parameter :: extra_positions = 8         !! further inputs where a violation was found between the steps
+   real(wp), parameter :: least_margin = 0.02_wp     !! of the given linkage's: nearer to a dead point no larger group is brought
    real(wp), parameter :: slack = 1.0e-7_wp          !! constraints are aimed this far inside their limits
    real(wp), parameter :: longest = 1.0e4_wp         !! times the longest given arc: no variable length grows beyond it
    real(wp), parameter :: least_length = 1.0e-6_wp   !! of the first value: what positive means
@@ -92,6 +93,7 @@ contains
       integer, allocatable :: joints(:, :)
       type(beside_t), allocatable :: beside(:)
       real(wp) :: cosine, sine, unused, reach
+      real(wp), allocatable :: measure(:)            !! by loop: of larger groups as given
       integer :: nvar, n, loop
 
       nvar = size(problem%parameters%variables)
@@ -163,13 +165,37 @@ contains
       call random_limits(set, first, merit%box_low, merit%box_high)
       call unit_vector(right_angle - set%limits%tangle, cosine, unused)
       call unit_vector(right_angle - problem%slide_angle, unused, sine)
+      call given_measures(problem, measure)
       allocate (merit%limit(problem%mechanism%nloop))
       do loop = 1, problem%mechanism%nloop
          merit%limit(loop) = 1.0_wp - slack
+         if (.not. problem%mechanism%is_dyad(loop)) merit%limit(loop) = merit%limit(loop) - least_margin*measure(loop)
          if (problem%mechanism%groups(loop)%kind == assur_rrr) merit%limit(loop) = cosine - slack
          if (problem%mechanism%groups(loop)%kind == assur_prp) merit%limit(loop) = 1.0_wp - sine - slack
       end do
    end subroutine prepare_merit
+
+   !> How far larger groups of the linkage given are from a dead point where a search begins to follow them; 0: of dyads, and of
+   !> groups that cannot be put together there.
+   subroutine given_measures(problem, measure)
+      class(problem_t), intent(in) :: problem
+      real(wp), allocatable, intent(out) :: measure(:) !! by loop: the closure measure
+      class(problem_t), allocatable :: scout
+      integer :: offset, n, loop
+
+      associate (mechanism => problem%mechanism)
+         allocate (measure(mechanism%nloop), source=0.0_wp)
+         if (all([(mechanism%is_dyad(loop), loop=1, mechanism%nloop)])) return
+         allocate (scout, source=problem)
+         call scout%set_inputs([problem%given%anchor - problem%given%crnki])
+         call scout%bind(problem%given)
+         call scout%solve_block(1, offset, n)
+         do loop = 1, mechanism%nloop
+            if (mechanism%is_dyad(loop) .or. scout%linkage%step_of_loop(loop) == 0) cycle
+            measure(loop) = max(scout%linkage%store%v(1, scout%linkage%measure(loop)), 0.0_wp)
+         end do
+      end associate
+   end subroutine given_measures
 
    !> Derivatives of the output by the input are wanted too.
    subroutine want_rates(problem, merit)

@@ -355,6 +355,25 @@ def dead_points(work):
         check("a mark at a dead point is on the path", min(abs(path - at)) < 0.2, (m, min(abs(path - at))))
 
 
+PRESSED = """PRESSED TO A DEAD POINT
+ &CHAIN JNT='A','B','C','D','E','F','G', JX=0.0,0.0,40.0,80.0,45.0,85.0,100.0, JY=0.0,30.0,60.0,55.0,30.0,20.0,0.0,
+  LNAME='frame','crank','left','top','right','tie', LNK='A G','A B','B C E','C D','D F G','E F', VARY='C D' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point D' &END
+ &METHOD NDES=3, DELT=0.0,-2.0,-4.0%s &END
+"""
+
+
+def distance_kept(work):
+    """A search whose wishes lie beyond a dead point comes no nearer to it than to a fiftieth of what the linkage given is away."""
+    away = lambda done: float(re.search(r"Larger group +in loop 1 at least (\S+) from a dead point", done.stderr).group(1))
+    given = away(run("psalm", (PRESSED % "").replace(", VARY='C D'", ""), work))
+    for x, y in ((150.0, 30.0), (60.0, 60.0)):
+        wishes = ", DESX=%r,%r,%r, DESY=%r,%r,%r &END\n &SEARCH SOLVER='LSQ'" % (x, x, x, y, y, y)
+        found = away(run("psalm", PRESSED % wishes, work))
+        check("a search keeps its distance from a dead point, wishes at %r" % x, found > 0.0199*given, (given, found))
+
+
 def main():
     with tempfile.TemporaryDirectory() as work:
         listing, _ = positions(work)
@@ -368,6 +387,7 @@ def main():
         clearance(work)
         pictures(work)
         dead_points(work)
+        distance_kept(work)
     return report()
 
 
