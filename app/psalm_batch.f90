@@ -27,7 +27,7 @@ module psalm_batch
       '  --output-dir DIR  put the files into DIR'//nl// &
       '  --quiet           no remarks on standard error, errors only'//nl// &
       '  --items [GROUP]   print the groups that a case may have, or the items of one; --items=json: a JSON schema'//nl// &
-      '  --version         print the version'//nl// &
+      '  --version         print the version, the commit it was built from, compiler and instruction set'//nl// &
       '  --help            print this text'//nl
 
    !> That of the programs that compute.

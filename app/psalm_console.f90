@@ -18,7 +18,7 @@ module psalm_console
    use psalm_table_csv, only: write_csv
    use psalm_table_json, only: write_json
    use psalm_text, only: text_t, general, to_text
-   use psalm_version, only: version
+   use psalm_version, only: version, words_of_build
    implicit none (type, external)
    private
    public :: arguments_t, progress_t, path_progress_t, begin, begin_mark, device4_of, prepare_outputs, say, show_findings, &
@@ -102,7 +102,7 @@ contains
          if (arguments%help) then
             call write_standard_output(help, done)
          else
-            call write_standard_output(program//' '//version//new_line('a'), done)
+            call write_standard_output(program//' '//version//new_line('a')//words_of_build()//new_line('a'), done)
          end if
          if (.not. done) arguments%code = exit_file_trouble
          return

@@ -19,7 +19,7 @@ import zipfile
 HERE = os.path.dirname(os.path.abspath(__file__))
 TOP = os.path.dirname(HERE)
 # what a source distribution holds of the checkout, below sources/
-SOURCES = ("fpm.toml", "LICENSE", "src", "generated", "include", "tools/gfortran", "scripts/build_library", "scripts/setup")
+SOURCES = ("fpm.toml", "LICENSE", "src", "generated", "include", "tools/gfortran", "tools/makefile", "scripts/build_library", "scripts/setup")
 
 
 def _project(key):
@@ -43,6 +43,15 @@ def _checkout():
         if os.path.exists(os.path.join(place, "scripts", "build_library")):
             return place
     raise RuntimeError("the sources of the library are not there")
+
+
+def _commit(checkout):
+    """What --version of the programs tells, for a build without git."""
+    if os.path.exists(os.path.join(checkout, "COMMIT")):
+        with open(os.path.join(checkout, "COMMIT"), encoding="utf-8") as file:
+            return file.read()
+    told = subprocess.run(["git", "-C", checkout, "rev-parse", "--short=12", "HEAD"], capture_output=True, text=True, check=False)
+    return told.stdout
 
 
 def _modules():
@@ -102,8 +111,8 @@ def build_sdist(sdist_directory, config_settings=None):
             archive.add(os.path.join(HERE, "psalm", part), name + "/psalm/" + part, filter=plain)
         for part in SOURCES:
             archive.add(os.path.join(checkout, part), name + "/sources/" + part, filter=plain)
-        metadata = _metadata().encode()
-        member = tarfile.TarInfo(name + "/PKG-INFO")
-        member.size = len(metadata)
-        archive.addfile(member, io.BytesIO(metadata))
+        for place, text in (("/PKG-INFO", _metadata()), ("/sources/COMMIT", _commit(checkout))):
+            member = tarfile.TarInfo(name + place)
+            member.size = len(text.encode())
+            archive.addfile(member, io.BytesIO(text.encode()))
     return name + ".tar.gz"

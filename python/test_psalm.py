@@ -216,6 +216,22 @@ def test_verbs():
         check(verb + " has linkages", verb not in ("synthesis", "exact", "kinds", "balance", "springs") or len(result.cases) > 0)
 
 
+def test_memory():
+    """Verbs that take a moment keep no memory (test/campaign/verbs.py: all of them, as often as you like)."""
+    def size():
+        with open("/proc/self/statm", encoding="ascii") as file:
+            return int(file.read().split()[1])*os.sysconf("SC_PAGE_SIZE")
+
+    for verb in ("analysis", "forces", "assemblies", "board"):
+        case = psalm.from_file(os.path.join(DATA, "sketch_four_bar.nml" if verb in ("assemblies", "board") else "engine.nml"))
+        for _ in range(10):
+            case.study(verb).tables
+        before = size()
+        for _ in range(40):
+            case.study(verb).tables
+        check("%s keeps no memory" % verb, size() - before < 1 << 20)
+
+
 def test_wrong_arguments(calls):
     """Wrong arguments of every kind are a Python exception, never a signal."""
     odd = [None, 0, 1, -1, 2**31, -2**40, 1.5, float("nan"), float("inf"), "", "A", "A B", "\0", "\n", "x"*5000, "'", "\u00e9\u4e2d", b"A",
@@ -365,7 +381,7 @@ def test_threads():
           abs(results[100.0][0][0, 0] - (40 + numpy.sqrt(100**2 - 10**2))) < 1e-12*140)
 
 
-for test in (test_analysis, test_made, test_linkage, test_tolerances, test_search, test_next_study, test_verbs, test_errors, test_copies,
+for test in (test_analysis, test_made, test_linkage, test_tolerances, test_search, test_next_study, test_verbs, test_memory, test_errors, test_copies,
              test_names, test_fork, test_stopping, test_threads, test_speed):
     test()
 test_wrong_arguments(int(sys.argv[2]) if len(sys.argv) > 2 else 4000)

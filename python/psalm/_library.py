@@ -2,6 +2,7 @@
 import ctypes
 import os
 import platform
+import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 INTERFACE = 1   # PSALM_INTERFACE of the header that this module was written for
@@ -29,7 +30,7 @@ def _flags():
 
 def _place():
     """The library: PSALM_LIBRARY, else beside this module - built for this processor, of a wheel; for PSALM_LEVEL, if it is set -
-    else where scripts/build_library puts it in a checkout, else where the system has it."""
+    else where scripts/build_library puts it in a checkout, else below the prefix of this Python, else where the system has it."""
     if os.environ.get("PSALM_LIBRARY"):
         return os.environ["PSALM_LIBRARY"]
     level = os.environ.get("PSALM_LEVEL")
@@ -38,7 +39,8 @@ def _place():
         place = os.path.join(HERE, name, "libpsalm.so.1")
         if os.path.exists(place) and (name == level if level else needs <= flags):
             return place
-    for place in (os.path.join(HERE, "libpsalm.so"), os.path.join(HERE, "..", "..", "build", "lib", "libpsalm.so")):
+    for place in (os.path.join(HERE, "libpsalm.so"), os.path.join(HERE, "..", "..", "build", "lib", "libpsalm.so"),
+                  os.path.join(sys.prefix, "lib", "libpsalm.so.1")):
         if os.path.exists(place):
             return place
     return "libpsalm.so.1"

@@ -7,7 +7,7 @@ module psalm_text
    implicit none (type, external)
    private
    public :: text_t, upper_case, lower_case, to_text, fixed, general, full_precision, number_or_nan, rank_column, edit_distance, &
-             nearest_name, shortened
+             nearest_name, quoted, shortened
 
    !> A text that grows by lines. Lines end with a line feed.
    type :: text_t
@@ -376,4 +376,18 @@ contains
 
       in_range = real(sign(min(abs(value), largest), value), dp)
    end function in_range
+
+   !> A text in quotes, in which an apostrophe is written twice: as a value of the notation.
+   pure function quoted(value) result(text)
+      character(*), intent(in) :: value
+      character(:), allocatable :: text
+      integer :: i
+
+      text = "'"
+      do i = 1, len_trim(value)
+         text = text//value(i:i)
+         if (value(i:i) == "'") text = text//"'"
+      end do
+      text = text//"'"
+   end function quoted
 end module psalm_text

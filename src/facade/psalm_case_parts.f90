@@ -1,8 +1,8 @@
 !> What a case is made of: loops, joints, links, slides, gears, drives, outputs, and any item of the notation.
 submodule(psalm_case) psalm_case_parts
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use psalm_case_words, only: has_control, is_name, is_word, printable, put, quoted, with_lines, without_blanks
-   use psalm_text, only: text_t, full_precision, to_text, upper_case
+   use psalm_case_words, only: has_control, is_name, is_word, printable, put, with_lines, without_blanks
+   use psalm_text, only: text_t, full_precision, quoted, to_text, upper_case
    implicit none (type, external)
 
 contains

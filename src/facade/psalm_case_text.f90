@@ -1,12 +1,12 @@
 !> A case as text: written from its items, and what was read as items again.
 submodule(psalm_case) psalm_case_text
-   use psalm_case_words, only: put, quoted
+   use psalm_case_words, only: put
    use psalm_data_set_text, only: write_data_set
    use psalm_json_case, only: is_json, read_json_cases
    use psalm_namelist, only: read_case
    use psalm_sketch_text, only: variant_t, variant_of
    use psalm_source, only: line_t, split_lines
-   use psalm_text, only: text_t, full_precision, to_text
+   use psalm_text, only: text_t, full_precision, quoted, to_text
    implicit none (type, external)
 
    integer, parameter :: line_room = 100  !! columns of a line of values

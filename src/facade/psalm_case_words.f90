@@ -3,25 +3,11 @@ module psalm_case_words
    use psalm_text, only: text_t, upper_case
    implicit none (type, external)
    private
-   public :: name_length, quoted, is_word, without_blanks, with_lines, has_control, printable, is_name, put
+   public :: name_length, is_word, without_blanks, with_lines, has_control, printable, is_name, put
 
    integer, parameter :: name_length = 31 !! longest name of a group or an item
 
 contains
-
-   !> A text in quotes, in which an apostrophe is written twice.
-   pure function quoted(value) result(text)
-      character(*), intent(in) :: value
-      character(:), allocatable :: text
-      integer :: i
-
-      text = "'"
-      do i = 1, len_trim(value)
-         text = text//value(i:i)
-         if (value(i:i) == "'") text = text//"'"
-      end do
-      text = text//"'"
-   end function quoted
 
    !> True for a text that can be seen and is not blank.
    pure logical function is_word(text)

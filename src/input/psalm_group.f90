@@ -10,7 +10,7 @@ module psalm_group
    use psalm_rule, only: rule_t, any_number
    use psalm_sort, only: ascending
    use psalm_status, only: diagnostics_t
-   use psalm_text, only: text_t, upper_case, to_text, nearest_name, shortened
+   use psalm_text, only: quoted, text_t, upper_case, to_text, nearest_name, shortened
    implicit none (type, external)
    private
    public :: group_t, item_t, value_t, add_item, add_value
@@ -547,7 +547,7 @@ contains
             associate (value => self%values(item%first + k - 1))
                if (value%repeats > 1) call text%add_text(to_text(value%repeats)//'*')
                if (value%quoted) then
-                  call text%add_text("'"//self%text_of(value)//"'")
+                  call text%add_text(quoted(self%text_of(value)))
                else
                   call text%add_text(self%text_of(value))
                end if

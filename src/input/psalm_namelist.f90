@@ -358,7 +358,8 @@ contains
       type(group_t), intent(inout) :: group
       type(diagnostics_t), intent(inout) :: findings
       logical, intent(inout) :: complained
-      character(:), allocatable :: reason
+      character(:), allocatable :: reason, words
+      character(1) :: mark
       type(value_t) :: value
       integer :: stop_at, star
       logical :: valid
@@ -384,14 +385,24 @@ contains
       if (column <= len(text)) value%quoted = is_quote(text(column:column))
       if (value%quoted) then
          column = column + 1
-         stop_at = index(text(column:), text(column - 1:column - 1))
-         if (stop_at == 0) then
-            call findings%error('the quoted text is not closed on its line', line=line, group=trim(group%name))
-            stop_at = len(text) + 1
-         else
-            stop_at = column + stop_at - 1
-         end if
-         call take(text(column:stop_at - 1))
+         mark = text(column - 1:column - 1)
+         words = ''
+         do
+            stop_at = index(text(column:), mark)
+            if (stop_at == 0) then
+               call findings%error('the quoted text is not closed on its line', line=line, group=trim(group%name))
+               stop_at = len(text) + 1
+            else
+               stop_at = column + stop_at - 1
+            end if
+            words = words//text(column:stop_at - 1)
+            if (stop_at >= len(text)) exit
+            ! within the text the mark is written twice
+            if (text(stop_at + 1:stop_at + 1) /= mark) exit
+            words = words//mark
+            column = stop_at + 2
+         end do
+         call take(words)
       else
          call take(text(column:stop_at))
       end if

@@ -147,9 +147,19 @@ contains
    pure subroutine add_drawing(self, ending, content)
       class(devices_t), intent(inout) :: self
       character(*), intent(in) :: ending, content
+      type(drawing_t), allocatable :: more(:)
+      integer :: i, n
 
-      if (.not. allocated(self%drawings)) allocate (self%drawings(0))
-      self%drawings = [self%drawings, drawing_t(ending, content)]
+      n = 1
+      if (allocated(self%drawings)) n = size(self%drawings) + 1
+      allocate (more(n))
+      do i = 1, n - 1     ! moved: a constructor of the whole list keeps memory that nobody frees (gfortran 12)
+         call move_alloc(self%drawings(i)%ending, more(i)%ending)
+         call move_alloc(self%drawings(i)%content, more(i)%content)
+      end do
+      more(n)%ending = ending
+      more(n)%content = content
+      call move_alloc(more, self%drawings)
    end subroutine add_drawing
 
    !> A next step; the first that is not empty stays.

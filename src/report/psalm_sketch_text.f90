@@ -7,7 +7,7 @@ module psalm_sketch_text
    use psalm_rate_items, only: rate_row_t, wanted_rows
    use psalm_sketch, only: sketch_t, drive_stretches, output_angle, output_between, output_distance, output_point, &
                            output_pose, output_ratio, output_slide, output_x, output_y, most_wished, wish_t
-   use psalm_text, only: text_t, full_precision, to_text
+   use psalm_text, only: quoted, text_t, full_precision, to_text
    use psalm_wish_items, only: values_of, weights_of
    implicit none (type, external)
    private
@@ -56,19 +56,19 @@ contains
          call text%add(own%title)
          line = ' &CHAIN JNT='
          do i = 1, size(sketch%joint_name)
-            call word("'"//trim(sketch%joint_name(i))//"'")
+            call word(quoted(trim(sketch%joint_name(i))))
          end do
          call text%add(line)
          call numbers('JX=', sketch%x)
          call numbers('JY=', sketch%y)
          line = '  LNAME='
          do i = 1, own_links
-            call word("'"//trim(sketch%links(i)%name)//"'")
+            call word(quoted(trim(sketch%links(i)%name)))
          end do
          call text%add(line)
          line = '  LNK='
          do i = 1, own_links
-            call word("'"//joints_of(sketch, sketch%links(i)%joints)//"'")
+            call word(quoted(joints_of(sketch, sketch%links(i)%joints)))
          end do
          call text%add(line)
          if (size(sketch%slides) > 0) call write_slides()
@@ -76,7 +76,7 @@ contains
          if (size(sketch%length) > 0) then
             line = '  LENP='
             do i = 1, size(sketch%length)
-               call word("'"//joints_of(sketch, sketch%length_of(:, i))//"'")
+               call word(quoted(joints_of(sketch, sketch%length_of(:, i))))
             end do
             call text%add(line)
             call numbers('LENV=', sketch%length)
@@ -87,12 +87,12 @@ contains
          if (size(sketch%outputs) > 0) then
             line = ' &OUTPUTS OUTPUT='
             do i = 1, size(sketch%outputs)
-               call word("'"//output_words(sketch, i)//"'")
+               call word(quoted(output_words(sketch, i)))
             end do
             call text%add(line)
             line = '  ONAME='
             do i = 1, size(sketch%outputs)
-               call word("'"//trim(sketch%outputs(i)%name)//"'")
+               call word(quoted(trim(sketch%outputs(i)%name)))
             end do
             if (.not. sketch%has_wishes()) line = line//' &END'
             call text%add(line)
@@ -166,13 +166,13 @@ contains
          associate (slides => own%sketch%slides)
             line = '  NSLIDE='//to_text(size(slides))//', SNAME='
             do i = 1, size(slides)
-               call word("'"//trim(slides(i)%name)//"'")
+               call word(quoted(trim(slides(i)%name)))
             end do
             call text%add(line)
             do k = 1, 2
                line = merge('  SLNK= ', '  SLNK2=', k == 1)
                do i = 1, size(slides)
-                  call word("'"//trim(own%sketch%links(slides(i)%links(k))%name)//"'")
+                  call word(quoted(trim(own%sketch%links(slides(i)%links(k))%name)))
                end do
                call text%add(line)
             end do
@@ -192,7 +192,7 @@ contains
                if (k == 3) line = '  GCARR='
                do i = 1, size(gears)
                   members = [gears(i)%wheels, gears(i)%carrier]
-                  call word("'"//trim(own%sketch%links(members(k))%name)//"'")
+                  call word(quoted(trim(own%sketch%links(members(k))%name)))
                end do
                call text%add(line)
             end do
@@ -205,18 +205,18 @@ contains
          associate (drives => own%sketch%drives)
             line = ' &DRIVES DRIVE='
             do i = 1, size(drives)
-               call word("'"//trim(drives(i)%name)//"'")
+               call word(quoted(trim(drives(i)%name)))
             end do
             call text%add(line)
             line = '  DBASE='
             do i = 1, size(drives)
-               if (drives(i)%base > 0) call word("'"//trim(own%sketch%links(drives(i)%base)%name)//"'")
+               if (drives(i)%base > 0) call word(quoted(trim(own%sketch%links(drives(i)%base)%name)))
                if (drives(i)%base == 0) call word('')
             end do
             call text%add(line)
             line = '  DLINK='
             do i = 1, size(drives)
-               if (drives(i)%base > 0) call word("'"//trim(own%sketch%links(drives(i)%link)%name)//"'")
+               if (drives(i)%base > 0) call word(quoted(trim(own%sketch%links(drives(i)%link)%name)))
                if (drives(i)%base == 0) call word('')
             end do
             call text%add(line)

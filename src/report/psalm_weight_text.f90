@@ -5,7 +5,7 @@ module psalm_weight_text
    use psalm_kinds, only: wp
    use psalm_mechanism, only: mechanism_t, at_start
    use psalm_place, only: place_t
-   use psalm_text, only: text_t, full_precision, to_text
+   use psalm_text, only: quoted, text_t, full_precision, to_text
    implicit none (type, external)
    private
    public :: write_masses, write_places, write_reals
@@ -67,7 +67,7 @@ contains
       if (set%sketch%given) then
          line = '  '//letter//'NAME='
          do k = 1, size(places)
-            line = line//"'"//words_of(set, places(k))//"',"
+            line = line//quoted(words_of(set, places(k)))//','
             call break_line(line, text)
          end do
          if (len_trim(line) > 0) call text%add(line)

@@ -41,6 +41,15 @@ if flags.returncode == 0:
     check("a program in C by pkg-config", built.returncode == 0 and "179.6424" in run("./slider").stdout, built.stderr)
     built = run("gfortran", os.path.join(TOP, "example/analyse.f90"), "-o", "analyse", *options)
     check("a program in Fortran by pkg-config", built.returncode == 0 and "179.6424" in run("./analyse").stdout, built.stderr)
+commit = subprocess.run(["git", "-C", TOP, "rev-parse", "--short=12", "HEAD"], capture_output=True, text=True).stdout.strip()
+told = run("bin/psalm", "--version").stdout
+check("--version tells the commit", told.splitlines()[1].startswith("commit %s" % (commit or "not known")), told)
+if run("sh", "-c", "command -v cmake").returncode == 0:
+    with open(os.path.join(prefix, "CMakeLists.txt"), "w", encoding="utf-8") as file:
+        file.write("cmake_minimum_required(VERSION 3.13)\nproject(consumer C)\nfind_package(psalm 0.1 REQUIRED)\n"
+                   "add_executable(consumer %s/c/slider_crank.c)\ntarget_link_libraries(consumer psalm::psalm)\n" % TOP)
+    built = run("sh", "-c", "cmake -S . -B consumer -DCMAKE_PREFIX_PATH=. && cmake --build consumer")
+    check("a program in C by CMake", built.returncode == 0 and "179.6424" in run("consumer/consumer").stdout, built.stderr)
 done = run("bash", "-c", ". share/bash-completion/completions/psalm; COMP_WORDS=(psalm --items SEA); COMP_CWORD=2; _psalm; echo ${COMPREPLY[*]}")
 check("completion", done.stdout.strip() == "SEARCH", done.stdout + done.stderr)
 print("%d passed, %d failed" % (passed, failed))

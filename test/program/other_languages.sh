@@ -44,6 +44,9 @@ check 'Python: the slider-crank' slides "$venv/bin/python" "$top/python/example/
 "$venv/bin/python" "$top/test/program/notebook.py" || failed=$((failed + 1))
 check 'Python: cases on all processors' sh -c '"$1" "$2/python/example/many_cases.py" | awk "NF == 3 { n++ } END { exit n != 9 }"' - \
     "$venv/bin/python" "$top"
+check 'the version is one in all descriptions' test 1 -eq "$(grep -hoE '^version = "[0-9.]+"|version = .[0-9.]+. !! as|^version: [0-9.]+|^  version: "[0-9.]+"|^psalm \([0-9.]+-' \
+    "$top"/fpm.toml "$top/python/pyproject.toml" "$top/src/base/psalm_version.f90" "$top/CITATION.cff" "$top/conda/meta.yaml" "$top/debian/changelog" |
+    grep -oE '[0-9]+\.[0-9.]+[0-9]' | sort -u | wc -l)"
 # what each program can do is a verb of the library; its groups ask for one
 check 'every group that a program reads for a study is one of a verb' "$venv/bin/python" -c "
 import re, subprocess, psalm

@@ -11,6 +11,7 @@ program test_notation
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t, level_warning
    use psalm_take, only: take, take_count
+   use psalm_text, only: text_t
    implicit none (type, external)
    type(checks_t) :: t
 
@@ -108,6 +109,7 @@ contains
       type(group_t) :: group
       type(diagnostics_t) :: findings
       character(:), allocatable :: word
+      type(text_t) :: text
       integer :: whole, numbers(6)
       real(wp) :: number, reals(4)
 
@@ -135,6 +137,14 @@ contains
       call t%equal_integer(whole, 3, 'what is not given stays as it was')
       call group%finish([group], findings)
       call t%equal_integer(findings%count, 0, 'everything was asked for')
+
+      call read_group([character(40) :: " &FIRST W='it''s', V=""a""""b""", ' /'], group, findings)
+      call group%get_word('W', word, findings)
+      call t%equal_text(word, "IT'S", 'an apostrophe is written twice')
+      call group%get_word('V', word, findings)
+      call t%equal_text(word, 'A"B', 'so is the other mark')
+      call group%render(text)
+      call t%is_true(index(text%content(), "W='it''s',") > 0, 'and so it is written again')
    end subroutine items
 
    subroutine wrong_items()
