@@ -1,25 +1,24 @@
 !> balm: pictures of planar linkages from a namelist file.
 program balm
    use psalm_batch, only: common_options
-   use psalm_console, only: arguments_t, begin, begin_mark, prepare_outputs, say, show_findings, stem_of
+   use psalm_console, only: arguments_t, begin, begin_mark, prepare_outputs, show_findings, stem_of
    use psalm_board, only: write_board
    use psalm_cases, only: read_cases, read_case_text
    use psalm_contact_sheet, only: write_contact_sheet
    use psalm_data_set, only: data_set_t, title_columns
    use psalm_devices, only: devices_t
    use psalm_drawing, only: picture_t, add_picture, draw_file, draw_curves, ending
-   use psalm_files, only: exchange_t, directory_of
-   use psalm_gnuplot, only: write_pictures, name_of
+   use psalm_picture_files, only: write_pictures, name_of
    use psalm_mark, only: mark_t
    use psalm_picture_report, only: report_picture
    use psalm_picture_study, only: pictured_t, make_scenes
-   use psalm_source, only: line_t, read_lines
+   use psalm_source, only: joined, line_t, read_lines
    use psalm_status, only: diagnostics_t, exit_done, exit_file_trouble
    use psalm_system, only: finish_program, write_standard_error
    use psalm_text, only: text_t
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
-   character(*), parameter :: endings(*) = [character(11) :: '.svg', '.html', '.dxf', '.flat.dxf', '.gp', '.png', '.pdf', &
+   character(*), parameter :: endings(*) = [character(11) :: '.svg', '.html', '.dxf', '.flat.dxf', '.curves.svg', &
                                            '.edit.html', '.move.svg', '.sheet.html']
    type(arguments_t) :: arguments
    logical :: finished
@@ -33,13 +32,13 @@ program balm
       'so on; the page has them all. The linkage is drawn as given, no search is made: for its result draw CASE.dev7.'//nl// &
       nl//'  --edit            the drawing board instead: CASE.edit.html, a page on which the sketch of a case is'//nl// &
       '                    changed and saved; without a case sketch.edit.html, empty'//nl// &
-      '  --curves          curves too: CASE.gp, CASE.png, CASE.pdf, by gnuplot; convergence from CASE.dev1'//nl// &
+      '  --curves          curves too: CASE.curves.svg; convergence from CASE.dev1'//nl// &
       '  --assemblies      the SVG shows the other assembly of each dyad in grey'//nl// &
       '  --animate         CASE.move.svg too: the linkage moves, without a script'//nl// &
       '  --sheet           CASE.sheet.html too: all cases of the file moving on one page (with --animate)'//nl// &
       common_options// &
       nl//'Exit status: 0 done; 1 done, but the linkage violates closure or transmission limits; 2 the input is wrong'//nl// &
-      '(the pictures show the messages); 3 a file could not be read or written, or gnuplot failed.'//nl, &
+      '(the pictures show the messages); 3 a file could not be read or written.'//nl, &
       endings, arguments, finished)
    code = arguments%code
    if (finished) call finish_program(code)
@@ -61,7 +60,8 @@ contains
       type(data_set_t), allocatable :: sets(:)
       type(pictured_t), allocatable :: cases(:)
       type(devices_t) :: devices
-      type(picture_t), allocatable :: pictures(:), scripts(:)
+      type(picture_t), allocatable :: pictures(:)
+      type(line_t), allocatable :: progress(:)
       type(mark_t) :: mark
       character(:), allocatable :: stem
       logical :: ready
@@ -80,14 +80,15 @@ contains
       code = max(code, findings%exit_code(), devices%code)
       if (findings%exit_code() == exit_file_trouble) return
       stem = stem_of(file, arguments%output_dir)
-      allocate (scripts(0))
-      if (arguments%curves) call draw_scripts(cases, stem, mark, scripts)
+      allocate (progress(0))
+      if (arguments%curves) call read_progress(stem, mark, progress)
       call draw_file(cases, arguments%assemblies, arguments%animate, mark%name(), pictures)
       if (size(pictures) == 0) return
+      if (arguments%curves) call draw_curves(cases, progress, mark%name(), pictures)
       if (arguments%sheet) call add_sheet(file, name_of(stem), sets, cases, pictures)
       call prepare_outputs(arguments, stem, pictures%ending, ready, code)
       if (.not. ready) return
-      call write_pictures(arguments, stem, pictures, scripts, code)
+      call write_pictures(arguments, stem, pictures, code)
    end subroutine run_file
 
    !> The page of all cases, as the animations show them.
@@ -120,12 +121,13 @@ contains
       type(diagnostics_t) :: findings, of_case
       type(data_set_t), allocatable :: sets(:)
       type(line_t), allocatable :: lines(:)
-      type(exchange_t) :: files
+      type(picture_t), allocatable :: pictures(:)
       type(text_t) :: page
       character(:), allocatable :: stem
       logical :: ready
+      integer :: failed
 
-      allocate (lines(0))
+      allocate (lines(0), pictures(0))
       stem = stem_of('sketch', arguments%output_dir)
       if (.not. arguments%no_case) then
          stem = stem_of(file, arguments%output_dir)
@@ -147,43 +149,24 @@ contains
       call prepare_outputs(arguments, stem, ['.edit.html'], ready, code)
       if (.not. ready) return
       call write_board('Drawing board', name_of(stem)//'.nml', lines, page)
-      call files%begin(directory_of(stem), arguments%inputs)
-      call files%add(stem//'.edit.html', page%content())
-      call files%finish()
-      if (files%code /= exit_done) then
-         call say(arguments%program, files%message)
-         code = max(code, files%code)
-      else if (.not. arguments%quiet) then
+      call add_picture(pictures, '.edit.html', page%content())
+      failed = exit_done
+      call write_pictures(arguments, stem, pictures, failed)
+      code = max(code, failed)
+      if (failed == exit_done .and. .not. arguments%quiet) &
          call write_standard_error('Written: '//stem//'.edit.html (drawing board; open it in a browser)'//nl)
-      end if
    end subroutine make_board
 
-   !> Lines as one text.
-   pure function joined(lines) result(whole)
-      type(line_t), intent(in) :: lines(:)
-      character(:), allocatable :: whole
-      type(text_t) :: text
-      integer :: k
-
-      do k = 1, size(lines)
-         call text%add(lines(k)%text)
-      end do
-      whole = text%content()
-   end function joined
-
-   !> Scripts for gnuplot; device 1 of the case, if it is there, has the convergence.
-   subroutine draw_scripts(cases, stem, mark, scripts)
-      type(pictured_t), intent(in) :: cases(:)
+   !> Device 1 of the case, if it is there, has the convergence.
+   subroutine read_progress(stem, mark, progress)
       character(*), intent(in) :: stem
       type(mark_t), intent(inout) :: mark         !! takes device 1 in
-      type(picture_t), allocatable, intent(out) :: scripts(:)
-      type(line_t), allocatable :: progress(:)
+      type(line_t), allocatable, intent(inout) :: progress(:)
       type(diagnostics_t) :: trouble
       integer, parameter :: largest = 256      !! MB of device 1
       logical :: there
       integer :: k
 
-      allocate (progress(0))
       inquire (file=stem//'.dev1', exist=there)
       if (there) call read_lines(stem//'.dev1', progress, trouble, largest)
       if (trouble%failed()) then
@@ -193,6 +176,5 @@ contains
       do k = 1, size(progress)
          call mark%add(progress(k)%text)
       end do
-      call draw_curves(cases, name_of(stem), progress, mark%name(), scripts)
-   end subroutine draw_scripts
+   end subroutine read_progress
 end program balm

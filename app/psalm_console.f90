@@ -49,7 +49,7 @@ module psalm_console
       logical :: edit = .false., no_case = .false. !! balm: the drawing board; no case is named
       logical :: sheet = .false.            !! balm: a page of all cases, moving
       logical :: kinds = .false.            !! psalm: kinds of linkages are listed, not searched
-      logical :: curves = .false., assemblies = .false. !! curves by gnuplot; psalm, balm: all assemblies
+      logical :: curves = .false., assemblies = .false. !! curves too; psalm, balm: all assemblies
       logical :: animate = .false.                 !! balm: an SVG that moves
       ! psalm, bridge: numbered work
       integer :: part = 0, parts = 0             !! --part K/N; 0: not given

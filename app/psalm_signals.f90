@@ -84,7 +84,7 @@ contains
       subroutine shield()
          type(held_signals_t) :: kept
 
-         call kept%hold(gently=.false.)
+         call kept%hold()
       end subroutine shield
    end subroutine shield_threads
 

@@ -7,8 +7,8 @@ program ssics
    use psalm_devices, only: devices_t, header_of
    use psalm_drawing, only: picture_t, draw_steady
    use psalm_error, only: problem_t, make_problem
-   use psalm_gnuplot, only: write_pictures, name_of
    use psalm_mark, only: mark_t
+   use psalm_picture_files, only: write_pictures
    use psalm_preparation, only: demand_t, prepared_t, prepare_loops
    use psalm_status, only: diagnostics_t
    use psalm_steady_report, only: report_steady
@@ -16,12 +16,12 @@ program ssics
    use psalm_system, only: finish_program
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
-   character(5), parameter :: of_curves(*) = [character(5) :: '.gp', '.png', '.pdf']
+   character(11), parameter :: of_curves = '.curves.svg'
    type(demand_t), parameter :: demand = demand_t(position=1000, arc=400)
    ! saved: procedures that are handed on then need no code on the stack
    type(outputs_t), save :: outputs
    type(arguments_t), save :: arguments
-   type(picture_t), allocatable, save :: scripts(:) ! of the cases of a file
+   type(picture_t), allocatable, save :: pictures(:) ! of the cases of a file
    character(:), allocatable, save :: stem          ! of the file's devices
    logical, save :: finished
    integer, save :: code, i
@@ -33,19 +33,19 @@ program ssics
       'Hill equation given by tables (&HILL). Masses and loads come from &MASSES, &LOADS, &SPRING, the speed from &RATES.'//nl// &
       nl//'The listing goes to standard output; CASE.ssics.dev8 (input) and CASE.ssics.dev9 (blocks) in the '// &
       'folder of the case.'//nl// &
-      nl//'  --curves          curves too: CASE.ssics.gp, .png, .pdf, by gnuplot'//nl// &
+      nl//'  --curves          curves too: CASE.ssics.curves.svg'//nl// &
       json_option// &
       common_options// &
       nl//'Exit status: 0 done; 1 done, but a motion is unstable, a link buckles, or the crank cannot turn;'//nl// &
-      '2 the input is wrong; 3 a file could not be read or written, or gnuplot failed.'//nl, &
-      outputs%suffix//[outputs%endings, of_curves], arguments, finished)
+      '2 the input is wrong; 3 a file could not be read or written.'//nl, &
+      outputs%suffix//[character(len(of_curves)) :: outputs%endings, of_curves], arguments, finished)
    code = arguments%code
    if (finished) call finish_program(code)
    do i = 1, size(arguments%files)
-      scripts = [picture_t ::]
+      pictures = [picture_t ::]
       stem = stem_of(trim(arguments%files(i)), arguments%output_dir)//outputs%suffix
       call run_file(arguments, trim(arguments%files(i)), outputs, prepare_steady, run_case, code)
-      if (size(scripts) > 0) call draw()
+      if (size(pictures) > 0) call draw()
       if (arguments%no_place) exit
    end do
    call finish_program(code)
@@ -87,19 +87,14 @@ contains
       end if
       call find_steady(set, problem, prepared, study)
       call report_steady(set, study, devices)
-      if (arguments%curves) call draw_steady(set, study, number, name_of(stem), devices%mark, scripts)
+      if (arguments%curves) call draw_steady(set, study, number, devices%mark, pictures)
    end subroutine run_case
 
    !> The curves of a file.
    subroutine draw()
-      type(picture_t) :: none(0)
       logical :: ready
-      integer :: k
 
-      do k = 1, size(scripts)
-         call prepare_outputs(arguments, stem//trim(scripts(k)%ending), of_curves, ready, code)
-         if (.not. ready) return
-      end do
-      call write_pictures(arguments, stem, none, scripts, code)
+      call prepare_outputs(arguments, stem, pictures%ending, ready, code)
+      if (ready) call write_pictures(arguments, stem, pictures, code)
    end subroutine draw
 end program ssics

@@ -8,7 +8,7 @@ balm.curves = (() => {
   const ROOM = 7;           // so many panels are shown at once unasked
   const FLAT = 1e-8;        // a curve that varies by less than this part of the scale is constant: nine digits are sent
   const AROUND = 0.01;      // part of the scale that is shown on either side of a constant
-  const OUTPUT = { angle: 'angle, degrees', distance: 'distance', slide: 'length of the slide' };
+  const OUTPUT = { angle: 'angle', distance: 'distance', slide: 'place of the slide' };
   const ROUND = 2 * Math.PI;
   let canvas, chart, still, strip;
   let plot = null;          // place of the panels
@@ -66,6 +66,7 @@ balm.curves = (() => {
   function allPanels(c) {
     const { pens, linkColour } = balm.drawing, s = c.sweep, p = c.prescribed, panels = [];
     const size = c.motion === 'angle' ? 360 : c.size, called = c.outputLabel || 'the output';
+    const unit = c.motion === 'angle' ? ', degrees' : ', length';
     const put = (group, panel) => panels.push({ group, points: [], ...panel });
     const marks = (values) => Array.from(values, (v, i) => [c.at[i], v]);
     const output = (name, actual, desired, band) => put('position', { name, size, band,
@@ -81,17 +82,17 @@ balm.curves = (() => {
       if (c.drives.length > 1) put('position', { name: 'drives, from the drawing', size: 0,
         lines: c.drives.map((one, i) => ({ label: one.name, colour: linkColour(i), values: one.sweep })) });
     } else if (c.motion === 'point') {
-      output('x of ' + called, 'actual', 'desired', c.band?.[0]);
-      output('y of ' + called, 'actual_y', 'desired_y', c.band?.[1]);
+      output('x of ' + called + ', length', 'actual', 'desired', c.band?.[0]);
+      output('y of ' + called + ', length', 'actual_y', 'desired_y', c.band?.[1]);
     } else {
-      output(c.outputLabel ? called + (c.motion === 'angle' ? ', degrees' : '') : OUTPUT[c.motion], 'actual', 'desired', c.band?.[0]);
+      output((c.outputLabel || OUTPUT[c.motion]) + unit, 'actual', 'desired', c.band?.[0]);
     }
     further('position');
     if (c.desired) {
       const error = (label, colour, values) => ({ label, colour, joined: true, marks: marks(values) });
       const points = [error(c.motion === 'point' ? 'x' : '', pens.accent, p.error)];
       if (c.motion === 'point') points.push(error('y', pens.link1, p.error_y));
-      put('position', { name: 'error (desired - actual)', size, zero: true, lines: [], points });
+      put('position', { name: 'error (desired - actual)' + unit, size, zero: true, lines: [], points });
     }
     const named = s.angle.length <= 8;
     const angle = (a, i) => ({ label: named ? (i ? '' : 'loop ') + a.loop : '', colour: linkColour(i),
@@ -99,7 +100,7 @@ balm.curves = (() => {
     if (s.angle.length) put('position', { name: 'transmission angle, degrees', fixed: [0, 180], limits: c.limits,
       lines: s.angle.map(angle) });
     // bands are often too narrow to be seen beside the curve
-    if (c.band) put('tolerance', { name: 'deviation within tolerances (dotted: worst case)', size, zero: true,
+    if (c.band) put('tolerance', { name: 'deviation within tolerances' + unit + ' (dotted: worst case)', size, zero: true,
       lines: c.band.slice(0, 2).flatMap((one, i) => {
         const label = c.motion === 'point' ? 'xy'[i] : '', colour = linkColour(i);
         return [{ label, colour, values: one.square }, { label: '', colour, dotted: true, values: one.worst }];
@@ -115,7 +116,7 @@ balm.curves = (() => {
       shown('force on the frame, N', f.force, [...bare('', 'fx'), ...bare('', 'fy'), curve('x', pens.link0, f.fx), curve('y', pens.link1, f.fy)]);
       shown('moment on the frame, N m', f.turning, [...bare('', 'moment'), curve('', pens.link3, f.moment)]);
     }
-    if (c.vibration) put('vibration', { name: 'deflection of the link' + (c.vibration.settles ? '' : ' (not settled)'), size: 0,
+    if (c.vibration) put('vibration', { name: 'deflection of the link, length' + (c.vibration.settles ? '' : ' (not settled)'), size: 0,
       zero: true, lines: c.vibration.modes.map((values, j) => ({ label: 'mode ' + (j + 1),
         colour: linkColour(j), values })) });
     return panels;

@@ -33,7 +33,7 @@ balm.messages = (() => {
     const value = (one) => near >= 0 ? one.prescribed[near] : mixed(one.sweep, at);
     const digits = (v) => short(isFinite(v) ? Number(v.toPrecision(6)) : v);
     const parts = c.drives.map((one) => one.name + ' ' + digits(value(one)) + (one.turning ? '\u00b0' : ''));
-    for (const one of c.curves.slice(0, MOST_OUTPUTS)) parts.push(one.name.replace(', degrees', '') + ' ' + digits(value(one)) +
+    for (const one of c.curves.slice(0, MOST_OUTPUTS)) parts.push(one.name.replace(/, [^,]*$/, '') + ' ' + digits(value(one)) +
       (one.angle ? '\u00b0' : ''));
     if ((near >= 0 ? c.prescribed.closed[near] : c.sweep.closed[at[0]]) === '0') parts.push('does not close');
     if (near >= 0) parts.push('position ' + (near + 1));

@@ -198,7 +198,7 @@ balm.scene = (() => {
   }
 
   /** What the axis of the input is called. */
-  const inputName = (c) => c.inputLabel || (c.sliding ? 'input length' : 'crank angle, degrees');
+  const inputName = (c) => c.inputLabel || (c.sliding ? 'input, length' : 'crank angle, degrees');
 
   /** Seven digits. */
   const short = (v) => !isFinite(v) ? '\u2013' : Number(v.toPrecision(7)).toString();

@@ -569,7 +569,7 @@ module psalm_page_text
    '  }'//nl// &
    ''//nl// &
    '  /** What the axis of the input is called. */'//nl// &
-   "  const inputName = (c) => c.inputLabel || (c.sliding ? 'input length' : 'crank angle, degrees');"//nl// &
+   "  const inputName = (c) => c.inputLabel || (c.sliding ? 'input, length' : 'crank angle, degrees');"//nl// &
    ''//nl// &
    '  /** Seven digits. */'//nl// &
    "  const short = (v) => !isFinite(v) ? '\u2013' : Number(v.toPrecision(7)).toString();"//nl// &
@@ -1484,7 +1484,7 @@ module psalm_page_text
    '  const FLAT = 1e-8;        // a curve that varies by less than this part of the scale is constant: nine digits are sen'// &
    't'//nl// &
    '  const AROUND = 0.01;      // part of the scale that is shown on either side of a constant'//nl// &
-   "  const OUTPUT = { angle: 'angle, degrees', distance: 'distance', slide: 'length of the slide' };"//nl// &
+   "  const OUTPUT = { angle: 'angle', distance: 'distance', slide: 'place of the slide' };"//nl// &
    '  const ROUND = 2 * Math.PI;'//nl// &
    '  let canvas, chart, still, strip;'//nl// &
    '  let plot = null;          // place of the panels'//nl// &
@@ -1544,6 +1544,7 @@ module psalm_page_text
    '  function allPanels(c) {'//nl// &
    '    const { pens, linkColour } = balm.drawing, s = c.sweep, p = c.prescribed, panels = [];'//nl// &
    "    const size = c.motion === 'angle' ? 360 : c.size, called = c.outputLabel || 'the output';"//nl// &
+   "    const unit = c.motion === 'angle' ? ', degrees' : ', length';"//nl// &
    '    const put = (group, panel) => panels.push({ group, points: [], ...panel });'//nl// &
    '    const marks = (values) => Array.from(values, (v, i) => [c.at[i], v]);'//nl// &
    "    const output = (name, actual, desired, band) => put('position', { name, size, band,"//nl// &
@@ -1560,28 +1561,28 @@ module psalm_page_text
    "      if (c.drives.length > 1) put('position', { name: 'drives, from the drawing', size: 0,"//nl// &
    '        lines: c.drives.map((one, i) => ({ label: one.name, colour: linkColour(i), values: one.sweep })) });'//nl// &
    "    } else if (c.motion === 'point') {"//nl// &
-   "      output('x of ' + called, 'actual', 'desired', c.band?.[0]);"//nl// &
-   "      output('y of ' + called, 'actual_y', 'desired_y', c.band?.[1]);"//nl// &
+   "      output('x of ' + called + ', length', 'actual', 'desired', c.band?.[0]);"//nl// &
+   "      output('y of ' + called + ', length', 'actual_y', 'desired_y', c.band?.[1]);"//nl// &
    '    } else {'//nl// &
-   "      output(c.outputLabel ? called + (c.motion === 'angle' ? ', degrees' : '') : OUTPUT[c.motion], 'actual', 'desired'"// &
-   ", c.band?.[0]);"//nl// &
+   "      output((c.outputLabel || OUTPUT[c.motion]) + unit, 'actual', 'desired', c.band?.[0]);"//nl// &
    '    }'//nl// &
    "    further('position');"//nl// &
    '    if (c.desired) {'//nl// &
    '      const error = (label, colour, values) => ({ label, colour, joined: true, marks: marks(values) });'//nl// &
    "      const points = [error(c.motion === 'point' ? 'x' : '', pens.accent, p.error)];"//nl// &
    "      if (c.motion === 'point') points.push(error('y', pens.link1, p.error_y));"//nl// &
-   "      put('position', { name: 'error (desired - actual)', size, zero: true, lines: [], points });"//nl// &
+   "      put('position', { name: 'error (desired - actual)' + unit, size, zero: true, lines: [], points });"//nl// &
    '    }'//nl// &
    '    const named = s.angle.length <= 8;'//nl// &
    "    const angle = (a, i) => ({ label: named ? (i ? '' : 'loop ') + a.loop : '', colour: linkColour(i),"//nl// &
    '      values: a.values });'//nl// &
    "    if (s.angle.length) put('position', { name: 'transmission angle, degrees', fixed: [0, 180], limits: c.limits,"//nl// &
-   '      lines: s.angle.map(angle) });'//nl// &
-   '    // bands are often too narrow to be seen beside the curve'//nl
+   '      lines: s.angle.map(angle) });'//nl
 
    character(*), parameter :: part_18 = &
-   "    if (c.band) put('tolerance', { name: 'deviation within tolerances (dotted: worst case)', size, zero: true,"//nl// &
+   '    // bands are often too narrow to be seen beside the curve'//nl// &
+   "    if (c.band) put('tolerance', { name: 'deviation within tolerances' + unit + ' (dotted: worst case)', size, zero: tr"// &
+   "ue,"//nl// &
    '      lines: c.band.slice(0, 2).flatMap((one, i) => {'//nl// &
    "        const label = c.motion === 'point' ? 'xy'[i] : '', colour = linkColour(i);"//nl// &
    "        return [{ label, colour, values: one.square }, { label: '', colour, dotted: true, values: one.worst }];"//nl// &
@@ -1599,8 +1600,8 @@ module psalm_page_text
    "e('y', pens.link1, f.fy)]);"//nl// &
    "      shown('moment on the frame, N m', f.turning, [...bare('', 'moment'), curve('', pens.link3, f.moment)]);"//nl// &
    '    }'//nl// &
-   "    if (c.vibration) put('vibration', { name: 'deflection of the link' + (c.vibration.settles ? '' : ' (not settled)'),"// &
-   " size: 0,"//nl// &
+   "    if (c.vibration) put('vibration', { name: 'deflection of the link, length' + (c.vibration.settles ? '' : ' (not set"// &
+   "tled)'), size: 0,"//nl// &
    "      zero: true, lines: c.vibration.modes.map((values, j) => ({ label: 'mode ' + (j + 1),"//nl// &
    '        colour: linkColour(j), values })) });'//nl// &
    '    return panels;'//nl// &
@@ -1683,10 +1684,10 @@ module psalm_page_text
    '    for (const one of panel.points) drawPoints(g, panel, one);'//nl// &
    '    g.restore();'//nl// &
    '  }'//nl// &
-   ''//nl// &
-   '  /** Name of a panel and of its lines, each in its colour. */'//nl
+   ''//nl
 
    character(*), parameter :: part_19 = &
+   '  /** Name of a panel and of its lines, each in its colour. */'//nl// &
    '  function drawHead(g, panel) {'//nl// &
    '    const { left, u } = plot, y = panel.top - 6 * u;'//nl// &
    '    g.fillStyle = balm.drawing.pens.ink;'//nl// &
@@ -1786,10 +1787,10 @@ module psalm_page_text
    '    g.fillStyle = pens.accent;'//nl// &
    '    for (const t of c.at) if (t <= plot.to + 1e-9) g.fillRect(x(t) - 0.8, 2, 1.6, h - 4);'//nl// &
    '    for (const { kind, t } of c.proof ? c.proof.marks : []) {'//nl// &
-   '      if (t === undefined || t < plot.from - 1e-9 || t > plot.to + 1e-9) continue;'//nl// &
-   "      g.fillStyle = kind === 'opens' ? pens.bad : kind === 'extreme' ? pens.actual : pens.warn;"//nl
+   '      if (t === undefined || t < plot.from - 1e-9 || t > plot.to + 1e-9) continue;'//nl
 
    character(*), parameter :: part_20 = &
+   "      g.fillStyle = kind === 'opens' ? pens.bad : kind === 'extreme' ? pens.actual : pens.warn;"//nl// &
    '      g.fillRect(x(t) - 0.6, h / 2, 1.2, h / 2);'//nl// &
    '    }'//nl// &
    '  }'//nl// &
@@ -1889,10 +1890,10 @@ module psalm_page_text
    '    const list = [];'//nl// &
    '    for (let k = Math.floor(low); k <= high; k++) for (const m of high - low > 3 ? [1] : [1, 2, 5]) {'//nl// &
    '      const v = m * 10 ** k;'//nl// &
-   '      if (Math.log10(v) >= low - 1e-9 && Math.log10(v) <= high + 1e-9) list.push(v);'//nl// &
-   '    }'//nl
+   '      if (Math.log10(v) >= low - 1e-9 && Math.log10(v) <= high + 1e-9) list.push(v);'//nl
 
    character(*), parameter :: part_21 = &
+   '    }'//nl// &
    '    return list;'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1983,8 +1984,8 @@ module psalm_page_text
    '    const value = (one) => near >= 0 ? one.prescribed[near] : mixed(one.sweep, at);'//nl// &
    '    const digits = (v) => short(isFinite(v) ? Number(v.toPrecision(6)) : v);'//nl// &
    "    const parts = c.drives.map((one) => one.name + ' ' + digits(value(one)) + (one.turning ? '\u00b0' : ''));"//nl// &
-   "    for (const one of c.curves.slice(0, MOST_OUTPUTS)) parts.push(one.name.replace(', degrees', '') + ' ' + digits(valu"// &
-   "e(one)) +"//nl// &
+   "    for (const one of c.curves.slice(0, MOST_OUTPUTS)) parts.push(one.name.replace(/, [^,]*$/, '') + ' ' + digits(value"// &
+   "(one)) +"//nl// &
    "      (one.angle ? '\u00b0' : ''));"//nl// &
    "    if ((near >= 0 ? c.prescribed.closed[near] : c.sweep.closed[at[0]]) === '0') parts.push('does not close');"//nl// &
    "    if (near >= 0) parts.push('position ' + (near + 1));"//nl// &
@@ -1993,10 +1994,10 @@ module psalm_page_text
    ''//nl// &
    '  /** Facts and what is wrong at t. */'//nl// &
    '  function show(c, t) {'//nl// &
-   "    const i = between(c, t)[0], wrong = c.wrong[i], open = c.status[i] === OPEN, alert = $('alert');"//nl// &
-   "    setText($('facts'), factsOf(c, t));"//nl
+   "    const i = between(c, t)[0], wrong = c.wrong[i], open = c.status[i] === OPEN, alert = $('alert');"//nl
 
    character(*), parameter :: part_22 = &
+   "    setText($('facts'), factsOf(c, t));"//nl// &
    '    alert.hidden = !wrong.length && !open;'//nl// &
    "    alert.className = open ? 'open' : 'limits';"//nl// &
    "    setText(alert, wrong.slice(0, MOST).map((v) => explain(c, v, i)).join(' \u2014 ') || 'Does not close');"//nl// &
@@ -2096,10 +2097,10 @@ module psalm_page_text
    '  function go(t) {'//nl// &
    '    const c = shown();'//nl// &
    '    if (!c.sound) return;'//nl// &
-   '    balm.state.t = within(c, t, limits());'//nl// &
-   '    balm.draw();'//nl
+   '    balm.state.t = within(c, t, limits());'//nl
 
    character(*), parameter :: part_23 = &
+   '    balm.draw();'//nl// &
    '    balm.messages.show(c, balm.state.t);'//nl// &
    "    if (Number($('time').value) !== balm.state.t) $('time').value = balm.state.t;"//nl// &
    '  }'//nl// &
@@ -2201,10 +2202,10 @@ module psalm_page_text
    "      if (k < 0 || k >= s.n || s.closed[k] === '0') continue;"//nl// &
    '      const away = Math.hypot(mixed(s.x[joint], [k, k, 0]) - mx, mixed(s.y[joint], [k, k, 0]) - my);'//nl// &
    '      if (away < least) [best, least] = [k, away];'//nl// &
-   '    }'//nl// &
-   '    if (best >= 0) go(best);'//nl
+   '    }'//nl
 
    character(*), parameter :: part_24 = &
+   '    if (best >= 0) go(best);'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** A tap names the arc it meets: a finger cannot point. */'//nl// &
@@ -2306,10 +2307,10 @@ module psalm_page_text
    "    for (const kind of ['pointerup', 'pointercancel']) curves.addEventListener(kind, () => { pointing = false; });"//nl// &
    "    document.addEventListener('keydown', key);"//nl// &
    '  }'//nl// &
-   ''//nl// &
-   '  return { begin, go, setPlaying, limits, duration };'//nl
+   ''//nl
 
    character(*), parameter :: part_25 = &
+   '  return { begin, go, setPlaying, limits, duration };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
@@ -2420,10 +2421,10 @@ module psalm_page_text
    ''//nl// &
    '  /** The kind of film that this browser can make: [type, ending of the file], or none. */'//nl// &
    '  const kindOfFilm = () => globalThis.MediaRecorder && FILMS.find(([type]) => MediaRecorder.isTypeSupported(type));'//nl// &
-   ''//nl// &
-   '  /** The whole motion once as a film of so many seconds; what is played in parts goes there and back. */'//nl
+   ''//nl
 
    character(*), parameter :: part_26 = &
+   '  /** The whole motion once as a film of so many seconds; what is played in parts goes there and back. */'//nl// &
    '  function film(seconds) {'//nl// &
    '    const c = shown(), [from, to] = balm.controls.limits(), ring = c.ring && to - from >= 360, [type] = kindOfFilm();'//nl// &
    '    const [canvas, g] = sheet(Math.min(2, window.devicePixelRatio || 1)), pieces = [];'//nl// &
@@ -2523,10 +2524,10 @@ module psalm_page_text
    '    if (!c.sound) return;'//nl// &
    '    drawing.frame(c, state.t);'//nl// &
    '    curves.frame(c, state.t);'//nl// &
-   '  }'//nl// &
-   ''//nl
+   '  }'//nl
 
    character(*), parameter :: part_27 = &
+   ''//nl// &
    '  function choose(i) {'//nl// &
    '    const c = scene.prepare(cases[i]), fresh = state.c !== i || !laidOut;'//nl// &
    '    state.c = i;'//nl// &
@@ -2625,10 +2626,10 @@ module psalm_page_text
    '    cases.forEach((c, i) => {'//nl// &
    "      const option = document.createElement('option');"//nl// &
    '      option.value = String(i);'//nl// &
-   "      $('case').append(option);"//nl// &
-   "      const label = document.createElement('label'), box = document.createElement('input');"//nl
+   "      $('case').append(option);"//nl
 
    character(*), parameter :: part_28 = &
+   "      const label = document.createElement('label'), box = document.createElement('input');"//nl// &
    "      box.type = 'checkbox';"//nl// &
    '      box.dataset.overlay = String(i);'//nl// &
    "      box.setAttribute('aria-label', 'overlay case ' + (i + 1));"//nl// &

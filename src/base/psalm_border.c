@@ -20,7 +20,7 @@
 #include <unistd.h>
 
 enum { kind_none, kind_file, kind_directory, kind_link, kind_other, kind_unknown }; /* as in psalm_system.f90 */
-enum { new_file_mode = 0666, new_directory_mode = 0777, private_mode = 0700, permissions = 0777 }; /* cut by the user's mask */
+enum { new_file_mode = 0666, new_directory_mode = 0777, permissions = 0777 }; /* cut by the user's mask */
 enum { most_names = 10000 };              /* names tried for a temporary */
 enum { most_waits = 1000, wait_ns = 10000000 }; /* for a lock: ten seconds */
 
@@ -43,22 +43,16 @@ void psalm_error_text(int error, char *text, size_t room)
 
 /* ---- signals ---- */
 
-/* Lets signals wait: TERM and HUP, or all but those that tell of a fault of the program. `before`: room for the mask of before. */
-int psalm_hold_signals(int all, void *before, size_t room)
+/* Lets signals wait, all but those that tell of a fault of the program. `before`: room for the mask of before. */
+int psalm_hold_signals(void *before, size_t room)
 {
     static const int faults[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS};
     sigset_t wanted, old;
     size_t i;
 
     if (room < sizeof old) return EINVAL;
-    if (all) {
-        sigfillset(&wanted);
-        for (i = 0; i < sizeof faults / sizeof faults[0]; i++) sigdelset(&wanted, faults[i]);
-    } else {
-        sigemptyset(&wanted);
-        sigaddset(&wanted, SIGTERM);
-        sigaddset(&wanted, SIGHUP);
-    }
+    sigfillset(&wanted);
+    for (i = 0; i < sizeof faults / sizeof faults[0]; i++) sigdelset(&wanted, faults[i]);
     i = (size_t)pthread_sigmask(SIG_BLOCK, &wanted, &old);
     memcpy(before, &old, sizeof old);
     return (int)i;
@@ -277,19 +271,6 @@ int psalm_stage(const char *path, const char *bytes, size_t count, char *name, s
     if (close(file) != 0 && error == 0) error = errno;
     if (error != 0) unlink(name);
     return error;
-}
-
-/* Makes a directory of our own beside `path`, which nobody else may enter. */
-int psalm_make_private(const char *path, char *name, size_t room)
-{
-    int error, tries;
-
-    for (tries = 0; tries <= most_names; tries++) {
-        if ((error = next_name(path, name, room)) != 0) return error;
-        if (mkdir(name, private_mode) == 0) return 0;
-        if (errno != EEXIST) return errno;
-    }
-    return EEXIST;
 }
 
 int psalm_make_directory(const char *path)

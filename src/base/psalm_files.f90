@@ -29,7 +29,6 @@ module psalm_files
    contains
       procedure :: begin
       procedure :: add
-      procedure :: adopt
       procedure :: finish
    end type exchange_t
 
@@ -81,7 +80,7 @@ contains
       self%count = 0
       if (allocated(self%files)) deallocate (self%files)
       allocate (self%files(8))
-      call self%held%hold(gently=.false.)
+      call self%held%hold()
       call lock_directory(directory, self%lock)
    end subroutine begin
 
@@ -102,17 +101,6 @@ contains
          call fail(self, path, error)
       end if
    end subroutine add
-
-   !> Take in a file that another program has written, in this file system.
-   subroutine adopt(self, path, beside)
-      class(exchange_t), intent(inout) :: self
-      character(*), intent(in) :: path, beside
-
-      if (self%code /= exit_done) return
-      call check_target(path, self%inputs, self%message, self%code)
-      if (self%code /= exit_done) return
-      call remember(self, path, beside)
-   end subroutine adopt
 
    !> Put all files in their places, or remove them if something went wrong; signals come through again.
    subroutine finish(self)

@@ -1,4 +1,4 @@
-!> Text and numbers inside SVG, HTML, JSON and gnuplot: what a user may have written in a title must not end a string there.
+!> Text and numbers inside SVG, HTML and JSON: what a user may have written in a title must not end a string there.
 module psalm_markup
    use, intrinsic :: iso_fortran_env, only: int64
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
@@ -7,7 +7,7 @@ module psalm_markup
    implicit none (type, external)
    private
    public :: truth, comma
-   public :: clean_text, xml_text, json_text, gnuplot_text, number_or_null, short_or_null, short_number, sentence_case, wrapped, &
+   public :: clean_text, xml_text, json_text, number_or_null, short_or_null, short_number, sentence_case, wrapped, &
              strings_t, add_string
 
    integer, parameter :: significant = 9 !! digits of `short_number`
@@ -136,23 +136,6 @@ contains
       call out%add_text('"')
       quoted = out%content()
    end function json_text
-
-   !> A text as a string of gnuplot.
-   pure function gnuplot_text(string) result(written)
-      character(*), intent(in) :: string
-      character(:), allocatable :: written, clean
-      type(text_t) :: out         ! grows without being copied for every letter
-      integer :: i
-
-      clean = clean_text(string)
-      call out%add_text("'")
-      do i = 1, len(clean)
-         call out%add_text(clean(i:i))
-         if (clean(i:i) == "'") call out%add_text("'")
-      end do
-      call out%add_text("'")
-      written = out%content()
-   end function gnuplot_text
 
    !> A truth value of JSON.
    pure function truth(value) result(word)

@@ -8,7 +8,7 @@ module psalm_system
    private
    public :: identity_t, held_signals_t, same_file, identity_of, identity_of_open, look_at
    public :: lock_directory, keep_file, let_go, stage, move_file, remove_file, synchronize
-   public :: make_private_directory, make_directories, error_text
+   public :: make_directories, error_text
    public :: kind_none, kind_file, kind_directory, kind_link, kind_other, kind_unknown
    public :: read_input, input_sound, input_unreadable, input_directory, input_too_large, input_has_zero
    public :: begin_program, finish_program, write_standard_output, write_standard_error, error_is_terminal
@@ -86,10 +86,9 @@ module psalm_system
          integer(c_size_t), value :: count
       end subroutine c_take_input
 
-      integer(c_int) function c_hold_signals(all, before, room) bind(c, name='psalm_hold_signals')
+      integer(c_int) function c_hold_signals(before, room) bind(c, name='psalm_hold_signals')
          import :: c_int, c_long, c_size_t
          implicit none (type, external)
-         integer(c_int), value :: all
          integer(c_long), intent(inout) :: before(*)
          integer(c_size_t), value :: room
       end function c_hold_signals
@@ -147,14 +146,6 @@ module psalm_system
          implicit none (type, external)
          integer(c_int), value :: file
       end subroutine c_let_go
-
-      integer(c_int) function c_make_private(path, name, room) bind(c, name='psalm_make_private')
-         import :: c_int, c_char, c_size_t
-         implicit none (type, external)
-         character(kind=c_char), intent(in) :: path(*)
-         character(kind=c_char), intent(inout) :: name(*)
-         integer(c_size_t), value :: room
-      end function c_make_private
 
       integer(c_int) function c_make_directory(path) bind(c, name='psalm_make_directory')
          import :: c_int, c_char
@@ -240,14 +231,12 @@ contains
 
    ! ---- signals -----------------------------------------------------------------------------------------------------
 
-   !> Let signals wait in this thread: all that can (`gently`: only TERM and HUP, so that a child can be stopped from the terminal).
-   subroutine hold_signals(self, gently)
+   !> Let all signals wait in this thread that can.
+   subroutine hold_signals(self)
       class(held_signals_t), intent(inout) :: self
-      logical, intent(in) :: gently
 
       if (self%holds) return
-      self%holds = c_hold_signals(merge(0_c_int, 1_c_int, gently), self%before, &
-                                  int(mask_words*(storage_size(self%before)/8), c_size_t)) == 0
+      self%holds = c_hold_signals(self%before, int(mask_words*(storage_size(self%before)/8), c_size_t)) == 0
    end subroutine hold_signals
 
    !> Let them through again.
@@ -357,18 +346,6 @@ contains
       error = c_stage(path//c_null_char, text, len(text, c_size_t), room, int(longest_path, c_size_t))
       name = from_c(room)
    end subroutine stage
-
-   !> Make a directory of our own beside a path.
-   subroutine make_private_directory(path, name, error)
-      character(*), intent(in) :: path
-      character(:), allocatable, intent(out) :: name
-      integer, intent(out) :: error            !! 0 or an error number
-      character(kind=c_char) :: room(longest_path)
-
-      room = c_null_char
-      error = c_make_private(path//c_null_char, room, int(longest_path, c_size_t))
-      name = from_c(room)
-   end subroutine make_private_directory
 
    !> Make a directory and those above it; existing ones are as good.
    subroutine make_directories(path, error)

@@ -4,7 +4,7 @@ submodule(psalm_case) psalm_case_reading
    use psalm_error, only: make_problem
    use psalm_group_table, only: everything
    use psalm_preparation, only: prepare_loops
-   use psalm_source, only: line_t, read_lines
+   use psalm_source, only: joined, line_t, read_lines
    use psalm_text, only: text_t
    implicit none (type, external)
 
@@ -54,19 +54,6 @@ contains
       end do
       call tell(own, findings)
    end procedure read_text
-
-   !> Lines as one text.
-   pure function joined(lines) result(whole)
-      type(line_t), intent(in) :: lines(:)
-      character(:), allocatable :: whole
-      type(text_t) :: text
-      integer :: k
-
-      do k = 1, size(lines)
-         call text%add(lines(k)%text)
-      end do
-      whole = text%content()
-   end function joined
 
    module procedure settle
       type(data_set_t), allocatable :: sets(:)

@@ -7,10 +7,10 @@ module psalm_source
    use psalm_status, only: diagnostics_t
    use psalm_system, only: read_input, error_text, input_directory, input_has_zero, input_sound, input_too_large, &
                            memory_to_be_had
-   use psalm_text, only: to_text
+   use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
-   public :: line_t, read_lines, split_lines
+   public :: line_t, joined, read_lines, split_lines
 
    !> One line, without its end.
    type :: line_t
@@ -116,4 +116,17 @@ contains
       if (last + 2 > len(text)) return
       if (text(last + 1:last + 2) == carriage_return//line_feed) next = last + 3
    end subroutine find_end
+
+   !> Lines as one text.
+   pure function joined(lines) result(whole)
+      type(line_t), intent(in) :: lines(:)
+      character(:), allocatable :: whole
+      type(text_t) :: text
+      integer :: k
+
+      do k = 1, size(lines)
+         call text%add(lines(k)%text)
+      end do
+      whole = text%content()
+   end function joined
 end module psalm_source

@@ -6,12 +6,13 @@ module psalm_chain_scene
    use psalm_angles, only: unit_vector
    use psalm_chain_study, only: chain_study_t, inputs_at, study_chain
    use psalm_closure, only: closure_t, state_t
+   use psalm_column_names, only: number_unit, per_time
    use psalm_data_set, only: data_set_t
    use psalm_error, only: violation_t
    use psalm_kinds, only: wp, degrees_per_radian, full_turn
    use psalm_markup, only: add_string, sentence_case
    use psalm_output_kind, only: motion_point, motion_angle
-   use psalm_panels, only: add_study_panels
+   use psalm_panels, only: add_study_panels, with_unit
    use psalm_parts, only: drawn_bar_t, edge_t, drawn_joint_t, drawn_slide_t, wheel_t, convex_hull
    use psalm_scene, only: scene_t, message_scene, choose_view, find_rails, motion_number
    use psalm_sketch, only: columns_of, sketch_t, drive_turns, frame_link, grid_digits, output_angle, output_between, &
@@ -600,7 +601,7 @@ contains
       do n = 1, size(own%names)
          ! components one by one: gfortran 12 loses the stride of a section in a structure constructor
          associate (curve => scene%curves(n))
-            curve%name = trim(own%names(n))//trim(merge(', degrees', '         ', own%angles(n)))
+            curve%name = with_unit(trim(own%names(n)), number_unit(sketch%outputs, n, per_time(), 0))
             curve%angle = own%angles(n)
             curve%prescribed = own%values(n, 0, :)
             curve%sweep = sweep%values(n, 0, :)

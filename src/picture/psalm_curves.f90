@@ -1,72 +1,60 @@
-!> Curves of a scene as a gnuplot script that carries its data: output, error, transmission angles, convergence.
+!> Curves of a scene: output, error, transmission angles, further outputs, rates, bands of tolerance, forces, convergence.
 module psalm_curves
-   use psalm_chain_curves, only: chain_panels, plot_chain_panels, write_chain_tables
    use psalm_dyad_kind, only: assur_rrr
-   use psalm_force_curves, only: write_force_table, plot_force_panels, force_panels
+   use psalm_elementary, only: hypotenuse
+   use psalm_force_analysis, only: column_drive, column_fx, column_fy, column_moment
+   use psalm_force_scene, only: force_scene_t
    use psalm_kinds, only: wp, full_turn
-   use psalm_markup, only: clean_text, gnuplot_text, short_number
    use psalm_number, only: parse_real
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance
-   use psalm_panel_curves, only: axis_range, panels_shown, plot_band_panel, plot_panels_of, write_band_table, write_panel_table
+   use psalm_plot, only: plot_t, begin_plot, add_line, add_span, look_area, look_dashed, look_dots, look_dotted, look_joined, &
+                         look_line, look_rings, look_steps, look_thin
    use psalm_scene, only: scene_t
    use psalm_source, only: line_t
-   use psalm_text, only: text_t, full_precision, number_or_nan, to_text
+   use psalm_text, only: to_text
    use psalm_trace, only: position_row_t
    implicit none (type, external)
    private
-   public :: write_curves
+   public :: make_curves
 
-   integer, parameter :: panel_height = 330 !! pixels
    integer, parameter :: most_lines = 12    !! transmission angles named one by one
    real(wp), parameter :: part_of_turn = 300.0_wp !! prescribed over less than this, degrees, the axis shows that part only
-   character(*), parameter :: colour_open = '#d3302f' !! of bands where the linkage does not close
+   integer, parameter :: limit = 0          !! colour
+   character(1), parameter :: components(2) = ['x', 'y']
+
+   !> The rows of a scene as curves show them.
+   type :: rows_t
+      real(wp), allocatable :: x(:), y(:, :)   !! input on the axis; shape (positions, components): angles go on beyond a turn
+   end type rows_t
 
 contains
 
-   !> Append a script that makes `name`.png and `name`.pdf in the directory it is run in.
-   subroutine write_curves(scene, name, progress, text)
+   !> The curves of a sound scene, in the order in which they are shown.
+   subroutine make_curves(scene, progress, plots)
       type(scene_t), intent(in) :: scene
-      character(*), intent(in) :: name         !! of the case, without directory
       type(line_t), intent(in) :: progress(:)  !! device 1, empty if there is none
-      type(text_t), intent(inout) :: text
-      integer :: panels, steps, pass, i
-      logical :: errors, angles, starts
-      real(wp) :: low, high
+      type(plot_t), allocatable, intent(out) :: plots(:)
+      type(plot_t) :: like
+      type(rows_t) :: own, sweep
 
-      call text%add('# '//clean_text(trim(scene%title)))
-      call write_table('$prescribed', scene, scene%prescribed, text)
-      call write_table('$sweep', scene, scene%sweep, text)
-      if (allocated(scene%forces)) call write_force_table(scene%forces, [(along(scene, scene%sweep, i), i=1, scene%sweep%n)], text)
-      if (allocated(scene%curves)) call write_chain_tables(scene, [(along(scene, scene%prescribed, i), i=1, scene%prescribed%n)], &
-                                                           [(along(scene, scene%sweep, i), i=1, scene%sweep%n)], text)
-      if (size(scene%panels) > 0) call write_panel_table(scene%panels, [(along(scene, scene%sweep, i), i=1, scene%sweep%n)], text)
-      if (allocated(scene%band)) call write_band_table(scene, [(along(scene, scene%sweep, i), i=1, scene%sweep%n)], text)
-      call write_progress(progress, steps, starts, text)
-      errors = scene%desired
-      angles = any(scene%pairs%joint_type == assur_rrr)
-      panels = 1 + count([scene%motion == motion_point, errors, angles, steps > 0])
-      if (allocated(scene%forces)) panels = panels + force_panels
-      if (allocated(scene%curves)) panels = chain_panels(scene) + count([steps > 0])
-      panels = panels + panels_shown(scene)
-      call text%add('set grid; set key outside right top; set lmargin 11; set rmargin 17')
-      call find_axis(scene, low, high)
-      call input_axis(scene, low, high, text)
-      do pass = 1, 2
-         if (pass == 1) then
-            call text%add('set terminal pngcairo noenhanced size 1000,'//to_text(panels*panel_height + 40)//' font "sans,10"')
-            call text%add('set output '//gnuplot_text(name//'.png'))
-         else
-            call text%add('set terminal pdfcairo noenhanced size 21cm,'//short_number(7.0_wp*real(panels, wp) + 0.8_wp)// &
-                          'cm font "sans,9"')
-            call text%add('set output '//gnuplot_text(name//'.pdf'))
-         end if
-         call text%add('set multiplot layout '//to_text(panels)//',1 title '//gnuplot_text(trim(scene%title)))
-         call add_bands(scene, low, high, text)
-         call plot_panels(scene, errors, angles, steps, starts, low, high, text)
-         call text%add('unset multiplot')
-         call text%add('unset output')
-      end do
-   end subroutine write_curves
+      allocate (plots(0))
+      like%below = input_name(scene)
+      like%turning = .not. scene%sliding
+      call find_axis(scene, like%from, like%to)
+      call add_bands(scene, like)
+      call take_rows(scene, own, sweep)
+      if (allocated(scene%curves)) then
+         call add_outputs(scene, own%x, sweep%x, like, plots)
+      else
+         call add_output(scene, own, sweep, like, plots)
+      end if
+      if (scene%desired) call add_errors(scene, own%x, like, plots)
+      if (any(scene%pairs%joint_type == assur_rrr)) call add_angles(scene, sweep%x, like, plots)
+      if (allocated(scene%band)) call add_deviations(scene, sweep%x, like, plots)
+      call add_panels(scene, sweep%x, like, plots)
+      if (allocated(scene%forces)) call add_forces(scene%forces, sweep%x, like, plots)
+      call add_progress(progress, plots)
+   end subroutine make_curves
 
    !> Range of the inputs that is shown: what is prescribed, if that is a part of a turn only, else the whole turn.
    pure subroutine find_axis(scene, low, high)
@@ -93,23 +81,11 @@ contains
       high = low + full_turn
    end subroutine find_axis
 
-   !> The same axis for all panels.
-   subroutine input_axis(scene, low, high, text)
+   !> Shade where the linkage does not close.
+   subroutine add_bands(scene, like)
       type(scene_t), intent(in) :: scene
-      real(wp), intent(in) :: low, high
-      type(text_t), intent(inout) :: text
-
-      call text%add('set xlabel '//gnuplot_text(input_name(scene)))
-      if (.not. scene%sliding .and. high - low >= part_of_turn) call text%add('set xtics 30')
-      if (high > low) call text%add('set xrange ['//short_number(low)//':'//short_number(high)//']')
-   end subroutine input_axis
-
-   !> Red bands where the linkage does not close.
-   subroutine add_bands(scene, low, high, text)
-      type(scene_t), intent(in) :: scene
-      real(wp), intent(in) :: low, high
-      type(text_t), intent(inout) :: text
-      real(wp) :: half, from, to
+      type(plot_t), intent(inout) :: like
+      real(wp) :: half
       integer :: i, k
 
       associate (row => scene%sweep)
@@ -118,63 +94,17 @@ contains
          i = 1
          do while (i <= row%n)
             k = i
-            do while (k <= row%n)
-               if (row%closed(k) .neqv. row%closed(i)) exit
+            do while (k < row%n)
+               if (row%closed(k + 1) .neqv. row%closed(i)) exit
                k = k + 1
             end do
-            if (.not. row%closed(i)) then
-               from = max(low, min(along(scene, row, i), along(scene, row, k - 1)) - half)
-               to = min(high, max(along(scene, row, i), along(scene, row, k - 1)) + half)
-               if (to > from) call text%add('set object rectangle from first '//short_number(from)//', graph 0 to first '// &
-                                            short_number(to)//', graph 1 fc rgb "'//colour_open// &
-                                            '" fs transparent solid 0.13 noborder behind')
-            end if
-            i = k
+            associate (ends => [along(scene, row, i), along(scene, row, k)])
+               if (.not. row%closed(i)) call add_span(like, minval(ends) - half, maxval(ends) + half)
+            end associate
+            i = k + 1
          end do
       end associate
    end subroutine add_bands
-
-   !> Input along the sweep (degrees go on beyond a turn), actual, desired, errors, transmission angles.
-   subroutine write_table(name, scene, row, text)
-      character(*), intent(in) :: name
-      type(scene_t), intent(in) :: scene
-      type(position_row_t), intent(in) :: row
-      type(text_t), intent(inout) :: text
-      character(:), allocatable :: line
-      real(wp) :: value, before
-      integer :: i, loop
-
-      call text%add(name//' << END')
-      call text%add('# input actual actual_y desired desired_y error error_y, then the transmission angle of each link pair')
-      before = 0.0_wp
-      do i = 1, row%n
-         value = row%actual(i)
-         if (scene%motion == motion_angle) then
-            ! an angle goes on from the one before it
-            if (scene%desired .and. size(row%wanted) == 0 .and. i == 1) before = scene%prescribed%actual(1)
-            if (size(row%wanted) == 0) value = value + full_turn*anint((before - value)/full_turn)
-            if (row%closed(i)) before = value
-         end if
-         line = full_precision(along(scene, row, i))//' '//number_or_nan(value, row%closed(i))//' '// &
-                number_or_nan(row%actual_y(i), row%closed(i) .and. scene%motion == motion_point)
-         if (size(row%wanted) > 0) then
-            line = line//' '//full_precision(row%wanted(i))
-            if (scene%motion == motion_point) then
-               line = line//' '//full_precision(row%wanted_y(i))
-            else
-               line = line//' NaN'
-            end if
-            line = line//' '//number_or_nan(row%error(i), row%closed(i))//' '//number_or_nan(row%error_y(i), row%closed(i))
-         else
-            line = line//' NaN NaN NaN NaN'
-         end if
-         do loop = 1, scene%loops
-            if (scene%pairs(loop)%joint_type == assur_rrr) line = line//' '//number_or_nan(row%angle(loop, i), row%sound(loop, i))
-         end do
-         call text%add(line)
-      end do
-      call text%add('END')
-   end subroutine write_table
 
    !> Input of a position on the axis of the sweep.
    pure real(wp) function along(scene, row, i)
@@ -189,44 +119,278 @@ contains
       end associate
    end function along
 
-   !> Best and worst objective by iteration, or objective of each start and the best so far, from device 1.
-   subroutine write_progress(progress, steps, starts, text)
-      type(line_t), intent(in) :: progress(:)
-      integer, intent(out) :: steps      !! lines found
-      logical, intent(out) :: starts     !! they are starts, not iterations
-      type(text_t), intent(inout) :: text
-      character(:), allocatable :: reason
-      real(wp) :: at, best, worst, least
-      logical :: valid
+   !> Both rows; an angle goes on from the one before it.
+   subroutine take_rows(scene, own, sweep)
+      type(scene_t), intent(in) :: scene
+      type(rows_t), intent(out) :: own, sweep
+      real(wp) :: before
       integer :: i
 
-      steps = 0
-      starts = .false.
-      least = huge(least)
-      call text%add('$progress << END')
-      do i = 1, size(progress)
-         associate (line => progress(i)%text)
-            if (index(line, ' ITERATION ') == 1) then
-               call value_after(line, ' ITERATION', at, valid)
-               if (valid) call value_after(line, ' BEST', best, valid)
-               if (valid) call value_after(line, ' WORST', worst, valid)
-            else if (index(line, ' START ') == 1) then
-               call value_after(line, ' START', at, valid)
-               if (valid) call value_after(line, ' OBJECTIVE', worst, valid)
-               if (valid) then
-                  starts = .true.
-                  least = min(least, worst)
-                  best = least
-               end if
-            else
-               valid = .false.
+      own%x = [(along(scene, scene%prescribed, i), i=1, scene%prescribed%n)]
+      sweep%x = [(along(scene, scene%sweep, i), i=1, scene%sweep%n)]
+      own%y = reshape([scene%prescribed%actual, scene%prescribed%actual_y], [scene%prescribed%n, 2])
+      sweep%y = reshape([scene%sweep%actual, scene%sweep%actual_y], [scene%sweep%n, 2])
+      if (scene%motion /= motion_angle) return
+      before = 0.0_wp
+      if (scene%desired) before = scene%prescribed%actual(1)
+      do i = 1, scene%sweep%n
+         sweep%y(i, 1) = sweep%y(i, 1) + full_turn*anint((before - sweep%y(i, 1))/full_turn)
+         if (scene%sweep%closed(i)) before = sweep%y(i, 1)
+      end do
+      if (scene%desired) return
+      before = 0.0_wp
+      do i = 1, scene%prescribed%n
+         own%y(i, 1) = own%y(i, 1) + full_turn*anint((before - own%y(i, 1))/full_turn)
+         if (scene%prescribed%closed(i)) before = own%y(i, 1)
+      end do
+   end subroutine take_rows
+
+   !> The output of the loops: bands of tolerance, sweep, prescribed positions, what is desired there.
+   subroutine add_output(scene, own, sweep, like, plots)
+      type(scene_t), intent(in) :: scene
+      type(rows_t), intent(in) :: own, sweep
+      type(plot_t), intent(in) :: like
+      type(plot_t), allocatable, intent(inout) :: plots(:)
+      integer :: c
+
+      do c = 1, merge(2, 1, scene%motion == motion_point)
+         if (scene%motion == motion_point) then
+            call begin_plot(components(c)//' of '//called(scene)//', length', like, plots)
+         else
+            call begin_plot(output_name(scene), like, plots)
+         end if
+         associate (plot => plots(size(plots)), swept => sweep%y(:, c))
+            plot%scale = size_of(scene)
+            if (allocated(scene%band)) then
+               associate (band => scene%band)
+                  call add_line(plot, 'root sum square', look_area, 1, sweep%x, swept - band%square(:, c), band%known, &
+                                swept + band%square(:, c))
+                  call add_line(plot, 'worst case', look_dotted, 1, sweep%x, swept - band%worst(:, c), band%known)
+                  call add_line(plot, '', look_dotted, 1, sweep%x, swept + band%worst(:, c), band%known)
+               end associate
             end if
-            if (.not. valid) cycle
-            steps = steps + 1
-            call text%add(short_number(at)//' '//full_precision(best)//' '//full_precision(worst))
+            call add_line(plot, trim(merge('actual', '      ', scene%desired .or. allocated(scene%band))), look_line, 1, sweep%x, &
+                          swept, scene%sweep%closed)
+            call add_line(plot, '', look_dots, 1, own%x, own%y(:, c), scene%prescribed%closed)
+            if (.not. scene%desired) cycle
+            if (c == 1) call add_line(plot, 'desired', look_rings, 2, own%x, scene%prescribed%wanted)
+            if (c == 2) call add_line(plot, 'desired', look_rings, 2, own%x, scene%prescribed%wanted_y)
          end associate
       end do
-      call text%add('END')
+   end subroutine add_output
+
+   !> All outputs of a sketch without loops of dyads, and its drives where there are several.
+   subroutine add_outputs(scene, own, sweep, like, plots)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: own(:), sweep(:)    !! places on the axis
+      type(plot_t), intent(in) :: like
+      type(plot_t), allocatable, intent(inout) :: plots(:)
+      integer :: k
+
+      do k = 1, size(scene%curves)
+         associate (curve => scene%curves(k))
+            call begin_plot(trim(curve%name), like, plots)
+            plots(size(plots))%scale = merge(full_turn, maxval(scene%high - scene%low), curve%angle)
+            call add_line(plots(size(plots)), '', look_line, 1, sweep, curve%sweep, &
+                          scene%sweep%closed .and. curve%sweep < huge(1.0_wp))
+            call add_line(plots(size(plots)), '', look_dots, 1, own, curve%prescribed, &
+                          scene%prescribed%closed .and. curve%prescribed < huge(1.0_wp))
+         end associate
+      end do
+      if (size(scene%drives) < 2) return
+      call begin_plot('drives, from the drawing', like, plots)
+      do k = 1, size(scene%drives)
+         call add_line(plots(size(plots)), trim(scene%drives(k)%name), look_line, k, sweep, scene%drives(k)%sweep)
+      end do
+   end subroutine add_outputs
+
+   subroutine add_errors(scene, own, like, plots)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: own(:)
+      type(plot_t), intent(in) :: like
+      type(plot_t), allocatable, intent(inout) :: plots(:)
+
+      call begin_plot('error: desired - actual, '//trim(merge('degrees', 'length ', scene%motion == motion_angle)), like, plots)
+      associate (plot => plots(size(plots)), row => scene%prescribed)
+         plot%scale = size_of(scene)
+         plot%from_zero = .true.
+         call add_line(plot, trim(merge('x', ' ', scene%motion == motion_point)), look_joined, 1, own, row%error, row%closed)
+         if (scene%motion == motion_point) call add_line(plot, 'y', look_joined, 2, own, row%error_y, row%closed)
+      end associate
+   end subroutine add_errors
+
+   subroutine add_angles(scene, sweep, like, plots)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: sweep(:)
+      type(plot_t), intent(in) :: like
+      type(plot_t), allocatable, intent(inout) :: plots(:)
+      integer :: loop, k
+
+      call begin_plot('transmission angle, degrees', like, plots)
+      associate (plot => plots(size(plots)), ends => [like%from, like%to])
+         plot%high = 0.5_wp*full_turn
+         k = 0
+         do loop = 1, scene%loops
+            if (scene%pairs(loop)%joint_type /= assur_rrr) cycle
+            k = k + 1
+            if (k <= most_lines) then
+               call add_line(plot, 'loop '//to_text(loop), look_line, k, sweep, scene%sweep%angle(loop, :), &
+                             scene%sweep%sound(loop, :))
+            else
+               call add_line(plot, '', look_line, k, sweep, scene%sweep%angle(loop, :), scene%sweep%sound(loop, :))
+            end if
+         end do
+         call add_line(plot, 'limits', look_dashed, limit, ends, spread(90.0_wp - scene%tangle, 1, 2))
+         call add_line(plot, '', look_dashed, limit, ends, spread(90.0_wp + scene%tangle, 1, 2))
+      end associate
+   end subroutine add_angles
+
+   !> The deviations within the tolerances: bands are often too narrow to be seen on the curve.
+   subroutine add_deviations(scene, sweep, like, plots)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: sweep(:)
+      type(plot_t), intent(in) :: like
+      type(plot_t), allocatable, intent(inout) :: plots(:)
+      character(:), allocatable :: label
+      integer :: c
+
+      associate (band => scene%band)
+         if (.not. any(band%known)) return
+         call begin_plot('deviation within tolerances, '// &
+                         trim(merge('degrees', 'length ', scene%motion == motion_angle)), like, plots)
+         plots(size(plots))%from_zero = .true.
+         do c = 1, min(2, band%components)
+            label = ''
+            if (band%components > 1) label = components(c)//', '
+            call add_line(plots(size(plots)), label//'root sum square', look_line, c, sweep, band%square(:, c), band%known)
+            call add_line(plots(size(plots)), label//'worst case', look_dashed, c, sweep, band%worst(:, c), band%known)
+         end do
+      end associate
+   end subroutine add_deviations
+
+   !> The panels of the scene that have a number: further outputs, rates, families.
+   subroutine add_panels(scene, sweep, like, plots)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: sweep(:)
+      type(plot_t), intent(in) :: like
+      type(plot_t), allocatable, intent(inout) :: plots(:)
+      integer :: p, k
+
+      do p = 1, size(scene%panels)
+         associate (panel => scene%panels(p))
+            if (.not. any([(any(panel%lines(k)%known), k=1, size(panel%lines))])) cycle
+            if (len_trim(panel%note) > 0) then
+               call begin_plot(trim(panel%name)//' ('//trim(panel%note)//')', like, plots)
+            else
+               call begin_plot(trim(panel%name), like, plots)
+            end if
+            plots(size(plots))%scale = panel%scale
+            do k = 1, size(panel%lines)
+               call add_line(plots(size(plots)), trim(panel%lines(k)%label), look_line, k, sweep, panel%lines(k)%values, &
+                             panel%lines(k)%known)
+            end do
+         end associate
+      end do
+   end subroutine add_panels
+
+   !> Drive, force and moment on the frame, also as they were before counterweights and springs were added.
+   subroutine add_forces(forces, sweep, like, plots)
+      type(force_scene_t), intent(in) :: forces
+      real(wp), intent(in) :: sweep(:)
+      type(plot_t), intent(in) :: like
+      type(plot_t), allocatable, intent(inout) :: plots(:)
+      logical, allocatable :: known(:), bare(:)
+      integer, allocatable :: at(:)
+      real(wp) :: largest, turning
+      integer :: i, n
+
+      n = size(sweep)
+      known = [(forces%sweep%table%known(i), i=1, n)]
+      if (.not. any(known)) return
+      at = pack([(i, i=1, n)], known)
+      if (allocated(forces%bare)) bare = [(forces%bare%known(i), i=1, n)]
+      associate (value => forces%sweep%table%value)
+         ! what the joints bear tells what is rounding; not so where curves of the bare linkage are on the same axes
+         largest = maxval(abs(forces%sweep%joint(:, at, :)))
+         turning = max(maxval(abs(value(at, column_drive))), maxval(abs(value(at, column_moment))))
+         if (allocated(forces%bare)) largest = 0.0_wp
+         if (allocated(forces%bare)) turning = 0.0_wp
+         call begin_plot(trim(merge('force of the drive, N   ', 'torque of the drive, N m', forces%sliding)), like, plots)
+         plots(size(plots))%scale = merge(largest, turning, forces%sliding)
+         call add_line(plots(size(plots)), '', look_line, 1, sweep, value(:, column_drive), known)
+         if (allocated(forces%bare)) call add_line(plots(size(plots)), 'before', look_dashed, 3, sweep, &
+                                                   forces%bare%value(:, column_drive), bare)
+         call begin_plot('force on the frame, N', like, plots)
+         associate (plot => plots(size(plots)))
+            plot%scale = largest
+            call add_line(plot, 'x', look_line, 1, sweep, value(:, column_fx), known)
+            call add_line(plot, 'y', look_line, 2, sweep, value(:, column_fy), known)
+            call add_line(plot, 'amount', look_thin, 3, sweep, amount(value, known), known)
+            if (allocated(forces%bare)) call add_line(plot, 'amount before', look_dashed, 3, sweep, &
+                                                      amount(forces%bare%value, bare), bare)
+         end associate
+         call begin_plot('moment on the frame, N m', like, plots)
+         plots(size(plots))%scale = turning
+         call add_line(plots(size(plots)), '', look_line, 4, sweep, value(:, column_moment), known)
+      end associate
+
+   contains
+
+      pure function amount(value, there) result(sizes)
+         real(wp), intent(in) :: value(:, :)
+         logical, intent(in) :: there(:)
+         real(wp), allocatable :: sizes(:)
+
+         allocate (sizes(size(there)), source=0.0_wp)
+         where (there) sizes = hypotenuse(value(:, column_fx), value(:, column_fy))
+      end function amount
+   end subroutine add_forces
+
+   !> Best and worst objective by iteration, or objective of each start and the best so far, from device 1.
+   subroutine add_progress(progress, plots)
+      type(line_t), intent(in) :: progress(:)
+      type(plot_t), allocatable, intent(inout) :: plots(:)
+      type(plot_t) :: axis
+      character(:), allocatable :: reason
+      real(wp), dimension(size(progress)) :: at, best, worst
+      logical :: starts, valid
+      integer :: i, n
+
+      n = 0
+      starts = .false.
+      do i = 1, size(progress)
+         associate (line => progress(i)%text, k => n + 1)
+            valid = .false.
+            if (index(line, ' ITERATION ') == 1) then
+               call value_after(line, ' ITERATION', at(k), valid)
+               if (valid) call value_after(line, ' BEST', best(k), valid)
+               if (valid) call value_after(line, ' WORST', worst(k), valid)
+            else if (index(line, ' START ') == 1) then
+               call value_after(line, ' START', at(k), valid)
+               if (valid) call value_after(line, ' OBJECTIVE', worst(k), valid)
+               if (valid) then
+                  starts = .true.
+                  best(k) = minval(worst(:k))
+               end if
+            end if
+         end associate
+         if (valid) n = n + 1
+      end do
+      if (n == 0) return
+      axis%logarithmic = .true.
+      axis%from = minval(at(:n))
+      axis%to = max(maxval(at(:n)), axis%from + 1.0_wp)
+      axis%below = trim(merge('start    ', 'iteration', starts))
+      call begin_plot('objective', axis, plots)
+      associate (plot => plots(size(plots)))
+         if (starts) then
+            call add_line(plot, 'start', look_dots, 2, at(:n), worst(:n))
+            call add_line(plot, 'best', look_steps, 1, at(:n), best(:n))
+         else
+            call add_line(plot, 'worst', look_joined, 2, at(:n), worst(:n))
+            call add_line(plot, 'best', look_joined, 1, at(:n), best(:n))
+         end if
+      end associate
 
    contains
 
@@ -244,143 +408,14 @@ contains
          last = first + scan(line(first:)//' ', ' ') - 2
          call parse_real(line(first:last), value, valid, reason)
       end subroutine value_after
-   end subroutine write_progress
+   end subroutine add_progress
 
-   subroutine plot_panels(scene, errors, angles, steps, starts, low, high, text)
+   !> What is large in the output: changes far below it are rounding.
+   pure real(wp) function size_of(scene)
       type(scene_t), intent(in) :: scene
-      logical, intent(in) :: errors, angles
-      integer, intent(in) :: steps
-      logical, intent(in) :: starts
-      real(wp), intent(in) :: low, high       !! of the inputs shown
-      type(text_t), intent(inout) :: text
-      character(:), allocatable :: line
-      integer :: loop, column, i
-      logical :: seen
 
-      ! gnuplot refuses a panel without a single number
-      seen = any(scene%prescribed%closed)
-      do i = 1, scene%sweep%n
-         associate (place => along(scene, scene%sweep, i))
-            seen = seen .or. (scene%sweep%closed(i) .and. place >= low .and. place <= high)
-         end associate
-      end do
-      if (.not. seen) call text%add("set label 1 'the linkage does not close' at graph 0.5,0.5 center front")
-
-      if (allocated(scene%curves)) then
-         call plot_chain_panels(scene, text)
-      else if (scene%motion == motion_point) then
-         call output_panel('x of '//called(scene), 2, 4, scene%sweep%actual, scene%prescribed%actual, scene%prescribed%wanted)
-         call output_panel('y of '//called(scene), 3, 5, scene%sweep%actual_y, scene%prescribed%actual_y, &
-                           scene%prescribed%wanted_y)
-      else
-         call output_panel(output_name(scene), 2, 4, scene%sweep%actual, scene%prescribed%actual, scene%prescribed%wanted)
-      end if
-      if (errors) then
-         line = 'set ylabel "error: desired - actual"; '//error_range()// &
-                'plot $prescribed using 1:6 with linespoints pt 7 ps 0.6 title '
-         if (scene%motion == motion_point) then
-            call text%add(line//"'x', '' using 1:7 with linespoints pt 5 ps 0.6 title 'y'")
-         else
-            call text%add(line//"'error'")
-         end if
-      end if
-      if (angles) then
-         line = 'set ylabel "transmission angle, degrees"; set yrange [0:180]; plot '
-         column = 7
-         do loop = 1, scene%loops
-            if (scene%pairs(loop)%joint_type /= assur_rrr) cycle
-            column = column + 1
-            line = line//"$sweep using 1:"//to_text(column)//" with lines "
-            if (column - 7 <= most_lines) then
-               line = line//"title 'loop "//to_text(loop)//"', "
-            else
-               line = line//'notitle, '
-            end if
-         end do
-         call text%add(line//short_number(90.0_wp - scene%tangle)//" dt 2 lc 'red' title 'limits', "// &
-                       short_number(90.0_wp + scene%tangle)//" dt 2 lc 'red' notitle; set yrange [*:*]")
-      end if
-      call text%add('set yrange [*:*]; unset label 1')
-      if (allocated(scene%band)) call plot_band_panel(scene%band, text)
-      call plot_panels_of(scene%panels, text)
-      if (allocated(scene%forces)) call plot_force_panels(scene%forces, text)
-      if (steps == 0) return
-      call text%add('unset object; set xtics auto; set xrange [*:*]; set logscale y; set format y "%g"; set ylabel "objective"')
-      if (starts) then
-         call text%add('set xlabel "start"; '// &
-                       "plot $progress using 1:3 with points pt 7 ps 0.4 title 'start', "// &
-                       "'' using 1:2 with steps lw 1.5 title 'best'")
-      else
-         call text%add('set xlabel "iteration"; '// &
-                       "plot $progress using 1:3 with linespoints pt 7 ps 0.4 title 'worst', '' using 1:2 with linespoints "// &
-                       "pt 7 ps 0.4 title 'best'")
-      end if
-      call text%add('unset logscale y; set format y')
-      call input_axis(scene, low, high, text)
-
-   contains
-
-      subroutine output_panel(name, actual, desired, swept, found, wanted)
-         character(*), intent(in) :: name
-         integer, intent(in) :: actual, desired           !! columns
-         real(wp), intent(in) :: swept(:), found(:), wanted(:) !! what is plotted: actual values, desired ones
-         character(:), allocatable :: plot
-
-         plot = 'set ylabel '//gnuplot_text(name)//'; '//y_range(seen .or. scene%desired, &
-            [pack(swept, scene%sweep%closed), pack(found, scene%prescribed%closed), wanted])// &
-                'plot '//band_of(actual - 1)//'$sweep using 1:'//to_text(actual)// &
-                " with lines lw 1.5 lc 1 title 'actual', $prescribed using 1:"//to_text(actual)// &
-                " with points pt 7 ps 0.5 lc 1 notitle"
-         if (scene%desired) plot = plot//', $prescribed using 1:'//to_text(desired)//" with points pt 6 lc 2 title 'desired'"
-         call text%add(plot)
-      end subroutine output_panel
-
-      !> The band of a component of the output, below its curve.
-      pure function band_of(component) result(command)
-         integer, intent(in) :: component
-         character(:), allocatable :: command
-
-         command = ''
-         if (.not. allocated(scene%band)) return
-         if (.not. any(scene%band%known)) return
-         command = '$band using 1:'//to_text(4*component - 2)//':'//to_text(4*component - 1)// &
-                   " with filledcurves fc rgb '#8ab4f8' fs transparent solid 0.5 notitle, $band using 1:"// &
-                   to_text(4*component)//" with lines dt 3 lc rgb '#566370' notitle, $band using 1:"// &
-                   to_text(4*component + 1)//" with lines dt 3 lc rgb '#566370' notitle, "
-      end function band_of
-
-      pure function error_range() result(command)
-         character(:), allocatable :: command
-
-         associate (row => scene%prescribed)
-            if (scene%motion == motion_point) then
-               command = y_range(any(row%closed), [pack(row%error, row%closed), pack(row%error_y, row%closed), 0.0_wp])
-            else
-               command = y_range(any(row%closed), [pack(row%error, row%closed), 0.0_wp])
-            end if
-         end associate
-      end function error_range
-
-      !> An axis does not magnify the rounding of a constant.
-      pure function y_range(numbers, values) result(command)
-         logical, intent(in) :: numbers     !! there is something to scale the axis by
-         real(wp), intent(in) :: values(:)
-         character(:), allocatable :: command
-         real(wp) :: scale, turned(size(values))
-
-         command = 'set yrange [0:1]; '
-         if (.not. numbers) return
-         command = axis_range(values, 0.0_wp)
-         if (size(values) == 0) return
-         scale = maxval(scene%high - scene%low)
-         turned = values
-         if (scene%motion == motion_angle) then
-            scale = full_turn
-            turned = values - full_turn*anint((values - values(1))/full_turn)
-         end if
-         command = axis_range(turned, scale)
-      end function y_range
-   end subroutine plot_panels
+      size_of = merge(full_turn, maxval(scene%high - scene%low), scene%motion == motion_angle)
+   end function size_of
 
    !> What the output point is called.
    pure function called(scene) result(name)
@@ -404,9 +439,9 @@ contains
       case (motion_angle)
          name = 'angle, degrees'
       case (motion_distance)
-         name = 'distance'
+         name = 'distance, length'
       case default
-         name = 'length of the slide'
+         name = 'place of the slide, length'
       end select
    end function output_name
 
@@ -418,6 +453,6 @@ contains
          name = scene%input_label
          return
       end if
-      name = trim(merge('input length         ', 'crank angle, degrees ', scene%sliding))
+      name = trim(merge('input, length        ', 'crank angle, degrees ', scene%sliding))
    end function input_name
 end module psalm_curves

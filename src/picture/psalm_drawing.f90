@@ -1,15 +1,17 @@
-!> Scenes become files: SVG, moving SVG and DXF of each case, one page of all, scripts for curves.
+!> Scenes become files: SVG, moving SVG and DXF of each case, curves, one page of all.
 module psalm_drawing
    use psalm_animation, only: write_animation
-   use psalm_curves, only: write_curves
+   use psalm_curves, only: make_curves
    use psalm_data_set, only: data_set_t
    use psalm_dxf, only: write_dxf, write_flat_dxf
    use psalm_page, only: write_page
    use psalm_picture_study, only: pictured_t
+   use psalm_plot, only: plot_t
+   use psalm_plot_svg, only: write_plots
    use psalm_pole_svg, only: write_pole_svg
    use psalm_scene, only: scene_t
    use psalm_source, only: line_t
-   use psalm_steady_curves, only: steady_panels, write_steady_curves
+   use psalm_steady_curves, only: make_steady_curves
    use psalm_steady_study, only: steady_study_t
    use psalm_svg, only: write_svg
    use psalm_text, only: text_t, to_text
@@ -23,7 +25,6 @@ module psalm_drawing
    type :: picture_t
       character(ending_width) :: ending = '' !! of the name, after that of the case
       character(:), allocatable :: content
-      logical :: made = .false.             !! of a script: gnuplot has made its pictures
    end type picture_t
 
 contains
@@ -107,46 +108,51 @@ contains
       end subroutine put
    end subroutine draw_file
 
-   !> Scripts for the curves of each sound case; each ending is followed by that of the picture.
-   subroutine draw_curves(cases, name, progress, mark, scripts)
+   !> Curves of each sound case.
+   subroutine draw_curves(cases, progress, mark, pictures)
       type(pictured_t), intent(in) :: cases(:)
-      character(*), intent(in) :: name          !! of the case, without directory
       type(line_t), intent(in) :: progress(:)   !! device 1, empty if there is none; of the first case
       character(*), intent(in) :: mark          !! of the run
-      type(picture_t), allocatable, intent(out) :: scripts(:)
+      type(picture_t), allocatable, intent(inout) :: pictures(:)
       type(line_t) :: none(0)
-      type(text_t) :: text
+      type(plot_t), allocatable :: plots(:)
       integer :: k
 
-      allocate (scripts(0))
       do k = 1, size(cases)
          if (.not. cases(k)%scene%sound) cycle
-         text = text_t()
-         call text%add('# run '//mark)
          if (k == 1) then
-            call write_curves(cases(k)%scene, name//trim(ending(k, '')), progress, text)
+            call make_curves(cases(k)%scene, progress, plots)
          else
-            call write_curves(cases(k)%scene, name//trim(ending(k, '')), none, text)
+            call make_curves(cases(k)%scene, none, plots)
          end if
-         call add_picture(scripts, ending(k, ''), text%content())
+         call add_plots(cases(k)%scene%title, plots, k, mark, pictures)
       end do
    end subroutine draw_curves
 
-   !> Add the script for the curves of what ssics found in case k of a file; nothing if there is nothing to draw.
-   subroutine draw_steady(set, study, k, name, mark, scripts)
+   !> Add the curves of what ssics found in case k of a file; nothing if there is nothing to draw.
+   subroutine draw_steady(set, study, k, mark, pictures)
       type(data_set_t), intent(in) :: set
       type(steady_study_t), intent(in) :: study
       integer, intent(in) :: k
-      character(*), intent(in) :: name          !! of the case's devices, without directory
       character(*), intent(in) :: mark          !! of the run
-      type(picture_t), allocatable, intent(inout) :: scripts(:)
+      type(picture_t), allocatable, intent(inout) :: pictures(:)
+      type(plot_t), allocatable :: plots(:)
+
+      call make_steady_curves(study, plots)
+      if (size(plots) > 0) call add_plots(set%title, plots, k, mark, pictures)
+   end subroutine draw_steady
+
+   subroutine add_plots(title, plots, k, mark, pictures)
+      character(*), intent(in) :: title, mark
+      type(plot_t), intent(in) :: plots(:)
+      integer, intent(in) :: k
+      type(picture_t), allocatable, intent(inout) :: pictures(:)
       type(text_t) :: text
 
-      if (steady_panels(study) == 0) return
-      call text%add('# run '//mark)
-      call write_steady_curves(set, study, name//trim(ending(k, '')), text)
-      call add_picture(scripts, ending(k, ''), text%content())
-   end subroutine draw_steady
+      call write_plots(title, plots, text)
+      call text%add('<!-- run '//mark//' -->')
+      call add_picture(pictures, ending(k, '.curves.svg'), text%content())
+   end subroutine add_plots
 
    pure subroutine add_picture(pictures, ending, content)
       type(picture_t), allocatable, intent(inout) :: pictures(:)

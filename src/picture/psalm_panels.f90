@@ -1,8 +1,9 @@
 !> Curves over the sweep of a scene beyond those of its output: outputs of a sketch, rates, bands of tolerance.
 !>
-!> Page and gnuplot script show the same panels. A panel has one scale and a few lines; where a value is not known - the linkage
+!> Page and curves show the same panels. A panel has one scale and a few lines; where a value is not known - the linkage
 !> does not close, or is at a dead point - there is a gap.
 module psalm_panels
+   use psalm_column_names, only: number_unit, output_unit, per_time, rate_unit
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t, make_problem
    use psalm_family_study, only: family_t, find_family
@@ -19,6 +20,7 @@ module psalm_panels
    implicit none (type, external)
    private
    public :: panel_t, tolerance_band_t, add_rate_panels, add_sketch_panels, add_study_panels, add_family_panels, find_band, flat
+   public :: with_unit
 
    integer, parameter :: name_room = 96      !! characters of a panel's name
    integer, parameter :: label_room = 32     !! characters of a line's name
@@ -146,7 +148,9 @@ contains
                if (order == 0 .and. k < first) cycle
                if (order > 0 .and. output%kind == output_ratio) cycle
                if (order == 0) then
-                  call begin_panel(trim(output%name), group_position, &
+                  call begin_panel(with_unit(trim(output%name), &
+                                             number_unit(set%sketch%outputs, column - columns_of(output) + 1, per_time(), 0)), &
+                                   group_position, &
                                    merge(full_turn, size_of, any(output%kind == [output_angle, output_between])), panels)
                   if (output%kind == output_ratio) panels(size(panels))%scale = 1.0_wp
                else
@@ -185,10 +189,12 @@ contains
       if (.not. found) return
       do c = 1, min(most_outputs, size(family%numbers))
          if (set%sketch%given) then
-            call begin_panel(trim(family%numbers(c))//' by length '//family%name(len('LENGTH ') + 1:), group_position, &
+            call begin_panel(with_unit(trim(family%numbers(c))//' by length '//family%name(len('LENGTH ') + 1:), &
+                                       output_unit(family%angle(c))), group_position, &
                              merge(full_turn, size_of, family%angle(c)), panels)
          else
-            call begin_panel(trim(sentence_case(trim(family%numbers(c))//' by '//family%name)), group_position, &
+            call begin_panel(with_unit(trim(sentence_case(trim(family%numbers(c))//' by '//family%name)), &
+                                       output_unit(family%angle(c))), group_position, &
                              merge(full_turn, size_of, family%angle(c)), panels)
          end if
          do k = 1, size(family%setting)
@@ -217,9 +223,22 @@ contains
       logical, intent(in) :: angular
       character(:), allocatable :: name
 
-      name = trim(merge('velocity    ', 'acceleration', order == 1))//' of '//what
-      if (angular) name = name//trim(merge(', rad/s   ', ', rad/s**2', order == 1))
+      name = with_unit(trim(merge('velocity    ', 'acceleration', order == 1))//' of '//what, rate_unit(angular, per_time(), order))
    end function head_of
+
+   !> A name of an axis with its unit.
+   pure function with_unit(name, unit) result(words)
+      character(*), intent(in) :: name
+      character(*), intent(in) :: unit       !! as tables have it; empty: none
+      character(:), allocatable :: words
+
+      words = name
+      if (unit == 'deg') then
+         words = words//', degrees'
+      else if (len(unit) > 0) then
+         words = words//', '//unit
+      end if
+   end function with_unit
 
    !> How fast the input moves.
    pure function note_of(set, sliding) result(note)

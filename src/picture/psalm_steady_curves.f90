@@ -1,96 +1,42 @@
-!> What ssics found as a gnuplot script that carries its data: responses over a turn, the link drawn bent, amplitudes over speeds
-!> with the unstable ones shaded, the chart of stability (Oldham, figure 14.2).
+!> Curves of what ssics found: responses over a turn, the link drawn bent, amplitudes over speeds with the unstable ones shaded,
+!> the chart of stability (Oldham, figure 14.2).
 module psalm_steady_curves
-   use psalm_data_set, only: data_set_t
    use psalm_drive_study, only: drive_study_t
    use psalm_hill, only: hill_t
    use psalm_kinds, only: wp, pi, full_turn
-   use psalm_markup, only: clean_text, gnuplot_text, short_number
    use psalm_periodic, only: periodic_t, periodic_from_samples
+   use psalm_plot, only: plot_t, begin_plot, add_line, add_span, look_area, look_dashed, look_dots, look_joined, &
+                         look_line, look_thin
    use psalm_steady_study, only: steady_study_t
-   use psalm_text, only: text_t, full_precision, to_text
+   use psalm_text, only: to_text
    use psalm_vibration_study, only: vibration_study_t
    implicit none (type, external)
    private
-   public :: write_steady_curves, steady_panels, shown_root, most_shown_modes
+   public :: make_steady_curves, shown_root, most_shown_modes
 
-   integer, parameter :: panel_height = 380   !! pixels
    integer, parameter :: most_shown_modes = 4 !! curves of modes in one panel
    integer, parameter :: poses = 12           !! angles of the crank at which the link is drawn bent
    integer, parameter :: stations = 48        !! along the link
-   character(*), parameter :: colour_unstable = '#d3302f'
+   integer, parameter :: red = 0              !! the colour of limits
+   real(wp), parameter :: rule(2) = [1.4_wp, 0.85_wp] !! Oldham (1977), equation 14.15: frequency/speed from which a link is safe
 
 contains
 
-   !> Number of panels that a study makes; 0: there is nothing to draw.
-   pure integer function steady_panels(study)
+   !> The curves of a study; none if there is nothing to draw.
+   subroutine make_steady_curves(study, plots)
       type(steady_study_t), intent(in) :: study
+      type(plot_t), allocatable, intent(out) :: plots(:)
 
-      steady_panels = 0
-      if (allocated(study%vibration)) then
-         associate (v => study%vibration)
-            if (has_response(v)) steady_panels = steady_panels + 2
-            steady_panels = steady_panels + count([any_known(v%speeds%known), size(v%chart) > 0])
-         end associate
-      end if
+      allocate (plots(0))
+      if (allocated(study%vibration)) call add_vibration(study%vibration, plots)
       if (allocated(study%drive)) then
-         associate (d => study%drive)
-            if (d%found) steady_panels = steady_panels + 1 + count([d%hill%unique, any_known(d%speeds%known)])
-         end associate
+         if (study%drive%found) call add_drive(study%drive, plots)
       end if
-      if (allocated(study%hill)) steady_panels = steady_panels + count([study%hill%hill%unique])
-   end function steady_panels
-
-   pure logical function any_known(known)
-      logical, intent(in) :: known(:)
-
-      any_known = any(known)
-   end function any_known
-
-   pure logical function has_response(vibration)
-      type(vibration_study_t), intent(in) :: vibration
-
-      has_response = size(vibration%modes) > 0
-      if (has_response) has_response = vibration%modes(1)%hill%unique
-   end function has_response
-
-   !> Append a script that makes `name`.png and `name`.pdf in the directory it is run in.
-   subroutine write_steady_curves(set, study, name, text)
-      type(data_set_t), intent(in) :: set
-      type(steady_study_t), intent(in) :: study
-      character(*), intent(in) :: name      !! of the case, without directory
-      type(text_t), intent(inout) :: text
-      integer :: pass, panels
-
-      panels = steady_panels(study)
-      call text%add('# '//clean_text(trim(set%title)))
-      if (allocated(study%vibration)) call write_vibration(study%vibration, text)
-      if (allocated(study%drive)) then
-         if (study%drive%found) call write_drive(study%drive, text)
-      end if
-      if (allocated(study%hill)) call write_response('$hill', study%hill%hill, 1.0_wp, 1.0_wp, 1, text)
-      call text%add('set grid; set key outside right top; set lmargin 12; set rmargin 22; set format y "%g"')
-      do pass = 1, 2
-         if (pass == 1) then
-            call text%add('set terminal pngcairo noenhanced size 1000,'//to_text(panels*panel_height + 40)//' font "sans,10"')
-            call text%add('set output '//gnuplot_text(name//'.png'))
-         else
-            call text%add('set terminal pdfcairo noenhanced size 21cm,'//short_number(8.0_wp*real(panels, wp) + 0.8_wp)// &
-                          'cm font "sans,9"')
-            call text%add('set output '//gnuplot_text(name//'.pdf'))
-         end if
-         call text%add('set multiplot layout '//to_text(panels)//',1 title '//gnuplot_text(trim(set%title)))
-         if (allocated(study%vibration)) call plot_vibration(study%vibration, text)
-         if (allocated(study%drive)) then
-            if (study%drive%found) call plot_drive(study%drive, text)
-         end if
-         if (allocated(study%hill)) then
-            if (study%hill%hill%unique) call plot_turn("y of Hill''s equation", '$hill', "title 'y'", full_turn, text)
-         end if
-         call text%add('unset multiplot')
-         call text%add('unset output')
-      end do
-   end subroutine write_steady_curves
+      if (.not. allocated(study%hill)) return
+      if (.not. study%hill%hill%unique) return
+      call begin_turn("y of Hill's equation", full_turn, plots)
+      call add_response('', 1, study%hill%hill, 1.0_wp, 1.0_wp, 1, plots(size(plots)))
+   end subroutine make_steady_curves
 
    !> Root with its sign, as the thesis's chart has it.
    elemental real(wp) function shown_root(square)
@@ -99,236 +45,154 @@ contains
       shown_root = sign(sqrt(abs(square)), square)
    end function shown_root
 
-   ! ---- data --------------------------------------------------------------------------------------------------------
-
-   subroutine write_vibration(study, text)
+   subroutine add_vibration(study, plots)
       type(vibration_study_t), intent(in) :: study
-      type(text_t), intent(inout) :: text
-      integer :: j, k, p
+      type(plot_t), allocatable, intent(inout) :: plots(:)
+      integer :: j, k
+      logical :: bent
 
-      do j = 1, min(size(study%modes), most_shown_modes)
-         call write_response('$mode'//to_text(j), study%modes(j)%hill, study%cycle%length, study%cycle%sense, 1, text)
-      end do
-      if (has_response(study)) call write_poses(study, text)
-      call text%add('$speeds << END')
-      call text%add('# speed amplitude')
-      do k = 1, size(study%speeds)
-         if (study%speeds(k)%known) then
-            call text%add(full_precision(study%speeds(k)%speed)//' '//full_precision(study%speeds(k)%amplitude))
-         else
-            call text%add(full_precision(study%speeds(k)%speed)//' NaN')
-         end if
-      end do
-      call text%add('END')
-      if (size(study%chart) == 0) return
-      call text%add('$chart << END')
-      call text%add('# e, then frequency/speed of both boundaries of each p: a block for each p')
-      do p = 0, ubound(study%chart(1)%exact%low, 1)
-         do k = 1, size(study%chart)
-            associate (b => study%chart(k)%exact)
-               call text%add(full_precision(study%chart(k)%e)//' '//full_precision(shown_root(b%low(p)))//' '// &
-                             full_precision(shown_root(b%high(p))))
-            end associate
+      bent = size(study%modes) > 0
+      if (bent) bent = study%modes(1)%hill%unique
+      if (bent) then
+         call begin_turn('deflection by mode, m', study%cycle%sense*full_turn, plots)
+         do j = 1, min(size(study%modes), most_shown_modes)
+            call add_response('mode '//to_text(j), j, study%modes(j)%hill, study%cycle%length, study%cycle%sense, 1, &
+                              plots(size(plots)))
          end do
-         call text%add()
-         call text%add()
-      end do
-      call text%add('END')
-   end subroutine write_vibration
-
-   !> Input in degrees, deflection.
-   subroutine write_response(name, hill, unit, sense, waves, text)
-      character(*), intent(in) :: name
-      type(hill_t), intent(in) :: hill
-      real(wp), intent(in) :: unit, sense !! of y; of the crank's turning
-      integer, intent(in) :: waves        !! periods in a turn
-      type(text_t), intent(inout) :: text
-      integer :: i, n
-
-      call text%add(name//' << END')
-      if (hill%unique) then
-         n = size(hill%y)
-         do i = 0, n
-            call text%add(full_precision(sense*full_turn*real(i, wp)/real(waves*n, wp))//' '// &
-                          full_precision(unit/real(waves, wp)*hill%y(modulo(i, n) + 1)))
-         end do
+         call add_poses(study, plots)
       end if
-      call text%add('END')
-   end subroutine write_response
+      if (any(study%speeds%known)) then
+         call begin_speeds('greatest deflection of mode 1, m', study%speeds%speed, plots)
+         do k = 1, size(study%bands)
+            call add_span(plots(size(plots)), study%bands(k)%from, study%bands(k)%to)
+         end do
+         call add_line(plots(size(plots)), '', look_joined, 1, study%speeds%speed, study%speeds%amplitude, study%speeds%known)
+      end if
+      if (size(study%chart) > 0) call add_chart(study, plots)
+   end subroutine add_vibration
 
-   !> The link in its own axes at equal steps of the crank: place along it, deflection.
-   subroutine write_poses(study, text)
+   !> The link in its own axes at equal steps of the crank.
+   subroutine add_poses(study, plots)
       type(vibration_study_t), intent(in) :: study
-      type(text_t), intent(inout) :: text
+      type(plot_t), allocatable, intent(inout) :: plots(:)
+      type(plot_t) :: axis
       type(periodic_t) :: q(size(study%modes))
-      real(wp) :: x, v
+      real(wp), dimension(0:stations) :: x, v
       integer :: i, j, k
 
       do j = 1, size(q)
          if (study%modes(j)%hill%unique) q(j) = periodic_from_samples(study%cycle%length*study%modes(j)%hill%y)
       end do
-      call text%add('$poses << END')
+      x = [(real(k, wp)/real(stations, wp), k=0, stations)]
+      axis%to = study%cycle%length
+      axis%below = 'along the link, m'
+      call begin_plot('the bent link: deflection, m', axis, plots)
       do i = 0, poses - 1
-         do k = 0, stations
-            x = real(k, wp)/real(stations, wp)
-            v = 0.0_wp
-            do j = 1, size(q)
-               if (study%modes(j)%hill%unique) v = v + q(j)%at(2.0_wp*pi*real(i, wp)/real(poses, wp))*sin(real(j, wp)*pi*x)
-            end do
-            call text%add(full_precision(x*study%cycle%length)//' '//full_precision(v))
+         v = 0.0_wp
+         do j = 1, size(q)
+            if (study%modes(j)%hill%unique) v = v + q(j)%at(2.0_wp*pi*real(i, wp)/real(poses, wp))*sin(real(j, wp)*pi*x)
          end do
-         call text%add()
-         call text%add()
+         call add_line(plots(size(plots)), to_text(nint(study%cycle%sense*full_turn*real(i, wp)/real(poses, wp)))//' degrees', &
+                       look_line, i + 1, x*study%cycle%length, v)
       end do
-      call text%add('END')
-   end subroutine write_poses
+   end subroutine add_poses
 
-   subroutine write_drive(study, text)
-      type(drive_study_t), intent(in) :: study
-      type(text_t), intent(inout) :: text
-      integer :: i, n
-
-      n = size(study%inertia)
-      call text%add('$inertia << END')
-      do i = 0, n
-         call text%add(full_precision(study%turn%sense*full_turn*real(i, wp)/real(n*study%waves, wp))//' '// &
-                       full_precision(study%inertia(modulo(i, n) + 1)))
-      end do
-      call text%add('END')
-      call write_response('$swing', study%hill, 1.0_wp, study%turn%sense, study%waves, text)
-      call text%add('$swings << END')
-      do i = 1, size(study%speeds)
-         if (study%speeds(i)%known) then
-            call text%add(full_precision(study%speeds(i)%speed)//' '//full_precision(study%speeds(i)%amplitude))
-         else
-            call text%add(full_precision(study%speeds(i)%speed)//' NaN')
-         end if
-      end do
-      call text%add('END')
-   end subroutine write_drive
-
-   ! ---- panels ------------------------------------------------------------------------------------------------------
-
-   subroutine plot_vibration(study, text)
+   !> Areas between the boundaries of each p; the case itself as a point; the rule of thumb.
+   subroutine add_chart(study, plots)
       type(vibration_study_t), intent(in) :: study
-      type(text_t), intent(inout) :: text
-      character(:), allocatable :: line
-      integer :: j, k
+      type(plot_t), allocatable, intent(inout) :: plots(:)
+      type(plot_t) :: axis
+      real(wp), dimension(size(study%chart)) :: low, high
+      integer :: p, k, last
 
-      if (has_response(study)) then
-         line = "title 'mode 1'"
-         do j = 2, min(size(study%modes), most_shown_modes)
-            if (study%modes(j)%hill%unique) line = line//", $mode"//to_text(j)//" using 1:2 with lines lw 1.5 title 'mode "// &
-                                                   to_text(j)//"'"
-         end do
-         call plot_turn('deflection by mode, m', '$mode1', line, study%cycle%sense*full_turn, text)
-         call text%add('set xlabel "along the link, m"; set xrange [0:'//full_precision(study%cycle%length)// &
-                       ']; set xtics auto; '// &
-                       'set ylabel "the bent link: deflection, m"')
-         line = 'plot '
-         do k = 0, poses - 1
-            if (k > 0) line = line//', '
-            line = line//'$poses index '//to_text(k)//' using 1:2 with lines lw 1.5 lc palette frac '// &
-                   short_number(real(k, wp)/real(poses, wp))//" title '"// &
-                   to_text(nint(study%cycle%sense*full_turn*real(k, wp)/real(poses, wp)))//" degrees'"
-         end do
-         call text%add('set palette model HSV defined (0 0 1 0.85, 1 1 1 0.85); unset colorbox')
-         call text%add(line)
-      end if
-      if (any(study%speeds%known)) then
-         do k = 1, size(study%bands)
-            call shade(study%bands(k)%from, study%bands(k)%to, text)
-         end do
-         call plot_speeds('greatest deflection of mode 1, m', '$speeds', study%speeds%speed, text)
-      end if
-      if (size(study%chart) > 0) call plot_chart(study, text)
-   end subroutine plot_vibration
-
-   !> Bands between the boundaries of each p; the case itself as a point; the rule of thumb.
-   subroutine plot_chart(study, text)
-      type(vibration_study_t), intent(in) :: study
-      type(text_t), intent(inout) :: text
-      character(:), allocatable :: line
-      integer :: p
-
-      call text%add('$here << END')
-      call text%add(full_precision(study%given_e)//' '//full_precision(study%ratio))
-      call text%add('END')
-      call text%add('set xlabel "e: inertia of the other links"; set xtics auto; set xrange [0:'// &
-                    full_precision(study%greatest_e)//']; set ylabel "first frequency/speed"; set yrange [0:'// &
-                    full_precision(top_of_chart(study))//']')
-      ! below the boundary of p = 0 all is unstable
-      line = "plot $chart index 0 using 1:3:(-1) with filledcurves fs solid 0.35 lc rgb '"//colour_unstable// &
-             "' title 'unstable', "
-      do p = 1, ubound(study%chart(1)%exact%low, 1)
-         line = line//'$chart index '//to_text(p)//" using 1:2:3 with filledcurves fs solid 0.35 lc rgb '"//colour_unstable// &
-                "' notitle, $chart index "//to_text(p)//" using 1:3 with lines lw 0.6 lc rgb '"//colour_unstable//"' notitle, "
-      end do
-      call text%add(line//"1.4+0.85*x with lines dt 2 lc rgb '#566370' title 'rule (14.15)', "// &
-                    "$here with points pt 7 ps 1 lc rgb '#0b57d0' title 'this case'")
-      call text%add('set yrange [*:*]')
-   end subroutine plot_chart
-
-   !> The chart ends where its last boundaries are known for all e.
-   pure real(wp) function top_of_chart(study)
-      type(vibration_study_t), intent(in) :: study
-      integer :: k, last
-
+      axis%to = study%greatest_e
+      axis%below = 'e: inertia of the other links'
+      call begin_plot('first frequency/speed', axis, plots)
       last = ubound(study%chart(1)%exact%high, 1)
-      top_of_chart = max(1.0_wp, study%ratio)
-      do k = 1, size(study%chart)
-         top_of_chart = max(top_of_chart, shown_root(study%chart(k)%exact%high(last)))
-      end do
-   end function top_of_chart
+      associate (plot => plots(size(plots)), chart => study%chart, ends => [0.0_wp, study%greatest_e])
+         ! it ends where its last boundaries are known for all e; below the boundary of p = 0 all is unstable
+         plot%high = max(1.0_wp, study%ratio)
+         do k = 1, size(chart)
+            plot%high = max(plot%high, shown_root(chart(k)%exact%high(last)))
+         end do
+         do p = 0, last
+            low = [(shown_root(chart(k)%exact%low(p)), k=1, size(chart))]
+            high = [(shown_root(chart(k)%exact%high(p)), k=1, size(chart))]
+            if (p == 0) low = min(0.0_wp, high)
+            call add_line(plot, trim(merge('unstable', '        ', p == 0)), look_area, red, chart%e, low, other=high)
+            if (p > 0) call add_line(plot, '', look_thin, red, chart%e, high)
+         end do
+         call add_line(plot, 'rule (14.15)', look_dashed, 3, ends, rule(1) + rule(2)*ends)
+         call add_line(plot, 'this case', look_dots, 1, [study%given_e], [study%ratio])
+      end associate
+   end subroutine add_chart
 
-   subroutine plot_drive(study, text)
+   subroutine add_drive(study, plots)
       type(drive_study_t), intent(in) :: study
-      type(text_t), intent(inout) :: text
+      type(plot_t), allocatable, intent(inout) :: plots(:)
       real(wp) :: turn, half
-      integer :: k
+      integer :: i, k, n
 
       turn = study%turn%sense*full_turn/real(study%waves, wp)
-      call plot_turn('inertia at the crank, kg m2', '$inertia', "title 'inertia'", turn, text)
-      if (study%hill%unique) call plot_turn('swing of the crank, rad', '$swing', "title 'swing'", turn, text)
+      n = size(study%inertia)
+      call begin_turn('inertia at the crank, kg m2', turn, plots)
+      call add_line(plots(size(plots)), '', look_line, 1, [(turn*real(i, wp)/real(n, wp), i=0, n)], &
+                    [study%inertia, study%inertia(1)])
+      if (study%hill%unique) then
+         call begin_turn('swing of the crank, rad', turn, plots)
+         call add_response('', 1, study%hill, 1.0_wp, study%turn%sense, study%waves, plots(size(plots)))
+      end if
       if (.not. any(study%speeds%known)) return
+      call begin_speeds('greatest swing of the crank, rad', study%speeds%speed, plots)
       half = 0.0_wp
       if (size(study%speeds) > 1) half = 0.5_wp*(study%speeds(2)%speed - study%speeds(1)%speed)
       do k = 1, size(study%speeds)
-         if (study%speeds(k)%grows) call shade(study%speeds(k)%speed - half, study%speeds(k)%speed + half, text)
+         if (study%speeds(k)%grows) call add_span(plots(size(plots)), study%speeds(k)%speed - half, study%speeds(k)%speed + half)
       end do
-      call plot_speeds('greatest swing of the crank, rad', '$swings', study%speeds%speed, text)
-   end subroutine plot_drive
+      call add_line(plots(size(plots)), '', look_joined, 1, study%speeds%speed, study%speeds%amplitude, study%speeds%known)
+   end subroutine add_drive
 
-   !> A panel over a turn of the crank, or the period that a turn is made of.
-   subroutine plot_turn(label, table, tail, turn, text)
-      character(*), intent(in) :: label, table
-      character(*), intent(in) :: tail      !! title of the first curve, and further curves
+   !> A periodic response over a turn of the crank.
+   subroutine add_response(label, colour, hill, unit, sense, waves, plot)
+      character(*), intent(in) :: label
+      integer, intent(in) :: colour
+      type(hill_t), intent(in) :: hill
+      real(wp), intent(in) :: unit, sense !! of y; of the crank's turning
+      integer, intent(in) :: waves        !! periods in a turn
+      type(plot_t), intent(inout) :: plot
+      integer :: i, n
+
+      if (.not. hill%unique) return
+      n = size(hill%y)
+      call add_line(plot, label, look_line, colour, [(sense*full_turn*real(i, wp)/real(waves*n, wp), i=0, n)], &
+                    unit/real(waves, wp)*[hill%y, hill%y(1)])
+   end subroutine add_response
+
+   !> Begin a plot over a turn of the crank, or the period that a turn is made of.
+   subroutine begin_turn(name, turn, plots)
+      character(*), intent(in) :: name
       real(wp), intent(in) :: turn          !! degrees, negative backwards
-      type(text_t), intent(inout) :: text
+      type(plot_t), allocatable, intent(inout) :: plots(:)
+      type(plot_t) :: axis
 
-      call text%add('set xlabel "input from the reference position, degrees"; set xtics 30; set xrange ['// &
-                    short_number(min(0.0_wp, turn))//':'//short_number(max(0.0_wp, turn))//"]; set ylabel '"//label//"'")
-      call text%add('plot '//table//' using 1:2 with lines lw 1.5 '//tail)
-   end subroutine plot_turn
+      axis%from = min(0.0_wp, turn)
+      axis%to = max(0.0_wp, turn)
+      axis%turning = .true.
+      axis%below = 'input from the reference position, degrees'
+      call begin_plot(name, axis, plots)
+   end subroutine begin_turn
 
-   !> A panel over speeds; the bands put down before are taken up again.
-   subroutine plot_speeds(label, table, speeds, text)
-      character(*), intent(in) :: label, table
+   !> Begin a plot over speeds.
+   subroutine begin_speeds(name, speeds, plots)
+      character(*), intent(in) :: name
       real(wp), intent(in) :: speeds(:)
-      type(text_t), intent(inout) :: text
+      type(plot_t), allocatable, intent(inout) :: plots(:)
+      type(plot_t) :: axis
 
-      call text%add('set xlabel "speed, rad/s (shaded: unstable, the curve is not the response)"; set xtics auto; set xrange ['// &
-                    full_precision(minval(speeds))//':'//full_precision(maxval(speeds))//']; set logscale y; set ylabel "'// &
-                    label//'"')
-      call text%add('plot '//table//" using 1:2 with linespoints pt 7 ps 0.4 lw 1.5 title 'periodic'")
-      call text%add('unset object; unset logscale y')
-   end subroutine plot_speeds
-
-   subroutine shade(from, to, text)
-      real(wp), intent(in) :: from, to
-      type(text_t), intent(inout) :: text
-
-      call text%add('set object rectangle from first '//full_precision(from)//', graph 0 to first '//full_precision(to)// &
-                    ', graph 1 fc rgb "'//colour_unstable//'" fs transparent solid 0.25 noborder behind')
-   end subroutine shade
+      axis%from = minval(speeds)
+      axis%to = max(maxval(speeds), axis%from + tiny(axis%from))
+      axis%logarithmic = .true.
+      axis%below = 'speed, rad/s (shaded: unstable, the curve is not the response)'
+      call begin_plot(name, axis, plots)
+   end subroutine begin_speeds
 end module psalm_steady_curves

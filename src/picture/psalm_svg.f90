@@ -15,6 +15,7 @@ module psalm_svg
    use psalm_proof_scene, only: near_t
    use psalm_scene, only: scene_t, motion_number
    use psalm_svg_frame, only: begin_svg, px => pixels
+   use psalm_svg_panel, only: colours => palette_size, light => palette_light, dark => palette_dark
    use psalm_text, only: text_t, full_precision, to_text
    use psalm_trace, only: position_row_t
    use psalm_view, only: drawing_unit, change_unit, take_in_others
@@ -34,7 +35,6 @@ module psalm_svg
    real(wp), parameter :: region_strip = 12.0_wp !! of a half-plane, pixels
    integer, parameter :: many = 60            !! joints above which symbols are smaller
    real(wp), parameter :: crowded = 0.55_wp   !! size of symbols then
-   integer, parameter :: colours = 8          !! of links, used in turn
 
 contains
 
@@ -103,10 +103,6 @@ contains
       logical, intent(in) :: forces            !! there are forces to draw
       logical, intent(in) :: proof             !! something is proven, or links have a width
       type(text_t), intent(inout) :: text
-      character(*), parameter :: light(*) = [character(7) :: &
-         '#1f6fb5', '#b5541c', '#2e8540', '#7b3fa0', '#a8740a', '#b0305f', '#16808a', '#5a6b1c']
-      character(*), parameter :: dark(*) = [character(7) :: &
-         '#6db6f2', '#f0a070', '#7ccf8a', '#c79be6', '#e3bb5a', '#f08bb0', '#63cbd4', '#b9cc6a']
       character(*), parameter :: fine = '.rail,.ghost,.broken{fill:none}.bar,.trace,.every,.path,.rail,.ghost'// &
          '{fill:none;stroke-linecap:round;stroke-linejoin:round}'
       integer :: i

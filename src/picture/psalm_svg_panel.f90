@@ -3,15 +3,24 @@ module psalm_svg_panel
    use psalm_kinds, only: wp
    use psalm_markup, only: xml_text, short_number
    use psalm_svg_frame, only: begin_svg
-   use psalm_text, only: text_t
+   use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
    public :: plot_panel_t, begin_picture, draw_axes, draw_curve, draw_level, px, round_step
+   public :: palette_light, palette_dark, palette_size, palette_style
 
    integer, parameter :: digits_for_people = 5
    integer, parameter :: rows = 6                   !! lines across a panel at most, but for one
+   real(wp), parameter :: rounding = 1.0e-6_wp      !! of a tick: so much outside it is still shown
    real(wp), parameter :: tick_height = 14.0_wp     !! pixels from the panel to its numbers below
    real(wp), parameter :: least_span = tiny(1.0_wp)*1.0e10_wp
+
+   !> Colours of links and lines, used in turn.
+   integer, parameter :: palette_size = 8
+   character(7), parameter :: palette_light(palette_size) = &
+                              ['#1f6fb5', '#b5541c', '#2e8540', '#7b3fa0', '#a8740a', '#b0305f', '#16808a', '#5a6b1c']
+   character(7), parameter :: palette_dark(palette_size) = &
+                              ['#6db6f2', '#f0a070', '#7ccf8a', '#c79be6', '#e3bb5a', '#f08bb0', '#63cbd4', '#b9cc6a']
 
    ! classes of every picture with panels: head, small, middle, right; paper, frame, zero, curve, limit
    character(*), parameter :: light = &
@@ -49,30 +58,61 @@ contains
       call text%add('<text class="head" x="28" y="34">'//xml_text(trim(title))//'</text>')
    end subroutine begin_picture
 
+   !> Style of lines (c) and areas (f) in the colours of the palette, of limits c0 and f0.
+   pure function palette_style(dark_screen) result(style)
+      logical, intent(in) :: dark_screen
+      character(:), allocatable :: style
+      integer :: i
+
+      style = of(0, merge('#ff6b60', '#c62828', dark_screen))
+      do i = 1, palette_size
+         style = style//of(i, merge(palette_dark(i), palette_light(i), dark_screen))
+      end do
+
+   contains
+
+      pure function of(number, colour) result(rules)
+         integer, intent(in) :: number
+         character(7), intent(in) :: colour
+         character(:), allocatable :: rules
+
+         rules = '.c'//to_text(number)//'{stroke:'//colour//'}.f'//to_text(number)//'{fill:'//colour//'}'
+      end function of
+   end function palette_style
+
    !> Name and unit above the panel, lines and numbers at round values; below, numbers at every tick of the input.
-   subroutine draw_axes(panel, name, tick, text, below)
+   subroutine draw_axes(panel, name, tick, text, below, name_at, logarithmic)
       type(plot_panel_t), intent(in) :: panel
       character(*), intent(in) :: name                 !! of the curve, with its unit
       real(wp), intent(in) :: tick                     !! between marks of the input; of its sign
       type(text_t), intent(inout) :: text
       character(*), intent(in), optional :: below      !! name of the input, with its unit
-      real(wp) :: step, value, y
+      real(wp), intent(in), optional :: name_at        !! base line of the name; just above the panel if absent
+      logical, intent(in), optional :: logarithmic     !! the sides are powers of ten
+      real(wp) :: step, value, y, name_line
+      logical :: powers
       integer :: k
 
       associate (right => panel%left + panel%width, bottom => panel%top + panel%height)
-         call text%add('<text x="'//px(panel%left)//'" y="'//px(panel%top - 8.0_wp)//'">'//xml_text(name)//'</text>')
+         name_line = panel%top - 8.0_wp
+         if (present(name_at)) name_line = name_at
+         powers = .false.
+         if (present(logarithmic)) powers = logarithmic
+         call text%add('<text x="'//px(panel%left)//'" y="'//px(name_line)//'">'//xml_text(name)//'</text>')
          call text%add('<path class="frame" d="M'//px(panel%left)//' '//px(panel%top)//'H'//px(right)//'V'//px(bottom)//'H'// &
                        px(panel%left)//'Z"/>')
          step = round_step((panel%high - panel%low)/real(rows, wp))
+         if (powers) step = max(1.0_wp, step)
          do k = ceiling(panel%low/step), floor(panel%high/step)
             value = step*real(k, wp)
             y = panel%y_of(value)
-            call text%add('<path class="'//trim(merge('zero ', 'frame', k == 0))//'" d="M'//px(panel%left)//' '//px(y)//'H'// &
-                          px(right)//'"/><text class="small right" x="'//px(panel%left - 6.0_wp)//'" y="'//px(y + 4.0_wp)//'">'// &
-                          px(value)//'</text>')
+            call text%add('<path class="'//trim(merge('zero ', 'frame', k == 0 .and. .not. powers))//'" d="M'// &
+                          px(panel%left)//' '//px(y)//'H'//px(right)//'"/><text class="small right" x="'// &
+                          px(panel%left - 6.0_wp)//'" y="'//px(y + 4.0_wp)//'">'// &
+                          px(merge(10.0_wp**value, value, powers))//'</text>')
          end do
-         do k = 0, nint((panel%to - panel%from)/tick)
-            value = panel%from + tick*real(k, wp)
+         do k = ceiling(panel%from/tick - rounding), floor(panel%to/tick + rounding)
+            value = tick*real(k, wp)
             call text%add('<path class="frame" d="M'//px(panel%x_of(value))//' '//px(panel%top)//'v'// &
                           px(panel%height + 4.0_wp)//'"/><text class="small middle" x="'//px(panel%x_of(value))//'" y="'// &
                           px(bottom + 4.0_wp + tick_height)//'">'//px(value)//'</text>')

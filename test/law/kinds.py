@@ -1089,7 +1089,7 @@ def curves(_):
     return ""
 
 
-curves.figures = lambda k, run: {n: [float(len(run.file(n)) > 500)] for n in (".gp",)}
+curves.figures = lambda k, run: {n: [float(len(run.file(n)) > 500)] for n in (".curves.svg",)}
 
 
 # ---- why a study does not apply -------------------------------------------------------------------------------------------------

@@ -4,6 +4,7 @@
 usage: ssics.py BIN   (directory with the programs). The last line is N passed, N failed.
 """
 import cmath
+import math
 import os
 import random
 import subprocess
@@ -13,6 +14,9 @@ import tempfile
 import numpy
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
+import curve_plots
 
 TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 BIN = os.path.abspath(sys.argv[1])
@@ -284,18 +288,20 @@ def blocks_and_curves(place):
     """Device 9 has the blocks and columns of the manual; the curves are made."""
     run(data("rig_coupler.nml"), place)
     code, _, error, _ = run(data("rig_coupler.nml"), place, "--curves")
-    for ending in (".gp", ".png", ".pdf"):
-        name = os.path.join(place, "case.ssics" + ending)
-        check(os.path.exists(name) and os.path.getsize(name) > 2000, "curves of the rig, " + ending, error)
-    script = open(os.path.join(place, "case.ssics.gp"), encoding="utf-8").read()
-    check(script.count("\nplot ") == 8 and "rectangle from first 52" not in script, "four panels twice", script.count("\nplot "))
-    check(script.count("set object rectangle") >= 2, "unstable speeds are shaded")
+    name = os.path.join(place, "case.ssics.curves.svg")
+    check(code == 0 and os.path.exists(name), "curves of the rig", error)
+    plots = curve_plots.plots_of(name)
+    check([plot.name for plot in plots] == ["deflection by mode, m", "the bent link: deflection, m", "greatest deflection of mode 1, m",
+                                            "first frequency/speed"], "four panels", [plot.name for plot in plots])
+    drawn = plots[2].spans
     code, listing, error, blocks = run(data("rig_coupler.nml"), place)
     bands = [[float(word.replace("D", "E")) for word in line.split()] for line in listing.split(" MODE 1 GROWS AT SPEEDS")[1].split("\n")[1:3]]
     # undamped p = 5 lies at 424.82 to 446.71 rev/min, p = 4 at 470.73 to 546.48: damping makes them a little narrower
     inside = all(low < b[2] < b[3] < high and b[3] - b[2] > 0.9*(high - low) for b, (low, high) in
                  zip(bands, ((424.7, 446.6), (470.6, 546.3))))
     check(inside, "the bands of p = 5 and 4 of the damped rig", bands)
+    told = [(b[2]*math.pi/30, b[3]*math.pi/30) for b in bands]
+    check(all(any(abs(a - c) + abs(b - d) < 0.5 for c, d in drawn) for a, b in told), "unstable speeds are shaded", "%s %s" % (drawn, told))
     done = subprocess.run([os.path.join(BIN, "ssics"), "case.nml"], cwd=place, capture_output=True, text=True, timeout=100)
     lines = open(os.path.join(place, "case.ssics.dev9"), encoding="utf-8").read().split("\n")
     heads = {line.split()[2]: lines[i + 1 + (lines[i + 1].startswith("# run"))] for i, line in enumerate(lines) if line.startswith("# block ")}
@@ -306,8 +312,9 @@ def blocks_and_curves(place):
     check(done.returncode == 0, "the rig again")
     for name in ("drive_haines.nml", "ssics/hill.nml"):
         code, _, error, _ = run(data(name), place, "--curves")
-        check(code == 0 and os.path.exists(os.path.join(place, "case.ssics.png")), "curves of " + name, error)
-        os.remove(os.path.join(place, "case.ssics.png"))
+        drawn = os.path.join(place, "case.ssics.curves.svg")
+        check(code == 0 and curve_plots.plots_of(drawn), "curves of " + name, error)
+        os.remove(drawn)
 
 
 def hard_cases(place):

@@ -117,7 +117,7 @@ def inputs_are_safe():
     os.symlink("../needle.nml", "deep/name.nml")
     os.link("needle.nml", "deep/name.dev8")
     refused("a device is the input behind a symbolic link", 2, "'deep/name.dev8' is in use", "psalm", "deep/name.nml")
-    for ending in ("svg", "html", "dxf", "png"):
+    for ending in ("svg", "html", "dxf", "curves.svg"):
         shutil.copy("textile.nml", f"p.{ending}")
         refused(f"a picture is the input, {ending}", 2, "would be overwritten", "balm", "--curves", f"p.{ending}")
     os.link("textile.nml", "textile.kalm.dev9")
@@ -235,7 +235,7 @@ def marks():
     fresh()
     run("balm", "-q", "--curves", "textile.nml")
     pictures = marks_of("textile")
-    check("pictures have a mark", set(pictures) == {"textile." + e for e in ("svg", "html", "dxf", "gp")}
+    check("pictures have a mark", set(pictures) == {"textile." + e for e in ("svg", "html", "dxf", "curves.svg")}
           and all(len(m) == 1 for m in pictures.values()) and len({m[0] for m in pictures.values()}) == 1, pictures)
     run("balm", "-q", "--assemblies", "textile.nml")
     check("options that change the result change the mark", marks_of("textile")["textile.svg"] != pictures["textile.svg"])
@@ -259,7 +259,7 @@ def whole_sets():
     # larger than the smaller devices, smaller than the largest file
     for program in ("psalm", "balm"):
         sizes = sorted(os.path.getsize(n) for n in os.listdir(".") if n.startswith("textile.") and
-                       (".dev" in n) == (program == "psalm") and not n.endswith((".nml", ".png", ".pdf")))
+                       (".dev" in n) == (program == "psalm") and not n.endswith(".nml"))
         limit = (sizes[0] + sizes[-1])//2
         before = files()
         result = run(program, "--quiet", "textile.nml", limits=[(resource.RLIMIT_FSIZE, limit)])
