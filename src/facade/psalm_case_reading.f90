@@ -5,7 +5,6 @@ submodule(psalm_case) psalm_case_reading
    use psalm_group_table, only: everything
    use psalm_preparation, only: prepare_loops
    use psalm_source, only: joined, line_t, read_lines
-   use psalm_text, only: text_t
    implicit none (type, external)
 
 contains
