@@ -23,9 +23,9 @@ module psalm_curves
    character(1), parameter :: components(2) = ['x', 'y']
 
    !> The rows of a scene as curves show them.
-   type :: rows_t
+   type :: shown_rows_t
       real(wp), allocatable :: x(:), y(:, :)   !! input on the axis; shape (positions, components): angles go on beyond a turn
-   end type rows_t
+   end type shown_rows_t
 
 contains
 
@@ -35,7 +35,7 @@ contains
       type(line_t), intent(in) :: progress(:)  !! device 1, empty if there is none
       type(plot_t), allocatable, intent(out) :: plots(:)
       type(plot_t) :: like
-      type(rows_t) :: own, sweep
+      type(shown_rows_t) :: own, sweep
 
       allocate (plots(0))
       like%below = input_name(scene)
@@ -122,7 +122,7 @@ contains
    !> Both rows; an angle goes on from the one before it.
    subroutine take_rows(scene, own, sweep)
       type(scene_t), intent(in) :: scene
-      type(rows_t), intent(out) :: own, sweep
+      type(shown_rows_t), intent(out) :: own, sweep
       real(wp) :: before
       integer :: i
 
@@ -148,7 +148,7 @@ contains
    !> The output of the loops: bands of tolerance, sweep, prescribed positions, what is desired there.
    subroutine add_output(scene, own, sweep, like, plots)
       type(scene_t), intent(in) :: scene
-      type(rows_t), intent(in) :: own, sweep
+      type(shown_rows_t), intent(in) :: own, sweep
       type(plot_t), intent(in) :: like
       type(plot_t), allocatable, intent(inout) :: plots(:)
       integer :: c

@@ -7,7 +7,7 @@ module psalm_plot_svg
                          look_rings, look_steps, look_thin
    use psalm_svg_frame, only: pixels
    use psalm_svg_panel, only: plot_panel_t, begin_picture, draw_axes, palette_style, palette_size, px, round_step
-   use psalm_text, only: text_t, full_precision, to_text
+   use psalm_text, only: text_t, full_precision, number_or_nan, to_text
    implicit none (type, external)
    private
    public :: write_plots
@@ -144,7 +144,16 @@ contains
          call draw_area()
          return
       end if
-      call text%add('<path class="'//class_of(line)//'" data-name="'//xml_text(trim(line%label))//'" d="')
+      call text%add('<path class="'//class_of(line)//'" data-name="'//xml_text(trim(line%label))//'"')
+      if (line%look == look_dots .or. line%look == look_rings) then
+         ! what is drawn by marks is there with all digits, as the marks of the linkage's own picture are
+         call text%add(' data-values="')
+         do i = 1, size(line%y)
+            call text%add(number_or_nan(line%y(i), line%known(i)))
+         end do
+         call text%add_text('"')
+      end if
+      call text%add(' d="')
       pen = .false.
       do i = 1, size(line%x)
          if (.not. line%known(i)) then

@@ -15,6 +15,7 @@ class Plot:
         self.words = " ".join("".join(e.itertext()) for e in group.iter(SVG + "text"))
         self.spans = [(self.across(float(e.get("x"))), self.across(float(e.get("x")) + float(e.get("width"))))
                       for e in group.iter(SVG + "rect") if e.get("class") == "span"]
+        self.values = {e.get("data-name"): e.get("data-values").split() for e in group.iter(SVG + "path") if e.get("data-values")}
         self.lines = [(e.get("data-name"), e.get("class").split(), self.points(e)) for e in group.iter(SVG + "path") if e.get("data-name") is not None]
 
     def across(self, x):

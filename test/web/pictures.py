@@ -815,6 +815,8 @@ def test_curves():
     turned = lambda points: [(p[0] % 360, p[1]) for p in points if p]
     check("curves: actual and desired are those of device 9", follows(plots[0], turned(plots[0].line("", "dots")), column("actual")) and
           follows(plots[0], turned(plots[0].line("desired")), column("desired")))
+    check("curves: their marks have all digits of device 9", plots[0].values[""] == [r[names.index("actual")] for r in rows] and
+          plots[0].values["desired"] == [r[names.index("desired")] for r in rows])
     case = page_data("needle.html")[0]
     angles = next(p for p in plots if p.name.startswith("transmission"))
     check("curves: transmission angles by the law of cosines", cosine_law(case, angles) and near(angles.line("limits")[0][1], 40, 1e-3))
