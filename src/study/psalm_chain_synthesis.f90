@@ -315,6 +315,6 @@ contains
          deallocate (sketch%length_of, sketch%length, sketch%variations)
          allocate (sketch%length_of(2, 0), sketch%length(0), sketch%variations(0))
       end associate
-      if (problem%of_input > 0) drawn%method%crnki = set%drawn_input() + x(problem%of_input)
+      if (problem%of_input > 0) drawn%method%crnki = x(problem%of_input)
    end subroutine draw_anew
 end module psalm_chain_synthesis
