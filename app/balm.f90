@@ -136,7 +136,7 @@ contains
          if (.not. findings%failed()) then
             call read_case_text(joined(lines), file, sets, of_case, 'balm')
             if (size(sets) > 0) then
-               if (.not. sets(1)%sketch%given .and. .not. of_case%failed()) &
+               if (.not. sets(1)%is_drawn() .and. .not. of_case%failed()) &
                   call findings%error('the drawing board takes sketches (&CHAIN), but this linkage is described by its loops '// &
                                       '(&LINKS)', line=sets(1)%title_line)
             end if

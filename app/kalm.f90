@@ -95,13 +95,13 @@ contains
             call find_machine(set, problem, forces%model, machine)
          end if
       end if
-      if (set%sketch%given) then
+      if (set%has_names()) then
          call study_sketch(set, problem, prepared%given, rates%motion%closed, set%pace(), set%change_of_pace(), sketch)
          call put_sketch(set%sketch, sketch, accelerations, devices%cases(devices%last_case()), forces)
          call report_still_drives(set, devices)
       end if
       call report_rates(set, problem, rates, devices, forces, machine)
-      if (set%sketch%given) call report_outputs(set, sketch, rates%motion%beyond, accelerations, devices)
+      if (set%has_names()) call report_outputs(set, sketch, rates%motion%beyond, accelerations, devices)
       if (proof_wanted(set, .false.) /= no_proof .and. set%is_beyond_arrays()) then
          call prove_sketch(set, devices)
       else if (proof_wanted(set, .false.) /= no_proof) then
@@ -111,7 +111,7 @@ contains
       end if
       if (arguments%quiet .or. devices%summarised == most_summarised) return
       call summarise(problem, prepared%given, rates%motion, summary)
-      if (set%sketch%given) then
+      if (set%has_names()) then
          call report_summary(set, summary, rates%motion, devices, sketch)
       else
          call report_summary(set, summary, rates%motion, devices)

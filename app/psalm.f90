@@ -256,7 +256,7 @@ contains
       wanted%summary = .not. arguments%quiet .and. devices%summarised < most_summarised
       call analyse(set, problem, dimensions, wanted, analysis)
       call report_analysis(set, problem, analysis, prepared%warnings, devices)
-      if (set%sketch%given .and. .not. set%wants_search()) then
+      if (set%has_names() .and. .not. set%wants_search()) then
          call study_sketch(set, problem, dimensions, analysis%motion%closed, 1.0_wp, 0.0_wp, sketch)
          if (set%limits%icond /= 0) call study_conditions(set, problem, dimensions, sketch)
          call put_sketch(set%sketch, sketch, 0, devices%cases(devices%last_case()))
@@ -271,7 +271,7 @@ contains
       end if
       if (arguments%links .and. set%is_beyond_arrays()) &
          call devices%remark(set, 'device 7 has the sketch: its loops are none that &LINKS can tell')
-      if (arguments%links .and. set%sketch%given .and. .not. set%is_beyond_arrays()) then
+      if (arguments%links .and. set%is_drawn() .and. .not. set%is_beyond_arrays()) then
          by_loops = variant_of(set)
          by_loops%by_loops = .true.
          if (set%constr%given .or. set%masses%given .or. set%loads%given .or. set%springs%given .or. set%gives('SWEEP')) then
@@ -369,7 +369,7 @@ contains
       type(devices_t), intent(inout) :: devices
       type(assembly_study_t), allocatable :: study
 
-      if (.not. set%sketch%given) then
+      if (.not. set%is_drawn()) then
          call devices%remark(set, '--assemblies lists those of a sketch (&CHAIN); this linkage is given by its loops')
          return
       end if

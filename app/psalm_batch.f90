@@ -206,7 +206,7 @@ contains
       logical function in_file(set)
          type(data_set_t), intent(in) :: set
 
-         in_file = outputs%csv == csv_always .or. (outputs%csv == csv_of_sketches .and. (set%sketch%given .or. set%of_kinds))
+         in_file = outputs%csv == csv_always .or. (outputs%csv == csv_of_sketches .and. (set%has_names() .or. set%of_kinds))
       end function in_file
    end subroutine run_file
 

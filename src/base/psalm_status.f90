@@ -49,7 +49,6 @@ module psalm_status
       procedure :: remark => add_remark
       procedure :: add => add_finding
       procedure :: append => add_list
-      procedure :: drop
       procedure :: told_enough
       procedure :: failed
       procedure :: exit_code
@@ -114,22 +113,6 @@ contains
          call self%add(other%list(i))
       end do
    end subroutine add_list
-
-   !> Forget the findings of a level about a group.
-   pure subroutine drop(self, level, group)
-      class(diagnostics_t), intent(inout) :: self
-      integer, intent(in) :: level
-      character(*), intent(in) :: group
-      integer :: i, kept
-
-      kept = 0
-      do i = 1, self%count
-         if (self%list(i)%level == level .and. self%list(i)%group == group) cycle
-         kept = kept + 1
-         if (kept < i) self%list(kept) = self%list(i)
-      end do
-      self%count = kept
-   end subroutine drop
 
    !> True if further findings of this kind are only counted, so that their words and places need not be looked for.
    pure logical function told_enough(self, level, group, item)

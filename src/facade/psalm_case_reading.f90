@@ -111,7 +111,7 @@ contains
       anew = .not. allocated(case%set)
       ! of a sketch with variables the loops are others for a search; muscle writes groups anew that others keep
       if (.not. (anew .or. case%altered .or. program == everything .or. program == 'psalm')) then
-         anew = program == 'muscle' .or. (case%set%sketch%given .and. case%set%wants_search())
+         anew = program == 'muscle' .or. (case%set%is_drawn() .and. case%set%wants_search())
       end if
       if (.not. anew) then
          allocate (set, source=case%set)

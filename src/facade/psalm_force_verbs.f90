@@ -113,18 +113,18 @@ contains
 
       short = .false.
       if (present(brief)) short = brief
-      if (frame%set%sketch%given) then
+      if (frame%set%has_names()) then
          call study_sketch(frame%set, frame%problem, frame%problem%given, rates%motion%closed, frame%set%pace(), &
                            frame%set%change_of_pace(), sketch)
          call put_sketch(frame%set%sketch, sketch, accelerations, frame%devices%cases(1), forces)
          call report_still_drives(frame%set, frame%devices)
       end if
       if (short) then
-         if (.not. frame%set%sketch%given) call put_rates(frame%set%title, frame%set%rates%speed, frame%set%rates%accel, &
+         if (.not. frame%set%has_names()) call put_rates(frame%set%title, frame%set%rates%speed, frame%set%rates%accel, &
                                                           frame%problem, rates, .true., frame%devices%cases(1), forces)
       else
          call report_rates(frame%set, frame%problem, rates, frame%devices, forces, machine)
-         if (frame%set%sketch%given) call report_outputs(frame%set, sketch, rates%motion%beyond, accelerations, frame%devices)
+         if (frame%set%has_names()) call report_outputs(frame%set, sketch, rates%motion%beyond, accelerations, frame%devices)
       end if
       if (rates%is_violating()) call frame%devices%note_violation()
       if (present(forces)) then

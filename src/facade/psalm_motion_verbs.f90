@@ -75,7 +75,7 @@ contains
          end do
       end if
       if (.not. present(report)) return
-      if (frame%set%sketch%given) then
+      if (frame%set%has_names()) then
          call study_sketch(frame%set, frame%problem, frame%prepared%given, analysis%motion%closed, 1.0_wp, 0.0_wp, sketch)
          call put_sketch(frame%set%sketch, sketch, 0, frame%devices%cases(1))
       else
@@ -83,7 +83,7 @@ contains
       end if
       if (.not. short) then
          call report_analysis(frame%set, frame%problem, analysis, frame%prepared%warnings, frame%devices)
-         if (frame%set%sketch%given) call report_outputs(frame%set, sketch, analysis%motion%beyond, 0, frame%devices)
+         if (frame%set%has_names()) call report_outputs(frame%set, sketch, analysis%motion%beyond, 0, frame%devices)
          call mark_beyond(frame%devices%published, frame%devices%six)
       end if
       if (analysis%is_violating()) call frame%devices%note_violation()
@@ -111,7 +111,7 @@ contains
       call study_analysis(frame%set, frame%problem, frame%problem%given, wanted_t(), analysis)
       call study_summary(frame%problem, frame%problem%given, analysis%motion, summary)
       if (.not. present(report)) return
-      if (frame%set%sketch%given) then
+      if (frame%set%has_names()) then
          call study_sketch(frame%set, frame%problem, frame%prepared%given, analysis%motion%closed, 1.0_wp, 0.0_wp, sketch)
          call report_summary(frame%set, summary, analysis%motion, frame%devices, sketch)
       else
@@ -217,7 +217,7 @@ contains
       type(frame_t) :: frame
 
       call frame%begin(case, findings, report)
-      if (frame%ready .and. .not. frame%set%sketch%given) then
+      if (frame%ready .and. .not. frame%set%is_drawn()) then
          call findings%error('assemblies are those of a sketch (&CHAIN); this linkage is given by its loops')
          frame%ready = .false.
       end if

@@ -135,7 +135,7 @@ contains
       allocate (files(0))
       call frame%read(case, findings, report, reader='balm')
       if (.not. frame%ready) return
-      if (.not. frame%set%sketch%given) call frame%noted%error( &
+      if (.not. frame%set%is_drawn()) call frame%noted%error( &
          'the drawing board takes sketches (&CHAIN), but this linkage is described by its loops (&LINKS)', &
          line=frame%set%title_line)
       if (frame%fails(findings)) return

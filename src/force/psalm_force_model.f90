@@ -153,11 +153,11 @@ contains
       allocate (model%loads(size(set%loads%places)), model%springs(springs), model%friction(size(set%friction%joints)), &
                 model%centres(masses))
       do k = 1, size(model%centres)
-         call place('MASSES', item_of(set, 'M'), k, set%masses%places(k), model%centres(k), placed)
+         call place('MASSES', set%link_item('M'), k, set%masses%places(k), model%centres(k), placed)
          if (.not. placed) cycle
          if (model%centres(k)%body == body_frame) then
-            call set%origins%warning(findings, 'MASSES', item_of(set, 'M'), 'entry '//to_text(k)//' is a mass on the frame: it '// &
-                                     'has no effect', k)
+            call set%origins%warning(findings, 'MASSES', set%link_item('M'), 'entry '//to_text(k)//' is a mass on the '// &
+                                     'frame: it has no effect', k)
             cycle
          end if
          call add_mass(model, model%centres(k), set%masses%mass(k), set%masses%inertia(k))
@@ -165,7 +165,7 @@ contains
       call check_masses(set, mechanism, model, findings)
       do k = 1, size(model%loads)
          associate (load => model%loads(k))
-            call place('LOADS', item_of(set, 'L'), k, set%loads%places(k), load%spot, placed)
+            call place('LOADS', set%link_item('L'), k, set%loads%places(k), load%spot, placed)
             load%force = set%loads%force(:, k)
             load%loading_t = loading_of(set%loads, k)
             if (load%turns) load%force = turned(load%force, load%spot%along)
@@ -176,10 +176,10 @@ contains
       model%table_factor = set%loads%factor
       do k = 1, size(model%springs)
          associate (spring => model%springs(k))
-            call place('SPRING', item_of(set, 'A'), k, set%springs%first(k), spring%ends(1), placed)
-            call place('SPRING', item_of(set, 'B'), k, set%springs%second(k), spring%ends(2), placed)
+            call place('SPRING', set%link_item('A'), k, set%springs%first(k), spring%ends(1), placed)
+            call place('SPRING', set%link_item('B'), k, set%springs%second(k), spring%ends(2), placed)
             if (spring%ends(1)%body == spring%ends(2)%body .and. placed) then
-               call set%origins%warning(findings, 'SPRING', item_of(set, 'B'), 'entry '//to_text(k)//' has both its ends on '// &
+               call set%origins%warning(findings, 'SPRING', set%link_item('B'), 'entry '//to_text(k)//' has both its ends on '// &
                                         'the same link: it has no effect', k)
             end if
             spring%spring_law_t = spring_law_of(set%springs, k)
@@ -190,7 +190,7 @@ contains
          model%friction(k)%coefficient = set%friction%coefficient(k)
          model%friction(k)%radius = set%friction%radius(k)
          if (model%friction(k)%joint == 0) then
-            call set%origins%error(findings, 'FRICTN', item_of(set, 'F'), 'entry '//to_text(k)//': there is no joint at this '// &
+            call set%origins%error(findings, 'FRICTN', set%link_item('F'), 'entry '//to_text(k)//': there is no joint at this '// &
                                    'end of the arc', k)
             cycle
          end if
@@ -299,15 +299,6 @@ contains
          end associate
       end do
    end subroutine put_shoes
-
-   !> The item that names the links of a group: arcs of &LINKS, or names of a sketch.
-   pure function item_of(set, letter) result(item)
-      type(data_set_t), intent(in) :: set
-      character, intent(in) :: letter              !! of the group
-      character(5) :: item
-
-      item = letter//merge('NAME', 'LINK', set%sketch%given)
-   end function item_of
 
    !> A place of the data set on its body; `state` is one of `place_...`.
    subroutine spot_of_place(mechanism, dimensions, reference, given, spot, state)

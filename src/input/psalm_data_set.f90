@@ -79,7 +79,10 @@ module psalm_data_set
       procedure :: loops
       procedure :: motion
       procedure :: has_stand_in
-      procedure :: drawn_input
+      procedure :: is_drawn
+      procedure :: has_names
+      procedure :: link_item
+      procedure :: bound_items
       procedure :: counts_time
       procedure :: pace
       procedure :: change_of_pace
@@ -114,13 +117,38 @@ contains
       if (allocated(self%traced)) has_stand_in = allocated(self%traced%stand_in)
    end function has_stand_in
 
-   !> The input of the loops as drawn; 0 where inputs are counted from the machine's x axis.
-   pure real(wp) function drawn_input(self)
+   !> True if the linkage is given by a drawing, in which its loops are traced.
+   pure logical function is_drawn(self)
       class(data_set_t), intent(in) :: self
 
-      drawn_input = 0.0_wp
-      if (allocated(self%traced)) drawn_input = self%traced%input
-   end function drawn_input
+      is_drawn = self%sketch%given
+   end function is_drawn
+
+   !> True if joints, links and outputs have names, which items, listings, tables and messages call them by.
+   pure logical function has_names(self)
+      class(data_set_t), intent(in) :: self
+
+      has_names = self%sketch%given
+   end function has_names
+
+   !> The item by which a group calls links: by their names, else by arcs.
+   pure function link_item(self, letter) result(item)
+      class(data_set_t), intent(in) :: self
+      character, intent(in) :: letter            !! of the group
+      character(5) :: item
+
+      item = letter//merge('NAME', 'LINK', self%has_names())
+   end function link_item
+
+   !> The items that limit what a search may change, in words.
+   pure function bound_items(self, last) result(words)
+      class(data_set_t), intent(in) :: self
+      character(*), intent(in) :: last           !! what stands between the last two
+      character(:), allocatable :: words
+
+      words = 'LIMVAL, OPLOW'//last//'OPHIGH'
+      if (self%has_names()) words = 'VLOW'//last//'VHIGH'
+   end function bound_items
 
    !> True if the first drive stands still while others move: rates are then counted by time, not by its input.
    pure logical function counts_time(self)
@@ -790,16 +818,21 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       character(:), allocatable :: name, near
       integer :: i
-      logical :: meant_links, meant_method, searches
+      logical :: meant_links, meant_method, searches, drawn
 
+      drawn = .false.
       meant_links = any(case%groups(:case%count)%name == 'LINKS') .or. any(case%groups(:case%count)%name == 'CHAIN')
       do i = 1, case%count
          if (case%groups(i)%name == 'CHAIN' .and. any(case%groups(:case%count)%name == 'LINKS')) &
             call findings%error('describes the linkage, and so does &LINKS; leave one of both out', line=case%groups(i)%line, &
                                 group='CHAIN')
+         drawn = drawn .or. case%groups(i)%name == 'CHAIN'
       end do
       meant_method = any(case%groups(:case%count)%name == 'METHOD')
       do i = 1, case%count
+         ! a grid of strokes has its own positions
+         if (case%groups(i)%name == 'DRIVES' .and. drawn) &
+            meant_method = meant_method .or. any(case%groups(i)%items(:case%groups(i)%count)%name == 'NGRID')
          name = trim(case%groups(i)%name)
          if (is_users(name) .or. len_trim(program_of(name)) > 0) cycle
          near = nearest_group(name)

@@ -180,6 +180,7 @@ module psalm_mechanism
       type(output_t), allocatable :: outputs(:)
       logical :: sliding_input = .false.            !! the first actuator is prismatic
       logical :: floating_input = .false.           !! it moves no link on the frame: there is no input link
+      logical :: whole = .false.                    !! all its links are meant, whatever the output: no loop is left out
       logical :: from_drawing = .false.             !! inputs are shown from the drawing (`psalm_shown_input`)
       real(wp) :: reference = 0.0_wp                !! the reference input from there, degrees or length
       real(wp) :: first_input = 0.0_wp              !! where a turn of inputs begins as shown

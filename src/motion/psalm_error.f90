@@ -145,14 +145,12 @@ contains
       problem%trmin_given = set%limits%trmin_given
       if (set%limits%tangle_given) problem%slide_angle = set%limits%tangle
       if (set%limits%toggle_given) problem%spare = set%limits%toggle
-      ! of a sketch every link is meant, whatever the output
-      problem%every_loop = set%sketch%given
-      problem%followed = set%sketch%given .and. .not. set%wants_search()
+      problem%every_loop = mechanism%whole
+      problem%followed = mechanism%from_drawing .and. .not. set%wants_search()
       call fill_problem(mechanism, dimensions, parameters, inputs_of(set), everywhere, problem, own_inputs_of(set))
       problem%toggle = set%limits%toggle
       if (set%method%ikin /= 0) return
-      problem%blank = set%sketch%given .and. .not. set%method%desired
-      if (problem%blank) problem%blank = set%sketch%has_wishes()
+      problem%blank = set%sketch%has_wishes() .and. .not. set%method%desired
       if (.not. (set%method%desired .or. problem%blank)) return
       if (problem%blank) then
          allocate (wanted(problem%positions, problem%output%kind%components), source=0.0_wp)
@@ -174,7 +172,7 @@ contains
       type(wish_column_t), allocatable :: columns(:)
       integer :: k
 
-      if (.not. set%sketch%given .or. .not. set%sketch%has_wishes()) return
+      if (.not. set%sketch%has_wishes()) return
       columns = set%sketch%wish_columns()
       allocate (problem%wish_values(problem%positions, size(columns)), problem%wish_weights(problem%positions, size(columns)))
       do k = 1, size(columns)

@@ -188,7 +188,7 @@ contains
       call find_family(set, mechanism, dimensions, delt, family, found)
       if (.not. found) return
       do c = 1, min(most_outputs, size(family%numbers))
-         if (set%sketch%given) then
+         if (set%has_names()) then
             call begin_panel(with_unit(trim(family%numbers(c))//' by length '//family%name(len('LENGTH ') + 1:), &
                                        output_unit(family%angle(c))), group_position, &
                              merge(full_turn, size_of, family%angle(c)), panels)

@@ -70,12 +70,8 @@ contains
             call message_scene(sets(k), own, cases(k)%scene)
             cycle
          end if
-         if (sets(k)%sketch%given) then
-            by_links = .not. allocated(sets(k)%traced)
-            if (.not. by_links) by_links = .not. sets(k)%traced%are_of_one_crank()
-         else
-            by_links = .false.
-         end if
+         by_links = .false.
+         if (allocated(sets(k)%traced)) by_links = .not. sets(k)%traced%are_of_one_crank()
          if (by_links) then
             call make_chain_scene(sets(k), own, cases(k)%scene, chosen)
             cycle
@@ -90,7 +86,7 @@ contains
             associate (each => sets(k), scene => cases(k)%scene)
                call make_scene(each, prepared%mechanism, prepared%given, prepared%parameters, own, scene, chosen, kept=kept)
                if (scene%sound) call add_curves(each, prepared%mechanism, prepared%given, prepared%parameters, scene)
-               if (each%sketch%given .and. scene%sound .and. (cases(k)%dxf%flat .or. cases(k)%dxf%width > 0.0_wp)) then
+               if (each%is_drawn() .and. scene%sound .and. (cases(k)%dxf%flat .or. cases(k)%dxf%width > 0.0_wp)) then
                   allocate (cases(k)%parts)
                   call make_chain_scene(each, own, cases(k)%parts, chosen)
                end if

@@ -165,7 +165,7 @@ contains
       call make_bars(mechanism, dimensions, place, scene)
       call name_joints(set, mechanism, place, scene)
       scene%reference = minloc(abs(scene%prescribed%delt), dim=1)
-      call make_bodies(mechanism, set%sketch%given, scene)
+      call make_bodies(mechanism, set%has_names(), scene)
       call choose_view(scene, maxval(dimensions%arcl))
       call find_rails(scene)
       call find_others(scene, scene%prescribed)
@@ -226,7 +226,7 @@ contains
       allocate (band)
       call find_band(set, mechanism, dimensions, scene%sweep%delt, scene%sweep%closed, band, found)
       if (found) call move_alloc(band, scene%band)
-      if (set%sketch%given) then
+      if (set%has_names()) then
          if (size(set%sketch%outputs) > 0) scene%output_label = trim(set%sketch%outputs(1)%name)
          if (set%has_stand_in()) scene%output_label = 'joint '//set%traced%stand_in
          call add_sketch_panels(set, mechanism, dimensions, scene%sweep%delt, size_of, scene%panels)
@@ -518,7 +518,7 @@ contains
             count = count + 1
          end associate
       end do
-      if (.not. set%sketch%given) return
+      if (.not. set%has_names()) return
       ! a sketch has names of its own; feet of slides keep none
       do j = 1, size(scene%joints)
          scene%joints(j)%name = ''

@@ -24,7 +24,7 @@ contains
       call text%add()
       call text%add(' COUNTERWEIGHTS: KILOGRAMS, NEWTONS, NEWTON METRES; ONE UNIT OF LENGTH IS'//general(set%masses%metre)// &
                     ' METRES')
-      if (set%sketch%given) then
+      if (set%has_names()) then
          call text%add(' PLACES ARE COUNTED FROM THE ANCHOR, ANGLES FROM THE LINE BETWEEN THE LINK''S FIRST TWO JOINTS')
       else
          call text%add(' PLACES ARE COUNTED FROM THE ANCHOR, ANGLES FROM THE DIRECTION OF THE LINK''S OWN ARC')

@@ -54,8 +54,7 @@ contains
    pure logical function several_outputs(set)
       type(data_set_t), intent(in) :: set
 
-      several_outputs = set%sketch%given
-      if (several_outputs) several_outputs = size(set%sketch%outputs) > merge(0, 1, set%has_stand_in())
+      several_outputs = size(set%sketch%outputs) > merge(0, 1, set%has_stand_in())
    end function several_outputs
 
    !> Ranges of the outputs that the summary has not: all but the first, or all.

@@ -34,6 +34,6 @@ contains
       end do
       if (size(doubts%short) > most_named) words = words//' and '//to_text(size(doubts%short) - most_named)//' more'
       words = words//'; limit the lengths ('// &
-              trim(merge('VLOW, VHIGH          ', 'LIMVAL, OPLOW, OPHIGH', set%sketch%given))//') if this is not meant'
+              set%bound_items(', ')//') if this is not meant'
    end function describe_short_links
 end module psalm_doubts

@@ -164,8 +164,7 @@ contains
       call text%add(' INPUT PIVOT (X,Y)')
       call unit_vector(dimensions%origng, c, s)
       call text%add(fixed(dimensions%origlk*c, column, 3)//fixed(dimensions%origlk*s, column, 3))
-      longest = maxval(problem%mechanism%loops%arcs)
-      if (.not. set%sketch%given) longest = set%links%maxarc
+      longest = max(set%links%maxarc, maxval(problem%mechanism%loops%arcs))
       allocate (x(longest, problem%mechanism%nloop), y(longest, problem%mechanism%nloop), source=0.0_wp)
       do loop = 1, problem%mechanism%nloop
          do a = 1, problem%mechanism%loops(loop)%arcs

@@ -32,7 +32,7 @@ contains
                        trim(merge(', DRIVE INCLUDED    ', ', WITHOUT THE DRIVE ', set%masses%motor_on_frame .or. sliding)))
          call text%add()
          line = merge('   INPUT LENGTH', '    CRANK ANGLE', sliding)
-         if (study%of_sketch) line = '          INPUT'
+         if (study%mechanism%from_drawing) line = '          INPUT'
          line = line//merge('    DRIVE FORCE', '   DRIVE TORQUE', sliding)// &
                 '       FRAME FX       FRAME FY   FRAME MOMENT    DRIVE POWER KINETIC ENERGY'
          if (set%masses%about_given) line = line//'  MOMENT ABOUT P'
@@ -42,7 +42,7 @@ contains
          end do
          call text%add(line)
          do k = 1, size(study%input)
-            line = merge(general(study%input(k)), angle_text(study%input(k)), sliding .or. study%of_sketch)
+            line = merge(general(study%input(k)), angle_text(study%input(k)), sliding .or. study%mechanism%from_drawing)
             if (.not. study%table%known(k)) then
                call text%add(line//'   '//upper_case(trouble_at(study, k)))
                cycle
@@ -142,7 +142,7 @@ contains
       integer :: k, j
 
       call text%add()
-      if (study%of_sketch) then
+      if (study%mechanism%from_drawing) then
          call text%add(' FORCES IN THE JOINTS, NEWTONS AND NEWTON METRES: OF THE LINK PLACED FIRST ON THE OTHER, OF A SLIDE OF ITS')
          call text%add(' FIRST LINK ON ITS SECOND; FX AND FY IN MACHINE AXES, OF A SLIDE N ACROSS ITS LINE AND COUPLE M ABOUT THE')
          call text%add(' POINT SLX, SLY OF THE SECOND LINK')

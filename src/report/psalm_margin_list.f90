@@ -165,7 +165,7 @@ contains
          character(:), allocatable :: words
 
          words = to_text(number)
-         if (.not. set%sketch%given) return
+         if (.not. set%has_names()) return
          associate (joints => set%constr%segments(number)%joints)
             words = trim(set%sketch%joint_name(joints(1)))//'-'//trim(set%sketch%joint_name(joints(2)))
          end associate
@@ -175,7 +175,7 @@ contains
          character(:), allocatable :: words
 
          associate (region => clearance%shape)
-            if (set%sketch%given) then
+            if (set%has_names()) then
                words = cased('JOINT ')//trim(set%sketch%joint_name(region%joint))
             else if (region%loop == 0) then
                words = cased('OUTPUT POINT')

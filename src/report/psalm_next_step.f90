@@ -33,7 +33,7 @@ contains
       if (set%limits%limval == 1) bound = given_bound(problem, found)
       if (len(bound) > 0) then
          words = 'the best linkage is at a bound: '//bound//'; widen it with '// &
-                 trim(merge('VLOW and VHIGH  ', 'OPLOW and OPHIGH', set%sketch%given))//' and search again'
+                 trim(merge('VLOW and VHIGH  ', 'OPLOW and OPHIGH', set%has_names()))//' and search again'
       else if (is_path(set) .and. set%method%ifree == 0 .and. set%method%ndes >= fewest_timed .and. &
                found%best(1)%objective > 0.0_wp) then
          words = 'if the points need only be passed, IFREE=1 leaves their timing free and comes nearer'
@@ -52,7 +52,7 @@ contains
       character(:), allocatable :: by
 
       words = ''
-      by = trim(merge('VARY and &SEARCH     ', 'IVA, IVG and &SEARCH ', set%sketch%given))
+      by = trim(merge('VARY and &SEARCH     ', 'IVA, IVG and &SEARCH ', set%has_names()))
       if (summary%angle_loop > 0 .and. summary%angle < summary%least_asked) then
          words = by//' find dimensions that keep TRMIN'
       else if (summary%compared > 0 .and. summary%rms > 0.0_wp .and. summary%everywhere) then

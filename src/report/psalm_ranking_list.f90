@@ -159,8 +159,7 @@ contains
       type(text_t), intent(inout) :: text
       integer :: v
 
-      call text%add(' BOUNDS WHERE THE DATA SET GIVES NONE ('//trim(merge('VLOW, VHIGH          ', 'LIMVAL, OPLOW, OPHIGH', &
-                                                                             set%sketch%given))//')')
+      call text%add(' BOUNDS WHERE THE DATA SET GIVES NONE ('//set%bound_items(', ')//')')
       do v = 1, size(found%by_default)
          if (found%by_default(v)) call text%add('  '//name_of(problem%parameters%variables(v))//': '// &
                                                 plain_number(found%low(v))//' TO '//plain_number(found%high(v)))
@@ -193,7 +192,7 @@ contains
          end associate
       end do
       if (len(words) > 0) words = 'at the bound that holds where none is given: '//words//'; set '// &
-                                   trim(merge('VLOW and VHIGH          ', 'LIMVAL, OPLOW and OPHIGH', set%sketch%given))
+                                   set%bound_items(' and ')
    end function bounds_reached
 
    !> A number in its column, `none` if it is not known; a band at a dead point is infinite.

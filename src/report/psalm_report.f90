@@ -441,7 +441,7 @@ contains
 
       if (allocated(rates%arcs)) call list_all_rates(problem, rates, devices%eight)
       call list_rates(set, problem, rates, devices%six)
-      call put_rates(set%title, set%rates%speed, set%rates%accel, problem, rates, .not. set%sketch%given, &
+      call put_rates(set%title, set%rates%speed, set%rates%accel, problem, rates, .not. set%has_names(), &
                      devices%cases(devices%last_case()), forces)
       if (present(forces)) call report_forces(set, forces, devices)
       if (present(machine)) call report_machine(set, machine, devices)

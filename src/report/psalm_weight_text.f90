@@ -34,7 +34,7 @@ contains
                place%from_start = mechanism%arcs(mechanism%bodies(weight%body)%axis)%foot /= at_start
                place%distance = weight%from_end
                place%angle = weight%angle_end
-               if (set%sketch%given) call name_place(set, place)
+               if (set%has_names()) call name_place(set, place)
                inertia(given + k) = weight%inertia
             end associate
          end do
@@ -64,7 +64,7 @@ contains
       character(:), allocatable :: line
       integer :: k
 
-      if (set%sketch%given) then
+      if (set%has_names()) then
          line = '  '//letter//'NAME='
          do k = 1, size(places)
             line = line//quoted(words_of(set, places(k)))//','

@@ -47,7 +47,6 @@ contains
             link(order(a)) = next
          end do
          if (cylinder > 0) link(cylinder) = link(kind%driven)
-         sketch%given = .true.
          sketch%sound = .true.
          allocate (sketch%links(next))
          do a = 1, next

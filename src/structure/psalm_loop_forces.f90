@@ -19,12 +19,11 @@ module psalm_loop_forces
 
 contains
 
-   !> True for a sketch with masses, loads, springs or friction.
+   !> True for a case with masses, loads, springs or friction.
    pure logical function asks_for_forces(set)
       type(data_set_t), intent(in) :: set
 
-      asks_for_forces = set%sketch%given .and. (set%masses%given .or. set%loads%given .or. set%springs%given .or. &
-                                                set%friction%given)
+      asks_for_forces = set%masses%given .or. set%loads%given .or. set%springs%given .or. set%friction%given
    end function asks_for_forces
 
    !> True if every joint of a sketch's loops is one of the sketch, between the same links, and every place of a mass, load,

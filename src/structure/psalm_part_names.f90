@@ -18,7 +18,7 @@ contains
       logical, allocatable :: several(:)
       integer :: k, i
 
-      if (.not. set%sketch%given) return
+      if (.not. set%has_names()) return
       associate (bodies => mechanism%bodies, joints => mechanism%joints, links => set%sketch%links)
          bodies(body_frame)%name = trim(links(frame_link)%name)
          do k = 1, size(bodies)

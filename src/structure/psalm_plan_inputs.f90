@@ -29,7 +29,7 @@ contains
       if (set%method%ikin /= 0 .and. mechanism%sliding_input) then
          call set%origins%error(findings, 'METHOD', 'IKIN', 'IKIN sweeps a full turn; with a sliding input give NDES and DELT', 1)
       end if
-      if (set%sketch%given) then
+      if (allocated(set%traced)) then
          mechanism%outputs = [output_t(set%traced%motion, set%traced%output_arc, set%traced%from_start)]
          return
       end if
@@ -60,7 +60,6 @@ contains
       type(parameters_t), intent(in) :: parameters
       type(diagnostics_t), intent(inout) :: findings
       integer :: loop, a, n, guide, nvar
-      logical :: wishes
 
       do loop = 1, set%links%nloop
          do a = 1, mechanism%loops(loop)%arcs
@@ -80,9 +79,7 @@ contains
       end do
       nvar = size(parameters%variables)
       if (nvar == 0) return
-      wishes = set%sketch%given
-      if (wishes) wishes = set%sketch%has_wishes()
-      if (.not. (set%method%desired .or. wishes)) then
+      if (.not. (set%method%desired .or. set%sketch%has_wishes())) then
          call set%origins%error(findings, 'METHOD', '', 'a search needs desired values (DESX and DESY, or DESANG)')
       end if
       if (set%limits%limval == 1 .or. set%method%var == 0.0_wp) then
@@ -159,7 +156,7 @@ contains
 
       if (set%method%ikin /= 0 .or. set%method%ifree /= 0 .or. set%method%ndes < 2) return
       ! positions of several drives differ by the others
-      if (set%sketch%given .and. any(.not. set%sketch%drives(2:)%geared)) return
+      if (any(.not. set%sketch%drives(2:)%geared)) return
       if (all(set%method%delt(2:) > set%method%delt(:set%method%ndes - 1)) .or. all(set%method%delt(2:) < &
                                                             set%method%delt(:set%method%ndes - 1))) return
       sorted = set%method%delt(ascending(set%method%delt))

@@ -37,12 +37,13 @@ contains
       logical :: in_order
 
       if (set%loops() == 0) return
-      if (set%sketch%given) then
+      if (allocated(set%traced)) then
          call take_traced_loops(set%traced, mechanism)
          call take_speeds(set, mechanism)
          dimensions = traced_dimensions(set%traced)
          dimensions%crnki = set%method%crnki + set%traced%input
          mechanism%from_drawing = .true.
+         mechanism%whole = .true.
          mechanism%reference = set%method%crnki
          mechanism%first_input = set%method%turn_begins()
          call assign_bodies(mechanism)

@@ -22,7 +22,7 @@ contains
       integer :: loop, a
 
       parameters = no_parameters(mechanism)
-      if (set%sketch%given .and. set%method%ikin == 0) call take_traced(set%traced, mechanism, parameters)
+      if (allocated(set%traced) .and. set%method%ikin == 0) call take_traced(set%traced, mechanism, parameters)
       if (set%method%ikin /= 0 .or. size(set%method%iva) == 0) return
       do loop = 1, set%links%nloop
          do a = 1, set%links%maxarc

@@ -308,7 +308,7 @@ contains
       integer :: link, state
 
       allocate (study%line_from(2, size(model%reference)), study%line_angle(size(model%reference)), source=0.0_wp)
-      if (.not. set%sketch%given) return
+      if (.not. allocated(set%traced)) return
       do link = 1, size(set%traced%link_places)
          call spot_of_place(mechanism, dimensions, model%reference, set%traced%link_places(link), spot, state)
          if (state /= place_right .or. spot%body == body_frame) cycle

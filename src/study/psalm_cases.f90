@@ -50,7 +50,7 @@ contains
       character(:), allocatable :: reader
       integer :: i
 
-      if (findings%failed() .or. .not. any(as_read%sketch%given)) then
+      if (findings%failed() .or. .not. any([(as_read(i)%is_drawn(), i=1, size(as_read))])) then
          call move_alloc(as_read, sets)
          return
       end if
@@ -58,7 +58,7 @@ contains
       if (present(program)) reader = program
       allocate (sets(size(as_read)))
       do i = 1, size(sets)
-         if (as_read(i)%sketch%given) then
+         if (as_read(i)%is_drawn()) then
             call resolve(as_read(i), reader, sets(i), findings)
          else
             sets(i) = as_read(i)

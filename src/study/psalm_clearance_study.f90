@@ -122,11 +122,7 @@ contains
       subroutine refuse(text)
          character(*), intent(in) :: text
 
-         character(:), allocatable :: item
-
-         item = 'CLINK'
-         if (set%sketch%given) item = 'CNAME'
-         call set%origins%error(findings, 'CLEAR', item, text, 1)
+         call set%origins%error(findings, 'CLEAR', set%link_item('C'), text, 1)
       end subroutine refuse
    end subroutine check_clearance
 

@@ -40,13 +40,13 @@ contains
       select case (sweep%what)
       case (swept_length)
          n = 0
-         if (set%sketch%given) then
-            n = arc_between(set, sweep, mechanism)
+         if (sweep%joints(1) > 0) then
+            n = arc_between(sweep, mechanism)
          else if (sweep%arc <= mechanism%loops(sweep%loop)%arcs) then
             n = mechanism%seq(sweep%loop, sweep%arc)
          end if
          if (n > 0) call parameters%vary_length(mechanism, n)
-         if (n == 0 .and. set%sketch%given) then
+         if (n == 0 .and. sweep%joints(1) > 0) then
             if (is_output_line(set, sweep)) call parameters%vary(variable_outlk)
          end if
       case (swept_angle)
@@ -66,11 +66,11 @@ contains
       found = size(parameters%variables) == 1
       if (.not. found) return
       family%name = name_of(parameters%variables(1))
-      if (set%sketch%given) family%name = 'LENGTH '//trim(set%sketch%joint_name(sweep%joints(1)))//' '// &
+      if (sweep%joints(1) > 0) family%name = 'LENGTH '//trim(set%sketch%joint_name(sweep%joints(1)))//' '// &
                                           trim(set%sketch%joint_name(sweep%joints(2)))
       family%setting = settings_of(sweep)
       allocate (problem)
-      call new_problem(mechanism, dimensions, parameters, delt, set%sketch%given, problem, own_inputs_at(set, delt))
+      call new_problem(mechanism, dimensions, parameters, delt, mechanism%whole, problem, own_inputs_at(set, delt))
       kind = output_kind(problem%motion)
       allocate (family%closed(size(delt), size(family%setting)))
       allocate (family%actual(size(delt), kind%components, size(family%setting)))
@@ -83,8 +83,7 @@ contains
       family%slides = mechanism%sliding_input
       family%sets_angle = any(parameters%variables(1)%kind == [variable_gama, variable_outang, variable_origng]) .or. &
                           (parameters%variables(1)%kind == variable_crnki .and. .not. family%slides)
-      by_name = set%sketch%given
-      if (by_name) by_name = size(set%sketch%outputs) > 0
+      by_name = size(set%sketch%outputs) > 0
       do k = 1, size(family%setting)
          family%stopped = is_to_end(stop)
          if (family%stopped) exit
@@ -145,14 +144,12 @@ contains
    end function is_output_line
 
    !> The arc of the loops that runs between the joints of a sketch; number 0: there is none.
-   pure integer function arc_between(set, sweep, mechanism) result(n)
-      type(data_set_t), intent(in) :: set
+   pure integer function arc_between(sweep, mechanism) result(n)
       type(sweep_group_t), intent(in) :: sweep
       type(mechanism_t), intent(in) :: mechanism
       integer :: k
 
       n = 0
-      if (.not. set%sketch%given) return
       do k = 1, size(mechanism%arcs)
          associate (ends => mechanism%arcs(k)%joints)
             if (all(ends == sweep%joints) .or. all(ends == sweep%joints(2:1:-1))) then

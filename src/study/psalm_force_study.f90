@@ -56,7 +56,6 @@ module psalm_force_study
       real(wp), allocatable :: about(:)        !! shape (positions): frame moment about MOMX, MOMY
       real(wp), allocatable :: drive_power(:)  !! shape (positions): of all drives, W
       logical :: rubs = .false.                !! there is friction
-      logical :: of_sketch = .false.           !! the order of links, and the point of couples, are those of a sketch
       type(sizing_t), allocatable :: sizing(:)
       type(harmonic_t), allocatable :: harmonics(:)   !! empty where the positions do not divide a turn evenly
       real(wp), allocatable :: shares(:, :, :) !! shape (positions, columns, sources): ISHARE
@@ -92,7 +91,6 @@ contains
       study%mechanism = given%mechanism
       call make_force_model(set, study%mechanism, dimensions, study%model, unused)
       study%rubs = size(study%model%friction) > 0
-      study%of_sketch = set%sketch%given
       study%drive_slides = study%mechanism%actuators%slides
       allocate (study%joints(size(study%mechanism%joints)), study%parts(study%mechanism%nloop), &
                 study%drives(size(study%mechanism%actuators)))

@@ -15,7 +15,7 @@ module psalm_preparation
    use psalm_source, only: line_t
    use psalm_start, only: read_vertices
    use psalm_search, only: result_t
-   use psalm_status, only: diagnostics_t, level_warning
+   use psalm_status, only: diagnostics_t
    use psalm_system, only: memory_to_be_had, threads_to_be_had
    use psalm_text, only: to_text
    use psalm_dimensions, only: dimensions_t
@@ -64,7 +64,6 @@ contains
 
       allocate (prepared%vertices(0, 0))
       call set_up(set, prepared%mechanism, prepared%given, prepared%parameters, prepared%warnings)
-      if (set%sketch%given) call prepared%warnings%drop(level_warning, 'LINKS') ! its loops are not the user's to mend
       call findings%append(prepared%warnings)
       if (prepared%warnings%failed()) return
       own%file = set%file
@@ -117,7 +116,7 @@ contains
       character(:), allocatable :: why
 
       why = ''
-      if (present(turning) .and. set%sketch%given) then
+      if (present(turning)) then
          if (count(.not. set%sketch%drives%geared) > 1) why = set%sketch%why_no_crank()
       end if
       if (len(why) > 0) then

@@ -333,7 +333,7 @@ contains
                   if (e == 2) place = group%second(k)
                   call spot_of_place(mechanism, dimensions, model%reference, place, spot, state)
                   state = place_nowhere
-                  if (set%sketch%given) &
+                  if (allocated(set%traced)) &
                      call spot_of_place(mechanism, dimensions, model%reference, set%traced%link_places(place%link), &
                                                            bare, state)
                   if (state == place_right) then

@@ -61,10 +61,11 @@ contains
          end if
       end if
       if (asked%vibration%given) then
-         call check_link(set, prepared%mechanism, prepared%given, model, asked%vibration%beam, 'VIBR', item_of('V'), 1, findings)
+         call check_link(set, prepared%mechanism, prepared%given, model, asked%vibration%beam, 'VIBR', &
+                         set%link_item('V'), 1, findings)
       end if
       do k = 1, size(asked%estimates%beams)
-         call check_link(set, prepared%mechanism, prepared%given, model, asked%estimates%beams(k), 'ESTIM', item_of('E'), k, &
+         call check_link(set, prepared%mechanism, prepared%given, model, asked%estimates%beams(k), 'ESTIM', set%link_item('E'), k, &
                          findings)
       end do
       if (asked%drive%given .and. prepared%mechanism%sliding_input) then
@@ -90,15 +91,6 @@ contains
          call set%origins%error(findings, group, '', 'DRIPPL of &DRIVEL puts an inertia in place of the linkage: '//what// &
                                 ' would act on nothing; leave one of them out')
       end subroutine refuse_load
-
-      !> The item that names a link: of a sketch by its name.
-      pure function item_of(letter) result(item)
-         character, intent(in) :: letter
-         character(:), allocatable :: item
-
-         item = letter//'LINK'
-         if (set%sketch%given) item = letter//'NAME'
-      end function item_of
    end procedure check_steady
 
    module procedure find_steady

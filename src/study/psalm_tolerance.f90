@@ -170,8 +170,7 @@ contains
       if (present(every_loop)) everywhere = every_loop
       call new_problem(mechanism, dimensions, parameters, inputs, everywhere, deviating%problem, own_inputs_at(set, inputs))
       allocate (deviating%lean, source=deviating%problem)
-      by_name = set%sketch%given
-      if (by_name) by_name = size(set%sketch%outputs) > 0
+      by_name = size(set%sketch%outputs) > 0
       if (by_name) then
          allocate (wanted)
          call locate_sketch(set, mechanism, wanted%sketch, dimensions)
@@ -390,7 +389,7 @@ contains
       integer, intent(in), optional :: loop, place     !! of an arc
       logical :: of_all
 
-      of_all = set%sketch%given
+      of_all = allocated(set%traced)
       if (of_all .and. any(kind == [variable_outlk, variable_outang])) of_all = set%traced%outlk > 0.0_wp
       if (of_all .and. any(kind == [variable_origlk, variable_origng])) of_all = set%traced%origlk > 0.0_wp
       if (of_all .and. kind /= variable_crnki) then
