@@ -65,7 +65,7 @@ contains
 
       own = variant_of(set)
       if (present(variant)) own = variant
-      if (set%sketch%given .and. .not. own%by_loops) then
+      if (set%is_drawn() .and. .not. own%by_loops) then
          sound = .true.
          if (problem%parameters%has_search()) then
             inputs = inputs_of(set)

@@ -313,6 +313,46 @@ def searched(programs):
         yield "search: the linkage found closes everywhere", len(rows) == 180 and all(r["closed"] == "1" for r in rows), done.stderr
 
 
+IN_POSES = """POSES BY A POINT AND AN ANGLE
+ &CHAIN JNT='A','B','C','D','P','Q', JX=0,-10,60,80,40,50, JY=0,45,70,0,110,110,
+  LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P Q','C D',
+  VARY='A B','B C','C D','B P','angle B C B P','B Q','angle B C B Q','place D','place A','input' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point P','angle P Q', DES1=40,110,60,112,80,108,95,98, DES2=0,-10,-20,-35 &END
+ &METHOD NDES=4, DELT=0,-15,-30,-45 &END
+ &SEARCH SOLVER='LSQ', NSTART=1 &END
+"""
+
+
+def searched_in_poses(programs):
+    """What a search in poses found stands, redrawn, at the inputs found: the table has the values whose errors the search tells."""
+    with tempfile.TemporaryDirectory() as folder:
+        done, _ = run_psalm(programs, folder, "poses", IN_POSES)
+        best = float((re.findall(r"best objective ([-+.E0-9]+)", done.stderr) or ["inf"])[0])
+        with open(os.path.join(folder, "poses.csv"), encoding="ascii") as file:
+            rows = list(csv.DictReader(file))
+        wanted = ((40, 110, 0), (60, 112, -10), (80, 108, -20), (95, 98, -35))
+        closed = len(rows) == len(wanted) and all(row["closed"] == "1" for row in rows)
+        yield "search in poses: every position is reached", closed, done.stderr
+        error = sum((float(row[column]) - value)**2 for row, values in zip(rows, wanted)
+                    for column, value in zip(("point_P.x", "point_P.y", "angle_P_Q"), values)) if closed else float("inf")
+        yield "search in poses: the table has the error found", abs(error - best) < 1e-5 * best, (error, best)
+
+
+def grid_alone(programs):
+    """A grid of strokes gives the positions: &METHOD may be missing."""
+    text = """STROKES
+ &CHAIN JNT='A','D','B','C','P', JX=0,4,0,5,2, JY=0,0,1,3,4, LNK='A D','A B','B C P','C D' &END
+ &DRIVES DRIVE='A', NGRID=5, DLOW=0, DHIGH=40 &END
+ &OUTPUTS OUTPUT='point P' &END
+"""
+    with tempfile.TemporaryDirectory() as folder:
+        done, rows = run_psalm(programs, folder, "alone", text)
+        _, same = run_psalm(programs, folder, "method", text + " &METHOD &END\n")
+        yield "a grid without &METHOD: five strokes", done.returncode == 0 and [row[0] for row in rows] == [0, 10, 20, 30, 40], done.stderr
+        yield "a grid without &METHOD: the same as with it", rows == same, (rows, same)
+
+
 WISHED = """ONE WISH IN TWO WORDS
  &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,33.0,90.0,20.0, JY=0.0,31.0,82.0,5.0,95.0,
   LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P','C D',
@@ -557,7 +597,8 @@ def main():
     if by_loops < arguments.count // 10:
         failed += 1
         told.append("sliding drives: only %d of %d were solved by loops" % (by_loops, number))
-    for say in (one_verdict, one_way, other_way_round, wheels_of_whole_ratios, searched, wished, one_zero, rigid_triangle):
+    for say in (one_verdict, one_way, other_way_round, wheels_of_whole_ratios, searched, searched_in_poses, grid_alone, wished, one_zero,
+                rigid_triangle):
         for law, holds, got in say(arguments.programs):
             passed += bool(holds)
             failed += not holds
