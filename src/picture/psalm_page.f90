@@ -81,6 +81,8 @@ contains
          call write_row(scene, scene%sweep, .false., text)
          call write_others(scene, scene%sweep, text)
          call text%add_text('}')
+         if (allocated(scene%input_label) .and. .not. allocated(scene%drives)) &
+            call text%add_text(',"inputLabel":'//json_text(scene%input_label))
          if (allocated(scene%output_label) .and. .not. allocated(scene%drives)) &
             call text%add_text(',"outputLabel":'//json_text(scene%output_label))
          if (size(scene%panels) > 0) call write_panels(scene, text)

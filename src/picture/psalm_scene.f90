@@ -137,6 +137,8 @@ contains
       ! a pose is drawn as its point
       scene%motion = merge(motion_point, set%motion(), set%motion() == motion_pose)
       scene%sliding = mechanism%sliding_input
+      if (mechanism%from_drawing) &
+         scene%input_label = trim(merge('input length  ', 'input, degrees', scene%sliding))//' from the drawing'
       scene%everywhere = set%limits%ktheta /= 0
       scene%tangle = set%limits%tangle
       if (allocated(set%constr%regions)) scene%regions = set%constr%regions

@@ -165,7 +165,10 @@ contains
          line = subtitle_of_drives(scene)
          return
       end if
-      line = 'drawn at '//trim(merge('input length', 'crank angle ', scene%sliding))//' '// &
+      line = 'crank angle'
+      if (scene%sliding) line = 'input length'
+      if (allocated(scene%input_label)) line = 'input'
+      line = 'drawn at '//line//' '// &
              number(scene%prescribed%input(scene%reference))//trim(merge('           ', ' degrees   ', scene%sliding))//'; '
       select case (scene%motion)
       case (motion_point)
