@@ -25,7 +25,6 @@ module psalm_motion_verbs
    use psalm_study_frame, only: frame_t, report_t, warn, empty_motion, threads_of, may_share
    use psalm_summary, only: summary_t, study_summary => summarise
    use psalm_tables, only: table_t, table_of
-   use psalm_text, only: lower_case
    use psalm_tolerance, only: tolerances_t, study_tolerances
    implicit none (type, external)
    private
@@ -71,7 +70,7 @@ contains
       if (allocated(analysis%margins)) then
          do i = 1, size(analysis%margins)
             if (is_violated(analysis%margins(i))) call findings%warning('violated: '// &
-               lower_case(describe_margin(frame%set, frame%problem, analysis%dimensions, analysis%margins(i))))
+               describe_margin(frame%set, frame%problem, analysis%dimensions, analysis%margins(i), small=.true.))
          end do
       end if
       if (.not. present(report)) return

@@ -147,10 +147,14 @@ contains
       type(problem_t), intent(in) :: problem
       type(motion_t), intent(in) :: motion
       type(findings_t), intent(inout) :: findings
+      character(:), allocatable :: words
       integer :: i
 
       do i = 1, size(motion%violations)
-         call findings%warning(lower_case(describe_violation(problem, motion, motion%violations(i))))
+         words = describe_violation(problem, motion, motion%violations(i))
+         ! names of links stay as they are
+         if (.not. allocated(problem%mechanism%ends)) words = lower_case(words)
+         call findings%warning(words)
       end do
       if (.not. allocated(motion%beyond)) return
       if (any(motion%beyond)) call findings%warning(unreached_words(motion%beyond))

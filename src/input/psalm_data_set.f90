@@ -409,7 +409,7 @@ contains
       call report_idle_items(groups(method), groups(limits), groups(search), program == searching_program, set, findings)
       call read_constraint_group(groups(constr), set%links%nloop, set%links%maxarc, set%sketch, set%constr, findings)
       call settle_angle_limit(groups(limits), groups(constr), set, findings)
-      call read_tolerance_group(groups(toler), set%links, set%method, set%toler, findings)
+      call read_tolerance_group(groups(toler), set%links, set%method, set%sketch, set%toler, findings)
       call read_rates_group(groups(rates), sliding_input(set), set%rates, findings)
       call read_mass_group(groups(masses), set%links%ilink, set%sketch, set%masses, findings)
       call read_load_group(groups(loads), set%links%ilink, set%sketch, set%loads, findings)
@@ -758,6 +758,7 @@ contains
       type(group_t), intent(in) :: method, toler, limits
       type(diagnostics_t), intent(inout) :: findings
       character(*), parameter :: of_method(*) = [character(name_length) :: 'IVA', 'IVG', 'ILKOUT', 'INGOUT', 'ICRK', 'IORIG']
+      character(*), parameter :: of_toler(*) = ['TOLARC', 'TOLGAM', 'TOLOUT', 'TOLOUA']
       integer :: i
 
       do i = 1, size(of_method)
@@ -771,8 +772,11 @@ contains
       if (method%given('MOTION')) call out_of(method, 'MOTION', &
          'belongs to &LINKS; what is wanted of a sketch is said in &OUTPUTS', &
                                               findings)
-      if (toler%given('TOLARC') .or. toler%given('TOLGAM')) call out_of(toler, merge('TOLARC', 'TOLGAM', toler%given('TOLARC')), &
-         'counts arcs of &LINKS; for a sketch there are TOLLEN and TOLANG', findings)
+      do i = 1, size(of_toler)
+         if (toler%given(of_toler(i))) &
+            call out_of(toler, of_toler(i), 'counts arcs of &LINKS; for a sketch there are TOLLEN and TOLANG, and TOLNAM with '// &
+                                            'TOLVAL for single dimensions', findings)
+      end do
       if (limits%given('OPLOW') .or. limits%given('OPHIGH')) call out_of(limits, merge('OPLOW ', 'OPHIGH', &
          limits%given('OPLOW')), &
          'counts variables of &LINKS; a sketch has its bounds in &CHAIN, VLOW and VHIGH', findings)

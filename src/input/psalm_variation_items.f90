@@ -9,7 +9,7 @@ module psalm_variation_items
    use psalm_text, only: lower_case, to_text
    implicit none (type, external)
    private
-   public :: read_variations
+   public :: read_variations, read_dimension
 
 contains
 
@@ -19,12 +19,9 @@ contains
       type(sketch_t), intent(inout) :: sketch
       type(diagnostics_t), intent(inout) :: findings
       character(:), allocatable :: texts(:)
-      character(word_room), allocatable :: words(:)
       character(:), allocatable :: whose
       real(wp), allocatable :: low(:), high(:)
-      integer, allocatable :: joints(:)
-      integer :: n, i, last_low, last_high, wanted, at
-      logical :: valid
+      integer :: n, i, last_low, last_high, at
 
       call group%get_texts('VARY', texts, findings)
       n = size(texts)
@@ -35,33 +32,11 @@ contains
       at = 0
       do i = 1, n
          whose = "'"//trim(adjustl(texts(i)))//"'"
-         words = words_of(texts(i))
          associate (one => sketch%variations(i))
-            one%kind = vary_length
-            wanted = 2
-            if (size(words) == 0) then
-               call out_of(group, 'VARY', 'variable '//to_text(i)//' is empty', findings, i)
-               cycle
-            end if
-            select case (lower_case(trim(words(1))))
-            case ('angle')
-               one%kind = vary_angle
-               wanted = 4
-            case ('place')
-               one%kind = vary_place
-               wanted = 1
-            case ('input')
-               one%kind = vary_input
-               wanted = 0
-            case ('all')
-               one%kind = vary_all
-               wanted = 0
-               if (n > 1) call out_of(group, 'VARY', "'all' is every dimension; leave the others out", findings, i)
-            case ('length')
-               continue
-            case default
-               words = [character(word_room) :: 'length', words]
-            end select
+            call read_dimension(group, 'VARY', i, texts(i), sketch, findings, one)
+            if (one%kind == 0) cycle
+            if (one%kind == vary_all .and. n > 1) &
+               call out_of(group, 'VARY', "'all' is every dimension; leave the others out", findings, i)
             if (at + width_of(one) <= min(last_low, last_high)) then
                one%bounded = .true.
                one%low(:width_of(one)) = low(at + 1:at + width_of(one))
@@ -71,22 +46,6 @@ contains
                                                         findings, at + 1)
             end if
             at = at + width_of(one)
-            call find_joints(group, 'VARY', i, joined(words(2:)), whose, sketch, findings, joints, valid)
-            if (.not. valid) cycle
-            if (size(joints) /= wanted) then
-               call out_of(group, 'VARY', whose//' names '//to_text(size(joints))//' joints, not '//to_text(wanted)// &
-                           "; there are 'A B', 'angle A B A C', 'place D', 'input', 'all'", findings, i)
-               cycle
-            end if
-            one%joints(:wanted) = joints
-            if (one%kind == vary_place) then
-               if (.not. sketch%has_joint(frame_link, joints(1))) call out_of(group, 'VARY', &
-                  whose//': the joint is not on the frame', &
-                                                                              findings, i)
-            else if (wanted > 0) then
-               if (common_link(sketch, joints) == 0) call out_of(group, 'VARY', whose//': no link has all these joints', &
-                  findings, i)
-            end if
          end associate
       end do
       if (last_low /= last_high .or. (last_low > 0 .and. last_low /= at)) then
@@ -103,4 +62,63 @@ contains
          width_of = merge(2, 1, one%kind == vary_place)
       end function width_of
    end subroutine read_variations
+
+   !> A dimension by its joints: 'A B' a length, 'angle A B A C' an angle of a link, 'place D' a joint of the frame, 'input', 'all'.
+   !> Errors: no such joints, not as many as it takes, no link that has them all, a place that is not on the frame.
+   subroutine read_dimension(group, item, which, text, sketch, findings, one)
+      type(group_t), intent(inout) :: group
+      character(*), intent(in) :: item      !! the item,
+      integer, intent(in) :: which          !! and which value of it
+      character(*), intent(in) :: text      !! the value
+      type(sketch_t), intent(in) :: sketch
+      type(diagnostics_t), intent(inout) :: findings
+      type(variation_t), intent(inout) :: one !! kind 0: it is empty
+      character(word_room), allocatable :: words(:)
+      character(:), allocatable :: whose
+      integer, allocatable :: joints(:)
+      integer :: wanted
+      logical :: valid
+
+      whose = "'"//trim(adjustl(text))//"'"
+      words = words_of(text)
+      one%kind = 0
+      if (size(words) == 0) then
+         call out_of(group, item, 'variable '//to_text(which)//' is empty', findings, which)
+         return
+      end if
+      one%kind = vary_length
+      wanted = 2
+      select case (lower_case(trim(words(1))))
+      case ('angle')
+         one%kind = vary_angle
+         wanted = 4
+      case ('place')
+         one%kind = vary_place
+         wanted = 1
+      case ('input')
+         one%kind = vary_input
+         wanted = 0
+      case ('all')
+         one%kind = vary_all
+         wanted = 0
+      case ('length')
+         continue
+      case default
+         words = [character(word_room) :: 'length', words]
+      end select
+      call find_joints(group, item, which, joined(words(2:)), whose, sketch, findings, joints, valid)
+      if (.not. valid) return
+      if (size(joints) /= wanted) then
+         call out_of(group, item, whose//' names '//to_text(size(joints))//' joints, not '//to_text(wanted)// &
+                     "; there are 'A B', 'angle A B A C', 'place D', 'input', 'all'", findings, which)
+         return
+      end if
+      one%joints(:wanted) = joints
+      if (one%kind == vary_place) then
+         if (.not. sketch%has_joint(frame_link, joints(1))) call out_of(group, item, whose//': the joint is not on the frame', &
+                                                                        findings, which)
+      else if (wanted > 0) then
+         if (common_link(sketch, joints) == 0) call out_of(group, item, whose//': no link has all these joints', findings, which)
+      end if
+   end subroutine read_dimension
 end module psalm_variation_items

@@ -16,6 +16,7 @@ module psalm_mechanism
    use psalm_dyad_kind, only: assur_higher, assur_none
    use psalm_kinds, only: wp
    use psalm_output_kind, only: motion_point
+   use psalm_sketch, only: sketch_name
    implicit none (type, external)
    private
    public :: mechanism_t, linkage_group_t, joined_t, ring_t, tie_t, point_t, bar_t, body_t, joint_t, actuator_t, output_t
@@ -164,6 +165,7 @@ module psalm_mechanism
       integer :: motion = motion_point  !! one of `motion_...`
       integer :: arc = 0                !! the arc it is measured from
       logical :: from_start = .false.   !! from the start of that arc, else from its finish
+      character(sketch_name) :: line(2) = '' !! of a sketch: the joints of the line that OUTLK and OUTANG are of
    end type output_t
 
    !> A mechanism of one degree of freedom for each actuator.
@@ -178,11 +180,14 @@ module psalm_mechanism
       type(joint_t), allocatable :: joints(:)       !! that of the actuator first, if it moves a link on the frame
       type(actuator_t), allocatable :: actuators(:)
       type(output_t), allocatable :: outputs(:)
+      character(sketch_name), allocatable :: ends(:, :) !! shape (2, arcs): of a sketch, the names of the joints, or feet, at
+                                                    !! start and finish; not allocated: arcs have numbers alone
       logical :: sliding_input = .false.            !! the first actuator is prismatic
       logical :: floating_input = .false.           !! it moves no link on the frame: there is no input link
       logical :: whole = .false.                    !! all its links are meant, whatever the output: no loop is left out
       logical :: from_drawing = .false.             !! inputs are shown from the drawing (`psalm_shown_input`)
       real(wp) :: reference = 0.0_wp                !! the reference input from there, degrees or length
+      real(wp) :: crank_turn = 0.0_wp               !! from the crank's arc to the line whose direction is told, degrees
       real(wp) :: first_input = 0.0_wp              !! where a turn of inputs begins as shown
    contains
       procedure :: seq
@@ -192,6 +197,9 @@ module psalm_mechanism
       procedure :: angle_on_body
       procedure :: slides
       procedure :: is_cylinder
+      procedure :: line_called
+      procedure :: length_called
+      procedure :: angle_called
       procedure :: guide_of
       procedure :: body_at
       procedure :: has_point
@@ -270,6 +278,55 @@ contains
          slides = kind == arc_slide .or. kind == arc_actuator
       end associate
    end function slides
+
+   !> The joints that an arc leads from and to, `A B`; empty where arcs have no names.
+   pure function line_called(self, n) result(words)
+      class(mechanism_t), intent(in) :: self
+      integer, intent(in) :: n          !! sequential number of the arc
+      character(:), allocatable :: words
+
+      words = ''
+      if (allocated(self%ends)) words = trim(self%ends(1, n))//' '//trim(self%ends(2, n))
+   end function line_called
+
+   !> What the length of an arc is called, or that of the output on its link (0): its joints by the alphabet.
+   pure function length_called(self, n) result(words)
+      class(mechanism_t), intent(in) :: self
+      integer, intent(in) :: n          !! sequential number of the arc
+      character(:), allocatable :: words
+      character(sketch_name) :: ends(2)
+
+      words = ''
+      if (.not. allocated(self%ends)) return
+      if (n > 0) then
+         ends = self%ends(:, n)
+      else
+         ends = self%outputs(1)%line
+      end if
+      if (ends(1) > ends(2)) ends = ends([2, 1])
+      words = trim(ends(1))//' '//trim(ends(2))
+   end function length_called
+
+   !> What the angle of an arc is called, or that of the output on its link (0): the line that it counts from, if it is not the x
+   !> axis, and its own.
+   pure function angle_called(self, n) result(words)
+      class(mechanism_t), intent(in) :: self
+      integer, intent(in) :: n          !! sequential number of the arc
+      character(:), allocatable :: words
+      integer :: from
+
+      from = 0
+      words = ''
+      if (.not. allocated(self%ends)) return
+      if (n > 0) then
+         from = self%arcs(n)%reference
+         words = self%line_called(n)
+      else if (len_trim(self%outputs(1)%line(1)) > 0) then
+         from = self%outputs(1)%arc
+         words = trim(self%outputs(1)%line(1))//' '//trim(self%outputs(1)%line(2))
+      end if
+      if (from > 0) words = self%line_called(from)//' '//words
+   end function angle_called
 
    !> True if an arc is a cylinder: its length is an input, its direction is found by its group.
    pure logical function is_cylinder(self, n)

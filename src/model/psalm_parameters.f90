@@ -5,20 +5,24 @@ module psalm_parameters
    use psalm_dimensions, only: dimensions_t
    use psalm_kinds, only: wp
    use psalm_mechanism, only: mechanism_t, arc_determined
-   use psalm_text, only: to_text
+   use psalm_sketch, only: sketch_name
+   use psalm_text, only: lower_case, to_text
    implicit none (type, external)
    private
-   public :: variable_t, parameters_t, no_parameters, name_of
+   public :: variable_t, parameters_t, no_parameters, name_of, words_of, length_name
    public :: variable_length, variable_outlk, variable_origlk, variable_gama, variable_outang, variable_origng, variable_crnki
 
    integer, parameter :: variable_length = 1, variable_outlk = 2, variable_origlk = 3, variable_gama = 4
    integer, parameter :: variable_outang = 5, variable_origng = 6, variable_crnki = 7
+
+   integer, parameter :: name_room = 4*sketch_name + 3 !! of the joints of two lines
 
    !> One variable and the dimension it stands for.
    type :: variable_t
       integer :: kind = 0             !! one of `variable_...`
       integer :: loop = 0, arc = 0    !! of a length or an angle: the arc, by its number in its loop
       integer :: n = 0                !! the same arc's number in the mechanism
+      character(name_room) :: of = '' !! the joints that it is between, of a sketch
    end type variable_t
 
    !> The dimensions that vary. A length or an angle that several arcs share is one variable.
@@ -48,11 +52,16 @@ contains
    end function no_parameters
 
    !> One more variable that is no dimension of an arc.
-   pure subroutine vary(self, kind)
+   pure subroutine vary(self, mechanism, kind)
       class(parameters_t), intent(inout) :: self
+      type(mechanism_t), intent(in) :: mechanism
       integer, intent(in) :: kind  !! one of `variable_...`
+      type(variable_t) :: one
 
-      self%variables = [self%variables, variable_t(kind)]
+      one%kind = kind
+      if (kind == variable_outlk) one%of = mechanism%length_called(0)
+      if (kind == variable_outang) one%of = mechanism%angle_called(0)
+      self%variables = [self%variables, one]
    end subroutine vary
 
    !> The length of an arc varies, and with it that of all arcs identical with it; an arc that slides has none of its own.
@@ -64,7 +73,8 @@ contains
 
       first = mechanism%arcs(n)%representative
       if (mechanism%slides(n) .or. self%length_variable(first) > 0) return
-      self%variables = [self%variables, variable_t(variable_length, mechanism%arcs(first)%loop, mechanism%arcs(first)%place, first)]
+      self%variables = [self%variables, variable_t(variable_length, mechanism%arcs(first)%loop, mechanism%arcs(first)%place, &
+                                                    first, mechanism%length_called(first))]
       where (mechanism%arcs%representative == first) self%length_variable = size(self%variables)
    end subroutine vary_length
 
@@ -79,7 +89,8 @@ contains
       owner = mechanism%angle_owner(n)
       if (mechanism%arcs(owner)%kind /= arc_determined .or. self%angle_variable(owner) > 0) return
       if (mechanism%arcs(owner)%representative /= owner) return
-      self%variables = [self%variables, variable_t(variable_gama, mechanism%arcs(owner)%loop, mechanism%arcs(owner)%place, owner)]
+      self%variables = [self%variables, variable_t(variable_gama, mechanism%arcs(owner)%loop, mechanism%arcs(owner)%place, &
+                                                    owner, mechanism%angle_called(owner))]
       do i = 1, size(mechanism%arcs)
          if (mechanism%arcs(i)%kind /= arc_determined) cycle
          if (mechanism%angle_owner(i) == owner) self%angle_variable(i) = size(self%variables)
@@ -150,11 +161,35 @@ contains
       end do
    end subroutine apply
 
+   !> What the length of an arc is called in sentences.
+   pure function length_name(mechanism, n) result(words)
+      type(mechanism_t), intent(in) :: mechanism
+      integer, intent(in) :: n        !! sequential number of the arc
+      character(:), allocatable :: words
+
+      words = words_of(variable_t(variable_length, mechanism%arcs(n)%loop, mechanism%arcs(n)%place, n, mechanism%length_called(n)))
+   end function length_name
+
+   !> What a variable is called in sentences and tables: small letters, names of joints as they are.
+   pure function words_of(variable) result(words)
+      type(variable_t), intent(in) :: variable
+      character(:), allocatable :: words
+
+      words = name_of(variable)
+      associate (own => len(words) - len_trim(variable%of))
+         words(:own) = lower_case(words(:own))
+      end associate
+   end function words_of
+
    !> What a variable is called in listings.
    pure function name_of(variable) result(name)
       type(variable_t), intent(in) :: variable
       character(:), allocatable :: name
 
+      if (len_trim(variable%of) > 0) then
+         name = trim(merge('ANGLE ', 'LENGTH', any(variable%kind == [variable_gama, variable_outang])))//' '//trim(variable%of)
+         return
+      end if
       select case (variable%kind)
       case (variable_length)
          name = 'LENGTH OF ARC '//to_text(variable%arc)//' IN LOOP '//to_text(variable%loop)

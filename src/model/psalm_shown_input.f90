@@ -59,10 +59,11 @@ contains
    end function shows_crank
 
    !> The crank's angle from the x axis where an increment is: degrees in a turn.
-   pure elemental real(wp) function crank_angle_at(dimensions, increment)
+   pure elemental real(wp) function crank_angle_at(mechanism, dimensions, increment)
+      type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       real(wp), intent(in) :: increment     !! from the reference position
 
-      crank_angle_at = within_turn(dimensions%crnki + increment)
+      crank_angle_at = within_turn(dimensions%crnki + mechanism%crank_turn + increment)
    end function crank_angle_at
 end module psalm_shown_input

@@ -3,6 +3,7 @@ module psalm_traced_loops
    use psalm_kinds, only: wp
    use psalm_output_kind, only: motion_point
    use psalm_place, only: place_t, travel_t
+   use psalm_text, only: to_text
    implicit none (type, external)
    private
    public :: loops_t, traced_t, traced_ring_t, traced_pair_t, traced_gear_t, arc_with
@@ -38,6 +39,7 @@ module psalm_traced_loops
       real(wp) :: gama = 0.0_wp             !! its angle from the arc it hangs on, of a frame arc from the x axis, degrees; of
                                             !! larger groups and of drives after the first its direction
       logical :: length_varies = .false., angle_varies = .false.
+      real(wp) :: tolerances(2) = -1.0_wp   !! of its length and angle where it has some of its own; else negative
    end type traced_t
 
    !> A ring of a larger group, as `psalm_mechanism` has it: sequential numbers of arcs.
@@ -83,6 +85,7 @@ module psalm_traced_loops
       integer :: start = 0                  !! the point that all loops begin at
       integer, allocatable :: axis(:)       !! by link: its first arc
       real(wp) :: input = 0.0_wp            !! CRNKI in the drawing
+      real(wp) :: crank = 0.0_wp            !! direction that is told of the crank in the drawing, degrees
       real(wp) :: anchor = 0.0_wp           !! that at which unknown arcs of larger groups have the dimensions given
       logical :: floating = .false.         !! the first drive moves no link on the frame
       logical :: sliding = .false.          !! its input is a length
@@ -101,6 +104,7 @@ module psalm_traced_loops
       logical :: from_start = .false.       !! from the start of that arc, else from its finish
       integer :: output_joint = 0           !! the joint that it is, 0: it is no point
       real(wp) :: outlk = 0.0_wp, outang = 0.0_wp
+      real(wp) :: of_output(2) = -1.0_wp    !! tolerances of these; negative: none of their own
       character(:), allocatable :: stand_in !! the joint that the listing shows for want of the first output; not allocated: none
       ! what varies besides lengths and angles of arcs
       logical :: outlk_varies = .false., outang_varies = .false., pivot_varies = .false., input_varies = .false.
@@ -115,6 +119,7 @@ module psalm_traced_loops
    contains
       procedure :: is_dyad
       procedure :: number_of
+      procedure :: point_name
       procedure :: output_line
       procedure :: are_of_one_crank
       procedure :: hold_all
@@ -138,6 +143,20 @@ contains
 
       number_of = findloc(self%arcs%loop == loop .and. self%arcs%place == place, .true., dim=1)
    end function number_of
+
+   !> What a point is called: as its joint, or a foot of a slide by its number.
+   pure function point_name(self, joints, point) result(name)
+      class(loops_t), intent(in) :: self
+      character(*), intent(in) :: joints(:)   !! names
+      integer, intent(in) :: point
+      character(:), allocatable :: name
+
+      if (point <= size(self%joint_loop)) then
+         name = trim(joints(point))
+      else
+         name = 'FOOT '//to_text(point - size(self%joint_loop))
+      end if
+   end function point_name
 
    !> True if one drive on the frame moves all, without wheels in gear, and there is more than the link that it moves.
    pure logical function are_of_one_crank(self)

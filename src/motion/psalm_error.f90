@@ -681,7 +681,7 @@ contains
       closed_before = .false.
       allocate (open_violation(self%mechanism%nloop), source=0)
       motion%input = input_at(self%mechanism, dimensions, self%delt)
-      if (shows_crank(self%mechanism)) motion%crank = crank_angle_at(dimensions, self%delt)
+      if (shows_crank(self%mechanism)) motion%crank = crank_angle_at(self%mechanism, dimensions, self%delt)
       call self%bind(dimensions)
       do block = 1, self%blocks()
          call self%solve_block(block, offset, n)

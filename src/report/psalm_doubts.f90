@@ -2,10 +2,10 @@
 module psalm_doubts
    use psalm_analysis, only: doubts_t
    use psalm_data_set, only: data_set_t
-   use psalm_text, only: general, lower_case, to_text
+   use psalm_text, only: general, to_text
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
-   use psalm_parameters, only: variable_t, name_of, variable_length
+   use psalm_parameters, only: length_name
    implicit none (type, external)
    private
    public :: describe_short_links, words_at_rest
@@ -29,7 +29,7 @@ contains
       do i = 1, min(size(doubts%short), most_named)
          n = doubts%short(i)
          if (i > 1) words = words//', '
-         words = words//lower_case(name_of(variable_t(variable_length, mechanism%arcs(n)%loop, mechanism%arcs(n)%place, n)))// &
+         words = words//length_name(mechanism, n)// &
                  ' is '//trim(adjustl(general(dimensions%arcl(n), 'E')))
       end do
       if (size(doubts%short) > most_named) words = words//' and '//to_text(size(doubts%short) - most_named)//' more'

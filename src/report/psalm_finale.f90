@@ -424,9 +424,15 @@ contains
          text = text//': IT CANNOT FOLLOW FROM THE DRAWING'
          return
       end if
-      p = to_text(problem%mechanism%place(1, violation%loop))
-      q = to_text(problem%mechanism%place(2, violation%loop))
-      pair = 'ARCS '//p//' AND '//q
+      if (allocated(problem%mechanism%ends)) then
+         p = name_of_member(1)
+         q = name_of_member(2)
+         pair = 'LINKS '//p//' AND '//q
+      else
+         p = to_text(problem%mechanism%place(1, violation%loop))
+         q = to_text(problem%mechanism%place(2, violation%loop))
+         pair = 'ARCS '//p//' AND '//q
+      end if
       text = 'LOOP '//to_text(violation%loop)//', DYAD OF TYPE '//to_text(problem%mechanism%groups(violation%loop)%kind)// &
              ' ('//pair//')'
       if (with_numbers) text = text//', POSITION'//positions()
@@ -436,13 +442,13 @@ contains
          if (.not. any(form%slides)) then
             text = text//'BOTH LINKS ARE TOO SHORT BY '//amount()
          else
-            text = text//'LINK '//merge(p, q, form%slides(2))//' IS TOO SHORT BY '//amount()
+            text = text//'LINK '//either(form%slides(2))//' IS TOO SHORT BY '//amount()
          end if
       case (violation_too_long)
          if (.not. any(form%slides)) then
             text = text//'THE DIFFERENCE OF THE LINKS IS TOO GREAT BY '//amount()
          else
-            text = text//'GUIDE '//merge(q, p, form%slides(1))//' IS TOO LONG BY '//amount()
+            text = text//'GUIDE '//either(.not. form%slides(1))//' IS TOO LONG BY '//amount()
          end if
       case (violation_undetermined)
          text = text//'THE OUTER JOINTS COINCIDE, THE DIRECTION OF THE ARCS IS NOT DETERMINED'
@@ -453,9 +459,9 @@ contains
       case (violation_toggle)
          select case (problem%mechanism%groups(violation%loop)%kind)
          case (assur_rpr, assur_rpr_guide_first)
-            text = text//'GUIDE '//merge(q, p, form%slides(1))
+            text = text//'GUIDE '//either(.not. form%slides(1))
          case default
-            text = text//'LINK '//merge(p, q, form%slides(2))
+            text = text//'LINK '//either(form%slides(2))
          end select
          text = text//' CLOSES WITH '//amount()//' TO SPARE, LESS THAN TOGGLE '//trim(adjustl(general(problem%toggle)))
       case (violation_slides)
@@ -473,6 +479,25 @@ contains
       end if
 
    contains
+
+      !> The link that a member of the dyad is fixed in.
+      function name_of_member(member) result(words)
+         integer, intent(in) :: member
+         character(:), allocatable :: words
+
+         associate (arc => problem%mechanism%groups(violation%loop)%members(member))
+            words = problem%mechanism%bodies(problem%mechanism%arcs(arc)%body)%name
+         end associate
+      end function name_of_member
+
+      !> The first of the two, or the second.
+      function either(first) result(words)
+         logical, intent(in) :: first
+         character(:), allocatable :: words
+
+         words = q
+         if (first) words = p
+      end function either
 
       function positions() result(words)
          character(:), allocatable :: words

@@ -67,7 +67,7 @@ contains
       words = 'count from the drawing'
       ! the crank of the drawing may change in a search
       if (set%wants_search() .or. set%traced%floating .or. set%sketch%drives(1)%kind /= drive_turns) return
-      words = words//', where the crank is at '//trim(adjustl(general(set%traced%input)))//' degrees from the x axis'
+      words = words//', where the crank is at '//trim(adjustl(general(set%traced%crank)))//' degrees from the x axis'
    end function zero_words
 
    !> Append to a listing what is special about a sketch: the zero of its input, and an output that the listing cannot show.

@@ -12,7 +12,7 @@ module psalm_margin_list
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_text, only: text_t, general, lower_case, to_text
    use psalm_dimensions, only: dimensions_t
-   use psalm_parameters, only: name_of
+   use psalm_parameters, only: name_of, words_of
    use psalm_shown_input, only: input_at, input_in_turn
    implicit none (type, external)
    private
@@ -54,15 +54,18 @@ contains
    end subroutine list_margins
 
    !> A violated constraint in words.
-   function describe_margin(set, problem, dimensions, margin, in_sentence) result(text)
+   function describe_margin(set, problem, dimensions, margin, in_sentence, small) result(text)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(margin_t), intent(in) :: margin
       logical, intent(in), optional :: in_sentence !! names of joints are the user's, the other words of a clearance small
+      logical, intent(in), optional :: small       !! all words but names
       character(:), allocatable :: text
 
-      text = name_of_margin(set, problem, margin, in_sentence)//' by '//trim(adjustl(general(-margin%margin)))
+      text = name_of_margin(set, problem, margin, in_sentence)
+      if (present(small)) text = small_name(set, problem, margin)
+      text = text//' by '//trim(adjustl(general(-margin%margin)))
       if (has_input(margin)) text = text//' at input '//trim(adjustl(general(input_of(problem, dimensions, margin))))
    end function describe_margin
 
@@ -80,6 +83,24 @@ contains
 
       input_of = input_in_turn(problem%mechanism, input_at(problem%mechanism, dimensions, margin%delt))
    end function input_of
+
+   !> The name of a margin in small letters; names of joints are as they are.
+   pure function small_name(set, problem, margin) result(name)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(margin_t), intent(in) :: margin
+      character(:), allocatable :: name
+
+      select case (margin%kind)
+      case (margin_angle, margin_slides, margin_guide, margin_offset, margin_group)
+         name = lower_case(name_of_margin(set, problem, margin))
+      case (margin_clearance)
+         name = name_of_margin(set, problem, margin, in_sentence=.true.)
+      case default
+         name = trim(merge('bound, ', 'length,', margin%kind == margin_bound))//' '// &
+                words_of(problem%parameters%variables(margin%which))
+      end select
+   end function small_name
 
    pure function name_of_margin(set, problem, margin, in_sentence) result(name)
       type(data_set_t), intent(in) :: set
@@ -201,7 +222,7 @@ contains
 
       allocate (names(size(margins)))
       do i = 1, size(margins)
-         names(i) = lower_case(name_of_margin(set, problem, margins(i)))
+         names(i) = small_name(set, problem, margins(i))
       end do
       table = table_of('constraints', 'a row for each constraint: its least margin, degrees or length', audience=for_programs)
       call table%add('constraint', names)

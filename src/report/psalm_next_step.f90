@@ -4,11 +4,10 @@ module psalm_next_step
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp
    use psalm_output_kind, only: motion_point
-   use psalm_parameters, only: name_of
+   use psalm_parameters, only: words_of
    use psalm_search, only: result_t
    use psalm_summary, only: summary_t
    use psalm_summary_text, only: plain_number
-   use psalm_text, only: lower_case
    implicit none (type, external)
    private
    public :: step_after_search, step_after_analysis
@@ -82,7 +81,7 @@ contains
             if (high <= low) cycle
             room = at_bound*max(abs(low), abs(high))
             if (value > low + room .and. value < high - room) cycle
-            words = lower_case(name_of(problem%parameters%variables(v)))//', '//plain_number(value)
+            words = words_of(problem%parameters%variables(v))//', '//plain_number(value)
             return
          end associate
       end do

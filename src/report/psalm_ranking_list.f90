@@ -5,13 +5,13 @@ module psalm_ranking_list
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, degrees_per_radian
-   use psalm_parameters, only: name_of
+   use psalm_parameters, only: name_of, words_of
    use psalm_ranking, only: ranked_t
    use psalm_search, only: result_t
    use psalm_search_group, only: pareto_none, pareto_largest, pareto_angle, pareto_ratio, pareto_room, pareto_band
    use psalm_summary_text, only: plain_number
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
-   use psalm_text, only: text_t, general, lower_case, rank_column, to_text
+   use psalm_text, only: text_t, general, rank_column, to_text
    implicit none (type, external)
    private
    public :: ranking_entry_t, list_ranking, put_ranking, bounds_reached, add_to_ranking, add_share, list_common_ranking
@@ -185,7 +185,7 @@ contains
          associate (length => found%best(1)%values(v), low => found%low(v), high => found%high(v))
             if (length > low*(1.0_wp + at_bound) .and. length < high*(1.0_wp - at_bound)) cycle
             if (len(words) > 0) words = words//', '
-            words = words//lower_case(name_of(problem%parameters%variables(v)))//' ('//plain_number(length)
+            words = words//words_of(problem%parameters%variables(v))//' ('//plain_number(length)
             if (length > 0.0_wp .and. longest > length) words = words//', the longest arc is '//plain_number(longest/length)// &
                                                                 ' times as long'
             words = words//')'
@@ -258,7 +258,7 @@ contains
       associate (variables => problem%parameters%variables, best => found%best)
          allocate (names(size(variables)*size(ranked)))
          do i = 1, size(names)
-            names(i) = lower_case(name_of(variables(modulo(i - 1, size(variables)) + 1)))
+            names(i) = words_of(variables(modulo(i - 1, size(variables)) + 1))
          end do
          table = table_of('ranked_dimensions', 'a row for each linkage found and dimension that varies: length or degrees', &
                           audience=for_programs)

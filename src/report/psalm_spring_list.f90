@@ -8,10 +8,12 @@ module psalm_spring_list
    use psalm_spring_study, only: spring_study_t, spring_result_t
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_text, only: text_t, general, to_text
-   use psalm_weight_text, only: write_places, write_reals
+   use psalm_weight_text, only: place_words, write_places, write_reals
    implicit none (type, external)
    private
    public :: list_springs, put_springs, write_springs
+
+   integer, parameter :: place_columns = 24 !! of a link and its joints
 
 contains
 
@@ -21,7 +23,7 @@ contains
       type(spring_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
       type(spring_design_group_t) :: group
-      character(:), allocatable :: what
+      character(:), allocatable :: what, line
       integer :: k
 
       group = spring_design_of(set)
@@ -51,11 +53,14 @@ contains
          call text%add(' LOCAL OPTIMUM, THE BEST OF '//to_text(study%search%starts)//' STARTS, '// &
                        to_text(study%search%ended_here)//' OF WHICH ENDED SO LOW')
       end if
-      call text%add(' SPRING FROM ARC LOOP              X              Y TO ARC LOOP              X              Y')
+      line = ' SPRING FROM ARC LOOP              X              Y TO ARC LOOP              X              Y'
+      if (set%has_names()) line = ' SPRING   '//padded('FROM')//'              X              Y   '//padded('TO')// &
+                                  '              X              Y'
+      call text%add(line)
       do k = 1, size(study%springs)
          associate (of => study%springs(k))
-            call text%add(right(to_text(k), 7)//named(of%ends(1))//general(of%at(1, 1))//general(of%at(2, 1))// &
-                          named(of%ends(2))//general(of%at(1, 2))//general(of%at(2, 2)))
+            call text%add(right(to_text(k), 7)//named(set, of%ends(1))//general(of%at(1, 1))//general(of%at(2, 1))// &
+                          named(set, of%ends(2))//general(of%at(1, 2))//general(of%at(2, 2)))
          end associate
       end do
       call text%add(' SPRING      STIFFNESS    FREE LENGTH       SHORTEST        LONGEST  GREATEST PULL')
@@ -75,18 +80,32 @@ contains
       end do
    end subroutine list_springs
 
-   pure function right(text, columns) result(padded)
+   !> A text in the column of places, or wider.
+   pure function padded(text) result(column)
+      character(*), intent(in) :: text
+      character(:), allocatable :: column
+
+      column = text//repeat(' ', max(0, place_columns - len(text)))
+   end function padded
+
+   pure function right(text, columns) result(shifted)
       character(*), intent(in) :: text
       integer, intent(in) :: columns
-      character(:), allocatable :: padded
+      character(:), allocatable :: shifted
 
-      padded = repeat(' ', max(0, columns - len(text)))//text
+      shifted = repeat(' ', max(0, columns - len(text)))//text
    end function right
 
-   pure function named(place) result(text)
+   !> Where the end of a spring is counted from: an arc, or a link and its joints.
+   pure function named(set, place) result(text)
+      type(data_set_t), intent(in) :: set
       type(place_t), intent(in) :: place
       character(:), allocatable :: text
 
+      if (set%has_names()) then
+         text = '   '//padded(place_words(set, place))
+         return
+      end if
       text = right(to_text(merge(-place%arc, place%arc, place%from_start)), 7)//right(to_text(place%loop), 5)
    end function named
 

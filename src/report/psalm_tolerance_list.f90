@@ -8,9 +8,9 @@ module psalm_tolerance_list
    use psalm_output_kind, only: output_kind_t
    use psalm_sketch, only: sketch_t
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
-   use psalm_text, only: text_t, general, lower_case, to_text, upper_case
+   use psalm_text, only: text_t, general, to_text, upper_case
    use psalm_tolerance, only: tolerance_t, sample_t
-   use psalm_parameters, only: name_of
+   use psalm_parameters, only: name_of, words_of
    implicit none (type, external)
    private
    public :: list_tolerances, put_tolerances, list_output_bands, put_output_bands
@@ -250,7 +250,7 @@ contains
       associate (n => size(linear%tolerance))
          allocate (names(n), worst(n), effect(n))
          do v = 1, n
-            names(v) = lower_case(name_of(linear%variables(v)))
+            names(v) = words_of(linear%variables(v))
             associate (amount => sqrt(sum(linear%effect(:, v, :min(2, linear%kind%components))**2, dim=2)))
                worst(v) = maxloc(amount, dim=1)
                effect(v) = amount(worst(v))

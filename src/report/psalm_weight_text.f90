@@ -8,7 +8,7 @@ module psalm_weight_text
    use psalm_text, only: quoted, text_t, full_precision, to_text
    implicit none (type, external)
    private
-   public :: write_masses, write_places, write_reals
+   public :: place_words, write_masses, write_places, write_reals
 
    integer, parameter :: line_room = 100  !! columns of a line of values
 
@@ -67,7 +67,7 @@ contains
       if (set%has_names()) then
          line = '  '//letter//'NAME='
          do k = 1, size(places)
-            line = line//quoted(words_of(set, places(k)))//','
+            line = line//quoted(place_words(set, places(k)))//','
             call break_line(line, text)
          end do
          if (len_trim(line) > 0) call text%add(line)
@@ -105,7 +105,7 @@ contains
    end subroutine name_place
 
    !> A place as a sketch names it.
-   pure function words_of(set, place) result(words)
+   pure function place_words(set, place) result(words)
       type(data_set_t), intent(in) :: set
       type(place_t), intent(in) :: place
       character(:), allocatable :: words
@@ -115,7 +115,7 @@ contains
          if (place%joint > 0) words = words//' '//trim(sketch%joint_name(place%joint))
          if (place%joint > 0 .and. place%line(1) == place%joint) words = words//' '//trim(sketch%joint_name(place%line(2)))
       end associate
-   end function words_of
+   end function place_words
 
    subroutine write_reals(name, values, text)
       character(*), intent(in) :: name

@@ -7,10 +7,10 @@ module psalm_plan_inputs
    use psalm_loop_messages, only: arc_warning, complain, place_of
    use psalm_mechanism, only: mechanism_t, output_t, arc_actuator, arc_link, arc_slide
    use psalm_output_kind, only: motion_slide
-   use psalm_parameters, only: parameters_t, name_of, variable_length
+   use psalm_parameters, only: parameters_t, words_of, variable_length
    use psalm_sort, only: ascending
    use psalm_status, only: diagnostics_t
-   use psalm_text, only: general, lower_case, to_text
+   use psalm_text, only: general, to_text
    implicit none (type, external)
    private
    public :: find_output, check_dimensions, find_repeated
@@ -94,10 +94,10 @@ contains
             associate (variable => parameters%variables(n))
                if (set%limits%oplow(n) > set%limits%ophigh(n)) then
                   call of_variable('OPLOW', n, 'the lower limit '//limit(set%limits%oplow(n))//' of the '// &
-                                   lower_case(name_of(variable))//' is above its upper limit '//limit(set%limits%ophigh(n)))
+                                   words_of(variable)//' is above its upper limit '//limit(set%limits%ophigh(n)))
                else if (variable%kind == variable_length .and. set%limits%ophigh(n) <= 0.0_wp) then
                   call of_variable('OPHIGH', n, 'a length needs an upper limit above zero; found '//limit(set%limits%ophigh(n))// &
-                                   ' for the '//lower_case(name_of(variable)))
+                                   ' for the '//words_of(variable))
                end if
             end associate
          end do
@@ -129,9 +129,9 @@ contains
          character(:), allocatable :: names
          integer :: i
 
-         names = lower_case(name_of(parameters%variables(1)))
+         names = words_of(parameters%variables(1))
          do i = 2, min(nvar, most_named)
-            names = names//', '//lower_case(name_of(parameters%variables(i)))
+            names = names//', '//words_of(parameters%variables(i))
          end do
          if (nvar > most_named) names = names//' and so on'
          call of_variable(item, 1, 'OPLOW and OPHIGH must give a value for each of the '//to_text(nvar)//' variables; found '// &

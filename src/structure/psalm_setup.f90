@@ -13,7 +13,7 @@ module psalm_setup
    use psalm_loop_groups, only: find_groups
    use psalm_mechanism, only: mechanism_t
    use psalm_parameters, only: parameters_t
-   use psalm_part_names, only: take_names
+   use psalm_part_names, only: name_output, take_names
    use psalm_plan_inputs, only: find_output, check_dimensions, find_repeated
    use psalm_sketch_mechanism, only: take_traced_loops, traced_dimensions
    use psalm_status, only: diagnostics_t
@@ -45,6 +45,7 @@ contains
          mechanism%from_drawing = .true.
          mechanism%whole = .true.
          mechanism%reference = set%method%crnki
+         mechanism%crank_turn = set%traced%crank - set%traced%input
          mechanism%first_input = set%method%turn_begins()
          call assign_bodies(mechanism)
       else
@@ -60,6 +61,7 @@ contains
       call find_joints_of_bodies(mechanism)
       call take_names(set, mechanism)
       call find_output(set, mechanism, findings)
+      call name_output(set, mechanism)
       call find_variables(set, mechanism, parameters, findings)
       call check_dimensions(set, mechanism, dimensions, parameters, findings)
       call find_repeated(set, findings)

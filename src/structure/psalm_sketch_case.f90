@@ -11,13 +11,13 @@ module psalm_sketch_case
    use psalm_data_set, only: data_set_t
    use psalm_dense, only: factors_t
    use psalm_frame_places, only: part_frame_arcs
-   use psalm_kinds, only: wp, degrees_per_radian, full_turn
+   use psalm_kinds, only: wp, degrees_per_radian, full_turn, half_turn
    use psalm_mechanism, only: at_start, at_finish
    use psalm_output_kind, only: output_kind_t, kind_of_output, motion_point, motion_angle, motion_distance, motion_slide, &
                                 motion_pose
    use psalm_place, only: place_t, travel_t
-   use psalm_sketch, only: sketch_t, sketch_output_t, variation_t, frame_link, output_point, output_angle, output_distance, &
-                           slide_t, output_slide, output_pose, most_wished, vary_length, vary_angle, vary_place, &
+   use psalm_sketch, only: sketch_t, sketch_output_t, variation_t, drive_turns, frame_link, output_point, output_angle, &
+                           output_distance, slide_t, output_slide, output_pose, most_wished, vary_length, vary_angle, vary_place, &
                            vary_input, vary_all
    use psalm_sketch_check, only: check_sketch
    use psalm_sketch_loops, only: make_loops
@@ -29,6 +29,7 @@ module psalm_sketch_case
    private
    public :: resolve_sketch, refuse_in_poses, assemble_sketch
 
+   integer, parameter :: dimension_none = 0, dimension_length = 1, dimension_angle = 2, dimension_outlk = 3, dimension_outang = 4
    integer, parameter :: most_named = 12 !! lengths named in a message
    character(*), parameter :: no_dimension = 'dimensions that its loops do not have'
 
@@ -105,9 +106,40 @@ contains
          call findings%append(of_search)
       end if
       call fill_regions(loops, closure%sketch, set)
+      call fill_tolerances(loops, closure%sketch, set, findings)
+      loops%crank = crank_direction(loops, set%sketch)
       allocate (set%traced)
       set%traced = loops
    end subroutine resolve_sketch
+
+   !> Direction of the crank in the drawing, whatever joint its loop goes through: from its drive to the joint that it shares with
+   !> another link, of several to the first by the alphabet; of a crank without such a joint to any of its joints; degrees.
+   pure real(wp) function crank_direction(loops, sketch) result(direction)
+      type(loops_t), intent(in) :: loops
+      type(sketch_t), intent(in) :: sketch
+      integer :: joint, chosen, arc
+      logical :: shared, chosen_shared
+
+      direction = loops%input
+      arc = findloc(loops%arcs%kind == traced_crank .and. loops%arcs%drive == 1, .true., dim=1)
+      if (loops%floating .or. sketch%drives(1)%kind /= drive_turns .or. arc == 0) return
+      chosen = 0
+      chosen_shared = .false.
+      associate (drive => sketch%drives(1))
+         do joint = 1, size(sketch%joint_name)
+            if (joint == drive%joint .or. .not. sketch%has_joint(drive%link, joint)) cycle
+            shared = size(sketch%links_of(joint)) > 1
+            if (chosen > 0) then
+               if (chosen_shared .and. .not. shared) cycle
+               if ((chosen_shared .eqv. shared) .and. sketch%joint_name(joint) > sketch%joint_name(chosen)) cycle
+            end if
+            chosen = joint
+            chosen_shared = shared
+         end do
+         if (chosen == 0 .or. all(loops%arcs(arc)%ends == [drive%joint, chosen])) return
+         direction = within_turn(degrees_of(sketch%x(chosen) - sketch%x(drive%joint), sketch%y(chosen) - sketch%y(drive%joint)))
+      end associate
+   end function crank_direction
 
    !> The joints of regions and of links as ends of arcs, as the output point, or as points beside ends of arcs.
    subroutine fill_regions(loops, sketch, set)
@@ -276,7 +308,8 @@ contains
       do k = 1, size(loops%arcs)
          associate (arc => loops%arcs(k))
             if (arc%place == 1) line = '  LOOP '//to_text(arc%loop)//':'
-            line = line//' '//name_of(arc%ends(1))//' TO '//name_of(arc%ends(2))//' ('//trim(sketch%links(arc%link)%name)
+            line = line//' '//loops%point_name(sketch%joint_name, arc%ends(1))//' TO '// &
+                   loops%point_name(sketch%joint_name, arc%ends(2))//' ('//trim(sketch%links(arc%link)%name)
             if (arc%cylinder) then
                line = line//', STRETCHES'
             else if (arc%kind == traced_slide .or. arc%kind == traced_actuator) then
@@ -296,19 +329,6 @@ contains
          end associate
       end do
       words = text%content()
-
-   contains
-
-      function name_of(point) result(name)
-         integer, intent(in) :: point
-         character(:), allocatable :: name
-
-         if (point <= size(sketch%joint_name)) then
-            name = trim(sketch%joint_name(point))
-         else
-            name = 'FOOT '//to_text(point - size(sketch%joint_name))
-         end if
-      end function name_of
    end function words_of
 
    ! ---- dimensions ---------------------------------------------------------------------------------------------------
@@ -913,39 +933,12 @@ contains
          set%limits%ophigh = [set%limits%ophigh, highest]
       end subroutine bound
 
-      !> The arc between two joints of a link as it was first traced, and whether it leads from the first to the second.
-      subroutine find_arc(a, b, arc, forward)
-         integer, intent(in) :: a, b
-         integer, intent(out) :: arc
-         logical, intent(out) :: forward
-         integer :: i
-
-         arc = 0
-         forward = .true.
-         do i = 1, size(loops%arcs)
-            if (loops%arcs(i)%same .or. loops%arcs(i)%against) cycle
-            if (any(loops%arcs(i)%kind == [traced_slide, traced_actuator])) cycle
-            if (all(loops%arcs(i)%ends == [a, b])) then
-               arc = i
-               return
-            else if (all(loops%arcs(i)%ends == [b, a])) then
-               arc = i
-               forward = .false.
-               return
-            end if
-         end do
-      end subroutine find_arc
-
-      logical function is_output(a, b)
-         integer, intent(in) :: a, b
-         is_output = all([a, b] == loops%output_line())
-      end function is_output
-
       subroutine place_variation(one, which)
          type(variation_t), intent(in) :: one
          integer, intent(in) :: which
-         integer :: arc, other
-         logical :: forward, other_forward
+         integer :: arc, what
+         real(wp) :: sense, zero, bounds(2)
+         logical :: forward
 
          select case (one%kind)
          case (vary_all)
@@ -961,7 +954,7 @@ contains
                high([of_origlk, of_origng]) = one%high
                return
             end if
-            call find_arc(one%joints(1), loops%start, arc, forward)
+            call find_arc(loops, one%joints(1), loops%start, arc, forward)
             if (arc == 0) then
                call missing(which, 'the place of joint '//trim(sketch%joint_name(one%joints(1))))
                return
@@ -971,48 +964,30 @@ contains
             low_length(arc) = one%low(1)
             high_length(arc) = one%high(1)
             call angle_bounds(arc, one%low(2), one%high(2), merge(0.0_wp, 180.0_wp, .not. forward))
-         case (vary_length)
-            if (is_output(one%joints(1), one%joints(2)) .or. is_output(one%joints(2), one%joints(1))) then
+         case (vary_length, vary_angle)
+            call locate_dimension(loops, one, what, arc, sense, zero)
+            bounds = sense*[one%low(1), one%high(1)] + zero
+            bounds = [minval(bounds), maxval(bounds)]
+            select case (what)
+            case (dimension_none)
+               call missing(which, dimension_words(sketch, one))
+            case (dimension_outlk)
                loops%outlk_varies = .true.
-               low(of_outlk) = one%low(1)
-               high(of_outlk) = one%high(1)
-               return
-            end if
-            call find_arc(one%joints(1), one%joints(2), arc, forward)
-            if (arc == 0) then
-               call missing(which, 'the length '//line(one%joints(1:2)))
-               return
-            end if
-            loops%arcs(arc)%length_varies = .true.
-            low_length(arc) = one%low(1)
-            high_length(arc) = one%high(1)
-         case (vary_angle)
-            if (is_output(one%joints(3), one%joints(4))) then
-               call find_arc(one%joints(1), one%joints(2), arc, forward)
-               if (arc > 0) then
-                  if (arc == loops%output_arc) then
-                     loops%outang_varies = .true.
-                     low(of_outang) = one%low(1) + merge(0.0_wp, 180.0_wp, forward)
-                     high(of_outang) = one%high(1) + merge(0.0_wp, 180.0_wp, forward)
-                     return
-                  end if
-               end if
-            end if
-            call find_arc(one%joints(1), one%joints(2), arc, forward)
-            call find_arc(one%joints(3), one%joints(4), other, other_forward)
-            if (arc == 0 .or. other == 0) then
-               call missing(which, 'the angle from '//line(one%joints(1:2))//' to '//line(one%joints(3:4)))
-            else if (counts_from(arc, other)) then
+               low(of_outlk) = bounds(1)
+               high(of_outlk) = bounds(2)
+            case (dimension_outang)
+               loops%outang_varies = .true.
+               low(of_outang) = bounds(1)
+               high(of_outang) = bounds(2)
+            case (dimension_length)
+               loops%arcs(arc)%length_varies = .true.
+               low_length(arc) = bounds(1)
+               high_length(arc) = bounds(2)
+            case default
                loops%arcs(arc)%angle_varies = .true.
-               low_angle(arc) = -one%high(1) + merge(0.0_wp, 180.0_wp, forward .eqv. other_forward)
-               high_angle(arc) = -one%low(1) + merge(0.0_wp, 180.0_wp, forward .eqv. other_forward)
-            else if (.not. counts_from(other, arc)) then
-               call missing(which, 'the angle from '//line(one%joints(1:2))//' to '//line(one%joints(3:4)))
-            else
-               loops%arcs(other)%angle_varies = .true.
-               low_angle(other) = one%low(1) + merge(0.0_wp, 180.0_wp, forward .eqv. other_forward)
-               high_angle(other) = one%high(1) + merge(0.0_wp, 180.0_wp, forward .eqv. other_forward)
-            end if
+               low_angle(arc) = bounds(1)
+               high_angle(arc) = bounds(2)
+            end select
          end select
       end subroutine place_variation
 
@@ -1047,13 +1022,6 @@ contains
          end if
       end subroutine vary_every
 
-      !> True if the angle of an arc is that from another.
-      pure logical function counts_from(arc, other)
-         integer, intent(in) :: arc, other
-
-         counts_from = loops%arcs(arc)%kind == traced_determined .and. loops%arcs(arc)%reference == other
-      end function counts_from
-
       !> Bounds of a direction from the pivot, for a frame arc that is traced against it when `turn` is 180.
       subroutine angle_bounds(arc, lowest, highest, turn)
          integer, intent(in) :: arc
@@ -1066,34 +1034,182 @@ contains
          high_angle(arc) = highest + zero
       end subroutine angle_bounds
 
-      pure function line(joints) result(text)
-         integer, intent(in) :: joints(2)
-         character(:), allocatable :: text
-
-         text = trim(sketch%joint_name(joints(1)))//' '//trim(sketch%joint_name(joints(2)))
-      end function line
-
-      !> A dimension that the loops do not have, and those that they have.
       subroutine missing(which, what)
          integer, intent(in) :: which
          character(*), intent(in) :: what
-         character(:), allocatable :: have
-         integer :: i, told
 
-         have = ''
-         told = 0
-         do i = 1, size(loops%arcs)
-            associate (arc => loops%arcs(i))
-               if (arc%same .or. arc%against .or. any(arc%ends > size(sketch%joint_name)) .or. arc%length == 0.0_wp) cycle
-               if (any(arc%kind == [traced_slide, traced_actuator])) cycle
-               told = told + 1
-               if (told > most_named) cycle
-               have = have//', '//line(arc%ends)
-            end associate
-         end do
-         if (told > most_named) have = have//' and '//to_text(told - most_named)//' more,'
-         if (len(have) > 0) have = '; there are the lengths '//have(3:)//' and the angles between them'
-         call set%origins%error(findings, 'CHAIN', 'VARY', what//' is no dimension of the loops'//have, which)
+         call set%origins%error(findings, 'CHAIN', 'VARY', what//none_such(loops, sketch), which)
       end subroutine missing
    end subroutine fill_variables
+
+   ! ---- dimensions by name ------------------------------------------------------------------------------------------
+
+   !> Tolerances that single dimensions have by their names, for the arcs of the loops; those of arcs that repeat them, too.
+   subroutine fill_tolerances(loops, sketch, set, findings)
+      type(loops_t), intent(inout) :: loops
+      type(sketch_t), intent(in) :: sketch
+      type(data_set_t), intent(in) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      real(wp) :: sense, zero
+      integer :: i, k, what, arc
+
+      do i = 1, size(set%toler%named)
+         associate (one => set%toler%named(i), tolerance => set%toler%of_named(i))
+            call locate_dimension(loops, one, what, arc, sense, zero)
+            select case (what)
+            case (dimension_none)
+               call set%origins%error(findings, 'TOLER', 'TOLNAM', dimension_words(sketch, one)//none_such(loops, sketch), i)
+            case (dimension_outlk)
+               loops%of_output(1) = tolerance
+            case (dimension_outang)
+               loops%of_output(2) = tolerance
+            case default
+               k = merge(1, 2, what == dimension_length)
+               where (repeats(loops, arc)) loops%arcs%tolerances(k) = tolerance
+               if (k == 1 .and. tolerance >= loops%arcs(arc)%length) call set%origins%error(findings, 'TOLER', 'TOLVAL', &
+                  'the tolerance of a length is not smaller than the length', i)
+            end select
+         end associate
+      end do
+   end subroutine fill_tolerances
+
+   !> By arc: it is the given one, or repeats it.
+   pure function repeats(loops, arc)
+      type(loops_t), intent(in) :: loops
+      integer, intent(in) :: arc
+      logical :: repeats(size(loops%arcs))
+      integer :: n, k
+
+      do n = 1, size(repeats)
+         k = n
+         do while (k > 0)
+            if (.not. (loops%arcs(k)%same .or. loops%arcs(k)%against)) exit
+            k = loops%arcs(k)%reference
+         end do
+         repeats(n) = k == arc
+      end do
+   end function repeats
+
+   !> Where the loops have a length or an angle: as given times `sense`, plus `zero` degrees.
+   subroutine locate_dimension(loops, one, what, arc, sense, zero)
+      type(loops_t), intent(in) :: loops
+      type(variation_t), intent(in) :: one  !! `vary_length` or `vary_angle`
+      integer, intent(out) :: what          !! one of `dimension_...`
+      integer, intent(out) :: arc
+      real(wp), intent(out) :: sense, zero
+      integer :: other
+      logical :: forward, other_forward
+
+      what = dimension_none
+      sense = 1.0_wp
+      zero = 0.0_wp
+      call find_arc(loops, one%joints(1), one%joints(2), arc, forward)
+      if (one%kind == vary_length) then
+         if (is_output(one%joints(1:2)) .or. is_output(one%joints(2:1:-1))) then
+            what = dimension_outlk
+         else if (arc > 0) then
+            what = dimension_length
+         end if
+         return
+      end if
+      if (arc > 0 .and. is_output(one%joints(3:4))) then
+         if (arc == loops%output_arc) then
+            what = dimension_outang
+            zero = merge(0.0_wp, half_turn, forward)
+            return
+         end if
+      end if
+      call find_arc(loops, one%joints(3), one%joints(4), other, other_forward)
+      if (arc == 0 .or. other == 0) return
+      zero = merge(0.0_wp, half_turn, forward .eqv. other_forward)
+      if (counts_from(arc, other)) then
+         what = dimension_angle
+         sense = -1.0_wp
+      else if (counts_from(other, arc)) then
+         what = dimension_angle
+         arc = other
+      end if
+
+   contains
+
+      pure logical function is_output(joints)
+         integer, intent(in) :: joints(2)
+
+         is_output = all(joints == loops%output_line())
+      end function is_output
+
+      !> True if the angle of an arc is that from another.
+      pure logical function counts_from(arc, other)
+         integer, intent(in) :: arc, other
+
+         counts_from = loops%arcs(arc)%kind == traced_determined .and. loops%arcs(arc)%reference == other
+      end function counts_from
+   end subroutine locate_dimension
+
+   !> The arc between two joints of a link as it was first traced, and whether it leads from the first to the second.
+   subroutine find_arc(loops, a, b, arc, forward)
+      type(loops_t), intent(in) :: loops
+      integer, intent(in) :: a, b
+      integer, intent(out) :: arc
+      logical, intent(out) :: forward
+      integer :: i
+
+      arc = 0
+      forward = .true.
+      do i = 1, size(loops%arcs)
+         if (loops%arcs(i)%same .or. loops%arcs(i)%against) cycle
+         if (any(loops%arcs(i)%kind == [traced_slide, traced_actuator])) cycle
+         if (all(loops%arcs(i)%ends == [a, b])) then
+            arc = i
+            return
+         else if (all(loops%arcs(i)%ends == [b, a])) then
+            arc = i
+            forward = .false.
+            return
+         end if
+      end do
+   end subroutine find_arc
+
+   !> A length or an angle in words.
+   pure function dimension_words(sketch, one) result(words)
+      type(sketch_t), intent(in) :: sketch
+      type(variation_t), intent(in) :: one
+      character(:), allocatable :: words
+
+      words = 'the length '//line_words(sketch, one%joints(1:2))
+      if (one%kind == vary_angle) words = 'the angle from '//line_words(sketch, one%joints(1:2))//' to '// &
+                                          line_words(sketch, one%joints(3:4))
+   end function dimension_words
+
+   pure function line_words(sketch, joints) result(words)
+      type(sketch_t), intent(in) :: sketch
+      integer, intent(in) :: joints(2)
+      character(:), allocatable :: words
+
+      words = trim(sketch%joint_name(joints(1)))//' '//trim(sketch%joint_name(joints(2)))
+   end function line_words
+
+   !> What is wrong with a dimension that the loops do not have, and those that they have.
+   function none_such(loops, sketch) result(words)
+      type(loops_t), intent(in) :: loops
+      type(sketch_t), intent(in) :: sketch
+      character(:), allocatable :: words
+      character(:), allocatable :: have
+      integer :: i, told
+
+      have = ''
+      told = 0
+      do i = 1, size(loops%arcs)
+         associate (arc => loops%arcs(i))
+            if (arc%same .or. arc%against .or. any(arc%ends > size(sketch%joint_name)) .or. arc%length == 0.0_wp) cycle
+            if (any(arc%kind == [traced_slide, traced_actuator])) cycle
+            told = told + 1
+            if (told > most_named) cycle
+            have = have//', '//line_words(sketch, arc%ends)
+         end associate
+      end do
+      if (told > most_named) have = have//' and '//to_text(told - most_named)//' more,'
+      if (len(have) > 0) have = '; there are the lengths '//have(3:)//' and the angles between them'
+      words = ' is no dimension of the loops'//have
+   end function none_such
 end module psalm_sketch_case

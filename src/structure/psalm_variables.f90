@@ -29,16 +29,16 @@ contains
             if (set%method%iva(a, loop) /= 0) call let_length_vary(set, mechanism, loop, a, parameters, findings)
          end do
       end do
-      if (set%method%ilkout /= 0) call parameters%vary(variable_outlk)
-      if (set%method%iorig /= 0) call parameters%vary(variable_origlk)
+      if (set%method%ilkout /= 0) call parameters%vary(mechanism, variable_outlk)
+      if (set%method%iorig /= 0) call parameters%vary(mechanism, variable_origlk)
       do loop = 1, set%links%nloop
          do a = 1, set%links%maxarc
             if (set%method%ivg(a, loop) /= 0) call let_angle_vary(set, mechanism, loop, a, parameters, findings)
          end do
       end do
-      if (set%method%ingout /= 0) call parameters%vary(variable_outang)
-      if (set%method%iorig /= 0) call parameters%vary(variable_origng)
-      if (set%method%icrk /= 0) call parameters%vary(variable_crnki)
+      if (set%method%ingout /= 0) call parameters%vary(mechanism, variable_outang)
+      if (set%method%iorig /= 0) call parameters%vary(mechanism, variable_origng)
+      if (set%method%icrk /= 0) call parameters%vary(mechanism, variable_crnki)
    end subroutine find_variables
 
    !> What varies of the loops of a sketch, in the same order.
@@ -51,14 +51,14 @@ contains
       do n = 1, size(traced%arcs)
          if (traced%arcs(n)%length_varies) call parameters%vary_length(mechanism, n)
       end do
-      if (traced%outlk_varies) call parameters%vary(variable_outlk)
-      if (traced%pivot_varies) call parameters%vary(variable_origlk)
+      if (traced%outlk_varies) call parameters%vary(mechanism, variable_outlk)
+      if (traced%pivot_varies) call parameters%vary(mechanism, variable_origlk)
       do n = 1, size(traced%arcs)
          if (traced%arcs(n)%angle_varies) call parameters%vary_angle(mechanism, n)
       end do
-      if (traced%outang_varies) call parameters%vary(variable_outang)
-      if (traced%pivot_varies) call parameters%vary(variable_origng)
-      if (traced%input_varies) call parameters%vary(variable_crnki)
+      if (traced%outang_varies) call parameters%vary(mechanism, variable_outang)
+      if (traced%pivot_varies) call parameters%vary(mechanism, variable_origng)
+      if (traced%input_varies) call parameters%vary(mechanism, variable_crnki)
    end subroutine take_traced
 
    subroutine let_length_vary(set, mechanism, loop, a, parameters, findings)

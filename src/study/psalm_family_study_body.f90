@@ -47,21 +47,21 @@ contains
          end if
          if (n > 0) call parameters%vary_length(mechanism, n)
          if (n == 0 .and. sweep%joints(1) > 0) then
-            if (is_output_line(set, sweep)) call parameters%vary(variable_outlk)
+            if (is_output_line(set, sweep)) call parameters%vary(mechanism, variable_outlk)
          end if
       case (swept_angle)
          if (sweep%arc <= mechanism%loops(sweep%loop)%arcs) &
             call parameters%vary_angle(mechanism, mechanism%seq(sweep%loop, sweep%arc))
       case (swept_outlk)
-         call parameters%vary(variable_outlk)
+         call parameters%vary(mechanism, variable_outlk)
       case (swept_outang)
-         call parameters%vary(variable_outang)
+         call parameters%vary(mechanism, variable_outang)
       case (swept_origlk)
-         call parameters%vary(variable_origlk)
+         call parameters%vary(mechanism, variable_origlk)
       case (swept_origng)
-         call parameters%vary(variable_origng)
+         call parameters%vary(mechanism, variable_origng)
       case default
-         call parameters%vary(variable_crnki)
+         call parameters%vary(mechanism, variable_crnki)
       end select
       found = size(parameters%variables) == 1
       if (.not. found) return

@@ -118,7 +118,8 @@ contains
       call prepare_rates(own, rates)
       allocate (study%inputs(size(set%sketch%drives), problem%positions))
       study%inputs(1, :) = input_at(own%mechanism, dimensions, problem%delt)
-      study%crank = pack(crank_angle_at(dimensions, problem%delt), spread(shows_crank(own%mechanism), 1, problem%positions))
+      study%crank = pack(crank_angle_at(own%mechanism, dimensions, problem%delt), &
+                         spread(shows_crank(own%mechanism), 1, problem%positions))
       do k = 2, size(study%inputs, 1)
          if (set%sketch%drives(k)%geared) then
             study%inputs(k, :) = set%sketch%drives(k)%ratio*study%inputs(1, :) + set%sketch%drives(k)%phase

@@ -341,16 +341,16 @@ contains
             if (tolerance_of_kind(set, variable_length, arc%loop, arc%place) > 0.0_wp) call parameters%vary_length(mechanism, n)
          end associate
       end do
-      if (tolerance_of_kind(set, variable_outlk) > 0.0_wp) call parameters%vary(variable_outlk)
-      if (pivot) call parameters%vary(variable_origlk)
+      if (tolerance_of_kind(set, variable_outlk) > 0.0_wp) call parameters%vary(mechanism, variable_outlk)
+      if (pivot) call parameters%vary(mechanism, variable_origlk)
       do n = 1, size(mechanism%arcs)
          associate (arc => mechanism%arcs(n))
             if (tolerance_of_kind(set, variable_gama, arc%loop, arc%place) > 0.0_wp) call parameters%vary_angle(mechanism, n)
          end associate
       end do
-      if (tolerance_of_kind(set, variable_outang) > 0.0_wp) call parameters%vary(variable_outang)
-      if (pivot) call parameters%vary(variable_origng)
-      if (set%toler%tolcrk > 0.0_wp) call parameters%vary(variable_crnki)
+      if (tolerance_of_kind(set, variable_outang) > 0.0_wp) call parameters%vary(mechanism, variable_outang)
+      if (pivot) call parameters%vary(mechanism, variable_origng)
+      if (set%toler%tolcrk > 0.0_wp) call parameters%vary(mechanism, variable_crnki)
    end function deviating_dimensions
 
    !> Positions at which some dyad is at a dead point.
@@ -387,13 +387,9 @@ contains
       type(data_set_t), intent(in) :: set
       integer, intent(in) :: kind                      !! one of `variable_...`
       integer, intent(in), optional :: loop, place     !! of an arc
-      logical :: of_all
 
-      of_all = allocated(set%traced)
-      if (of_all .and. any(kind == [variable_outlk, variable_outang])) of_all = set%traced%outlk > 0.0_wp
-      if (of_all .and. any(kind == [variable_origlk, variable_origng])) of_all = set%traced%origlk > 0.0_wp
-      if (of_all .and. kind /= variable_crnki) then
-         tolerance = merge(set%toler%tollen, set%toler%tolang, any(kind == [variable_length, variable_outlk, variable_origlk]))
+      if (allocated(set%traced)) then
+         tolerance = of_sketch(merge(1, 2, any(kind == [variable_length, variable_outlk, variable_origlk])))
          return
       end if
       select case (kind)
@@ -412,6 +408,30 @@ contains
       case default
          tolerance = set%toler%tolcrk
       end select
+
+   contains
+
+      !> Of a length (1) or an angle (2): its own, else that of all.
+      pure real(wp) function of_sketch(which)
+         integer, intent(in) :: which
+         real(wp) :: own
+
+         own = -1.0_wp
+         of_sketch = merge(set%toler%tollen, set%toler%tolang, which == 1)
+         select case (kind)
+         case (variable_length, variable_gama)
+            own = set%traced%arcs(set%traced%number_of(loop, place))%tolerances(which)
+         case (variable_outlk, variable_outang)
+            own = set%traced%of_output(which)
+            if (set%traced%outlk <= 0.0_wp .and. which == 1) of_sketch = 0.0_wp
+         case (variable_origlk, variable_origng)
+            of_sketch = 0.0_wp
+            if (set%traced%origlk > 0.0_wp) of_sketch = set%toler%of_pivot(which)
+         case default
+            of_sketch = set%toler%tolcrk
+         end select
+         if (own >= 0.0_wp) of_sketch = own
+      end function of_sketch
    end function tolerance_of_kind
 
    !> Analyse a sample of linkages.

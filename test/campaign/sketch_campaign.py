@@ -1270,9 +1270,9 @@ def compare_orders(case, output, again):
         for name, value in one.items():
             if name not in two or math.isnan(value) or name.split(".")[0] == "R" and stands(case.sketch, two):
                 continue
-            if name.startswith("crank_angle"):
-                continue                            # of a crank of three joints the line is that to the joint its loop goes through
             gap = abs(value - two[name])
+            if name.startswith("crank_angle"):
+                gap = min(gap, 360.0 - gap)
             if name.endswith(("_n", "_fx", "_fy", "_m")):
                 if name.endswith("_m") and name != "frame_m":
                     continue                        # the foot of a slide is another one

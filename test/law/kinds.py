@@ -661,7 +661,7 @@ def has_effect(k, run):
     step, length = 1e-4, k.sought_length()
     most = max(abs(k.model(*v, scale=1.0 + step)["P"] - k.model(*v, scale=1.0 - step)["P"]) for v in increments(k))
     most *= float(size(k, 0.05))/(2.0*step*length)
-    effects = [abs(number(v)) for v in re.findall(r"^ LENGTH OF ARC +\d+ IN LOOP +\d+ +\S+ +(\S+) +\d+$", run.out, re.M)]
+    effects = [abs(number(v)) for v in re.findall(r"^ LENGTH .* (\S+) +\d+$", run.out, re.M)]
     rows = run.file(".dev9").split("# tolerances", 1)[-1].split("\n\n", 1)[0].splitlines()[1:]
     yield "a band at every position", len(rows) == len(increments(k)), len(rows)
     for n, (row, values) in enumerate(zip(rows, increments(k))):

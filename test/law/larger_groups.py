@@ -134,15 +134,15 @@ def positions(work):
 
 def tolerances(listing, work):
     """Linear effects of six lengths against linkages that are a little longer."""
-    arcs, step = (1, 2, 3, 4, 8, 9), 1e-4
-    effects = {int(m[1]): float(m[2].replace("D", "E"))
-               for m in re.finditer(r"LENGTH OF ARC +(\d+) IN LOOP 1 +\S+ +(\S+) +\d+\n", listing.split("BANDS OF")[0])}
-    for k, arc in enumerate(arcs):
+    lengths, step = ("E F", "E P", "B P", "A B", "B C", "C D"), 1e-4
+    effects = {m[1]: float(m[2].replace("D", "E"))
+               for m in re.finditer(r" LENGTH (\w \w) +\S+ +(\S+) +\d+\n", listing.split("BANDS OF")[0])}
+    for k, name in enumerate(lengths):
         both = [SixBar(deviations=[s*step*(i == k) for i in range(6)]).turn(range(0, 360, 15)) for s in (1, -1)]
         change = [(a["P"] - b["P"])/(2.0*step)*0.05 for a, b in zip(*both)]
         largest = max(max(abs(c.real), abs(c.imag)) for c in change)
-        found = effects.get(arc, 0.0)
-        check("largest effect of the length of arc %d" % arc, any(abs(abs(found) - v) < 1e-5 for v in (largest, max(map(abs, change)))),
+        found = effects.get(name, 0.0)
+        check("largest effect of the length %s" % name, any(abs(abs(found) - v) < 1e-5 for v in (largest, max(map(abs, change)))),
               (found, largest))
     nine = read(work, "case.dev9")
     part = nine.split("# tolerances: linear bands", 1)[1].split("\n\n", 1)[0]

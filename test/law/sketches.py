@@ -353,6 +353,75 @@ def grid_alone(programs):
         yield "a grid without &METHOD: the same as with it", rows == same, (rows, same)
 
 
+NAMED = """TOLERANCES BY NAME
+ &CHAIN JNT='A','D','B','C','P', JX=0,4,0,5,2, JY=0,0,1,3,4, LNK='A D','A B','B C P','C D' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point P' &END
+ &METHOD NDES=3, DELT=0,20,40 &END
+"""
+
+
+def named_tolerances(programs):
+    """Tolerances of single dimensions by the names of joints are those of the same arcs by their numbers."""
+    def bands(folder, name, text, *options):
+        done, _ = run_psalm(programs, folder, name, text, *options)
+        with open(os.path.join(folder, name + ".dev9"), encoding="ascii") as file:
+            blocks = file.read().split("# tolerances: ")
+        rows = [line.split() for line in blocks[-1].splitlines()[1:] if line and not line.startswith("#")][:3] if len(blocks) > 1 else []
+        return done, [[float(v) for v in row] for row in rows]
+
+    with tempfile.TemporaryDirectory() as folder:
+        run_psalm(programs, folder, "loops", NAMED, "--links")
+        with open(os.path.join(folder, "loops.dev7"), encoding="ascii") as file:
+            loops = file.read()
+        # arcs: 1 A B, 2 B C, 3 C D, 4 D A
+        for law, names, values, arcs in (
+                ("lengths", "'A B','C B','C D'", "0.01,0.02,0.03", "TOLARC=0.01,0.02,0.03"),
+                ("a length that is none of theirs", "'C P'", "0.5", None),
+                ("one of all", "'A B'", "0.05, TOLLEN=0.01", "TOLLEN=0.01, TOLARC=0.05,0.01,0.01,0.01"),
+                ("one exact", "'A B'", "0.0, TOLLEN=0.01", "TOLLEN=0.01, TOLARC=0.0,0.01,0.01,0.01"),
+                ("the output on its link", "'B P','angle B C B P'", "0.02,0.3", "TOLOUT=0.02, TOLOUA=0.3")):
+            done, some = bands(folder, "named", NAMED + " &TOLER TOLNAM=%s, TOLVAL=%s &END\n" % (names, values))
+            if arcs is None:
+                yield "tolerances: %s is refused with the lengths that there are" % law, done.returncode == 2 and \
+                    "is no dimension of the loops; there are the lengths " in done.stderr, done.stderr
+                continue
+            other, same = bands(folder, "arcs", loops + " &TOLER %s &END\n" % arcs)
+            yield "tolerances: %s, by name" % law, done.returncode == other.returncode == 0 and len(some) == len(same) == 3, \
+                (done.stderr, other.stderr)
+            yield "tolerances: %s, as by number" % law, all(abs(a - b) < 1e-12 for r, s in zip(some, same) for a, b in zip(r[1:], s[1:])), \
+                (some, same)
+        done, _ = run_psalm(programs, folder, "listed", NAMED + " &TOLER TOLNAM='A B','angle B C B P', TOLVAL=0.01,0.1 &END\n")
+        yield "tolerances: the listing calls them by their joints", all(words in done.stdout for words in (
+            " LENGTH A B ", " ANGLE B C B P ")) and " OF ARC " not in done.stdout.split("EFFECT OF TOLERANCES")[-1], done.stdout
+        for items, words in (("TOLNAM='A B'", "1 dimensions are named, but 0 tolerances given"),
+                             ("TOLNAM='A B', TOLVAL=-1", "a tolerance is negative"),
+                             ("TOLNAM='A B', TOLVAL=1", "is not smaller than the length"),
+                             ("TOLNAM='place D', TOLVAL=1", "lengths 'A B' and angles 'angle B C B P' have tolerances here"),
+                             ("TOLNAM='A E', TOLVAL=1", "no joint is called 'E'"),
+                             ("TOLOUT=1", "TOLNAM with TOLVAL for single dimensions")):
+            done, _ = run_psalm(programs, folder, "wrong", NAMED + " &TOLER %s &END\n" % items)
+            yield "tolerances: %s is refused" % items, done.returncode == 2 and words in done.stderr, done.stderr
+
+
+def one_crank_angle(programs):
+    """The direction of a crank of three joints does not depend on the order in which they are written."""
+    with tempfile.TemporaryDirectory() as folder:
+        angles = []
+        for name, crank, more in (("one", "A B E", "'E F','F G'"), ("two", "E A B", "'F G','E F'")):
+            text = """A CRANK OF THREE JOINTS
+ &CHAIN JNT='A','D','B','C','E','F','G', JX=0,4,0,5,-1,-4,-5, JY=0,0,1,3,0.5,3,0, LNK='A D G','%s',%s,'B C','C D' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='%s' &END
+ &METHOD NDES=2, DELT=0,10 &END
+""" % (crank, more, "x F" if name == "two" else "x C")
+            done, _ = run_psalm(programs, folder, name, text)
+            with open(os.path.join(folder, name + ".csv"), encoding="ascii") as file:
+                angles.append([float(row["crank_angle"]) for row in csv.DictReader(file)])
+            yield "crank angle, %s: done" % name, done.returncode in (0, 1) and "crank is at 90.00000 degrees" in done.stderr, done.stderr
+        yield "crank angle: that of A B", all(abs(a - b) < 1e-9 for some in angles for a, b in zip(some, (90, 100))), angles
+
+
 WISHED = """ONE WISH IN TWO WORDS
  &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,33.0,90.0,20.0, JY=0.0,31.0,82.0,5.0,95.0,
   LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P','C D',
@@ -597,8 +666,8 @@ def main():
     if by_loops < arguments.count // 10:
         failed += 1
         told.append("sliding drives: only %d of %d were solved by loops" % (by_loops, number))
-    for say in (one_verdict, one_way, other_way_round, wheels_of_whole_ratios, searched, searched_in_poses, grid_alone, wished, one_zero,
-                rigid_triangle):
+    for say in (one_verdict, one_way, other_way_round, wheels_of_whole_ratios, searched, searched_in_poses, grid_alone,
+                named_tolerances, one_crank_angle, wished, one_zero, rigid_triangle):
         for law, holds, got in say(arguments.programs):
             passed += bool(holds)
             failed += not holds
