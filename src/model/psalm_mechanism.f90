@@ -62,7 +62,7 @@ module psalm_mechanism
       integer :: drive = 1              !! of the input link and of arcs whose length is an input: the actuator that moves it
       integer :: link = 0               !! of a sketch: the link that it is fixed in,
       integer :: joints(2) = 0          !! the joints at its ends, 0: none,
-      integer :: marks(2) = 0           !! the points there if they are points of the link - joints, then those of slides -, 0: none,
+      integer :: marks(2) = 0           !! the points there that are points of the link - joints, then those of slides -, 0: none,
       integer :: rail = 0               !! and the slide that it runs along, 0: none
    end type arc_t
 

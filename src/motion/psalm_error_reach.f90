@@ -83,8 +83,8 @@ contains
       end do
    end subroutine find_ends
 
-   !> A way through several inputs is not one of even steps of the first. Whatever way a linkage takes, it does not come to where two
-   !> slides are the other way round than in the drawing: they would have been parallel between.
+   !> A way through several inputs is not one of even steps of the first. Whatever way a linkage takes, it does not come to where
+   !> two slides are the other way round than in the drawing: they would have been parallel between.
    subroutine find_other_sides(problem, dimensions, start, beyond)
       class(problem_t), intent(inout) :: problem     !! with its positions
       type(dimensions_t), intent(in) :: dimensions

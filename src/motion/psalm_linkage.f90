@@ -16,7 +16,7 @@ module psalm_linkage
    use psalm_mechanism, only: mechanism_t, linkage_group_t, arc_slide
    implicit none (type, external)
    private
-   public :: linkage_t, bound_step_t, block_length, padded, solve_point, put_seconds, put_driven_lengths, all_between
+   public :: linkage_t, bound_step_t, block_length, padded, solve_point, put_seconds, put_driven_lengths
 
    integer, parameter :: block_length = 128 !! positions solved together: all arrays stay in first-level cache
    integer, parameter :: lane = 4           !! positions are padded to a multiple of this: no remainder loops

@@ -90,9 +90,8 @@ contains
       sound = .true.
       do j = 1, k - 1
          if (self%steps(j)%kind /= step_dyad) cycle
-         associate (dyad => self%steps(j)%dyad)
-            sound = sound .and. all_between(self, n, self%steps(j)%loop, dyad%closes_low, dyad%closes_high)
-         end associate
+         ! what is accepted closes
+         sound = sound .and. self%all_accepted(n, self%steps(j)%loop)
       end do
       associate (higher => self%steps(k)%dyad%higher, v => self%store%v)
          do j = 1, size(higher%known)
