@@ -215,7 +215,10 @@ contains
       study%mass = sum(model%inertia(parameter_mass, :))
       call make_channels(set, problem, model, motion, table, anchor, study)
       allocate (none(parameters_of_weight, size(model%reference)), source=0.0_wp)
-      study%before = [(measure_of(study%channels(k), none), k=1, size(study%channels))]
+      allocate (study%before(size(study%channels)))
+      do k = 1, size(study%before)     ! one by one: a constructor would keep their memory (gfortran 12)
+         study%before(k) = measure_of(study%channels(k), none)
+      end do
       call make_balance(problem, dimensions, model, anchor, balance)
       call balance_completely(group, problem%mechanism, model, anchor, balance, rooms, pins, study, stop)
       if (study%stopped .or. size(rooms) == 0) return
@@ -573,7 +576,10 @@ contains
          outcome%weights = [outcome%weights, weight]
       end do
       outcome%total = sum(outcome%weights%mass)
-      outcome%loads = [(measure_of(study%channels(k), added), k=1, size(study%channels))]
+      allocate (outcome%loads(size(study%channels)))
+      do k = 1, size(outcome%loads)
+         outcome%loads(k) = measure_of(study%channels(k), added)
+      end do
    end subroutine describe
 
    !> A direction within half a turn, without the rounding of one along the link.
