@@ -257,7 +257,8 @@ contains
       drawn%search%ranking = ranking_common
       drawn%search%maxtime = 0.0_wp  ! of all kinds together
       call draw_at_random(kind, asked%output, centre, extent_of(set), random, drawn%sketch)
-      associate (every => drawn%sketch%variations(1))
+      associate (whole => drawn%sketch, every => drawn%sketch%variations(1))
+         whole%given = .true.
          every%bounded = .true.
          every%low(1) = merge(asked%low, usual_low*extent_of(set), asked%low > 0.0_wp)
          every%high(1) = merge(asked%high, usual_high*extent_of(set), asked%high > 0.0_wp)
