@@ -380,14 +380,19 @@ contains
    !> A text in quotes, in which an apostrophe is written twice: as a value of the notation.
    pure function quoted(value) result(text)
       character(*), intent(in) :: value
-      character(:), allocatable :: text
-      integer :: i
+      character(:), allocatable :: text, room
+      integer :: i, n
 
-      text = "'"
+      allocate (character(2*len(value) + 2) :: room)
+      room(1:1) = "'"
+      n = 1
       do i = 1, len_trim(value)
-         text = text//value(i:i)
-         if (value(i:i) == "'") text = text//"'"
+         n = n + 1
+         room(n:n) = value(i:i)
+         if (value(i:i) /= "'") cycle
+         n = n + 1
+         room(n:n) = "'"
       end do
-      text = text//"'"
+      text = room(:n)//"'"
    end function quoted
 end module psalm_text

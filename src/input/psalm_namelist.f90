@@ -361,7 +361,7 @@ contains
       character(:), allocatable :: reason, words
       character(1) :: mark
       type(value_t) :: value
-      integer :: stop_at, star
+      integer :: stop_at, star, start, filled
       logical :: valid
 
       value%line = line
@@ -386,7 +386,7 @@ contains
       if (value%quoted) then
          column = column + 1
          mark = text(column - 1:column - 1)
-         words = ''
+         start = column
          do
             stop_at = index(text(column:), mark)
             if (stop_at == 0) then
@@ -395,14 +395,19 @@ contains
             else
                stop_at = column + stop_at - 1
             end if
-            words = words//text(column:stop_at - 1)
             if (stop_at >= len(text)) exit
             ! within the text the mark is written twice
             if (text(stop_at + 1:stop_at + 1) /= mark) exit
-            words = words//mark
             column = stop_at + 2
          end do
-         call take(words)
+         allocate (character(stop_at - start) :: words)
+         filled = 0
+         do while (start < stop_at)
+            filled = filled + 1
+            words(filled:filled) = text(start:start)
+            start = start + merge(2, 1, text(start:start) == mark)
+         end do
+         call take(words(:filled))
       else
          call take(text(column:stop_at))
       end if

@@ -527,7 +527,7 @@ NO LINKAGE HAS THEM: AT 180 THE TWO LINKS LIE IN LINE
  &LIMITS TANGLE=90.0, IPROOF=0 &END
 END
 status 1 'the simplex and derivatives that do not exist' "$psalm" dead.nml
-said 'the simplex and derivatives that do not exist' 'no linkage has the derivatives that are wanted'
+said 'the simplex and derivatives that do not exist' 'no linkage has the desired derivatives'
 changed dead.nml 's/, INGOUT=1, NITER=400//' >still.nml
 status 0 'a derivative that does not exist' "$psalm" still.nml
 check 'a derivative that does not exist is not in the total' grep -q 'TOTAL ERROR WITHOUT THE DERIVATIVES AT DEAD POINTS' out
