@@ -1968,7 +1968,7 @@ module psalm_page_text
    '    if (c.drives) return factsOfDrives(c, at, near);'//nl// &
    '    const value = (key) => shortOutput(c, near >= 0 ? p[key][near] : mixed(s[key], at));'//nl// &
    '    const input = near >= 0 ? p.input[near] : c.ring ? modulo(inputAt(c, t), 360) : inputAt(c, t);'//nl// &
-   "    let text = c.sliding ? 'input ' + short(input) + ', ' : 'crank ' + short(input) + '\u00b0, ';"//nl// &
+   "    let text = (c.sliding || c.inputLabel ? 'input ' : 'crank ') + short(input) + (c.sliding ? ', ' : '\u00b0, ');"//nl// &
    "    if (c.motion === 'point') text += 'x ' + value('actual') + ', y ' + value('actual_y');"//nl// &
    "    else text += c.motion + ' ' + value('actual') + (c.motion === 'angle' ? '\u00b0' : '');"//nl// &
    "    if ((near >= 0 ? p.closed[near] : s.closed[at[0]]) === '0') text += ' (does not close)';"//nl// &

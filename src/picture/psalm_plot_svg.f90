@@ -235,9 +235,10 @@ contains
       case (look_dots)
          class = 'dots'
       case default
-         class = 'line'
+         ! beyond the colours of the palette they come again, dashed
+         class = merge('dashed', 'line  ', line%colour > palette_size)
       end select
-      class = class//' c'//to_text(merge(0, modulo(line%colour - 1, palette_size) + 1, line%colour == 0))
+      class = trim(class)//' c'//to_text(merge(0, modulo(line%colour - 1, palette_size) + 1, line%colour == 0))
    end function class_of
 
    ! ---- legend ------------------------------------------------------------------------------------------------------

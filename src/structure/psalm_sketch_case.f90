@@ -113,11 +113,12 @@ contains
    end subroutine resolve_sketch
 
    !> Direction of the crank in the drawing, whatever joint its loop goes through: from its drive to the joint that it shares with
-   !> another link, of several to the first by the alphabet; of a crank without such a joint to any of its joints; degrees.
+   !> another link, of several to the first by the alphabet; of a crank without such a joint to any of its joints; of a crank
+   !> without any that of its slide, of several of the first by the alphabet; degrees.
    pure real(wp) function crank_direction(loops, sketch) result(direction)
       type(loops_t), intent(in) :: loops
       type(sketch_t), intent(in) :: sketch
-      integer :: joint, chosen, arc
+      integer :: joint, chosen, arc, k, guide
       logical :: shared, chosen_shared
 
       direction = loops%input
@@ -136,7 +137,19 @@ contains
             chosen = joint
             chosen_shared = shared
          end do
-         if (chosen == 0 .or. all(loops%arcs(arc)%ends == [drive%joint, chosen])) return
+         if (chosen == 0) then
+            guide = 0
+            do k = 1, size(sketch%slides)
+               if (.not. any(sketch%slides(k)%links == drive%link)) cycle
+               if (guide > 0) then
+                  if (sketch%slides(k)%name > sketch%slides(guide)%name) cycle
+               end if
+               guide = k
+            end do
+            if (guide > 0) direction = within_turn(sketch%slides(guide)%angle)
+            return
+         end if
+         if (all(loops%arcs(arc)%ends == [drive%joint, chosen])) return
          direction = within_turn(degrees_of(sketch%x(chosen) - sketch%x(drive%joint), sketch%y(chosen) - sketch%y(drive%joint)))
       end associate
    end function crank_direction
