@@ -19,13 +19,14 @@ module psalm_scene
    use psalm_parts, only: drawn_joint_t, drawn_bar_t, drawn_body_t, drawn_slide_t, drawn_dyad_t, wheel_t, output_curve_t, &
                           drive_part_t, edge_t, find_slides, convex_hull
    use psalm_sketch, only: output_point, output_pose, output_x, output_y
+   use psalm_sketch_motion, only: sketch_motion_t, locate_sketch
    use psalm_proof_scene, only: proof_scene_t, make_proof_scene
    use psalm_status, only: finding_t, level_error
    use psalm_sweep, only: sweep_inputs, sweep_sense
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t, at_finish, at_start, body_frame, joint_revolute
    use psalm_parameters, only: parameters_t
-   use psalm_trace, only: position_row_t, trace_row
+   use psalm_trace, only: position_row_t, trace_row, trace_points
    use psalm_vibration_scene, only: vibration_scene_t
    implicit none (type, external)
    private
@@ -77,6 +78,13 @@ module psalm_scene
       type(edge_t), allocatable :: edges(:)               !! of that, all drives but one at an end of their strokes
    end type scene_t
 
+   !> A point of a link off its arcs: a joint of a sketch that no other link shares.
+   type :: side_point_t
+      integer :: joint = 0                                !! of the sketch
+      integer :: body = 0, base = 0                       !! of the mechanism: the body; the point that it is counted from
+      real(wp) :: length = 0.0_wp                         !! from there
+   end type side_point_t
+
 contains
 
    !> A scene of messages only, for a case that cannot be solved.
@@ -126,7 +134,10 @@ contains
                                                    !! wishes, forces and forbidden regions
       integer, intent(in), optional :: kept(:)     !! numbers of the prescribed positions that are drawn; all if absent
       class(problem_t), allocatable :: own, whole   ! large: they would fill a small stack
+      type(sketch_motion_t) :: sketch
+      type(side_point_t), allocatable :: sides(:)
       integer, allocatable :: place(:)
+      integer :: side
       logical :: proven
 
       call message_scene(set, findings, scene)
@@ -139,6 +150,10 @@ contains
       scene%sliding = mechanism%sliding_input
       if (mechanism%from_drawing) &
          scene%input_label = trim(merge('input length  ', 'input, degrees', scene%sliding))//' from the drawing'
+      if (set%has_names()) then
+         if (size(set%sketch%outputs) > 0) scene%output_label = trim(set%sketch%outputs(1)%name)
+         if (set%has_stand_in()) scene%output_label = 'joint '//set%traced%stand_in
+      end if
       scene%everywhere = set%limits%ktheta /= 0
       scene%tangle = set%limits%tangle
       if (allocated(set%constr%regions)) scene%regions = set%constr%regions
@@ -162,12 +177,21 @@ contains
       call whole%set_inputs(own%delt)
       call trace_row(own, whole, dimensions, scene%slides, scene%output_slide, .false., scene%sweep)
       if (present(chosen)) call trace_chosen(chosen, own, whole, dimensions, scene)
+      call find_sides(set, mechanism, dimensions, sketch, sides)
+      if (size(sides) > 0) then
+         call trace_points(own, dimensions, sketch, sides%joint, scene%prescribed)
+         call trace_points(own, dimensions, sketch, sides%joint, scene%sweep)
+         if (present(chosen)) call trace_points(own, dimensions, sketch, sides%joint, scene%chosen)
+      end if
       call merge_joints(scene, size(mechanism%points) + 1, place)
       scene%drawn = place
-      call make_bars(mechanism, dimensions, place, scene)
+      call make_bars(mechanism, dimensions, place, sides, scene)
       call name_joints(set, mechanism, place, scene)
+      do side = 1, size(sides)
+         scene%joints(place(size(mechanism%points) + 1 + side))%name = trim(set%sketch%joint_name(sides(side)%joint))
+      end do
       scene%reference = minloc(abs(scene%prescribed%delt), dim=1)
-      call make_bodies(mechanism, set%has_names(), scene)
+      call make_bodies(mechanism, set%has_names(), sides, scene)
       call choose_view(scene, maxval(dimensions%arcl))
       call find_rails(scene)
       call find_others(scene, scene%prescribed)
@@ -196,6 +220,42 @@ contains
          if (present(delt)) call own%set_inputs(delt)
       end subroutine begin
    end subroutine make_scene
+
+   !> Points of links off the arcs that are not the output point, which is drawn already.
+   subroutine find_sides(set, mechanism, dimensions, sketch, sides)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      type(sketch_motion_t), intent(out) :: sketch
+      type(side_point_t), allocatable, intent(out) :: sides(:)
+      integer :: k, end
+
+      allocate (sides(0))
+      if (.not. allocated(set%traced)) return
+      call locate_sketch(set, mechanism, sketch, dimensions)
+      do k = 1, size(sketch%moving)
+         associate (one => sketch%moving(k))
+            if (.not. abs(one%offset) > 0.0_wp .or. one%joint == output_joint(set)) cycle
+            end = merge(at_start, at_finish, set%traced%joint_places(one%joint)%from_start)
+            sides = [sides, side_point_t(one%joint, mechanism%body_at(one%arc, end), mechanism%arcs(one%arc)%ends(end), &
+                                         abs(one%offset))]
+         end associate
+      end do
+   end subroutine find_sides
+
+   !> The joint of a sketch that is the output point; 0: there is none.
+   pure integer function output_joint(set) result(joint)
+      type(data_set_t), intent(in) :: set
+
+      joint = 0
+      if (set%has_stand_in()) then
+         joint = set%sketch%joint_called(set%traced%stand_in)
+      else if (size(set%sketch%outputs) > 0) then
+         associate (output => set%sketch%outputs(1))
+            if (any(output%kind == [output_point, output_x, output_y, output_pose])) joint = output%joints(1)
+         end associate
+      end if
+   end function output_joint
 
    !> One more position, by its increment.
    subroutine trace_chosen(increment, own, whole, dimensions, scene)
@@ -229,8 +289,6 @@ contains
       call find_band(set, mechanism, dimensions, scene%sweep%delt, scene%sweep%closed, band, found)
       if (found) call move_alloc(band, scene%band)
       if (set%has_names()) then
-         if (size(set%sketch%outputs) > 0) scene%output_label = trim(set%sketch%outputs(1)%name)
-         if (set%has_stand_in()) scene%output_label = 'joint '//set%traced%stand_in
          call add_sketch_panels(set, mechanism, dimensions, scene%sweep%delt, size_of, scene%panels)
       else
          allocate (own)
@@ -369,15 +427,16 @@ contains
 
    ! ---- what is there -----------------------------------------------------------------------------------------------
 
-   !> Joints that are always at the same place are one joint. `place` tells where each went; the last is the output.
-   subroutine merge_joints(scene, joints, place)
+   !> Joints that are always at the same place are one joint. `place` tells where each went.
+   subroutine merge_joints(scene, output, place)
       type(scene_t), intent(inout) :: scene
-      integer, intent(in) :: joints
+      integer, intent(in) :: output                   !! the row of the output; points of links off the arcs follow
       integer, allocatable, intent(out) :: place(:)   !! shape (joints)
       integer, allocatable :: kept(:)
       real(wp) :: near
-      integer :: j, k, count
+      integer :: j, k, count, joints
 
+      joints = size(scene%prescribed%x, 1)
       allocate (place(joints), kept(joints), source=0)
       associate (x => scene%prescribed%x, y => scene%prescribed%y, known => scene%prescribed%known)
          near = max(maxval(x, known) - minval(x, known), maxval(y, known) - minval(y, known))*same_place
@@ -400,7 +459,7 @@ contains
       call keep(scene%sweep)
       if (scene%chosen%n > 0) call keep(scene%chosen)
       allocate (scene%joints(count))
-      scene%output = place(joints)
+      scene%output = place(output)
       do k = 1, size(scene%slides)
          scene%slides(k)%guide = place(scene%slides(k)%guide)
          scene%slides(k)%block = place(scene%slides(k)%block)
@@ -432,17 +491,26 @@ contains
       end subroutine keep
    end subroutine merge_joints
 
-   !> The bars with their names, the output arc last.
-   subroutine make_bars(mechanism, dimensions, place, scene)
+   !> The bars with their names, then the output arc, then lines to points of links off the arcs.
+   subroutine make_bars(mechanism, dimensions, place, sides, scene)
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       integer, intent(in) :: place(:)
+      type(side_point_t), intent(in) :: sides(:)      !! their places are the last ones
       type(scene_t), intent(inout) :: scene
       integer :: b, n, loop, a, k, bars
       character(24) :: name
 
       bars = size(mechanism%bars) + merge(0, 1, scene%motion == motion_slide)
-      allocate (scene%bars(bars))
+      allocate (scene%bars(bars + size(sides)))
+      do k = 1, size(sides)
+         associate (bar => scene%bars(bars + k))
+            bar%start = place(sides(k)%base)
+            bar%finish = place(size(place) - size(sides) + k)
+            bar%length = sides(k)%length
+            bar%others = ''
+         end associate
+      end do
       do b = 1, size(mechanism%bars)
          associate (bar => scene%bars(b))
             bar%start = place(mechanism%bars(b)%ends(at_start))
@@ -534,11 +602,9 @@ contains
          end associate
       end do
       ! the output point is the end of no arc
-      if (size(set%sketch%outputs) == 0 .or. len(scene%joints(scene%output)%name) > 0) return
-      associate (output => set%sketch%outputs(1))
-         if (any(output%kind == [output_point, output_x, output_y, output_pose])) &
-            scene%joints(scene%output)%name = trim(set%sketch%joint_name(output%joints(1)))
-      end associate
+      if (len(scene%joints(scene%output)%name) > 0) return
+      j = output_joint(set)
+      if (j > 0) scene%joints(scene%output)%name = trim(set%sketch%joint_name(j))
 
    contains
 
@@ -554,16 +620,18 @@ contains
 
    !> The mechanism's bodies as far as they have bars of fixed length; one with an area is a plate. Bars of one body that hang
    !> together nowhere, as where one is only parallel to the others, are drawn apart. A slide belongs with the body that guides it.
-   subroutine make_bodies(mechanism, named, scene)
+   subroutine make_bodies(mechanism, named, sides, scene)
       type(mechanism_t), intent(in) :: mechanism
       logical, intent(in) :: named        !! the links have names of the user's
+      type(side_point_t), intent(in) :: sides(:)
       type(scene_t), intent(inout) :: scene
       integer :: body(size(scene%bars))   !! the mechanism's
       integer :: piece(size(scene%bars)), first(size(mechanism%bodies)), b, c, pieces, old
 
       body(:size(mechanism%bars)) = mechanism%arcs(mechanism%bars%arc)%body
-      associate (output => mechanism%outputs(1), bars => size(mechanism%bars))
-         if (size(body) > bars) &
+      associate (output => mechanism%outputs(1), bars => size(mechanism%bars), all_bars => size(scene%bars))
+         body(all_bars - size(sides) + 1:) = sides%body
+         if (all_bars - size(sides) > bars) &
             body(bars + 1) = mechanism%body_at(output%arc, merge(at_start, at_finish, output%from_start))
       end associate
       piece = 0

@@ -170,16 +170,20 @@ contains
       if (allocated(scene%input_label)) line = 'input'
       line = 'drawn at '//line//' '// &
              number(scene%prescribed%input(scene%reference))//trim(merge('           ', ' degrees   ', scene%sliding))//'; '
-      select case (scene%motion)
-      case (motion_point)
-         line = line//'output: the point'
-      case (motion_angle)
-         line = line//'output: direction of the output arc'
-      case (motion_distance)
-         line = line//'output: distance of the point from the origin'
-      case default
-         line = line//'output: length of a slide'
-      end select
+      if (allocated(scene%output_label)) then
+         line = line//'output: '//scene%output_label
+      else
+         select case (scene%motion)
+         case (motion_point)
+            line = line//'output: the point'
+         case (motion_angle)
+            line = line//'output: direction of the output arc'
+         case (motion_distance)
+            line = line//'output: distance of the point from the origin'
+         case default
+            line = line//'output: length of a slide'
+         end select
+      end if
       line = line//positions_of(scene)
    end function subtitle
 

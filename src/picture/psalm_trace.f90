@@ -11,11 +11,12 @@ module psalm_trace
    use psalm_kinds, only: wp
    use psalm_markup, only: strings_t, add_string, sentence_case
    use psalm_parts, only: drawn_slide_t
+   use psalm_sketch_motion, only: sketch_motion_t, find_places
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: arc_slide, at_finish, at_start
    implicit none (type, external)
    private
-   public :: position_row_t, trace_row
+   public :: position_row_t, trace_row, trace_points
 
    !> A row of positions. Co-ordinates in machine axes; what is not known is 0 with `known` false.
    type :: position_row_t
@@ -102,6 +103,46 @@ contains
          call place_output(own, slides, output_slide, points, k, row)
       end do
    end subroutine trace_row
+
+   !> Further points of a sketch, after the joints of a row; known where all loops close.
+   subroutine trace_points(problem, dimensions, sketch, joints, row)
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      type(sketch_motion_t), intent(in) :: sketch
+      integer, intent(in) :: joints(:)          !! numbers of the sketch
+      type(position_row_t), intent(inout) :: row
+      class(problem_t), allocatable :: own      ! large: it would fill a small stack
+      complex(wp), allocatable :: places(:, :)
+      real(wp), allocatable :: moved(:, :), x(:, :), y(:, :)
+      logical, allocatable :: known(:, :)
+      integer :: block, offset, n, i, before
+
+      before = size(row%x, 1)
+      allocate (x(before + size(joints), row%n), y(before + size(joints), row%n), source=0.0_wp)
+      allocate (known(before + size(joints), row%n), source=.false.)
+      x(:before, :) = row%x
+      y(:before, :) = row%y
+      known(:before, :) = row%known
+      allocate (own, source=problem)
+      if (allocated(own%linkages)) deallocate (own%linkages)
+      call own%set_inputs(row%delt)
+      call own%want_derivatives(.true., sketch%points)
+      call own%bind(dimensions)
+      allocate (places(size(sketch%drawn), own%linkage%room), moved(size(sketch%arcs), own%linkage%room))
+      do block = 1, own%blocks()
+         call own%solve_block(block, offset, n)
+         call find_places(sketch, own, n, places(:, :n), moved(:, :n))
+         do i = 1, n
+            known(before + 1:, offset + i) = all(row%sound(:, offset + i))
+            if (.not. known(before + 1, offset + i)) cycle
+            x(before + 1:, offset + i) = real(places(joints, i), wp)
+            y(before + 1:, offset + i) = aimag(places(joints, i))
+         end do
+      end do
+      call move_alloc(x, row%x)
+      call move_alloc(y, row%y)
+      call move_alloc(known, row%known)
+   end subroutine trace_points
 
    !> Joints in the order of the mechanism's points: each from one before it.
    subroutine place_joints(problem, slides, i, k, undetermined, row)

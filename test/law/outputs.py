@@ -11,6 +11,7 @@ against each other and against laws: a uniform deviation has its variance, a cha
 import csv
 import math
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -128,6 +129,23 @@ def conditions(run, rates, numbers):
                   (rate, size, block[column][k]))
 
 
+def drawn_whole(programs, work, head):
+    """Every point of every link is on the pictures, whatever is asked first."""
+    seen = []
+    for output in OUTPUTS:
+        path = os.path.join(work, "drawn.nml")
+        with open(path, "w", encoding="ascii") as file:
+            file.write(case(head, (output,), "&METHOD IKIN=30", "&LIMITS TANGLE=89.0"))
+        subprocess.run([os.path.join(programs, "balm"), "--quiet", path], capture_output=True, text=True, check=False)
+        with open(os.path.join(work, "drawn.svg"), encoding="utf-8") as file:
+            letters = set(re.findall(r'data-joint="([^"]+)"', file.read()))
+        with open(os.path.join(work, "drawn.dxf"), encoding="ascii") as file:
+            seen.append((letters, set(re.findall(r"^LINK_.*", file.read(), re.M))))
+        names = set(re.findall("'([^']+)'", re.search(r"JNT=(.*?), JX", head)[1]))
+        check("%s first: all joints are drawn" % output, letters == names, (sorted(letters), sorted(names)))
+    check("the same links, whatever is asked", all(one == seen[0] for one in seen), seen)
+
+
 def main():
     programs = os.path.abspath(sys.argv[1])
     with tempfile.TemporaryDirectory() as work:
@@ -144,6 +162,7 @@ def main():
             sample(run, numbers)
             rates = Run(programs, work, case(head, outputs, *groups[:2], "&RATES SPEED=1.0"), "kalm")
             conditions(run, rates, numbers)
+            drawn_whole(programs, work, head)
             # the order of the outputs changes no number
             other = Run(programs, work, case(head, outputs[::-1], *groups))
             for name in numbers:
