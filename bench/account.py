@@ -30,14 +30,12 @@ def main(directory):
         runs[name][solver].append((float(objective), int(evaluations), float(seconds)))
         seeds = max(seeds, int(seed))
     print("# A fair account of the searches\n")
-    print(f"Made by `bench/account` on one thread: {seeds} runs of each solver on each data set, every run with its own ISTART, so "
-          "that each begins from its own random linkage\n(the simplex of the thesis: its own random simplex round the published "
-          "linkage). A run may take about 5000 evaluations and half a second; lengths without bounds are\nheld below ten times the longest arc. Success: an objective within\none per cent of the best that "
+    print(f"Made by `bench/account` on one thread: {seeds} runs of each solver on each data set, every run with its own ISTART, so each begins from its own random linkage\n(the simplex of the thesis: its own random simplex round the published "
+          "linkage). A run may take about 5000 evaluations and half a second. Lengths without bounds stay below ten times the longest arc. Success: an objective within\none per cent of the best that "
           "any solver found in this account (below 1e-10: met exactly), every constraint obeyed. Evaluations: objectives and "
-          "Jacobians\ntogether. `to be sure`: seconds until one more run would find the best with 99 per cent, log(0.01)/log(1 - "
+          "Jacobians\ntogether. `to be sure`: seconds of runs that find the best with a probability of 99 per cent, log(0.01)/log(1 - "
           "success) times the median time.\n")
-    print("A run is one start only, within the data set's VAR or bounds; many starts are what `NSTART` is for. Where the best was found far\n"
-          "outside of the starts' range (needle, brake reaction: by LD_AUGLAG, whose inner steps sometimes jump there), starts from a\n"
+    print("A run is one start only, within the data set's VAR or bounds; `NSTART` asks for many. Where the best was found far outside the range of the starts (needle, brake reaction: by LD_AUGLAG, whose inner steps sometimes jump there), starts from a\n"
           "wider range find as good or better: `data/needle_wide.nml`, `data/brake_reaction_lsq.nml`. Not in the tables: LD_MMA and LD_CCSAQ, slow\n"
           "with hundreds of constraints; GD_STOGO and GN_AGS, which NLopt refuses here.\n")
     print(THESIS)

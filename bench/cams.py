@@ -60,11 +60,11 @@ def cutting(name):
 def main():
     print("""# Cost and accuracy of cams
 
-Measured by `bench/cams`, one thread, time of the processor.
+Measured by `bench/cams`, one thread, processor time.
 
 ## 3600 cam angles
 
-Milliseconds of the motion (law, linkage solved backwards, follower with three derivatives) and, after it, of the shape (pitch curve,
+Milliseconds for the motion (law, linkage solved backwards, follower with three derivatives) and then for the shape (pitch curve,
 profile, cutter centre, curvature, pressure angle).
 
 | cam | motion | shape |
@@ -85,7 +85,7 @@ profile, cutter centre, curvature, pressure angle).
 
 ## Cutter path
 
-TOLCUT = 0.001: the largest deviation as measured, arcs, and chords that a polyline would need.
+TOLCUT = 0.001: largest measured deviation, arcs, and chords of a polyline with the same deviation.
 
 | cam | deviation | arcs | chords | arcs a chord |
 | --- | --- | --- | --- | --- |""" % (profile, bend, angles, error))

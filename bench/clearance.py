@@ -49,8 +49,8 @@ Made by `bench/clearance`.
 ## Following mode
 
 `bridge` follows the pin with the load and the inertia of the mechanism without clearance. The exact model
-(`bench/clearance_model.py`) keeps every link free: the pin stays on the circle of the clearance, all other joints are closed
-by Newton's method, accelerations and forces come from one linear system, time from an integrator of eighth order. Both begin with the
+(`bench/clearance_model.py`) treats every link as a free body: the pin stays on the circle of the clearance, Newton's method closes all other joints, one linear system gives
+accelerations and forces, and an integrator of eighth order advances time. Both begin with the
 pin in the direction of the load. First three minima of the force of contact, N; the error is that of the first.
 
 | linkage, joint | radial clearance, mm | bridge | exact | error | ratio |
@@ -72,8 +72,7 @@ pin in the direction of the load. First three minima of the force of contact, N;
         charted = model.haines().text(" &RATES SPEED=31.4159 &END\n" + CHART % 40)
         seconds = min(bridge(charted, place)[1] for _ in range(3)) - min(bridge(plain, place)[1] for _ in range(3))
     print("""
-The error of the four-bar falls by 1.6 to 1.7 as the clearance halves. The first minimum of the slider-crank errs by a ten-thousandth only;
-its later ones err more.
+The error of the four-bar falls by 1.6 to 1.7 as the clearance halves. The error of the first minimum of the slider-crank is a ten-thousandth only; those of the later minima are larger.
 
 ## Standard charts
 

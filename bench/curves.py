@@ -152,13 +152,8 @@ for name in names:
         statistics.median(r[4] for r in of_name), "%s, proven: %s" % (kind[1], kind[2].lower().replace("-", "no")),
         statistics.median(r[5] for r in of_name)))
 print("# Thirty curves\n")
-print("Written by `bench/curves --seconds %g --seeds %d --jobs %d`: `psalm` on one thread, LINKS=4,6,8 with pins, dyads alone; time is that of the processor"
-      "\n(MAXTIME counts the clock, so that on a busy machine the processor had less). The curves are drawn by `bench/curves.py`: letters as one"
-      "\nclosed line, and five others; %d points of each, RMS radius %g. Errors are RMS in per cent of that radius, the least of all kinds and of"
-      "\nthose with so many links; medians of the seeds. Chamfer: mean distance of a point to the other curve, both ways; ordered: RMS distance of"
-      "\npoints in order, least over starts and ways round; both with %d points evenly by arc length on either curve, RMS radius 1, nothing"
-      "\nmoved or turned. Points stand 0.03 apart, so that two samplings of one curve may differ by half of that. Where the ordered distance is far above"
-      "\nthe error the linkage visits the points and leaves the curve between two of them, mostly from the last to the first. 75 minutes of a quiet core: `bench/curves` without options (30 s, 5 seeds).\n" % (asked.seconds, asked.seeds, asked.jobs, POINTS, RADIUS, COMPARED))
+print("Written by `bench/curves --seconds %g --seeds %d --jobs %d`: `psalm` on one thread, LINKS=4,6,8 with pins, dyads only; processor time"
+      "\n(MAXTIME is wall-clock time, so on a busy machine a search gets less of the processor). The curves are drawn by `bench/curves.py`: letters as one closed line, and five other curves; %d points of each, RMS radius %g. Errors are RMS in per cent of that radius: the least of all kinds, and of the kinds with that number of links; medians of the seeds. Chamfer: mean distance of a point from the other curve, both ways. Ordered: RMS distance of points in order, the least over starting points and directions. Both use %d points evenly spaced by arc length on either curve, RMS radius 1, without translation or rotation. Points are 0.03 apart, so two samplings of one curve may differ by half of that. Where the ordered distance is far above the error, the linkage passes the points and leaves the curve between two of them, mostly between the last and the first. `bench/curves` without options (30 s, 5 seeds) takes 75 minutes of a quiet core.\n" % (asked.seconds, asked.seeds, asked.jobs, POINTS, RADIUS, COMPARED))
 print("Below 2 per cent: %d of %d curves; below 5: %d. Processor time a search: %.1f s (median).\n"
       % (sum(e < 0.02 for e in best_of_all), len(names), sum(e < 0.05 for e in best_of_all), statistics.median(spent)))
 print("| curve | error, per cent | 4 links | 6 links | 8 links | chamfer | ordered | best kind | time, s |")

@@ -31,7 +31,7 @@ program exact
       pose_problems = 1000
    end if
    call random%seed(seed, purpose_starts)
-   print '(a)', '# Exact synthesis, measured', '', 'Written by `bench/exact`: one thread, time of the processor.', ''
+   print '(a)', '# Exact synthesis, measured', '', 'Written by `bench/exact`: one thread, processor time.', ''
    call measure_nine_points()
    call measure_certificate()
    call measure_poses()
@@ -234,7 +234,7 @@ contains
    end subroutine one
 
    subroutine measure_rows()
-      print '(a)', '## Generic problems of two legs, all solutions from nothing', ''
+      print '(a)', '## Generic problems of two dyads, all solutions found anew', ''
       print '(a)', '| beyond the first point | solutions | loops | s |', '| --- | --- | --- | --- |'
       call row('4 points, both pivots given', [kind_point, kind_point, kind_point, kind_point], .false., .true., .true.)
       call row('4 timed points', [kind_timed, kind_timed, kind_timed, kind_timed], .false., .false., .false.)
@@ -242,7 +242,7 @@ contains
       call row('2 poses, 4 points', [kind_pose, kind_pose, kind_point, kind_point, kind_point, kind_point], .false., .false., &
                .false.)
       call row('slider-crank, 7 points', spread(kind_point, 1, 7), .true., .false., .false.)
-      print '(a)', '', '## Random problems of two legs, from the solutions that are kept', ''
+      print '(a)', '', '## Random problems of two dyads, from the stored solutions', ''
       print '(a)', '| beyond the first point | problems | ends | complete | s each |', '| --- | --- | --- | --- | --- |'
       call asked('2 poses, 4 points', [kind_pose, kind_pose, kind_point, kind_point, kind_point, kind_point], .false., 402)
       call asked('slider-crank, 7 points', spread(kind_point, 1, 7), .true., 558)

@@ -99,24 +99,23 @@ def main():
     data, seconds = sys.argv[2], float(sys.argv[3])
     print("""# Paths without prescribed timing
 
-Measured by `bench/paths`, time of the processor, one thread, the search that `SOLVER='LSQ', ORDER=2` makes of `data/paths/` and
-`data/path18_free.nml`: a four-bar whose crank turns fully visits points in their order, with the crank going either way; nine
-dimensions and every input are sought, in both assemblies together. One setting for all, no first guess, 20 seeds. Reached: a linkage
-within 1 per cent of the best sum of squares of all runs, or with errors below a millionth of the path's size (exact). A lot is 64
-random linkages, of which one is finished; it is one start of psalm (which keeps the assembly of the data set). At most 500 lots were
-drawn for a seed; median and worst are those of the seeds that reach it. `yu20a_angle` wants a transmission angle of at least 40 degrees
-over the turn, a limit that its best linkage meets twice a turn; the other searches below were not given it.
+Measured by `bench/paths`: processor time, one thread. The search is that of `SOLVER='LSQ', ORDER=2` on `data/paths/` and
+`data/path18_free.nml`: a four-bar whose crank turns fully passes points in their order, with the crank turning either way. Nine
+dimensions and every input are unknown, in both assemblies. All problems have the same settings, no first guess and 20 seeds. Reached: a linkage
+within 1 per cent of the best sum of squares of all runs, or with errors below a millionth of the path's size (exact). A batch is 64 random linkages, of which one is finished; it is one start of psalm (which keeps the assembly of the data set). At most 500 batches were
+drawn for a seed; median and worst are those of the seeds that reach the best. `yu20a_angle` requires a transmission angle of at least 40 degrees
+over the turn, a limit that its best linkage attains twice a turn; the searches compared below did not have this problem.
 
-| problem | points | best sum of squares | RMS error, of the path's size | seeds that reach it | median, s | worst, s | ms a lot |
+| problem | points | best sum of squares | RMS error, of the path's size | seeds that reach it | median, s | worst, s | ms a batch |
 | --- | --- | --- | --- | --- | --- | --- | --- |""")
     print("\n".join(rows))
     solvers = "differential evolution", "basin hopping"
     print("""
 ## The same with SciPy
 
-SciPy %s, %g s of the processor for each: RMS error as a multiple of the best one above (of a millionth of the path's size where that is
-exact). The closed form is written in NumPy, in one assembly, the direction of the crank is the sign of a further unknown, bounds are those of
-the data set. One run of each was made: a spot check.
+SciPy %s, %g s of processor time for each: RMS error as a multiple of the best one above (of a millionth of the path's size where that is
+exact). The closed form is written in NumPy, for one assembly; the direction of the crank is the sign of a further unknown, and bounds are those of
+the data set. This is a spot check, with one run of each.
 
 | problem | %s |
 | --- | --- | --- |""" % (scipy.__version__, seconds, " | ".join(solvers)))

@@ -49,8 +49,7 @@ def label(method):
 
 
 lines = ["# Speed against error", "",
-         "Written by `bench/run` on: " + machine() + ", one thread. Times are the best of several in one run; only ratios mean "
-         "much. The yardstick is `bench/yardstick/limit.c`, \"program ... div\": a dyad list as data in C intrinsics.", "",
+         "Written by `bench/run` on: " + machine() + ", one thread. Times are the best of several in one run; compare ratios only. The yardstick is `bench/yardstick/limit.c`, \"program ... div\": a dyad list as data in C intrinsics.", "",
          "![time against error](benchmark.svg)", "", "## In short", ""]
 big = 10000
 ratio = {n: time[("real64", "positions", needle, n)] / limit[m] for n, m in ((180, 180), (10000, 1000000), (1000000, 1000000))}
@@ -86,7 +85,7 @@ lines += ["| 64 loops, output at the second / its two loops alone | %.2f |" % (c
           "| instructions of one objective evaluation (x86-64-v3), 20 positions | %d |" % (int(read("instructions.20")) // 10),
           "| the same, 10240 positions, per dyad and position | %.1f |" % (int(read("instructions.10240")) / 10 / 4 / 10240), ""]
 lines += ["## Forces, ns per dyad and position", "",
-          "Positions, velocities and accelerations, and after them drive, frame and all joints, with masses and weight "
+          "Positions, velocities and accelerations (motion), then forces of drive, frame and all joints, with masses and weight "
           "(`bench forces`, time of the processor).", "",
           "| linkage | dyads | positions | motion | forces | forces / motion |", "| --- | --- | --- | --- | --- | --- |"]
 for row in read("forces").splitlines():
@@ -95,8 +94,7 @@ for row in read("forces").splitlines():
                                                          float(forces) / float(motion)))
 lines += ["", "## Larger groups, gears, cylinders", "",
           "Nanoseconds a position of sketches with all their joints, in blocks of 128, one thread (`bench groups`, time of the processor): "
-          "groups of more than two links and cylinders, by Newton's method from the position before; wheels alone side by side, with a "
-          "ratio that is a whole number by products of unit vectors, else by sums of angles.", "",
+          "groups of more than two links and cylinders by Newton's method from the previous position; wheels alone side by side, by products of unit vectors where the ratio is a whole number, otherwise by sums of angles.", "",
           "| linkage | groups | positions | ns per position |", "| --- | --- | --- | --- |"]
 lines += ["| %s |" % " | ".join(row.split("|")) for row in read("groups").splitlines()]
 lines += ["", "## Time, ns per dyad and position", ""]
@@ -114,7 +112,7 @@ for k in linkages:
     lines.append("")
 lines += ["The rivals are timed up to 4 million dyads times positions. On the ten-bar with slides Newton's method and the",
           "integration pass a change point and follow the other assembly, or stop there; the closed forms keep the assembly that",
-          "the data set names. The integration's time does not grow with positions while its own steps are shorter.", "",
+          "the data set names. The time of the integration does not grow with the number of positions as long as its own steps are shorter.", "",
           "## The thesis's tables (IBM 370, seconds for 180 positions)", "",
           "| method (table 5.2) | four-bar | six-bar |", "| --- | --- | --- |", "| direct | 0.053 | 0.121 |",
           "| Adams-Moulton | 0.474 | 0.981 |", "| Brown | 0.540 | 2.038 |", "| Newton-Raphson | 0.840 | 1.735 |", "",
@@ -138,7 +136,6 @@ with open(os.path.join(doc, "accuracy.md"), "w", encoding="utf-8") as out:
     out.write("""# Accuracy
 
 Measured error of the real64 program against the same sources in quadruple precision, with the condition number that the
-program prints (`bench/run`, or `test/tools/hard_cases.sh build/local/bin build/real128/bin --table FILE`). The contract: error at most
-16 epsilon times the condition number, epsilon = 2.2e-16; so the last column may not pass 16.
+program prints (`bench/run`, or `test/tools/hard_cases.sh build/local/bin build/real128/bin --table FILE`). The program promises an error of at most 16 epsilon times the condition number, epsilon = 2.2e-16, so the last column must not exceed 16.
 
 """ + read("accuracy"))
