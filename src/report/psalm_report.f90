@@ -33,8 +33,8 @@ module psalm_report
    use psalm_status, only: diagnostics_t
    use psalm_summary, only: summary_t
    use psalm_summary_table, only: put_arcs, put_arc_rates, put_dimensions, put_output_ranges, put_simplex, put_starts, &
-                                  put_summary, put_violations
-   use psalm_summary_text, only: write_summary
+                                  put_summary, put_violations, put_wish_errors
+   use psalm_summary_text, only: write_summary, write_wish_errors
    use psalm_synthesis, only: synthesis_t, ended_infeasible, ended_small_objective, ended_iterations, ended_time, &
                               ended_on_request, ended_without_rates
    use psalm_text, only: text_t, general, lower_case, to_text
@@ -170,7 +170,7 @@ contains
 
       if (size(search%ranked) > 0) then
          call list_ranking(set, problem, search%found, search%ranked, devices%six)
-         call put_ranking(problem, search%found, search%ranked, devices%cases(devices%last_case()))
+         call put_ranking(set, problem, search%found, search%ranked, devices%cases(devices%last_case()))
       end if
       if (set%search%ranking /= ranking_none) call add_to_ranking(set, search%found, search%ranked, devices%ranking)
       if (set%search%ranking == ranking_shared) call add_share(set, search%found, devices%shares)
@@ -352,8 +352,9 @@ contains
       type(sketch_study_t), intent(in), optional :: study !! of a sketch: all its outputs
       character(:), allocatable :: special
 
-      call put_summary(summary, motion, devices%cases(devices%last_case()))
+      call put_summary(summary, motion, set%has_stand_in(), devices%cases(devices%last_case()))
       if (present(study)) call put_output_ranges(study, devices%cases(devices%last_case()))
+      call put_wish_errors(set%sketch, summary, devices%cases(devices%last_case()))
       if (devices%summarised == most_summarised) return
       devices%summarised = devices%summarised + 1
       special = ''
@@ -366,6 +367,7 @@ contains
       else
          call write_summary(set%title, summary, devices%summary, zero_words(set), special, coincident=coincident_words())
       end if
+      call write_wish_errors(set%sketch, summary, devices%summary)
       if (devices%summarised == most_summarised .and. set%limits%last == 0) &
          call devices%summary%add('Further cases of the file are not summarised')
 

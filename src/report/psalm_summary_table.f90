@@ -2,7 +2,8 @@
 !> arcs, and of how a search for it went; for other programs.
 module psalm_summary_table
    use psalm_analysis, only: arc_table_t
-   use psalm_column_names, only: closed_name, input_name, input_unit, output_unit, per_input, per_time, position_name, rate_unit
+   use psalm_column_names, only: closed_name, input_name, input_unit, number_unit, output_unit, per_input, per_time, &
+                                 position_name, rate_unit
    use psalm_dyad, only: violation_too_short, violation_too_long, violation_parallel, violation_angle_small, &
                          violation_angle_large, violation_undetermined, violation_slides
    use psalm_dimensions, only: dimensions_t
@@ -12,6 +13,7 @@ module psalm_summary_table
    use psalm_output_kind, only: motion_angle, motion_point, most_rates
    use psalm_rate_study, only: rate_study_t
    use psalm_search, only: result_t
+   use psalm_sketch, only: sketch_t
    use psalm_sketch_study, only: sketch_study_t
    use psalm_summary, only: summary_t, range_t
    use psalm_summary_text, only: name_of_kind
@@ -19,7 +21,8 @@ module psalm_summary_table
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
    implicit none (type, external)
    private
-   public :: put_summary, put_output_ranges, put_violations, put_dimensions, put_arcs, put_arc_rates, put_simplex, put_starts
+   public :: put_summary, put_output_ranges, put_wish_errors, put_violations, put_dimensions, put_arcs, put_arc_rates, &
+             put_simplex, put_starts
 
    integer, parameter :: name_room = 48  !! characters of a word in a table
 
@@ -28,9 +31,10 @@ contains
    ! ---- the range of the input --------------------------------------------------------------------------------------
 
    !> Tables summary, closing, reversals, loop_kinds, and of wanted derivatives rate_errors.
-   pure subroutine put_summary(summary, motion, tables)
+   pure subroutine put_summary(summary, motion, stands_in, tables)
       type(summary_t), intent(in) :: summary
       type(motion_t), intent(in) :: motion         !! at the prescribed positions
+      logical, intent(in) :: stands_in             !! the output is that of a joint that stands in for it: it is not told
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
       character(:), allocatable :: of_input, of_output
@@ -70,7 +74,7 @@ contains
             call table%add('group_position', [nint(summary%group_input)], known=known .and. .not. swept)
          end associate
       end associate
-      call add_output(summary, of_output, table)
+      if (.not. stands_in) call add_output(summary, of_output, table)
       associate (known => [summary%compared > 0])
          call table%add('compared', [summary%compared])
          call table%add('error_rms', [summary%rms], of_output, known)
@@ -80,9 +84,11 @@ contains
       end associate
       call tables%put(table)
       call put_ranges('closing', 'a row for each range of inputs over which the linkage closes', summary%closing, of_input, tables)
-      table = table_of('reversals', 'a row for each input at which the output reverses', audience=for_programs)
-      call table%add(input_name(), summary%reverses, of_input)
-      call tables%put(table)
+      if (.not. stands_in) then
+         table = table_of('reversals', 'a row for each input at which the output reverses', audience=for_programs)
+         call table%add(input_name(), summary%reverses, of_input)
+         call tables%put(table)
+      end if
       call put_kinds(summary, tables)
       call put_rate_errors(summary, tables)
    end subroutine put_summary
@@ -158,6 +164,34 @@ contains
       call table%add('unit', units(there))
       call tables%put(table)
    end subroutine put_rate_errors
+
+   !> Table wish_errors: of each output with desired values.
+   pure subroutine put_wish_errors(sketch, summary, tables)
+      type(sketch_t), intent(in) :: sketch
+      type(summary_t), intent(in) :: summary
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      character(name_room), allocatable :: names(:), units(:)
+      integer :: k
+
+      if (.not. allocated(summary%wishes)) return
+      associate (of => summary%wishes)
+         allocate (names(size(of)), units(size(of)))
+         do k = 1, size(of)
+            names(k) = of(k)%name
+            units(k) = number_unit(sketch%outputs, of(k)%number, per_input(summary%sliding_input), of(k)%order)
+         end do
+         table = table_of('wish_errors', 'a row for each output with desired values', audience=for_programs)
+         call table%add('output', names)
+         call table%add('compared', of%compared)
+         call table%add('rms', of%rms, known=of%compared > 0)
+         call table%add('largest', of%largest, known=of%compared > 0)
+         call table%add('largest_position', of%worst, known=of%compared > 0)
+         call table%add('largest_at', of%worst_input, input_unit(summary%sliding_input), of%compared > 0)
+         call table%add('unit', units)
+      end associate
+      call tables%put(table)
+   end subroutine put_wish_errors
 
    !> Table output_ranges: the least and the greatest value of every number of a sketch's outputs at the positions.
    pure subroutine put_output_ranges(study, tables)
