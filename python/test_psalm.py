@@ -196,6 +196,15 @@ def test_next_study():
     check("forces of a linkage that was found", numpy.isfinite(forces["drive"]).any() and "drive" in forces)
 
 
+def test_files_of_a_case():
+    """A file that a case names is counted from the directory of the case, of one that was changed, too."""
+    case = psalm.from_file(os.path.join(DATA, "types", "kinds_for_corner.nml"))
+    case.set("SEARCH", NSTART=1)
+    check("the curve of a changed case is found", len(case.kinds().cases) > 0)
+    case.set("SEARCH", NSTART=-1)
+    raises("lines of a changed case are not those of its file", "kinds_for_corner.nml (changed)", case.kinds)
+
+
 ASKING = {"analysis": "textile.nml", "summary": "textile.nml", "tolerances": "adjustable_stroke.nml", "sweep": "adjustable_stroke.nml",
           "synthesis": "path5.nml", "exact": "exact/five_poses.nml", "kinds": "types/kinds_for_corner.nml", "proof": "geared_five_bar.nml",
           "assemblies": "sketch_four_bar.nml", "rates": "engine.nml", "forces": "engine.nml", "machine": "engine.nml",
@@ -405,8 +414,8 @@ def test_threads():
           abs(results[100.0][0][0, 0] - (40 + numpy.sqrt(100**2 - 10**2))) < 1e-12*140)
 
 
-for test in (test_analysis, test_made, test_linkage, test_tolerances, test_search, test_next_study, test_verbs, test_memory, test_errors, test_copies,
-             test_names, test_fork, test_stopping, test_threads, test_speed):
+for test in (test_analysis, test_made, test_linkage, test_tolerances, test_search, test_next_study, test_files_of_a_case, test_verbs,
+             test_memory, test_errors, test_copies, test_names, test_fork, test_stopping, test_threads, test_speed):
     test()
 test_wrong_arguments(int(sys.argv[2]) if len(sys.argv) > 2 else 4000)
 PROJECT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "pyproject.toml")
