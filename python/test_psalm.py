@@ -10,6 +10,7 @@ import os
 import pickle
 import re
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -319,6 +320,18 @@ def test_speed():
     print("        180 positions: %.0f us, of which %.0f us in the library" % (best*1e6, study*1e6))
 
 
+def test_import():
+    """What it takes to import the module, NumPy first: seconds of the processor, the least of five processes."""
+    script = ("import time; began = time.process_time(); import numpy; between = time.process_time(); import psalm; "
+              "print(between - began, time.process_time() - between)")
+    where = dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(os.path.abspath(psalm.__file__))))
+    spent = [[float(word) for word in subprocess.run([sys.executable, "-c", script], env=where, capture_output=True, text=True,
+                                                     check=True).stdout.split()] for _ in range(5)]
+    numpys, own = (min(times) for times in zip(*spent))
+    print("        import: %.3f s of NumPy and %.3f s of its own" % (numpys, own))
+    check("the module is imported in a moment: %.3f s" % own, own < 0.1)
+
+
 def timed(action):
     began = time.perf_counter()
     action()
@@ -372,25 +385,27 @@ def test_stopping():
     for threads in (1, 2):
         before = signal.signal(signal.SIGINT, signal.default_int_handler)
         sent = []
-        timer = threading.Timer(0.5, lambda: (sent.append(time.monotonic()), os.kill(os.getpid(), signal.SIGINT)))
+        # seconds of the processor: a machine that does other work lets every process wait
+        timer = threading.Timer(0.5, lambda: (sent.append(time.process_time()), os.kill(os.getpid(), signal.SIGINT)))
         timer.start()
         try:
             endless().synthesise(threads)
             check("Ctrl-C is heard", False)
         except KeyboardInterrupt as interrupt:
             check("what was found so far is kept", len(interrupt.result) > 0)
-            late = time.monotonic() - sent[0]
-            check("Ctrl-C ends a search at once: %.2f s" % late, late < 2)    # 0.1 s on a machine that does nothing else
+            late = time.process_time() - sent[0]
+            check("Ctrl-C ends a search at once: %.2f s" % late, late < 1)
         signal.signal(signal.SIGINT, before)
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    began = time.monotonic()
+    began = time.process_time()
     threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
     try:
         psalm.from_file(os.path.join(DATA, "muscle", "haines_springs.nml")).springs()      # 18 s
         check("Ctrl-C is heard by a search for springs", False)
     except KeyboardInterrupt as interrupt:
         check("the springs so far are kept", interrupt.result.violated and len(interrupt.result.cases) == 1)
-        check("Ctrl-C ends a search for springs: %.2f s" % (time.monotonic() - began), time.monotonic() - began < 3)
+        late = time.process_time() - began
+        check("Ctrl-C ends a search for springs: %.2f s" % late, late < 2)
     signal.signal(signal.SIGINT, before)
     raises("too many threads", "1024", lambda: endless().synthesise(2147483647))
     raises("too many threads for tolerances", "1024", lambda: endless().tolerances(100000))
@@ -415,7 +430,7 @@ def test_threads():
 
 
 for test in (test_analysis, test_made, test_linkage, test_tolerances, test_search, test_next_study, test_files_of_a_case, test_verbs,
-             test_memory, test_errors, test_copies, test_names, test_fork, test_stopping, test_threads, test_speed):
+             test_memory, test_errors, test_copies, test_names, test_fork, test_stopping, test_threads, test_speed, test_import):
     test()
 test_wrong_arguments(int(sys.argv[2]) if len(sys.argv) > 2 else 4000)
 PROJECT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "pyproject.toml")
