@@ -106,6 +106,7 @@ def test_search():
     check("linkages were found", len(found) >= 1)
     check("five points: as good as known", found[0].analyse().objective < 7.5e-7)
     check("objectives are a column", abs(found["objective"][0] - found[0].analyse().objective) < 1e-12 and len(found) == len(list(found)))
+    check("the best objective", found.best_objective == found["objective"].min())
     check("best first", all(a.analyse().objective <= b.analyse().objective*(1 + 1e-9) for a, b in zip(found, found[1:])))
 
 
