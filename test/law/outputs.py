@@ -45,6 +45,14 @@ POSES = """FOUR-BAR THROUGH FOUR POSES
  &METHOD NDES=4, DELT=0,-15,-30,-45, DESX=%s, DESY=%s, DESANG=%s &END
  &SEARCH SOLVER='LSQ', NSTART=20, NBEST=2 &END
 """
+PLACE = """FOUR-BAR WHOSE PIVOT MOVES
+ &CHAIN JNT='A','B','C','D','P','Q', JX=20,10,80,100,60,70, JY=5,50,75,5,115,135,
+  LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P Q','C D', VARY='place A','B Q','angle B C B Q' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point P','angle P Q', DES1=45,113,63,115,80,112,95,105, DES2=60,50,40,30 &END
+ &METHOD NDES=4, VAR=0.99, DELT=0,-15,-30,-45 &END
+ &SEARCH SOLVER='LSQ', NSTART=1, FIRST=%d &END
+"""
 OUTPUTS = ("point P", "x P", "angle C D", "distance B D", "between A B C D")
 NUMBERS = ("point_P.x", "point_P.y", "x_P", "angle_C_D", "distance_B_D", "between_A_B_C_D")
 
@@ -236,11 +244,31 @@ def no_other_joint(programs, work):
           done.stderr, done.stderr)
 
 
+def one_linkage_one_name(programs, work):
+    """A search in poses tells a linkage by positive lengths and angles within half a turn, from whatever start it comes there."""
+    seen = []
+    for first in (2, 3, 4, 5):
+        path = os.path.join(work, "place.nml")
+        with open(path, "w", encoding="ascii") as file:
+            file.write(PLACE % first)
+        done = subprocess.run([os.path.join(programs, "psalm"), "--quiet", path], capture_output=True, text=True, check=False)
+        found = {}
+        for line in done.stdout.split("  VARIABLE ", 1)[-1].split("\n\n")[0].split("\n")[1:]:
+            words = line.split()
+            found[" ".join(words[:-2])] = float(words[-1].replace("D", "E"))
+        check("start %d: a linkage is found" % first, done.returncode < 2 and len(found) == 4, done.stderr)
+        check("start %d: lengths are positive, angles within half a turn" % first, all(
+            value > 0.0 if name.startswith(("length", "distance")) else abs(value) <= 180.0 for name, value in found.items()), found)
+        seen.append([found.get("distance of A"), found.get("direction of A")])
+    check("the pivot is told in one way", all(far(one, seen[0]) < 1e-2 for one in seen), seen)
+
+
 def main():
     programs = os.path.abspath(sys.argv[1])
     with tempfile.TemporaryDirectory() as work:
         wished_poses(programs, work)
         no_other_joint(programs, work)
+        one_linkage_one_name(programs, work)
         for head in (FOUR_BAR, SIX_BAR):
             groups = ("&METHOD IKIN=30", "&LIMITS TANGLE=89.0, IPLOT=1, ICOND=1", "&TOLER TOLLEN=0.002, TOLANG=0.002, NTRIAL=20000")
             outputs, numbers = OUTPUTS, NUMBERS
