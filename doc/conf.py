@@ -14,9 +14,13 @@ nitpicky = True
 html_theme = "furo"
 html_title = "PSALM " + release
 html_show_sourcelink = False
+html_show_copyright = False
 html_copy_source = False
 HERE = os.path.dirname(os.path.abspath(__file__))
-html_search_scorer = os.path.join(HERE, "search.js")
+html_static_path = ["site"]
+html_css_files = ["book.css"]
+html_search_scorer = os.path.join(HERE, "site", "search.js")
+highlight_language = "none"           # cases are no language that Pygments knows
 # the drawing board that the gallery opens (tools/book_pages)
 html_extra_path = [folder for folder in ["extra"] if os.path.isdir(os.path.join(HERE, folder))]
 pygments_style = "default"

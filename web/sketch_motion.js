@@ -356,7 +356,7 @@ board.motion = (() => {
       slides: sketch.slides.map((s) => ({ ...s, x: next(), y: next(), angle: 40 * next() })) };
   }
 
-  /** What is loose and what is held twice: links that still move with the drives held, equations that others imply. */
+  /** What is underconstrained and what is overconstrained: links that still move with the drives held, equations that others imply. */
   function freedom(sketch) {
     const mech = compile(anywhere(sketch)), pose = mech.origin.flatMap(([x, y]) => [x, y, 0]);
     const { A, n } = equations(mech, pose, mech.drives.map(() => 0));
@@ -375,11 +375,11 @@ board.motion = (() => {
       if (n && Math.abs(v[column]) > 1e-9 * scale) basis.push({ column, w: v }); else twice.push(tags[k]);
     });
     const left = n - basis.length;
-    return { left, twice, loose: left ? looseLinks(basis, n) : [], count: n - (mech.count - mech.drives.length), driven: mech.drives.length };
+    return { left, twice, free: left ? freeLinks(basis, n) : [], count: n - (mech.count - mech.drives.length), driven: mech.drives.length };
   }
 
   /** Links with a part in some motion that all equations allow. */
-  function looseLinks(basis, n) {
+  function freeLinks(basis, n) {
     const rows = basis.map(({ column, w }) => ({ column, w: w.slice() }));
     for (let i = rows.length - 1; i >= 0; i--) for (let k = 0; k < i; k++) {
       const f = rows[k].w[rows[i].column] / rows[i].w[rows[i].column];
@@ -422,22 +422,22 @@ board.motion = (() => {
     const apart = sketch.links.filter((_, i) => !reached.has(i)).map((l) => l.name);
     if (apart.length) return say('Nothing joins ' + (apart.length > 1 ? 'links ' : 'link ') + listed(apart) +
       ' to the frame: drop a joint on one of another link, or pin one to the frame with the tool Pivot.', [], apart);
-    const { left, twice, loose, count } = freedom(sketch), names = loose.map((i) => sketch.links[i].name);
+    const { left, twice, free, count } = freedom(sketch), names = free.map((i) => sketch.links[i].name);
     const held = sketch.drives.map((d) => d.at.join(' '));
     if (twice.length && !(sketch.kover && !twice.some((row) => 'drive' in row))) {
       const row = twice.find((one) => 'drive' in one) || twice[0];
       if ('drive' in row) return say('Drive ' + held[row.drive] + ' moves nothing: the links there are held without it. Freedom ' + count +
         ', driven ' + held.length + ': take this drive away.', sketch.drives[row.drive].kind === 'slide' ? [] : sketch.drives[row.drive].at);
       const [a, b] = [row.a, row.b].map((i) => sketch.links[i].name);
-      if (row.kind === 'pin') return say('Braced twice: joint ' + sketch.joints[row.j].name + ' of links ' + a + ' and ' + b +
+      if (row.kind === 'pin') return say('Overconstrained: joint ' + sketch.joints[row.j].name + ' of links ' + a + ' and ' + b +
         ' holds what is held already. Take a joint or a link away, or allow it if they move thanks to special lengths.', [sketch.joints[row.j].name], [a, b]);
-      return say('Braced twice: the ' + (row.kind === 'gear' ? 'gear pair' : 'slide') + ' between links ' + a + ' and ' + b + ' holds what is held already: take it away.', [], [a, b]);
+      return say('Overconstrained: the ' + (row.kind === 'gear' ? 'gear pair' : 'slide') + ' between links ' + a + ' and ' + b + ' holds what is held already: take it away.', [], [a, b]);
     }
     if (left) {
       const tail = sketch.joints.find((j) => sketch.links.filter((l) => l.joints.includes(j.name)).length === 1 &&
         names.some((name) => sketch.links.find((l) => l.name === name).joints.includes(j.name)) && !sketch.outputs.some((o) => o.of.includes(j.name)));
       if (!sketch.drives.length && left === 1) return say('Freedom 1 and no drive: with the tool Drive click a frame joint, a slide, or pull a cylinder.', [], names);
-      return say('Loose: ' + (names.length > 1 ? 'links ' : 'link ') + listed(names) + ' can still move' + (held.length ? ' with ' +
+      return say('Underconstrained: ' + (names.length > 1 ? 'links ' : 'link ') + listed(names) + ' can still move' + (held.length ? ' with ' +
         listed(held) + ' held' : '') + '. ' + left + ' drive' + (left > 1 ? 's' : '') + ' more, or join them.' + (tail ? ' Joint ' + tail.name +
         ' belongs to one link only: is it a frame joint? Then use the tool Pivot on it.' : ''), tail ? [tail.name] : [], names);
     }

@@ -12,7 +12,7 @@ module bench_path_rivals
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp, full_turn, degrees_per_radian
    use psalm_nlopt, only: nlopt_t
-   use psalm_path_fit, only: fitted_path_t, path_room_t, visit_t, trace_coupler, find_violations, dot, square, unknowns, &
+   use psalm_path_fit, only: fitted_path_t, path_room_t, path_timing_t, trace_coupler, find_violations, dot, square, unknowns, &
                              rows_most, shape_g, shape_s, shape_q
    use psalm_solver_kind, only: find_solver
    use psalm_status, only: diagnostics_t
@@ -34,7 +34,7 @@ module bench_path_rivals
    type :: task_t
       type(fitted_path_t) :: path
       type(path_room_t) :: room
-      type(visit_t) :: visit
+      type(path_timing_t) :: timing
       type(nlopt_t) :: optimiser
       real(wp) :: begun = 0.0_wp, limit = 0.0_wp     !! seconds of the processor
       real(wp) :: goal = 0.0_wp                      !! sum of squares, scaled
@@ -95,7 +95,7 @@ contains
       logical :: sound
 
       associate (n => task%path%n)
-         allocate (task%visit%t(n), source=0.0_wp)
+         allocate (task%timing%t(n), source=0.0_wp)
          allocate (low(unknowns + 1 + n), high(unknowns + 1 + n))
          low(:shape_g - 1) = -reach
          low(shape_g:unknowns) = [-widest(1), 0.0_wp, -widest(3)]
@@ -138,25 +138,25 @@ contains
 
       call c_f_pointer(data, task)
       u = real(x, wp)
-      associate (visit => task%visit, room => task%room, path => task%path)
-         visit%side = path%side
-         visit%z0 = cmplx(u(1), u(2), wp)
-         visit%w1 = cmplx(u(3), u(4), wp)
-         visit%w2 = cmplx(u(5), u(6), wp)
-         visit%g = exp(u(shape_g))
-         visit%sigma = exp(u(shape_s))
-         visit%q = u(shape_q)
+      associate (timing => task%timing, room => task%room, path => task%path)
+         timing%side = path%side
+         timing%z0 = cmplx(u(1), u(2), wp)
+         timing%w1 = cmplx(u(3), u(4), wp)
+         timing%w2 = cmplx(u(5), u(6), wp)
+         timing%g = exp(u(shape_g))
+         timing%sigma = exp(u(shape_s))
+         timing%q = u(shape_q)
          shares = max(sum(u(unknowns + 2:)), least_share)
          part = 0.0_wp
          do k = 1, path%n
-            visit%t(k) = u(unknowns + 1)*degrees_per_radian + full_turn*part/shares
+            timing%t(k) = u(unknowns + 1)*degrees_per_radian + full_turn*part/shares
             part = part + u(unknowns + 1 + k)
          end do
-         call trace_coupler(visit, visit%t, room%e, room%v, room%turn, room%grow)
+         call trace_coupler(timing, timing%t, room%e, room%v, room%turn, room%grow)
          error = 0.0_wp
          by = 0.0_wp
          do k = 1, path%n
-            miss = path%weight(k)*(visit%z0 + visit%w1*room%e(k) + visit%w2*room%v(k) - path%point(k))
+            miss = path%weight(k)*(timing%z0 + timing%w1*room%e(k) + timing%w2*room%v(k) - path%point(k))
             error = error + square(miss)/path%weight(k)
             by(1:2) = by(1:2) + 2.0_wp*[real(miss, wp), aimag(miss)]
             turn = conjg(room%e(k))*miss
@@ -164,11 +164,11 @@ contains
             turn = conjg(room%v(k))*miss
             by(5:6) = by(5:6) + 2.0_wp*[real(turn, wp), aimag(turn)]
             do m = 1, 3
-               by(shape_g - 1 + m) = by(shape_g - 1 + m) + 2.0_wp*dot(visit%w2*room%grow(k, m), miss)
+               by(shape_g - 1 + m) = by(shape_g - 1 + m) + 2.0_wp*dot(timing%w2*room%grow(k, m), miss)
             end do
-            by_input(k) = 2.0_wp*dot(visit%w1*cmplx(-aimag(room%e(k)), real(room%e(k), wp), wp) + visit%w2*room%turn(k), miss)
+            by_input(k) = 2.0_wp*dot(timing%w1*cmplx(-aimag(room%e(k)), real(room%e(k), wp), wp) + timing%w2*room%turn(k), miss)
          end do
-         call find_violations(path, visit, 0.0_wp, count, amount, rows)
+         call find_violations(path, timing, 0.0_wp, count, amount, rows)
          objective = error + weight*sum(amount(:count)**2)
          if (error < task%best .and. all(amount(:count) <= kept)) then
             task%best = error
@@ -185,7 +185,7 @@ contains
             slope(:unknowns) = by
             slope(unknowns + 1) = sum(by_input)
             ! a share moves the inputs behind it, and all of them by being part of the sum
-            turned = sum(by_input*(visit%t - visit%t(1)))/degrees_per_radian
+            turned = sum(by_input*(timing%t - timing%t(1)))/degrees_per_radian
             do k = 1, path%n
                slope(unknowns + 1 + k) = (full_turn/degrees_per_radian*sum(by_input(k + 1:)) - turned)/shares
             end do

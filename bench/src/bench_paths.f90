@@ -1,7 +1,7 @@
 !> Paths without prescribed timing: how soon the best four-bar is found.
 !>
 !> A row of a table for each case: points, best sum of squares, RMS error over the size of the path, seeds that reach it, median and
-!> worst time, time of a lot of random linkages. Both assemblies are searched together, with the crank going either way, from no
+!> worst time, time of a batch of random linkages. Both assemblies are searched together, with the crank going either way, from no
 !> first guess, with one setting for all. Reached: within 1 per cent of the best sum of all runs, or errors below a millionth of the
 !> path's size.
 module bench_paths
@@ -9,16 +9,16 @@ module bench_paths
    use psalm_angles, only: unit_vector
    use psalm_cases, only: read_cases
    use psalm_data_set, only: data_set_t
-   use psalm_free_path, only: search_lot
+   use psalm_free_path, only: search_batch
    use psalm_kinds, only: wp, right_angle
-   use psalm_path_fit, only: fitted_path_t, path_room_t, visit_t, prepare_path
+   use psalm_path_fit, only: fitted_path_t, path_room_t, path_timing_t, prepare_path
    use psalm_status, only: diagnostics_t
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    private
    public :: measure_path, make_path, name_of
 
-   integer, parameter :: seeds = 20, lots_at_first = 25, most_lots = 500, ways = 4
+   integer, parameter :: seeds = 20, batches_at_first = 25, most_batches = 500, ways = 4
    real(wp), parameter :: within = 1.01_wp, exact = 1.0e-6_wp
    real(wp), parameter :: slack = 1.0e-7_wp          !! of the cosine of the least transmission angle, as searches have it
    real(wp), parameter :: kept = 1.0e-6_wp           !! relative violation below which a bound is kept
@@ -33,7 +33,7 @@ contains
       type(diagnostics_t) :: findings
       type(fitted_path_t) :: path(ways)
       type(path_room_t) :: room
-      type(visit_t) :: visit
+      type(path_timing_t) :: timing
       type(xoshiro_t) :: random
       real(wp), allocatable :: value(:, :)
       real(wp) :: best, goal, spent, begun, ended, took(seeds), unit
@@ -45,15 +45,15 @@ contains
          call make_path(sets(1), merge(1.0_wp, -1.0_wp, mod(way, 2) == 1), merge(1.0_wp, -1.0_wp, way <= ways/2), path(way), room)
       end do
       unit = path(1)%size**2*path(1)%weight_scale
-      allocate (visit%t(n), source=0.0_wp)
+      allocate (timing%t(n), source=0.0_wp)
       best = huge(1.0_wp)
-      allocate (value(most_lots, seeds), source=huge(1.0_wp))
+      allocate (value(most_batches, seeds), source=huge(1.0_wp))
       done = 0
       spent = 0.0_wp
-      call run(lots_at_first)
+      call run(batches_at_first)
       best = minval(value)
       goal = max(within*best, exact**2*real(n, wp)*path(1)%size**2)
-      call run(most_lots)
+      call run(most_batches)
       best = min(best, minval(value))
       goal = max(within*best, exact**2*real(n, wp)*path(1)%size**2)
       reached = 0
@@ -71,20 +71,20 @@ contains
 
    contains
 
-      !> Lots of every seed up to that number, but no more once the goal is reached.
+      !> Batches of every seed up to that number, but no more once the goal is reached.
       subroutine run(until)
          integer, intent(in) :: until
-         integer :: lot
+         integer :: batch
 
          do seed = 1, seeds
             call random%seed(seed, purpose_starts)
             call cpu_time(begun)
-            do lot = done(seed) + 1, until
-               if (until > lots_at_first .and. minval(value(:, seed)) <= goal) exit
-               call random%use_stream(lot)
-               call search_lot(path, random, room, visit)
-               done(seed) = lot
-               if (visit%worst <= kept) value(lot, seed) = visit%error*unit
+            do batch = done(seed) + 1, until
+               if (until > batches_at_first .and. minval(value(:, seed)) <= goal) exit
+               call random%use_stream(batch)
+               call search_batch(path, random, room, timing)
+               done(seed) = batch
+               if (timing%worst <= kept) value(batch, seed) = timing%error*unit
             end do
             call cpu_time(ended)
             spent = spent + ended - begun

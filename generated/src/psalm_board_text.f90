@@ -1301,7 +1301,8 @@ module psalm_board_text
    '      slides: sketch.slides.map((s) => ({ ...s, x: next(), y: next(), angle: 40 * next() })) };'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** What is loose and what is held twice: links that still move with the drives held, equations that others imply. */'//nl// &
+   '  /** What is underconstrained and what is overconstrained: links that still move with the drives held, equations that '// &
+   'others imply. */'//nl// &
    '  function freedom(sketch) {'//nl// &
    '    const mech = compile(anywhere(sketch)), pose = mech.origin.flatMap(([x, y]) => [x, y, 0]);'//nl// &
    '    const { A, n } = equations(mech, pose, mech.drives.map(() => 0));'//nl// &
@@ -1321,12 +1322,12 @@ module psalm_board_text
    '      if (n && Math.abs(v[column]) > 1e-9 * scale) basis.push({ column, w: v }); else twice.push(tags[k]);'//nl// &
    '    });'//nl// &
    '    const left = n - basis.length;'//nl// &
-   '    return { left, twice, loose: left ? looseLinks(basis, n) : [], count: n - (mech.count - mech.drives.length), driven'// &
-   ': mech.drives.length };'//nl// &
+   '    return { left, twice, free: left ? freeLinks(basis, n) : [], count: n - (mech.count - mech.drives.length), driven: '// &
+   'mech.drives.length };'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Links with a part in some motion that all equations allow. */'//nl// &
-   '  function looseLinks(basis, n) {'//nl// &
+   '  function freeLinks(basis, n) {'//nl// &
    '    const rows = basis.map(({ column, w }) => ({ column, w: w.slice() }));'//nl// &
    '    for (let i = rows.length - 1; i >= 0; i--) for (let k = 0; k < i; k++) {'//nl// &
    '      const f = rows[k].w[rows[i].column] / rows[i].w[rows[i].column];'//nl// &
@@ -1377,7 +1378,7 @@ module psalm_board_text
    '    const apart = sketch.links.filter((_, i) => !reached.has(i)).map((l) => l.name);'//nl// &
    "    if (apart.length) return say('Nothing joins ' + (apart.length > 1 ? 'links ' : 'link ') + listed(apart) +"//nl// &
    "      ' to the frame: drop a joint on one of another link, or pin one to the frame with the tool Pivot.', [], apart);"//nl// &
-   '    const { left, twice, loose, count } = freedom(sketch), names = loose.map((i) => sketch.links[i].name);'//nl// &
+   '    const { left, twice, free, count } = freedom(sketch), names = free.map((i) => sketch.links[i].name);'//nl// &
    "    const held = sketch.drives.map((d) => d.at.join(' '));"//nl// &
    "    if (twice.length && !(sketch.kover && !twice.some((row) => 'drive' in row))) {"//nl// &
    "      const row = twice.find((one) => 'drive' in one) || twice[0];"//nl// &
@@ -1386,12 +1387,12 @@ module psalm_board_text
    "        ', driven ' + held.length + ': take this drive away.', sketch.drives[row.drive].kind === 'slide' ? [] : sketch."// &
    "drives[row.drive].at);"//nl// &
    '      const [a, b] = [row.a, row.b].map((i) => sketch.links[i].name);'//nl// &
-   "      if (row.kind === 'pin') return say('Braced twice: joint ' + sketch.joints[row.j].name + ' of links ' + a + ' and "// &
-   "' + b +"//nl// &
+   "      if (row.kind === 'pin') return say('Overconstrained: joint ' + sketch.joints[row.j].name + ' of links ' + a + ' a"// &
+   "nd ' + b +"//nl// &
    "        ' holds what is held already. Take a joint or a link away, or allow it if they move thanks to special lengths.'"// &
    ", [sketch.joints[row.j].name], [a, b]);"//nl// &
-   "      return say('Braced twice: the ' + (row.kind === 'gear' ? 'gear pair' : 'slide') + ' between links ' + a + ' and '"// &
-   " + b + ' holds what is held already: take it away.', [], [a, b]);"//nl// &
+   "      return say('Overconstrained: the ' + (row.kind === 'gear' ? 'gear pair' : 'slide') + ' between links ' + a + ' an"// &
+   "d ' + b + ' holds what is held already: take it away.', [], [a, b]);"//nl// &
    '    }'//nl// &
    '    if (left) {'//nl// &
    '      const tail = sketch.joints.find((j) => sketch.links.filter((l) => l.joints.includes(j.name)).length === 1 &&'//nl// &
@@ -1401,8 +1402,8 @@ module psalm_board_text
    character(*), parameter :: part_14 = &
    "      if (!sketch.drives.length && left === 1) return say('Freedom 1 and no drive: with the tool Drive click a frame jo"// &
    "int, a slide, or pull a cylinder.', [], names);"//nl// &
-   "      return say('Loose: ' + (names.length > 1 ? 'links ' : 'link ') + listed(names) + ' can still move' + (held.length"// &
-   " ? ' with ' +"//nl// &
+   "      return say('Underconstrained: ' + (names.length > 1 ? 'links ' : 'link ') + listed(names) + ' can still move' + ("// &
+   "held.length ? ' with ' +"//nl// &
    "        listed(held) + ' held' : '') + '. ' + left + ' drive' + (left > 1 ? 's' : '') + ' more, or join them.' + (tail "// &
    "? ' Joint ' + tail.name +"//nl// &
    "        ' belongs to one link only: is it a frame joint? Then use the tool Pivot on it.' : ''), tail ? [tail.name] : []"// &

@@ -1,9 +1,9 @@
-!> A linkage moved along its input, and the stretches on which its output rises or falls all the way.
+!> A linkage moved along its input, and the branches on which its output rises or falls all the way.
 !>
-!> A stretch ends where a loop opens, or at a dead point of the output: there F' = 0, and another stretch begins beyond. Near a dead
+!> A branch ends where a loop opens, or at a dead point of the output: there F' = 0, and another branch begins beyond. Near a dead
 !> point F - F* and F' are had from the second and third derivatives at both ends of the way to it (Hermite's quadrature), so that
 !> none of their digits is lost to the values at the dead point. Source: derivation in doc/theory/cams.md.
-module psalm_cam_stretch
+module psalm_cam_branch
    use psalm_angles, only: nearest_difference
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, radians_per_degree
@@ -11,13 +11,13 @@ module psalm_cam_stretch
    use psalm_shown_input, only: reference_input
    implicit none (type, external)
    private
-   public :: moved_problem_t, followed_t, stretch_t, stretch_end_t, find_stretch, find_dead_point, rise_from
+   public :: moved_problem_t, followed_t, branch_t, branch_end_t, find_branch, find_dead_point, rise_from
 
-   integer, parameter :: scan_steps = 720                !! to either side of where a stretch is looked for
+   integer, parameter :: scan_steps = 720                !! to either side of where a branch is looked for
    real(wp), parameter :: scan_degrees = 0.5_wp
    integer, parameter :: bisections = 60
-   real(wp), parameter :: part_of_stretch = 1.0e-3_wp    !! step for the fourth derivative at a dead point
-   real(wp), parameter :: near_slope = 2.0e-3_wp         !! part of the stretch next to a dead point where F' is had by quadrature
+   real(wp), parameter :: part_of_branch = 1.0e-3_wp    !! step for the fourth derivative at a dead point
+   real(wp), parameter :: near_slope = 2.0e-3_wp         !! part of the branch next to a dead point where F' is had by quadrature
 
    !> A problem and its derivatives at a row of inputs.
    type :: moved_problem_t
@@ -28,7 +28,7 @@ module psalm_cam_stretch
       procedure :: move
    end type moved_problem_t
 
-   !> What of a mover is followed, and in which units.
+   !> What of a quantity is followed, and in which units.
    type :: followed_t
       integer :: component = 1                       !! of the output
       logical :: angular = .false.                   !! that is an angle
@@ -39,19 +39,19 @@ module psalm_cam_stretch
    end type followed_t
 
    !> Inputs that rise, outputs there, without steps of a turn; no entries: there is none.
-   type :: stretch_t
+   type :: branch_t
       real(wp), allocatable :: q(:), f(:)            !! the user's units
       real(wp) :: steepest = 0.0_wp                  !! greatest slope of the output
       logical :: dead(2) = .false.                   !! at its lower and upper end the output stands still, and no loop opens
-   end type stretch_t
+   end type branch_t
 
    !> A dead point of the output.
-   type :: stretch_end_t
+   type :: branch_end_t
       logical :: found = .false.
       real(wp) :: q = 0.0_wp, f = 0.0_wp             !! input and output there, the user's units
       real(wp) :: d(2:4) = 0.0_wp                    !! derivatives of the output, radians or length
-      real(wp) :: extent = 0.0_wp                    !! of the stretch that ends there, radians or length
-   end type stretch_end_t
+      real(wp) :: extent = 0.0_wp                    !! of the branch that ends there, radians or length
+   end type branch_end_t
 
 contains
 
@@ -111,22 +111,22 @@ contains
       end associate
    end subroutine move
 
-   !> The stretch of inputs about `start`, its ends by bisection. Angles go on from `near`, if it is given.
-   subroutine find_stretch(mover, what, start, stretch, near)
-      type(moved_problem_t), intent(inout) :: mover
+   !> The branch of inputs about `start`, its ends by bisection. Angles go on from `near`, if it is given.
+   subroutine find_branch(quantity, what, start, branch, near)
+      type(moved_problem_t), intent(inout) :: quantity
       type(followed_t), intent(in) :: what
       real(wp), intent(in) :: start                  !! input to begin with
-      type(stretch_t), intent(out) :: stretch
+      type(branch_t), intent(out) :: branch
       real(wp), intent(in), optional :: near         !! output there, but for turns
       real(wp), allocatable :: q(:), f(:)
       logical, allocatable :: good(:)
       real(wp) :: step, sense, ends(2), at_ends(2)
       integer :: k, first, last, middle
 
-      allocate (stretch%q(0), stretch%f(0))
+      allocate (branch%q(0), branch%f(0))
       middle = scan_steps + 1
       step = scan_degrees
-      if (.not. what%turning_input) step = 2.0_wp*max(sum(mover%problem%given%arcl), abs(start))/real(scan_steps, wp)
+      if (.not. what%turning_input) step = 2.0_wp*max(sum(quantity%problem%given%arcl), abs(start))/real(scan_steps, wp)
       allocate (q(2*scan_steps + 1), f(2*scan_steps + 1), good(2*scan_steps + 1))
       do k = 1, size(q)
          q(k) = start + step*real(k - middle, wp)
@@ -146,36 +146,36 @@ contains
       end do
       ends = [q(first), q(last)]
       at_ends = [f(first), f(last)]
-      if (first > 1) call narrow(q(first), q(first - 1), ends(1), at_ends(1), stretch%dead(1))
-      if (last < size(q)) call narrow(q(last), q(last + 1), ends(2), at_ends(2), stretch%dead(2))
-      stretch%q = [ends(1), q(first:last), ends(2)]
-      stretch%f = [at_ends(1), f(first:last), at_ends(2)]
+      if (first > 1) call narrow(q(first), q(first - 1), ends(1), at_ends(1), branch%dead(1))
+      if (last < size(q)) call narrow(q(last), q(last + 1), ends(2), at_ends(2), branch%dead(2))
+      branch%q = [ends(1), q(first:last), ends(2)]
+      branch%f = [at_ends(1), f(first:last), at_ends(2)]
       if (.not. what%angular) return
-      do k = 2, size(stretch%f)
-         stretch%f(k) = stretch%f(k - 1) + nearest_difference(stretch%f(k), stretch%f(k - 1))
+      do k = 2, size(branch%f)
+         branch%f(k) = branch%f(k - 1) + nearest_difference(branch%f(k), branch%f(k - 1))
       end do
       if (.not. present(near)) return
       k = middle - first + 2
-      stretch%f = stretch%f + (near - stretch%f(k) + nearest_difference(stretch%f(k), near))
+      branch%f = branch%f + (near - branch%f(k) + nearest_difference(branch%f(k), near))
 
    contains
 
-      !> Outputs, and whether each input belongs to the stretch as far as it can be seen from there.
+      !> Outputs, and whether each input belongs to the branch as far as it can be seen from there.
       subroutine judge(inputs, output, belongs, closes)
          real(wp), intent(in) :: inputs(:)
          real(wp), intent(out) :: output(:)
          logical, intent(out) :: belongs(:)
          logical, intent(out), optional :: closes(:)
-         real(wp) :: value(mover%problem%output%kind%components, size(inputs))
+         real(wp) :: value(quantity%problem%output%kind%components, size(inputs))
          real(wp) :: d(highest_order, size(value, 1), size(inputs))
          logical :: shut(size(inputs))
 
-         call mover%move(inputs, 2, value, d, shut)
+         call quantity%move(inputs, 2, value, d, shut)
          output = value(what%component, :)
          associate (slope => d(1, what%component, :))
             if (size(inputs) > 1 .and. shut(min(middle, size(inputs)))) sense = sign(1.0_wp, slope(middle))
             belongs = shut .and. sense*slope > 0.0_wp
-            if (any(belongs)) stretch%steepest = max(stretch%steepest, maxval(abs(slope), belongs))
+            if (any(belongs)) branch%steepest = max(branch%steepest, maxval(abs(slope), belongs))
          end associate
          if (present(closes)) closes = shut
       end subroutine judge
@@ -204,29 +204,29 @@ contains
          end do
          input = low
       end subroutine narrow
-   end subroutine find_stretch
+   end subroutine find_branch
 
-   !> The dead point at the lower (1) or upper (2) end of a stretch. Not found where the output has no second derivative there, or a
+   !> The dead point at the lower (1) or upper (2) end of a branch. Not found where the output has no second derivative there, or a
    !> loop opens.
-   subroutine find_dead_point(mover, what, stretch, which, point)
-      type(moved_problem_t), intent(inout) :: mover
+   subroutine find_dead_point(quantity, what, branch, which, point)
+      type(moved_problem_t), intent(inout) :: quantity
       type(followed_t), intent(in) :: what
-      type(stretch_t), intent(in) :: stretch
+      type(branch_t), intent(in) :: branch
       integer, intent(in) :: which
-      type(stretch_end_t), intent(out) :: point
-      real(wp) :: value(mover%problem%output%kind%components, 3), d(highest_order, size(value, 1), 3), step
+      type(branch_end_t), intent(out) :: point
+      real(wp) :: value(quantity%problem%output%kind%components, 3), d(highest_order, size(value, 1), 3), step
       logical :: shut(3)
       integer :: last
 
-      if (.not. stretch%dead(which)) return
-      last = size(stretch%q)
-      point%q = stretch%q(merge(1, last, which == 1))
-      point%f = stretch%f(merge(1, last, which == 1))
-      point%extent = (stretch%q(last) - stretch%q(1))*what%input_unit()
-      step = part_of_stretch*point%extent
-      call mover%move(point%q + [-step, 0.0_wp, step]/what%input_unit(), highest_order, value, d, shut)
+      if (.not. branch%dead(which)) return
+      last = size(branch%q)
+      point%q = branch%q(merge(1, last, which == 1))
+      point%f = branch%f(merge(1, last, which == 1))
+      point%extent = (branch%q(last) - branch%q(1))*what%input_unit()
+      step = part_of_branch*point%extent
+      call quantity%move(point%q + [-step, 0.0_wp, step]/what%input_unit(), highest_order, value, d, shut)
       associate (f => d(:, what%component, :))
-         if (.not. all(shut) .or. .not. abs(f(2, 2))*point%extent > stretch%steepest*part_of_stretch) return
+         if (.not. all(shut) .or. .not. abs(f(2, 2))*point%extent > branch%steepest*part_of_branch) return
          ! what bisection left
          point%q = point%q - f(1, 2)/f(2, 2)/what%input_unit()
          point%d = [f(2, 2), f(3, 2), 0.5_wp*(f(3, 3) - f(3, 1))/step]
@@ -236,7 +236,7 @@ contains
 
    !> F - F* and F' at the distance d from a dead point, from the derivatives there and here.
    elemental subroutine rise_from(point, distance, derivative, second, third, rise, slope)
-      type(stretch_end_t), intent(in) :: point
+      type(branch_end_t), intent(in) :: point
       real(wp), intent(in) :: distance               !! radians or length
       real(wp), intent(in) :: derivative, second, third !! of the output here
       real(wp), intent(out) :: rise, slope
@@ -246,4 +246,4 @@ contains
                                                                     distance*(point%d(3) - third)/12.0_wp)
       rise = distance*(0.5_wp*slope + distance*(0.1_wp*(point%d(2) - second) + distance*(point%d(3) + third)/120.0_wp))
    end subroutine rise_from
-end module psalm_cam_stretch
+end module psalm_cam_branch

@@ -1,15 +1,15 @@
-!> Which stretch of the linkage each segment of a law goes on, and what happens at the dead points between them.
+!> Which branch of the linkage each segment of a law goes on, and what happens at the dead points between them.
 !>
 !> The law rests at a dead point q* of the output, y' = 0 and F' = 0. With y'' > 0 the input has q' = +-sqrt(y''/F''): it passes; to
 !> turn back its velocity would have to jump. Where y'' and y''' vanish q - q* goes with the square of the cam angle: the input
 !> comes to rest and turns back, or passes if the user says so. In between (y'' = 0, y''' not) its acceleration is infinite.
 !> Next to the dead point the input is solved for as a distance from it. Source: Oldham (1977), 9.3.2; derivation in
 !> doc/theory/cams.md.
-module psalm_cam_passage
+module psalm_cam_crossing
    use psalm_cam_data, only: cam_group_t
    use psalm_cam_kind, only: law_dwell
    use psalm_cam_law, only: law_t, make_law, highest_law_order
-   use psalm_cam_stretch, only: moved_problem_t, followed_t, stretch_t, stretch_end_t, find_stretch, find_dead_point, rise_from
+   use psalm_cam_branch, only: moved_problem_t, followed_t, branch_t, branch_end_t, find_branch, find_dead_point, rise_from
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_rates, only: highest_order
    implicit none (type, external)
@@ -17,14 +17,14 @@ module psalm_cam_passage
    public :: ways_t, plan_ways, next_dead_point, solve_near, no_point
    public :: ways_found, ways_jump, ways_infinite, ways_end, ways_apart
 
-   integer, parameter :: most_stretches = 4          !! passed one after the other to either side
+   integer, parameter :: most_branches = 4          !! passed one after the other to either side
    integer, parameter :: no_point = huge(1)
    integer, parameter :: rounds = 6                  !! of Newton's method from a start that is a few percent off
    real(wp), parameter :: near_enough = 1.0e-6_wp    !! part of the range of outputs within which one is taken for the dead point's
-   real(wp), parameter :: step_beyond = 1.0e-2_wp    !! part of a stretch, from its dead point into the next stretch
+   real(wp), parameter :: step_beyond = 1.0e-2_wp    !! part of a branch, from its dead point into the next branch
    real(wp), parameter :: settled = 1.0e-10_wp       !! part of the greatest that is rounding
    real(wp), parameter :: same = 1.0e-6_wp           !! relative difference of accelerations that are the same
-   real(wp), parameter :: near_point = 2.0e-2_wp     !! part of a stretch next to a dead point
+   real(wp), parameter :: near_point = 2.0e-2_wp     !! part of a branch next to a dead point
    real(wp), parameter :: at_point = 1.0e-4_wp       !! radians of cam from the dead point within which its series serves
 
    !> How the planning ended.
@@ -34,31 +34,31 @@ module psalm_cam_passage
    integer, parameter :: ways_apart = 4              !! after a turn the input is not where it was
 
    !> A dead point that the law comes to and leaves.
-   type :: passage_t
+   type :: cam_crossing_t
       real(wp) :: angle = 0.0_wp                     !! cam angle as it leaves, degrees
       real(wp) :: q = 0.0_wp, f = 0.0_wp             !! input and output there
       logical :: passed = .false.                    !! else it turns back
-   end type passage_t
+   end type cam_crossing_t
 
    type :: ways_t
-      type(stretch_t) :: stretches(-most_stretches:most_stretches) !! 0: about the reference position; by rising input
-      type(stretch_end_t) :: points(-most_stretches - 1:most_stretches) !! k: between the stretches k and k + 1
+      type(branch_t) :: branches(-most_branches:most_branches) !! 0: about the reference position; by rising input
+      type(branch_end_t) :: points(-most_branches - 1:most_branches) !! k: between the branches k and k + 1
       ! by segment of the law
-      integer, allocatable :: on(:)                  !! its stretch
+      integer, allocatable :: on(:)                  !! its branch
       integer, allocatable :: begins(:), ends(:), rests(:) !! dead point at its beginning, at its end, where it rests; no_point
       integer, allocatable :: begin_order(:), end_order(:) !! lowest derivative of the law there: 2 or 4
-      type(passage_t), allocatable :: passages(:)
+      type(cam_crossing_t), allocatable :: crossings(:)
       integer :: state = ways_found
       real(wp) :: faulty_at = 0.0_wp                 !! cam angle, degrees
    end type ways_t
 
 contains
 
-   !> Plan the way of a law; `ways%stretches(0)` is known. The law is made anew where it comes so near to dead points that it is to
+   !> Plan the way of a law; `ways%branches(0)` is known. The law is made anew where it comes so near to dead points that it is to
    !> rest at them.
-   subroutine plan_ways(cam, mover, what, law, ways)
+   subroutine plan_ways(cam, quantity, what, law, ways)
       type(cam_group_t), intent(in) :: cam
-      type(moved_problem_t), intent(inout) :: mover
+      type(moved_problem_t), intent(inout) :: quantity
       type(followed_t), intent(in) :: what
       type(law_t), intent(inout) :: law
       type(ways_t), intent(inout) :: ways
@@ -71,10 +71,10 @@ contains
       allocate (ways%on(n), source=0)
       allocate (ways%begins(n), ways%ends(n), ways%rests(n), source=no_point)
       allocate (ways%begin_order(n), ways%end_order(n), source=0)
-      allocate (ways%passages(0))
-      if (size(cam%finish) == 0 .or. cam%slides .or. cam%frequency > 0.0_wp .or. size(ways%stretches(0)%q) == 0) return
+      allocate (ways%crossings(0))
+      if (size(cam%finish) == 0 .or. cam%slides .or. cam%frequency > 0.0_wp .or. size(ways%branches(0)%q) == 0) return
       do k = 1, 2
-         call find_dead_point(mover, what, ways%stretches(0), k, ways%points(k - 2))
+         call find_dead_point(quantity, what, ways%branches(0), k, ways%points(k - 2))
       end do
       value = [cam%start, cam%output]
       given = cam
@@ -118,17 +118,17 @@ contains
 
    contains
 
-      !> The dead point at an end of a stretch whose output a value is.
+      !> The dead point at an end of a branch whose output a value is.
       pure integer function touched(value, s)
          real(wp), intent(in) :: value
          integer, intent(in) :: s
          integer :: k
 
          touched = no_point
-         associate (stretch => ways%stretches(s))
+         associate (branch => ways%branches(s))
             do k = s - 1, s
                if (.not. ways%points(k)%found) cycle
-               if (abs(value - ways%points(k)%f) <= near_enough*abs(stretch%f(size(stretch%f)) - stretch%f(1))) touched = k
+               if (abs(value - ways%points(k)%f) <= near_enough*abs(branch%f(size(branch%f)) - branch%f(1))) touched = k
             end do
          end associate
       end function touched
@@ -173,13 +173,13 @@ contains
          if (abs(y(3)) <= settled*greatest(3) .and. abs(y(4)) > settled*greatest(4)) order_of = 4
       end function order_of
 
-      !> Leave a dead point that segment `from` came to with segment `to`: which stretch is next.
+      !> Leave a dead point that segment `from` came to with segment `to`: which branch is next.
       subroutine leave(point, from, to, s)
          integer, intent(in) :: point, from, to
          integer, intent(inout) :: s
          real(wp) :: came(0:highest_law_order), goes(0:highest_law_order)
          logical :: at_once
-         type(passage_t) :: passage
+         type(cam_crossing_t) :: crossing
 
          came = ending(from, .true.)
          goes = ending(to, .false.)
@@ -190,17 +190,17 @@ contains
             ways%state = ways_infinite
             return
          end if
-         passage = passage_t(law%segments(to)%start, ways%points(point)%q, ways%points(point)%f, cam%through)
+         crossing = cam_crossing_t(law%segments(to)%start, ways%points(point)%q, ways%points(point)%f, cam%through)
          if (max(ways%end_order(from), ways%begin_order(to)) == 2) then
             at_once = modulo(to - from, n) == modulo(1, n)
-            passage%passed = .true.
+            crossing%passed = .true.
             if (.not. at_once .or. abs(came(2) - goes(2)) > same*max(abs(came(2)), abs(goes(2)))) ways%state = ways_jump
          else if (ways%end_order(from) /= ways%begin_order(to)) then
             ways%state = ways_jump
          end if
          if (ways%state /= ways_found) return
-         ways%passages = [ways%passages, passage]
-         if (passage%passed) call cross(point, s)
+         ways%crossings = [ways%crossings, crossing]
+         if (crossing%passed) call cross(point, s)
       end subroutine leave
 
       subroutine cross(point, s)
@@ -209,20 +209,20 @@ contains
          integer :: next, which
 
          next = merge(s + 1, s - 1, point == s)
-         if (abs(next) > most_stretches) then
+         if (abs(next) > most_branches) then
             ways%state = ways_end
             return
          end if
-         associate (stretch => ways%stretches(next), dead => ways%points(point))
-            if (.not. allocated(stretch%q)) then
-               call find_stretch(mover, what, dead%q + real(next - s, wp)*step_beyond*dead%extent/what%input_unit(), stretch, &
+         associate (branch => ways%branches(next), dead => ways%points(point))
+            if (.not. allocated(branch%q)) then
+               call find_branch(quantity, what, dead%q + real(next - s, wp)*step_beyond*dead%extent/what%input_unit(), branch, &
                                  dead%f)
-               if (size(stretch%q) == 0) then
+               if (size(branch%q) == 0) then
                   ways%state = ways_end
                   return
                end if
                which = merge(2, 1, next > s)
-               call find_dead_point(mover, what, stretch, which, ways%points(merge(next, next - 1, next > s)))
+               call find_dead_point(quantity, what, branch, which, ways%points(merge(next, next - 1, next > s)))
             end if
          end associate
          s = next
@@ -286,10 +286,10 @@ contains
    end function rise_of_law
 
    !> Inputs near dead points, with derivatives: Newton's method in the distance, and next to the dead point itself its series.
-   subroutine solve_near(ways, law, mover, what, angle, piece, point, at_end, first, q, shut)
+   subroutine solve_near(ways, law, quantity, what, angle, piece, point, at_end, first, q, shut)
       type(ways_t), intent(in) :: ways
       type(law_t), intent(in) :: law
-      type(moved_problem_t), intent(inout) :: mover
+      type(moved_problem_t), intent(inout) :: quantity
       type(followed_t), intent(in) :: what
       real(wp), intent(in) :: angle(:)               !! shape (n)
       integer, intent(in) :: piece(:), point(:)
@@ -297,8 +297,8 @@ contains
       real(wp), intent(in) :: first(:)               !! distances as `next_dead_point` has them
       real(wp), intent(out) :: q(0:, :)              !! shape (0:3, n): input, the user's unit; derivatives, radians or length
       logical, intent(out) :: shut(:)                !! the loops close there
-      type(stretch_end_t) :: dead(size(angle))
-      real(wp) :: y(0:highest_law_order, size(angle)), value(mover%problem%output%kind%components, size(angle)), &
+      type(branch_end_t) :: dead(size(angle))
+      real(wp) :: y(0:highest_law_order, size(angle)), value(quantity%problem%output%kind%components, size(angle)), &
                   d(highest_order, size(value, 1), size(angle)), rise(size(angle)), slope(size(angle)), &
                   distance(size(angle))
       integer :: i, round
@@ -309,7 +309,7 @@ contains
          y(:, i) = rise_of_law(ways, law, angle(i), piece(i), at_end(i))*what%output_unit()
       end do
       do round = 0, rounds
-         call mover%move(dead%q + distance/what%input_unit(), highest_order, value, d, shut)
+         call quantity%move(dead%q + distance/what%input_unit(), highest_order, value, d, shut)
          associate (f => d(:, what%component, :))
             call rise_from(dead, distance, f(1, :), f(2, :), f(3, :), rise, slope)
          end associate
@@ -356,4 +356,4 @@ contains
          q = [dead(i)%q + t*(q1 + t*(0.5_wp*q2 + t*q3/6.0_wp))/what%input_unit(), q1 + t*(q2 + 0.5_wp*t*q3), q2 + t*q3, q3]
       end function series
    end subroutine solve_near
-end module psalm_cam_passage
+end module psalm_cam_crossing

@@ -1,7 +1,7 @@
 !> What a cam has to do to a linkage: from the law of the output back to the input, and on to the follower.
 !>
-!> The wanted output y(th) is solved for the input q by Newton's method inside a bracket, all cam angles at once, on the stretch
-!> round the reference position where every loop closes and the output rises or falls all the way; and on the stretches beyond
+!> The wanted output y(th) is solved for the input q by Newton's method inside a bracket, all cam angles at once, on the branch
+!> round the reference position where every loop closes and the output rises or falls all the way; and on the branches beyond
 !> dead points at which the law rests. Derivatives follow from those of the linkage in closed form, to the third order; the
 !> follower from the linkage's own pose. Nothing here knows what the follower touches.
 !> Source: Oldham (1977), 9.3.2; derivation in doc/theory/cams.md.
@@ -10,8 +10,8 @@ module psalm_cam_motion
    use psalm_cam_data, only: cam_group_t, roller_t
    use psalm_cam_chain, only: cam_chain_t
    use psalm_cam_law, only: law_t, highest_law_order
-   use psalm_cam_passage, only: ways_t, plan_ways, next_dead_point, solve_near, no_point
-   use psalm_cam_stretch, only: moved_problem_t, followed_t, stretch_t, find_stretch
+   use psalm_cam_crossing, only: ways_t, plan_ways, next_dead_point, solve_near, no_point
+   use psalm_cam_branch, only: moved_problem_t, followed_t, branch_t, find_branch
    use psalm_cam_trace, only: cam_trace_t, clear_trace, fault_none, fault_reach, fault_dead_point, fault_open
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: new_problem
@@ -36,17 +36,17 @@ module psalm_cam_motion
       type(followed_t) :: what                       !! the output's component, and units
       type(moved_problem_t), allocatable :: output, follower
       real(wp) :: reference = 0.0_wp                 !! the reference input as shown
-      real(wp), allocatable :: q(:), f(:)            !! the stretch: inputs that rise, outputs there
-      type(ways_t) :: ways                           !! this stretch and those beyond its dead points
+      real(wp), allocatable :: q(:), f(:)            !! the branch: inputs that rise, outputs there
+      type(ways_t) :: ways                           !! this branch and those beyond its dead points
       type(cam_chain_t), allocatable :: chain        !! of a sketch solved in the poses of its links, in place of all this
    contains
       procedure :: trace
-      procedure :: has_stretch
+      procedure :: has_branch
    end type cam_motion_t
 
 contains
 
-   !> Make a motion ready. Where the reference position itself does not close or stands still there is no stretch.
+   !> Make a motion ready. Where the reference position itself does not close or stands still there is no branch.
    subroutine prepare_cam_motion(cam, law, mechanism, given, parameters, motion)
       type(cam_group_t), intent(in) :: cam
       type(law_t), intent(in) :: law
@@ -73,9 +73,9 @@ contains
          motion%what%angular = kind%angle == motion%what%component
       end associate
       motion%angular = motion%what%angular
-      call find_stretch(motion%output, motion%what, motion%reference, motion%ways%stretches(0))
-      motion%q = motion%ways%stretches(0)%q
-      motion%f = motion%ways%stretches(0)%f
+      call find_branch(motion%output, motion%what, motion%reference, motion%ways%branches(0))
+      motion%q = motion%ways%branches(0)%q
+      motion%f = motion%ways%branches(0)%f
       call plan_ways(cam, motion%output, motion%what, motion%law, motion%ways)
    end subroutine prepare_cam_motion
 
@@ -92,13 +92,13 @@ contains
    end subroutine chained_motion
 
    !> The pose of a point on the arc that carries the follower, as a problem.
-   subroutine make_follower(cam, roller, mechanism, given, parameters, mover)
+   subroutine make_follower(cam, roller, mechanism, given, parameters, quantity)
       type(cam_group_t), intent(in) :: cam
       type(roller_t), intent(in) :: roller
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: given
       type(parameters_t), intent(in) :: parameters
-      type(moved_problem_t), intent(inout) :: mover
+      type(moved_problem_t), intent(inout) :: quantity
       type(mechanism_t) :: posed
       type(dimensions_t) :: dimensions
 
@@ -107,17 +107,17 @@ contains
       dimensions = given
       dimensions%outlk = roller%distance
       dimensions%outang = roller%angle
-      allocate (mover%problem)
-      call new_problem(posed, dimensions, parameters, [0.0_wp], .false., mover%problem)
-      call mover%problem%want_derivatives(.false.)
+      allocate (quantity%problem)
+      call new_problem(posed, dimensions, parameters, [0.0_wp], .false., quantity%problem)
+      call quantity%problem%want_derivatives(.false.)
    end subroutine make_follower
 
    !> True if the output can be followed round the reference position.
-   pure logical function has_stretch(self)
+   pure logical function has_branch(self)
       class(cam_motion_t), intent(in) :: self
 
-      has_stretch = size(self%q) > 0
-   end function has_stretch
+      has_branch = size(self%q) > 0
+   end function has_branch
 
    !> Output, input and follower at cam angles, each on its piece of the law.
    subroutine trace(self, angle, piece, states)
@@ -201,17 +201,17 @@ contains
       input_unit = motion%what%input_unit()
       on = motion%ways%on(motion%law%pieces(piece(list))%segment)
       do i = 1, n
-         associate (stretch => motion%ways%stretches(on(i)), wanted => states%y(0, list(i)))
-            k = bracket(stretch, wanted)
+         associate (branch => motion%ways%branches(on(i)), wanted => states%y(0, list(i)))
+            k = bracket(branch, wanted)
             if (k == 0) then
                states%fault(list(i)) = fault_reach
-               k = merge(1, size(stretch%q) - 1, sense_of(stretch)*(wanted - stretch%f(1)) < 0.0_wp)
+               k = merge(1, size(branch%q) - 1, sense_of(branch)*(wanted - branch%f(1)) < 0.0_wp)
             end if
-            low(i) = stretch%q(k)
-            high(i) = stretch%q(k + 1)
-            step = stretch%f(k + 1) - stretch%f(k)
+            low(i) = branch%q(k)
+            high(i) = branch%q(k + 1)
+            step = branch%f(k + 1) - branch%f(k)
             q(i) = low(i)
-            if (abs(step) > 0.0_wp) q(i) = low(i) + (high(i) - low(i))*min(max((wanted - stretch%f(k))/step, 0.0_wp), 1.0_wp)
+            if (abs(step) > 0.0_wp) q(i) = low(i) + (high(i) - low(i))*min(max((wanted - branch%f(k))/step, 0.0_wp), 1.0_wp)
          end associate
       end do
       before = huge(before)
@@ -223,7 +223,7 @@ contains
             miss = states%y(0, list(i)) - value(motion%what%component, i)
             if (motion%angular) miss = nearest_difference(states%y(0, list(i)), value(motion%what%component, i))
             slope(i) = d(1, motion%what%component, i)
-            if (sense_of(motion%ways%stretches(on(i)))*miss > 0.0_wp) then
+            if (sense_of(motion%ways%branches(on(i)))*miss > 0.0_wp) then
                low(i) = max(low(i), q(i))
             else
                high(i) = min(high(i), q(i))
@@ -249,7 +249,7 @@ contains
                     fault => states%fault(list(i)))
             if (fault /= fault_none) cycle
             if (.not. shut(i)) fault = fault_open
-            if ((f(1)/motion%ways%stretches(on(i))%steepest)**2 < at_rest) fault = fault_dead_point
+            if ((f(1)/motion%ways%branches(on(i))%steepest)**2 < at_rest) fault = fault_dead_point
             if (fault /= fault_none) cycle
             dq(1) = y(1)/f(1)
             dq(2) = (y(2) - f(2)*dq(1)**2)/f(1)
@@ -258,30 +258,30 @@ contains
       end do
    end subroutine invert_far
 
-   !> +1 where the output of a stretch rises with the input, else -1.
-   pure real(wp) function sense_of(stretch)
-      type(stretch_t), intent(in) :: stretch
+   !> +1 where the output of a branch rises with the input, else -1.
+   pure real(wp) function sense_of(branch)
+      type(branch_t), intent(in) :: branch
 
-      sense_of = merge(1.0_wp, -1.0_wp, stretch%f(size(stretch%f)) > stretch%f(1))
+      sense_of = merge(1.0_wp, -1.0_wp, branch%f(size(branch%f)) > branch%f(1))
    end function sense_of
 
-   !> The interval of a stretch in which an output lies; 0: none.
-   pure integer function bracket(stretch, wanted)
-      type(stretch_t), intent(in) :: stretch
+   !> The interval of a branch in which an output lies; 0: none.
+   pure integer function bracket(branch, wanted)
+      type(branch_t), intent(in) :: branch
       real(wp), intent(in) :: wanted
       real(wp) :: rising, rounding
       integer :: from, to, middle
 
       bracket = 0
       from = 1
-      to = size(stretch%q)
-      rising = sense_of(stretch)
-      rounding = at_rest*maxval(abs(stretch%f))
-      if (rising*(wanted - stretch%f(1)) < -rounding) return
-      if (rising*(wanted - stretch%f(to)) > rounding) return
+      to = size(branch%q)
+      rising = sense_of(branch)
+      rounding = at_rest*maxval(abs(branch%f))
+      if (rising*(wanted - branch%f(1)) < -rounding) return
+      if (rising*(wanted - branch%f(to)) > rounding) return
       do while (to - from > 1)
          middle = (from + to)/2
-         if (rising*(wanted - stretch%f(middle)) >= 0.0_wp) then
+         if (rising*(wanted - branch%f(middle)) >= 0.0_wp) then
             from = middle
          else
             to = middle

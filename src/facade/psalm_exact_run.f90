@@ -193,20 +193,20 @@ contains
          proof%turns = motion%complete
          proof%closes = proof%closes .or. proof%turns
       end if
-      call take_legs(motion, proof)
+      call take_segments(motion, proof)
    end subroutine prove_groups
 
    !> How far a motion is proven either way.
-   pure subroutine take_legs(motion, proof)
+   pure subroutine take_segments(motion, proof)
       type(chain_proof_t), intent(in) :: motion
       type(exact_proof_t), intent(inout) :: proof
       real(wp) :: way
       integer :: k
 
-      do k = 1, size(motion%legs)
-         way = motion%legs(k)%reached*motion%legs(k)%to(1)*degrees_per_radian
+      do k = 1, size(motion%segments)
+         way = motion%segments(k)%reached*motion%segments(k)%to(1)*degrees_per_radian
          proof%from = min(proof%from, way)
          proof%to = max(proof%to, way)
       end do
-   end subroutine take_legs
+   end subroutine take_segments
 end module psalm_exact_run

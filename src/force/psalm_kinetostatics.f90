@@ -12,7 +12,8 @@ module psalm_kinetostatics
    use psalm_error, only: problem_t
    use psalm_force_kernels, only: load_body, move_axes, add_inertia, add_weight, add_force_at, add_couple, place_in_body, &
                                   velocity_in_body, power_of, add_wrench, drive_of_crank, drive_of_slide
-   use psalm_force_model, only: force_model_t, friction_t, spot_t, parameter_mass, parameter_mx, parameter_my, parameter_inertia
+   use psalm_force_model, only: force_model_t, friction_t, spot_t, parameter_mass, parameter_mx, parameter_my, &
+                                parameter_inertia
    use psalm_group_reactions, only: group_joint_t, group_couple_t, react_group
    use psalm_kinds, only: wp, radians_per_degree, full_turn
    use psalm_linkage, only: padded

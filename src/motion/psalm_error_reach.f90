@@ -7,8 +7,8 @@ submodule(psalm_error) psalm_error_reach
    use psalm_kinds, only: full_turn
    implicit none (type, external)
 
-   integer, parameter :: steps = 720, steps_of_lens = 16
-   integer, parameter :: lenses = 12              !! closer looks
+   integer, parameter :: steps = 720, steps_of_refinement = 16
+   integer, parameter :: refinements = 12              !! closer looks
    real(wp), parameter :: near_dead = 0.05_wp     !! margin below which a dead point is looked for between steps
    real(wp), parameter :: touched = 1.0e-12_wp    !! margin of a dead point, but for rounding
    real(wp), parameter :: same_input = 1.0e-9_wp  !! of a turn, or of the range: a position at the end is reached
@@ -16,7 +16,7 @@ submodule(psalm_error) psalm_error_reach
    !> The way from the drawing in one sense.
    type :: scout_t
       class(problem_t), allocatable :: row        !! its steps
-      class(problem_t), allocatable :: lens       !! a few positions between two of them
+      class(problem_t), allocatable :: refinement       !! a few positions between two of them
       real(wp), allocatable :: span(:)            !! by loop: size of its measure
    end type scout_t
 
@@ -35,7 +35,7 @@ contains
       start = dimensions%drawn - dimensions%crnki
       allocate (scout%row, source=self)
       if (allocated(scout%row%linkages)) deallocate (scout%row%linkages)
-      allocate (scout%lens, source=scout%row)
+      allocate (scout%refinement, source=scout%row)
       if (any(.not. self%mechanism%actuators(2:)%geared)) then
          call find_other_sides(scout%row, dimensions, start, motion%beyond)
       else
@@ -135,8 +135,8 @@ contains
       inputs = start + extent*[(real(i, wp)/real(steps, wp), i=0, steps)]
       call scout%row%set_inputs(inputs)
       call scout%row%bind(dimensions)
-      call scout%lens%set_inputs(inputs(:steps_of_lens))
-      call scout%lens%bind(dimensions)
+      call scout%refinement%set_inputs(inputs(:steps_of_refinement))
+      call scout%refinement%bind(dimensions)
       allocate (scout%span(size(margin, 2)), source=0.0_wp)
       call find_margins(scout%row, scout%span, margin, sine)
       way = extent
@@ -204,8 +204,9 @@ contains
       real(wp), intent(out) :: margin(0:, :), sine(0:, :)
       integer :: i
 
-      call scout%lens%move_inputs([(from + (to - from)*(real(i, wp)/real(steps_of_lens, wp)), i=0, steps_of_lens)])
-      call find_margins(scout%lens, scout%span, margin, sine)
+      call scout%refinement%move_inputs([(from + (to - from)*(real(i, wp)/real(steps_of_refinement, wp)), i=0, &
+                                         steps_of_refinement)])
+      call find_margins(scout%refinement, scout%span, margin, sine)
    end subroutine look
 
    !> The end between an input at which a loop closes and one at which it does not, or has its slides the other way round.
@@ -215,17 +216,17 @@ contains
       real(wp), intent(in) :: inside, outside
       real(wp), intent(in) :: side                    !! sine of two slides inside; 0 for other loops
       real(wp), intent(out) :: end
-      real(wp) :: margin(0:steps_of_lens, size(scout%span)), sine(0:steps_of_lens, size(scout%span)), beyond, step
+      real(wp) :: margin(0:steps_of_refinement, size(scout%span)), sine(0:steps_of_refinement, size(scout%span)), beyond, step
       integer :: round, j
 
       end = inside
       beyond = outside
-      do round = 1, lenses
+      do round = 1, refinements
          call look(scout, end, beyond, margin, sine)
-         do j = 1, steps_of_lens - 1
+         do j = 1, steps_of_refinement - 1
             if (margin(j, loop) < 0.0_wp .or. sine(j, loop)*side < 0.0_wp) exit
          end do
-         step = (beyond - end)/real(steps_of_lens, wp)
+         step = (beyond - end)/real(steps_of_refinement, wp)
          beyond = end + real(j, wp)*step
          end = end + real(j - 1, wp)*step
       end do
@@ -239,17 +240,17 @@ contains
       real(wp), intent(in) :: side                    !! sine of two slides there; 0 for other loops
       logical, intent(out) :: ends
       real(wp), intent(out) :: end
-      real(wp) :: margin(0:steps_of_lens, size(scout%span)), sine(0:steps_of_lens, size(scout%span)), low, high, step
+      real(wp) :: margin(0:steps_of_refinement, size(scout%span)), sine(0:steps_of_refinement, size(scout%span)), low, high, step
       integer :: round, j
 
       low = from
       high = to
       ends = .false.
       end = from
-      do round = 1, lenses
+      do round = 1, refinements
          call look(scout, low, high, margin, sine)
-         step = (high - low)/real(steps_of_lens, wp)
-         do j = 1, steps_of_lens
+         step = (high - low)/real(steps_of_refinement, wp)
+         do j = 1, steps_of_refinement
             if (margin(j, loop) >= 0.0_wp .and. sine(j, loop)*side >= 0.0_wp) cycle
             ends = .true.
             call find_end(scout, loop, low + real(j - 1, wp)*step, low + real(j, wp)*step, side, end)

@@ -167,21 +167,21 @@ contains
          call add_mark(scene, 'range', 'proven: closes for every input from '//end_in_words(proof%from, 1, turns)//' to '// &
                        end_in_words(proof%to, -1, turns))
       else
-         do k = 1, size(proof%legs)
-            associate (leg => proof%legs(k))
-               way = merge(-1, 1, leg%to(1) > 0.0_wp)
+         do k = 1, size(proof%segments)
+            associate (segment => proof%segments(k))
+               way = merge(-1, 1, segment%to(1) > 0.0_wp)
                call add_mark(scene, 'range', 'proven: closes from the drawing to '// &
-                             end_in_words(place_on(proof, k, leg%reached, turns), way, turns))
-               if (leg%complete) cycle
+                             end_in_words(place_on(proof, k, segment%reached, turns), way, turns))
+               if (segment%complete) cycle
                ends = lower_case(links_of_group(study, proof%group(k)))
-               if (leg%turns_back) then
+               if (segment%turns_back) then
                   call add_mark(scene, 'opens', 'proven: opens at '// &
-                                end_in_words(place_on(proof, k, leg%dead_high, turns), -way, turns)//', dead point of '//ends, &
-                                place_on(proof, k, leg%reached, turns), .true.)
+                                end_in_words(place_on(proof, k, segment%dead_high, turns), -way, turns)//', dead point of '//ends, &
+                                place_on(proof, k, segment%reached, turns), .true.)
                else
                   call add_mark(scene, 'opens', 'undecided beyond '// &
-                                end_in_words(place_on(proof, k, leg%reached, turns), way, turns)//', '//ends// &
-                                ' at or near a dead point', place_on(proof, k, leg%reached, turns), .true.)
+                                end_in_words(place_on(proof, k, segment%reached, turns), way, turns)//', '//ends// &
+                                ' at or near a dead point', place_on(proof, k, segment%reached, turns), .true.)
                end if
             end associate
          end do

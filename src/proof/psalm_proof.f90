@@ -23,7 +23,8 @@ module psalm_proof
    private
    public :: proof_t, limit_t, subject_t, prepare_subject, bind_subject, ready_subject, prove_closure
    public :: touch_none, touch_exact, rounded
-   public :: piece_closes, piece_opens, piece_undecided, cause_too_short, cause_difference, cause_guide, cause_link, cause_parallel
+   public :: piece_closes, piece_opens, piece_undecided, cause_too_short, cause_difference, cause_guide, &
+             cause_link, cause_parallel
 
    integer, parameter :: touch_none = 0
    integer, parameter :: touch_exact = 1      !! the lengths as given add up exactly: a change point

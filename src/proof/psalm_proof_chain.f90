@@ -13,7 +13,8 @@ module psalm_proof_chain
    use psalm_sketch, only: sketch_output_t
    implicit none (type, external)
    private
-   public :: chain_tubes_t, leg_t, output_range_t, start_tubes, cover_leg, stands_as_drawn, is_on_motion, bracket_outputs
+   public :: chain_tubes_t, path_segment_t, output_range_t, start_tubes, cover_segment, stands_as_drawn, is_on_motion, &
+             bracket_outputs
 
    real(wp), parameter :: first_r = 0.01_wp      !! of a line
    real(wp), parameter :: least_r = 1.0e-13_wp   !! shorter tubes are not tried
@@ -30,15 +31,15 @@ module psalm_proof_chain
    real(wp), parameter :: slack = 1.0e-12_wp     !! of a full turn, which is no number of the machine
 
    !> A line of the inputs.
-   type :: leg_t
+   type :: path_segment_t
       real(wp), allocatable :: from(:), to(:)    !! shape (drives): radians or length from the drawing
-      integer :: after = 0                       !! the leg at whose end it begins; 0: at the drawing
+      integer :: after = 0                       !! the segment at whose end it begins; 0: at the drawing
       real(wp) :: per = 0.0_wp                   !! of the way by the input, for velocity ratios; 0: there is no one input
       real(wp) :: reached = 0.0_wp               !! part of the way that is proven
       logical :: complete = .false.              !! all of it is
       logical :: turns_back = .false.            !! proven: a dead point, beyond which the inputs cannot go
       real(wp) :: dead_low = 0.0_wp, dead_high = 0.0_wp !! bracket of it, parts of the way
-   end type leg_t
+   end type path_segment_t
 
    !> Where a number is within a tube.
    type :: tube_span_t
@@ -49,18 +50,18 @@ module psalm_proof_chain
       logical :: bounded = .false.
    end type tube_span_t
 
-   !> A tube, the leg it is on and where the outputs are in it; angles go on from the tube before.
+   !> A tube, the segment it is on and where the outputs are in it; angles go on from the tube before.
    type :: tube_part_t
-      integer :: leg = 0
+      integer :: segment = 0
       type(tube_t) :: tube
-      real(wp) :: per = 0.0_wp                   !! as of its leg
+      real(wp) :: per = 0.0_wp                   !! as of its segment
       type(tube_span_t), allocatable :: spans(:)      !! shape (numbers of all outputs, then their rates)
    end type tube_part_t
 
-   !> All tubes of all legs.
+   !> All tubes of all segments.
    type :: chain_tubes_t
       type(tube_t) :: drawing
-      type(tube_t), allocatable :: ends(:)       !! by leg, if all of it is proven
+      type(tube_t), allocatable :: ends(:)       !! by segment, if all of it is proven
       type(tube_part_t), allocatable :: parts(:)      !! the first `count` are used
       integer :: count = 0
    end type chain_tubes_t
@@ -69,44 +70,44 @@ module psalm_proof_chain
    type :: output_range_t
       logical :: bounded = .false.
       real(wp) :: low(2) = 0.0_wp, high(2) = 0.0_wp !! bracket of the least, of the greatest value
-      integer :: leg(2) = 0
-      real(wp) :: way(2) = 0.0_wp                !! where it is: part of the way of the leg
+      integer :: segment(2) = 0
+      real(wp) :: way(2) = 0.0_wp                !! where it is: part of the way of the segment
    end type output_range_t
 
 contains
 
    !> Begin at the drawing. `sound` is false where its own assembly cannot be proven.
-   subroutine start_tubes(closure, start, legs, tubes, sound)
+   subroutine start_tubes(closure, start, segments, tubes, sound)
       type(closure_t), intent(in) :: closure
       type(state_t), intent(in) :: start
-      integer, intent(in) :: legs
+      integer, intent(in) :: segments
       type(chain_tubes_t), intent(out) :: tubes
       logical, intent(out) :: sound
 
       call enclose_here(closure, start, 0.0_wp, tubes%drawing)
       sound = tubes%drawing%holds
-      allocate (tubes%ends(legs), tubes%parts(0))
+      allocate (tubes%ends(segments), tubes%parts(0))
    end subroutine start_tubes
 
-   !> Cover a leg as far as tubes lead.
-   subroutine cover_leg(closure, outputs, number, leg, tubes)
+   !> Cover a segment as far as tubes lead.
+   subroutine cover_segment(closure, outputs, number, segment, tubes)
       type(closure_t), intent(in) :: closure
       type(sketch_output_t), intent(in) :: outputs(:)
-      integer, intent(in) :: number              !! of the leg
-      type(leg_t), intent(inout) :: leg
+      integer, intent(in) :: number              !! of the segment
+      type(path_segment_t), intent(inout) :: segment
       type(chain_tubes_t), intent(inout) :: tubes
       type(tube_t) :: before, next
       type(state_t) :: state
       real(wp) :: r, end_of_before
       integer :: first
 
-      if (leg%after == 0) then
+      if (segment%after == 0) then
          before = tubes%drawing
       else
-         before = tubes%ends(leg%after)
+         before = tubes%ends(segment%after)
       end if
-      before%state%input(:, 0) = leg%from
-      before%state%input(:, 1) = leg%to - leg%from
+      before%state%input(:, 0) = segment%from
+      before%state%input(:, 1) = segment%to - segment%from
       before%state%input(:, 2:) = 0.0_wp
       ! rates of its own line
       call enclose_here(closure, before%state, 0.0_wp, next)
@@ -116,40 +117,40 @@ contains
       first = tubes%count
       end_of_before = 0.0_wp
       r = first_r
-      do while (leg%reached < 1.0_wp)
-         r = min(r, 0.5_wp*(1.0_wp - leg%reached))
+      do while (segment%reached < 1.0_wp)
+         r = min(r, 0.5_wp*(1.0_wp - segment%reached))
          state = prediction_at(before, end_of_before + r)
-         state%input(:, 0) = leg%from + (leg%reached + r)*(leg%to - leg%from)
-         call enclose(closure, state, leg%reached + r, r, next)
+         state%input(:, 0) = segment%from + (segment%reached + r)*(segment%to - segment%from)
+         call enclose(closure, state, segment%reached + r, r, next)
          if (next%holds) next%holds = joins(closure, before, end_of_before, next, -r)
          if (.not. next%holds) then
             r = 0.5_wp*r
             if (r < least_r .or. tubes%count - first >= most_tubes) then
-               if (tubes%count > first) call turn_back(closure, before, end_of_before, leg)
+               if (tubes%count > first) call turn_back(closure, before, end_of_before, segment)
                return
             end if
             cycle
          end if
-         call add_part(closure, outputs, number, leg%per, next, tubes)
+         call add_part(closure, outputs, number, segment%per, next, tubes)
          before = next
          end_of_before = r
-         leg%reached = leg%reached + 2.0_wp*r
-         if (1.0_wp - leg%reached < least_r) leg%reached = 1.0_wp
+         segment%reached = segment%reached + 2.0_wp*r
+         if (1.0_wp - segment%reached < least_r) segment%reached = 1.0_wp
          if (next%kappa < easy) r = longer*r
       end do
       state = prediction_at(before, end_of_before)
-      state%input(:, 0) = leg%to
+      state%input(:, 0) = segment%to
       call enclose_here(closure, state, 1.0_wp, tubes%ends(number))
-      leg%complete = tubes%ends(number)%holds
-      if (leg%complete) leg%complete = joins(closure, before, end_of_before, tubes%ends(number), 0.0_wp)
-   end subroutine cover_leg
+      segment%complete = tubes%ends(number)%holds
+      if (segment%complete) segment%complete = joins(closure, before, end_of_before, tubes%ends(number), 0.0_wp)
+   end subroutine cover_segment
 
-   !> Look whether the motion turns back behind the last tube of a leg.
-   subroutine turn_back(closure, last, s, leg)
+   !> Look whether the motion turns back behind the last tube of a segment.
+   subroutine turn_back(closure, last, s, segment)
       type(closure_t), intent(in) :: closure
       type(tube_t), intent(in) :: last
       real(wp), intent(in) :: s                  !! its end, from its middle
-      type(leg_t), intent(inout) :: leg
+      type(path_segment_t), intent(inout) :: segment
       type(tube_t) :: turn
       real(wp) :: r, low, high
       integer :: try
@@ -157,39 +158,40 @@ contains
 
       r = longest_turn*closure%size
       do try = 1, turns_tried
-         call enclose_turn(closure, prediction_at(last, s), leg%to - leg%from, leg%reached, steepest(closure, last), r, turn)
+         call enclose_turn(closure, prediction_at(last, s), segment%to - segment%from, segment%reached, &
+                            steepest(closure, last), r, turn)
          call turning_point(turn, turns, low, high)
          if (turns) turns = leads_to(closure, last, s, turn)
          ! the shorter the tube, the tighter, as long as the end of the last one is in it
-         if (turns .and. (.not. leg%turns_back .or. high < leg%dead_high)) then
-            leg%turns_back = .true.
-            leg%dead_low = low
-            leg%dead_high = high
+         if (turns .and. (.not. segment%turns_back .or. high < segment%dead_high)) then
+            segment%turns_back = .true.
+            segment%dead_low = low
+            segment%dead_high = high
          end if
          r = shorter_turn*r
       end do
    end subroutine turn_back
 
-   !> True if the linkage stands at the end of a leg as in the drawing, links turned by full turns not counted.
-   logical function stands_as_drawn(closure, tubes, leg)
+   !> True if the linkage stands at the end of a segment as in the drawing, links turned by full turns not counted.
+   logical function stands_as_drawn(closure, tubes, segment)
       type(closure_t), intent(in) :: closure
       type(chain_tubes_t), intent(in) :: tubes
-      integer, intent(in) :: leg
+      integer, intent(in) :: segment
       real(wp), parameter :: turn = 6.283185307179586_wp
       type(tube_t) :: end
 
-      end = tubes%ends(leg)
+      end = tubes%ends(segment)
       end%state%phi(:, 0) = end%state%phi(:, 0) - turn*anint((end%state%phi(:, 0) - tubes%drawing%state%phi(:, 0))/turn)
       end%off_t = end%off_t + slack*closure%size
       end%off_phi = end%off_phi + slack
       stands_as_drawn = joins(closure, end, 0.0_wp, tubes%drawing, 0.0_wp)
    end function stands_as_drawn
 
-   !> True if a position, found at some part of the way of a leg that is proven there, is on the proven motion.
-   logical function is_on_motion(closure, tubes, leg, way, state)
+   !> True if a position, found at some part of the way of a segment that is proven there, is on the proven motion.
+   logical function is_on_motion(closure, tubes, segment, way, state)
       type(closure_t), intent(in) :: closure
       type(chain_tubes_t), intent(in) :: tubes
-      integer, intent(in) :: leg
+      integer, intent(in) :: segment
       real(wp), intent(in) :: way
       type(state_t), intent(in) :: state
       type(tube_t) :: here
@@ -202,7 +204,7 @@ contains
       do i = 1, tubes%count
          associate (part => tubes%parts(i))
             s = way - part%tube%middle
-            if (part%leg /= leg .or. abs(s) > part%tube%r + least_r) cycle
+            if (part%segment /= segment .or. abs(s) > part%tube%r + least_r) cycle
             is_on_motion = joins(closure, part%tube, s, here, 0.0_wp)
             if (is_on_motion) return
          end associate
@@ -212,10 +214,10 @@ contains
    ! ---- outputs -----------------------------------------------------------------------------------------------------
 
    !> Add a tube and the ranges of the outputs in it.
-   subroutine add_part(closure, outputs, leg, per, tube, tubes)
+   subroutine add_part(closure, outputs, segment, per, tube, tubes)
       type(closure_t), intent(in) :: closure
       type(sketch_output_t), intent(in) :: outputs(:)
-      integer, intent(in) :: leg
+      integer, intent(in) :: segment
       real(wp), intent(in) :: per
       type(tube_t), intent(in) :: tube
       type(chain_tubes_t), intent(inout) :: tubes
@@ -231,12 +233,12 @@ contains
       end if
       tubes%count = tubes%count + 1
       associate (part => tubes%parts(tubes%count))
-         part%leg = leg
+         part%segment = segment
          part%per = per
          part%tube = tube
          call find_spans(closure, outputs, part%tube, per, part%spans)
          follows = .false.
-         if (tubes%count > 1) follows = tubes%parts(tubes%count - 1)%leg == leg
+         if (tubes%count > 1) follows = tubes%parts(tubes%count - 1)%segment == segment
          if (.not. follows) return
          do n = 1, size(part%spans)/2
             if (.not. is_angle(outputs, n)) cycle
@@ -348,7 +350,7 @@ contains
          end if
          do
             call greatest(n, -1.0_wp, ranges(n)%low(1), ranges(n)%high(1), at)
-            ranges(n)%leg(1) = tubes%parts(at)%leg
+            ranges(n)%segment(1) = tubes%parts(at)%segment
             ranges(n)%way(1) = tubes%parts(at)%spans(n)%low_at
             if (ranges(n)%high(1) - ranges(n)%low(1) <= enough*unit) exit
             call split(at, n, done)
@@ -356,7 +358,7 @@ contains
          end do
          do
             call greatest(n, 1.0_wp, ranges(n)%low(2), ranges(n)%high(2), at)
-            ranges(n)%leg(2) = tubes%parts(at)%leg
+            ranges(n)%segment(2) = tubes%parts(at)%segment
             ranges(n)%way(2) = tubes%parts(at)%spans(n)%high_at
             if (ranges(n)%high(2) - ranges(n)%low(2) <= enough*unit) exit
             call split(at, n, done)
@@ -431,7 +433,7 @@ contains
             do n = 1, size(whole%spans)/2
                if (is_angle(outputs, n)) call move_to(tubes%parts(tubes%count)%spans(n), whole%spans(n)%value)
             end do
-            tubes%parts(tubes%count)%leg = whole%leg
+            tubes%parts(tubes%count)%segment = whole%segment
             ! what is open falls like the third power of the width, until roundings are left
             associate (half => tubes%parts(tubes%count)%spans(number))
                done = half%bounded .and. half%open > 0.5_wp*whole%spans(number)%open

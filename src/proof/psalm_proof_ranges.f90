@@ -6,7 +6,8 @@
 module psalm_proof_ranges
    use psalm_angles, only: degrees_of
    use psalm_kinds, only: wp, right_angle
-   use psalm_proof, only: proof_t, subject_t, rounded, piece_closes, piece_opens, cause_too_short, cause_link, cause_parallel
+   use psalm_proof, only: proof_t, subject_t, rounded, piece_closes, piece_opens, cause_too_short, cause_link, &
+                          cause_parallel
    use psalm_proof_closure, only: piece_t, find_pieces
    use psalm_proof_extremes, only: place_t, greatest_t, find_greatest
    use psalm_proof_extremes_quad, only: fine_place_t => place_t, fine_greatest_t => greatest_t, find_fine_greatest => find_greatest

@@ -18,15 +18,15 @@ module psalm_proof_standstill
    integer, parameter :: is_positive = 1, is_negative = -1, is_undecided = 0
    integer, parameter :: most_enclosures = 400     !! for the dead points of one quantity
    integer, parameter :: most_cuts = 10            !! of two quadratics and their bounds, and both ends
-   real(wp), parameter :: narrow = 1.0e-15_wp      !! of a leg: shorter parts are not enclosed
+   real(wp), parameter :: narrow = 1.0e-15_wp      !! of a segment: shorter parts are not enclosed
    real(wp), parameter :: gain_enough = 0.5_wp     !! a shorter tube must leave out less than this part
    real(wp), parameter :: at_rest = 1.0e-9_wp      !! of the fastest: what is slower everywhere is not looked at more closely
-   real(wp), parameter :: one_place = 1.0e-8_wp    !! of a leg: brackets below it have one value of the output
+   real(wp), parameter :: one_place = 1.0e-8_wp    !! of a segment: brackets below it have one value of the output
 
-   !> How parts of the way of a leg are told: base + gain*way. Legs of one stretch follow each other.
+   !> How parts of the way of a segment are told: base + gain*way. Segments of one run follow each other.
    type :: chain_way_t
       real(wp) :: base = 0.0_wp, gain = 1.0_wp
-      integer :: stretch = 1
+      integer :: run = 1
    end type chain_way_t
 
    !> Places between which an output stays within an amount of its value at a dead point.
@@ -50,11 +50,11 @@ module psalm_proof_standstill
       real(wp) :: reference = 0.0_wp, amount = 0.0_wp
    end type chain_signal_t
 
-   !> A part of a stretch where the sign is one.
+   !> A part of a run where the sign is one.
    type :: signed_piece_t
       real(wp) :: from = 0.0_wp, to = 0.0_wp
       integer :: kind = is_undecided
-      integer :: stretch = 1
+      integer :: run = 1
    end type signed_piece_t
 
    !> A search for signs.
@@ -73,7 +73,7 @@ contains
       type(closure_t), intent(in) :: closure       !! of the tubes
       type(sketch_output_t), intent(in) :: outputs(:)
       type(chain_tubes_t), intent(in) :: tubes
-      type(chain_way_t), intent(in) :: ways(:)     !! by leg
+      type(chain_way_t), intent(in) :: ways(:)     !! by segment
       logical, intent(in) :: closed_turn           !! a full turn, after which everything stands as before
       real(wp), intent(in) :: amount               !! of a dwell, degrees or length; 0: none are looked for
       type(chain_movement_t), intent(out) :: movement
@@ -182,7 +182,7 @@ contains
          search%size = maxval(abs(ways%base) + abs(ways%gain))
          do i = 1, tubes%count
             associate (part => tubes%parts(i))
-               call examine(closure, outputs, part%tube, ways(part%leg), -part%tube%r, part%tube%r, huge(1.0_wp), search)
+               call examine(closure, outputs, part%tube, ways(part%segment), -part%tube%r, part%tube%r, huge(1.0_wp), search)
             end associate
          end do
          call put_in_order(search)
@@ -209,20 +209,20 @@ contains
          type(sign_search_t) :: search
          type(chain_dwell_t) :: dwell
          real(wp) :: doubt
-         integer :: d, i, leg
+         integer :: d, i, segment
          logical :: known
 
          do d = 1, size(dead)
             dwell%number = number
             dwell%at = 0.5_wp*(dead(d)%low + dead(d)%high)
             search = sign_search_t(signal=chain_signal_t(0, number), left=most_enclosures)
-            call find_value(number, dead(d), search%signal%reference, doubt, leg, known)
+            call find_value(number, dead(d), search%signal%reference, doubt, segment, known)
             search%signal%amount = amount - doubt
             if (.not. known .or. search%signal%amount <= 0.0_wp) cycle
             call find_pieces(search)
             associate (pieces => search%pieces, last => search%count)
                do i = 1, last
-                  if (pieces(i)%kind /= is_positive .or. pieces(i)%stretch /= ways(leg)%stretch) cycle
+                  if (pieces(i)%kind /= is_positive .or. pieces(i)%run /= ways(segment)%run) cycle
                   if (pieces(i)%from > dead(d)%high .or. pieces(i)%to < dead(d)%low) cycle
                   dwell%from = pieces(i)%from
                   dwell%to = pieces(i)%to
@@ -239,11 +239,11 @@ contains
       end subroutine find_dwells
 
       !> The value of an output at a dead point, and how far it may be from it.
-      subroutine find_value(number, dead, value, doubt, leg, known)
+      subroutine find_value(number, dead, value, doubt, segment, known)
          integer, intent(in) :: number
          type(proven_dead_point_t), intent(in) :: dead
          real(wp), intent(out) :: value, doubt
-         integer, intent(out) :: leg
+         integer, intent(out) :: segment
          logical, intent(out) :: known
          type(quadratic_t), allocatable :: values(:), speeds(:)
          type(tube_t) :: part
@@ -253,10 +253,10 @@ contains
          known = .false.
          value = 0.0_wp
          doubt = 0.0_wp
-         leg = 1
+         segment = 1
          do i = 1, tubes%count
-            leg = tubes%parts(i)%leg
-            associate (tube => tubes%parts(i)%tube, way => ways(leg))
+            segment = tubes%parts(i)%segment
+            associate (tube => tubes%parts(i)%tube, way => ways(segment))
                if (dead%high - dead%low > one_place*abs(way%gain)) cycle
                s = (0.5_wp*(dead%low + dead%high) - way%base)/way%gain - tube%middle
                if (abs(s) > tube%r + narrow) cycle
@@ -274,7 +274,7 @@ contains
       end subroutine find_value
    end subroutine prove_standstill
 
-   !> The piece before (-1) or after (+1) one on the same stretch; 0: there is none.
+   !> The piece before (-1) or after (+1) one on the same run; 0: there is none.
    pure integer function neighbour(search, i, by)
       type(sign_search_t), intent(in) :: search
       integer, intent(in) :: i, by
@@ -282,7 +282,7 @@ contains
       neighbour = i + by
       if (neighbour < 1 .or. neighbour > search%count) then
          neighbour = 0
-      else if (search%pieces(neighbour)%stretch /= search%pieces(i)%stretch) then
+      else if (search%pieces(neighbour)%run /= search%pieces(i)%run) then
          neighbour = 0
       end if
    end function neighbour
@@ -508,11 +508,11 @@ contains
       end if
       search%count = search%count + 1
       associate (piece => search%pieces(search%count), ends => way%base + way%gain*[from, to])
-         piece = signed_piece_t(minval(ends), maxval(ends), kind, way%stretch)
+         piece = signed_piece_t(minval(ends), maxval(ends), kind, way%run)
       end associate
    end subroutine add_piece
 
-   !> Sort the pieces by stretch and place, join neighbours of one kind, and let what is claimed give way for roundings.
+   !> Sort the pieces by run and place, join neighbours of one kind, and let what is claimed give way for roundings.
    subroutine put_in_order(search)
       type(sign_search_t), intent(inout) :: search
       type(signed_piece_t) :: moved
@@ -523,8 +523,8 @@ contains
          do i = 2, search%count
             moved = pieces(i)
             do k = i - 1, 1, -1
-               if (pieces(k)%stretch < moved%stretch) exit
-               if (pieces(k)%stretch == moved%stretch .and. &
+               if (pieces(k)%run < moved%run) exit
+               if (pieces(k)%run == moved%run .and. &
                    pieces(k)%from + pieces(k)%to <= moved%from + moved%to) exit
                pieces(k + 1) = pieces(k)
             end do
@@ -532,7 +532,7 @@ contains
          end do
          k = min(1, search%count)
          do i = 2, search%count
-            if (pieces(i)%kind == pieces(k)%kind .and. pieces(i)%stretch == pieces(k)%stretch) then
+            if (pieces(i)%kind == pieces(k)%kind .and. pieces(i)%run == pieces(k)%run) then
                pieces(k)%to = max(pieces(k)%to, pieces(i)%to)
             else
                k = k + 1

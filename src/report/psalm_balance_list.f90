@@ -79,7 +79,7 @@ contains
          end if
       end if
       if (size(study%adrift) > 0) then
-         call text%add(' LINKS ADRIFT, WHICH DO NOT HANG ON THE FRAME BY PINS: '//list_of_names(study, study%adrift))
+         call text%add(' LINKS CONNECTED TO THE FRAME BY SLIDES ONLY: '//list_of_names(study, study%adrift))
       end if
    end subroutine list_feasibility
 

@@ -105,8 +105,8 @@ contains
                call text%add(' THE LINKAGE GIVES OUTPUTS'//general(minval(study%shape%motion%f))//' TO'// &
                              general(maxval(study%shape%motion%f))//' FOR INPUTS'//general(study%shape%motion%q(1))//' TO'// &
                              general(study%shape%motion%q(size(study%shape%motion%q))))
-               do k = 1, size(study%shape%motion%ways%passages)
-                  associate (one => study%shape%motion%ways%passages(k))
+               do k = 1, size(study%shape%motion%ways%crossings)
+                  associate (one => study%shape%motion%ways%crossings(k))
                      call text%add(' AT THE DEAD POINT OF INPUT'//general(one%q)//', OUTPUT'//general(one%f)//', THE INPUT '// &
                                    trim(merge('PASSES    ', 'TURNS BACK', one%passed))//' AT'//general(one%angle)//' DEGREES')
                   end associate
@@ -426,7 +426,7 @@ contains
       integer :: k, rows
 
       rows = most_extremes + size(study%segments)
-      if (allocated(study%shape%motion%ways%passages)) rows = rows + size(study%shape%motion%ways%passages)
+      if (allocated(study%shape%motion%ways%crossings)) rows = rows + size(study%shape%motion%ways%crossings)
       if (allocated(study%flanks)) rows = rows + size(study%flanks, 2)
       allocate (what(rows), value(rows), angle(rows))
       rows = 0
@@ -459,9 +459,9 @@ contains
          do k = 0, 2
             call put('input'//to_text(k + 1), e(measure_input + k))
          end do
-         if (allocated(study%shape%motion%ways%passages)) then
-            do k = 1, size(study%shape%motion%ways%passages)
-               associate (one => study%shape%motion%ways%passages(k))
+         if (allocated(study%shape%motion%ways%crossings)) then
+            do k = 1, size(study%shape%motion%ways%crossings)
+               associate (one => study%shape%motion%ways%crossings(k))
                   call put('dead_point_'//trim(merge('passed', 'turned', one%passed)), cam_extreme_t(one%q, one%angle, .true.))
                end associate
             end do

@@ -19,7 +19,7 @@ module psalm_chain_proof_list
    public :: list_chain_proof, put_chain_proof, links_of_group, name_of_quantity, ratio_of
 
    integer, parameter :: word_room = 10   !! characters of a word in a table
-   integer, parameter :: most_parts = 3   !! rows of a leg: it closes, is undecided, is not reached
+   integer, parameter :: most_parts = 3   !! rows of a segment: it closes, is undecided, is not reached
    character(*), parameter :: of_ratio = 'velocity_ratio_' !! stands before the output's name
 
 contains
@@ -49,9 +49,9 @@ contains
             call text%add('   CLOSES FOR EVERY INPUT OF THE RANGE WITHOUT A DEAD POINT, AS DRAWN')
          end if
       else
-         do k = 1, size(proof%legs)
+         do k = 1, size(proof%segments)
             if (proof%one_drive) then
-               call list_leg(k)
+               call list_segment(k)
             else
                call list_line(k)
             end if
@@ -65,36 +65,36 @@ contains
    contains
 
       !> One way of a single drive.
-      subroutine list_leg(k)
+      subroutine list_segment(k)
          integer, intent(in) :: k
          real(wp) :: far
          integer :: way
 
-         far = place_on(proof, k, proof%legs(k)%reached, turns)
-         way = merge(-1, 1, proof%legs(k)%to(1) > 0.0_wp)
+         far = place_on(proof, k, proof%segments(k)%reached, turns)
+         way = merge(-1, 1, proof%segments(k)%to(1) > 0.0_wp)
          call text%add('   CLOSES FROM THE DRAWING TO '//trim(adjustl(end_text(far, way, turns))))
-         if (proof%legs(k)%complete) return
-         if (proof%legs(k)%turns_back) then
-            far = place_on(proof, k, proof%legs(k)%dead_high, turns)
+         if (proof%segments(k)%complete) return
+         if (proof%segments(k)%turns_back) then
+            far = place_on(proof, k, proof%segments(k)%dead_high, turns)
             call text%add('     DEAD POINT OF '//links_of_group(study, proof%group(k))//': THE INPUT GOES NO FURTHER THAN '// &
                           trim(adjustl(end_text(far, -way, turns))))
          else
             call text%add('     UNDECIDED BEYOND IT: '//links_of_group(study, proof%group(k))//' AT OR NEAR A DEAD POINT')
          end if
-      end subroutine list_leg
+      end subroutine list_segment
 
       !> One line of several drives.
       subroutine list_line(k)
          integer, intent(in) :: k
 
-         if (proof%legs(k)%complete) return
-         if (proof%legs(k)%turns_back) then
+         if (proof%segments(k)%complete) return
+         if (proof%segments(k)%turns_back) then
             call text%add('   DEAD POINT ON THE WAY TO POSITION '//to_text(proof%position(k))//', AFTER '// &
-                          trim(adjustl(end_text(proof%legs(k)%dead_high, 1, .true.)))//' OF THE WAY AT MOST: '// &
+                          trim(adjustl(end_text(proof%segments(k)%dead_high, 1, .true.)))//' OF THE WAY AT MOST: '// &
                           links_of_group(study, proof%group(k)))
          else
             call text%add('   UNDECIDED ON THE WAY TO POSITION '//to_text(proof%position(k))//', AFTER '// &
-                          trim(adjustl(end_text(proof%legs(k)%reached, -1, .true.)))//' OF THE WAY: '// &
+                          trim(adjustl(end_text(proof%segments(k)%reached, -1, .true.)))//' OF THE WAY: '// &
                           links_of_group(study, proof%group(k))//' AT OR NEAR A DEAD POINT')
          end if
       end subroutine list_line
@@ -234,17 +234,17 @@ contains
 
       turns = first_turns(study)
       input = input_unit(.not. turns)
-      rows = most_parts*size(proof%legs)
+      rows = most_parts*size(proof%segments)
       allocate (kind(rows), cause(rows), from(rows), to(rows), group(rows))
       rows = 0
-      do k = 1, size(proof%legs)
-         associate (leg => proof%legs(k))
-            if (leg%reached > 0.0_wp) call row('closes', 0.0_wp, leg%reached, 0, 'none')
-            if (leg%turns_back) then
-               call row('undecided', leg%reached, leg%dead_high, proof%group(k), 'dead_point')
-               call row('unreached', leg%dead_high, 1.0_wp, proof%group(k), 'dead_point')
-            else if (.not. leg%complete) then
-               call row('undecided', leg%reached, 1.0_wp, proof%group(k), 'dead_point')
+      do k = 1, size(proof%segments)
+         associate (segment => proof%segments(k))
+            if (segment%reached > 0.0_wp) call row('closes', 0.0_wp, segment%reached, 0, 'none')
+            if (segment%turns_back) then
+               call row('undecided', segment%reached, segment%dead_high, proof%group(k), 'dead_point')
+               call row('unreached', segment%dead_high, 1.0_wp, proof%group(k), 'dead_point')
+            else if (.not. segment%complete) then
+               call row('undecided', segment%reached, 1.0_wp, proof%group(k), 'dead_point')
             end if
          end associate
       end do

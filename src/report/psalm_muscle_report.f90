@@ -38,7 +38,7 @@ contains
             call devices%six%add(' NO FORCES AT POSITION '//to_text(study%balance%trouble)// &
                                    ': THE LINKAGE DOES NOT CLOSE OR IS AT A DEAD POINT')
             call devices%remark(set, 'position '//to_text(study%balance%trouble)// &
-                                ': the linkage does not close or is at a dead point; kalm tells which')
+                                ': the linkage does not close or is at a dead point; kalm reports which')
             call devices%note_violation()
          else
             call remark_balance(set, group, study%balance, devices)
@@ -71,7 +71,7 @@ contains
          call devices%six%add(' NO SPRINGS: THE LINKAGE DOES NOT CLOSE, OR IS AT A DEAD POINT, AT POSITION '// &
                               to_text(study%trouble))
          call devices%remark(set, 'position '//to_text(study%trouble)// &
-                             ': the linkage does not close or is at a dead point; kalm tells which')
+                             ': the linkage does not close or is at a dead point; kalm reports which')
          call devices%note_violation()
          return
       end if

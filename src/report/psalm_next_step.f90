@@ -39,7 +39,7 @@ contains
       else if (is_path(set) .and. set%method%ifree /= 0 .and. set%method%ndes <= most_exact) then
          words = "&EXACT KIND='PATH' finds every four-bar that meets up to nine points exactly"
       else if (.not. set%toler%given) then
-         words = '&TOLER with TOLLEN tells how exactly the parts must be made'
+         words = '&TOLER with TOLLEN shows how exactly the parts must be made'
       end if
    end function step_after_search
 

@@ -9,7 +9,7 @@ module psalm_group_trace
    use psalm_kinds, only: wp, degrees_per_radian, half_turn
    use psalm_loop_trace, only: append_step, frame_axis
    use psalm_sketch, only: frame_link, drive_slides, drive_turns
-   use psalm_sketch_paths, only: path_step_t, survey_t, know, shortest, way_from
+   use psalm_sketch_paths, only: path_step_t, tracing_t, know, shortest, way_from
    use psalm_traced_loops, only: loops_t, traced_t, traced_gear_t, traced_pair_t, traced_ring_t, traced_link, traced_slide, &
                                  traced_crank, traced_actuator, traced_frame
    implicit none (type, external)
@@ -32,11 +32,11 @@ module psalm_group_trace
 contains
 
    !> Trace all rings of a group. `why` tells what cannot be traced, or is empty.
-   subroutine trace_group(closure, state, group, survey, loops, why)
+   subroutine trace_group(closure, state, group, tracing, loops, why)
       type(closure_t), intent(in) :: closure
       type(state_t), intent(in) :: state           !! at the drawing
       integer, intent(in) :: group
-      type(survey_t), intent(inout) :: survey
+      type(tracing_t), intent(inout) :: tracing
       type(loops_t), intent(inout) :: loops
       character(:), allocatable, intent(out) :: why
       type(pair_t), allocatable :: pairs(:)
@@ -73,27 +73,27 @@ contains
       loop = 1
       if (size(loops%arcs) > 0) loop = maxval(loops%arcs%loop) + 1
       first = size(loops%arcs)
-      call place_line_points(closure, state, pairs, survey, loops)
+      call place_line_points(closure, state, pairs, tracing, loops)
       do while (.not. all(pairs%used))
          from = 0
          if (size(loops%arcs) == 0 .and. .not. loops%floating) from = closure%sketch%drives(1)%link
-         call find_ear(pairs, survey%known, from, ear)
+         call find_ear(pairs, tracing%known, from, ear)
          if (size(ear%pairs) == 0 .and. from > 0) then
             ! the driven link has an arc of its own, whatever hangs on it
-            call trace_ring(closure, state, loop, first, pairs, ear, along, gears, survey, loops, taken, why)
+            call trace_ring(closure, state, loop, first, pairs, ear, along, gears, tracing, loops, taken, why)
             cycle
          end if
-         if (size(ear%pairs) == 0) call find_branch(pairs, survey%known, along, ear)
+         if (size(ear%pairs) == 0) call find_branch(pairs, tracing%known, along, ear)
          if (size(ear%pairs) == 0) then
             why = 'links that are connected to each other only'
             return
          end if
-         call trace_ring(closure, state, loop, first, pairs, ear, along, gears, survey, loops, taken, why)
+         call trace_ring(closure, state, loop, first, pairs, ear, along, gears, tracing, loops, taken, why)
          if (len(why) > 0) return
          if (.not. taken) cycle
          pairs(ear%pairs)%used = .true.
          do k = 1, size(ear%links)
-            call know(closure%sketch, ear%links(k), survey)
+            call know(closure%sketch, ear%links(k), tracing)
             associate (joints => closure%sketch%links(ear%links(k))%joints)
                where (loops%joint_loop(joints) == 0) loops%joint_loop(joints) = loop
             end associate
@@ -130,10 +130,10 @@ contains
    end subroutine trace_group
 
    !> A loop for the link that the first drive moves on the frame, if no group hangs on it: an open ring.
-   subroutine trace_input_alone(closure, state, survey, loops, why)
+   subroutine trace_input_alone(closure, state, tracing, loops, why)
       type(closure_t), intent(in) :: closure
       type(state_t), intent(in) :: state           !! at the drawing
-      type(survey_t), intent(inout) :: survey
+      type(tracing_t), intent(inout) :: tracing
       type(loops_t), intent(inout) :: loops
       character(:), allocatable, intent(inout) :: why
       type(pair_t) :: pairs(0)
@@ -145,15 +145,15 @@ contains
       along = 0
       allocate (ear%links(0), ear%pairs(0))
       allocate (gears(0))
-      call trace_ring(closure, state, 1, 0, pairs, ear, along, gears, survey, loops, taken, why)
+      call trace_ring(closure, state, 1, 0, pairs, ear, along, gears, tracing, loops, taken, why)
       loops%longest = size(loops%arcs)
    end subroutine trace_input_alone
 
    !> A loop for a link that a drive after the first moves on the frame and no other loop runs through: an open ring to it.
-   subroutine trace_driven(closure, drive, survey, loops, why)
+   subroutine trace_driven(closure, drive, tracing, loops, why)
       type(closure_t), intent(in) :: closure
       integer, intent(in) :: drive
-      type(survey_t), intent(in) :: survey
+      type(tracing_t), intent(in) :: tracing
       type(loops_t), intent(inout) :: loops
       character(:), allocatable, intent(inout) :: why
       type(path_step_t), allocatable :: way(:)
@@ -171,11 +171,11 @@ contains
                end do
             end associate
          else
-            k = findloc(survey%pass(4, :survey%passes), drive, dim=1)
-            if (k > 0) step = path_step_t(0, survey%pass(1, k), survey%pass(2, k), 0, drive)
+            k = findloc(tracing%pass(4, :tracing%passes), drive, dim=1)
+            if (k > 0) step = path_step_t(0, tracing%pass(1, k), tracing%pass(2, k), 0, drive)
          end if
          found = step%from > 0
-         if (found) call shortest(survey, loops%start, step%from, .true., way, found)
+         if (found) call shortest(tracing, loops%start, step%from, .true., way, found)
          if (.not. found) then
             why = 'a driven link that no link leads to'
             return
@@ -190,37 +190,37 @@ contains
    end subroutine trace_driven
 
    !> Points for the lines of all slides of the group, one on either link, after those that are there.
-   subroutine place_line_points(closure, state, pairs, survey, loops)
+   subroutine place_line_points(closure, state, pairs, tracing, loops)
       type(closure_t), intent(in) :: closure
       type(state_t), intent(in) :: state
       type(pair_t), intent(in) :: pairs(:)
-      type(survey_t), intent(inout) :: survey
+      type(tracing_t), intent(inout) :: tracing
       type(loops_t), intent(inout) :: loops
       integer :: k, side
 
       do k = 1, size(pairs)
          if (pairs(k)%slide == 0) cycle
          do side = 1, 2
-            call add_line_point(closure, state, pairs(k)%slide, side, survey, loops)
+            call add_line_point(closure, state, pairs(k)%slide, side, tracing, loops)
          end do
       end do
    end subroutine place_line_points
 
    !> The point of a slide's line on its first or second link, noted as a point of that link.
-   subroutine add_line_point(closure, state, slide, side, survey, loops)
+   subroutine add_line_point(closure, state, slide, side, tracing, loops)
       type(closure_t), intent(in) :: closure
       type(state_t), intent(in) :: state
       integer, intent(in) :: slide, side
-      type(survey_t), intent(inout) :: survey
+      type(tracing_t), intent(inout) :: tracing
       type(loops_t), intent(inout) :: loops
       real(wp) :: c, s
 
       associate (link => closure%sketch%slides(slide)%links(side))
-         survey%points = survey%points + 1
+         tracing%points = tracing%points + 1
          call unit_vector(state%phi(link, 0)*degrees_per_radian, c, s)
-         loops%point(survey%points) = state%t(link, 0) + cmplx(c, s, wp)*closure%slide_point(side, slide)
-         survey%on(survey%points, link) = .true.
-         loops%line_point(side, slide) = survey%points
+         loops%point(tracing%points) = state%t(link, 0) + cmplx(c, s, wp)*closure%slide_point(side, slide)
+         tracing%on(tracing%points, link) = .true.
+         loops%line_point(side, slide) = tracing%points
       end associate
    end subroutine add_line_point
 
@@ -325,7 +325,7 @@ contains
    end subroutine find_branch
 
    !> One ring: from the input pivot to the chain, along it, and back; of a branch to its end.
-   subroutine trace_ring(closure, state, loop, first, pairs, ear, along, gears, survey, loops, taken, why)
+   subroutine trace_ring(closure, state, loop, first, pairs, ear, along, gears, tracing, loops, taken, why)
       type(closure_t), intent(in) :: closure
       type(state_t), intent(in) :: state
       integer, intent(in) :: loop, first           !! the loop, and how many arcs come before it
@@ -333,7 +333,7 @@ contains
       type(ear_t), intent(in) :: ear
       integer, intent(in) :: along(:)              !! by slide: the drive along it, 0: none
       type(traced_gear_t), allocatable, intent(inout) :: gears(:) !! of the group: a ring of slides is one more
-      type(survey_t), intent(inout) :: survey
+      type(tracing_t), intent(inout) :: tracing
       type(loops_t), intent(inout) :: loops
       logical, intent(out) :: taken                !! false: not the chain, but the driven link, which comes first
       character(:), allocatable, intent(inout) :: why
@@ -384,8 +384,8 @@ contains
                gears = [gears, traced_gear_t(0, [ear%first_link, ear%last_link], frame_link, 1.0_wp, of_slides=.true.)]
             end if
          end if
-         call shortest(survey, loops%start, point_on(ear%first_link, 1), .true., out, found)
-         if (found) call way_from(survey, loops%start, point_on(ear%last_link, n + 1), back, found)
+         call shortest(tracing, loops%start, point_on(ear%first_link, 1), .true., out, found)
+         if (found) call way_from(tracing, loops%start, point_on(ear%last_link, n + 1), back, found)
          if (found .and. ring%first == 1 .and. .not. loops%floating) then
             found = size(out) > 0
             if (found) found = out(1)%arc > 0 .or. out(1)%link == sketch%drives(1)%link
@@ -457,7 +457,7 @@ contains
          type(traced_t) :: arc
          complex(wp) :: h
 
-         call shortest(survey, loops%start, point_on(ear%first_link, 1), .true., out, found)
+         call shortest(tracing, loops%start, point_on(ear%first_link, 1), .true., out, found)
          if (.not. found) then
             why = 'a link of a gear or a drive that no link leads to'
             return
@@ -493,7 +493,7 @@ contains
             loops%axis(drive%link) = 1
             to = loops%start
             if (drive%kind == drive_slides) then
-               to = survey%pass(2, 1)
+               to = tracing%pass(2, 1)
                call append_step(closure, loop, first, path_step_t(0, loops%start, to, 1), loops)
             else
                at = pack(closure%sketch%links(drive%link)%joints, closure%sketch%links(drive%link)%joints /= to)
@@ -522,14 +522,15 @@ contains
          integer, intent(in) :: drive
 
          associate (slide => closure%sketch%drives(drive)%slide, slider => closure%sketch%drives(drive)%link)
-            call add_line_point(closure, state, slide, position(frame_link, slide), survey, loops)
-            if (drive == 1) loops%start = survey%points
-            call add_line_point(closure, state, slide, position(slider, slide), survey, loops)
-            survey%passes = survey%passes + 1
-            survey%pass(:, survey%passes) = [survey%points - 1, survey%points, merge(1, 0, drive == 1), merge(0, drive, drive == 1)]
+            call add_line_point(closure, state, slide, position(frame_link, slide), tracing, loops)
+            if (drive == 1) loops%start = tracing%points
+            call add_line_point(closure, state, slide, position(slider, slide), tracing, loops)
+            tracing%passes = tracing%passes + 1
+            tracing%pass(:, tracing%passes) = [tracing%points - 1, tracing%points, merge(1, 0, drive == 1), &
+                                            merge(0, drive, drive == 1)]
             ! and back to the frame
-            survey%passes = survey%passes + 1
-            survey%pass(:, survey%passes) = [survey%points, survey%points - 1, merge(-1, 0, drive == 1), &
+            tracing%passes = tracing%passes + 1
+            tracing%pass(:, tracing%passes) = [tracing%points, tracing%points - 1, merge(-1, 0, drive == 1), &
                                                 merge(0, -drive, drive == 1)]
          end associate
       end subroutine place_slider
@@ -607,10 +608,10 @@ contains
       subroutine add_passes(ends, arc)
          integer, intent(in) :: ends(2), arc
 
-         if (survey%passes + 2 > size(survey%pass, 2)) return
-         survey%pass(:, survey%passes + 1) = [ends, arc, 0]
-         survey%pass(:, survey%passes + 2) = [ends(2), ends(1), -arc, 0]
-         survey%passes = survey%passes + 2
+         if (tracing%passes + 2 > size(tracing%pass, 2)) return
+         tracing%pass(:, tracing%passes + 1) = [ends, arc, 0]
+         tracing%pass(:, tracing%passes + 2) = [ends(2), ends(1), -arc, 0]
+         tracing%passes = tracing%passes + 2
       end subroutine add_passes
 
       !> The vector on the i-th link from the pair before it to that after it.
@@ -643,7 +644,7 @@ contains
          end if
          loops%arcs = [loops%arcs, arc]
          loops%axis(ear%links(i)) = size(loops%arcs)
-         survey%on(ends, ear%links(i)) = .true.
+         tracing%on(ends, ear%links(i)) = .true.
       end subroutine add_vector
 
       !> The first arc of all is the input.

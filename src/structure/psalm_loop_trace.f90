@@ -7,7 +7,7 @@ module psalm_loop_trace
    use psalm_closure, only: closure_t, state_t
    use psalm_kinds, only: wp, half_turn, right_angle, degrees_per_radian
    use psalm_sketch, only: frame_link, drive_slides, drive_turns
-   use psalm_sketch_paths, only: path_step_t, survey_t, nearest_point, way_from, shortest
+   use psalm_sketch_paths, only: path_step_t, tracing_t, nearest_point, way_from, shortest
    use psalm_traced_loops, only: loops_t, traced_t, traced_link, traced_slide, traced_crank, traced_actuator, traced_frame
    implicit none (type, external)
    private
@@ -27,29 +27,29 @@ module psalm_loop_trace
 contains
 
    !> Trace the loop of a dyad, in the sense that takes fewer arcs.
-   subroutine close_loop(closure, state, dyad, survey, loops, valid)
+   subroutine close_loop(closure, state, dyad, tracing, loops, valid)
       type(closure_t), intent(in) :: closure
       type(state_t), intent(in) :: state
       type(traced_dyad_t), intent(inout) :: dyad
-      type(survey_t), intent(inout) :: survey
+      type(tracing_t), intent(inout) :: tracing
       type(loops_t), intent(inout) :: loops
       logical, intent(out) :: valid
-      type(survey_t) :: surveys(2)
+      type(tracing_t) :: tracings(2)
       type(loops_t) :: tried(2)
       logical :: sound(2)
       integer :: way
 
       do way = 1, 2
          tried(way) = loops
-         surveys(way) = survey
-         call trace(closure, state, turned_round(dyad, way == 2), surveys(way), tried(way), sound(way))
+         tracings(way) = tracing
+         call trace(closure, state, turned_round(dyad, way == 2), tracings(way), tried(way), sound(way))
       end do
       valid = any(sound)
       if (.not. valid) return
       way = merge(1, 2, sound(1))
       if (all(sound)) way = merge(1, 2, size(tried(1)%arcs) <= size(tried(2)%arcs))
       dyad = turned_round(dyad, way == 2)
-      survey = surveys(way)
+      tracing = tracings(way)
       loops = tried(way)
    end subroutine close_loop
 
@@ -65,11 +65,11 @@ contains
       other%known = dyad%known(2:1:-1)
    end function turned_round
 
-   subroutine trace(closure, state, dyad, survey, loops, valid)
+   subroutine trace(closure, state, dyad, tracing, loops, valid)
       type(closure_t), intent(in) :: closure
       type(state_t), intent(in) :: state
       type(traced_dyad_t), intent(in) :: dyad
-      type(survey_t), intent(inout) :: survey
+      type(tracing_t), intent(inout) :: tracing
       type(loops_t), intent(inout) :: loops
       logical, intent(out) :: valid
       type(path_step_t), allocatable :: out(:), back(:)
@@ -85,23 +85,23 @@ contains
       valid = .false.
       if (loop == 1 .and. closure%sketch%drives(1)%kind == drive_slides) then
          if (dyad%joint(1) == 0) return
-         if (.not. survey%on(dyad%joint(1), closure%sketch%drives(1)%link)) return
+         if (.not. tracing%on(dyad%joint(1), closure%sketch%drives(1)%link)) return
          call place_actuator()
       end if
       if (dyad%inner_slide > 0 .and. dyad%slide(1) > 0) return   ! PPR: the other sense is RPP
       ! feet of guides on the lines of outer slides
       if (dyad%slide(1) > 0) then
-         call nearest_point(survey, loops%start, dyad%known(1), .true., s, out, valid)
+         call nearest_point(tracing, loops%start, dyad%known(1), .true., s, out, valid)
          if (.not. valid) return
          foot(1) = foot_of(slide_line(dyad%slide(1)), z(inner), s, dyad%known(1))
          out = [out, path_step_t(dyad%known(1), s, foot(1))]
       else
          s = dyad%joint(1)
-         call shortest(survey, loops%start, s, .true., out, valid)
+         call shortest(tracing, loops%start, s, .true., out, valid)
          if (.not. valid) return
       end if
       if (dyad%slide(2) > 0) then
-         call nearest_point(survey, loops%start, dyad%known(2), .false., e, back, valid)
+         call nearest_point(tracing, loops%start, dyad%known(2), .false., e, back, valid)
          if (.not. valid) return
          x = z(max(inner, 1))
          if (dyad%inner_slide > 0) x = crossing()
@@ -121,7 +121,7 @@ contains
          end if
       else
          e = dyad%joint(2)
-         call way_from(survey, loops%start, e, back, valid)
+         call way_from(tracing, loops%start, e, back, valid)
          if (.not. valid) return
       end if
       if (loop == 1) then
@@ -148,7 +148,7 @@ contains
          sense = guide_sense(q_direction, foot(2), back(1)%to)
          call add_link(dyad%links(1), s, inner, ahead(inner, s, q_direction))
          call add_slide(dyad%links(2), inner, foot(2), q_direction, guide, sense, dyad%slide(2))
-         survey%on(foot(2), dyad%known(2)) = .true.
+         tracing%on(foot(2), dyad%known(2)) = .true.
          call add_back(q_direction + sense*right_angle)
       case (2)  ! PRR
          d = slide_line(dyad%slide(1))
@@ -158,7 +158,7 @@ contains
          call set_guide_direction(p_direction - sense*right_angle)
          call add_slide(dyad%links(1), foot(1), inner, p_direction, guide, sense, dyad%slide(1))
          call add_link(dyad%links(2), inner, e, ahead(inner, e, p_direction))
-         survey%on(foot(1), dyad%known(1)) = .true.
+         tracing%on(foot(1), dyad%known(1)) = .true.
          call add_back()
       case (3)  ! PRP
          d = slide_line(dyad%slide(1))
@@ -172,8 +172,8 @@ contains
          guide = size(loops%arcs) - first + 2
          sense = guide_sense(q_direction, foot(2), back(1)%to)
          call add_slide(dyad%links(2), inner, foot(2), q_direction, guide, sense, dyad%slide(2))
-         survey%on(foot(1), dyad%known(1)) = .true.
-         survey%on(foot(2), dyad%known(2)) = .true.
+         tracing%on(foot(1), dyad%known(1)) = .true.
+         tracing%on(foot(2), dyad%known(2)) = .true.
          call add_back(q_direction + sense*right_angle)
       case (4)  ! RPR: the slide runs through S, its guide leads to E
          d = slide_line(dyad%inner_slide)
@@ -189,7 +189,7 @@ contains
       case (5)  ! RPP: both directions are those of the known link of E
          d = slide_line(dyad%inner_slide)
          foot(1) = new_point(x)
-         survey%on(foot(1), dyad%links(2)) = .true.
+         tracing%on(foot(1), dyad%links(2)) = .true.
          p_direction = toward(s, foot(1), d)
          call add_step(path_step_t(dyad%known(2), s, s), p_direction - right_angle)
          guide = size(loops%arcs) - first
@@ -250,8 +250,8 @@ contains
       integer function new_point(place)
          complex(wp), intent(in) :: place
 
-         survey%points = survey%points + 1
-         new_point = survey%points
+         tracing%points = tracing%points + 1
+         new_point = tracing%points
          loops%point(new_point) = place
       end function new_point
 
@@ -261,7 +261,7 @@ contains
          integer, intent(in) :: from, owner
 
          point = new_point(through + direction*real(conjg(direction)*(z(from) - through), wp))
-         survey%on(point, owner) = .true.
+         tracing%on(point, owner) = .true.
       end function foot_of
 
       !> Where the line of the inner slide through S meets the line of the outer slide through the point it is counted from.
@@ -339,8 +339,8 @@ contains
          if (anchor == dyad%joint(1) .and. size(closure%sketch%links(frame_link)%joints) > 0) &
             anchor = closure%sketch%links(frame_link)%joints(1)
          loops%start = foot_of(line, z(dyad%joint(1)), anchor, frame_link)
-         survey%passes = survey%passes + 1
-         survey%pass(:, survey%passes) = [loops%start, dyad%joint(1), 1]
+         tracing%passes = tracing%passes + 1
+         tracing%pass(:, tracing%passes) = [loops%start, dyad%joint(1), 1]
       end subroutine place_actuator
 
       ! ---- arcs
@@ -388,8 +388,8 @@ contains
          arc%sign = nint(sense)
          loops%arcs = [loops%arcs, arc]
          loops%axis(link) = size(loops%arcs)
-         survey%on(from, link) = .true.
-         survey%on(to, link) = .true.
+         tracing%on(from, link) = .true.
+         tracing%on(to, link) = .true.
       end subroutine add_link
 
       subroutine add_slide(link, from, to, direction, guide_place, sense, slide)
@@ -404,9 +404,9 @@ contains
          arc%slide = slide
          loops%arcs = [loops%arcs, arc]
          loops%axis(link) = size(loops%arcs)
-         if (survey%passes < size(survey%pass, 2)) then
-            survey%passes = survey%passes + 1
-            survey%pass(:, survey%passes) = [from, to, size(loops%arcs), 0]
+         if (tracing%passes < size(tracing%pass, 2)) then
+            tracing%passes = tracing%passes + 1
+            tracing%pass(:, tracing%passes) = [from, to, size(loops%arcs), 0]
          end if
       end subroutine add_slide
    end subroutine trace

@@ -33,7 +33,8 @@ contains
       end if
       if (failed) return
       order = find_assur_groups(set%sketch, freedom%braced)
-      if (.not. order%sound) call tell(set, 'LNK', 1, 'the sketch is loose in one part and braced twice in another: '// &
+      if (.not. order%sound) &
+         call tell(set, 'LNK', 1, 'the sketch is underconstrained in one part and overconstrained in another: '// &
                                        count_of(set%sketch, freedom), findings)
    end subroutine check_sketch
 
@@ -104,19 +105,19 @@ contains
                failed = .true.
                select case (equation%kind)
                case (tie_joint)
-                  call tell(set, 'LNK', equation%nodes(1), 'braced twice: joint '// &
+                  call tell(set, 'LNK', equation%nodes(1), 'overconstrained: joint '// &
                             trim(sketch%joint_name(equation%nodes(2) - graph%links))//' of link '// &
                             trim(sketch%links(equation%nodes(1))%name)//' holds what is held already, for '// &
                             names_of(sketch, part)//' are rigid with each other without it ('//count_of(sketch, freedom)// &
                             '); take a joint or a link away, or set KOVER=1 if they move thanks to special lengths', findings)
                case (tie_slide)
-                  call tell(set, 'SLNK', equation%which, 'braced twice: slide '//trim(sketch%slides(equation%which)%name)// &
+                  call tell(set, 'SLNK', equation%which, 'overconstrained: slide '//trim(sketch%slides(equation%which)%name)// &
                             ' holds what is held already, for '//names_of(sketch, &
                                part)//' are rigid with each other without it ('// &
                             count_of(sketch, freedom)//'); take it away, or set KOVER=1 if they move thanks to special lengths', &
                             findings)
                case (tie_gear)
-                  call tell(set, 'GEARA', equation%which, 'braced twice: gear pair '//to_text(equation%which)//' of wheels '// &
+                  call tell(set, 'GEARA', equation%which, 'overconstrained: gear pair '//to_text(equation%which)//' of wheels '// &
                             trim(sketch%links(equation%nodes(1))%name)//' and '//trim(sketch%links(equation%nodes(2))%name)// &
                             ' holds what is held already ('//count_of(sketch, freedom)//')', findings)
                end select
@@ -174,7 +175,7 @@ contains
             exit
          end do
          first = findloc(freedom%loose, .true., dim=1)
-         call tell(set, 'LNK', max(first, 1), 'loose: '//names_of(sketch, freedom%loose)//' can still move with '// &
+         call tell(set, 'LNK', max(first, 1), 'underconstrained: '//names_of(sketch, freedom%loose)//' can still move with '// &
                    drives_held()//' held ('//count_of(sketch, freedom)//', '//to_text(size(sketch%drives))//' driven); '// &
                    'drive '//to_text(freedom%left)//' more or join them'//hint, findings)
       end associate

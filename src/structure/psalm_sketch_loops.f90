@@ -8,7 +8,7 @@ module psalm_sketch_loops
    use psalm_group_trace, only: trace_driven, trace_group, trace_input_alone
    use psalm_loop_trace, only: traced_dyad_t, close_loop, frame_axis
    use psalm_sketch, only: frame_link, drive_slides, drive_turns
-   use psalm_sketch_paths, only: survey_t, know
+   use psalm_sketch_paths, only: tracing_t, know
    use psalm_traced_loops, only: loops_t, traced_determined, traced_pair_t
    implicit none (type, external)
    private
@@ -24,7 +24,7 @@ contains
       type(state_t), intent(in) :: state
       type(loops_t), intent(out) :: loops
       logical, intent(in), optional :: as_groups   !! trace dyads as larger groups, too: every joint and slide is in an arc's end
-      type(survey_t) :: survey
+      type(tracing_t) :: tracing
       type(traced_dyad_t) :: dyad
       integer, allocatable :: order(:)
       integer :: k, g, crank, room
@@ -38,9 +38,9 @@ contains
          loops%floating = .not. on_frame(1)
          loops%sliding = sketch%drives(1)%kind /= drive_turns
          room = size(sketch%joint_name) + 2*(size(sketch%links) + size(sketch%slides)) + 3
-         allocate (survey%on(room, size(sketch%links)), source=.false.)
-         allocate (survey%known(size(sketch%links)), source=.false.)
-         allocate (survey%pass(4, most_passes), source=0)
+         allocate (tracing%on(room, size(sketch%links)), source=.false.)
+         allocate (tracing%known(size(sketch%links)), source=.false.)
+         allocate (tracing%pass(4, most_passes), source=0)
          allocate (loops%axis(size(sketch%links)), loops%joint_loop(size(sketch%joint_name)), source=0)
          allocate (loops%point(room), source=(0.0_wp, 0.0_wp))
          allocate (loops%line_point(2, size(sketch%slides)), source=0)
@@ -61,12 +61,12 @@ contains
                end associate
             end associate
          end do
-         survey%points = size(sketch%joint_name)
-         loops%point(:survey%points) = state%joint(:, 0)
+         tracing%points = size(sketch%joint_name)
+         loops%point(:tracing%points) = state%joint(:, 0)
          crank = merge(frame_link, sketch%drives(1)%link, loops%floating)
-         call know(sketch, frame_link, survey)
+         call know(sketch, frame_link, tracing)
          do g = 1, size(sketch%drives)
-            if (on_frame(g)) call know(sketch, sketch%drives(g)%link, survey)
+            if (on_frame(g)) call know(sketch, sketch%drives(g)%link, tracing)
          end do
          loops%start = sketch%drives(1)%joint
          loops%axis(frame_link) = frame_axis
@@ -75,27 +75,27 @@ contains
          end do
          call groups_in_order(closure, crank, on_frame, order)
          do k = 1, size(order)
-            call understand(closure, order(k), survey, dyad, valid)
+            call understand(closure, order(k), tracing, dyad, valid)
             ! what drives there are besides an input link is laid out by the rings of a larger group
             if (k == 1 .and. (loops%floating .or. any(on_frame(2:) .and. sketch%drives(2:)%kind == drive_slides))) valid = .false.
             if (present(as_groups)) valid = valid .and. .not. as_groups
             ! with both ends on one link it moves with that link: loops of dyads have arcs of two
             if (valid) valid = dyad%known(1) /= dyad%known(2)
-            if (valid) call close_loop(closure, state, dyad, survey, loops, valid)
+            if (valid) call close_loop(closure, state, dyad, tracing, loops, valid)
             if (.not. valid) then
-               call trace_group(closure, state, order(k), survey, loops, loops%why)
+               call trace_group(closure, state, order(k), tracing, loops, loops%why)
                if (len(loops%why) > 0) return
                cycle
             end if
-            call know(sketch, dyad%links(1), survey)
-            call know(sketch, dyad%links(2), survey)
+            call know(sketch, dyad%links(1), tracing)
+            call know(sketch, dyad%links(2), tracing)
             if (dyad%inner_joint > 0) loops%joint_loop(dyad%inner_joint) = k
          end do
-         if (size(order) == 0) call trace_input_alone(closure, state, survey, loops, loops%why)
+         if (size(order) == 0) call trace_input_alone(closure, state, tracing, loops, loops%why)
          loops%found = len(loops%why) == 0
          if (loops%found) then
             do g = 2, size(sketch%drives)
-               if (on_frame(g) .and. loops%seconds(g - 1)%arc == 0) call trace_driven(closure, g, survey, loops, loops%why)
+               if (on_frame(g) .and. loops%seconds(g - 1)%arc == 0) call trace_driven(closure, g, tracing, loops, loops%why)
                if (len(loops%why) > 0) then
                   loops%found = .false.
                   return
@@ -104,7 +104,7 @@ contains
             loops%loops = maxval(loops%arcs%loop)
             call hang_on_own_axis(loops)
          end if
-         loops%on = survey%on
+         loops%on = tracing%on
       end associate
    end subroutine make_loops
 
@@ -179,10 +179,10 @@ contains
    end subroutine groups_in_order
 
    !> The pairs of a dyad. `valid` is false where a group of two links is no dyad of one inner and two outer pairs.
-   subroutine understand(closure, group, survey, dyad, valid)
+   subroutine understand(closure, group, tracing, dyad, valid)
       type(closure_t), intent(in) :: closure
       integer, intent(in) :: group
-      type(survey_t), intent(in) :: survey
+      type(tracing_t), intent(in) :: tracing
       type(traced_dyad_t), intent(out) :: dyad
       logical, intent(out) :: valid
       integer :: r, side, other, pairs
@@ -210,6 +210,6 @@ contains
          end associate
       end do
       valid = valid .and. pairs == 3 .and. all(dyad%known > 0) .and. (dyad%inner_joint > 0 .neqv. dyad%inner_slide > 0)
-      if (valid) valid = all(survey%known(dyad%known))
+      if (valid) valid = all(tracing%known(dyad%known))
    end subroutine understand
 end module psalm_sketch_loops

@@ -6,7 +6,7 @@ module psalm_sketch_paths
    use psalm_sketch, only: sketch_t, frame_link
    implicit none (type, external)
    private
-   public :: path_step_t, survey_t, know, nearest_point, way_from, shortest
+   public :: path_step_t, tracing_t, know, nearest_point, way_from, shortest
 
    !> A step of a path: an arc of a link, or a slide passed again.
    type :: path_step_t
@@ -17,30 +17,30 @@ module psalm_sketch_paths
    end type path_step_t
 
    !> What is known on the way.
-   type :: survey_t
+   type :: tracing_t
       logical, allocatable :: on(:, :)      !! shape (points, links): the point is fixed in the link
       logical, allocatable :: known(:)      !! by link
       integer :: points = 0
       integer, allocatable :: pass(:, :)    !! shape (4, room): slides that can be passed: from, to, arc, and the drive of one
                                             !! that has no arc yet
       integer :: passes = 0
-   end type survey_t
+   end type tracing_t
 
 contains
 
    !> A link whose place is known, and its joints.
-   subroutine know(sketch, link, survey)
+   subroutine know(sketch, link, tracing)
       type(sketch_t), intent(in) :: sketch
       integer, intent(in) :: link
-      type(survey_t), intent(inout) :: survey
+      type(tracing_t), intent(inout) :: tracing
 
-      survey%known(link) = .true.
-      survey%on(sketch%links(link)%joints, link) = .true.
+      tracing%known(link) = .true.
+      tracing%on(sketch%links(link)%joints, link) = .true.
    end subroutine know
 
    !> The point of a known link with the shortest way: outward from the input pivot `start`, else back to it by the frame.
-   subroutine nearest_point(survey, start, link, outward, point, steps, found)
-      type(survey_t), intent(in) :: survey
+   subroutine nearest_point(tracing, start, link, outward, point, steps, found)
+      type(tracing_t), intent(in) :: tracing
       integer, intent(in) :: start, link
       logical, intent(in) :: outward
       integer, intent(out) :: point
@@ -59,12 +59,12 @@ contains
          found = .true.
          return
       end if
-      do p = 1, survey%points
-         if (.not. survey%on(p, link)) cycle
+      do p = 1, tracing%points
+         if (.not. tracing%on(p, link)) cycle
          if (outward) then
-            call shortest(survey, start, p, .true., way, there)
+            call shortest(tracing, start, p, .true., way, there)
          else
-            call way_from(survey, start, p, way, there)
+            call way_from(tracing, start, p, way, there)
          end if
          if (.not. there) cycle
          if (found .and. size(way) >= size(steps)) cycle
@@ -75,8 +75,8 @@ contains
    end subroutine nearest_point
 
    !> From a point to the frame, not through it, and along the frame to the input pivot `start`.
-   subroutine way_from(survey, start, from, steps, found)
-      type(survey_t), intent(in) :: survey
+   subroutine way_from(tracing, start, from, steps, found)
+      type(tracing_t), intent(in) :: tracing
       integer, intent(in) :: start, from
       type(path_step_t), allocatable, intent(out) :: steps(:)
       logical, intent(out) :: found
@@ -86,9 +86,9 @@ contains
 
       found = .false.
       allocate (steps(0))
-      do p = 1, survey%points
-         if (.not. survey%on(p, frame_link)) cycle
-         call shortest(survey, from, p, .false., way, there)
+      do p = 1, tracing%points
+         if (.not. tracing%on(p, frame_link)) cycle
+         call shortest(tracing, from, p, .false., way, there)
          if (.not. there) cycle
          if (found .and. size(way) + 1 >= size(steps)) cycle
          found = .true.
@@ -97,15 +97,15 @@ contains
    end subroutine way_from
 
    !> Fewest arcs from a point to another through links that are known (breadth first).
-   subroutine shortest(survey, from, to, through_frame, steps, found)
-      type(survey_t), intent(in) :: survey
+   subroutine shortest(tracing, from, to, through_frame, steps, found)
+      type(tracing_t), intent(in) :: tracing
       integer, intent(in) :: from, to
       logical, intent(in) :: through_frame
       type(path_step_t), allocatable, intent(out) :: steps(:)
       logical, intent(out) :: found
-      type(path_step_t) :: reached_by(survey%points)
-      integer :: queue(survey%points), head, tail, link, p, k
-      logical :: seen(survey%points)
+      type(path_step_t) :: reached_by(tracing%points)
+      integer :: queue(tracing%points), head, tail, link, p, k
+      logical :: seen(tracing%points)
 
       allocate (steps(0))
       seen = .false.
@@ -115,24 +115,24 @@ contains
       tail = 1
       do while (head <= tail .and. .not. seen(to))
          associate (here => queue(head))
-            do link = 1, size(survey%known)
-               if (.not. survey%known(link) .or. .not. survey%on(here, link)) cycle
+            do link = 1, size(tracing%known)
+               if (.not. tracing%known(link) .or. .not. tracing%on(here, link)) cycle
                if (link == frame_link .and. .not. through_frame) cycle
-               do p = 1, survey%points
-                  if (seen(p) .or. .not. survey%on(p, link)) cycle
+               do p = 1, tracing%points
+                  if (seen(p) .or. .not. tracing%on(p, link)) cycle
                   seen(p) = .true.
                   tail = tail + 1
                   queue(tail) = p
                   reached_by(p) = path_step_t(link, here, p)
                end do
             end do
-            do k = 1, survey%passes
-               p = survey%pass(2, k)
-               if (survey%pass(1, k) /= here .or. seen(p)) cycle
+            do k = 1, tracing%passes
+               p = tracing%pass(2, k)
+               if (tracing%pass(1, k) /= here .or. seen(p)) cycle
                seen(p) = .true.
                tail = tail + 1
                queue(tail) = p
-               reached_by(p) = path_step_t(0, here, p, survey%pass(3, k), survey%pass(4, k))
+               reached_by(p) = path_step_t(0, here, p, tracing%pass(3, k), tracing%pass(4, k))
             end do
          end associate
          head = head + 1

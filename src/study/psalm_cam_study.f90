@@ -9,7 +9,7 @@ module psalm_cam_study
                            law_points_missing, law_beyond_tolerance, highest_law_order
    use psalm_cam_motion, only: chained_motion, prepare_cam_motion
    use psalm_cam_pair, only: gap_t, find_gap, greatest_in, least_in, play_of
-   use psalm_cam_passage, only: ways_t, ways_found, ways_jump, ways_infinite, ways_end
+   use psalm_cam_crossing, only: ways_t, ways_found, ways_jump, ways_infinite, ways_end
    use psalm_cam_paths, only: cam_path_t, find_paths, path_pitch, path_cutter
    use psalm_cam_profile, only: cam_points_t
    use psalm_cam_shape, only: cam_shape_t, cam_extreme_t, samples_t, measure, sample_turn, find_extreme, measures, &
@@ -326,7 +326,7 @@ contains
                              ' component(s); there is none of number '//to_text(cam%axis), findings)
                return
             end if
-            if (.not. shape%motion%has_stretch()) then
+            if (.not. shape%motion%has_branch()) then
                call set%origins%error(findings, 'METHOD', 'CRNKI', 'at the reference position the linkage does not close, or '// &
                                       'its output stands still: the law of the output cannot be solved for the input', 1)
                return

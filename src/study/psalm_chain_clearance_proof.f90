@@ -23,25 +23,25 @@ module psalm_chain_clearance_proof
    !> A tube of one's own, which may be halved.
    type :: part_t
       type(tube_t) :: tube
-      integer :: leg = 0
+      integer :: segment = 0
       real(wp) :: low = 0.0_wp                   !! bound of the clearance
    end type part_t
 
 contains
 
-   !> The least clearance, bracketed, and where it is: `leg` and `way`, part of that leg.
-   subroutine bracket_clearance(closure, clearance, tubes, nearest, leg, way)
+   !> The least clearance, bracketed, and where it is: `segment` and `way`, part of that segment.
+   subroutine bracket_clearance(closure, clearance, tubes, nearest, segment, way)
       type(closure_t), intent(in) :: closure       !! of the tubes
       type(clearance_t), intent(in) :: clearance   !! its points are joints of the sketch
       type(chain_tubes_t), intent(in) :: tubes
       type(nearest_t), intent(out) :: nearest      !! without the place
-      integer, intent(out) :: leg
+      integer, intent(out) :: segment
       real(wp), intent(out) :: way
       type(part_t), allocatable :: parts(:), more(:)
       type(tube_t) :: halves(2)
       integer :: i, n, lowest
 
-      leg = 0
+      segment = 0
       way = 0.0_wp
       nearest%found = tubes%count > 0
       if (.not. nearest%found) return
@@ -49,7 +49,7 @@ contains
       allocate (parts(n + first_room))
       do i = 1, n
          parts(i)%tube = tubes%parts(i)%tube
-         parts(i)%leg = tubes%parts(i)%leg
+         parts(i)%segment = tubes%parts(i)%segment
          call bound(parts(i))
       end do
       do
@@ -65,7 +65,7 @@ contains
             call move_alloc(more, parts)
          end if
          n = n + 1
-         parts(n)%leg = parts(lowest)%leg
+         parts(n)%segment = parts(lowest)%segment
          parts(lowest)%tube = halves(1)
          parts(n)%tube = halves(2)
          call bound(parts(lowest))
@@ -114,7 +114,7 @@ contains
             part%low = part%low - play
             if (value + play >= nearest%high) return
             nearest%high = value + play
-            leg = part%leg
+            segment = part%segment
             way = tube%middle
          end associate
       end subroutine bound

@@ -14,7 +14,7 @@ module psalm_chain_proof_study
    use psalm_dense, only: factors_t, factorise
    use psalm_limits_group, only: proof_by_default
    use psalm_kinds, only: wp, full_turn, degrees_per_radian, radians_per_degree
-   use psalm_proof_chain, only: chain_tubes_t, leg_t, output_range_t, start_tubes, cover_leg, stands_as_drawn, &
+   use psalm_proof_chain, only: chain_tubes_t, path_segment_t, output_range_t, start_tubes, cover_segment, stands_as_drawn, &
                                is_on_motion, bracket_outputs
    use psalm_proof_motion, only: proven_dead_point_t
    use psalm_proof_standstill, only: chain_movement_t, chain_way_t, prove_standstill
@@ -39,9 +39,9 @@ module psalm_chain_proof_study
       logical :: complete = .false.          !! everything asked for is proven to close
       real(wp) :: begins = 0.0_wp            !! where a turn of inputs begins as shown, degrees
       real(wp) :: from = 0.0_wp, to = 0.0_wp !! what is asked for: degrees or length, or positions
-      type(leg_t), allocatable :: legs(:)
-      integer, allocatable :: group(:)       !! by leg: of one that is not complete the group nearest to a dead point where it ends
-      integer, allocatable :: position(:)    !! by leg, of several drives: where it ends
+      type(path_segment_t), allocatable :: segments(:)
+      integer, allocatable :: group(:)       !! by segment: where an incomplete one ends, the group nearest to a dead point
+      integer, allocatable :: position(:)    !! by segment, of several drives: where it ends
       type(output_range_t), allocatable :: ranges(:) !! by number of all outputs
       type(output_range_t), allocatable :: ratios(:) !! likewise: rate by the input, radians for degrees
       type(chain_movement_t) :: movement     !! dead points, strokes, dwells
@@ -83,28 +83,28 @@ contains
          else
             call find_lines(inputs, study%motion%closed, proof)
          end if
-         proof%empty = size(proof%legs) == 0
+         proof%empty = size(proof%segments) == 0
          if (proof%empty) return
          allocate (tubes)
          call in_one_group(closure, whole)
-         call start_tubes(whole, study%start, size(proof%legs), tubes, sound)
+         call start_tubes(whole, study%start, size(proof%segments), tubes, sound)
          proof%complete = sound
-         do k = 1, size(proof%legs)
+         do k = 1, size(proof%segments)
             proof%stopped = is_to_end(stop)
             if (proof%stopped) return
             if (proof%full_turn .and. k == 2) then
                if (proof%complete) then
-                  proof%legs = proof%legs(:1)
+                  proof%segments = proof%segments(:1)
                   exit
                end if
                ! what is left of the turn
-               proof%legs(2)%to = -(1.0_wp - proof%legs(1)%reached)*proof%legs(1)%to
-               proof%legs(2)%per = 1.0_wp/proof%legs(2)%to(1)
+               proof%segments(2)%to = -(1.0_wp - proof%segments(1)%reached)*proof%segments(1)%to
+               proof%segments(2)%per = 1.0_wp/proof%segments(2)%to(1)
             end if
             begun = sound
-            if (proof%legs(k)%after > 0) begun = proof%legs(proof%legs(k)%after)%complete
-            if (begun) call cover_leg(whole, set%sketch%outputs, k, proof%legs(k), tubes)
-            proof%complete = proof%complete .and. proof%legs(k)%complete
+            if (proof%segments(k)%after > 0) begun = proof%segments(proof%segments(k)%after)%complete
+            if (begun) call cover_segment(whole, set%sketch%outputs, k, proof%segments(k), tubes)
+            proof%complete = proof%complete .and. proof%segments(k)%complete
          end do
          if (proof%full_turn .and. proof%complete) proof%returns = stands_as_drawn(whole, tubes, 1)
          proof%tubes = tubes%count
@@ -129,16 +129,16 @@ contains
       type(closure_t), intent(in) :: whole   !! in one group
       type(chain_tubes_t), intent(in) :: tubes
       type(chain_proof_t), intent(inout) :: proof
-      type(chain_way_t) :: ways(size(proof%legs))
+      type(chain_way_t) :: ways(size(proof%segments))
       logical :: turns
       integer :: k
 
       turns = set%sketch%drives(1)%kind == drive_turns
       do k = 1, size(ways)
-         ! along lines of several drives each leg is a way of its own
+         ! along lines of several drives each segment is a way of its own
          ways(k)%base = place_on(proof, k, 0.0_wp, turns)
          ways(k)%gain = place_on(proof, k, 1.0_wp, turns) - ways(k)%base
-         ways(k)%stretch = merge(1, k, proof%one_drive)
+         ways(k)%run = merge(1, k, proof%one_drive)
       end do
       proof%dwell = set%limits%dwell
       call prove_standstill(whole, set%sketch%outputs, tubes, ways, proof%returns, proof%dwell, proof%movement)
@@ -187,7 +187,7 @@ contains
       type(chain_proof_t), intent(inout) :: proof
       type(clearance_t), allocatable :: clearances(:)
       real(wp) :: way
-      integer :: k, leg
+      integer :: k, segment
 
       allocate (clearances(0))
       if (set%constr%given .and. (set%constr%irange /= range_positions .or. set%limits%iproof /= proof_by_default)) &
@@ -196,9 +196,9 @@ contains
       do k = 1, size(clearances)
          associate (kept => proof%kept(k))
             kept%clearance = clearances(k)
-            call bracket_clearance(whole, clearances(k), tubes, kept%nearest, leg, way)
+            call bracket_clearance(whole, clearances(k), tubes, kept%nearest, segment, way)
             if (.not. kept%nearest%found) cycle
-            kept%nearest%at = place_on(proof, leg, way, set%sketch%drives(1)%kind == drive_turns)
+            kept%nearest%at = place_on(proof, segment, way, set%sketch%drives(1)%kind == drive_turns)
             kept%nearest%at = in_turn_of(proof, kept%nearest%at)
             kept%is_broken = kept%nearest%high < clearances(k)%asked - touching*whole%size
          end associate
@@ -228,33 +228,33 @@ contains
       type(chain_proof_t), intent(inout) :: proof
       type(state_t) :: state
       real(wp) :: way
-      integer :: k, leg
+      integer :: k, segment
       logical :: same
 
       do k = 1, size(inputs, 2)
          if (.not. study%motion%closed(k)) cycle
          state = study%motion%states(k)
-         leg = 0
+         segment = 0
          way = 1.0_wp
          same = .true.
          if (proof%one_drive) then
             ! where the position has really been reached from the drawing, backwards perhaps
-            do leg = size(proof%legs), 1, -1
-               way = state%input(1, 0)/proof%legs(leg)%to(1)
+            do segment = size(proof%segments), 1, -1
+               way = state%input(1, 0)/proof%segments(segment)%to(1)
                if (way < 0.0_wp) cycle
-               if (proof%legs(leg)%turns_back) same = way <= proof%legs(leg)%dead_high
-               if (way <= proof%legs(leg)%reached) exit
+               if (proof%segments(segment)%turns_back) same = way <= proof%segments(segment)%dead_high
+               if (way <= proof%segments(segment)%reached) exit
             end do
          else if (any(proof%position == k)) then
-            leg = findloc(proof%position, k, dim=1)
-            if (.not. proof%legs(leg)%complete) leg = 0
+            segment = findloc(proof%position, k, dim=1)
+            if (.not. proof%segments(segment)%complete) segment = 0
          end if
-         if (leg > 0) same = is_on_motion(whole, tubes, leg, way, state)
+         if (segment > 0) same = is_on_motion(whole, tubes, segment, way, state)
          if (.not. same) proof%misplaced = proof%misplaced + 1
       end do
    end subroutine compare_positions
 
-   !> Of the legs that are not complete the group whose matrix is nearest to a singular one where the proof ends.
+   !> Of the segments that are not complete the group whose matrix is nearest to a singular one where the proof ends.
    subroutine find_singular_groups(study, tubes, proof)
       type(chain_study_t), intent(in) :: study
       type(chain_tubes_t), intent(in) :: tubes
@@ -263,12 +263,12 @@ contains
       real(wp) :: least
       integer :: k, g, i, last
 
-      allocate (proof%group(size(proof%legs)), source=0)
-      do k = 1, size(proof%legs)
-         if (proof%legs(k)%complete) cycle
+      allocate (proof%group(size(proof%segments)), source=0)
+      do k = 1, size(proof%segments)
+         if (proof%segments(k)%complete) cycle
          last = 0
          do i = 1, tubes%count
-            if (tubes%parts(i)%leg == k) last = i
+            if (tubes%parts(i)%segment == k) last = i
          end do
          least = huge(1.0_wp)
          do g = 1, size(study%closure%groups)
@@ -290,7 +290,7 @@ contains
       type(data_set_t), intent(in) :: set
       real(wp), intent(in) :: inputs(:, :)   !! shape (drives, positions)
       type(chain_proof_t), intent(inout) :: proof
-      type(leg_t) :: leg
+      type(path_segment_t) :: segment
       real(wp) :: ends(2), unit
       integer :: k, d
 
@@ -300,23 +300,23 @@ contains
       proof%begins = set%method%turn_begins()
       proof%from = merge(proof%begins, ends(2)*unit, proof%full_turn)
       proof%to = merge(proof%begins + full_turn, ends(1)*unit, proof%full_turn)
-      allocate (proof%legs(0))
+      allocate (proof%segments(0))
       do k = 1, 2
          if (abs(ends(k)) <= 0.0_wp) cycle
          ! one turn on a geared drive stands elsewhere: backwards is no part of the turn
          if (k == 2 .and. proof%full_turn .and. .not. turn_repeats(set)) cycle
-         leg%from = [(0.0_wp, d=1, size(inputs, 1))]
-         leg%to = leg%from
-         leg%to(1) = ends(k)
-         leg%per = 1.0_wp/ends(k)
+         segment%from = [(0.0_wp, d=1, size(inputs, 1))]
+         segment%to = segment%from
+         segment%to(1) = ends(k)
+         segment%per = 1.0_wp/ends(k)
          associate (drives => set%sketch%drives)
             do d = 2, size(drives)
                if (.not. drives(d)%geared) cycle
-               leg%to(d) = drives(d)%ratio*ends(k)*merge(degrees_per_radian, 1.0_wp, drives(1)%kind == drive_turns) &
+               segment%to(d) = drives(d)%ratio*ends(k)*merge(degrees_per_radian, 1.0_wp, drives(1)%kind == drive_turns) &
                            *merge(radians_per_degree, 1.0_wp, drives(d)%kind == drive_turns)
             end do
          end associate
-         proof%legs = [proof%legs, leg]   ! of a constructor within a constructor gfortran 12 loses the memory
+         proof%segments = [proof%segments, segment]   ! of a constructor within a constructor gfortran 12 loses the memory
       end do
    end subroutine find_both_ways
 
@@ -325,42 +325,42 @@ contains
       real(wp), intent(in) :: inputs(:, :)   !! shape (drives, positions)
       logical, intent(in) :: closed(:)
       type(chain_proof_t), intent(inout) :: proof
-      type(leg_t) :: leg
-      integer :: leg_to(size(closed)), k, before, d
+      type(path_segment_t) :: segment
+      integer :: segment_to(size(closed)), k, before, d
 
-      leg_to = 0
-      allocate (proof%legs(0), proof%position(0))
+      segment_to = 0
+      allocate (proof%segments(0), proof%position(0))
       proof%from = 1.0_wp
       proof%to = real(size(closed), wp)
       do k = 1, size(closed)
          before = nearest_known(inputs, closed, k)
          if (before == 0) then
             if (all(abs(inputs(:, k)) <= 0.0_wp)) cycle
-            leg%from = [(0.0_wp, d=1, size(inputs, 1))]
-            leg%after = 0
+            segment%from = [(0.0_wp, d=1, size(inputs, 1))]
+            segment%after = 0
          else
-            leg%from = inputs(:, before)
-            leg%after = leg_to(before)
+            segment%from = inputs(:, before)
+            segment%after = segment_to(before)
          end if
-         leg%to = inputs(:, k)
-         proof%legs = [proof%legs, leg]
+         segment%to = inputs(:, k)
+         proof%segments = [proof%segments, segment]
          proof%position = [proof%position, k]
-         leg_to(k) = size(proof%legs)
+         segment_to(k) = size(proof%segments)
       end do
    end subroutine find_lines
 
-   !> A place on a leg as it is told: the first drive's input, or between positions.
-   pure real(wp) function place_on(proof, leg, way, turns) result(place)
+   !> A place on a segment as it is told: the first drive's input, or between positions.
+   pure real(wp) function place_on(proof, segment, way, turns) result(place)
       type(chain_proof_t), intent(in) :: proof
-      integer, intent(in) :: leg
+      integer, intent(in) :: segment
       real(wp), intent(in) :: way            !! part of it
       logical, intent(in) :: turns           !! the first drive turns
 
       if (proof%one_drive) then
-         place = proof%legs(leg)%from(1) + way*(proof%legs(leg)%to(1) - proof%legs(leg)%from(1))
+         place = proof%segments(segment)%from(1) + way*(proof%segments(segment)%to(1) - proof%segments(segment)%from(1))
          if (turns) place = place*degrees_per_radian
       else
-         place = real(proof%position(leg) - 1, wp) + way
+         place = real(proof%position(segment) - 1, wp) + way
       end if
    end function place_on
 
@@ -371,7 +371,7 @@ contains
       integer, intent(in) :: which           !! 1: the least, 2: the greatest value
       logical, intent(in) :: turns           !! the first drive turns
 
-      place = place_on(proof, range%leg(which), range%way(which), turns)
+      place = place_on(proof, range%segment(which), range%way(which), turns)
       place = in_turn_of(proof, place)
    end function place_of_extreme
 

@@ -9,7 +9,7 @@ module psalm_exact_subsets
    use psalm_leg_problem, only: absolute, at_a, at_b, at_x, at_y, variables
    use psalm_nine_points, only: in_place, nine_points_t, solve_nine_points
    use psalm_path_descent, only: descend, nearest_g, retime
-   use psalm_path_fit, only: error_of, path_room_t, fitted_path_t, prepare_path, trace_coupler, visit_t
+   use psalm_path_fit, only: error_of, path_room_t, fitted_path_t, prepare_path, trace_coupler, path_timing_t
    use psalm_stop, only: stop_t
    use psalm_xoshiro, only: purpose_starts, xoshiro_t
    implicit none (type, external)
@@ -54,7 +54,7 @@ contains
       type(fitted_path_t) :: paths(2)                       !! as it is, and mirrored: passed the other way round
       type(path_room_t), allocatable :: room
       type(nine_points_t) :: found
-      type(visit_t) :: best(most_refined)
+      type(path_timing_t) :: best(most_refined)
       type(xoshiro_t) :: random
       type(exact_linkage_t) :: one, others(2)
       complex(wp) :: v(variables), legs(variables), first
@@ -110,7 +110,7 @@ contains
       subroutine lay(four_bar)
          type(exact_linkage_t), intent(in) :: four_bar
          type(exact_linkage_t) :: driven
-         type(visit_t) :: visit
+         type(path_timing_t) :: timing
          integer :: driver, worst
          logical :: turns
 
@@ -118,35 +118,35 @@ contains
          do driver = 1, 2
             if (driver == 2) driven = with_other_driver(four_bar)
             do sense = 1, 2
-               call visit_of(driven, paths(sense), sense == 2, visit, turns)
+               call timing_of(driven, paths(sense), sense == 2, timing, turns)
                if (.not. turns) exit
                study%starts = study%starts + 1
-               call retime(paths(sense), visit, room)
-               call trace_coupler(visit, visit%t, room%e, room%v)
-               visit%error = error_of(paths(sense), room%e, room%v, visit)
+               call retime(paths(sense), timing, room)
+               call trace_coupler(timing, timing%t, room%e, room%v)
+               timing%error = error_of(paths(sense), room%e, room%v, timing)
                worst = maxloc(scores, dim=1)
-               if (visit%error >= scores(worst)) cycle
+               if (timing%error >= scores(worst)) cycle
                ! cognates and drivers of one curve have one error
-               if (any(abs(scores - visit%error) < same*visit%error)) cycle
-               scores(worst) = visit%error
-               best(worst) = visit
+               if (any(abs(scores - timing%error) < same*timing%error)) cycle
+               scores(worst) = timing%error
+               best(worst) = timing
                senses(worst) = sense
             end do
          end do
       end subroutine lay
 
-      !> Refine a visit and add it to the results.
-      subroutine refine(visit, sense)
-         type(visit_t), intent(inout) :: visit
+      !> Refine a timing and add it to the results.
+      subroutine refine(timing, sense)
+         type(path_timing_t), intent(inout) :: timing
          integer, intent(in) :: sense
          type(subset_result_t) :: own
          type(subset_result_t), allocatable :: more(:)
          integer :: place, n
 
-         own%before = paths(sense)%size*sqrt(visit%error/real(size(p), wp))
-         call finish(paths(sense), visit, room)
-         own%after = paths(sense)%size*sqrt(visit%error/real(size(p), wp))
-         call linkage_of(visit, paths(sense), sense == 2, own%linkage)
+         own%before = paths(sense)%size*sqrt(timing%error/real(size(p), wp))
+         call finish(paths(sense), timing, room)
+         own%after = paths(sense)%size*sqrt(timing%error/real(size(p), wp))
+         call linkage_of(timing, paths(sense), sense == 2, own%linkage)
          call judge(own%linkage, closed, own%verdict)
          if (any(abs(study%results%after - own%after) < same*own%after)) return
          place = count(study%results%after <= own%after) + 1
@@ -161,26 +161,26 @@ contains
    end subroutine find_by_subsets
 
    !> Least squares from a start and from its best timing anew, the better of both; then until every bound is kept.
-   subroutine finish(path, visit, room)
+   subroutine finish(path, timing, room)
       type(fitted_path_t), intent(in) :: path
-      type(visit_t), intent(inout) :: visit
+      type(path_timing_t), intent(inout) :: timing
       type(path_room_t), intent(inout) :: room
       integer, parameter :: steps = 500, rounds = 5
       real(wp), parameter :: gain = 1.0e-5_wp, inside = 1.0e-6_wp, of_violations = 30.0_wp, least_error = 1.0e-9_wp
-      type(visit_t) :: other
+      type(path_timing_t) :: other
       real(wp) :: weight
       integer :: k
 
-      weight = of_violations*max(visit%error, least_error*real(path%n, wp))
-      call descend(path, steps, gain, weight, 0.0_wp, visit, room)
-      other = visit
+      weight = of_violations*max(timing%error, least_error*real(path%n, wp))
+      call descend(path, steps, gain, weight, 0.0_wp, timing, room)
+      other = timing
       call retime(path, other, room)
       call descend(path, steps, gain, weight, 0.0_wp, other, room)
-      if (other%error + weight*other%violation < visit%error + weight*visit%violation) visit = other
+      if (other%error + weight*other%violation < timing%error + weight*timing%violation) timing = other
       do k = 1, rounds
-         weight = 100.0_wp**k*max(visit%error, least_error*real(path%n, wp))
-         call descend(path, steps, gain, weight, inside, visit, room)
-         if (visit%worst < inside) exit
+         weight = 100.0_wp**k*max(timing%error, least_error*real(path%n, wp))
+         call descend(path, steps, gain, weight, inside, timing, room)
+         if (timing%worst < inside) exit
       end do
    end subroutine finish
 
@@ -210,11 +210,11 @@ contains
    end subroutine draw
 
    !> A four-bar in the notation of psalm_path_fit. `turns`: its crank does, fully.
-   subroutine visit_of(four_bar, path, mirrored, visit, turns)
+   subroutine timing_of(four_bar, path, mirrored, timing, turns)
       type(exact_linkage_t), intent(in) :: four_bar
       type(fitted_path_t), intent(in) :: path
       logical, intent(in) :: mirrored
-      type(visit_t), intent(out) :: visit
+      type(path_timing_t), intent(out) :: timing
       logical, intent(out) :: turns
       complex(wp) :: a, b, c, d, p, along
       real(wp) :: ground, crank, coupler, follower
@@ -235,36 +235,36 @@ contains
       crank = abs(c - a)
       coupler = abs(d - c)
       follower = abs(d - b)
-      visit%g = ground/crank
-      turns = abs(visit%g - 1.0_wp) > nearest_g
+      timing%g = ground/crank
+      turns = abs(timing%g - 1.0_wp) > nearest_g
       if (.not. turns) return
-      visit%sigma = (coupler + follower)/(ground + crank)
-      visit%q = (coupler - follower)/(ground - crank)
-      turns = visit%sigma > 1.0_wp .and. abs(visit%q) < 1.0_wp
+      timing%sigma = (coupler + follower)/(ground + crank)
+      timing%q = (coupler - follower)/(ground - crank)
+      turns = timing%sigma > 1.0_wp .and. abs(timing%q) < 1.0_wp
       if (.not. turns) return
-      visit%side = merge(1.0_wp, -1.0_wp, aimag(conjg(b - c)*(d - c)) > 0.0_wp)
+      timing%side = merge(1.0_wp, -1.0_wp, aimag(conjg(b - c)*(d - c)) > 0.0_wp)
       along = crank*(b - a)/ground
-      visit%z0 = a/path%size - path%centre
-      visit%w1 = along/path%size
-      visit%w2 = (p - c)*along/(d - c)/path%size
-      allocate (visit%t(path%n), source=0.0_wp)
-   end subroutine visit_of
+      timing%z0 = a/path%size - path%centre
+      timing%w1 = along/path%size
+      timing%w2 = (p - c)*along/(d - c)/path%size
+      allocate (timing%t(path%n), source=0.0_wp)
+   end subroutine timing_of
 
-   !> The four-bar of a visit at its places.
-   subroutine linkage_of(visit, path, mirrored, one)
-      type(visit_t), intent(in) :: visit
+   !> The four-bar of a timing at its places.
+   subroutine linkage_of(timing, path, mirrored, one)
+      type(path_timing_t), intent(in) :: timing
       type(fitted_path_t), intent(in) :: path
       logical, intent(in) :: mirrored
       type(exact_linkage_t), intent(out) :: one
       complex(wp) :: e(path%n), v(path%n), z0
 
-      call trace_coupler(visit, visit%t, e, v)
-      z0 = visit%z0 + path%centre
+      call trace_coupler(timing, timing%t, e, v)
+      z0 = timing%z0 + path%centre
       one%a = path%size*z0
-      one%b = path%size*(z0 + visit%g*visit%w1)
-      one%c = path%size*(z0 + visit%w1*e)
-      one%d = path%size*(z0 + visit%w1*(e + v))
-      one%p = path%size*(z0 + visit%w1*e + visit%w2*v)
+      one%b = path%size*(z0 + timing%g*timing%w1)
+      one%c = path%size*(z0 + timing%w1*e)
+      one%d = path%size*(z0 + timing%w1*(e + v))
+      one%p = path%size*(z0 + timing%w1*e + timing%w2*v)
       if (mirrored) then
          one%a = conjg(one%a)
          one%b = conjg(one%b)

@@ -118,7 +118,8 @@ contains
          joints = reshape([((loop, a, a=1, loops(loop)%arcs), loop=1, size(loops))], [2, sum(loops%arcs)])
       end associate
       allocate (station)
-      call prepare_station(problem, [(from + (to - from)*(real(i, wp)/real(room_steps, wp)), i=0, room_steps)], .false., joints, &
+      call prepare_station(problem, [(from + (to - from)*(real(i, wp)/real(room_steps, wp)), i=0, room_steps)], .false., &
+                              joints, &
                            .false., station)
       call evaluate_station(station, dimensions)
       width = 0.0_wp

@@ -1,20 +1,20 @@
 !> A path without prescribed timing, by a four-bar whose crank turns fully: random shapes and timings, many short descents, the
-!> better part of them continued, the best finished. That is a lot; lots are independent of each other.
+!> better part of them continued, the best finished. That is a batch; batches are independent of each other.
 !>
 !> Notation and what is eliminated: `psalm_path_fit`.
 module psalm_free_path
    use psalm_kinds, only: wp, full_turn, half_turn
    use psalm_path_angles, only: limits_angle, keep_angles
    use psalm_path_descent, only: descend, put_in_order, retime, nearest_g, least_sigma, largest_q
-   use psalm_path_fit, only: fitted_path_t, visit_t, path_room_t, trace_coupler, fit_linear, error_of, find_violations, &
+   use psalm_path_fit, only: fitted_path_t, path_timing_t, path_room_t, trace_coupler, fit_linear, error_of, find_violations, &
                              rows_most, samples
    use psalm_timing_draw, only: draw_spread, draw_jumps, draw_corner, draw_ratio, follow, uniform
    use psalm_xoshiro, only: xoshiro_t
    implicit none (type, external)
    private
-   public :: search_lot
+   public :: search_batch
 
-   integer, parameter :: short = 32, medium = 4      !! descents of a lot; one is finished
+   integer, parameter :: short = 32, medium = 4      !! descents of a batch; one is finished
    integer, parameter :: short_steps = 8, medium_steps = 40, final_steps = 1000 !! of a descent: valleys at a bound are long
    real(wp), parameter :: at_corners = 0.8_wp        !! part of the samples that pass a change point at a corner of the path
    real(wp), parameter :: ridge = 1.0e-7_wp          !! a sample's curve may be a point
@@ -27,10 +27,10 @@ contains
    !>
    !> Where a path has corners its best linkage often passes a change point there, for only at one has its curve a corner too; most
    !> samples are drawn so.
-   subroutine draw(path, random, visit)
+   subroutine draw(path, random, timing)
       type(fitted_path_t), intent(in) :: path
       type(xoshiro_t), intent(inout) :: random
-      type(visit_t), intent(inout) :: visit
+      type(path_timing_t), intent(inout) :: timing
       real(wp) :: lengths(4), gap(path%n)
       integer :: k
 
@@ -40,24 +40,24 @@ contains
          end do
          associate (ground => lengths(1), crank => lengths(2), coupler => lengths(3), follower => lengths(4))
             if (coupler + follower < ground + crank .or. abs(coupler - follower) > abs(ground - crank)) cycle
-            visit%g = ground/crank
-            if (abs(visit%g - 1.0_wp) < nearest_g) cycle
-            visit%sigma = (coupler + follower)/(ground + crank)
-            visit%q = (coupler - follower)/(ground - crank)
+            timing%g = ground/crank
+            if (abs(timing%g - 1.0_wp) < nearest_g) cycle
+            timing%sigma = (coupler + follower)/(ground + crank)
+            timing%q = (coupler - follower)/(ground - crank)
          end associate
          exit
       end do
-      visit%side = path%side
+      timing%side = path%side
       if (uniform(random) < at_corners) then
          call draw_jumps(path, random, gap)
-         call follow(gap, 0.0_wp, visit%t)
+         call follow(gap, 0.0_wp, timing%t)
          k = draw_corner(path, random)
          if (uniform(random) < 0.5_wp) then
-            visit%sigma = least_sigma
-            visit%t = visit%t + (half_turn - visit%t(k))
+            timing%sigma = least_sigma
+            timing%t = timing%t + (half_turn - timing%t(k))
          else
-            visit%q = sign(largest_q, uniform(random) - 0.5_wp)
-            visit%t = visit%t - visit%t(k)
+            timing%q = sign(largest_q, uniform(random) - 0.5_wp)
+            timing%t = timing%t - timing%t(k)
          end if
       else
          if (uniform(random) < 0.5_wp) then
@@ -65,46 +65,46 @@ contains
          else
             call draw_jumps(path, random, gap)
          end if
-         call follow(gap, uniform(random)*full_turn, visit%t)
+         call follow(gap, uniform(random)*full_turn, timing%t)
       end if
-      if (limits_angle(path)) call keep_angles(path, visit)
+      if (limits_angle(path)) call keep_angles(path, timing)
    end subroutine draw
 
-   !> One lot: samples, short descents of the better half, longer ones of the best, and the best finished. Of several paths, to be
+   !> One batch: samples, short descents of the better half, longer ones of the best, and the best finished. Of several paths, to be
    !> followed in other directions or by other assemblies, each sample takes one at random.
-   subroutine search_lot(paths, random, room, best)
+   subroutine search_batch(paths, random, room, best)
       type(fitted_path_t), intent(in) :: paths(:)           !! as many points in each
       type(xoshiro_t), intent(inout) :: random
       type(path_room_t), intent(inout) :: room
-      type(visit_t), intent(inout) :: best           !! finished; `worst` tells whether the bounds are kept
+      type(path_timing_t), intent(inout) :: best           !! finished; `worst` tells whether the bounds are kept
       real(wp) :: amount(rows_most), many, deviate
       integer :: i, count, order(samples)
 
       many = real(paths(1)%n, wp)
       do i = 1, samples
          call random%next(deviate)
-         associate (visit => room%lot(i), path => paths(1 + min(int(deviate*real(size(paths), wp)), size(paths) - 1)))
-            visit%way = 1 + min(int(deviate*real(size(paths), wp)), size(paths) - 1)
-            call draw(path, random, visit)
-            call put_in_order(visit%t, room)
-            call trace_coupler(visit, visit%t, room%e, room%v)
-            call fit_linear(path, room%e, room%v, visit, ridge*many)
-            call find_violations(path, visit, 0.0_wp, count, amount)
-            room%score(i) = error_of(path, room%e, room%v, visit) + loose*many*sum(min(amount(:count), 1.0_wp)**2)
+         associate (timing => room%batch(i), path => paths(1 + min(int(deviate*real(size(paths), wp)), size(paths) - 1)))
+            timing%way = 1 + min(int(deviate*real(size(paths), wp)), size(paths) - 1)
+            call draw(path, random, timing)
+            call put_in_order(timing%t, room)
+            call trace_coupler(timing, timing%t, room%e, room%v)
+            call fit_linear(path, room%e, room%v, timing, ridge*many)
+            call find_violations(path, timing, 0.0_wp, count, amount)
+            room%score(i) = error_of(path, room%e, room%v, timing) + loose*many*sum(min(amount(:count), 1.0_wp)**2)
          end associate
       end do
       call rank(samples, short)
       do i = 1, short
-         call improve(room%lot(order(i)), short_steps, short_steps, 1.0e-3_wp, loose*many, 0.0_wp)
-         room%score(order(i)) = room%lot(order(i))%error + loose*many*room%lot(order(i))%violation
+         call improve(room%batch(order(i)), short_steps, short_steps, 1.0e-3_wp, loose*many, 0.0_wp)
+         room%score(order(i)) = room%batch(order(i))%error + loose*many*room%batch(order(i))%violation
       end do
       call rank(short, medium)
       do i = 1, medium
-         call improve(room%lot(order(i)), medium_steps, medium_steps/2, 1.0e-3_wp, firm*many, 0.0_wp)
-         room%score(order(i)) = room%lot(order(i))%error + firm*many*room%lot(order(i))%violation
+         call improve(room%batch(order(i)), medium_steps, medium_steps/2, 1.0e-3_wp, firm*many, 0.0_wp)
+         room%score(order(i)) = room%batch(order(i))%error + firm*many*room%batch(order(i))%violation
       end do
       call rank(medium, 1)
-      best = room%lot(order(1))
+      best = room%batch(order(1))
       call finish(best)
 
    contains
@@ -124,38 +124,38 @@ contains
       end subroutine rank
 
       !> Descend, then from a better timing too; the better is kept.
-      subroutine improve(visit, first, second, gain, weight, margin)
-         type(visit_t), intent(inout) :: visit
+      subroutine improve(timing, first, second, gain, weight, margin)
+         type(path_timing_t), intent(inout) :: timing
          integer, intent(in) :: first, second
          real(wp), intent(in) :: gain, weight, margin
 
-         associate (path => paths(visit%way))
-            call descend(path, first, gain, weight, margin, visit, room)
-            room%copy = visit
+         associate (path => paths(timing%way))
+            call descend(path, first, gain, weight, margin, timing, room)
+            room%copy = timing
             call retime(path, room%copy, room)
             call descend(path, second, gain, weight, margin, room%copy, room)
          end associate
-         if (room%copy%error + weight*room%copy%violation < visit%error + weight*visit%violation) visit = room%copy
+         if (room%copy%error + weight*room%copy%violation < timing%error + weight*timing%violation) timing = room%copy
       end subroutine improve
 
       !> To the end: the weight of violations follows the error, until every bound is kept.
-      subroutine finish(visit)
-         type(visit_t), intent(inout) :: visit
+      subroutine finish(timing)
+         type(path_timing_t), intent(inout) :: timing
          real(wp) :: base, before
          integer :: k
 
-         base = max(visit%error, 1.0e-9_wp*many)
-         call improve(visit, final_steps, final_steps/2, 1.0e-5_wp, 30.0_wp*base, 0.0_wp)
+         base = max(timing%error, 1.0e-9_wp*many)
+         call improve(timing, final_steps, final_steps/2, 1.0e-5_wp, 30.0_wp*base, 0.0_wp)
          do k = 1, 3
-            before = visit%error + 30.0_wp*base*visit%violation
-            call improve(visit, final_steps/2, final_steps/2, 1.0e-5_wp, 30.0_wp*base, 0.0_wp)
-            if (visit%error + 30.0_wp*base*visit%violation > 0.99_wp*before) exit
+            before = timing%error + 30.0_wp*base*timing%violation
+            call improve(timing, final_steps/2, final_steps/2, 1.0e-5_wp, 30.0_wp*base, 0.0_wp)
+            if (timing%error + 30.0_wp*base*timing%violation > 0.99_wp*before) exit
          end do
          do k = 2, 10, 2
-            base = max(visit%error, 1.0e-9_wp*many)
-            call descend(paths(visit%way), final_steps/2, 1.0e-7_wp, base*10.0_wp**k, inside, visit, room)
-            if (visit%worst < inside) exit
+            base = max(timing%error, 1.0e-9_wp*many)
+            call descend(paths(timing%way), final_steps/2, 1.0e-7_wp, base*10.0_wp**k, inside, timing, room)
+            if (timing%worst < inside) exit
          end do
       end subroutine finish
-   end subroutine search_lot
+   end subroutine search_batch
 end module psalm_free_path

@@ -9,14 +9,15 @@ module psalm_free_start
    use psalm_dimensions, only: dimensions_t
    use psalm_dyad_kind, only: assur_rrr
    use psalm_error, only: problem_t
-   use psalm_free_path, only: search_lot
+   use psalm_free_path, only: search_batch
    use psalm_kinds, only: wp, full_turn, half_turn
    use psalm_mechanism, only: arc_crank, arc_determined
    use psalm_merit, only: merit_t
    use psalm_output_kind, only: motion_point
    use psalm_parameters, only: variable_length, variable_outlk, variable_origlk, variable_gama, variable_outang, variable_origng, &
                                variable_crnki
-   use psalm_path_fit, only: fitted_path_t, path_room_t, visit_t, prepare_path, trace_coupler, lengths_of, at_ground, at_crank, &
+   use psalm_path_fit, only: fitted_path_t, path_room_t, path_timing_t, prepare_path, trace_coupler, lengths_of, &
+                             at_ground, at_crank, &
                              at_coupler, at_follower, at_point, at_pivot
    use psalm_station, only: station_t, prepare_station, evaluate_station
    use psalm_xoshiro, only: xoshiro_t
@@ -31,8 +32,8 @@ module psalm_free_start
       logical :: applies = .false.
       type(fitted_path_t) :: path
       type(path_room_t), allocatable :: room
-      type(visit_t) :: visit
-      class(station_t), allocatable :: station        !! the user's linkage at the inputs of a visit
+      type(path_timing_t) :: timing
+      class(station_t), allocatable :: station        !! the user's linkage at the inputs of a timing
       integer :: of_length(6) = 0                    !! variables: lengths as `lengths_of` has them
       integer :: of_ground = 0, of_outang = 0, of_origng = 0 !! and angles
       real(wp) :: sense = 1.0_wp                     !! of the inputs; where they fall, the mirror image is searched
@@ -77,7 +78,7 @@ contains
                                  starts%sense*real(side, wp), starts%path, starts%room)
             end associate
             if (merit%limit(1) > 1.0_wp - 1.0e-6_wp) starts%path%cosine = 1.0_wp
-            allocate (starts%visit%t(n), source=0.0_wp)
+            allocate (starts%timing%t(n), source=0.0_wp)
             starts%applies = .true.
             return
          end do
@@ -127,7 +128,7 @@ contains
       real(wp), intent(in) :: side
       type(free_start_t), intent(inout) :: starts
       logical, intent(out) :: fits
-      type(visit_t) :: made_up
+      type(path_timing_t) :: made_up
       type(fitted_path_t) :: unit
       complex(wp) :: points(problem%positions), e(problem%positions), v(problem%positions)
       real(wp) :: values(size(problem%parameters%variables)), delt(problem%positions)
@@ -154,10 +155,10 @@ contains
    end subroutine find_directions
 
    !> Values and input increments of a linkage that goes through these points; `fits` is false if the program's does not.
-   subroutine put_in(problem, merit, visit, lengths, points, starts, values, delt, fits)
+   subroutine put_in(problem, merit, timing, lengths, points, starts, values, delt, fits)
       type(problem_t), intent(in) :: problem
       type(merit_t), intent(in) :: merit
-      type(visit_t), intent(in) :: visit             !! not mirrored: angles and `w1` are used
+      type(path_timing_t), intent(in) :: timing             !! not mirrored: angles and `w1` are used
       real(wp), intent(in) :: lengths(6)             !! in the user's unit
       complex(wp), intent(in) :: points(:)           !! shape (positions)
       type(free_start_t), intent(inout) :: starts
@@ -171,10 +172,10 @@ contains
       n = size(points)
       dimensions = problem%given
       values = problem%parameters%first_values(dimensions)
-      direction = degrees_of(real(visit%w1, wp), aimag(visit%w1))
+      direction = degrees_of(real(timing%w1, wp), aimag(timing%w1))
       values(starts%of_length) = lengths
       values(starts%of_ground) = direction + starts%ground_turn
-      delt = direction + visit%t + starts%crank_turn - crank_of(values)
+      delt = direction + timing%t + starts%crank_turn - crank_of(values)
       delt = delt - full_turn*anint((delt(1) - problem%delt(1))/full_turn)
       values(starts%of_length(at_pivot)) = 0.0_wp
       values(starts%of_length(at_point)) = 0.0_wp
@@ -234,7 +235,7 @@ contains
       squares = real(z, wp)**2 + aimag(z)**2
    end function squares
 
-   !> One lot: its best linkage as values and input increments. `made` is false if it violates a bound.
+   !> One batch: its best linkage as values and input increments. `made` is false if it violates a bound.
    subroutine make_free_start(problem, merit, random, starts, values, delt, made)
       type(problem_t), intent(in) :: problem
       type(merit_t), intent(in) :: merit
@@ -246,19 +247,19 @@ contains
       complex(wp) :: points(starts%path%n), e(starts%path%n), v(starts%path%n)
       real(wp) :: lengths(6)
 
-      associate (visit => starts%visit, path => starts%path)
-         call search_lot([path], random, starts%room, visit)
-         call trace_coupler(visit, visit%t, e, v)
-         points = path%size*(visit%z0 + path%centre + visit%w1*e + visit%w2*v)
-         lengths = path%size*lengths_of(path, visit)
-         made = visit%worst <= kept
+      associate (timing => starts%timing, path => starts%path)
+         call search_batch([path], random, starts%room, timing)
+         call trace_coupler(timing, timing%t, e, v)
+         points = path%size*(timing%z0 + path%centre + timing%w1*e + timing%w2*v)
+         lengths = path%size*lengths_of(path, timing)
+         made = timing%worst <= kept
          if (starts%sense < 0.0_wp) then
             points = conjg(points)
-            visit%w1 = conjg(visit%w1)
-            visit%t = -visit%t
+            timing%w1 = conjg(timing%w1)
+            timing%t = -timing%t
          end if
-         call put_in(problem, merit, visit, lengths, points, starts, values, delt, made)
-         made = made .and. visit%worst <= kept
+         call put_in(problem, merit, timing, lengths, points, starts, values, delt, made)
+         made = made .and. timing%worst <= kept
       end associate
    end subroutine make_free_start
 end module psalm_free_start

@@ -19,7 +19,7 @@ module psalm_linear_unknowns
    use psalm_output_kind, only: motion_point
    use psalm_parameters, only: variable_length, variable_outlk, variable_outang, variable_origlk, variable_origng, &
                                variable_gama, variable_crnki
-   use psalm_path_fit, only: fitted_path_t, visit_t, set_points, fit_linear, square
+   use psalm_path_fit, only: fitted_path_t, path_timing_t, set_points, fit_linear, square
    use psalm_station, only: station_t, prepare_station, evaluate_station, evaluate_output
    implicit none (type, external)
    private
@@ -33,7 +33,7 @@ module psalm_linear_unknowns
    type :: linear_unknowns_t
       logical :: applies = .false.
       type(fitted_path_t) :: path                           !! the points
-      type(visit_t) :: fit
+      type(path_timing_t) :: fit
       class(station_t), allocatable :: station        !! the linkage at its prescribed positions
       type(dimensions_t) :: dimensions
       logical :: free = .false.                      !! the inputs turn, else CRNKI

@@ -35,7 +35,7 @@ module psalm_margins
    integer, parameter :: margin_bound = 6    !! variable inside its bounds, its own unit
    integer, parameter :: margin_length = 7   !! a variable length, length
    integer, parameter :: margin_group = 8    !! measure of a larger group: 1 at best, 0 at a dead point
-   integer, parameter :: steps_of_range = 720, steps_of_lens = 16, lenses = 3
+   integer, parameter :: steps_of_range = 720, steps_of_refinement = 16, refinements = 3
    real(wp), parameter :: rounding = 1.0e-9_wp !! a negative margin smaller than this, relative to the linkage, is rounding
    real(wp), parameter :: parallel = 1.0e-6_wp !! degrees between two slides that are parallel for every purpose
    ! narrow places
@@ -43,7 +43,7 @@ module psalm_margins
    integer, parameter :: steps_of_zoom = 120 !! to each side
    integer, parameter :: steps_per_half = 3  !! so many halve the distance: 0.5/2**40 degrees in the end
    real(wp), parameter :: part_of_half(0:steps_per_half - 1) = [1.0_wp, 0.5_wp**(1.0_wp/3.0_wp), 0.5_wp**(2.0_wp/3.0_wp)]
-   integer, parameter :: deepest_lens = 13   !! lenses until the bottom of a narrow place is found: a step over 8**13
+   integer, parameter :: deepest_refinement = 13   !! refinements until the bottom of a narrow place is found: a step over 8**13
    integer, parameter :: most_places = 32    !! narrow places looked into
    integer, parameter :: most_levels = 3     !! a narrow place inside a narrow place inside a narrow place
 
@@ -61,7 +61,7 @@ module psalm_margins
    type :: inspector_t
       ! in memory of their own, for objects this large fill a small stack
       class(station_t), allocatable :: fine   !! prescribed positions, then the range
-      class(station_t), allocatable :: lens
+      class(station_t), allocatable :: refinement
       class(station_t), allocatable :: zoom   !! round a narrow place
       integer :: places = 0                  !! narrow places looked into
       integer :: irange = range_positions
@@ -100,7 +100,7 @@ contains
       call list_clearances(set%constr, problem%mechanism, problem%given%outlk <= 0.0_wp, inspector%clearances, joints, &
                            beside)
       allocate (plain, source=problem)
-      allocate (inspector%fine, inspector%lens, inspector%zoom)
+      allocate (inspector%fine, inspector%refinement, inspector%zoom)
       plain%tangle = right_angle
       plain%spare = 0.0_wp
       plain%slide_angle = right_angle
@@ -109,9 +109,9 @@ contains
       inputs = problem%delt
       if (inspector%irange /= range_positions) then
          inputs = [inputs, constraint_inputs(inspector%irange, problem, problem%delt, steps_of_range, 0)]
-         call prepare_station(plain, inputs(:steps_of_lens + 1), .false., joints, .false., inspector%lens, beside)
+         call prepare_station(plain, inputs(:steps_of_refinement + 1), .false., joints, .false., inspector%refinement, beside)
          call prepare_station(plain, inputs(:2*steps_of_zoom + 1), .false., joints, .false., inspector%zoom, beside)
-         allocate (inspector%lens%measure(steps_of_lens + 1, plain%mechanism%nloop), source=0.0_wp)
+         allocate (inspector%refinement%measure(steps_of_refinement + 1, plain%mechanism%nloop), source=0.0_wp)
          allocate (inspector%zoom%measure(2*steps_of_zoom + 1, plain%mechanism%nloop), source=0.0_wp)
       end if
       call prepare_station(plain, inputs, .false., joints, .false., inspector%fine, beside)
@@ -174,7 +174,7 @@ contains
             end associate
          end do
          if (inspector%irange /= range_positions) then
-            inspector%lens%problem%side = fine%problem%side
+            inspector%refinement%problem%side = fine%problem%side
             inspector%zoom%problem%side = fine%problem%side
          end if
          do i = 1, size(all_edges)
@@ -263,7 +263,7 @@ contains
       margin%delt = inspector%fine%problem%delt(i)
       if (inspector%irange == range_positions) return
       half = (inspector%fine%problem%delt(n) - inspector%fine%problem%delt(inspector%prescribed + 1))/real(steps_of_range, wp)
-      ! at the ends of a full turn the neighbour lies at the other end; the lens sees it all the same
+      ! at the ends of a full turn the neighbour lies at the other end; the refinement sees it all the same
       do i = inspector%prescribed + 1, n
          associate (before => values(max(i - 1, inspector%prescribed + 1)), after => values(min(i + 1, n)))
             if (values(i) > min(before, after)) cycle
@@ -288,20 +288,20 @@ contains
 
       at = delt
       reach = half
-      do round = 1, lenses
-         call move_lens(inspector, dimensions, at, reach)
+      do round = 1, refinements
+         call move_refinement(inspector, dimensions, at, reach)
          least = huge(least)
-         do i = 1, steps_of_lens + 1
-            value = margin_at(inspector, inspector%lens, i, margin)
+         do i = 1, steps_of_refinement + 1
+            value = margin_at(inspector, inspector%refinement, i, margin)
             if (value >= least) cycle
             least = value
-            at = inspector%lens%problem%delt(i)
+            at = inspector%refinement%problem%delt(i)
          end do
          if (least < margin%margin) then
             margin%margin = least
             margin%delt = at
          end if
-         reach = reach*2.0_wp/real(steps_of_lens, wp)
+         reach = reach*2.0_wp/real(steps_of_refinement, wp)
       end do
    end subroutine look_sharper
 
@@ -381,17 +381,17 @@ contains
       real(wp), intent(in) :: half
       real(wp), intent(inout) :: at
       real(wp), intent(out) :: least
-      real(wp) :: near(steps_of_lens + 1, inspector%lens%problem%mechanism%nloop), reach
+      real(wp) :: near(steps_of_refinement + 1, inspector%refinement%problem%mechanism%nloop), reach
       integer :: round, i
 
       reach = half
-      do round = 1, deepest_lens
-         call move_lens(inspector, dimensions, at, reach)
-         near = narrowness(inspector, inspector%lens, 1)
+      do round = 1, deepest_refinement
+         call move_refinement(inspector, dimensions, at, reach)
+         near = narrowness(inspector, inspector%refinement, 1)
          i = minloc(near(:, loop), dim=1)
-         at = inspector%lens%problem%delt(i)
+         at = inspector%refinement%problem%delt(i)
          least = near(i, loop)
-         reach = reach*2.0_wp/real(steps_of_lens, wp)
+         reach = reach*2.0_wp/real(steps_of_refinement, wp)
       end do
    end subroutine find_bottom
 
@@ -445,8 +445,8 @@ contains
       end associate
    end subroutine clip
 
-   !> Lay the lens on the inputs within `reach` of one, and look.
-   subroutine move_lens(inspector, dimensions, at, reach)
+   !> Lay the refinement on the inputs within `reach` of one, and look.
+   subroutine move_refinement(inspector, dimensions, at, reach)
       type(inspector_t), intent(inout) :: inspector
       type(dimensions_t), intent(in) :: dimensions
       real(wp), intent(in) :: at, reach
@@ -455,10 +455,10 @@ contains
 
       ends = [at - reach, at + reach]
       call clip(inspector, ends)
-      call inspector%lens%problem%move_inputs([(ends(1) + (ends(2) - ends(1))*(real(i, wp)/real(steps_of_lens, wp)), &
-                                                i=0, steps_of_lens)])
-      call evaluate_station(inspector%lens, dimensions)
-   end subroutine move_lens
+      call inspector%refinement%problem%move_inputs([(ends(1) + (ends(2) - ends(1))*(real(i, wp)/real(steps_of_refinement, wp)), &
+                                                i=0, steps_of_refinement)])
+      call evaluate_station(inspector%refinement, dimensions)
+   end subroutine move_refinement
 
    !> Margin of a constraint at position i of a station.
    pure real(wp) function margin_at(inspector, station, i, margin) result(value)

@@ -12,7 +12,7 @@
 module psalm_path_angles
    use psalm_kinds, only: wp
    use psalm_linear, only: solve_positive
-   use psalm_path_fit, only: fitted_path_t, visit_t, unknowns, shape_g
+   use psalm_path_fit, only: fitted_path_t, path_timing_t, unknowns, shape_g
    implicit none (type, external)
    private
    public :: limits_angle, angle_limits, keep_angles, slide_along
@@ -36,50 +36,50 @@ contains
    end function kappa_of
 
    !> Both inequalities: values, at most 0 where they are kept, and their derivatives by ln g, ln sigma, q.
-   pure subroutine angle_limits(path, visit, values, slopes)
+   pure subroutine angle_limits(path, timing, values, slopes)
       type(fitted_path_t), intent(in) :: path
-      type(visit_t), intent(in) :: visit
+      type(path_timing_t), intent(in) :: timing
       real(wp), intent(out) :: values(2)             !! joints nearest, farthest; relative to (g - 1)^2 and (g + 1)^2
       real(wp), intent(out) :: slopes(3, 2)
       real(wp) :: kappa, wide, narrow, square, q2
 
       kappa = kappa_of(path)
-      associate (g => visit%g)
+      associate (g => timing%g)
          wide = ((g + 1.0_wp)/(g - 1.0_wp))**2
          narrow = 1.0_wp/wide
-         square = visit%sigma**2
-         q2 = visit%q**2
+         square = timing%sigma**2
+         q2 = timing%q**2
          values(1) = kappa*square*wide + (1.0_wp - kappa)*q2 - 1.0_wp
          slopes(:, 1) = [-4.0_wp*g*(g + 1.0_wp)/(g - 1.0_wp)**3*kappa*square, 2.0_wp*kappa*square*wide, &
-                         2.0_wp*(1.0_wp - kappa)*visit%q]
+                         2.0_wp*(1.0_wp - kappa)*timing%q]
          values(2) = 1.0_wp - (1.0_wp - kappa)*square - kappa*q2*narrow
          slopes(:, 2) = [-4.0_wp*g*(g - 1.0_wp)/(g + 1.0_wp)**3*kappa*q2, -2.0_wp*(1.0_wp - kappa)*square, &
-                         -2.0_wp*kappa*visit%q*narrow]
+                         -2.0_wp*kappa*timing%q*narrow]
       end associate
    end subroutine angle_limits
 
    !> The shape as near as may be that keeps both limits: ground and crank apart far enough, then sum and difference of coupler and
    !> follower.
-   pure subroutine keep_angles(path, visit)
+   pure subroutine keep_angles(path, timing)
       type(fitted_path_t), intent(in) :: path
-      type(visit_t), intent(inout) :: visit
+      type(path_timing_t), intent(inout) :: timing
       real(wp) :: kappa, least, near, far, x, y, x_corner, y_corner
 
       kappa = kappa_of(path)
       ! both limits leave a shape only if abs(g - 1)/(g + 1) is at least the tangent of mu/2
       least = sqrt(kappa/(1.0_wp - kappa))
       least = (1.0_wp + least)/(1.0_wp - least)
-      if (visit%g > 1.0_wp) then
-         visit%g = max(visit%g, least)
+      if (timing%g > 1.0_wp) then
+         timing%g = max(timing%g, least)
       else
-         visit%g = min(visit%g, 1.0_wp/least)
+         timing%g = min(timing%g, 1.0_wp/least)
       end if
-      near = (visit%g - 1.0_wp)**2
-      far = (visit%g + 1.0_wp)**2
+      near = (timing%g - 1.0_wp)**2
+      far = (timing%g + 1.0_wp)**2
       x_corner = ((1.0_wp - kappa)*far - kappa*near)/(1.0_wp - 2.0_wp*kappa)
       y_corner = max(((1.0_wp - kappa)*near - kappa*far)/(1.0_wp - 2.0_wp*kappa), 0.0_wp)
-      x = far*visit%sigma**2
-      y = near*visit%q**2
+      x = far*timing%sigma**2
+      y = near*timing%q**2
       if (kappa*x + (1.0_wp - kappa)*y <= near .and. (1.0_wp - kappa)*x + kappa*y >= far) return
       x = max(x, x_corner)
       y = min(y, y_corner)
@@ -88,15 +88,15 @@ contains
          x = min(x, max((near - (1.0_wp - kappa)*y)/kappa, x_corner))
       end if
       x = max(x, (far - kappa*y)/(1.0_wp - kappa))
-      visit%sigma = sqrt(x/far)
-      visit%q = sign(sqrt(y/near), visit%q)
+      timing%sigma = sqrt(x/far)
+      timing%q = sign(sqrt(y/near), timing%q)
    end subroutine keep_angles
 
    !> The least point of a quadratic under both limits made linear. `step` comes as its least point without them; what is held does
    !> not move.
-   pure subroutine slide_along(path, visit, matrix, held, step, solved)
+   pure subroutine slide_along(path, timing, matrix, held, step, solved)
       type(fitted_path_t), intent(in) :: path
-      type(visit_t), intent(in) :: visit
+      type(path_timing_t), intent(in) :: timing
       real(wp), intent(in) :: matrix(:, :)           !! shape (unknowns, unknowns); of what is held the unit matrix
       logical, intent(in) :: held(unknowns)
       real(wp), intent(inout) :: step(unknowns)
@@ -105,7 +105,7 @@ contains
       logical :: sound
       integer :: k, other
 
-      call angle_limits(path, visit, values, slopes)
+      call angle_limits(path, timing, values, slopes)
       rows = 0.0_wp
       rows(shape_g:, :) = slopes
       do k = 1, 2

@@ -1,4 +1,4 @@
-!> Descent of a four-bar that visits points: damped least squares over shape and inputs, the linear unknowns solved for after every
+!> Descent of a four-bar that timings points: damped least squares over shape and inputs, the linear unknowns solved for after every
 !> step; the inputs kept in order; the best timing of a curve.
 !>
 !> Sources: damping, Nielsen (1999); order, pooling of adjacent violators, Barlow et al. (1972); notation, `psalm_path_fit`.
@@ -6,7 +6,8 @@ module psalm_path_descent
    use psalm_kinds, only: wp, degrees_per_radian, full_turn
    use psalm_linear, only: solve_positive
    use psalm_path_angles, only: limits_angle, keep_angles, slide_along
-   use psalm_path_fit, only: fitted_path_t, visit_t, path_room_t, trace_at, halve, fit_linear, find_violations, weigh, square, &
+   use psalm_path_fit, only: fitted_path_t, path_timing_t, path_room_t, trace_at, halve, fit_linear, find_violations, weigh, &
+                             square, &
                              dot, unknowns, lanes, column_turn, column_miss, shape_g, shape_s, shape_q, rows_most, places
    use psalm_sort, only: pool_rising
    implicit none (type, external)
@@ -20,34 +21,34 @@ module psalm_path_descent
 
 contains
 
-   !> Improve a visit by damped least squares, the linear unknowns solved for after every step.
-   subroutine descend(path, steps, gain, weight, margin, visit, room)
+   !> Improve a timing by damped least squares, the linear unknowns solved for after every step.
+   subroutine descend(path, steps, gain, weight, margin, timing, room)
       type(fitted_path_t), intent(in) :: path
       integer, intent(in) :: steps                   !! at most
       real(wp), intent(in) :: gain                   !! relative; three steps with less end it
       real(wp), intent(in) :: weight                 !! of squared relative violations
       real(wp), intent(in) :: margin                 !! inside the bounds
-      type(visit_t), intent(inout) :: visit
+      type(path_timing_t), intent(inout) :: timing
       type(path_room_t), intent(inout) :: room
       real(wp) :: h(unknowns, unknowns), slope(unknowns), step(unknowns)
       real(wp) :: damping, raise, merit, trial
       integer :: iteration, groups, small
       logical :: fresh, solved
 
-      call halve(visit%t, room%half)
-      call trace_at(visit, room%half, room%e, room%v)
-      call weigh(path, room%e, room%v, margin, visit)
-      merit = visit%error + weight*visit%violation
+      call halve(timing%t, room%half)
+      call trace_at(timing, room%half, room%e, room%v)
+      call weigh(path, room%e, room%v, margin, timing)
+      merit = timing%error + weight*timing%violation
       damping = 1.0e-3_wp
       raise = 2.0_wp
       small = 0
       fresh = .true.
       do iteration = 1, steps
-         if (fresh) call form_equations(path, weight, margin, visit, room, h, slope, groups)
+         if (fresh) call form_equations(path, weight, margin, timing, room, h, slope, groups)
          fresh = .false.
-         call solve_step(path, visit, room, h, slope, groups, damping, step, solved)
+         call solve_step(path, timing, room, h, slope, groups, damping, step, solved)
          if (solved) then
-            call take_step(path, visit, room, step, groups, damping, room%next)
+            call take_step(path, timing, room, step, groups, damping, room%next)
             call put_in_order(room%next%t, room)
             call halve(room%next%t, room%half_next)
             call trace_at(room%next, room%half_next, room%e, room%v)
@@ -69,7 +70,7 @@ contains
          if (trial < merit) then
             small = merge(small + 1, 0, merit - trial < gain*merit)
             merit = trial
-            visit = room%next
+            timing = room%next
             room%half = room%half_next
             damping = max(0.2_wp*damping, 1.0e-12_wp)
             raise = 2.0_wp
@@ -85,10 +86,10 @@ contains
    end subroutine descend
 
    !> Normal equations: those of the nine unknowns, and what each group of inputs meets.
-   subroutine form_equations(path, weight, margin, visit, room, h, slope, groups)
+   subroutine form_equations(path, weight, margin, timing, room, h, slope, groups)
       type(fitted_path_t), intent(in) :: path
       real(wp), intent(in) :: weight, margin
-      type(visit_t), intent(in) :: visit
+      type(path_timing_t), intent(in) :: timing
       type(path_room_t), intent(inout) :: room
       real(wp), intent(out) :: h(unknowns, unknowns), slope(unknowns)
       integer, intent(out) :: groups
@@ -96,8 +97,8 @@ contains
       complex(wp) :: j
       integer :: k, a, m, count, group
 
-      call trace_at(visit, room%half, room%e, room%v, room%turn, room%grow)
-      call pool(visit, path, room, groups)
+      call trace_at(timing, room%half, room%e, room%v, room%turn, room%grow)
+      call pool(timing, path, room, groups)
       products = 0.0_wp
       room%b(:, :groups) = 0.0_wp
       re = 0.0_wp
@@ -114,14 +115,14 @@ contains
          re(6) = -im(5)
          im(6) = re(5)
          do m = 1, 3
-            j = visit%w2*room%grow(k, m)
+            j = timing%w2*room%grow(k, m)
             re(6 + m) = real(j, wp)
             im(6 + m) = aimag(j)
          end do
-         j = visit%w1*cmplx(re(4), im(4), wp) + visit%w2*room%turn(k)
+         j = timing%w1*cmplx(re(4), im(4), wp) + timing%w2*room%turn(k)
          re(column_turn) = real(j, wp)
          im(column_turn) = aimag(j)
-         j = visit%z0 + visit%w1*room%e(k) + visit%w2*room%v(k) - path%point(k)
+         j = timing%z0 + timing%w1*room%e(k) + timing%w2*room%v(k) - path%point(k)
          re(column_miss) = real(j, wp)
          im(column_miss) = aimag(j)
          do a = 1, unknowns
@@ -139,7 +140,7 @@ contains
       end do
       h = products(:unknowns, :)
       slope = products(column_miss, :)
-      call find_violations(path, visit, margin, count, amount, rows)
+      call find_violations(path, timing, margin, count, amount, rows)
       do k = 1, count
          do a = 1, unknowns
             h(:, a) = h(:, a) + weight*rows(a, k)*rows(:, k)
@@ -149,8 +150,8 @@ contains
    end subroutine form_equations
 
    !> Inputs that stand together and would cross if each went its own way move as one.
-   subroutine pool(visit, path, room, groups)
-      type(visit_t), intent(in) :: visit
+   subroutine pool(timing, path, room, groups)
+      type(path_timing_t), intent(in) :: timing
       type(fitted_path_t), intent(in) :: path
       type(path_room_t), intent(inout) :: room
       integer, intent(out) :: groups
@@ -162,11 +163,11 @@ contains
       before = 0.0_wp
       mass = 0.0_wp
       do k = 1, path%n
-         miss = visit%z0 + visit%w1*room%e(k) + visit%w2*room%v(k) - path%point(k)
-         turn = visit%w1*cmplx(-aimag(room%e(k)), real(room%e(k), wp), wp) + visit%w2*room%turn(k)
+         miss = timing%z0 + timing%w1*room%e(k) + timing%w2*room%v(k) - path%point(k)
+         turn = timing%w1*cmplx(-aimag(room%e(k)), real(room%e(k), wp), wp) + timing%w2*room%turn(k)
          wish = -dot(turn, miss)/max(square(turn), tiny(1.0_wp)**0.5_wp)
          if (k > 1) then
-            if (visit%t(k) - visit%t(k - 1) <= together .and. wish <= before) then
+            if (timing%t(k) - timing%t(k - 1) <= together .and. wish <= before) then
                before = (before*mass + wish*square(turn))/max(mass + square(turn), tiny(1.0_wp))
                mass = mass + square(turn)
                room%group(k) = groups
@@ -182,9 +183,9 @@ contains
 
    !> The damped step of the nine unknowns; shape numbers that push against their box are held, and limits of the transmission angle
    !> are kept, made linear.
-   subroutine solve_step(path, visit, room, h, slope, groups, damping, step, solved)
+   subroutine solve_step(path, timing, room, h, slope, groups, damping, step, solved)
       type(fitted_path_t), intent(in) :: path
-      type(visit_t), intent(in) :: visit
+      type(path_timing_t), intent(in) :: timing
       type(path_room_t), intent(in) :: room
       real(wp), intent(in) :: h(unknowns, unknowns), slope(unknowns), damping
       integer, intent(in) :: groups
@@ -213,12 +214,12 @@ contains
          right = right + (over*room%b(column_miss, k))*room%b(:unknowns, k)
       end do
       held = .false.
-      held(shape_g) = (visit%g >= largest_g .and. right(shape_g) > 0.0_wp) .or. &
-                      (visit%g <= 1.0_wp/largest_g .and. right(shape_g) < 0.0_wp)
-      held(shape_s) = (visit%sigma <= least_sigma .and. right(shape_s) < 0.0_wp) .or. &
-                      (visit%sigma >= largest_sigma .and. right(shape_s) > 0.0_wp)
-      held(shape_q) = (visit%q <= -largest_q .and. right(shape_q) < 0.0_wp) .or. &
-                      (visit%q >= largest_q .and. right(shape_q) > 0.0_wp)
+      held(shape_g) = (timing%g >= largest_g .and. right(shape_g) > 0.0_wp) .or. &
+                      (timing%g <= 1.0_wp/largest_g .and. right(shape_g) < 0.0_wp)
+      held(shape_s) = (timing%sigma <= least_sigma .and. right(shape_s) < 0.0_wp) .or. &
+                      (timing%sigma >= largest_sigma .and. right(shape_s) > 0.0_wp)
+      held(shape_q) = (timing%q <= -largest_q .and. right(shape_q) < 0.0_wp) .or. &
+                      (timing%q >= largest_q .and. right(shape_q) > 0.0_wp)
       do a = shape_g, unknowns
          if (.not. held(a)) cycle
          matrix(:, a) = 0.0_wp
@@ -227,44 +228,44 @@ contains
          right(a) = 0.0_wp
       end do
       call solve_positive(matrix(:unknowns, :), right, step, solved)
-      if (solved .and. limits_angle(path)) call slide_along(path, visit, matrix(:unknowns, :), held, step, solved)
+      if (solved .and. limits_angle(path)) call slide_along(path, timing, matrix(:unknowns, :), held, step, solved)
       if (.not. solved) return
       most = max(abs(step(shape_g)), abs(step(shape_q)), abs(step(shape_s))/1.5_wp)
       if (most > 1.0_wp) step = step/most
    end subroutine solve_step
 
    !> Go that far. Factors exp(x) are taken as (1 + x/2)/(1 - x/2): a step is only true to its first order anyway.
-   subroutine take_step(path, visit, room, step, groups, damping, next)
+   subroutine take_step(path, timing, room, step, groups, damping, next)
       type(fitted_path_t), intent(in) :: path
-      type(visit_t), intent(in) :: visit
+      type(path_timing_t), intent(in) :: timing
       type(path_room_t), intent(in) :: room
       real(wp), intent(in) :: step(unknowns), damping
       integer, intent(in) :: groups
-      type(visit_t), intent(inout) :: next
+      type(path_timing_t), intent(inout) :: next
       real(wp) :: turn(groups)
       integer :: k
 
-      next%z0 = visit%z0 + cmplx(step(1), step(2), wp)
-      next%w1 = visit%w1 + cmplx(step(3), step(4), wp)
-      next%w2 = visit%w2 + cmplx(step(5), step(6), wp)
-      next%g = visit%g*factor(step(shape_g))
-      if (visit%g > 1.0_wp) then
+      next%z0 = timing%z0 + cmplx(step(1), step(2), wp)
+      next%w1 = timing%w1 + cmplx(step(3), step(4), wp)
+      next%w2 = timing%w2 + cmplx(step(5), step(6), wp)
+      next%g = timing%g*factor(step(shape_g))
+      if (timing%g > 1.0_wp) then
          next%g = min(max(next%g, 1.0_wp + nearest_g), largest_g)
       else
          next%g = min(max(next%g, 1.0_wp/largest_g), 1.0_wp - nearest_g)
       end if
-      next%sigma = min(max(visit%sigma*factor(step(shape_s)), least_sigma), largest_sigma)
-      next%q = min(max(visit%q + step(shape_q), -largest_q), largest_q)
+      next%sigma = min(max(timing%sigma*factor(step(shape_s)), least_sigma), largest_sigma)
+      next%q = min(max(timing%q + step(shape_q), -largest_q), largest_q)
       if (limits_angle(path)) call keep_angles(path, next)
-      next%side = visit%side
-      next%way = visit%way
+      next%side = timing%side
+      next%way = timing%way
       do k = 1, groups
          turn(k) = 0.0_wp
          if (room%b(column_turn, k) > 0.0_wp) &
             turn(k) = -(room%b(column_miss, k) + sum(room%b(:unknowns, k)*step))/(room%b(column_turn, k)*(1.0_wp + damping))
          turn(k) = min(max(turn(k), -1.0_wp), 1.0_wp)*degrees_per_radian
       end do
-      next%t = visit%t + turn(room%group)
+      next%t = timing%t + turn(room%group)
 
    contains
 
@@ -315,19 +316,19 @@ contains
       end do
    end subroutine put_in_order
 
-   !> The best timing of a visit's curve: dynamic programming over places of the crank, begun where the curve comes nearest to the
+   !> The best timing of a timing's curve: dynamic programming over places of the crank, begun where the curve comes nearest to the
    !> first point.
-   subroutine retime(path, visit, room)
+   subroutine retime(path, timing, room)
       type(fitted_path_t), intent(in) :: path
-      type(visit_t), intent(inout) :: visit
+      type(path_timing_t), intent(inout) :: timing
       type(path_room_t), intent(inout) :: room
       real(wp), parameter :: place_step = full_turn/real(places, wp)
       real(wp) :: near(3), total, best, x, y
       integer :: from(3), begun, i, k
 
-      call trace_at(visit, room%half_round, room%e_round, room%v_round)
+      call trace_at(timing, room%half_round, room%e_round, room%v_round)
       do k = 1, places
-         room%e_round(k) = visit%z0 + visit%w1*room%e_round(k) + visit%w2*room%v_round(k)
+         room%e_round(k) = timing%z0 + timing%w1*room%e_round(k) + timing%w2*room%v_round(k)
       end do
       do i = 1, path%n
          do k = 1, places
@@ -387,7 +388,7 @@ contains
                if (room%least(place - 1, m) > room%least(place, m)) exit
                place = place - 1
             end do
-            visit%t(m) = place_step*real(start + place - 2, wp)
+            timing%t(m) = place_step*real(start + place - 2, wp)
          end do
       end subroutine read_back
    end subroutine retime

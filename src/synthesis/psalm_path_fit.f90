@@ -1,4 +1,4 @@
-!> A four-bar whose crank turns fully and whose coupler point visits points: its motion, its linear unknowns, its bounds.
+!> A four-bar whose crank turns fully and whose coupler point timings points: its motion, its linear unknowns, its bounds.
 !>
 !> In the complex plane, with the crank of length 1 and its angle t counted from the ground line,
 !>
@@ -13,7 +13,8 @@ module psalm_path_fit
    use psalm_kinds, only: wp, full_turn
    implicit none (type, external)
    private
-   public :: fitted_path_t, visit_t, path_room_t, set_points, prepare_path, trace_coupler, trace_at, halve, fit_linear, error_of, &
+   public :: fitted_path_t, path_timing_t, path_room_t, set_points, prepare_path, trace_coupler, trace_at, halve, fit_linear, &
+             error_of, &
              lengths_of, find_violations, weigh
    public :: square, dot
    public :: at_ground, at_crank, at_coupler, at_follower, at_point, at_pivot
@@ -27,7 +28,7 @@ module psalm_path_fit
    integer, parameter :: lanes = 12                  !! columns, rounded up for the processor
    integer, parameter :: rows_most = 12              !! bounds, both sides
    integer, parameter :: places = 96                 !! of the crank when a timing is looked for
-   integer, parameter :: samples = 64                !! of a lot
+   integer, parameter :: samples = 64                !! of a batch
    real(wp), parameter :: least_corner = 1.0e-3_wp   !! of a straight way, in 1 - cosine of the turn
    real(wp), parameter :: singular = 1.0e-14_wp      !! relative determinant below which e and v say the same
 
@@ -47,8 +48,8 @@ module psalm_path_fit
                                                      !! to follower's pivot, -1 right
    end type fitted_path_t
 
-   !> A linkage that visits the points.
-   type :: visit_t
+   !> A linkage that timings the points.
+   type :: path_timing_t
       integer :: way = 1                             !! which of several paths, in other directions or assemblies
       real(wp) :: g = 2.0_wp, sigma = 1.2_wp, q = 0.0_wp, side = 1.0_wp
       complex(wp) :: z0 = (0.0_wp, 0.0_wp), w1 = (1.0_wp, 0.0_wp), w2 = (0.0_wp, 0.0_wp)
@@ -56,7 +57,7 @@ module psalm_path_fit
       real(wp) :: error = huge(1.0_wp)               !! weighted sum of squares
       real(wp) :: violation = 0.0_wp                 !! sum of squared relative violations
       real(wp) :: worst = 0.0_wp                     !! largest violation
-   end type visit_t
+   end type path_timing_t
 
    !> Room to work in; one object serves one thread.
    type :: path_room_t
@@ -70,9 +71,9 @@ module psalm_path_fit
       complex(wp), allocatable :: e_round(:), v_round(:), half_round(:) !! shape (places)
       real(wp), allocatable :: cost(:, :)            !! shape (2*places, n): the turn twice
       real(wp), allocatable :: least(:, :)           !! shape (places, n)
-      type(visit_t), allocatable :: lot(:)           !! shape (samples)
+      type(path_timing_t), allocatable :: batch(:)           !! shape (samples)
       real(wp), allocatable :: score(:)              !! shape (samples)
-      type(visit_t) :: now, next, other, copy
+      type(path_timing_t) :: now, next, other, copy
    end type path_room_t
 contains
 
@@ -95,15 +96,15 @@ contains
          allocate (room%e(n), room%v(n), room%turn(n), room%grow(n, 3), room%b(lanes, n), room%group(n), &
                    room%level(n), room%last(n), room%e_round(places), room%v_round(places), room%cost(2*places, n), &
                    room%least(places, n), room%half(n), room%half_next(n), room%half_round(places), &
-                   room%lot(samples), room%score(samples))
+                   room%batch(samples), room%score(samples))
          call halve([(full_turn*(real(i, wp)/real(places, wp)), i=0, places - 1)], room%half_round)
          do i = 1, samples
-            allocate (room%lot(i)%t(n), source=0.0_wp)
+            allocate (room%batch(i)%t(n), source=0.0_wp)
          end do
-         room%now = room%lot(1)
-         room%next = room%lot(1)
-         room%other = room%lot(1)
-         room%copy = room%lot(1)
+         room%now = room%batch(1)
+         room%next = room%batch(1)
+         room%other = room%batch(1)
+         room%copy = room%batch(1)
       end associate
    end subroutine prepare_path
 
@@ -143,7 +144,7 @@ contains
 
    !> e and v at inputs, and the derivatives of v where they are asked for.
    pure subroutine trace_coupler(shape, t, e, v, turn, grow)
-      type(visit_t), intent(in) :: shape
+      type(path_timing_t), intent(in) :: shape
       real(wp), intent(in) :: t(:)                   !! degrees
       complex(wp), intent(out) :: e(:), v(:)         !! shape (size(t))
       complex(wp), intent(out), optional :: turn(:)  !! dv/dt, per radian
@@ -173,7 +174,7 @@ contains
 
    !> The same as `trace_coupler`, from the unit vectors at half the inputs.
    pure subroutine trace_at(shape, half, e, v, turn, grow)
-      type(visit_t), intent(in) :: shape
+      type(path_timing_t), intent(in) :: shape
       complex(wp), intent(in) :: half(:)
       complex(wp), intent(out) :: e(:), v(:)         !! shape (size(half))
       complex(wp), intent(out), optional :: turn(:), grow(:, :) !! as `trace_coupler` has them
@@ -221,10 +222,10 @@ contains
    end subroutine trace_at
 
    !> The best z0, w1, w2 of a shape and its inputs.
-   pure subroutine fit_linear(path, e, v, visit, slack)
+   pure subroutine fit_linear(path, e, v, timing, slack)
       type(fitted_path_t), intent(in) :: path
       complex(wp), intent(in) :: e(:), v(:)
-      type(visit_t), intent(inout) :: visit
+      type(path_timing_t), intent(inout) :: timing
       real(wp), intent(in) :: slack                  !! ridge
       complex(wp) :: mean_e, mean_v, c, p, q
       real(wp) :: a, b, determinant
@@ -253,41 +254,41 @@ contains
          end associate
       end do
       determinant = max(a*b - square(c), singular*a*b, tiny(1.0_wp))
-      visit%w1 = (b*p - c*q)/determinant
-      visit%w2 = (a*q - conjg(c)*p)/determinant
-      visit%z0 = -visit%w1*mean_e - visit%w2*mean_v ! the points' mean is zero
+      timing%w1 = (b*p - c*q)/determinant
+      timing%w2 = (a*q - conjg(c)*p)/determinant
+      timing%z0 = -timing%w1*mean_e - timing%w2*mean_v ! the points' mean is zero
    end subroutine fit_linear
 
    !> Weighted sum of the squared distances.
-   pure real(wp) function error_of(path, e, v, visit) result(error)
+   pure real(wp) function error_of(path, e, v, timing) result(error)
       type(fitted_path_t), intent(in) :: path
       complex(wp), intent(in) :: e(:), v(:)
-      type(visit_t), intent(in) :: visit
+      type(path_timing_t), intent(in) :: timing
       integer :: k
 
       error = 0.0_wp
       do k = 1, path%n
-         error = error + path%weight(k)*square(visit%z0 + visit%w1*e(k) + visit%w2*v(k) - path%point(k))
+         error = error + path%weight(k)*square(timing%z0 + timing%w1*e(k) + timing%w2*v(k) - path%point(k))
       end do
    end function error_of
 
    !> Ground, crank, coupler, follower, distance of the coupler point from the crank pin, of the crank's pivot from the origin.
-   pure function lengths_of(path, visit) result(lengths)
+   pure function lengths_of(path, timing) result(lengths)
       type(fitted_path_t), intent(in) :: path
-      type(visit_t), intent(in) :: visit
+      type(path_timing_t), intent(in) :: timing
       real(wp) :: lengths(6), crank, half_sum, half_difference
 
-      crank = sqrt(square(visit%w1))
-      half_sum = 0.5_wp*(visit%g + 1.0_wp)*visit%sigma
-      half_difference = 0.5_wp*(visit%g - 1.0_wp)*visit%q
-      lengths = [visit%g*crank, crank, crank*(half_sum + half_difference), crank*(half_sum - half_difference), &
-                 sqrt(square(visit%w2))*(half_sum + half_difference), sqrt(square(visit%z0 + path%centre))]
+      crank = sqrt(square(timing%w1))
+      half_sum = 0.5_wp*(timing%g + 1.0_wp)*timing%sigma
+      half_difference = 0.5_wp*(timing%g - 1.0_wp)*timing%q
+      lengths = [timing%g*crank, crank, crank*(half_sum + half_difference), crank*(half_sum - half_difference), &
+                 sqrt(square(timing%w2))*(half_sum + half_difference), sqrt(square(timing%z0 + path%centre))]
    end function lengths_of
 
    !> Relative violations of the bounds that are violated, and their derivatives by the unknowns.
-   pure subroutine find_violations(path, visit, margin, count, amount, rows)
+   pure subroutine find_violations(path, timing, margin, count, amount, rows)
       type(fitted_path_t), intent(in) :: path
-      type(visit_t), intent(in) :: visit
+      type(path_timing_t), intent(in) :: timing
       real(wp), intent(in) :: margin                 !! how far inside the bounds, relatively
       integer, intent(out) :: count
       real(wp), intent(out) :: amount(rows_most)
@@ -295,7 +296,7 @@ contains
       real(wp) :: lengths(6)
       integer :: k
 
-      lengths = lengths_of(path, visit)
+      lengths = lengths_of(path, timing)
       count = 0
       do k = 1, 6
          if (lengths(k) > path%high(k)*(1.0_wp - margin)) then
@@ -317,52 +318,52 @@ contains
          complex(wp) :: from
 
          slope = 0.0_wp
-         crank = sqrt(square(visit%w1))
+         crank = sqrt(square(timing%w1))
          ! halves of S and D
-         ds = 0.5_wp*(visit%g + 1.0_wp)*visit%sigma
-         dd = 0.5_wp*(visit%g - 1.0_wp)*visit%q
+         ds = 0.5_wp*(timing%g + 1.0_wp)*timing%sigma
+         dd = 0.5_wp*(timing%g - 1.0_wp)*timing%q
          if (which <= at_follower) then
-            slope(3) = lengths(which)*real(visit%w1, wp)/max(crank, tiny(1.0_wp))**2
-            slope(4) = lengths(which)*aimag(visit%w1)/max(crank, tiny(1.0_wp))**2
+            slope(3) = lengths(which)*real(timing%w1, wp)/max(crank, tiny(1.0_wp))**2
+            slope(4) = lengths(which)*aimag(timing%w1)/max(crank, tiny(1.0_wp))**2
          end if
          arm = crank
          if (which == at_point) then
-            arm = sqrt(square(visit%w2))
-            slope(5) = lengths(which)*real(visit%w2, wp)/max(arm, tiny(1.0_wp))**2
-            slope(6) = lengths(which)*aimag(visit%w2)/max(arm, tiny(1.0_wp))**2
+            arm = sqrt(square(timing%w2))
+            slope(5) = lengths(which)*real(timing%w2, wp)/max(arm, tiny(1.0_wp))**2
+            slope(6) = lengths(which)*aimag(timing%w2)/max(arm, tiny(1.0_wp))**2
          end if
          select case (which)
          case (at_ground)
             slope(shape_g) = lengths(which)
          case (at_coupler, at_point)
-            slope(shape_g) = 0.5_wp*arm*visit%g*(visit%sigma + visit%q)
+            slope(shape_g) = 0.5_wp*arm*timing%g*(timing%sigma + timing%q)
             slope(shape_s) = arm*ds
-            slope(shape_q) = 0.5_wp*arm*(visit%g - 1.0_wp)
+            slope(shape_q) = 0.5_wp*arm*(timing%g - 1.0_wp)
          case (at_follower)
-            slope(shape_g) = 0.5_wp*arm*visit%g*(visit%sigma - visit%q)
+            slope(shape_g) = 0.5_wp*arm*timing%g*(timing%sigma - timing%q)
             slope(shape_s) = arm*ds
-            slope(shape_q) = -0.5_wp*arm*(visit%g - 1.0_wp)
+            slope(shape_q) = -0.5_wp*arm*(timing%g - 1.0_wp)
          case (at_pivot)
-            from = visit%z0 + path%centre
+            from = timing%z0 + path%centre
             slope(1) = real(from, wp)/max(lengths(which), tiny(1.0_wp))
             slope(2) = aimag(from)/max(lengths(which), tiny(1.0_wp))
          end select
       end function slope_of_length
    end subroutine find_violations
 
-   !> Error and violations of a visit whose linear unknowns are set.
-   pure subroutine weigh(path, e, v, margin, visit)
+   !> Error and violations of a timing whose linear unknowns are set.
+   pure subroutine weigh(path, e, v, margin, timing)
       type(fitted_path_t), intent(in) :: path
       complex(wp), intent(in) :: e(:), v(:)
       real(wp), intent(in) :: margin
-      type(visit_t), intent(inout) :: visit
+      type(path_timing_t), intent(inout) :: timing
       real(wp) :: amount(rows_most)
       integer :: count
 
-      visit%error = error_of(path, e, v, visit)
-      call find_violations(path, visit, margin, count, amount)
-      visit%violation = sum(amount(:count)**2)
-      visit%worst = 0.0_wp
-      if (count > 0) visit%worst = maxval(amount(:count))
+      timing%error = error_of(path, e, v, timing)
+      call find_violations(path, timing, margin, count, amount)
+      timing%violation = sum(amount(:count)**2)
+      timing%worst = 0.0_wp
+      if (count > 0) timing%worst = maxval(amount(:count))
    end subroutine weigh
 end module psalm_path_fit

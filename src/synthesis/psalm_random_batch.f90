@@ -1,9 +1,9 @@
-!> A lot of random linkages that visit points with free timing: short descents of the better ones, longer ones of the best.
+!> A batch of random linkages that timing points with free timing: short descents of the better ones, longer ones of the best.
 !>
 !> It serves linkages of any dyads whose place, size, direction and output point are solved for (`psalm_linear_unknowns`): only
-!> their proportions and the inputs are drawn. Strict halving of cheap descents does more than good first linkages. Lots are
+!> their proportions and the inputs are drawn. Strict halving of cheap descents does more than good first linkages. Batches are
 !> independent of each other. A four-bar has faster ones (`psalm_free_path`).
-module psalm_lot
+module psalm_random_batch
    use psalm_kinds, only: wp, full_turn
    use psalm_mechanism, only: arc_crank
    use psalm_merit, only: merit_t
@@ -18,10 +18,10 @@ module psalm_lot
    use psalm_xoshiro, only: xoshiro_t
    implicit none (type, external)
    private
-   public :: draw_lot
+   public :: draw_batch
 
-   integer, parameter :: samples = 64, short = 16, medium = 3 !! of a lot; the best one is handed on
-   integer, parameter :: hasty_samples = 24, hasty_short = 6 !! of a lot for a glance
+   integer, parameter :: samples = 64, short = 16, medium = 3 !! of a batch; the best one is handed on
+   integer, parameter :: hasty_samples = 24, hasty_short = 6 !! of a batch for a glance
    integer, parameter :: tries = 16                  !! of proportions with which the linkage closes all the way
    integer, parameter :: short_steps = 8, medium_steps = 40 !! evaluations of a descent
    real(wp), parameter :: gain = 1.0e-3_wp           !! relative, of a step that ends a descent
@@ -38,8 +38,8 @@ module psalm_lot
 
 contains
 
-   !> Draw a lot. The inputs go one of the ways that `timing` is prepared for; the merit is left as the best needs it.
-   subroutine draw_lot(problem, merit, timing, ways, senses, solver, stop, seed, random, values, way, hasty)
+   !> Draw a batch. The inputs go one of the ways that `timing` is prepared for; the merit is left as the best needs it.
+   subroutine draw_batch(problem, merit, timing, ways, senses, solver, stop, seed, random, values, way, hasty)
       type(problem_t), intent(in) :: problem
       type(merit_t), intent(inout) :: merit          !! linear unknowns are eliminated; its range is that of the inputs given
       type(timing_t), intent(inout) :: timing(:)     !! shape (2)
@@ -51,8 +51,8 @@ contains
       type(xoshiro_t), intent(inout) :: random
       real(wp), intent(out) :: values(:)             !! shape (nvar)
       integer, intent(out) :: way
-      logical, intent(in) :: hasty                   !! a small lot, for a glance
-      type(trial_t) :: lot(samples), copy
+      logical, intent(in) :: hasty                   !! a small batch, for a glance
+      type(trial_t) :: batch(samples), copy
       integer :: i, order(samples), most, drawn, few, fewer
 
       most = solver%most_evaluations
@@ -62,26 +62,26 @@ contains
       solver%seed = seed
       solver%least_gain = gain
       do i = 1, drawn
-         lot(i)%way = 1
-         if (ways > 1 .and. uniform(random) < 0.5_wp) lot(i)%way = 2
-         call draw_proportions(problem, merit, timing(lot(i)%way), random, values)
-         call draw_inputs(merit, senses(lot(i)%way), random)
-         lot(i)%x = merit%point(values, merit%delt)
-         merit%sense = senses(lot(i)%way)
-         call merit%fit_linear(lot(i)%x)
-         call judge(lot(i))
+         batch(i)%way = 1
+         if (ways > 1 .and. uniform(random) < 0.5_wp) batch(i)%way = 2
+         call draw_proportions(problem, merit, timing(batch(i)%way), random, values)
+         call draw_inputs(merit, senses(batch(i)%way), random)
+         batch(i)%x = merit%point(values, merit%delt)
+         merit%sense = senses(batch(i)%way)
+         call merit%fit_linear(batch(i)%x)
+         call judge(batch(i))
       end do
       order = [(i, i=1, samples)]
       call rank(drawn, few)
       do i = 1, few
-         call descend_twice(lot(order(i)), short_steps)
+         call descend_twice(batch(order(i)), short_steps)
       end do
       call rank(few, fewer)
       do i = 1, fewer
-         call descend_twice(lot(order(i)), medium_steps)
+         call descend_twice(batch(order(i)), medium_steps)
       end do
       call rank(fewer, 1)
-      associate (best => lot(order(1)))
+      associate (best => batch(order(1)))
          values = best%x(:merit%core)
          merit%delt = best%x(merit%core + 1:)
          way = best%way
@@ -108,7 +108,7 @@ contains
          integer :: k, m, swap
 
          do k = 1, wanted
-            m = k - 1 + minloc(lot(order(k:among))%score, dim=1)
+            m = k - 1 + minloc(batch(order(k:among))%score, dim=1)
             swap = order(k)
             order(k) = order(m)
             order(m) = swap
@@ -138,7 +138,7 @@ contains
          call solver%minimise(merit, one%x, stop, ending)
          call judge(one)
       end subroutine descend
-   end subroutine draw_lot
+   end subroutine draw_batch
 
    !> Random proportions: the first with which the linkage closes all the way, or what comes nearest to it.
    subroutine draw_proportions(problem, merit, timing, random, values)
@@ -196,4 +196,4 @@ contains
       call follow(gap, full_turn*uniform(random), merit%delt)
       merit%delt = sense*merit%delt
    end subroutine draw_inputs
-end module psalm_lot
+end module psalm_random_batch

@@ -14,7 +14,7 @@ module psalm_search
    use psalm_free_start, only: free_start_t, prepare_free_start, make_free_start
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
    use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated
-   use psalm_lot, only: draw_lot
+   use psalm_random_batch, only: draw_batch
    use psalm_merit, only: merit_t, prepare_merit, eliminate_linear, forget_sides, hold, let_go, set_range, extra_positions
    use psalm_multistart, only: candidate_t, multistart_t, starter_t
    use psalm_nlp, only: repair_count_t
@@ -41,7 +41,7 @@ module psalm_search
    real(wp), parameter :: wide = 10.0_wp           !! ratio of the bounds of a length above which ratios are drawn
    integer, parameter :: fineness = 5              !! near: by a half, a quarter ... a 32nd
    real(wp), parameter :: negligible = 1.0e-2_wp   !! of the longest given arc: such lengths tell no linkages apart by their ratio
-   integer, parameter :: few_refined = 3           !! results of lots searched on, at least: most of the work is done there
+   integer, parameter :: few_refined = 3           !! results of batches searched on, at least: most of the work is done there
    integer, parameter :: most_weighed = 100        !! linkages that a list of PARETO is chosen from, at least
    real(wp), parameter :: worth_it = 1.0e-6_wp     !! relative gain for which another timing is tried
    real(wp), parameter :: alike = 1.0e-2_wp        !! relative difference of objectives of linkages that may be the same
@@ -105,7 +105,7 @@ module psalm_search
       type(free_start_t), allocatable :: free_start(:) !! shape (2): the same
       real(wp) :: sense = 1.0_wp                  !! of DELT
       integer :: way = 1                          !! 1: the input goes the way of DELT, 2: the other way
-      logical :: lots = .false.                   !! starts are the best of lots of random linkages
+      logical :: batches = .false.                   !! starts are the best of batches of random linkages
       logical :: hasty = .false.                  !! a start is a glance: little is drawn, nothing is searched to its end
       class(solver_t), allocatable :: solver
       type(stop_t) :: stop
@@ -198,7 +198,7 @@ contains
          associate (merit => team(1)%merit)
             self%rules%compared = [is_length(problem), spread(.false., 1, merit%local)]
             call tell_apart(set, problem, merit, self%rules)
-            if (team(1)%lots) self%rules%refined = few_refined
+            if (team(1)%batches) self%rules%refined = few_refined
             self%rules%stages = team(1)%stages()
             self%free = merit%free
             self%by_default = merit%by_default
@@ -400,7 +400,7 @@ contains
       end do
       if (set%search%solver%refines .and. .not. worker%free_start(1)%applies) call eliminate_linear(worker%merit)
       worker%dyads = dyads_of_variables(problem%mechanism, problem%parameters)
-      worker%lots = allocated(worker%merit%linear) .and. worker%merit%free .and. worker%merit%ordered .and. &
+      worker%batches = allocated(worker%merit%linear) .and. worker%merit%free .and. worker%merit%ordered .and. &
                     worker%merit%irange == range_turn
       if (worker%merit%irange /= range_positions) call prepare_inspector(set, problem, .true., worker%inspector)
    end subroutine prepare_worker
@@ -650,8 +650,8 @@ contains
          call start_freely(self, number, candidate)
          return
       end if
-      if (number > 1 .and. self%lots) then
-         call start_with_lot(self, number, candidate)
+      if (number > 1 .and. self%batches) then
+         call start_with_batch(self, number, candidate)
          return
       end if
       before = 0
@@ -737,8 +737,8 @@ contains
       where (worker%dyads /= dyad_of_start(worker, number)) values = known
    end subroutine draw_one_dyad
 
-   !> The best linkage of a lot whose proportions and inputs alone are drawn, improved.
-   subroutine start_with_lot(self, number, candidate)
+   !> The best linkage of a batch whose proportions and inputs alone are drawn, improved.
+   subroutine start_with_batch(self, number, candidate)
       class(worker_t), intent(inout) :: self
       integer, intent(in) :: number
       type(candidate_t), intent(inout) :: candidate
@@ -748,7 +748,7 @@ contains
       self%merit%jacobians = 0
       call look_from_first_input(self)
       call self%random%use_stream(number)
-      call draw_lot(self%problem, self%merit, self%timing, merge(2, 1, goes_either_way(self)), [self%sense, -self%sense], &
+      call draw_batch(self%problem, self%merit, self%timing, merge(2, 1, goes_either_way(self)), [self%sense, -self%sense], &
                     self%solver, self%stop, self%set%method%istart + number, self%random, values, self%way, self%hasty)
       if (self%hasty) then
          call weigh(self, values, candidate)
@@ -756,7 +756,7 @@ contains
          call improve(self, rough_free, number, values, candidate)
       end if
       call put_down(self, values, 0, candidate)
-   end subroutine start_with_lot
+   end subroutine start_with_batch
 
    !> The linkage of a start, and what it cost.
    subroutine put_down(worker, values, before, candidate)
@@ -771,7 +771,7 @@ contains
       candidate%jacobians = worker%merit%jacobians
    end subroutine put_down
 
-   !> The best linkage of a lot of random four-bars that visit the points; what is refined of them is decided later.
+   !> The best linkage of a batch of random four-bars that timing the points; what is refined of them is decided later.
    subroutine start_freely(self, number, candidate)
       class(worker_t), intent(inout) :: self
       integer, intent(in) :: number

@@ -36,8 +36,8 @@ module psalm_summary
    integer, parameter :: kind_slider_turning = 7  !! slider-crank whose crank turns fully
    integer, parameter :: kind_slider_swinging = 8 !! slider-crank whose crank does not
 
-   integer, parameter :: steps = 720, steps_of_lens = 16
-   integer, parameter :: lenses = 10              !! closer looks: the last at 1e-11 of a step
+   integer, parameter :: steps = 720, steps_of_refinement = 16
+   integer, parameter :: refinements = 10              !! closer looks: the last at 1e-11 of a step
    real(wp), parameter :: rounding = 8.0_wp*epsilon(1.0_wp)
    real(wp), parameter :: rounding_of_angle = 1.0e-4_wp !! degrees; near 0 half of the digits are lost
    real(wp), parameter :: rounding_of_input = 1.0e-9_wp !! degrees
@@ -119,7 +119,7 @@ contains
       type(motion_t), intent(in) :: motion
       type(summary_t), intent(out) :: summary
       class(problem_t), allocatable :: plain          ! in memory of their own: they would fill a small stack
-      class(station_t), allocatable :: fine, lens
+      class(station_t), allocatable :: fine, refinement
       type(summary_t) :: part, whole
       real(wp), allocatable :: inputs(:), gaps(:)
       integer :: none(2, 0), i
@@ -131,7 +131,7 @@ contains
       summary%motion = merge(motion_point, problem%motion, problem%motion == motion_pose)
       call errors(problem, motion, summary)
       if (allocated(motion%rates)) call errors_of_rates(problem, motion, summary%rates)
-      allocate (fine, lens)
+      allocate (fine, refinement)
       allocate (plain, source=problem)
       plain%tangle = right_angle
       plain%spare = 0.0_wp
@@ -237,9 +237,9 @@ contains
 
          allocate (found%reverses(0), found%closing(0))
          call prepare_station(plain, row, .false., joints, .false., fine)
-         call prepare_station(plain, row(:steps_of_lens + 1), .false., joints, .false., lens)
+         call prepare_station(plain, row(:steps_of_refinement + 1), .false., joints, .false., refinement)
          call look(fine, dimensions, loops)
-         call least_angle(fine, lens, dimensions, found, gaps)
+         call least_angle(fine, refinement, dimensions, found, gaps)
          if (size(gaps) > 0) then
             all_inputs = row
             call insert(gaps, all_inputs)
@@ -250,7 +250,7 @@ contains
             end do
          end if
          if (any(loops > 0)) call note_undetermined(fine, dimensions, loops, turn, found)
-         call follow(fine, lens, dimensions, turn, found)
+         call follow(fine, refinement, dimensions, turn, found)
          if (found%undetermined_loop > 0) call meet_ends(found)
       end subroutine sweep
    end subroutine summarise
@@ -411,8 +411,8 @@ contains
    end subroutine errors_of_rates
 
    !> Least transmission angle where the linkage closes, and inputs between the steps at which it does not.
-   subroutine least_angle(fine, lens, dimensions, summary, gaps)
-      type(station_t), intent(inout) :: fine, lens
+   subroutine least_angle(fine, refinement, dimensions, summary, gaps)
+      type(station_t), intent(inout) :: fine, refinement
       type(dimensions_t), intent(in) :: dimensions
       type(summary_t), intent(inout) :: summary
       real(wp), allocatable, intent(out) :: gaps(:)
@@ -473,19 +473,19 @@ contains
 
          at = fine%problem%delt(from)
          reach = abs(fine%problem%delt(2) - fine%problem%delt(1))
-         do round = 1, lenses/2
-            call aim(lens, dimensions, fine, at - reach, at + reach)
+         do round = 1, refinements/2
+            call aim(refinement, dimensions, fine, at - reach, at + reach)
             best = -1.0_wp
-            do j = 1, steps_of_lens + 1
-               if (abs(lens%k(j, which)) <= best) cycle
-               best = abs(lens%k(j, which))
-               at = lens%problem%delt(j)
-               if (.not. lens%closed(j)) then
+            do j = 1, steps_of_refinement + 1
+               if (abs(refinement%k(j, which)) <= best) cycle
+               best = abs(refinement%k(j, which))
+               at = refinement%problem%delt(j)
+               if (.not. refinement%closed(j)) then
                   gaps = [gaps, at]
                   return
                end if
             end do
-            reach = 2.0_wp*reach/real(steps_of_lens, wp)
+            reach = 2.0_wp*reach/real(steps_of_refinement, wp)
          end do
          if (has_angle(fine%problem%mechanism, which)) call enter(which, min(best, 1.0_wp), at)
          if (.not. fine%problem%mechanism%is_dyad(which)) call enter_group(summary, which, 1.0_wp - best, at)
@@ -494,22 +494,22 @@ contains
       !> Two slides are parallel where the sine of their angle changes its sign.
       subroutine cross(which)
          integer, intent(in) :: which
-         real(wp) :: sines(n), part(steps_of_lens + 1)
+         real(wp) :: sines(n), part(steps_of_refinement + 1)
          integer :: j, round, m
 
          call fine%problem%bind(dimensions)
          call fine%problem%measure_of(which, sines)
          do j = 1, n - 1
             if (sines(j)*sines(j + 1) > 0.0_wp) cycle
-            call aim(lens, dimensions, fine, fine%problem%delt(j), fine%problem%delt(j + 1))
-            do round = 1, lenses
-               call lens%problem%measure_of(which, part)
-               do m = 1, steps_of_lens - 1
+            call aim(refinement, dimensions, fine, fine%problem%delt(j), fine%problem%delt(j + 1))
+            do round = 1, refinements
+               call refinement%problem%measure_of(which, part)
+               do m = 1, steps_of_refinement - 1
                   if (part(m)*part(m + 1) <= 0.0_wp) exit
                end do
-               at = lens%problem%delt(m)
-               if (abs(part(m + 1)) < abs(part(m))) at = lens%problem%delt(m + 1)
-               call aim(lens, dimensions, fine, lens%problem%delt(m), lens%problem%delt(m + 1))
+               at = refinement%problem%delt(m)
+               if (abs(part(m + 1)) < abs(part(m))) at = refinement%problem%delt(m + 1)
+               call aim(refinement, dimensions, fine, refinement%problem%delt(m), refinement%problem%delt(m + 1))
             end do
             if (size(gaps) > 0) then
                if (abs(gaps(size(gaps)) - at) <= abs(fine%problem%delt(2) - fine%problem%delt(1))) cycle
@@ -548,8 +548,8 @@ contains
    end function angle_of
 
    !> Look at even steps between two inputs, within the range of the sweep unless it is a turn.
-   subroutine aim(lens, dimensions, fine, from, to)
-      type(station_t), intent(inout) :: lens
+   subroutine aim(refinement, dimensions, fine, from, to)
+      type(station_t), intent(inout) :: refinement
       type(dimensions_t), intent(in) :: dimensions
       type(station_t), intent(in) :: fine
       real(wp), intent(in) :: from, to
@@ -563,8 +563,9 @@ contains
          low = min(max(from, minval(fine%problem%delt)), maxval(fine%problem%delt))
          high = min(max(to, minval(fine%problem%delt)), maxval(fine%problem%delt))
       end if
-      call lens%problem%move_inputs([(low + (high - low)*(real(i, wp)/real(steps_of_lens, wp)), i=0, steps_of_lens)])
-      call evaluate_station(lens, dimensions)
+      call refinement%problem%move_inputs([(low + (high - low)*(real(i, wp)/real(steps_of_refinement, wp)), i=0, &
+                                           steps_of_refinement)])
+      call evaluate_station(refinement, dimensions)
    end subroutine aim
 
    !> Put further inputs among those of a sweep.
@@ -585,8 +586,8 @@ contains
    end subroutine insert
 
    !> Ranges in which the linkage closes, and what the output does there.
-   subroutine follow(fine, lens, dimensions, turn, summary)
-      type(station_t), intent(inout) :: fine, lens
+   subroutine follow(fine, refinement, dimensions, turn, summary)
+      type(station_t), intent(inout) :: fine, refinement
       type(dimensions_t), intent(in) :: dimensions
       logical, intent(in) :: turn
       type(summary_t), intent(inout) :: summary
@@ -679,33 +680,33 @@ contains
          real(wp) :: beyond, there(2)
          real(wp), allocatable :: near(:) ! by loop, there
          logical :: undetermined         ! beyond the end joints coincide
-         integer :: round, j, loops(steps_of_lens + 1)
+         integer :: round, j, loops(steps_of_refinement + 1)
 
          undetermined = .false.
          beyond = open
-         do round = 1, lenses
-            call aim(lens, dimensions, fine, closed, beyond)
-            call lens%problem%find_undetermined(loops)
+         do round = 1, refinements
+            call aim(refinement, dimensions, fine, closed, beyond)
+            call refinement%problem%find_undetermined(loops)
             if (round == 1) undetermined = loops(size(loops)) > 0
-            if (undetermined) lens%closed = lens%closed .and. loops == 0
+            if (undetermined) refinement%closed = refinement%closed .and. loops == 0
             ! nearer to its end than rounding allows a larger group may stop elsewhere when it is followed again
-            if (any(lens%problem%mechanism%groups%kind == assur_higher) .and. .not. lens%closed(1)) exit
-            do j = 1, steps_of_lens
-               if (.not. lens%closed(j + 1)) exit
+            if (any(refinement%problem%mechanism%groups%kind == assur_higher) .and. .not. refinement%closed(1)) exit
+            do j = 1, steps_of_refinement
+               if (.not. refinement%closed(j + 1)) exit
             end do
-            j = min(j, steps_of_lens)
-            closed = lens%problem%delt(j)
-            beyond = lens%problem%delt(j + 1)
-            there = [lens%out(j, 1), second(lens, j)]
-            near = abs(lens%k(j, :))
+            j = min(j, steps_of_refinement)
+            closed = refinement%problem%delt(j)
+            beyond = refinement%problem%delt(j + 1)
+            there = [refinement%out(j, 1), second(refinement, j)]
+            near = abs(refinement%k(j, :))
          end do
          if (.not. allocated(near)) return
          call enter(value + step_between(value, there(1)), there(2))
-         do round = 1, lens%problem%mechanism%nloop
-            if (lens%problem%linkage%step_of_loop(round) == 0) cycle
-            if (.not. lens%problem%mechanism%is_dyad(round)) &
+         do round = 1, refinement%problem%mechanism%nloop
+            if (refinement%problem%linkage%step_of_loop(round) == 0) cycle
+            if (.not. refinement%problem%mechanism%is_dyad(round)) &
                call enter_group(summary, round, 1.0_wp - near(round), input_of(fine%problem, dimensions, closed))
-            if (.not. has_angle(lens%problem%mechanism, round)) cycle
+            if (.not. has_angle(refinement%problem%mechanism, round)) cycle
             if (angle_of(near(round)) >= summary%angle) cycle
             summary%angle = angle_of(near(round))
             summary%angle_loop = round
@@ -724,17 +725,17 @@ contains
          reach = abs(fine%problem%delt(2) - fine%problem%delt(1))
          best = 0.0_wp
          y = second(fine, j)
-         do round = 1, lenses/2
-            call aim(lens, dimensions, fine, at - reach, at + reach)
-            do m = 1, steps_of_lens + 1
-               if (.not. lens%closed(m)) cycle
-               here = real(up, wp)*step_between(value, lens%out(m, 1))
+         do round = 1, refinements/2
+            call aim(refinement, dimensions, fine, at - reach, at + reach)
+            do m = 1, steps_of_refinement + 1
+               if (.not. refinement%closed(m)) cycle
+               here = real(up, wp)*step_between(value, refinement%out(m, 1))
                if (here <= best) cycle
                best = here
-               at = lens%problem%delt(m)
-               y = second(lens, m)
+               at = refinement%problem%delt(m)
+               y = second(refinement, m)
             end do
-            reach = 2.0_wp*reach/real(steps_of_lens, wp)
+            reach = 2.0_wp*reach/real(steps_of_refinement, wp)
          end do
          call enter(value + real(up, wp)*best, y)
          if (summary%motion /= motion_point) summary%reverses = [summary%reverses, input_of(fine%problem, dimensions, at)]

@@ -12,14 +12,14 @@ module psalm_timing
    public :: timing_t, prepare_timing, find_timing
 
    integer, parameter :: steps = 120              !! of the range: 3 degrees each
-   integer, parameter :: starts = 60              !! where an ordered visit may begin
+   integer, parameter :: starts = 60              !! where an ordered timing may begin
    real(wp), parameter :: never = 1.0e30_wp       !! cost of a position that does not close
 
    type :: timing_t
       class(station_t), allocatable :: path
       real(wp), allocatable :: inputs(:)          !! shape (steps)
       real(wp), allocatable :: cost(:, :)         !! shape (steps, positions): weighted squared distance
-      real(wp), allocatable :: least(:, :)        !! shape (steps, positions): of visits that end here or before
+      real(wp), allocatable :: least(:, :)        !! shape (steps, positions): of timings that end here or before
       integer, allocatable :: like(:)             !! shape (steps): the first step with all pairs of slides on the same sides
    end type timing_t
 
@@ -114,19 +114,19 @@ contains
          best = huge(best)
          best_from = 1
          do from = 1, merge(1, steps, problem%mechanism%sliding_input), steps/starts
-            call visit(timing, from, total)
+            call try_from(timing, from, total)
             if (total < best) then
                best = total
                best_from = from
             end if
          end do
-         call visit(timing, best_from, total)
+         call try_from(timing, best_from, total)
          call trace_back(timing, best_from, merit%sense, delt)
       end associate
    end subroutine time_path
 
-   !> Least cost of a visit of all points in order that begins at step `from` or after.
-   subroutine visit(timing, from, total)
+   !> Least cost of passing all points in order that begins at step `from` or after.
+   subroutine try_from(timing, from, total)
       type(timing_t), intent(inout) :: timing
       integer, intent(in) :: from
       real(wp), intent(out) :: total
@@ -142,9 +142,9 @@ contains
          end do
       end do
       total = timing%least(steps, size(timing%cost, 2))
-   end subroutine visit
+   end subroutine try_from
 
-   !> The visit itself.
+   !> The timing itself.
    pure subroutine trace_back(timing, from, sense, delt)
       type(timing_t), intent(in) :: timing
       integer, intent(in) :: from

@@ -1,10 +1,10 @@
-!> Four-bars that visit points without prescribed timing: the coupler's motion, its derivatives, the linear unknowns, the search.
+!> Four-bars that timing points without prescribed timing: the coupler's motion, its derivatives, the linear unknowns, the search.
 program test_free_path
    use check, only: checks_t
-   use psalm_free_path, only: search_lot
+   use psalm_free_path, only: search_batch
    use psalm_kinds, only: wp, degrees_per_radian, full_turn
    use psalm_path_angles, only: angle_limits, keep_angles
-   use psalm_path_fit, only: fitted_path_t, path_room_t, visit_t, prepare_path, trace_coupler, fit_linear, lengths_of
+   use psalm_path_fit, only: fitted_path_t, path_room_t, path_timing_t, prepare_path, trace_coupler, fit_linear, lengths_of
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    type(checks_t) :: t
@@ -29,11 +29,11 @@ contains
 
    !> Reference numbers of a closed form evaluated apart from this program, to ten digits.
    subroutine coupler()
-      type(visit_t) :: shape
+      type(path_timing_t) :: shape
       complex(wp) :: e(1), v(1), turn(1), grow(1, 3)
       real(wp), parameter :: digits = 1.0e-6_wp
 
-      shape = visit_t(g=2.0_wp, sigma=1.2_wp, q=0.3_wp)
+      shape = path_timing_t(g=2.0_wp, sigma=1.2_wp, q=0.3_wp)
       call trace_coupler(shape, [degrees_per_radian], e, v, turn, grow)
       call near(v(1), (1.78925607818_wp, 0.77528232708_wp), 1.0e-11_wp, 'the coupler')
       call near(turn(1), (0.175271_wp, -0.404504_wp), digits, 'its derivative by the crank')
@@ -47,10 +47,10 @@ contains
 
    !> A parallelogram that passes its change points: the coupler stays parallel to the ground.
    subroutine change_point()
-      type(visit_t) :: shape
+      type(path_timing_t) :: shape
       complex(wp) :: e(36), v(36)
 
-      shape = visit_t(g=2.0_wp, sigma=1.0_wp, q=1.0_wp)
+      shape = path_timing_t(g=2.0_wp, sigma=1.0_wp, q=1.0_wp)
       call trace_coupler(shape, [(full_turn*real(i, wp)/36.0_wp, i=1, 36)], e, v)
       ! right of the line for half a turn, left of it for the other: the coupler's projection alone is 2 throughout
       call t%is_true(all(abs(real(v(:17), wp) - 2.0_wp) < 1.0e-13_wp), 'change points: the coupler of a parallelogram')
@@ -59,7 +59,7 @@ contains
 
    !> Against differences, over random shapes.
    subroutine derivatives()
-      type(visit_t) :: shape, more, less
+      type(path_timing_t) :: shape, more, less
       type(xoshiro_t) :: random
       complex(wp) :: e(1), v(1), turn(1), grow(1, 3), after(1), before(1), want
       real(wp) :: u(4), step, worst, reach
@@ -72,7 +72,7 @@ contains
          do m = 1, 4
             call random%next(u(m))
          end do
-         shape = visit_t(g=0.3_wp + 3.0_wp*u(1), sigma=1.05_wp + u(2), q=1.6_wp*u(3) - 0.8_wp)
+         shape = path_timing_t(g=0.3_wp + 3.0_wp*u(1), sigma=1.05_wp + u(2), q=1.6_wp*u(3) - 0.8_wp)
          if (abs(shape%g - 1.0_wp) < 0.1_wp) cycle
          call trace_coupler(shape, full_turn*u(4:), e, v, turn, grow)
          do m = 1, 4
@@ -106,18 +106,18 @@ contains
    subroutine linear_unknowns()
       type(fitted_path_t) :: path
       type(path_room_t) :: room
-      type(visit_t) :: visit
+      type(path_timing_t) :: timing
       complex(wp) :: e(18), v(18), miss(18)
 
       call prepare_path(x, y, even, none, box, 1.0_wp, 1.0_wp, path, room)
-      visit = visit_t(g=2.0_wp, sigma=1.2_wp, q=0.3_wp)
-      visit%t = [(-20.0_wp*real(i - 1, wp), i=1, 18)]
-      call trace_coupler(visit, visit%t, e, v)
-      call fit_linear(path, e, v, visit, 0.0_wp)
-      call near(path%size*(visit%z0 + path%centre), (-0.7458094018_wp, 0.2076158137_wp), 1.0e-9_wp, 'pivot')
-      call near(path%size*visit%w1, (0.3567752003_wp, 0.1380722310_wp), 1.0e-9_wp, 'crank and ground line')
-      call near(path%size*visit%w2, (0.5726631487_wp, -0.2097750781_wp), 1.0e-9_wp, 'coupler point')
-      miss = visit%z0 + visit%w1*e + visit%w2*v - path%point
+      timing = path_timing_t(g=2.0_wp, sigma=1.2_wp, q=0.3_wp)
+      timing%t = [(-20.0_wp*real(i - 1, wp), i=1, 18)]
+      call trace_coupler(timing, timing%t, e, v)
+      call fit_linear(path, e, v, timing, 0.0_wp)
+      call near(path%size*(timing%z0 + path%centre), (-0.7458094018_wp, 0.2076158137_wp), 1.0e-9_wp, 'pivot')
+      call near(path%size*timing%w1, (0.3567752003_wp, 0.1380722310_wp), 1.0e-9_wp, 'crank and ground line')
+      call near(path%size*timing%w2, (0.5726631487_wp, -0.2097750781_wp), 1.0e-9_wp, 'coupler point')
+      miss = timing%z0 + timing%w1*e + timing%w2*v - path%point
       call t%close_to(path%size**2*sum(real(miss, wp)**2 + aimag(miss)**2), 0.258055212_wp, 1.0e-8_wp, 'error of the linear fit')
       call t%is_true(abs(sum(conjg(e)*miss)) < 1.0e-12_wp .and. abs(sum(conjg(v)*miss)) < 1.0e-12_wp .and. &
                      abs(sum(miss)) < 1.0e-12_wp, 'errors are at right angles to the unknowns')
@@ -127,22 +127,22 @@ contains
    subroutine searches()
       type(fitted_path_t) :: path
       type(path_room_t) :: room
-      type(visit_t) :: best, visit
+      type(path_timing_t) :: best, timing
       type(xoshiro_t) :: random
-      integer :: seed, lot, reached
+      integer :: seed, batch, reached
       real(wp), parameter :: known = 0.001772854210_wp
 
       call prepare_path(x, -y, even, none, box, 1.0_wp, 1.0_wp, path, room) ! mirrored: the crank falls
       reached = 0
-      allocate (visit%t(18), source=0.0_wp)
+      allocate (timing%t(18), source=0.0_wp)
       do seed = 1, 3
          call random%seed(seed, purpose_starts)
          best%error = huge(1.0_wp)
-         do lot = 1, 100
-            call random%use_stream(lot)
-            call search_lot([path], random, room, visit)
-            if (visit%worst > 1.0e-6_wp .or. visit%error > best%error) cycle
-            best = visit
+         do batch = 1, 100
+            call random%use_stream(batch)
+            call search_batch([path], random, room, timing)
+            if (timing%worst > 1.0e-6_wp .or. timing%error > best%error) cycle
+            best = timing
             if (best%error*path%size**2 < 1.001_wp*known) exit
          end do
          if (best%error*path%size**2 < 1.001_wp*known) reached = reached + 1
@@ -159,26 +159,26 @@ contains
    subroutine transmission()
       type(fitted_path_t) :: path
       type(path_room_t) :: room
-      type(visit_t) :: visit
+      type(path_timing_t) :: timing
       type(xoshiro_t) :: random
       complex(wp) :: e(360), v(360)
       real(wp) :: coupler, follower, cosine(360)
       real(wp), parameter :: least = 0.5_wp ! cosine of 60 degrees
-      integer :: lot, kept
+      integer :: batch, kept
 
       call prepare_path(x, -y, even, none, box, least, 1.0_wp, path, room)
-      allocate (visit%t(18), source=0.0_wp)
+      allocate (timing%t(18), source=0.0_wp)
       call random%seed(1, purpose_starts)
       kept = 0
-      do lot = 1, 12
-         call random%use_stream(lot)
-         call search_lot([path], random, room, visit)
-         if (visit%worst > 1.0e-6_wp) cycle
+      do batch = 1, 12
+         call random%use_stream(batch)
+         call search_batch([path], random, room, timing)
+         if (timing%worst > 1.0e-6_wp) cycle
          kept = kept + 1
-         call trace_coupler(visit, [(real(i, wp), i=1, 360)], e, v)
-         coupler = 0.5_wp*((visit%g + 1.0_wp)*visit%sigma + (visit%g - 1.0_wp)*visit%q)
-         follower = 0.5_wp*((visit%g + 1.0_wp)*visit%sigma - (visit%g - 1.0_wp)*visit%q)
-         cosine = (coupler**2 + follower**2 - abs(visit%g - e)**2)/(2.0_wp*coupler*follower)
+         call trace_coupler(timing, [(real(i, wp), i=1, 360)], e, v)
+         coupler = 0.5_wp*((timing%g + 1.0_wp)*timing%sigma + (timing%g - 1.0_wp)*timing%q)
+         follower = 0.5_wp*((timing%g + 1.0_wp)*timing%sigma - (timing%g - 1.0_wp)*timing%q)
+         cosine = (coupler**2 + follower**2 - abs(timing%g - e)**2)/(2.0_wp*coupler*follower)
          call t%is_true(maxval(abs(cosine)) <= least*(1.0_wp + 1.0e-5_wp), 'the least transmission angle is kept over the turn')
          call t%is_true(all(abs(abs(v) - coupler) < 1.0e-9_wp*coupler), 'the coupler keeps its length')
       end do
@@ -188,7 +188,7 @@ contains
    !> Shapes that keep a limit against the law of cosines, where the joints are nearest and farthest; slopes against differences.
    subroutine shapes_at_the_limits()
       type(fitted_path_t) :: path
-      type(visit_t) :: shape, more, less
+      type(path_timing_t) :: shape, more, less
       type(xoshiro_t) :: random
       real(wp) :: u(4), values(2), slopes(3, 2), after(2), before(2), unused(3, 2), coupler, follower, step, worst, steepest
       integer :: k, m, moved
@@ -203,7 +203,7 @@ contains
             call random%next(u(m))
          end do
          path%cosine = 0.3_wp + 0.69_wp*u(4)
-         shape = visit_t(g=0.2_wp + 4.0_wp*u(1), sigma=1.0_wp + u(2)**3, q=2.0_wp*u(3) - 1.0_wp)
+         shape = path_timing_t(g=0.2_wp + 4.0_wp*u(1), sigma=1.0_wp + u(2)**3, q=2.0_wp*u(3) - 1.0_wp)
          if (abs(shape%g - 1.0_wp) < 0.01_wp) cycle
          less = shape
          call keep_angles(path, shape)
@@ -248,7 +248,7 @@ contains
    subroutine both_limits()
       type(fitted_path_t) :: paths(2)
       type(path_room_t) :: room
-      type(visit_t) :: visit
+      type(path_timing_t) :: timing
       type(xoshiro_t) :: random
       real(wp), parameter :: points_x(20) = [-27.0_wp, -21.857_wp, -16.7_wp, -11.571_wp, -6.428_wp, -1.285_wp, 3.857_wp, 9.0_wp, &
                                              15.0_wp, 20.0_wp, 27.2_wp, 29.2_wp, 28.0_wp, 22.7_wp, 15.0_wp, 5.0_wp, -10.0_wp, &
@@ -261,9 +261,9 @@ contains
       integer, parameter :: least(*) = [60, 50, 45, 42, 40, 39, 38, 30, 10], asked = 40 ! degrees
       real(wp) :: cosine
       real(wp) :: found, before
-      integer :: seed, lot, k
+      integer :: seed, batch, k
 
-      allocate (visit%t(20), source=0.0_wp)
+      allocate (timing%t(20), source=0.0_wp)
       do seed = 1, 5
          before = 0.5_wp*huge(before)
          do k = 1, size(least)
@@ -273,10 +273,10 @@ contains
             call prepare_path(points_x, -points_y, spread(1.0_wp, 1, 20), low, high, cosine, -1.0_wp, paths(2), room)
             call random%seed(seed, purpose_starts)
             found = huge(found)
-            do lot = 1, 20
-               call random%use_stream(lot)
-               call search_lot(paths, random, room, visit)
-               if (visit%worst <= 1.0e-6_wp) found = min(found, visit%error*paths(1)%size**2)
+            do batch = 1, 20
+               call random%use_stream(batch)
+               call search_batch(paths, random, room, timing)
+               if (timing%worst <= 1.0e-6_wp) found = min(found, timing%error*paths(1)%size**2)
             end do
             call t%is_true(found <= before*(1.0_wp + 1.0e-6_wp), 'a wider limit of the transmission angle is never worse')
             before = found

@@ -68,15 +68,15 @@ contains
                  proof_of_turn, s, proof)
       drawn = acos(0.6_wp)*degrees_per_radian
       end_of_crank = acos((a**2 + d**2 - reach**2)/(2.0_wp*a*d))*degrees_per_radian
-      call t%is_true(.not. proof%complete .and. size(proof%legs) == 2, 'double rocker: does not turn')
-      call t%is_true(all(proof%legs%turns_back), 'double rocker: both ends are dead points')
-      if (size(proof%legs) /= 2) return
-      far(1) = place_on(proof, 1, proof%legs(1)%dead_high, .true.)
-      crank = place_on(proof, 1, proof%legs(1)%reached, .true.)
+      call t%is_true(.not. proof%complete .and. size(proof%segments) == 2, 'double rocker: does not turn')
+      call t%is_true(all(proof%segments%turns_back), 'double rocker: both ends are dead points')
+      if (size(proof%segments) /= 2) return
+      far(1) = place_on(proof, 1, proof%segments(1)%dead_high, .true.)
+      crank = place_on(proof, 1, proof%segments(1)%reached, .true.)
       call holds(crank, far(1), end_of_crank - drawn, 1.0e-8_wp, 'double rocker: where the links stretch')
       ! the other way the coupler and the rocker stretch below the frame
-      far(2) = place_on(proof, 2, proof%legs(2)%dead_high, .true.)
-      crank = place_on(proof, 2, proof%legs(2)%reached, .true.)
+      far(2) = place_on(proof, 2, proof%segments(2)%dead_high, .true.)
+      crank = place_on(proof, 2, proof%segments(2)%reached, .true.)
       call holds(far(2), crank, -end_of_crank - drawn, 1.0e-8_wp, 'double rocker: where they stretch below')
    end subroutine rocker
 
@@ -98,7 +98,7 @@ contains
       call holds(proof%ranges(1)%low(2), proof%ranges(1)%high(2), value, 1.0e-8_wp, 'crank-rocker: greatest angle')
       call holds(proof%ranges(2)%low(1), proof%ranges(2)%high(1), 4.0_wp, 1.0e-9_wp, 'crank-rocker: A C least, q - crank')
       call holds(proof%ranges(2)%low(2), proof%ranges(2)%high(2), 8.0_wp, 1.0e-9_wp, 'crank-rocker: A C greatest, q + crank')
-      at = place_on(proof, proof%ranges(1)%leg(2), proof%ranges(1)%way(2), .true.)
+      at = place_on(proof, proof%ranges(1)%segment(2), proof%ranges(1)%way(2), .true.)
       ! crank against the coupler, rocker and frame: 90 at the drawing
       value = 180.0_wp + acos((16.0_wp + 36.0_wp - 25.0_wp)/48.0_wp)*degrees_per_radian - 90.0_wp
       call t%close_to(at, value, 1.0e-3_wp, 'crank-rocker: where it is greatest')
@@ -286,8 +286,9 @@ contains
          if (gap(middle) > 0.0_wp) low = middle
          if (gap(middle) <= 0.0_wp) high = middle
       end do
-      call t%is_true(size(proof%legs) == 1 .and. proof%legs(1)%turns_back, 'geared five-bar: one end, forwards')
-      call holds(place_on(proof, 1, proof%legs(1)%reached, .true.), place_on(proof, 1, proof%legs(1)%dead_high, .true.), low, &
+      call t%is_true(size(proof%segments) == 1 .and. proof%segments(1)%turns_back, 'geared five-bar: one end, forwards')
+      call holds(place_on(proof, 1, proof%segments(1)%reached, .true.), place_on(proof, 1, proof%segments(1)%dead_high, &
+                                                                                    .true.), low, &
                  1.0e-8_wp, 'geared five-bar: where the rods stretch')
       call t%is_true(proof%misplaced == 0, 'geared five-bar: all positions are on this motion')
       ! wheels of one size: every turn is like the first
@@ -324,9 +325,11 @@ contains
       call prove('PARALLELOGRAM'//nl//" &CHAIN JNT='A','B','C','D', JX=0.0,0.0,4.0,4.0, JY=0.0,2.0,2.0,0.0, "// &
                  "LNK='A D','A B','B C','C D' &END &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='point C' &END"//nl// &
                  ' &METHOD NDES=2, DELT=0.0,5.0 &END'//nl, proof_of_turn, s, proof)
-      call t%is_true(.not. proof%complete .and. .not. any(proof%legs%turns_back), 'parallelogram: neither closes nor turns back')
-      call holds(place_on(proof, 1, proof%legs(1)%reached, .true.), 90.0_wp, 90.0_wp, 1.0e-3_wp, 'parallelogram: up to one line')
-      call holds(-90.0_wp, place_on(proof, 2, proof%legs(2)%reached, .true.), -90.0_wp, 1.0e-3_wp, 'parallelogram: and back')
+      call t%is_true(.not. proof%complete .and. .not. any(proof%segments%turns_back), &
+                     'parallelogram: neither closes nor turns back')
+      call holds(place_on(proof, 1, proof%segments(1)%reached, .true.), 90.0_wp, 90.0_wp, 1.0e-3_wp, &
+                 'parallelogram: up to one line')
+      call holds(-90.0_wp, place_on(proof, 2, proof%segments(2)%reached, .true.), -90.0_wp, 1.0e-3_wp, 'parallelogram: and back')
    end subroutine change_point
 
    !> Random groups of four: brackets hold all samples, and no sample is found beyond a dead point.
@@ -359,7 +362,7 @@ contains
                 " &OUTPUTS OUTPUT='pose P P Q','distance P C','between P Q O A' &END &METHOD IKIN=3 &END"//nl
          call prove(text, proof_of_turn, s, proof)
          if (proof%complete) closing = closing + 1
-         turning = turning + count(proof%legs%turns_back)
+         turning = turning + count(proof%segments%turns_back)
          call holds_samples(s, proof, 'triad '//to_text(n))
          call turn_at_dead_points(s, proof, 'triad '//to_text(n))
          sampled = sampled + count(s%motion%closed)
@@ -376,9 +379,9 @@ contains
       type(chain_proof_t), intent(in) :: proof
       logical :: inside(size(s%motion%closed))
 
-      inside = s%inputs(1, :) <= place_on(proof, 1, proof%legs(1)%reached, .true.)
-      if (size(proof%legs) < 2) return
-      inside = inside .or. s%inputs(1, :) >= 360.0_wp + place_on(proof, 2, proof%legs(2)%reached, .true.)
+      inside = s%inputs(1, :) <= place_on(proof, 1, proof%segments(1)%reached, .true.)
+      if (size(proof%segments) < 2) return
+      inside = inside .or. s%inputs(1, :) >= 360.0_wp + place_on(proof, 2, proof%segments(2)%reached, .true.)
    end function within
 
    !> Three cylinders, from position to position; a line on which one cannot go on.
@@ -387,12 +390,12 @@ contains
       type(chain_proof_t) :: proof
 
       call prove(arm('0.1,0.2,-0.1', '0.0,0.1,0.1', '0.1,0.0,-0.1'), proof_of_inputs, s, proof)
-      call t%is_true(proof%complete .and. .not. proof%one_drive .and. size(proof%legs) == 3, 'three cylinders: proven')
+      call t%is_true(proof%complete .and. .not. proof%one_drive .and. size(proof%segments) == 3, 'three cylinders: proven')
       call t%is_true(proof%misplaced == 0, 'three cylinders: the positions are on it')
       call holds_samples(s, proof, 'three cylinders')
       call prove(arm('0.1,0.2,2.6', '0.0,0.1,0.1', '0.1,0.0,-0.1'), proof_of_inputs, s, proof)
-      call t%is_true(.not. proof%complete .and. count(proof%legs%complete) == 2, 'three cylinders: one line is not proven')
-      call t%is_true(proof%legs(3)%turns_back, 'three cylinders: a dead point on it')
+      call t%is_true(.not. proof%complete .and. count(proof%segments%complete) == 2, 'three cylinders: one line is not proven')
+      call t%is_true(proof%segments(3)%turns_back, 'three cylinders: a dead point on it')
 
    end subroutine cylinders
 
@@ -457,7 +460,7 @@ contains
 
       dead = dead_of(proof, quantity_output, 4)
       do k = 2, size(s%motion%closed) - 1
-         if (s%inputs(1, k + 1) > place_on(proof, 1, proof%legs(1)%reached, .true.)) exit
+         if (s%inputs(1, k + 1) > place_on(proof, 1, proof%segments(1)%reached, .true.)) exit
          associate (v => s%values(4, 0, k - 1:k + 1), x => s%inputs(1, k - 1:k + 1))
             if ((v(2) - v(1))*(v(3) - v(2)) >= 0.0_wp) cycle
             call t%is_true(any(dead%low <= x(3) .and. dead%high >= x(1)), what//': a distance turns back at a dead point alone')

@@ -227,7 +227,8 @@ contains
       call search(name//', stages', 'STAGES'//nl//chain//' VARY='//vary//' &END'//nl//wishes//" &SEARCH SOLVER='LSQ', NFEW=2, "// &
                   'NSTART=3 &END'//nl//turn//' &END'//nl//limits, set, seven, other)
       call t%is_true(other < found*(1.0_wp + 1.0e-6_wp), name//', outputs: few positions first lead there, too')
-      call search(name//', free', 'FREE'//nl//chain//' VARY='//vary//' &END'//nl//wishes//lsq//turn//', IFREE=1 &END'//nl//limits, &
+      call search(name//', free', 'FREE'//nl//chain//' VARY='//vary//' &END'//nl//wishes//lsq//turn//', IFREE=1 &END'//nl// &
+                  limits, &
                   set, seven, other)
       call t%is_true(other < found, name//', outputs: free inputs come nearer')
       call analyse(name//', free', seven, again, read)

@@ -159,7 +159,7 @@ contains
       call wrong("'A D','A B'", "'A','A B'", 'put it into the first link of LNK')
       call wrong("'coupler','rocker',"//nl//"  LNK='A D','A B','B C P','C D' &END", &
                  "'coupler','rocker','strut', LNK='A D','A B','B C P','C D','A C' &END", 'drive at A moves nothing')
-      call wrong("'A D','A B'", "'A D P','A B'", 'braced twice')
+      call wrong("'A D','A B'", "'A D P','A B'", 'overconstrained')
       call wrong("DRIVE='A', DBASE='frame', DLINK='crank'", "DRIVE='P'", 'belongs to one link only')
       call wrong("DLINK='crank'", "DLINK='rocker'", 'link rocker is not at joint A; the links there are frame and crank')
       call wrong("DLINK='crank'", "DLINK='cranck'", "did you mean 'crank'?")

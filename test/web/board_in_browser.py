@@ -406,9 +406,9 @@ def test_words(browser):
     """Sketches that are no mechanism: what is wrong, by name, as psalm finds too."""
     board = Board(browser, BOARD)
     four = "A CASE\n &CHAIN JNT='A','B','C','D', JX=0.,0.,40.,70., JY=0.,30.,60.,0., LNK=%s &END\n &DRIVES DRIVE=%s &END\n &METHOD IKIN=30 &END\n &LIMITS TANGLE=85. &END\n"
-    cases = [("loose", "'A','A B','B C','C D'", "'A'", "Loose: links 3 and 4 can still move with A held"),
-             ("braced", "'A D','A B','B C','C D','A C'", "'A'", "moves nothing"),
-             ("braced twice", "'A D','A B','B C','C D','A C','B D'", "'A'", "moves nothing"),
+    cases = [("underconstrained", "'A','A B','B C','C D'", "'A'", "Underconstrained: links 3 and 4 can still move with A held"),
+             ("overconstrained", "'A D','A B','B C','C D','A C'", "'A'", "moves nothing"),
+             ("overconstrained twice", "'A D','A B','B C','C D','A C','B D'", "'A'", "moves nothing"),
              ("apart", "'A','A B','C D'", "'A'", "Nothing joins link 3 to the frame"),
              ("driven twice", "'A D','A B','B C','C D'", "'A','D', RATIO=0.,1.", "Drive D moves nothing")]
     for name, links, drive, words in cases:

@@ -6,7 +6,8 @@
 module psalm_leg_lanes
    use psalm_kinds, only: wp
    use psalm_lane_elimination, only: lanes, eliminate
-   use psalm_leg_problem, only: leg_problem_t, leg_data_t, kind_point, kind_pose, kind_timed, variables, most_points, at_x, at_xh, &
+   use psalm_leg_problem, only: leg_problem_t, leg_data_t, kind_point, kind_pose, kind_timed, variables, most_points, at_x, &
+                                 at_xh, &
                                 at_a, at_ah, at_y, at_yh, at_b, at_bh
    implicit none (type, external)
    private
