@@ -253,7 +253,7 @@ contains
       call synthesise(set, prepared%vertices, problem, threads, stop, dimensions, search, log, prepared%found)
       if (prepared%parameters%has_search()) call report_search(set, search, log, devices)
       wanted = wanted_by(set)
-      wanted%summary = .not. arguments%quiet .and. devices%summarised < most_summarised
+      wanted%summary = arguments%json .or. (.not. arguments%quiet .and. devices%summarised < most_summarised)
       call analyse(set, problem, dimensions, wanted, analysis)
       call report_analysis(set, problem, analysis, prepared%warnings, devices)
       if (set%has_names() .and. .not. set%wants_search()) then
