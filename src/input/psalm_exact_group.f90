@@ -131,7 +131,8 @@ module psalm_exact_group
              'the body of a chain of three joints'), &
       rule_t('CERTIFY', a_flag, '', '', '0', '', &
              '1: prove by Krawczyk''s test in discs how many of the ends exist, differ from all others, and are '// &
-             'real (complete lists: not four poses, MINIMAX, SIXBAR, NSUB, three or four points of a function)'), &
+             'real (complete lists: not four poses, MINIMAX, NSUB, three or four points of a function, six-bars through '// &
+             'five; of other six-bars the real ones)'), &
       rule_t('NBEST', a_whole, '', '', '10', '[1,100000]', &
              'linkages that are listed'), &
       rule_t('MAXTIME', a_number, '', 's', 'no limit', '(0,)', &

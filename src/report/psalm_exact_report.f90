@@ -182,7 +182,8 @@ contains
                 to_text(study%expected)//' '//what//' distinct'//other_ends()
       else if (study%complete) then
          text = 'complete: '//to_text(study%ends)//' of '//to_text(study%expected)//' '//what//' distinct'
-         if (study%examined .and. study%certificate%holds()) then
+         ! of six-bars the real ones alone are examined
+         if (study%examined .and. study%certificate%holds() .and. study%way /= way_every_six_bar) then
             text = text//', certified'
             if (study%certificate%examined < study%ends) text = text//' but those with a pivot at infinity'
          end if
@@ -594,6 +595,12 @@ contains
                to_text(every%found%lost_far)//' far away, '//to_text(every%found%lost_near)//' at singular places')
             call six%add('  '//to_text(study%real_ends)//' real; without a defect: '//to_text(every%by_input)// &
                          ' driven at the input, '//to_text(every%by_output)//' at the output')
+            if (study%examined) then
+               associate (own => study%certificate)
+                  call six%add('  certified: of '//to_text(own%examined)//' real ones '//to_text(own%proven)//' exist, '// &
+                               to_text(own%apart)//' apart from all others, '//to_text(own%real_ones)//' are real')
+               end associate
+            end if
             if (study%wanted%continuous) call six%add('  '//to_text(every%over_range)//' reach both ends of the range')
             if (every%too_long > 0) call six%add('  '//to_text(every%too_long)//' left out: a link longer than RLONG')
             if (every%flat > 0) call six%add('  '//to_text(every%flat)//' left out: transmission angle less than'// &

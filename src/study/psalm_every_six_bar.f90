@@ -40,7 +40,7 @@ module psalm_every_six_bar
    end type six_bar_kind_t
 
    logical, parameter :: y = .true., n = .false.
-   !> Numbers computed by monodromy, two seeds each: the search ends when four passes by any angle find nothing new.
+   !> Their numbers are computed by monodromy (psalm_six_bar_loops).
    type(six_bar_kind_t), parameter :: kinds(*) = [ &
       six_bar_kind_t(watt_2, 8, [n, n, n, n, n], 0, 26370), &
       six_bar_kind_t(stephenson_3, 6, [y, n, n, n, y], 0, 1286)]

@@ -22,6 +22,7 @@ module psalm_exact_study
    use psalm_monodromy, only: generic_t, scale_problem, scale_solutions
    use psalm_nine_points, only: in_place, nine_point_orbits, nine_points_t, solve_nine_points
    use psalm_pole_curves, only: curve_sample_t, find_lines, find_pairs, sample_curve
+   use psalm_six_bar_certificate, only: certify_six_bars
    use psalm_six_bar_problem, only: at_c, at_p, make_six_bar_problem, most_unknowns, six_bar_problem_t, stephenson_3, watt_2
    use psalm_six_bars, only: six_bars_t, find_stephenson, find_watt
    use psalm_status, only: diagnostics_t
@@ -974,5 +975,10 @@ contains
          study%complete = found%complete() .and. study%generic == study%expected
       end associate
       study%linkages = study%real_ends
+      if (.not. exact%certify .or. study%stopped .or. study%real_ends == 0) return
+      study%examined = .true.
+      associate (every => study%every)
+         call certify_six_bars(problem, every%data, study%phi, study%psi, every%found%ends(:, every%real_ones), study%certificate)
+      end associate
    end subroutine find_all_six_bars
 end module psalm_exact_study
