@@ -13,7 +13,7 @@ module psalm_certificate
    use psalm_quad, only: qp, exp, unit_vector_quad
    implicit none (type, external)
    private
-   public :: certificate_t, certify_legs, certify_poses, certify_generators
+   public :: certificate_t, certify_legs, certify_poses, certify_generators, examine_all
 
    !> Places of the numbers behind those of the legs; point j is j places on. f is the crank's turn less 1.
    integer, parameter :: at_g = variables, at_gh = at_g + most_points, at_d = at_gh + most_points, at_dh = at_d + most_points, &
@@ -288,9 +288,10 @@ contains
 
    ! ---- the test ------------------------------------------------------------------------------------------------------
 
+   !> Examine solutions of equations.
    subroutine examine_all(sums, numbers, partner, starts, likely_real, keys, orbits, uncounted, certificate)
       type(product_sums_t), intent(in) :: sums
-      complex(qp), intent(in) :: numbers(places)
+      complex(qp), intent(in) :: numbers(:)          !! those given, each at its place
       integer, intent(in) :: partner(:)              !! shape (unknowns)
       complex(wp), intent(in) :: starts(:, :)        !! shape (unknowns, count)
       logical, intent(in) :: likely_real(:)

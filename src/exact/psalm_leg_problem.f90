@@ -12,7 +12,7 @@ module psalm_leg_problem
    implicit none (type, external)
    private
    public :: leg_problem_t, leg_data_t, kind_point, kind_pose, kind_timed, variables, most_points
-   public :: make_problem, draw_problem, turns_of, random_unit, absolute
+   public :: make_problem, draw_problem, turns_of, random_unit, gaussian, absolute
    public :: at_x, at_xh, at_a, at_ah, at_y, at_yh, at_b, at_bh
 
    integer, parameter :: kind_point = 1, kind_pose = 2, kind_timed = 3

@@ -1,10 +1,10 @@
-!> Polynomial equations as sums of products of at most three numbers, of which some are unknown.
+!> Polynomial equations as sums of products of at most four numbers, of which some are unknown.
 module psalm_product_sums
    implicit none (type, external)
    private
    public :: product_sums_t, most_factors
 
-   integer, parameter :: most_factors = 3
+   integer, parameter :: most_factors = 4
    integer, parameter :: room_at_first = 256
 
    type :: product_sums_t

@@ -19,6 +19,8 @@ module psalm_exact_group
    character(*), parameter :: functions(*) = [character(7) :: 'LOG10', 'LN', 'EXP', 'SIN', 'COS', 'TAN', 'POWER']
    integer, parameter :: most_points = 60, most_exact_points = 9, most_in_table = 200, fewest_in_table = 3
    integer, parameter :: exact_in_table = 5          !! entries of a table that a linkage can meet exactly
+   integer, parameter :: watt_points = 9, stephenson_points = 7 !! that six-bars meet of which all are found
+   real(wp), parameter :: of_frame = 1.0e-6_wp       !! difference of lengths that are the same
    integer, parameter :: six_bar_none = 1, six_bar_stephenson = 2, six_bar_watt = 3
    real(wp), parameter :: not_given = -huge(1.0_wp)
 
@@ -41,6 +43,8 @@ module psalm_exact_group
       real(wp) :: frame = 1.0_wp                     !! FRAME: length of a four-bar's frame
       real(wp) :: longest = 100.0_wp                 !! RLONG: longest link over the frame, of a slider over the travel
       integer :: six_bar = six_bar_none              !! SIXBAR
+      integer :: precision_points = 5                !! NPOINT: of a six-bar that generates FUNC
+      real(wp) :: crank(2) = not_given               !! CRANK: pin of a six-bar's crank at input 0
       integer :: grid = 6                            !! NGRID: values of each dimension of a six-bar's driver
       logical :: has_arm = .false.                   !! ARM was given
       real(wp) :: arm(6) = not_given                 !! ARM: joints of a chain in the first pose
@@ -53,6 +57,7 @@ module psalm_exact_group
       real(wp) :: longest_time = 0.0_wp              !! MAXTIME, seconds; 0: not given, no limit
    contains
       procedure :: read => read_exact
+      procedure :: wants_every_six_bar
    end type exact_group_t
 
    !> The items of the group.
@@ -69,7 +74,8 @@ module psalm_exact_group
       rule_t('TIMP', a_number, 'n', 'degrees', '', '', &
              'angle of the crank at each point; a point without one is untimed'), &
       rule_t('PIVOTS', a_number, '4', 'length', 'free', '', &
-             'x, y of the crank''s fixed pivot, x, y of the follower''s; `PIVOTS=0.0,0.0` gives the first alone'), &
+             'x, y of the crank''s fixed pivot, x, y of the follower''s; `PIVOTS=0.0,0.0` gives the first alone. Of a '// &
+             'six-bar through seven points the third fixed pivot, from A on the line to B'), &
       rule_t('SLIDER', a_whole, '', '', '0', '[0,2]', &
              '1: a slider on a straight line in place of the follower; 2: a line of the coupler goes through a '// &
              'block at a fixed pivot (''MOTION'' only)'), &
@@ -101,8 +107,13 @@ module psalm_exact_group
       rule_t('MINIMAX', a_flag, '', '', '0', '', &
              '1: make the largest error least; 0: meet five points (of FUNC those of Chebyshev)'), &
       rule_t('SIXBAR', a_word, '', '', 'NONE', 'NONE STEPHENSON WATT', &
-             'a six-bar through five points of a function', &
+             'a six-bar that generates a function: through five points a sample of them; ''WATT'' through nine, '// &
+             '''STEPHENSON'' through seven with PIVOTS and CRANK, all there are', &
              'must be ''STEPHENSON'' or ''WATT'''), &
+      rule_t('NPOINT', a_whole, '', '', '5', '[5,11]', &
+             'six-bars: points of FUNC, those of Chebyshev, that are met'), &
+      rule_t('CRANK', a_number, '2', 'length', 'free', '', &
+             'six-bars through seven points: x, y from A of the crank''s pin at input 0'), &
       rule_t('NGRID', a_whole, '', '', '6', '[2,12]', &
              'six-bars: values of each dimension that is sampled'), &
       rule_t('TRMIN', a_number, '', 'degrees', 'six-bars: 20, else none', '[0,90)', &
@@ -120,7 +131,8 @@ module psalm_exact_group
              'the body of a chain of three joints'), &
       rule_t('CERTIFY', a_flag, '', '', '0', '', &
              '1: prove by Krawczyk''s test in discs how many of the ends exist, differ from all others, and are '// &
-             'real (complete lists: not four poses, MINIMAX, SIXBAR, NSUB, three or four points of a function)'), &
+             'real (complete lists: not four poses, MINIMAX, NSUB, three or four points of a function, six-bars through '// &
+             'five; of other six-bars the real ones)'), &
       rule_t('NBEST', a_whole, '', '', '10', '[1,100000]', &
              'linkages that are listed'), &
       rule_t('MAXTIME', a_number, '', 's', 'no limit', '(0,)', &
@@ -256,6 +268,8 @@ contains
       call take(group, 'FRAME', exact%frame, findings)
       call take(group, 'RLONG', exact%longest, findings)
       call take(group, 'SIXBAR', exact%six_bar, findings)
+      call take(group, 'NPOINT', exact%precision_points, findings)
+      call take(group, 'CRANK', exact%crank, findings)
       call take(group, 'NGRID', exact%grid, findings)
       call take(group, 'TRMIN', exact%least_transmission, findings)
       exact%has_least_transmission = group%given('TRMIN')
@@ -272,6 +286,7 @@ contains
          call out_of(group, 'FUNC', "KIND='FUNCTION' needs either FUNC, a name, or PHI and PSI, a table", findings)
          return
       end if
+      call check_six_bar(group, exact, n, findings)
       if (allocated(exact%function_name)) then
          if (.not. any(functions == exact%function_name)) call out_of(group, 'FUNC', "there is no function '"// &
             exact%function_name//"'; there are LOG10, LN, EXP, SIN, COS, TAN, POWER", findings)
@@ -289,8 +304,8 @@ contains
       if (any(is_missing(exact%phi)) .or. (last == n .and. any(is_missing(exact%psi)))) call out_of(group, &
          merge('PHI', 'PSI', any(is_missing(exact%phi))), 'a value of the table is missing', findings)
       if (n < fewest_in_table) call out_of(group, 'PHI', 'a function is given by at least 3 points', findings)
-      if (n > exact_in_table .and. .not. exact%minimax) call out_of(group, 'PHI', to_text(n)//' points cannot be met exactly; '// &
-         'give 3 or 5, or MINIMAX=1', findings, n)
+      if (n > exact_in_table .and. .not. exact%minimax .and. exact%six_bar == six_bar_none) call out_of(group, 'PHI', &
+         to_text(n)//' points cannot be met exactly; give 3 or 5, or MINIMAX=1, or a six-bar (SIXBAR)', findings, n)
       do i = 2, n
          if (exact%phi(i) > exact%phi(i - 1)) cycle
          call out_of(group, 'PHI', 'entry '//to_text(i)//': the inputs must rise', findings, i)
@@ -300,10 +315,7 @@ contains
          'needs FUNC or a table of more than 5 points', findings)
       if (n == 3 .and. (is_missing(exact%zero_in) .or. is_missing(exact%zero_out))) call out_of(group, 'PHI', &
          'three points need both zero lines, PHI0 and PSI0', findings)
-      if (exact%six_bar /= six_bar_none) then
-         if (n /= exact_in_table) call out_of(group, 'PHI', 'a six-bar is made for 5 points', findings, n)
-         return
-      end if
+      if (exact%six_bar /= six_bar_none) return
       if (n == 4) then
          if (is_missing(exact%zero_in) .eqv. is_missing(exact%zero_out)) call out_of(group, 'PHI', &
             'four points leave infinitely many linkages; give one of both zero lines, PHI0 or PSI0, or 5 points', findings, n)
@@ -313,6 +325,62 @@ contains
       if (n == 3 .and. exact%slider) call out_of(group, 'PHI', 'three points with zero lines are for four-bars; give 5', &
                                                 findings, n)
    end subroutine read_function
+
+   !> A six-bar: how many points it meets and what is given with them.
+   subroutine check_six_bar(group, exact, entries, findings)
+      type(group_t), intent(inout) :: group
+      type(exact_group_t), intent(in) :: exact
+      integer, intent(in) :: entries                 !! of the table, 0: a function
+      type(diagnostics_t), intent(inout) :: findings
+      character(:), allocatable :: item
+      integer :: points
+
+      if (exact%six_bar == six_bar_none) then
+         if (group%given('NPOINT') .or. group%given('CRANK')) call out_of(group, merge('NPOINT', 'CRANK ', &
+            group%given('NPOINT')), "is for six-bars: SIXBAR='WATT' or 'STEPHENSON'", findings)
+         return
+      end if
+      if (entries > 0 .and. group%given('NPOINT')) call out_of(group, 'NPOINT', 'is for FUNC; a table has its own points', findings)
+      points = merge(entries, exact%precision_points, entries > 0)
+      item = trim(merge('PHI   ', 'NPOINT', entries > 0))
+      if (points == exact_in_table) then
+         if (group%given('CRANK')) call out_of(group, 'CRANK', 'of a six-bar through five points is sampled (NGRID)', findings)
+         if (group%given('PIVOTS')) call out_of(group, 'PIVOTS', 'of a six-bar through five points are sampled (NGRID)', findings)
+      else if (exact%six_bar == six_bar_watt) then
+         if (points /= watt_points) call out_of(group, item, 'a six-bar of Watt II is made for 5 points (a sample) or 9 (all '// &
+            'there are); more are approximated by MINIMAX=1 with four links', findings)
+         if (group%given('CRANK') .or. group%given('PIVOTS')) call out_of(group, trim(merge('CRANK ', 'PIVOTS', &
+            group%given('CRANK'))), 'nine points leave nothing of a six-bar of Watt II to choose', findings)
+      else
+         if (points /= stephenson_points) then
+            call out_of(group, item, 'a six-bar of Stephenson III is made for 5 points (a sample) or, with PIVOTS and CRANK, '// &
+                        '7 (all there are)', findings)
+            return
+         end if
+         if (.not. exact%crank_pivot .or. exact%follower_pivot .or. any(is_missing(exact%crank))) call out_of(group, &
+            trim(merge('CRANK ', 'PIVOTS', exact%crank_pivot .and. .not. exact%follower_pivot)), &
+            'seven points of a six-bar of Stephenson III need the third fixed pivot, PIVOTS=x,y, and the crank, CRANK=x,y', &
+            findings)
+         if (any(is_missing(exact%crank)) .or. .not. exact%frame > 0.0_wp) return
+         if (abs(hypot(exact%crank(1), exact%crank(2)) - exact%frame) < of_frame*exact%frame) call out_of(group, 'CRANK', &
+            'is as long as the frame: kites and parallelograms, infinitely many, pass the points; change it a little', findings)
+      end if
+      if (group%given('NGRID') .and. points /= exact_in_table) call out_of(group, 'NGRID', &
+         'is for six-bars through five points; through more all are found', findings)
+   end subroutine check_six_bar
+
+   !> True if all six-bars through more than five points are wanted.
+   pure logical function wants_every_six_bar(self)
+      class(exact_group_t), intent(in) :: self
+
+      wants_every_six_bar = self%kind == kind_function .and. self%six_bar /= six_bar_none
+      if (.not. wants_every_six_bar) return
+      if (allocated(self%function_name)) then
+         wants_every_six_bar = self%precision_points > exact_in_table
+      else
+         wants_every_six_bar = size(self%phi) > exact_in_table
+      end if
+   end function wants_every_six_bar
 
    !> The group as the case has it.
    subroutine read_exact(self, group, about, findings)

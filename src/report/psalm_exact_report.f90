@@ -5,11 +5,14 @@ module psalm_exact_report
    use psalm_devices, only: devices_t, header_of
    use psalm_exact_group, only: exact_group_t, exact_of, exact_kinds
    use psalm_exact_study, only: exact_study_t, obeys_transmission, results_of, way_burmester, way_curves, way_generators, &
-                                way_guided, way_legs, way_minimax, way_nine, way_six_bars, way_subsets
+                                way_every_six_bar, way_guided, way_legs, way_minimax, way_nine, way_six_bars, &
+                                way_subsets
    use psalm_exact_text, only: write_generator, write_guided, write_linkage, write_six_bar
    use psalm_function_points, only: generator_t
    use psalm_guided_six_bars, only: body_names
    use psalm_kinds, only: wp, degrees_per_radian
+   use psalm_six_bar_motion, only: joints_of
+   use psalm_six_bar_problem, only: type_names, watt_2
    use psalm_six_bars, only: six_bar_joints
    use psalm_proof_list, only: shown
    use psalm_proof_study, only: proof_of_turn
@@ -54,6 +57,8 @@ contains
          call report_minimax(set, exact, study, devices)
       case (way_six_bars)
          call report_six_bars(set, exact, study, devices)
+      case (way_every_six_bar)
+         call report_every_six_bar(set, exact, study, devices)
       case (way_subsets)
          call report_subsets(set, exact, study, devices)
       case (way_guided)
@@ -177,11 +182,14 @@ contains
                 to_text(study%expected)//' '//what//' distinct'//other_ends()
       else if (study%complete) then
          text = 'complete: '//to_text(study%ends)//' of '//to_text(study%expected)//' '//what//' distinct'
-         if (study%examined .and. study%certificate%holds()) then
+         ! of six-bars the real ones alone are examined
+         if (study%examined .and. study%certificate%holds() .and. study%way /= way_every_six_bar) then
             text = text//', certified'
             if (study%certificate%examined < study%ends) text = text//' but those with a pivot at infinity'
          end if
          text = text//other_ends()
+      else if (study%expected > 0 .and. study%ends > study%expected) then
+         text = 'not complete: '//to_text(study%ends)//' ends, more than the '//to_text(study%expected)//' that there are'
       else if (study%expected > 0) then
          missing = study%expected - study%ends - study%merged - at_infinity
          if (missing > 0) then
@@ -564,6 +572,93 @@ contains
       end associate
    end subroutine report_six_bars
 
+   !> All six-bars through the points of a function.
+   subroutine report_every_six_bar(set, exact, study, devices)
+      type(data_set_t), intent(in) :: set
+      type(exact_group_t), intent(in) :: exact
+      type(exact_study_t), intent(in) :: study
+      type(devices_t), intent(inout) :: devices
+      character(*), parameter :: names(3:7) = ['c', 'd', 'e', 'g', 'h'], numbers(5) = ['p', 'q', 'r', 's', 'c']
+      complex(wp), allocatable :: joints(:, :)
+      type(table_t) :: table
+      character(:), allocatable :: line
+      integer :: i, k, shown
+
+      associate (every => study%every, six => devices%six)
+         call six%add('  '//trim(type_names(every%problem%type))//' through '//to_text(every%problem%points + 1)//' points')
+         if (study%stopped .and. study%paths == 0) then
+            call six%add('  not complete: '//reason_of(study)//' while the start set was made, '//to_text(every%known)//' of '// &
+                         to_text(every%expected)//' solutions known')
+         else
+            call six%add('  '//sentence_of(study))
+            if (every%found%lost_far + every%found%lost_near > 0) call six%add('  paths lost: '// &
+               to_text(every%found%lost_far)//' far away, '//to_text(every%found%lost_near)//' at singular places')
+            call six%add('  '//to_text(study%real_ends)//' real; without a defect: '//to_text(every%by_input)// &
+                         ' driven at the input, '//to_text(every%by_output)//' at the output')
+            if (study%examined) then
+               associate (own => study%certificate)
+                  call six%add('  certified: of '//to_text(own%examined)//' real ones '//to_text(own%proven)//' exist, '// &
+                               to_text(own%apart)//' apart from all others, '//to_text(own%real_ones)//' are real')
+               end associate
+            end if
+            if (study%wanted%continuous) call six%add('  '//to_text(every%over_range)//' reach both ends of the range')
+            if (every%too_long > 0) call six%add('  '//to_text(every%too_long)//' left out: a link longer than RLONG')
+            if (every%flat > 0) call six%add('  '//to_text(every%flat)//' left out: transmission angle less than'// &
+                                             general(exact%least_transmission)//' (TRMIN)')
+         end if
+         if (.not. study%complete) then
+            call devices%remark(set, sentence_of(study))
+            call devices%note_violation()
+         end if
+         shown = shown_of(set, study)
+         if (shown == 0 .and. study%stopped) then
+            call devices%remark(set, 'no linkage was found so far')
+            return
+         else if (shown == 0) then
+            call devices%remark(set, 'no six-bar meets the points on one branch with this transmission angle')
+            call devices%note_violation()
+            return
+         end if
+         call six%add()
+         call six%add('  RANK   TRANSMISSION   LONGEST LINK     ERROR (DEG)  DRIVEN AT')
+         do k = 1, shown
+            associate (one => every%best(k))
+               call six%add(rank_column(k)//general(one%transmission)//general(one%longest)//' '// &
+                            general(one%error*degrees_per_radian)//'  '//trim(merge('either', 'input ', one%by_output)))
+            end associate
+         end do
+         call six%add()
+         call six%add('  RANK  JOINTS C, D, E, G, H: X, Y')
+         allocate (joints(7, shown))
+         do k = 1, shown
+            joints(:, k) = exact%frame*joints_of(every%problem, every%best(k))
+            line = rank_column(k)
+            do i = 3, size(joints, 1)
+               line = line//general(real(joints(i, k), wp))//general(aimag(joints(i, k)))
+            end do
+            call six%add(line)
+            call devices%seven%add('! rank '//to_text(k)//': least transmission angle '// &
+                                   trim(adjustl(general(every%best(k)%transmission)))//' degrees')
+            call write_case(set, study, k, merge(set%limits%last, 0, k == shown), devices%seven)
+         end do
+         table = list_of(set)
+         associate (best => every%best(:shown))
+            call table%add('rank', [(k, k=1, shown)])
+            call table%add('transmission', best%transmission, 'deg')
+            call table%add('longest', best%longest, 'length')
+            call table%add('error', best%error*degrees_per_radian, 'deg')
+            do i = 3, size(joints, 1)
+               call add_point(names(i), joints(i, :), table)
+            end do
+            do i = 1, every%problem%unknowns
+               call table%add('number_'//numbers(i)//'x', real(best%x(i), wp))
+               call table%add('number_'//numbers(i)//'y', aimag(best%x(i)))
+            end do
+         end associate
+         call devices%cases(devices%last_case())%put(table)
+      end associate
+   end subroutine report_every_six_bar
+
    !> How many results are listed.
    pure integer function shown_of(set, study)
       type(data_set_t), intent(in) :: set
@@ -601,6 +696,11 @@ contains
       case (way_six_bars)
          associate (one => study%six_bars%best(rank))
             call write_six_bar(title, one%watt, exact%frame*six_bar_joints(one, study%phi(1)), study%phi, last, text)
+         end associate
+      case (way_every_six_bar)
+         associate (every => study%every)
+            call write_six_bar(title, every%problem%type == watt_2, exact%frame*joints_of(every%problem, every%best(rank)), &
+                               study%phi, last, text)
          end associate
       case (way_subsets)
          call write_linkage(title, study%subsets%results(rank)%linkage, exact, last, text)

@@ -6,6 +6,7 @@ module psalm_exact_study
    use psalm_data_set, only: data_set_t
    use psalm_defects, only: exact_linkage_t, cognates_of, place_pins
    use psalm_dense, only: factors_t, factorise, solve
+   use psalm_every_six_bar, only: every_six_bar_t, find_every_six_bar
    use psalm_exact_group, only: exact_of, exact_group_t, is_missing, kind_function, kind_motion, six_bar_none, six_bar_watt
    use psalm_exact_results, only: exact_proof_t, exact_result_t, add_result, is_better, judged, pair_of, rank, span_of
    use psalm_exact_subsets, only: find_by_subsets, subset_study_t
@@ -21,6 +22,8 @@ module psalm_exact_study
    use psalm_monodromy, only: generic_t, scale_problem, scale_solutions
    use psalm_nine_points, only: in_place, nine_point_orbits, nine_points_t, solve_nine_points
    use psalm_pole_curves, only: curve_sample_t, find_lines, find_pairs, sample_curve
+   use psalm_six_bar_certificate, only: certify_six_bars
+   use psalm_six_bar_problem, only: at_c, at_p, make_six_bar_problem, most_unknowns, six_bar_problem_t, stephenson_3, watt_2
    use psalm_six_bars, only: six_bars_t, find_stephenson, find_watt
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t
@@ -34,11 +37,11 @@ module psalm_exact_study
    public :: exact_study_t, check_exact, find_exact, poses_of, leaves_curves, rank_proven, results_of, &
              leave_out_flat, obeys_transmission, stays_assembled, tries, way_burmester, way_curves, way_legs, way_nine, &
              way_generators, way_minimax, way_six_bars, way_subsets, &
-             way_guided
+             way_guided, way_every_six_bar
 
    !> How the linkages are found.
    integer, parameter :: way_burmester = 1, way_curves = 2, way_legs = 3, way_nine = 4, way_generators = 5, way_minimax = 6, &
-                         way_six_bars = 7, way_subsets = 8, way_guided = 9
+                         way_six_bars = 7, way_subsets = 8, way_guided = 9, way_every_six_bar = 10
    integer, parameter :: seed = 1                    !! of the phases
    integer, parameter :: most_passes = 4
    integer, parameter :: tries = 5                   !! results looked at for each that is to be proven
@@ -48,6 +51,7 @@ module psalm_exact_study
    !> Distance of two points over the size of all below which ends of paths are not told apart: psalm_monodromy takes two solutions
    !> for one at this difference, and the precision is used up long before.
    real(wp), parameter :: too_close = 1.0e-6_wp
+   real(wp), parameter :: apart = 1.0e-6_wp          !! radians between two angles of points of six-bars
    real(wp), parameter :: outlying = 0.1_wp          !! size of all points without one that lies far from them, over that with it
 
    !> Finite solutions of a generic problem; of nine points without exchange of the legs and cognates. Computed by monodromy, every
@@ -98,6 +102,7 @@ module psalm_exact_study
       type(wanted_function_t) :: wanted
       type(approximation_t), allocatable :: approximations(:)
       type(six_bars_t) :: six_bars
+      type(every_six_bar_t) :: every
       type(subset_study_t) :: subsets
       type(guided_study_t) :: guided
       logical :: examined = .false.                  !! there is a certificate
@@ -124,7 +129,10 @@ contains
       integer :: i, k, conditions
 
       exact = exact_of(set)
-      if (exact%kind == kind_function) return
+      if (exact%kind == kind_function) then
+         call check_six_bar_points(exact, set, findings)
+         return
+      end if
       p = cmplx(exact%x, exact%y, wp)
       if (size(p) < 2) then
          call complain('XP', 'one point does not ask for anything; give at least two')
@@ -704,6 +712,8 @@ contains
          results_of = size(study%approximations)
       case (way_six_bars)
          results_of = size(study%six_bars%best)
+      case (way_every_six_bar)
+         results_of = size(study%every%best)
       case (way_subsets)
          results_of = size(study%subsets%results)
       case (way_guided)
@@ -723,7 +733,7 @@ contains
          stays_assembled = study%generators%list(number)%assembly /= 0
       case (way_guided)
          stays_assembled = study%guided%list(number)%sound
-      case (way_minimax, way_six_bars, way_subsets)
+      case (way_minimax, way_six_bars, way_subsets, way_every_six_bar)
          stays_assembled = .true.
       case default
          stays_assembled = study%results(number)%verdict%branch
@@ -764,6 +774,8 @@ contains
          study%approximations = study%approximations(order)
       case (way_six_bars)
          study%six_bars%best = study%six_bars%best(order)
+      case (way_every_six_bar)
+         study%every%best = study%every%best(order)
       case (way_subsets)
          study%subsets%results = study%subsets%results(order)
       case (way_guided)
@@ -792,45 +804,94 @@ contains
 
    ! ---- functions -----------------------------------------------------------------------------------------------------
 
+   !> The function that is asked for, and its points: of a name those of Chebyshev, radians; of a slider psi is the travel.
+   pure subroutine wanted_of(exact, wanted, phi, psi)
+      type(exact_group_t), intent(in) :: exact
+      type(wanted_function_t), intent(out) :: wanted
+      real(wp), allocatable, intent(out) :: phi(:), psi(:)
+      real(wp) :: unit
+
+      unit = merge(1.0_wp, radians_per_degree, exact%slider)
+      wanted%slides = exact%slider
+      if (allocated(exact%function_name)) then
+         wanted%kind = function_kind(exact%function_name)
+         wanted%low = exact%low
+         wanted%high = exact%high
+         wanted%power = exact%power
+         wanted%swing_in = exact%swing_in*radians_per_degree
+         wanted%swing_out = exact%swing_out*unit
+         phi = wanted%input_at(chebyshev(exact%precision_points))
+         psi = wanted%output_at(chebyshev(exact%precision_points))
+      else
+         phi = exact%phi*radians_per_degree
+         psi = exact%psi*unit
+         wanted%kind = function_table
+         wanted%continuous = .false.
+         wanted%table_input = phi
+         wanted%table_output = psi
+         wanted%swing_in = phi(size(phi)) - phi(1)
+         wanted%swing_out = maxval(psi) - minval(psi)
+      end if
+   end subroutine wanted_of
+
+   !> Errors: points of a function for which six-bars cannot be found one by one.
+   subroutine check_six_bar_points(exact, set, findings)
+      type(exact_group_t), intent(in) :: exact
+      type(data_set_t), intent(in) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      type(wanted_function_t) :: wanted
+      real(wp), allocatable :: phi(:), psi(:)
+      character(:), allocatable :: item
+      integer :: i, k
+
+      if (.not. exact%wants_every_six_bar()) return
+      call wanted_of(exact, wanted, phi, psi)
+      item = 'PHI'
+      if (wanted%continuous) item = 'DPHI'
+      do i = 2, size(phi)
+         do k = 1, i - 1
+            if (angle_between(phi(i) - phi(k)) > apart) cycle
+            call set%origins%error(findings, 'EXACT', item, 'points '//to_text(k)//' and '//to_text(i)//' have the same input, '// &
+                                   'as far as whole turns do not count: leave one of both out', 1)
+            return
+         end do
+      end do
+      if (all(angle_between(psi - psi(1) - phi + phi(1)) < apart) .or. &
+          all(angle_between(psi - psi(1) + phi - phi(1)) < apart)) call set%origins%error(findings, 'EXACT', item, &
+         'the output turns as the input does, alike or against it: infinitely many six-bars with parallelograms or kites pass '// &
+         'the points; gears or a four-bar with parallel cranks do it', 1)
+   end subroutine check_six_bar_points
+
+   !> Size of an angle without whole turns, radians.
+   elemental real(wp) function angle_between(angle)
+      real(wp), intent(in) :: angle
+
+      angle_between = abs(modulo(angle + pi, 2.0_wp*pi) - pi)
+   end function angle_between
+
    !> Function generators: through points, or with the least largest error.
    subroutine find_generators(exact, stop, study)
       type(exact_group_t), intent(in) :: exact
       type(stop_t), intent(in) :: stop
       type(exact_study_t), intent(inout) :: study
       integer :: node
-      real(wp), parameter :: chebyshev(5) = [(0.5_wp - 0.5_wp*cos(pi*(2.0_wp*real(node, wp) - 1.0_wp)/10.0_wp), node=1, 5)]
       real(wp), allocatable :: phi(:), psi(:)
       real(wp) :: unit
       logical :: exists
 
       study%way = merge(way_minimax, way_generators, exact%minimax)
       unit = merge(1.0_wp, radians_per_degree, exact%slider)
-      study%wanted%slides = exact%slider
-      if (allocated(exact%function_name)) then
-         study%wanted%kind = function_kind(exact%function_name)
-         study%wanted%low = exact%low
-         study%wanted%high = exact%high
-         study%wanted%power = exact%power
-         study%wanted%swing_in = exact%swing_in*radians_per_degree
-         study%wanted%swing_out = exact%swing_out*unit
-         phi = study%wanted%input_at(chebyshev)
-         psi = study%wanted%output_at(chebyshev)
-      else
-         phi = exact%phi*radians_per_degree
-         psi = exact%psi*unit
-         study%wanted%kind = function_table
-         study%wanted%continuous = .false.
-         study%wanted%table_input = phi
-         study%wanted%table_output = psi
-         study%wanted%swing_in = phi(size(phi)) - phi(1)
-         study%wanted%swing_out = maxval(psi) - minval(psi)
-      end if
+      call wanted_of(exact, study%wanted, phi, psi)
       if (exact%minimax) then
          call approximate(study%wanted, exact%longest, study%approximations, study%too_long)
          return
       end if
       study%phi = phi
       study%psi = psi
+      if (exact%wants_every_six_bar()) then
+         call find_all_six_bars(exact, stop, study)
+         return
+      end if
       if (exact%six_bar /= six_bar_none) then
          study%way = way_six_bars
          if (exact%six_bar == six_bar_watt) then
@@ -870,4 +931,54 @@ contains
       study%complete = .not. study%generators%degenerate .and. study%ends == study%expected
       study%real_ends = study%generators%count
    end subroutine find_generators
+
+   !> Chebyshev's points of a range from 0 to 1.
+   pure function chebyshev(points) result(places)
+      integer, intent(in) :: points
+      real(wp) :: places(points)
+      integer :: k
+
+      places = [(0.5_wp - 0.5_wp*cos(pi*(2.0_wp*real(k, wp) - 1.0_wp)/real(2*points, wp)), k=1, points)]
+   end function chebyshev
+
+   !> All six-bars through the points of a function.
+   subroutine find_all_six_bars(exact, stop, study)
+      type(exact_group_t), intent(in) :: exact
+      type(stop_t), intent(in) :: stop
+      type(exact_study_t), intent(inout) :: study
+      type(six_bar_problem_t) :: problem
+      complex(wp) :: given(most_unknowns)
+      logical :: is_given(most_unknowns)
+
+      study%way = way_every_six_bar
+      given = (0.0_wp, 0.0_wp)
+      is_given = .false.
+      if (exact%six_bar /= six_bar_watt) then
+         is_given([at_p, at_c]) = .true.
+         given(at_p) = cmplx(exact%crank(1), exact%crank(2), wp)/exact%frame
+         given(at_c) = -cmplx(exact%pivots(1), exact%pivots(2), wp)/exact%frame
+      end if
+      call make_six_bar_problem(merge(watt_2, stephenson_3, exact%six_bar == six_bar_watt), size(study%phi) - 1, is_given, &
+                                0, problem)
+      call find_every_six_bar(problem, study%wanted, study%phi, study%psi, given, exact%least_transmission, exact%longest, &
+                              study%every, stop)
+      associate (found => study%every%found)
+         study%expected = study%every%expected
+         study%generic = study%every%known
+         study%ends = size(found%ends, 2)
+         study%paths = found%paths
+         study%followed = found%followed
+         study%merged = found%merged
+         study%passes = found%passes
+         study%stopped = found%stopped
+         study%real_ends = size(study%every%real_ones)
+         study%complete = found%complete() .and. study%generic == study%expected
+      end associate
+      study%linkages = study%real_ends
+      if (.not. exact%certify .or. study%stopped .or. study%real_ends == 0) return
+      study%examined = .true.
+      associate (every => study%every)
+         call certify_six_bars(problem, every%data, study%phi, study%psi, every%found%ends(:, every%real_ones), study%certificate)
+      end associate
+   end subroutine find_all_six_bars
 end module psalm_exact_study

@@ -1,0 +1,167 @@
+!> All solutions of a six-bar problem: those of its start set, followed.
+!>
+!> The start is turned so that it is near the wanted problem, and by a further phase, since a straight way between real problems
+!> would meet singular ones. A path that does not arrive, or ends where another one did, is followed again the same way in extended
+!> precision with more care. What is missing then is sought by another way; the ends of all ways are united.
+module psalm_six_bar_solutions
+   use psalm_kinds, only: wp
+   use psalm_six_bar_loops, only: first_equal, start_set_t, pack_columns, usual_tolerance
+   use psalm_six_bar_paths, only: follow, polish
+   use psalm_six_bar_paths_extended, only: follow_extended => follow
+   use psalm_six_bar_problem, only: scale_data, scale_unknowns, six_bar_data_t, six_bar_problem_t
+   use psalm_stop, only: stop_t
+   implicit none (type, external)
+   private
+   public :: solutions_t, solve_six_bar
+
+   integer, parameter :: most_passes = 3
+   real(wp), parameter :: phase = 0.8_wp             !! radians
+   real(wp), parameter :: careful(2) = [1.0e-5_wp, 1.0e-7_wp] !! errors of a prediction that is aimed at
+   real(wp), parameter :: far_off = 1.0e3_wp         !! a number of a path that is lost far away, over the frame
+   !> By which phases a pass turns input and output.
+   real(wp), parameter :: signs(2, most_passes) = reshape([1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp, -1.0_wp, 0.6_wp], [2, most_passes])
+
+   !> What was found.
+   type :: solutions_t
+      complex(wp), allocatable :: ends(:, :)         !! distinct, shape (2 unknowns, count)
+      real(wp), allocatable :: left(:)               !! last relative correction of each
+      integer :: expected = 0                        !! of the start set
+      integer :: passes = 0
+      integer :: paths = 0, followed = 0             !! of the last pass
+      integer :: lost_far = 0, lost_near = 0         !! of the last pass, paths that did not arrive: far away, at singular places
+      integer :: mended = 0                          !! paths of all passes that extended precision has led to their end
+      integer :: merged = 0                          !! of the last pass, paths that end where others do
+      integer :: steps = 0
+      logical :: stopped = .false.
+   contains
+      procedure :: complete
+   end type solutions_t
+
+contains
+
+   !> True if as many distinct ends were found as there are.
+   elemental logical function complete(self)
+      class(solutions_t), intent(in) :: self
+
+      complete = .false.
+      if (allocated(self%ends)) complete = size(self%ends, 2) == self%expected .and. .not. self%stopped
+   end function complete
+
+   !> Follow the solutions of a start set to a problem of its kind.
+   subroutine solve_six_bar(start, to, found, stop)
+      type(start_set_t), intent(in) :: start
+      type(six_bar_data_t), intent(in) :: to
+      type(solutions_t), intent(out) :: found
+      type(stop_t), intent(in), optional :: stop     !! asked now and then
+      type(six_bar_data_t) :: from
+      complex(wp), allocatable :: starts(:, :), ends(:, :), all_of_them(:, :)
+      logical, allocatable :: arrived(:)
+      integer, allocatable :: equal(:)
+      complex(wp) :: l, m
+      integer :: pass, i, n, steps
+
+      associate (problem => start%problem)
+         n = size(start%first, 2)
+         found%expected = n
+         found%paths = n
+         allocate (found%ends(2*problem%unknowns, 0))
+         allocate (arrived(n))
+         do pass = 1, most_passes
+            l = nearest_turn(problem%points, to%e0, to%de, start%data(1)%e0, start%data(1)%de)*turn(signs(1, pass))
+            m = nearest_turn(problem%points, to%f0, to%df, start%data(1)%f0, start%data(1)%df)*turn(signs(2, pass))
+            call scale_data(problem, start%data(1), l, m, from)
+            starts = start%first
+            do i = 1, n
+               call scale_unknowns(problem, l, m, starts(:, i))
+            end do
+            ends = starts
+            call follow(problem, from, to, starts, usual_tolerance, ends, arrived, steps, stop, 0, n)
+            found%steps = found%steps + steps
+            call check_stop()
+            if (.not. found%stopped) call mend(problem, from, to, starts, ends, arrived, found, stop)
+            if (.not. found%stopped) call check_stop()
+            found%passes = pass
+            found%followed = merge(count(arrived), n, found%stopped)
+            found%lost_far = count(.not. arrived .and. maxval(abs(ends), 1) > far_off)
+            found%lost_near = count(.not. arrived) - found%lost_far
+            ends = pack_columns(ends, arrived)
+            equal = first_equal(ends)
+            found%merged = count(equal /= [(i, i=1, size(equal))])
+            allocate (all_of_them(size(ends, 1), size(found%ends, 2) + size(ends, 2)))
+            all_of_them(:, :size(found%ends, 2)) = found%ends
+            all_of_them(:, size(found%ends, 2) + 1:) = ends
+            equal = first_equal(all_of_them)
+            found%ends = pack_columns(all_of_them, equal == [(i, i=1, size(equal))])
+            deallocate (all_of_them)
+            if (size(found%ends, 2) >= n .or. found%stopped) exit
+         end do
+         allocate (found%left(size(found%ends, 2)))
+         call polish(problem, to, found%ends, found%left)
+      end associate
+
+   contains
+
+      subroutine check_stop()
+         if (present(stop)) found%stopped = stop%waiting()
+      end subroutine check_stop
+
+      complex(wp) function turn(sign)
+         real(wp), intent(in) :: sign
+
+         turn = cmplx(cos(sign*phase), sin(sign*phase), wp)
+      end function turn
+   end subroutine solve_six_bar
+
+   !> The turn that brings the points of one problem nearest to those of another.
+   pure complex(wp) function nearest_turn(points, e0, de, start_e0, start_de)
+      integer, intent(in) :: points
+      complex(wp), intent(in) :: e0, de(:), start_e0, start_de(:)
+
+      nearest_turn = e0*conjg(start_e0) + sum((e0 + de(:points))*conjg(start_e0 + start_de(:points)))
+      if (abs(nearest_turn) > 0.0_wp) then
+         nearest_turn = nearest_turn/abs(nearest_turn)
+      else
+         nearest_turn = (1.0_wp, 0.0_wp)
+      end if
+   end function nearest_turn
+
+   !> Follow those that did not arrive, and those that ended at the same place, again with more care.
+   subroutine mend(problem, from, to, starts, ends, arrived, found, stop)
+      type(six_bar_problem_t), intent(in) :: problem
+      type(six_bar_data_t), intent(in) :: from, to
+      complex(wp), intent(in) :: starts(:, :)
+      complex(wp), intent(inout) :: ends(:, :)
+      logical, intent(inout) :: arrived(:)
+      type(solutions_t), intent(inout) :: found
+      type(stop_t), intent(in), optional :: stop
+      complex(wp), allocatable :: again(:, :)
+      logical, allocatable :: came(:), doubtful(:)
+      integer, allocatable :: equal(:), which(:), own(:)
+      integer :: care, i, steps
+
+      do care = 1, size(careful)
+         own = pack([(i, i=1, size(arrived))], arrived)
+         equal = first_equal(ends(:, own))
+         doubtful = .not. arrived
+         do i = 1, size(own)
+            if (equal(i) == i) cycle
+            doubtful(own(i)) = .true.
+            doubtful(own(equal(i))) = .true.
+         end do
+         which = pack([(i, i=1, size(arrived))], doubtful)
+         if (size(which) == 0) exit
+         allocate (again(size(starts, 1), size(which)), came(size(which)))
+         call follow_extended(problem, from, to, starts(:, which), careful(care), again, came, steps, stop)
+         found%steps = found%steps + steps
+         found%mended = found%mended + count(came .and. .not. arrived(which))
+         if (present(stop)) found%stopped = stop%waiting()
+         if (found%stopped) exit
+         do i = 1, size(which)
+            if (.not. came(i)) cycle
+            ends(:, which(i)) = again(:, i)
+            arrived(which(i)) = .true.
+         end do
+         deallocate (again, came)
+      end do
+   end subroutine mend
+end module psalm_six_bar_solutions

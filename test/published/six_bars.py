@@ -1,0 +1,182 @@
+#!/usr/bin/env python3
+"""Every six-bar through the points of a function: counts, a linkage made here is found, and each that is listed meets its points.
+
+usage: test/published/six_bars.py [BIN]    default: build/local/bin
+       test/published/six_bars.py BIN all  Watt II through nine points too: minutes for its start set
+The linkage is made here with intersections of circles; what is listed is run again as a sketch by the suite's own analysis."""
+import cmath
+import math
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+BIN = sys.argv[1] if len(sys.argv) > 1 else os.path.join(TOP, "build", "local", "bin")
+EVERYTHING = "all" in sys.argv[2:]
+passed = failed = 0
+
+
+def check(condition, law, got=""):
+    global passed, failed
+    if condition:
+        passed += 1
+    else:
+        failed += 1
+        print("FAILED: %s; got %s" % (law, got))
+
+
+def psalm(name, text, folder):
+    """status, listing, standard error"""
+    path = os.path.join(folder, name + ".nml")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
+    done = subprocess.run([os.path.join(BIN, "psalm"), path], capture_output=True, text=True, timeout=3000,
+                          env=dict(os.environ, XDG_CACHE_HOME=os.path.join(folder, "cache")))
+    return done.returncode, done.stdout, done.stderr
+
+
+def table_of(path, block):
+    """Rows of a block of device 9 by column."""
+    rows, names, inside = [], None, False
+    with open(path, encoding="utf-8") as file:
+        for line in file:
+            if line.startswith("# block "):
+                inside = line.split()[2] == block
+                names = None
+            elif inside and line.startswith("# rank "):
+                names = line[1:].split()
+            elif inside and names and line.strip() and not line.startswith("#"):
+                rows.append(dict(zip(names, map(float, line.split()))))
+    return rows
+
+
+def positions_of(path):
+    """Output angles of every case of a file of sketches."""
+    blocks = [[]]
+    with open(path, encoding="utf-8") as file:
+        for line in file:
+            if line.startswith("#"):
+                continue
+            if line.strip():
+                blocks[-1].append([float(v) for v in line.split()])
+            elif blocks[-1]:
+                blocks.append([])
+    return [[row[2] for row in block] for block in blocks if block and len(block[0]) == 4]
+
+
+def meet(name, folder, wanted):
+    """Every listed linkage turns its output as is wanted, by the suite's own analysis."""
+    with open(os.path.join(folder, name + ".dev7"), encoding="utf-8") as file:
+        status, _, errors = psalm(name + "_again", file.read(), folder)
+    check(status in (0, 1), name + ": device 7 is a file of cases", errors[:200])
+    rows = positions_of(os.path.join(folder, name + "_again.dev9"))
+    listed = table_of(os.path.join(folder, name + ".dev9"), "exact")
+    check(len(rows) == len(listed) > 0, name + ": a case for every linkage listed", (len(rows), len(listed)))
+    worst = max((abs(math.remainder(a - r[0] - w + wanted[0], 360.0)) for r in rows for a, w in zip(r, wanted)), default=math.inf)
+    check(all(len(r) == len(wanted) for r in rows) and worst < math.degrees(1e-9), name + ": the analysis meets the points", worst)
+
+
+def chebyshev(n):
+    return [0.5 - 0.5*math.cos(math.pi*(2*k - 1)/(2*n)) for k in range(1, n + 1)]
+
+
+def circles(a, ra, b, rb, side):
+    """The point at ra from a and rb from b, on a side of the line from a to b."""
+    d = abs(b - a)
+    x = (d*d + ra*ra - rb*rb)/(2*d)
+    return a + (b - a)/d*complex(x, side*math.sqrt(ra*ra - x*x))
+
+
+def made(phis):
+    """Outputs of a Stephenson III, and its numbers p q r s c: crank, floating link, output link and third pivot."""
+    p, rocker, side, q, r, pivot, s_length, link, side_2 = 0.35+0.1j, 0.9, 1, 1.1, 0.7+0.5j, 1.4+0.6j, 0.8, 0.9, -1
+    outputs, numbers = [], None
+    first = None
+    for phi in phis:
+        pin = p*cmath.exp(1j*phi)
+        d = circles(pin, q, 1.0, rocker, side)
+        float_link = d - pin
+        g = pin + r*float_link/q
+        h = circles(pivot, s_length, g, link, side_2)
+        if first is None:
+            first = h - pivot
+            numbers = [p, float_link, g - pin, -first, -pivot]
+        outputs.append(cmath.phase((h - pivot)/first))
+    return outputs, numbers
+
+
+FUNCTION = """X**2
+ &EXACT KIND='FUNCTION', SIXBAR='STEPHENSON', NPOINT=7, FUNC='POWER', FPOWER=2.0, FXLOW=0.0, FXHIGH=1.0, DPHI=90.0, DPSI=90.0,
+  PIVOTS=-1.4,-0.5, CRANK=0.4,0.1, TRMIN=0.0, NBEST=100, CERTIFY=1 &END
+"""
+SINE = """SINE
+ &EXACT KIND='FUNCTION', SIXBAR='STEPHENSON', NPOINT=7, FUNC='SIN', FXLOW=0.0, FXHIGH=90.0, DPHI=90.0, DPSI=90.0,
+  PIVOTS=-1.4,-0.5, CRANK=0.4,0.1, TRMIN=0.0, NBEST=100 &END
+"""
+WATT = """X**2
+ &EXACT KIND='FUNCTION', SIXBAR='WATT', NPOINT=9, FUNC='POWER', FPOWER=2.0, FXLOW=0.0, FXHIGH=1.0, DPHI=90.0, DPSI=90.0,
+  TRMIN=0.0, RLONG=50.0, NBEST=100 &END
+"""
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        # counts of an independent program: doc/guide/exact.md
+        for name, text, real, sound in (("square", FUNCTION, 172, 10), ("sine", SINE, 170, 6)):
+            status, listing, errors = psalm(name, text, folder)
+            check(status == 0 and "complete: 1286 of 1286 ends distinct" in listing, name + ": all ends", listing + errors)
+            check("%d real; without a defect: %d driven at the input" % (real, sound) in listing, name + ": real ones", listing)
+            meet(name, folder, [90.0*x*x if name == "square" else 90.0*math.sin(math.pi/2*x) for x in chebyshev(7)])
+            if name == "square":
+                check("certified: of 172 real ones 172 exist, 172 apart from all others, 172 are real" in listing, name + ": certificate", listing)
+        kept = os.path.join(folder, "cache", "psalm", "stephenson3-07-p-c.start")
+        size = os.path.getsize(kept) if os.path.exists(kept) else 0
+        check(size > 1286*10*16, "the start set is kept", size)
+
+        phis = [math.radians(d) for d in (0.0, 17.0, 31.0, 50.0, 64.0, 83.0, 100.0)]
+        outputs, numbers = made(phis)
+        p, c = numbers[0], numbers[4]
+        table = "MADE\n &EXACT KIND='FUNCTION', SIXBAR='STEPHENSON', PHI=%s,\n  PSI=%s,\n  PIVOTS=%r,%r, CRANK=%r,%r, TRMIN=0.0, NBEST=200 &END\n" % (
+            ",".join("%.17g" % math.degrees(v) for v in phis), ",".join("%.17g" % math.degrees(v) for v in outputs), -c.real, -c.imag, p.real, p.imag)
+        status, listing, errors = psalm("made", table, folder)
+        check(status == 0 and "complete: 1286 of 1286" in listing, "made: all ends", listing + errors)
+        found = table_of(os.path.join(folder, "made.dev9"), "exact")
+        away = min((max(abs(complex(row["number_%sx" % n], row["number_%sy" % n]) - own) for n, own in zip("pqrsc", numbers)) for row in found),
+                   default=math.inf)
+        check(away < 1e-7, "made: the linkage that the points come from is listed", away)
+        meet("made", folder, [math.degrees(v) for v in outputs])
+
+        # other direction of both angles: the mirror image of every linkage
+        mirrored = table.replace("PHI=", "PHI=%s !" % ",".join("%.17g" % -math.degrees(v) for v in reversed(phis)), 1)
+        mirrored = re.sub(r" !0[^\n]*\n", ",\n", mirrored, count=1)
+        mirrored = re.sub(r"PSI=[^\n]*\n", "PSI=%s,\n" % ",".join("%.17g" % -math.degrees(v) for v in reversed(outputs)), mirrored)
+        mirrored = mirrored.replace("PIVOTS=%r,%r" % (-c.real, -c.imag), "PIVOTS=%r,%r" % (-c.real, c.imag))
+        mirrored = mirrored.replace("CRANK=%r,%r" % (p.real, p.imag), "CRANK=%r,%r" % (p.real, -p.imag))
+        status, listing, errors = psalm("mirrored", mirrored, folder)
+        other = table_of(os.path.join(folder, "mirrored.dev9"), "exact") if status == 0 else []
+        check(len(other) == len(found) and all(abs(a["longest"] - b["longest"]) < 1e-6 for a, b in zip(other, found)),
+              "both angles reversed: the same linkages mirrored", listing + errors)
+
+        with open(kept, "r+b") as file:
+            file.seek(size//2)
+            file.write(b"\0\1\2\3\4\5\6\7")
+        status, listing, _ = psalm("square", FUNCTION.replace("NBEST=100", "MAXTIME=0.1"), folder)
+        check(status == 1 and "stopped after MAXTIME while the start set was made" in listing, "a damaged start set is made anew", listing)
+
+        status, listing, _ = psalm("cut", WATT.replace("NBEST=100", "MAXTIME=0.5"), folder)
+        check(status == 1 and "not complete: stopped after MAXTIME while the start set was made" in listing, "stopped early", listing)
+        if EVERYTHING:
+            status, listing, errors = psalm("watt", WATT, folder)
+            check(status == 0 and "complete: 26370 of 26370 ends distinct" in listing, "watt: all ends", listing + errors)
+            check("1590 real; without a defect: 33 driven at the input" in listing, "watt: real ones", listing)
+            meet("watt", folder, [90.0*x*x for x in chebyshev(9)])
+            best = table_of(os.path.join(folder, "watt.dev9"), "exact")[0]["error"]
+            check(abs(best - 3.73e-5) < 1e-6, "watt: least error", best)
+    print("%d passed, %d failed" % (passed, failed))
+    return failed > 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
