@@ -147,6 +147,7 @@ def main(directory):
                 ("bridge", "bridge/four_bar_haines.nml", {"minima", "following", "flight", "cycle"}),
                 ("calm", "calm/knuckle_press.nml", {"cam", "extremes"}),
                 ("psalm", "exact/five_poses.nml", {"exact"}),
+                ("psalm", "cheapest_tolerances.nml", {"positions", "tolerances", "allocation", "allocation_bands"}),
                 ("psalm", "adjustable_stroke.nml", {"positions", "sweep"})):
             found = compare(os.path.join(directory, program), os.path.join(data, case))
             check("%s, %s: blocks" % (program, case), blocks <= set(found), str(list(found)))
