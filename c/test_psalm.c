@@ -66,6 +66,21 @@ static double number(psalm_result *r, const char *table, const char *name) {
   return first;
 }
 
+/* psalm_columns tells what psalm_column_kind, psalm_column_unit and psalm_column_name tell, and no column more. */
+static int lines_tell_columns(psalm_result *r, int table) {
+  char *lines = strdup(psalm_columns(r, table)), *at = lines, line[200];
+  int c = 1, same = 1;
+  for (; same && c <= psalm_column_count(r, table); c++) {
+    int n = snprintf(line, sizeof line, "%d\t%s\t", psalm_column_kind(r, table, c), psalm_column_unit(r, table, c));
+    snprintf(line + n, sizeof line - n, "%s\n", psalm_column_name(r, table, c));
+    same = !strncmp(at, line, strlen(line));
+    at += strlen(line);
+  }
+  same = same && *at == 0 && c > 3;
+  free(lines);
+  return same;
+}
+
 static void analysis(void) {
   psalm_case *c = from_text(slider), *other_case = NULL;
   psalm_result *r = NULL, *again = NULL;
@@ -88,6 +103,8 @@ static void analysis(void) {
   t = psalm_find_table(r, "positions");
   check(!strcmp(psalm_column_unit(r, t, psalm_find_column(r, t, "input")), "deg"), "the unit of the input");
   check(psalm_column_kind(r, t, psalm_find_column(r, t, "closed")) == PSALM_FLAG && psalm_column_kind(r, t, 1000) == -1, "kinds of columns");
+  check(!strncmp(psalm_columns(r, t), "0\tdeg\tinput\n", 12), "kind, unit and name of every column");
+  check(lines_tell_columns(r, t), "as they are told one by one");
   check(strlen(psalm_table_about(r, t)) > 0 && strstr(psalm_listing(r), "179.6424") != NULL, "what a row is; the listing");
   check(psalm_study(c, "analysis", PSALM_BRIEF, 0, &again) == PSALM_DONE && !strlen(psalm_listing(again)), "a brief study has no listing");
   free(slide);
@@ -264,7 +281,7 @@ static void misuse(void) {
   check(psalm_new("X", NULL) == PSALM_MISUSE && psalm_copy(NULL, &c) == PSALM_MISUSE, "no place for a new case");
   check(psalm_study(NULL, "analysis", 0, 0, &r) == PSALM_MISUSE && !r && psalm_case_of(NULL, 1, &c) == PSALM_MISUSE, "studies of NULL");
   check(psalm_table_count(NULL) == 0 && !psalm_table_name(NULL, 1) && psalm_row_count(NULL, 1) == 0 && psalm_column_count(NULL, 1) == 0 &&
-        !psalm_column_name(NULL, 1, 1) && !psalm_column_unit(NULL, 1, 1) && psalm_find_table(NULL, "x") == 0 &&
+        !psalm_columns(NULL, 1) && !psalm_column_name(NULL, 1, 1) && !psalm_column_unit(NULL, 1, 1) && psalm_find_table(NULL, "x") == 0 &&
         psalm_find_column(NULL, 1, "x") == 0 && psalm_column(NULL, 1, 1, 1, x) == PSALM_MISUSE && !psalm_word(NULL, 1, 1, 1) &&
         psalm_column_kind(NULL, 1, 1) == -1 && psalm_case_count(NULL) == 0 && psalm_file_count(NULL) == 0 && !psalm_file_content(NULL, 1) &&
         !psalm_file_ending(NULL, 1) && !psalm_found_text(NULL), "results of NULL");

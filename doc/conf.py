@@ -15,8 +15,10 @@ html_theme = "furo"
 html_title = "PSALM " + release
 html_show_sourcelink = False
 html_copy_source = False
+HERE = os.path.dirname(os.path.abspath(__file__))
+html_search_scorer = os.path.join(HERE, "search.js")
 # the drawing board that the gallery opens (tools/book_pages)
-html_extra_path = [folder for folder in ["extra"] if os.path.isdir(os.path.join(os.path.dirname(os.path.abspath(__file__)), folder))]
+html_extra_path = [folder for folder in ["extra"] if os.path.isdir(os.path.join(HERE, folder))]
 pygments_style = "default"
 pygments_dark_style = "monokai"
 

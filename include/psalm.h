@@ -116,7 +116,7 @@ void psalm_result_free(psalm_result *r);                                /* NULL 
 int psalm_cancel(psalm_case *c);
 int psalm_progress(psalm_case *c, int *made, int *most, double *best);
 
-/* Tables of a result. Names, units and words are valid until the next call with this result. */
+/* Tables of a result. Names, units, words and lines are valid until the next call with this result. */
 int psalm_table_count(const psalm_result *r);
 const char *psalm_table_name(psalm_result *r, int table);
 const char *psalm_table_about(psalm_result *r, int table);              /* what a row is */
@@ -127,6 +127,7 @@ const char *psalm_column_name(psalm_result *r, int table, int column);
 const char *psalm_column_unit(psalm_result *r, int table, int column);
 int psalm_column_kind(const psalm_result *r, int table, int column);    /* PSALM_REAL ...; -1: no such column */
 int psalm_find_column(psalm_result *r, int table, const char *name);    /* its number; 0: none */
+const char *psalm_columns(psalm_result *r, int table);                  /* of every column a line, ended by \n: kind, tab, unit, tab, name */
 int psalm_column(const psalm_result *r, int table, int column, int count, double *values);   /* count: the rows; NaN: not known */
 const char *psalm_word(psalm_result *r, int table, int column, int row);
 

@@ -440,7 +440,7 @@
     else if (chosen.gear !== undefined) page = 'sketch#gears-in-chain';
     else if (chosen.slide !== undefined || tool === 'slider') page = 'sketch#chain';
     else if (chosen.drive !== undefined || tool === 'drive') page = 'sketch#drives';
-    else if (chosen.output !== undefined || tool === 'output') page = 'sketch#outputs-may-be-left-out';
+    else if (chosen.output !== undefined || tool === 'output') page = 'sketch#outputs-optional';
     const [name, place] = page.split('#');
     if (book) window.open(book + 'guide/' + name + '.html' + (place ? '#' + place : ''), 'book');
     else $('hint').textContent = 'The book explains this on its page guide/' + name + ' (doc/guide/' + name + '.md).';

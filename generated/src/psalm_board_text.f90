@@ -3206,7 +3206,7 @@ module psalm_board_text
    "    else if (chosen.gear !== undefined) page = 'sketch#gears-in-chain';"//nl// &
    "    else if (chosen.slide !== undefined || tool === 'slider') page = 'sketch#chain';"//nl// &
    "    else if (chosen.drive !== undefined || tool === 'drive') page = 'sketch#drives';"//nl// &
-   "    else if (chosen.output !== undefined || tool === 'output') page = 'sketch#outputs-may-be-left-out';"//nl// &
+   "    else if (chosen.output !== undefined || tool === 'output') page = 'sketch#outputs-optional';"//nl// &
    "    const [name, place] = page.split('#');"//nl// &
    "    if (book) window.open(book + 'guide/' + name + '.html' + (place ? '#' + place : ''), 'book');"//nl// &
    "    else $('hint').textContent = 'The book explains this on its page guide/' + name + ' (doc/guide/' + name + '.md).';"//nl// &

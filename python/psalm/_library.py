@@ -74,7 +74,7 @@ def _load():
             ("find_table", whole, [case, text]), ("row_count", whole, [case, whole]), ("column_count", whole, [case, whole]),
             ("column_name", text, [case, whole, whole]), ("column_unit", text, [case, whole, whole]),
             ("column_kind", whole, [case, whole, whole]), ("find_column", whole, [case, whole, text]),
-            ("column", whole, [case, whole, whole, whole, place]), ("word", text, [case, whole, whole, whole]),
+            ("columns", text, [case, whole]), ("column", whole, [case, whole, whole, whole, place]), ("word", text, [case, whole, whole, whole]),
             ("listing", text, [case]), ("found_text", text, [case]), ("case_count", whole, [case]), ("case_of", whole, [case, whole, place]),
             ("file_count", whole, [case]), ("file_ending", text, [case, whole]), ("file_content", text, [case, whole]),
             ("findings", whole, [case]), ("finding_level", whole, [case, whole]), ("finding_line", whole, [case, whole]),

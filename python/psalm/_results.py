@@ -1,4 +1,6 @@
 """What a study gives: tables of named columns, as NumPy arrays."""
+import ctypes
+import functools
 import html
 import typing
 
@@ -42,23 +44,30 @@ class _Owner:
         raise TypeError("a result of psalm is not copied or pickled: take its tables, as result.to_dict()")
 
 
+class _Layout:
+    """The columns of a table: names, and by name the number, kind and unit; of several of one name the first. `groups`: what stands
+    before a point of a name."""
+
+    def __init__(self, lines: bytes):
+        fields = [line.split("\t") for line in lines.decode(errors="replace").split("\n")[:-1]]
+        self.names = [name for kind, unit, name in fields]
+        self.found = {name: (number, int(kind), unit) for number, (kind, unit, name) in reversed(list(enumerate(fields, 1)))}
+        self.groups = {name[:at] for name in self.names for at in range(len(name)) if name[at] == "."}
+
+
+# studies of one kind give tables of the same columns again and again
+_layout = functools.lru_cache(maxsize=256)(_Layout)
+
+
 class Column(numpy.ndarray):
     """A column of a table: an array of the shape (rows,) with its `unit`; further columns of the same name are its attributes:
     `rocker.v` is the column `rocker.v`."""
     _of = _name = None      # owner and number of its table, name: of a whole column
-    _unit = ""              # None: not asked for yet
+    unit: str = ""
 
     def __array_finalize__(self, other):
         if isinstance(other, Column):
-            self._unit = other.unit
-
-    @property
-    def unit(self) -> str:
-        if self._unit is None:
-            owner, number = self._of
-            place = library.psalm_find_column(owner.handle, number, self._name.encode())
-            self._unit = library.psalm_column_unit(owner.handle, number, place).decode()
-        return self._unit
+            self.unit = other.unit
 
     def __array_wrap__(self, array, context=None, return_scalar=False):
         # what is computed from a column has another unit
@@ -88,6 +97,10 @@ class Group:
                 return column
         raise AttributeError("there is no column %s.%s; there are %s" % (self._name, name, ", ".join(dir(self))))
 
+    # a look-up that need not fail first
+    x = property(lambda self: self.__getattr__("x"), doc="(rows,): horizontal co-ordinate")
+    y = property(lambda self: self.__getattr__("y"), doc="(rows,): vertical co-ordinate")
+
     def __dir__(self):
         return [n[len(self._name) + 1:] for n in self._table.columns if n.startswith(self._name + ".")]
 
@@ -108,8 +121,11 @@ class Table(typing.Mapping):
 
     def __init__(self, owner: _Owner, number: int):
         self._owner, self._handle, self._number, self._read = owner, owner.handle, number, {}
+        lines = library.psalm_columns(self._handle, number)
+        if lines is None:
+            raise KeyError("this result has no table")
+        self._layout = _layout(lines)
         self.rows: int = library.psalm_row_count(self._handle, number)
-        self._columns = None
 
     @property
     def name(self) -> str:
@@ -123,61 +139,51 @@ class Table(typing.Mapping):
     @property
     def columns(self) -> typing.List[str]:
         """Names of the columns."""
-        if self._columns is None:
-            handle, number = self._handle, self._number
-            self._columns = [library.psalm_column_name(handle, number, c).decode()
-                             for c in range(1, library.psalm_column_count(handle, number) + 1)]
-        return self._columns
+        return list(self._layout.names)
 
     @property
     def units(self) -> typing.Dict[str, str]:
         """Unit of every column; empty for pure numbers and words."""
-        return {name: library.psalm_column_unit(self._handle, self._number, c).decode()
-                for c, name in enumerate(self.columns, 1)}
+        return {name: self._layout.found[name][2] for name in self._layout.names}
 
     def __contains__(self, name):
-        return isinstance(name, str) and library.psalm_find_column(self._handle, self._number, name.encode()) > 0
+        return name in self._layout.found
 
     def __iter__(self):
-        return iter(self.columns)
+        return iter(self._layout.names)
 
     def __len__(self):
-        return len(self.columns)
+        return len(self._layout.names)
 
     def __getitem__(self, name: str):
         if not isinstance(name, str):
             raise KeyError(name)
-        column = self._column(name)
-        if column is not None:
-            return column
-        group = Group(self, name)
-        # a joint or a point has an x: the other names need not be looked at
-        if name + ".x" in self or dir(group):
-            return group
+        if name in self._layout.found:
+            return self._column(name)
+        if name in self._layout.groups:
+            return Group(self, name)
         raise KeyError("%s; there are %s" % (name, ", ".join(self.columns)))
 
     def _column(self, name):
         """A column; None if there is none of that name."""
         if name in self._read:
             return self._read[name]
-        handle, number = self._handle, self._number
-        place = library.psalm_find_column(handle, number, name.encode())
-        if place == 0:
+        if name not in self._layout.found:
             return None
-        kind = library.psalm_column_kind(handle, number, place)
+        handle, number = self._handle, self._number
+        place, kind, unit = self._layout.found[name]
         if kind == _library.WORD:
             values = numpy.array([library.psalm_word(handle, number, place, r).decode() for r in range(1, self.rows + 1)], dtype=object)
         else:
-            values = numpy.empty(self.rows)
-            at = values.__array_interface__["data"][0]      # a third of the time of values.ctypes.data
-            if library.psalm_column(handle, number, place, self.rows, at) != _library.DONE:
+            room = (ctypes.c_double*self.rows)()    # of ctypes: to ask an array of NumPy for its address takes longer than to copy it
+            if library.psalm_column(handle, number, place, self.rows, room) != _library.DONE:
                 raise Error(_library.MISUSE)
+            values = numpy.ndarray.__new__(Column, self.rows, float, room)
             if kind == _library.FLAG and not numpy.isnan(values).any():
-                values = values > 0.5
+                values = (values > 0.5).view(Column)
             elif kind == _library.WHOLE and not numpy.isnan(values).any():
                 values = values.astype(int)
-            values = values.view(Column)
-            values._unit, values._of, values._name = None, (self._owner, number), name
+            values.unit, values._of, values._name = unit, (self._owner, number), name
         self._read[name] = values
         return values
 
@@ -241,8 +247,6 @@ class Result:
     @property
     def table(self) -> Table:
         """The table that the result is about: the first."""
-        if 1 not in self._tables and library.psalm_table_count(self._handle) == 0:
-            raise KeyError("this result has no table")
         return self._table(1)
 
     def __contains__(self, name):

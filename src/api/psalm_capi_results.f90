@@ -9,11 +9,12 @@ module psalm_capi_results
    private
    public :: psalm_result_free, psalm_table_count, psalm_table_name, psalm_table_about, psalm_find_table, psalm_row_count
    public :: psalm_column_count, psalm_column_name, psalm_column_unit, psalm_column_kind, psalm_find_column, psalm_column
-   public :: psalm_word, psalm_listing, psalm_found_text, psalm_case_count, psalm_case_of, psalm_file_count
+   public :: psalm_columns, psalm_word, psalm_listing, psalm_found_text, psalm_case_count, psalm_case_of, psalm_file_count
    public :: psalm_file_ending, psalm_file_content
 
    ! kinds of columns, as in psalm.h
    integer(c_int), parameter :: column_real = 0, column_whole = 1, column_flag = 2, column_word = 3
+   character(*), parameter :: tab = achar(9)
 
 contains
 
@@ -141,18 +142,56 @@ contains
 
       psalm_column_kind = -1
       call look_up(handle, table, own, found, column)
-      if (.not. associated(found)) return
-      select case (found%columns(column)%kind)
-      case (table_kind_whole)
-         psalm_column_kind = column_whole
-      case (table_kind_flag)
-         psalm_column_kind = column_flag
-      case (table_kind_word)
-         psalm_column_kind = column_word
-      case default
-         psalm_column_kind = column_real
-      end select
+      if (associated(found)) psalm_column_kind = kind_of(found%columns(column)%kind)
    end function psalm_column_kind
+
+   !> The number that psalm.h has for a kind of columns.
+   pure integer(c_int) function kind_of(kind)
+      integer, intent(in) :: kind
+
+      select case (kind)
+      case (table_kind_whole)
+         kind_of = column_whole
+      case (table_kind_flag)
+         kind_of = column_flag
+      case (table_kind_word)
+         kind_of = column_word
+      case default
+         kind_of = column_real
+      end select
+   end function kind_of
+
+   !> Kind, unit and name of every column, a line for each: a caller that reads many columns asks once.
+   type(c_ptr) function psalm_columns(handle, table) bind(C)
+      type(c_ptr), value, intent(in) :: handle
+      integer(c_int), value, intent(in) :: table
+      type(result_handle_t), pointer :: own
+      type(table_t), pointer :: found
+      character(:), allocatable :: lines
+      integer :: c, at
+
+      psalm_columns = c_null_ptr
+      call look_up(handle, table, own, found)
+      if (.not. associated(found)) return
+      at = 0
+      do c = 1, found%count
+         at = at + 4 + len(found%columns(c)%unit) + len(found%columns(c)%name)
+      end do
+      allocate (character(at) :: lines)
+      at = 0
+      do c = 1, found%count
+         associate (kind => found%columns(c)%kind, unit => found%columns(c)%unit, name => found%columns(c)%name)
+            lines(at + 1:at + 2) = achar(iachar('0') + int(kind_of(kind)))//tab
+            lines(at + 3:at + 2 + len(unit)) = unit
+            at = at + 3 + len(unit)
+            lines(at:at) = tab
+            lines(at + 1:at + len(name)) = name
+            at = at + len(name) + 1
+            lines(at:at) = new_line('a')
+         end associate
+      end do
+      psalm_columns = handed_out(lines, own%told)
+   end function psalm_columns
 
    !> Number of the column of that name; 0: there is none.
    integer(c_int) function psalm_find_column(handle, table, name) bind(C)

@@ -83,8 +83,8 @@ module psalm_error
       real(wp), allocatable :: more(:, :, :)       !! shape (positions, 3, drives after the first): increment, its cosine, its sine;
                                                    !! not allocated: there is one drive
       real(wp), allocatable :: own_delt(:, :)      !! shape (positions, drives after the first): of drives that are not geared
-      logical :: desired = .false.                 !! there are desired values
-      logical :: blank = .false.                   !! they are those of further outputs alone: these have no weight
+      logical :: desired = .false.                 !! there are desired values of the output
+      logical :: blank = .false.                   !! there are those of a sketch's outputs alone: `wanted` has no weight
       real(wp), allocatable :: wanted(:, :)        !! shape (positions, components): desired, points in machine co-ordinates
       real(wp), allocatable :: toward_x(:), toward_y(:) !! unit vectors of desired angles
       real(wp), allocatable :: weight(:, :)        !! shape as `wanted`: weights, 0 for padding
@@ -388,7 +388,7 @@ contains
       integer, intent(in) :: kept(:)   !! numbers of positions
       real(wp), allocatable :: wanted(:, :), weight(:, :), own(:, :)  ! `own` is absent where it is not allocated
 
-      if (self%desired) then
+      if (self%desired .or. (self%blank .and. allocated(self%wish_values))) then
          wanted = self%wanted(kept, :)
          weight = self%weight(kept, :)
       end if
@@ -425,7 +425,7 @@ contains
       real(wp), intent(in), optional :: weight(:, :)   !! the same shape; default 1
       integer :: i, c, components
 
-      self%desired = .true.
+      self%desired = .not. self%blank
       components = self%output%kind%components
       if (allocated(self%wanted)) deallocate (self%wanted, self%weight, self%toward_x, self%toward_y)
       associate (n => self%blocks()*self%linkage%room)

@@ -12,7 +12,7 @@ module psalm_sketch_redraw
    use psalm_mechanism, only: mechanism_t
    use psalm_parameters, only: no_parameters
    use psalm_sketch, only: sketch_t, output_slide
-   use psalm_sketch_case, only: assemble_sketch
+   use psalm_sketch_assembly, only: assemble_sketch
    use psalm_sketch_motion, only: sketch_motion_t, locate_sketch, find_places
    use psalm_status, only: diagnostics_t
    implicit none (type, external)

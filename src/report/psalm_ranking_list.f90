@@ -1,17 +1,18 @@
 !> The ranking of the linkages found in the listing: what makes them different, their margins, their quality and size.
 module psalm_ranking_list
-   use psalm_column_names, only: output_unit
+   use psalm_column_names, only: number_unit, output_unit, per_input
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, degrees_per_radian
+   use psalm_output_wishes, only: wish_group_t, wish_groups, first_wish
    use psalm_parameters, only: name_of, words_of
    use psalm_ranking, only: ranked_t
    use psalm_search, only: result_t
    use psalm_search_group, only: pareto_none, pareto_largest, pareto_angle, pareto_ratio, pareto_room, pareto_band
    use psalm_summary_text, only: plain_number
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
-   use psalm_text, only: text_t, general, rank_column, to_text
+   use psalm_text, only: text_t, general, rank_column, to_text, upper_case
    implicit none (type, external)
    private
    public :: ranking_entry_t, list_ranking, put_ranking, bounds_reached, add_to_ranking, add_share, list_common_ranking
@@ -40,6 +41,7 @@ contains
       type(result_t), intent(in) :: found
       type(ranked_t), intent(in) :: ranked(:)            !! shape (linkages found)
       type(text_t), intent(inout) :: text
+      type(wish_group_t), allocatable :: groups(:)
       character(:), allocatable :: line
       integer :: i
 
@@ -59,6 +61,10 @@ contains
             call text%add(rank_column(i)//quality(one)//'   '//turning(one))
          end associate
       end do
+      if (problem%blank) then
+         groups = wish_groups(set%sketch)
+         call text%add(' ERRORS ARE THOSE OF '//upper_case(trim(groups(first_wish(groups))%name)))
+      end if
       call text%add(' LINKAGES DIFFER WHERE A LENGTH DOES BY MORE THAN '//plain_number(percent*set%search%differ)// &
                     ' PER CENT OF IT, OR AN ANGLE BY MORE THAN '//plain_number(degrees_per_radian*set%search%differ)// &
                     ' DEGREES (DIFFER='//plain_number(set%search%differ)//');')
@@ -227,8 +233,24 @@ contains
       end select
    end function weighed
 
+   !> Unit of the errors of a linkage.
+   pure function error_unit(set, problem) result(unit)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      character(:), allocatable :: unit
+      type(wish_group_t), allocatable :: groups(:)
+
+      unit = output_unit(problem%output%kind%angle == 1)
+      if (.not. problem%blank) return
+      groups = wish_groups(set%sketch)
+      associate (first => groups(first_wish(groups)))
+         unit = number_unit(set%sketch%outputs, first%number, per_input(problem%mechanism%sliding_input), first%order)
+      end associate
+   end function error_unit
+
    !> Tables for other programs: ranking, and the dimensions that vary of each linkage.
-   subroutine put_ranking(problem, found, ranked, tables)
+   subroutine put_ranking(set, problem, found, ranked, tables)
+      type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(result_t), intent(in) :: found
       type(ranked_t), intent(in) :: ranked(:)            !! shape (linkages found)
@@ -245,8 +267,8 @@ contains
       call table%add('angle_margin', ranked%angle_margin, 'deg')
       call table%add('length_margin', ranked%length_margin, 'length')
       call table%add('longest_arc', ranked%longest_arc, 'length')
-      call table%add('rms_error', ranked%rms, output_unit(problem%output%kind%angle == 1), ranked%compared)
-      call table%add('largest_error', ranked%largest, output_unit(problem%output%kind%angle == 1), ranked%compared)
+      call table%add('rms_error', ranked%rms, error_unit(set, problem), ranked%compared)
+      call table%add('largest_error', ranked%largest, error_unit(set, problem), ranked%compared)
       call table%add('transmission', ranked%angle, 'deg', ranked%has_angle)
       call table%add('longest_to_shortest', ranked%ratio)
       call table%add('room_width', ranked%width, 'length')

@@ -32,7 +32,7 @@ module psalm_report
    use psalm_sketch_text, only: variant_t, variant_of
    use psalm_status, only: diagnostics_t
    use psalm_summary, only: summary_t
-   use psalm_summary_text, only: write_summary
+   use psalm_summary_text, only: write_summary, write_wish_errors
    use psalm_synthesis, only: synthesis_t, ended_infeasible, ended_small_objective, ended_iterations, ended_time, &
                               ended_on_request, ended_without_rates
    use psalm_text, only: text_t, general, lower_case, to_text
@@ -166,7 +166,7 @@ contains
 
       if (size(search%ranked) > 0) then
          call list_ranking(set, problem, search%found, search%ranked, devices%six)
-         call put_ranking(problem, search%found, search%ranked, devices%cases(devices%last_case()))
+         call put_ranking(set, problem, search%found, search%ranked, devices%cases(devices%last_case()))
       end if
       if (set%search%ranking /= ranking_none) call add_to_ranking(set, search%found, search%ranked, devices%ranking)
       if (set%search%ranking == ranking_shared) call add_share(set, search%found, devices%shares)
@@ -355,6 +355,7 @@ contains
       else
          call write_summary(set%title, summary, devices%summary, zero_words(set), special, coincident=coincident_words())
       end if
+      call write_wish_errors(set%sketch, summary, devices%summary)
       if (devices%summarised == most_summarised .and. set%limits%last == 0) &
          call devices%summary%add('Further cases of the file are not summarised')
 

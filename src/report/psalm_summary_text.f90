@@ -1,13 +1,15 @@
 !> The summary of a run in words, for standard error: a title and at most fourteen lines a case.
 module psalm_summary_text
+   use psalm_column_names, only: number_unit, output_unit, per_input
    use psalm_kinds, only: wp, dp
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, most_rates
+   use psalm_sketch, only: sketch_t
    use psalm_summary, only: summary_t, range_t, loop_kind_t, kind_crank_rocker, kind_double_crank, kind_double_rocker, &
                             kind_rocker_crank, kind_triple_rocker, kind_change_point, kind_slider_turning
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
-   public :: write_summary, plain_number, name_of_kind
+   public :: write_summary, write_wish_errors, plain_number, name_of_kind
 
    integer, parameter :: most_listed = 4     !! of ranges, kinds or inputs on one line
    integer, parameter :: label_columns = 20
@@ -66,7 +68,8 @@ contains
          if (outputs .and. size(summary%reverses) > 0) call add_line('Dead points', 'the output reverses at '// &
                                                        listed(summary%reverses), text)
       end if
-      if (summary%compared > 0) call add_line('Error', 'RMS '//plain_number(summary%rms)//', largest '// &
+      if (summary%compared > 0 .and. .not. summary%of_wishes) &
+         call add_line('Error', 'RMS '//plain_number(summary%rms)//', largest '// &
          plain_number(summary%largest)//' '//unit_words(summary)//' at position '//to_text(summary%worst)//' (input '// &
          plain_number(summary%worst_input)//')', text)
       do order = 1, size(summary%rates)
@@ -96,6 +99,31 @@ contains
          if (summary%least_asked > 0.0_wp) words = ' (TRMIN: '//plain_number(summary%least_asked)//')'
       end function asked
    end subroutine write_summary
+
+   !> Append the errors of the outputs of a sketch that have desired values of their own.
+   subroutine write_wish_errors(sketch, summary, text)
+      type(sketch_t), intent(in) :: sketch
+      type(summary_t), intent(in) :: summary
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: unit
+      integer :: k
+
+      if (.not. allocated(summary%wishes)) return
+      do k = 1, size(summary%wishes)
+         associate (errors => summary%wishes(k))
+            unit = number_unit(sketch%outputs, errors%number, per_input(summary%sliding_input), errors%order)
+            if (unit == output_unit(.false.)) unit = 'length units'
+            if (unit == output_unit(.true.)) unit = 'degrees'
+            if (errors%compared == 0) then
+               call add_line('Error', trim(errors%name)//' has no value where one is desired', text)
+            else
+               call add_line('Error', trim(errors%name)//' RMS '//plain_number(errors%rms)//', largest '// &
+                             trim(plain_number(errors%largest)//' '//unit)//' at position '//to_text(errors%worst)//' (input '// &
+                             plain_number(errors%worst_input)//')', text)
+            end if
+         end associate
+      end do
+   end subroutine write_wish_errors
 
    !> What a derivative by the input is measured in.
    pure function unit_of_rate(summary, order) result(words)

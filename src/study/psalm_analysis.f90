@@ -9,9 +9,9 @@ module psalm_analysis
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp, full_turn
    use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated
-   use psalm_summary, only: summary_t, summarise
+   use psalm_summary, only: summary_t, summarise, summarise_wishes
    use psalm_sweep, only: sweep_inputs
-   use psalm_output_wishes, only: output_wishes_t, prepare_output_wishes, find_output_wishes, sum_of_wish_errors
+   use psalm_output_wishes, only: output_wishes_t, compare_with_wishes, sum_of_wish_errors
    use psalm_wanted_rates, only: add_rates_to_motion
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t, arc_crank, arc_link
@@ -77,26 +77,6 @@ contains
       wanted%doubts = .true.
    end function wanted_by
 
-   !> Desired values of further outputs; their part of the objective.
-   subroutine compare_outputs(set, problem, dimensions, analysis)
-      type(data_set_t), intent(in) :: set
-      type(problem_t), intent(in) :: problem
-      type(dimensions_t), intent(in) :: dimensions
-      type(analysis_t), intent(inout) :: analysis
-      integer :: k
-
-      allocate (analysis%wishes)
-      call prepare_output_wishes(set, problem, .false., .false., analysis%wishes)
-      associate (wishes => analysis%wishes)
-         call find_output_wishes(wishes, dimensions)
-         do k = 1, size(wishes%miss, 2)
-            wishes%exists(:, k) = wishes%exists(:, k) .and. analysis%motion%closed
-         end do
-         where (.not. wishes%exists) wishes%miss = 0.0_wp
-         analysis%motion%total = analysis%motion%total + sum_of_wish_errors(wishes)
-      end associate
-   end subroutine compare_outputs
-
    !> Analyse a linkage. `problem` is bound to it afterwards.
    subroutine analyse(set, problem, dimensions, wanted, analysis)
       type(data_set_t), intent(in) :: set
@@ -108,11 +88,13 @@ contains
       class(problem_t), allocatable :: fine    ! large: it would fill a small stack
 
       analysis%dimensions = dimensions
-      ! the output shown has no desired values then
-      if (problem%blank) problem%desired = .false.
       call problem%analyse(dimensions, analysis%motion)
       if (allocated(problem%rate_wanted)) call add_rates_to_motion(problem, dimensions, analysis%motion)
-      if (allocated(problem%wish_values)) call compare_outputs(set, problem, dimensions, analysis)
+      if (allocated(problem%wish_values)) then
+         allocate (analysis%wishes)
+         call compare_with_wishes(set, problem, dimensions, analysis%motion%closed, analysis%wishes)
+         analysis%motion%total = analysis%motion%total + sum_of_wish_errors(analysis%wishes)
+      end if
       if (wanted%conditions) analysis%condition = conditions(problem)
       if (wanted%arcs) then
          allocate (analysis%arcs)
@@ -139,6 +121,7 @@ contains
       if (wanted%summary) then
          allocate (analysis%summary)
          call summarise(problem, dimensions, analysis%motion, analysis%summary)
+         if (allocated(analysis%wishes)) call summarise_wishes(set%sketch, analysis%wishes, analysis%motion, analysis%summary)
       end if
    end subroutine analyse
 

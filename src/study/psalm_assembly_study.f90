@@ -3,7 +3,7 @@ module psalm_assembly_study
    use psalm_assemblies, only: assemblies_t, find_assemblies
    use psalm_closure, only: closure_t, state_t
    use psalm_data_set, only: data_set_t
-   use psalm_sketch_case, only: assemble_sketch
+   use psalm_sketch_assembly, only: assemble_sketch
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private

@@ -22,7 +22,7 @@ module psalm_cam_study
    use psalm_force_model, only: force_model_t, make_force_model
    use psalm_kinds, only: wp, full_turn
    use psalm_preparation, only: prepared_t
-   use psalm_sketch_case, only: assemble_sketch
+   use psalm_sketch_assembly, only: assemble_sketch
    use psalm_status, only: diagnostics_t
    use psalm_text, only: general, to_text
    use psalm_shown_input, only: reference_input

@@ -7,7 +7,7 @@ module psalm_chain_study
    use psalm_kinds, only: wp, full_turn, radians_per_degree
    use psalm_link_poses, only: find_poses
    use psalm_sketch, only: drive_turns, output_ratio, columns_of
-   use psalm_sketch_case, only: assemble_sketch
+   use psalm_sketch_assembly, only: assemble_sketch
    use psalm_sketch_outputs, only: names_of_numbers, unwrap
    use psalm_sketch_study, only: sketch_study_t
    use psalm_status, only: diagnostics_t

@@ -9,7 +9,7 @@ module psalm_chain_synthesis
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
    use psalm_multistart, only: multistart_t, starter_t, candidate_t
    use psalm_sketch, only: output_slide
-   use psalm_sketch_case, only: assemble_sketch
+   use psalm_sketch_assembly, only: assemble_sketch
    use psalm_solver, only: solver_t, ending_t, observer_t, stop_refused
    use psalm_solvers, only: new_solver
    use psalm_status, only: diagnostics_t

@@ -12,10 +12,11 @@ module psalm_ranking
    use psalm_margins, only: margin_t, inspector_t, inspect, margin_slides, margin_guide, margin_bound
    use psalm_mechanism, only: arc_crank, arc_determined, arc_link
    use psalm_output_kind, only: motion_point, motion_pose
+   use psalm_output_wishes, only: output_wishes_t, compare_with_wishes
    use psalm_search, only: found_t
    use psalm_search_group, only: pareto_largest, pareto_angle, pareto_ratio, pareto_room, pareto_band
    use psalm_station, only: station_t, prepare_station, evaluate_station
-   use psalm_summary, only: summary_t, summarise
+   use psalm_summary, only: summary_t, summarise, summarise_wishes
    use psalm_tolerance, only: deviating_t, tolerance_t, find_tolerances
    implicit none (type, external)
    private
@@ -54,6 +55,7 @@ contains
       type(margin_t), allocatable :: margins(:)
       type(motion_t) :: motion
       type(summary_t) :: summary
+      class(output_wishes_t), allocatable :: wishes
 
       dimensions = problem%given
       call problem%parameters%apply(found%values, dimensions)
@@ -66,6 +68,11 @@ contains
          minval(margins%margin, mask=margins%kind >= margin_guide .and. margins%kind < margin_bound)
       call problem%analyse(dimensions, motion)
       call summarise(problem, dimensions, motion, summary)
+      if (allocated(problem%wish_values)) then
+         allocate (wishes)
+         call compare_with_wishes(set, problem, dimensions, motion%closed, wishes)
+         call summarise_wishes(set%sketch, wishes, motion, summary)
+      end if
       ranked%compared = summary%compared > 0
       ranked%rms = summary%rms
       ranked%largest = summary%largest

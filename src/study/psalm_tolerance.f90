@@ -428,8 +428,8 @@ contains
          call locate_sketch(set, mechanism, sketch, dimensions)
          apart = pack(sketch%moving%joint, abs(sketch%moving%offset) > 0.0_wp)
       end if
-      list = allotted_columns(parameters%variables, apart, listed_of(set, dimensions, apart), [([toler%tollen, toler%tolang], &
-                                                                                              k=1, size(apart))])
+      list = allotted_columns(parameters%variables, listed_of(set, dimensions, apart), &
+                              [([toler%tollen, toler%tolang], k=1, size(apart))])
       names = names_of_tolerances(set%sketch, parameters%variables, apart)
       names = names(list)
       is_angle = angles_of(parameters%variables, size(apart), mechanism%sliding_input)
@@ -437,9 +437,9 @@ contains
    end subroutine dimensions_to_allot
 
    !> Columns to which tolerances can be allotted. The joint that the output arc ends at has the tolerances of that arc.
-   pure function allotted_columns(variables, apart, listed, of_apart) result(list)
+   pure function allotted_columns(variables, listed, of_apart) result(list)
       type(variable_t), intent(in) :: variables(:)
-      integer, intent(in) :: apart(:), listed      !! joints; which of them the output arc ends at
+      integer, intent(in) :: listed                !! joint off the arcs that the output arc ends at; 0: none
       real(wp), intent(in) :: of_apart(:)          !! tolerances of their distances and angles, in turn
       integer, allocatable :: list(:)
       integer :: v, k
@@ -511,7 +511,7 @@ contains
                sizes = [sizes, abs(all%sketch%moving(all%apart(k))%offset), 0.0_wp]
             end do
          end associate
-         allowance%column = allotted_columns(linear%variables, apart, listed, linear%bands%of_apart)
+         allowance%column = allotted_columns(linear%variables, listed, linear%bands%of_apart)
       else
          allowance%column = [(v, v=1, nvar)]
       end if

@@ -11,15 +11,18 @@ module psalm_summary
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp, full_turn, right_angle
    use psalm_output_kind, only: motion_point, motion_angle, motion_pose, most_rates
+   use psalm_output_wishes, only: output_wishes_t, wish_group_t, wish_groups, first_wish
    use psalm_plan, only: root_crank, root_frame
    use psalm_station, only: station_t, prepare_station, evaluate_station
+   use psalm_sketch, only: sketch_t
+   use psalm_sketch_outputs, only: name_room
    use psalm_sweep, only: sweep_sense
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
    use psalm_shown_input, only: input_in_turn, reference_input
    implicit none (type, external)
    private
-   public :: summary_t, loop_kind_t, range_t, summarise, kinds_of, kind_of_four_bar
+   public :: summary_t, loop_kind_t, range_t, summarise, summarise_wishes, kinds_of, kind_of_four_bar
    public :: kind_none, kind_crank_rocker, kind_double_crank, kind_double_rocker, kind_rocker_crank, kind_triple_rocker, &
              kind_change_point, kind_slider_turning, kind_slider_swinging
 
@@ -62,6 +65,17 @@ module psalm_summary
       logical :: of_angle = .false.                   !! of the angle of a pose, of whose point none are wanted
    end type rate_errors_t
 
+   !> Errors of an output of a sketch, or of a derivative of it.
+   type :: wish_errors_t
+      character(name_room) :: name = ''               !! of the output
+      integer :: number = 0                           !! the first of its numbers, counted through those of all outputs
+      integer :: order = 0                            !! derivative
+      integer :: compared = 0                         !! positions at which a value is wanted and exists
+      real(wp) :: rms = 0.0_wp, largest = 0.0_wp      !! of points their distance; of angles degrees, their derivatives in radians
+      integer :: worst = 0                            !! position of the largest
+      real(wp) :: worst_input = 0.0_wp
+   end type wish_errors_t
+
    type :: summary_t
       logical :: sliding_input = .false.
       integer :: motion = motion_point                !! MOTION: what the output is
@@ -91,6 +105,8 @@ module psalm_summary
       real(wp) :: rms = 0.0_wp, largest = 0.0_wp      !! errors there, unit of the output
       integer :: worst = 0                            !! position of the largest
       real(wp) :: worst_input = 0.0_wp
+      type(wish_errors_t), allocatable :: wishes(:)   !! by output; not allocated: there are no desired values of such
+      logical :: of_wishes = .false.                  !! the errors above are those of the first of these
       type(rate_errors_t) :: rates(most_rates)        !! of first and second derivatives by the input
    end type summary_t
 
@@ -312,6 +328,57 @@ contains
       ! relative to the largest, for squares of extreme lengths overflow
       summary%rms = summary%largest*sqrt(sum((miss/summary%largest)**2, mask=motion%closed)/real(summary%compared, wp))
    end subroutine errors
+
+   !> Errors of the outputs of a sketch that have desired values of their own. Where there are no others those of the first of these
+   !> are the errors of the linkage.
+   pure subroutine summarise_wishes(sketch, wishes, motion, summary)
+      type(sketch_t), intent(in) :: sketch
+      class(output_wishes_t), intent(in) :: wishes    !! compared at the positions
+      type(motion_t), intent(in) :: motion            !! at the same positions
+      type(summary_t), intent(inout) :: summary
+      type(wish_group_t), allocatable :: groups(:)
+      real(wp), allocatable :: miss(:)
+      logical, allocatable :: counts(:)
+      integer :: k, c
+
+      groups = wish_groups(sketch)
+      allocate (summary%wishes(size(groups)))
+      do k = 1, size(groups)
+         associate (errors => summary%wishes(k), group => groups(k))
+            errors%name = group%name
+            errors%number = group%number
+            errors%order = group%order
+            allocate (miss(size(wishes%miss, 1)), source=0.0_wp)
+            allocate (counts(size(miss)), source=.false.)
+            do c = 1, size(group%columns)
+               associate (n => group%columns(c))
+                  where (wishes%exists(:, n) .and. wishes%problem%wish_weights(:, n) > 0.0_wp)
+                     miss = hypotenuse(miss, wishes%miss(:, n))
+                     counts = .true.
+                  end where
+               end associate
+            end do
+            errors%compared = count(counts)
+            if (errors%compared > 0) then
+               errors%worst = maxloc(miss, dim=1, mask=counts)
+               errors%worst_input = motion%input(errors%worst)
+               errors%largest = miss(errors%worst)
+               if (errors%largest > 0.0_wp) errors%rms = errors%largest*sqrt(sum((miss/errors%largest)**2, mask=counts) &
+                                                                             /real(errors%compared, wp))
+            end if
+            deallocate (miss, counts)
+         end associate
+      end do
+      if (.not. wishes%problem%blank .or. size(groups) == 0) return
+      summary%of_wishes = .true.
+      associate (first => summary%wishes(first_wish(groups)))
+         summary%compared = first%compared
+         summary%rms = first%rms
+         summary%largest = first%largest
+         summary%worst = first%worst
+         summary%worst_input = first%worst_input
+      end associate
+   end subroutine summarise_wishes
 
    !> The same of derivatives by the input, where they are wanted; of a pose those of its point, or of its angle if those alone are.
    pure subroutine errors_of_rates(problem, motion, rates)

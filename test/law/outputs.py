@@ -29,6 +29,15 @@ SIX_BAR = """SIX-BAR WITH A GROUP OF FOUR LINKS
   LNAME='frame','crank','left','top','right','tie', LNK='A G','A B','B C E','C D','D F G','E F P' &END
  &DRIVES DRIVE='A' &END
 """
+POSES = """FOUR-BAR THROUGH FOUR POSES
+ &CHAIN JNT='A','B','C','D','P','Q', JX=0,-10,60,80,40,50, JY=0,45,70,0,110,110,
+  LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P Q','C D',
+  VARY='A B','B C','C D','B P','angle B C B P','place D','place A','input' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='%s' &END
+ &METHOD NDES=4, DELT=0,-15,-30,-45, DESX=%s, DESY=%s, DESANG=%s &END
+ &SEARCH SOLVER='LSQ', NSTART=20, NBEST=2 &END
+"""
 OUTPUTS = ("point P", "x P", "angle C D", "distance B D", "between A B C D")
 NUMBERS = ("point_P.x", "point_P.y", "x_P", "angle_C_D", "distance_B_D", "between_A_B_C_D")
 
@@ -146,9 +155,37 @@ def drawn_whole(programs, work, head):
     check("the same links, whatever is asked", all(one == seen[0] for one in seen), seen)
 
 
+def wished_poses(programs, work):
+    """Errors in ranking, summary and kalm are those of the desired poses: the objective is the sum of their squares."""
+    wanted = ((40.0, 110.0, 0.0), (60.0, 112.0, -10.0), (80.0, 108.0, -20.0), (95.0, 98.0, -35.0))
+    for output, name in (("pose P coupler", "pose_P_coupler"), ("pose P P Q", "pose_P_P_Q")):
+        text = POSES % (output, *(",".join("%g" % pose[c] for pose in wanted) for c in range(3)))
+        search = Run(programs, work, text)
+        with open(os.path.join(work, "case.dev7"), encoding="ascii") as file:
+            rates = Run(programs, work, file.read(), "kalm")
+        points = [math.hypot(float(row[name + ".x"]) - x, float(row[name + ".y"]) - y) for row, (x, y, _) in zip(rates.table, wanted)]
+        angles = [math.remainder(float(row[name + ".angle"]) - a, 360.0) for row, (_, _, a) in zip(rates.table, wanted)]
+        both = [math.sqrt(sum(e*e for e in errors)/len(errors)) for errors in (points, angles)]
+        check("%s: a linkage was found" % name, search.status == 0 and len(rates.table) == 4, search.messages)
+        objective = float(re.search(r"best objective\s+(\S+)", search.messages)[1])
+        check("%s: the objective is the sum of the squares" % name, abs(4.0*sum(e*e for e in both) - objective) < 1e-6*objective,
+              (both, objective))
+        ranked = re.search(r"RMS ERROR.*\n\s+1\s+(\S+)\s+(\S+)", search.listing)
+        check("%s: the ranking has their errors" % name, abs(float(ranked[1]) - both[0]) < 1e-6*both[0] and
+              abs(float(ranked[2]) - max(points)) < 1e-6*max(points) and "ERRORS ARE THOSE OF " + name.upper() in search.listing, ranked[0])
+        for run in (search, rates):
+            told = re.findall(r"Error +%s(?:\.angle)? RMS (\S+), largest (\S+) (length units|degrees)" % name, run.messages)
+            check("%s: the summary has both" % name, len(told) == 2 and [line[2] for line in told] == ["length units", "degrees"] and
+                  run.messages.count("  Error  ") == 2, run.messages)
+            for (rms, largest, _), one, errors in zip(told, both, (points, angles)):
+                check("%s: figures of the summary" % name, abs(float(rms) - one) < 1e-4*one and
+                      abs(float(largest) - max(map(abs, errors))) < 1e-4*max(map(abs, errors)), (rms, one, largest, errors))
+
+
 def main():
     programs = os.path.abspath(sys.argv[1])
     with tempfile.TemporaryDirectory() as work:
+        wished_poses(programs, work)
         for head in (FOUR_BAR, SIX_BAR):
             groups = ("&METHOD IKIN=30", "&LIMITS TANGLE=89.0, IPLOT=1, ICOND=1", "&TOLER TOLLEN=0.002, TOLANG=0.002, NTRIAL=20000")
             outputs, numbers = OUTPUTS, NUMBERS

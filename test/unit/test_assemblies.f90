@@ -11,7 +11,7 @@ program test_assemblies
    use psalm_kinds, only: wp, degrees_per_radian, pi
    use psalm_lapack, only: general_eigenvalues
    use psalm_sketch, only: sketch_t, link_t
-   use psalm_sketch_case, only: assemble_sketch
+   use psalm_sketch_assembly, only: assemble_sketch
    use psalm_status, only: diagnostics_t
    use psalm_xoshiro, only: xoshiro_t, purpose_sample
    implicit none (type, external)

@@ -11,7 +11,7 @@ program test_chain_search
    use psalm_error, only: problem_t, make_problem
    use psalm_kinds, only: wp
    use psalm_preparation, only: prepared_t, prepare
-   use psalm_sketch_case, only: assemble_sketch
+   use psalm_sketch_assembly, only: assemble_sketch
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t

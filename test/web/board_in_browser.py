@@ -138,7 +138,7 @@ def test_address_and_help(browser):
     board.page.evaluate("window.open = (to) => { window.opened = to; }")
     guide = os.path.join(TOP, "doc", "guide")
     for tool, page in (("select", "./guide/board.html"), ("drive", "./guide/sketch.html#drives"), ("slider", "./guide/sketch.html#chain"),
-                       ("output", "./guide/sketch.html#outputs-may-be-left-out")):
+                       ("output", "./guide/sketch.html#outputs-optional")):
         board.tool(tool)
         board.page.click("#help")
         check("board: help with the tool %s" % tool, board.ask("window.opened") == page, board.ask("window.opened"))

@@ -18,14 +18,23 @@ module psalm_output_wishes
    use psalm_rates, only: prepare_rates, differentiate, form_frames, is_dead
    use psalm_rows, only: rows_t, make_rows, clear_rows
    use psalm_sensitivity, only: sensitivity_t, wanted_outputs_t, prepare_sensitivity, find_jacobian, unit_of, clear_changes
-   use psalm_sketch, only: sketch_output_t, wish_column_t, output_ratio, columns_of, most_wished
+   use psalm_sketch, only: sketch_t, sketch_output_t, wish_column_t, output_ratio, columns_of, most_wished
    use psalm_sketch_motion, only: locate_sketch, find_places, observe_sketch, find_rate_changes, find_own_rate_changes
    use psalm_sketch_outputs, only: names_of_numbers, values_of_outputs, change_of_values, name_room
    implicit none (type, external)
    private
-   public :: output_wishes_t, prepare_output_wishes, find_output_wishes, differentiate_output_wishes, sum_of_wish_errors
+   public :: output_wishes_t, prepare_output_wishes, find_output_wishes, differentiate_output_wishes, sum_of_wish_errors, &
+             compare_with_wishes, wish_group_t, wish_groups, first_wish
 
    character(*), parameter :: of_order(0:most_wished) = [character(6) :: '', ' (VEL)', ' (ACC)'] !! after the items that want them
+
+   !> Numbers whose errors are told as one: x and y of a point, else one number.
+   type :: wish_group_t
+      integer, allocatable :: columns(:)            !! of the wishes
+      integer :: number = 0                         !! the first of them, counted through the numbers of all outputs of the sketch
+      integer :: order = 0                          !! derivative
+      character(name_room) :: name = ''             !! of the output, or of the number
+   end type wish_group_t
 
    !> Room to work in, and the linkage looked at last. Columns are the numbers that are wanted, as `wish_columns` has them.
    type :: output_wishes_t
@@ -162,6 +171,62 @@ contains
          where (.not. wishes%exists) wishes%by(:, v, :) = 0.0_wp
       end do
    end subroutine differentiate_output_wishes
+
+   !> What a linkage does of what is desired at the positions that it comes to; elsewhere nothing is compared.
+   subroutine compare_with_wishes(set, problem, dimensions, closed, wishes)
+      type(data_set_t), intent(in) :: set           !! a sketch with its loops
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      logical, intent(in) :: closed(:)              !! shape (positions): by the analysis of the problem
+      type(output_wishes_t), intent(out) :: wishes
+      integer :: k
+
+      call prepare_output_wishes(set, problem, .false., .false., wishes)
+      call find_output_wishes(wishes, dimensions)
+      do k = 1, size(wishes%miss, 2)
+         wishes%exists(:, k) = wishes%exists(:, k) .and. closed
+      end do
+      where (.not. wishes%exists) wishes%miss = 0.0_wp
+   end subroutine compare_with_wishes
+
+   !> What errors are told of, in the order of the columns. The angle of a pose is told by itself.
+   pure function wish_groups(sketch) result(groups)
+      type(sketch_t), intent(in) :: sketch
+      type(wish_group_t), allocatable :: groups(:)
+      type(wish_column_t), allocatable :: columns(:)
+      type(wish_group_t) :: one
+      character(name_room), allocatable :: names(:)
+      logical, allocatable :: turning(:)
+      integer, parameter :: of_x = 1, of_y = 2  ! components
+      integer :: k, i
+
+      columns = sketch%wish_columns()
+      call names_of_numbers(sketch%outputs, names, turning)
+      allocate (groups(0))
+      do k = 1, size(columns)
+         associate (at => columns(k), output => sketch%outputs(columns(k)%output))
+            if (at%component == of_y) cycle
+            one%columns = [k]
+            one%number = at%component + sum([(columns_of(sketch%outputs(i)), i=1, at%output - 1)])
+            one%order = at%order
+            one%name = names(one%number)
+            if (at%component == of_x .and. columns_of(output) > 1) then
+               one%columns = [k, k + 1]
+               one%name = output%name
+            end if
+            if (at%order > 0) one%name = trim(one%name)//of_order(at%order)
+            groups = [groups, one]
+         end associate
+      end do
+   end function wish_groups
+
+   !> What the errors of a linkage are those of where they are told by one number: the first that a value is wanted of, else the
+   !> first of all.
+   pure integer function first_wish(groups)
+      type(wish_group_t), intent(in) :: groups(:)   !! at least one
+
+      first_wish = max(1, findloc(groups%order, 0, dim=1))
+   end function first_wish
 
    !> Values, of a moving linkage with derivatives, and, with `changes`, what these do with every variable.
    subroutine look(wishes, dimensions, changes)
