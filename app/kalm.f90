@@ -111,7 +111,7 @@ contains
          call study_proof(set, problem, prepared%given, proof_wanted(set, .false.), proof)
          call report_proof(set, proof, devices)
       end if
-      if (arguments%quiet .or. devices%summarised == most_summarised) return
+      if (.not. arguments%json .and. (arguments%quiet .or. devices%summarised == most_summarised)) return
       call summarise(problem, prepared%given, rates%motion, summary)
       if (allocated(problem%wish_values)) then
          allocate (wishes)

@@ -33,7 +33,7 @@ program psalm
    use psalm_preparation, only: prepared_t, prepare, threads_for, threads_wanted
    use psalm_proof_study, only: proof_study_t, study_proof, proof_wanted, no_proof
    use psalm_report, only: most_summarised, begin_search_report, report_search, report_analysis, report_found, &
-                           report_tolerances, report_violations, report_summary, report_proof
+                           report_tolerances, report_allocation, report_violations, report_summary, report_proof
    use psalm_search_log, only: search_log_t, begin_log
    use psalm_signals, only: signals_t, shield_threads
    use psalm_sketch_study, only: sketch_study_t, study_conditions, study_sketch, study_sweep
@@ -47,7 +47,6 @@ program psalm
    use psalm_text, only: to_text
    use psalm_allocation, only: allocation_t, study_allocation
    use psalm_allocation_group, only: allocation_group_t, allocation_of
-   use psalm_allocation_list, only: report_allocation
    use psalm_tolerance, only: tolerances_t, study_tolerances
    use psalm_type_search, only: share_starts, shares_starts
    use psalm_dimensions, only: dimensions_t
@@ -266,7 +265,7 @@ contains
       call synthesise(set, prepared%vertices, problem, threads, stop, dimensions, search, log, prepared%found)
       if (prepared%parameters%has_search()) call report_search(set, search, log, devices)
       wanted = wanted_by(set)
-      wanted%summary = .not. arguments%quiet .and. devices%summarised < most_summarised
+      wanted%summary = arguments%json .or. (.not. arguments%quiet .and. devices%summarised < most_summarised)
       call analyse(set, problem, dimensions, wanted, analysis)
       call report_analysis(set, problem, analysis, prepared%warnings, devices)
       if (set%has_names() .and. .not. set%wants_search()) then

@@ -361,6 +361,11 @@ class Search(Result):
     """Result of a search: a sequence of the linkages found, best first. `search[0]` is a case, `search["objective"]` a column over
     the linkages. `best_objective` is that of the first."""
 
+    @property
+    def best_objective(self) -> float:
+        """Objective of the first, of a study that has objectives."""
+        return float(self["objective"][0])
+
     def __len__(self):
         return library.psalm_case_count(self._handle)
 

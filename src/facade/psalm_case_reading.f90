@@ -59,7 +59,7 @@ contains
       type(findings_t) :: own
 
       if (allocated(self%set) .or. .not. allocated(self%parts)) return
-      call read_case_text(self%text(), memory_name, sets, own, everything)
+      call read_case_text(self%text(), name_of(self), sets, own, everything)
       if (own%count > 0 .or. size(sets) /= 1) return
       allocate (self%set, source=sets(1))
    end procedure settle
@@ -104,8 +104,7 @@ contains
       character(:), allocatable :: text, program
       logical :: anew
 
-      own%file = memory_name
-      if (allocated(case%set)) own%file = case%set%file
+      own%file = name_of(case)
       program = everything
       if (present(reader)) program = reader
       anew = .not. allocated(case%set)
@@ -122,8 +121,23 @@ contains
       else
          call own%error('the case is empty; begin with new_case, read_file or read_text')
       end if
-      call tell(case%faults, own)
+      call own%append(case%faults)
    end procedure set_of
+
+   !> The name of a case for messages, and for files that are counted from its directory. Lines of one that was read from a file and
+   !> changed since are not lines of the file.
+   pure function name_of(case) result(name)
+      type(case_t), intent(in) :: case
+      character(:), allocatable :: name
+
+      name = memory_name
+      if (allocated(case%set)) then
+         name = case%set%file
+      else if (allocated(case%faults%file)) then
+         name = case%faults%file
+         if (name /= memory_name) name = name//' (changed)'
+      end if
+   end function name_of
 
    module procedure tell
 

@@ -2,7 +2,6 @@
 !> can be put together, how tolerances and settings change it, which tolerances are the cheapest.
 module psalm_motion_verbs
    use psalm_allocation, only: allocation_t, study_allocation
-   use psalm_allocation_list, only: report_allocation
    use psalm_analysis, only: analysis_t, wanted_t, study_analysis => analyse, wanted_by
    use psalm_assembly_list, only: report_assemblies
    use psalm_assembly_study, only: assembly_study_t, study_assemblies
@@ -20,7 +19,7 @@ module psalm_motion_verbs
    use psalm_position_table, only: put_positions, put_sketch
    use psalm_preparation, only: demand_t, threads_for
    use psalm_proof_study, only: proof_study_t, study_proof, proof_wanted, no_proof, proof_of_inputs
-   use psalm_report, only: report_analysis, report_proof, report_summary, report_tolerances
+   use psalm_report, only: report_allocation, report_analysis, report_proof, report_summary, report_tolerances
    use psalm_sketch_study, only: sketch_study_t, study_sketch
    use psalm_status, only: findings_t => diagnostics_t
    use psalm_stop, only: stop_t

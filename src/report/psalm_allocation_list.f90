@@ -3,14 +3,12 @@ module psalm_allocation_list
    use psalm_allocation, only: allocation_t, item_name, limit_largest, limit_least
    use psalm_allocation_group, only: rule_square, rule_worst, rule_yield
    use psalm_column_names, only: input_name, input_unit, position_name
-   use psalm_data_set, only: data_set_t
-   use psalm_devices, only: devices_t
    use psalm_kinds, only: wp
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_text, only: text_t, fixed, general, to_text, upper_case
    implicit none (type, external)
    private
-   public :: report_allocation
+   public :: list_allocation, put_allocation
 
    real(wp), parameter :: percent = 0.01_wp
    real(wp), parameter :: full = 1.0e-6_wp      !! part of a band that is left where it is full
@@ -18,46 +16,6 @@ module psalm_allocation_list
    integer, parameter :: limit_room = 7
 
 contains
-
-   !> The allocation in the listing and in tables; remarks on what is not kept.
-   subroutine report_allocation(set, sliding_input, result, devices)
-      type(data_set_t), intent(in) :: set
-      logical, intent(in) :: sliding_input
-      type(allocation_t), intent(in) :: result
-      type(devices_t), intent(inout) :: devices
-      integer :: j, missed
-
-      if (.not. result%closes) then
-         call devices%remark(set, 'no tolerances are allotted, because the linkage does not close everywhere')
-         return
-      end if
-      if (result%is_violating()) call devices%note_violation()
-      if (any(result%dead)) call devices%remark(set, 'dead point at position '// &
-         to_text(findloc(result%dead, .true., dim=1))//': effects of tolerances are infinite there, and the bands leave it out')
-      if (.not. result%solved) then
-         if (result%impossible > 0) then
-            associate (band => result%bands(result%impossible))
-               call devices%remark(set, 'no tolerances are allotted: the least ones let '// &
-                                   trim(result%numbers(band%number))//' leave its band at position '//to_text(band%position))
-            end associate
-         else
-            call devices%remark(set, 'no tolerances are allotted: rounding prevents it')
-         end if
-         return
-      end if
-      call list_allocation(result, devices%six)
-      call put_allocation(sliding_input, result, devices%cases(devices%last_case()))
-      if (result%trials == 0) return
-      if (result%sample%trials < result%trials) call devices%remark(set, 'the sample of &ALLOC has '// &
-         to_text(result%sample%trials)//' of '//to_text(result%trials)//' linkages')
-      missed = findloc([(.not. result%is_kept(j), j=1, size(result%bands))], .true., dim=1)
-      if (missed == 0) return
-      associate (band => result%bands(missed))
-         call devices%remark(set, 'the linear bands are not those of the linkage: of '//to_text(result%sample%trials)// &
-                             ' linkages '//to_text(nint(result%sample%beyond(band%position, result%columns(missed))))// &
-                             ' leave the band of '//trim(result%numbers(band%number))//' at position '//to_text(band%position))
-      end associate
-   end subroutine report_allocation
 
    !> Append the tolerances, then the bands that limit them.
    subroutine list_allocation(result, text)

@@ -11,8 +11,8 @@ module psalm_cam_list
    use psalm_angles, only: degrees_of, within_turn
    use psalm_elementary, only: hypotenuse
    use psalm_kinds, only: wp
-   use psalm_tables, only: table_t, tables_t, table_of
-   use psalm_text, only: text_t, general, to_text
+   use psalm_tables, only: table_t, tables_t, table_of, for_programs
+   use psalm_text, only: text_t, general, lower_case, to_text
    implicit none (type, external)
    private
    public :: list_cam, put_cam
@@ -87,7 +87,7 @@ contains
                           '             CA             CJ')
             do k = 1, size(law%segments)
                associate (s => law%segments(k))
-                  call text%add(' '//name_of(k)//general(s%start)//general(s%finish)//general(s%from)//general(s%to)// &
+                  call text%add(' '//law_name(study, k)//general(s%start)//general(s%finish)//general(s%from)//general(s%to)// &
                                 general(s%peak(1))//general(s%peak(2))//merge('       INFINITE', general(s%peak(3)), s%steps))
                end associate
             end do
@@ -127,14 +127,6 @@ contains
          end if
       end subroutine list_slack
 
-      function name_of(k) result(name)
-         integer, intent(in) :: k
-         character(10) :: name
-
-         name = 'TABLE'
-         if (size(study%cam%law) > 0) name = law_names(study%cam%law(k))
-      end function name_of
-
       subroutine show(words, extreme)
          character(*), intent(in) :: words
          type(cam_extreme_t), intent(in) :: extreme
@@ -145,6 +137,16 @@ contains
          call text%add(' '//padded//general(extreme%value)//general(extreme%angle))
       end subroutine show
    end subroutine list_cam
+
+   !> What the law of a segment is called.
+   pure function law_name(study, k) result(name)
+      type(cam_study_t), intent(in) :: study
+      integer, intent(in) :: k                !! segment
+      character(10) :: name
+
+      name = 'TABLE'
+      if (size(study%cam%law) > 0) name = law_names(study%cam%law(k))
+   end function law_name
 
    !> Where the centre may lie, and of the smallest cam.
    subroutine list_centres(study, text)
@@ -227,7 +229,8 @@ contains
       if (study%face_short) call text%add(' THE FACE IS SHORTER THAN THE WAY OF THE CONTACT')
    end subroutine list_faults
 
-   !> The table of the cam, the extremes, play or gap, contact; `suffix` of the names of the blocks, empty for the first cam.
+   !> The table of the cam, its law and judgement, the extremes, play or gap, contact; `suffix` of the names of blocks, empty for
+   !> the first cam.
    subroutine put_cam(study, suffix, tables)
       type(cam_study_t), intent(in) :: study
       character(*), intent(in) :: suffix
@@ -269,6 +272,8 @@ contains
       call table%add('rho', study%points%radius, 'length')
       call table%add('alpha', study%points%pressure, 'deg')
       call tables%put(table)
+      if (study%part%role == role_cam) call put_law(study, suffix, tables)
+      call put_judgement(study, suffix, tables)
       call put_extremes(study, suffix, tables)
       if (allocated(study%play)) then
          table = table_of('play'//suffix, 'a row for each cam angle: play at the first roller')
@@ -319,6 +324,88 @@ contains
          call table%add(name//'_y', aimag(places), 'length')
       end subroutine add_point
    end subroutine put_cam
+
+   !> Tables segments, law and law_joints, for other programs.
+   subroutine put_law(study, suffix, tables)
+      type(cam_study_t), intent(in) :: study
+      character(*), intent(in) :: suffix
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      character(name_room), allocatable :: names(:)
+      character(:), allocatable :: in, out, unit
+      integer :: k
+
+      associate (law => study%shape%motion%law, motion => study%shape%motion, fits => size(study%cam%table) > 0)
+         out = output_unit(motion%angular)
+         in = input_unit(.not. motion%what%turning_input)
+         if (allocated(motion%chain)) in = ''      ! of a sketch solved in poses it is that of a drive
+         unit = in
+         if (study%cam%of_output) unit = out
+         table = table_of('segments'//suffix, 'a row for each segment of the law; peaks normalised by lift and width', &
+                          audience=for_programs)
+         associate (of => law%segments)
+            allocate (names(size(of)))
+            do k = 1, size(of)
+               names(k) = lower_case(law_name(study, k))
+            end do
+            call table%add('law', names)
+            call table%add('from', of%start, 'deg')
+            call table%add('to', of%finish, 'deg')
+            call table%add('value_from', of%from, unit)
+            call table%add('value_to', of%to, unit)
+            call table%add('cv', of%peak(1))
+            call table%add('ca', of%peak(2))
+            call table%add('cj', of%peak(3), known=.not. of%steps)
+         end associate
+         call tables%put(table)
+         table = table_of('law'//suffix, 'one row: the law as a whole, and what the linkage makes of it', audience=for_programs)
+         call table%add('of', [merge('output', 'input ', study%cam%of_output)])
+         call table%add('pieces', [size(law%pieces)])
+         call table%add('residual', [law%residual], unit, [fits])
+         call table%add('mean_residual', [law%mean_residual], unit, [fits])
+         if (size(motion%q) > 0) then
+            call table%add('output_least', [minval(motion%f)], out)
+            call table%add('output_most', [maxval(motion%f)], out)
+            call table%add('input_from', motion%q(:1), in)
+            call table%add('input_to', motion%q(size(motion%q):), in)
+         end if
+         call tables%put(table)
+         table = table_of('law_joints'//suffix, 'a row for each joint of two pieces of the law: its jumps, by radians of cam', &
+                          audience=for_programs)
+         call table%add('at', study%joints%at, 'deg')
+         do k = 0, 3
+            call table%add('jump'//to_text(k), study%joints%jump(k))
+         end do
+         call tables%put(table)
+      end associate
+   end subroutine put_law
+
+   !> Table judgement, for other programs: one row, a flag for each thing that the cam cannot do or that is not kept.
+   subroutine put_judgement(study, suffix, tables)
+      type(cam_study_t), intent(in) :: study
+      character(*), intent(in) :: suffix
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+
+      table = table_of('judgement'//suffix, 'one row: 1 where the cam cannot do something, or a limit is not kept', &
+                       audience=for_programs)
+      call table%add('fails', [study%is_violating()])
+      call table%add('undercut', [study%undercut])
+      call table%add('profile_crosses_itself', [study%roller%depth > 0.0_wp])
+      call table%add('crossed_by_roller_at', [study%roller%by], 'deg', [study%roller%depth > 0.0_wp])
+      call table%add('gouge', [study%gouge .or. study%cutter%depth > 0.0_wp])
+      call table%add('gouged_by_cutter_at', [study%cutter%by], 'deg', [study%cutter%depth > 0.0_wp])
+      call table%add('cutter_path_fails', [.not. study%paths(path_cutter)%found])
+      call table%add('contact_lost', [study%lost])
+      call table%add('jammed', [study%jammed])
+      call table%add('stress', [study%stressed])
+      call table%add('pressure_angle', [study%steep])
+      call table%add('radius_of_curvature', [study%sharp])
+      call table%add('second_roller_tight', [study%tight])
+      call table%add('second_roller_loose', [study%loose])
+      call table%add('face_short', [study%face_short])
+      call tables%put(table)
+   end subroutine put_judgement
 
    !> True if the forces of the contact are known.
    pure logical function forces_known(study)

@@ -1,6 +1,6 @@
 !> Results of calm become texts of the devices, remarks for standard error and the exit status. Nothing is computed here.
 module psalm_cam_report
-   use psalm_cam_data, only: cam_group_t, goal_names, vary_item
+   use psalm_cam_data, only: cam_group_t, goal_names, vary_item, vary_names
    use psalm_cam_list, only: list_cam, put_cam
    use psalm_cam_search, only: cam_search_t
    use psalm_cam_shape, only: measure_pressure
@@ -8,7 +8,8 @@ module psalm_cam_report
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_kinds, only: wp
-   use psalm_text, only: full_precision, general, to_text
+   use psalm_tables, only: table_t, tables_t, table_of, for_programs
+   use psalm_text, only: full_precision, general, lower_case, to_text
    implicit none (type, external)
    private
    public :: report_cam, report_search
@@ -57,6 +58,7 @@ contains
                                  full_precision(search%after(k)))
          end associate
       end do
+      call put_search(cam, search, devices%cases(devices%last_case()))
       if (search%refused) then
          call devices%note_violation()
          call devices%remark(set, 'the solver '//search%solver//' cannot search for a cam; LD_SLSQP and LN_COBYLA can')
@@ -65,6 +67,36 @@ contains
          call devices%remark(set, 'the search found no cam that keeps all limits')
       end if
    end subroutine report_search
+
+   !> Tables search and search_values, for other programs.
+   pure subroutine put_search(cam, search, tables)
+      type(cam_group_t), intent(in) :: cam
+      type(cam_search_t), intent(in) :: search
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+
+      table = table_of('search', 'one row: the search for the cam', audience=for_programs)
+      call table%add('solver', [search%solver])
+      call table%add('cams', [search%evaluations])
+      call table%add('least', [lower_case(goal_names(cam%goal))])
+      call table%add('before', [search%objective_before])
+      call table%add('after', [search%objective])
+      call table%add('feasible', [search%feasible])
+      call table%add('refused', [search%refused])
+      call tables%put(table)
+      table = table_of('search_values', 'a row for each number that varies; segment and zone where it belongs to one', &
+                       audience=for_programs)
+      associate (of => cam%variations)
+         call table%add('item', vary_names(of%item))
+         call table%add('segment', of%segment, known=of%segment > 0)
+         call table%add('zone', of%zone, known=of%zone > 0)
+         call table%add('lowest', of%low)
+         call table%add('highest', of%high)
+         call table%add('before', search%before)
+         call table%add('after', search%after)
+      end associate
+      call tables%put(table)
+   end subroutine put_search
 
    !> What the cam cannot do.
    subroutine remark_faults(set, study, devices)

@@ -37,6 +37,7 @@ contains
          line = 'stopped before all starts were made: '//line
          call devices%note_violation()
       end if
+      call put_run(search, devices%cases(devices%last_case()))
       call devices%one%add(' '//set%title)
       call devices%one%add(' '//line)
       call devices%remark(set, line)
@@ -63,6 +64,26 @@ contains
 
       text = trim(adjustl(general(value, 'E')))
    end function number
+
+   !> Table search: how it went. The objective of a drawing that does not obey the constraints is not known.
+   pure subroutine put_run(search, tables)
+      type(chain_synthesis_t), intent(in) :: search
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      real(wp) :: best
+
+      best = huge(1.0_wp)            ! not known
+      if (size(search%best) > 0) best = search%best(1)%objective
+      table = table_of('search', 'one row: how the search in the poses of the sketch went', audience=for_programs)
+      call table%add('objective', [best])
+      call table%add('objective_of_drawing', [search%first_objective], known=[search%first_feasible])
+      call table%add('starts', [search%starts])
+      call table%add('feasible', [search%feasible])
+      call table%add('evaluations', [search%evaluations])
+      call table%add('stopped', [search%stopped])
+      call table%add('refused', [search%refused])
+      call tables%put(table)
+   end subroutine put_run
 
    !> Tables for other programs: ranking, and the dimensions of each linkage.
    subroutine put_found(set, search, tables)

@@ -7,12 +7,13 @@ module psalm_clearance_report
    use psalm_flypast_chart, only: chart_t
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, pi
    use psalm_mechanism, only: mechanism_t
-   use psalm_tables, only: table_t, tables_t, table_of
-   use psalm_text, only: text_t, general, to_text
+   use psalm_tables, only: table_t, tables_t, table_of, for_programs
+   use psalm_text, only: text_t, general, lower_case, to_text
    implicit none (type, external)
    private
    public :: report_clearance
 
+   integer, parameter :: name_room = 48              !! characters of a verdict in a table
    real(wp), parameter :: rpm_per_speed = 30.0_wp/pi !! revolutions per minute of 1 rad/s
 
 contains
@@ -135,6 +136,14 @@ contains
       end select
    end function verdict
 
+   !> The same in a table.
+   pure function verdict_name(m) result(words)
+      type(flypast_of_joint_t), intent(in) :: m
+      character(name_room) :: words
+
+      words = lower_case(verdict(m))
+   end function verdict_name
+
    subroutine list_following(study, text)
       type(clearance_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
@@ -197,13 +206,20 @@ contains
       end do
    end subroutine list_charts
 
-   !> Tables minima, following, flight, cycle, and of charts threshold and chart.
+   !> Tables clearance, minima, losses, following, least_forces, speeds, flight, cycle, and of charts threshold and chart.
    pure subroutine put_clearance(study, tables)
       type(clearance_study_t), intent(in) :: study
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
       integer :: k
 
+      table = table_of('clearance', 'one row: the joint with clearance', audience=for_programs)
+      call table%add('diametral', [study%diametral], 'm')
+      call table%add('critical_diametral', [study%critical_clearance], 'm', [study%critical_clearance > 0.0_wp])
+      call table%add('critical_speed', [study%critical_speed], 'rad/s', [study%critical_speed > 0.0_wp])
+      call table%add('followed', [study%followed])
+      call table%add('first_loss_at', [study%loss], 'deg', [study%followed .and. study%loses])
+      call tables%put(table)
       table = table_of('minima', 'a row for each minimum of the load')
       associate (m => study%minima)
          call table%add('input', m%input, 'deg')
@@ -217,6 +233,13 @@ contains
          call table%add('kept', m%verdict == verdict_kept)
       end associate
       call tables%put(table)
+      table = table_of('losses', 'a row for each minimum of the load: what the verdict is about', audience=for_programs)
+      associate (m => study%minima)
+         call table%add('input', m%input, 'deg')
+         call table%add('verdict', [(verdict_name(m(k)), k=1, size(m))])
+         call table%add('kept_up_to_diametral', m%clearance, 'm', m%clearance > 0.0_wp)
+      end associate
+      call tables%put(table)
       table = table_of('following', 'a row for each input, contact followed')
       if (study%followed) then
          call table%add('input', study%input, 'deg')
@@ -228,6 +251,19 @@ contains
          call table%add('force', [real(wp) ::], 'N')
       end if
       call tables%put(table)
+      if (study%followed) then
+         table = table_of('least_forces', 'a row for each minimum of the force, contact followed', audience=for_programs)
+         call table%add('input', study%load%sense*study%least%input*degrees_per_radian, 'deg')
+         call table%add('force', study%least%force, 'N')
+         call tables%put(table)
+      end if
+      if (size(study%speeds) > 0) then
+         table = table_of('speeds', 'a row for each speed: the least load, minima at which contact is lost', audience=for_programs)
+         call table%add('speed', study%speeds%speed, 'rad/s')
+         call table%add('least_load', study%speeds%least, 'N')
+         call table%add('lost', study%speeds%lost)
+         call tables%put(table)
+      end if
       table = table_of('flight', 'a row for each minimum at which contact is lost', &
                        notes='run of gi and vt: in the sense in which the load turns at the minimum')
       associate (m => study%minima(pack([(k, k=1, size(study%minima))], &

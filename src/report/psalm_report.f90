@@ -1,6 +1,8 @@
 !> Results of studies become texts of the devices, remarks for standard error and the exit status. Nothing is computed here.
 module psalm_report
    use psalm_adjustment_list, only: list_adjustments, put_adjustments
+   use psalm_allocation, only: allocation_t
+   use psalm_allocation_list, only: list_allocation, put_allocation
    use psalm_analysis, only: analysis_t
    use psalm_chain_report, only: range_lines, report_unreached, several_outputs
    use psalm_check_list, only: list_arcs, list_reference_joints, list_setup
@@ -32,6 +34,8 @@ module psalm_report
    use psalm_sketch_text, only: variant_t, variant_of
    use psalm_status, only: diagnostics_t
    use psalm_summary, only: summary_t
+   use psalm_summary_table, only: put_arcs, put_arc_rates, put_dimensions, put_output_ranges, put_simplex, put_starts, &
+                                  put_summary, put_violations, put_wish_errors
    use psalm_summary_text, only: write_summary, write_wish_errors
    use psalm_synthesis, only: synthesis_t, ended_infeasible, ended_small_objective, ended_iterations, ended_time, &
                               ended_on_request, ended_without_rates
@@ -43,8 +47,8 @@ module psalm_report
    use psalm_wish_list, only: list_output_wishes, put_output_wishes
    implicit none (type, external)
    private
-   public :: begin_search_report, report_search, report_analysis, report_found, report_tolerances, report_violations, &
-             report_rates, report_summary, report_proof
+   public :: begin_search_report, report_search, report_analysis, report_found, report_tolerances, report_allocation, &
+             report_violations, report_rates, report_summary, report_proof
    public :: most_summarised
 
    integer, parameter :: most_summarised = 10 !! cases of a file whose summary is written
@@ -111,6 +115,7 @@ contains
       line = to_text(search%state%iteration)//' iterations, '//to_text(search%state%evaluations)//' evaluations, '// &
              to_text(search%state%counts%calls)//' violations met, '//to_text(search%state%counts%repairs)//' repairs, '// &
              to_text(search%state%counts%moves)//' moves; best objective '//trim(adjustl(general(search%state%best)))
+      call put_simplex(search, reason, devices%cases(devices%last_case()))
       call devices%one%add(' '//line//'; '//reason)
       call devices%remark(set, reason//' after '//line)
       if (search%ending == ended_iterations .and. set%method%niter == default_niter) call devices%remark(set, &
@@ -149,6 +154,7 @@ contains
             end do
             call write_vertices('F', vertices, found%best%objective, devices%seven)
          end if
+         call put_starts(found, devices%cases(devices%last_case()))
          call devices%one%add(' '//line)
          call devices%remark(set, line)
       end associate
@@ -236,6 +242,8 @@ contains
          call list_output_wishes(analysis%wishes, problem%blank, devices%six)
          call put_output_wishes(analysis%wishes, devices%cases(devices%last_case()))
       end if
+      call put_dimensions(problem%mechanism, analysis%dimensions, devices%cases(devices%last_case()))
+      call put_violations(problem, analysis%motion, devices%cases(devices%last_case()))
       call list_setup(set, problem, devices%eight)
       if (len(set%skipped) > 0) call devices%eight%add(' GROUPS THAT PSALM DOES NOT READ: '//set%skipped)
       if (allocated(set%traced)) call devices%eight%add_text(set%traced%chosen)
@@ -243,8 +251,10 @@ contains
       do i = 1, warnings%count
          call devices%eight%add(' '//warnings%list(i)%render())
       end do
-      if (allocated(analysis%arcs)) call list_arcs(problem%mechanism, analysis%motion, analysis%arcs, analysis%condition, &
-                                                   devices%eight)
+      if (allocated(analysis%arcs)) then
+         call list_arcs(problem%mechanism, analysis%motion, analysis%arcs, analysis%condition, devices%eight)
+         call put_arcs(problem%mechanism, analysis%motion, analysis%arcs, analysis%condition, devices%cases(devices%last_case()))
+      end if
       if (allocated(analysis%margins)) call report_margins(set, problem, analysis, devices)
       call plot_motion(set, problem, analysis, devices%cases(devices%last_case()))
    end subroutine report_analysis
@@ -335,7 +345,7 @@ contains
       end do
    end subroutine report_open
 
-   !> What the linkage does over the range of its input, in words, for the first cases of a file.
+   !> What the linkage does over the range of its input: tables, and in words for the first cases of a file.
    subroutine report_summary(set, summary, motion, devices, study)
       type(data_set_t), intent(in) :: set
       type(summary_t), intent(in) :: summary
@@ -344,6 +354,10 @@ contains
       type(sketch_study_t), intent(in), optional :: study !! of a sketch: all its outputs
       character(:), allocatable :: special
 
+      call put_summary(summary, motion, set%has_stand_in(), devices%cases(devices%last_case()))
+      if (present(study)) call put_output_ranges(study, devices%cases(devices%last_case()))
+      call put_wish_errors(set%sketch, summary, devices%cases(devices%last_case()))
+      if (devices%summarised == most_summarised) return
       devices%summarised = devices%summarised + 1
       special = ''
       if (set%has_stand_in()) special = 'joint '//set%traced%stand_in//', for '//trim(set%sketch%outputs(1)%name)// &
@@ -428,6 +442,46 @@ contains
          to_text(result%sample%trials)//' linkages within the tolerances do not close')
    end subroutine report_tolerances
 
+   !> The allocation in the listing and in tables; remarks on what is not kept.
+   subroutine report_allocation(set, sliding_input, result, devices)
+      type(data_set_t), intent(in) :: set
+      logical, intent(in) :: sliding_input
+      type(allocation_t), intent(in) :: result
+      type(devices_t), intent(inout) :: devices
+      integer :: j, missed
+
+      if (.not. result%closes) then
+         call devices%remark(set, 'no tolerances are allotted, because the linkage does not close everywhere')
+         return
+      end if
+      if (result%is_violating()) call devices%note_violation()
+      if (any(result%dead)) call devices%remark(set, 'dead point at position '// &
+         to_text(findloc(result%dead, .true., dim=1))//': effects of tolerances are infinite there, and the bands leave it out')
+      if (.not. result%solved) then
+         if (result%impossible > 0) then
+            associate (band => result%bands(result%impossible))
+               call devices%remark(set, 'no tolerances are allotted: the least ones let '// &
+                                   trim(result%numbers(band%number))//' leave its band at position '//to_text(band%position))
+            end associate
+         else
+            call devices%remark(set, 'no tolerances are allotted: rounding prevents it')
+         end if
+         return
+      end if
+      call list_allocation(result, devices%six)
+      call put_allocation(sliding_input, result, devices%cases(devices%last_case()))
+      if (result%trials == 0) return
+      if (result%sample%trials < result%trials) call devices%remark(set, 'the sample of &ALLOC has '// &
+         to_text(result%sample%trials)//' of '//to_text(result%trials)//' linkages')
+      missed = findloc([(.not. result%is_kept(j), j=1, size(result%bands))], .true., dim=1)
+      if (missed == 0) return
+      associate (band => result%bands(missed))
+         call devices%remark(set, 'the linear bands are not those of the linkage: of '//to_text(result%sample%trials)// &
+                             ' linkages '//to_text(nint(result%sample%beyond(band%position, result%columns(missed))))// &
+                             ' leave the band of '//trim(result%numbers(band%number))//' at position '//to_text(band%position))
+      end associate
+   end subroutine report_allocation
+
    ! ---- rates -------------------------------------------------------------------------------------------------------
 
    !> The listing of kalm, all arcs with KTHETA, the table; remarks on open positions and dead points.
@@ -440,7 +494,12 @@ contains
       type(machine_study_t), intent(in), optional :: machine    !! if it has a motor
       integer :: k, told
 
-      if (allocated(rates%arcs)) call list_all_rates(problem, rates, devices%eight)
+      call put_dimensions(problem%mechanism, rates%dimensions, devices%cases(devices%last_case()))
+      call put_violations(problem, rates%motion, devices%cases(devices%last_case()))
+      if (allocated(rates%arcs)) then
+         call list_all_rates(problem, rates, devices%eight)
+         call put_arc_rates(problem%mechanism, rates, devices%cases(devices%last_case()))
+      end if
       call list_rates(set, problem, rates, devices%six)
       call put_rates(set%title, set%rates%speed, set%rates%accel, problem, rates, .not. set%has_names(), &
                      devices%cases(devices%last_case()), forces)

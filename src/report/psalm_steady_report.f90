@@ -10,9 +10,9 @@ module psalm_steady_report
    use psalm_steady_study, only: steady_study_t
    use psalm_text, only: general, lower_case, to_text
    use psalm_vibration_group, only: estimate_group_t, estimates_of, vibration_group_t, vibration_of
-   use psalm_vibration_list, only: list_vibration, put_vibration, list_estimates, put_estimates, list_drive, put_drive, list_hill, &
-                                   put_hill, stability_words, link_words
+   use psalm_vibration_list, only: list_vibration, list_estimates, list_drive, list_hill, stability_words, link_words
    use psalm_vibration_study, only: much_mixed
+   use psalm_vibration_table, only: put_vibration, put_estimates, put_drive, put_hill
    implicit none (type, external)
    private
    public :: report_steady
@@ -53,7 +53,7 @@ contains
       if (allocated(study%vibration)) then
          if (stuck(set, study%vibration%cycle, vibration%points, devices)) return
          call list_vibration(set, study%vibration, devices%six)
-         call put_vibration(study%vibration, devices%cases(devices%last_case()))
+         call put_vibration(study%vibration, set%rates%speed, devices%cases(devices%last_case()))
          do k = 1, size(study%vibration%modes)
             call remark_stability(set, 'mode '//to_text(k), study%vibration%modes(k)%hill, devices)
             if (study%vibration%modes(k)%least_stiffness >= 0.0_wp) cycle

@@ -1,23 +1,21 @@
-!> Vibration of links, flexible drives and Hill's equation in the listing and on device 9.
+!> Vibration of links, flexible drives and Hill's equation in the listing.
 module psalm_vibration_list
    use psalm_data_set, only: data_set_t
    use psalm_drive_group, only: hill_group_t, hill_of, drive_group_t, drive_of
    use psalm_drive_study, only: drive_study_t, hill_study_t, inertia_t, matters, least_drive_ratio, small_swing
    use psalm_estimate_study, only: estimate_t, verdict_rigid, verdict_closer, harmonics_estimated, stubby, rules
    use psalm_hill, only: hill_t
-   use psalm_kinds, only: wp, pi, full_turn
+   use psalm_kinds, only: wp, pi
    use psalm_place, only: place_t
    use psalm_stability, only: boundaries_t
-   use psalm_tables, only: table_t, tables_t, table_of, for_programs
-   use psalm_text, only: text_t, general, lower_case, to_text
+   use psalm_text, only: text_t, general, to_text
    use psalm_vibration_group, only: estimate_group_t, estimates_of, vibration_group_t, vibration_of
    use psalm_vibration_study, only: vibration_study_t, mode_t, harmonics_listed
    implicit none (type, external)
    private
-   public :: list_vibration, put_vibration, put_estimates, list_estimates, list_drive, put_drive, list_hill, put_hill, &
-             stability_words, link_words
+   public :: list_vibration, list_estimates, list_drive, list_hill, stability_words, link_words, verdict_words, &
+             first_good, unstable_speeds, root_of
 
-   integer, parameter :: name_room = 80              !! characters of a word in a table
    real(wp), parameter :: close_series = 0.01_wp     !! of a boundary: Oldham's (13.28) is close to it
    real(wp), parameter :: rpm_per_speed = 30.0_wp/pi !! revolutions per minute of 1 rad/s
 
@@ -127,26 +125,40 @@ contains
 
    contains
 
-      !> Speeds between two boundaries, of the link as it is. Below a boundary of p = 0 lie the speeds above it.
       function speeds_of(p) result(line)
          integer, intent(in) :: p
          character(:), allocatable :: line
-         real(wp) :: low, high, base
+         real(wp) :: speeds(2)
 
-         base = set%rates%speed**2*study%ratio**2 ! squared first frequency of the link at rest
-         low = study%modes(j)%exact%low(p)
-         high = study%modes(j)%exact%high(p)
-         if (high <= 0.0_wp) then
-            line = '           NONE'
-         else if (p == 0) then
-            line = general(sqrt(base/high))//'            ALL'
-         else if (low <= 0.0_wp) then
-            line = general(sqrt(base/high))//'            ALL'
+         speeds = unstable_speeds(study, set%rates%speed, j, p)
+         line = '           NONE'
+         if (speeds(1) >= huge(1.0_wp)) return
+         line = general(speeds(1))
+         if (speeds(2) >= huge(1.0_wp)) then
+            line = line//'            ALL'
          else
-            line = general(sqrt(base/high))//general(sqrt(base/low))
+            line = line//general(speeds(2))
          end if
       end function speeds_of
    end subroutine list_vibration
+
+   !> Speeds between two boundaries of a mode, of the link as it is, at which it grows. Below a boundary of p = 0 lie the speeds
+   !> above it.
+   pure function unstable_speeds(study, speed, mode, p) result(speeds)
+      type(vibration_study_t), intent(in) :: study
+      real(wp), intent(in) :: speed          !! of RATES
+      integer, intent(in) :: mode, p
+      real(wp) :: speeds(2)                  !! from and to, rad/s; huge: there are none, or all above the first
+      real(wp) :: base
+
+      base = speed**2*study%ratio**2 ! squared first frequency of the link at rest
+      speeds = huge(1.0_wp)
+      associate (low => study%modes(mode)%exact%low(p), high => study%modes(mode)%exact%high(p))
+         if (high <= 0.0_wp) return
+         speeds(1) = sqrt(base/high)
+         if (p > 0 .and. low > 0.0_wp) speeds(2) = sqrt(base/low)
+      end associate
+   end function unstable_speeds
 
    !> The p from which on the series of second order is close to the exact boundaries; beyond the last if it never is.
    pure integer function first_good(mode) result(p)
@@ -229,142 +241,6 @@ contains
       if (.not. stable) text = text//'   NOT STABLE'
    end function amplitude_text
 
-   !> Tables boundaries, multipliers, harmonics, response, speeds, chart.
-   subroutine put_vibration(study, tables)
-      type(vibration_study_t), intent(in) :: study
-      type(tables_t), intent(inout) :: tables
-      type(table_t) :: table
-      integer, allocatable :: unique(:)
-      integer :: j, p, k, n
-
-      table = table_of('boundaries', 'a row for each boundary of stability of a mode')
-      associate (modes => study%modes)
-         call add_boundaries('mode', [(real(j, wp), j=1, size(modes))], modes%exact, .true., table)
-         call add_range('omega2', [((modes(j)%exact%low(p), p=0, ubound(modes(j)%exact%low, 1)), j=1, size(modes))], &
-                        [((modes(j)%exact%high(p), p=0, ubound(modes(j)%exact%low, 1)), j=1, size(modes))], table)
-         call tables%put(table)
-         table = table_of('multipliers', 'a row for each multiplier of a mode; mode 0: of all modes together')
-         call table%add('mode', [((j, k=1, 2), j=1, size(modes)), (0, k=1, size(study%multipliers))])
-         call add_complex([((modes(j)%hill%multipliers(k), k=1, 2), j=1, size(modes)), study%multipliers], table)
-         call tables%put(table)
-         table = table_of('harmonics', 'a row for each harmonic of the deflection of a mode')
-         unique = pack([(j, j=1, size(modes))], modes%hill%unique)
-         call table%add('mode', [((unique(j), n=0, harmonics_listed), j=1, size(unique))])
-         call table%add('n', [((n, n=0, harmonics_listed), j=1, size(unique))])
-         call table%add('amplitude', [((modes(unique(j))%amplitude(n), n=0, harmonics_listed), j=1, size(unique))], 'm')
-         call tables%put(table)
-      end associate
-      call put_response('response', 'm', study%modes(1)%hill, study%cycle%length, study%cycle%sense, 1, tables)
-      if (size(study%speeds) > 0) then
-         associate (rows => study%speeds)
-            call put_speeds('speeds', 'm', rows%speed, rows%amplitude, rows%known, rows%stable, tables)
-         end associate
-      end if
-      if (size(study%chart) == 0) return
-      table = table_of('chart', 'a row for each boundary of stability, as a speed, and factor on the masses')
-      associate (rows => study%chart)
-         call add_boundaries('e', rows%e, rows%exact, .false., table)
-         call add_range('omega', [((root_of(rows(k)%exact%low(p)), p=0, ubound(rows(k)%exact%low, 1)), k=1, size(rows))], &
-                        [((root_of(rows(k)%exact%high(p)), p=0, ubound(rows(k)%exact%low, 1)), k=1, size(rows))], table)
-      end associate
-      call tables%put(table)
-   end subroutine put_vibration
-
-   !> The columns of a case and of the numbers of its boundaries.
-   pure subroutine add_boundaries(name, values, boundaries, whole, table)
-      character(*), intent(in) :: name
-      real(wp), intent(in) :: values(:)              !! shape (cases)
-      type(boundaries_t), intent(in) :: boundaries(:) !! the same shape
-      logical, intent(in) :: whole                   !! the values are integers
-      type(table_t), intent(inout) :: table
-      integer :: k, p
-
-      associate (each => [((values(k), p=0, ubound(boundaries(k)%low, 1)), k=1, size(values))])
-         if (whole) then
-            call table%add(name, nint(each))
-         else
-            call table%add(name, each)
-         end if
-      end associate
-      call table%add('p', [((p, p=0, ubound(boundaries(k)%low, 1)), k=1, size(values))])
-   end subroutine add_boundaries
-
-   pure subroutine add_range(name, low, high, table)
-      character(*), intent(in) :: name
-      real(wp), intent(in) :: low(:), high(:)
-      type(table_t), intent(inout) :: table
-
-      call table%add(name//'_low', low)
-      call table%add(name//'_high', high)
-   end subroutine add_range
-
-   pure subroutine add_complex(values, table)
-      complex(wp), intent(in) :: values(:)
-      type(table_t), intent(inout) :: table
-
-      call table%add('re', real(values, wp))
-      call table%add('im', aimag(values))
-   end subroutine add_complex
-
-   !> Greatest deflections at speeds.
-   pure subroutine put_speeds(block, unit, speed, amplitude, known, stable, tables)
-      character(*), intent(in) :: block
-      character(*), intent(in) :: unit         !! of the amplitude
-      real(wp), intent(in) :: speed(:), amplitude(:)
-      logical, intent(in) :: known(:), stable(:)
-      type(tables_t), intent(inout) :: tables
-      type(table_t) :: table
-
-      table = table_of(block, 'a row for each speed: the greatest amplitude, and whether it settles')
-      call table%add('speed', speed, 'rad/s')
-      call table%add('amplitude', amplitude, unit, known)
-      call table%add('stable', stable)
-      call tables%put(table)
-   end subroutine put_speeds
-
-   !> Input in degrees from the reference position; derivatives by it, per radian.
-   pure subroutine put_response(block, unit, hill, factor, sense, waves, tables)
-      character(*), intent(in) :: block
-      character(*), intent(in) :: unit         !! of y
-      type(hill_t), intent(in) :: hill
-      real(wp), intent(in) :: factor           !! y in this unit
-      real(wp), intent(in) :: sense            !! 1 or -1
-      integer, intent(in) :: waves             !! periods in a turn: y stands for that many times the deflection
-      type(tables_t), intent(inout) :: tables
-      type(table_t) :: table
-      real(wp), allocatable :: y(:, :)
-      character(:), allocatable :: per
-      real(wp) :: many
-
-      allocate (y(0, 0:2))
-      many = real(waves, wp)
-      if (hill%unique) then
-         deallocate (y)
-         allocate (y(size(hill%y), 0:2))
-         y(:, 0) = factor*(hill%y/many)
-         y(:, 1) = factor*(sense*hill%y1)
-         y(:, 2) = factor*(hill%y2*many)
-      end if
-      table = table_of(block, 'a row for each input of a period: the steady response and its derivatives')
-      call table%add('input', steps_of_turn(size(y, 1), sense, waves), 'deg')
-      per = unit
-      if (len(unit) == 0) per = '1'
-      call table%add('y', y(:, 0), unit)
-      call table%add('y1', y(:, 1), per//'/rad')
-      call table%add('y2', y(:, 2), per//'/rad^2')
-      call tables%put(table)
-   end subroutine put_response
-
-   !> Equal steps of a period of the turn from the reference position, degrees.
-   pure function steps_of_turn(steps, sense, waves) result(input)
-      integer, intent(in) :: steps, waves
-      real(wp), intent(in) :: sense
-      real(wp) :: input(steps)
-      integer :: i
-
-      input = [(sense*full_turn*real(i - 1, wp)/real(waves*steps, wp), i=1, steps)]
-   end function steps_of_turn
-
    ! ---- estimates ---------------------------------------------------------------------------------------------------
 
    !> The group ESTIM: a paragraph for each link, its verdict first.
@@ -381,7 +257,7 @@ contains
       do k = 1, size(estimates)
          associate (e => estimates(k), beam => group%beams(k))
             call text%add()
-            call text%add(' LINK '//link_words(set, beam%link, ' IN LOOP ', 'OF ARC ')//': '//verdict(e%verdict))
+            call text%add(' LINK '//link_words(set, beam%link, ' IN LOOP ', 'OF ARC ')//': '//verdict_words(e%verdict))
             call text%add('   LENGTH, SLENDERNESS'//general(e%cycle%length)//general(e%slenderness))
             call text%add('   FIRST FREQUENCY/SPEED'//general(e%ratio)//', FALL BY SHEAR AND ROTARY INERTIA'// &
                           general(e%shear_fall)//', ON POSTS OF ITS OWN SECTION'//general(e%post_ratio))
@@ -418,7 +294,7 @@ contains
       end do
    end subroutine list_estimates
 
-   pure function verdict(number) result(words)
+   pure function verdict_words(number) result(words)
       integer, intent(in) :: number
       character(:), allocatable :: words
 
@@ -430,7 +306,7 @@ contains
       case default
          words = 'REDESIGN'
       end select
-   end function verdict
+   end function verdict_words
 
    ! ---- drives and tables -------------------------------------------------------------------------------------------
 
@@ -512,80 +388,6 @@ contains
       end subroutine list_inertia
    end subroutine list_drive
 
-   !> Tables drive_inertia, drive_torque, drive_response, drive_speeds.
-   pure subroutine put_drive(study, tables)
-      type(drive_study_t), intent(in) :: study
-      type(tables_t), intent(inout) :: tables
-      type(table_t) :: table
-
-      table = table_of('drive_inertia', 'a row for each input of a period: the inertia that the crank feels')
-      call table%add('input', steps_of_turn(size(study%inertia), study%turn%sense, study%waves), 'deg')
-      call table%add('inertia', study%inertia, 'kg m^2')
-      call tables%put(table)
-      if (study%loaded) then
-         table = table_of('drive_torque', 'a row for each input: the torque of weight, loads and springs, and that of '// &
-                          'dampers at 1 rad/s')
-         call table%add('input', steps_of_turn(size(study%torque), study%turn%sense, 1), 'deg')
-         call table%add('torque', study%torque, 'N m')
-         call table%add('viscous', study%viscous, 'N m s')
-         call tables%put(table)
-      end if
-      if (.not. study%found) return
-      call put_response('drive_response', 'rad', study%hill, 1.0_wp, study%turn%sense, study%waves, tables)
-      if (size(study%speeds) == 0) return
-      associate (rows => study%speeds)
-         call put_speeds('drive_speeds', 'rad', rows%speed, rows%amplitude, rows%known, rows%stable, tables)
-      end associate
-   end subroutine put_drive
-
-   !> Tables estimates and estimate_harmonics, for other programs.
-   subroutine put_estimates(set, estimates, tables)
-      type(data_set_t), intent(in) :: set
-      type(estimate_t), intent(in) :: estimates(:)
-      type(tables_t), intent(inout) :: tables
-      type(estimate_group_t) :: group
-      type(table_t) :: table
-      character(name_room), allocatable :: links(:), verdicts(:)
-      integer :: k, n
-
-      group = estimates_of(set)
-      table = table_of('estimates', 'a row for each link', audience=for_programs)
-      associate (bent => .not. estimates%buckles)
-         allocate (links(size(estimates)), verdicts(size(estimates)))
-         do k = 1, size(estimates)
-            links(k) = link_words(set, group%beams(k)%link, ' in loop ', 'arc ')
-            verdicts(k) = lower_case(verdict(estimates(k)%verdict))
-         end do
-         call table%add('link', links)
-         call table%add('verdict', verdicts)
-         call table%add('length', [(estimates(k)%cycle%length, k=1, size(estimates))], 'm')
-         call table%add('slenderness', estimates%slenderness)
-         call table%add('frequency_per_speed', estimates%ratio)
-         call table%add('fall_by_shear', estimates%shear_fall)
-         call table%add('greatest_end_load', estimates%push, 'N')
-         call table%add('euler_load', estimates%euler, 'N')
-         call table%add('buckles', estimates%buckles)
-         call table%add('deflection', estimates%deflection, 'm', bent)
-         call table%add('deflection_at', estimates%at, known=bent)
-         call table%add('deflection_mode1', estimates%first, 'm', bent)
-         call table%add('deflection_mode2', estimates%second, 'm', bent)
-         call table%add('deflection_at_rest', estimates%resting, 'm', bent .and. estimates%loaded)
-         call table%add('dynamic_error', estimates%error, 'm', bent)
-         call table%add('resonant_error', estimates%resonant, 'm', bent)
-         call table%add('resonant_harmonic', estimates%harmonic)
-         call table%add('acceleration', estimates%middle, 'm/s^2')
-         call table%add('least_frequency_per_speed', estimates%strength, known=estimates%strength > 0.0_wp)
-      end associate
-      call tables%put(table)
-      table = table_of('estimate_harmonics', 'a row for each link and harmonic of the acceleration of its middle', &
-                       audience=for_programs)
-      call table%add('link', [((k, n=1, harmonics_estimated), k=1, size(estimates))])
-      call table%add('n', [((n, n=1, harmonics_estimated), k=1, size(estimates))])
-      call table%add('amplitude', [(estimates(k)%amplitudes, k=1, size(estimates))], 'm/s^2')
-      call table%add('bound', [(estimates(k)%bounds, k=1, size(estimates))], 'm/s^2')
-      call tables%put(table)
-   end subroutine put_estimates
-
    !> The group HILL.
    subroutine list_hill(set, study, text)
       type(data_set_t), intent(in) :: set
@@ -610,23 +412,6 @@ contains
          call text%add(repeat(' ', 6 - len(to_text(n)))//to_text(n)//general(study%amplitude(n)))
       end do
    end subroutine list_hill
-
-   !> Tables hill_multipliers, hill_harmonics, hill_response.
-   pure subroutine put_hill(study, tables)
-      type(hill_study_t), intent(in) :: study
-      type(tables_t), intent(inout) :: tables
-      type(table_t) :: table
-      integer :: k
-
-      table = table_of('hill_multipliers', 'a row for each multiplier')
-      call add_complex(study%hill%multipliers, table)
-      call tables%put(table)
-      table = table_of('hill_harmonics', 'a row for each harmonic of the steady response')
-      call table%add('n', [(k, k=0, ubound(study%amplitude, 1))])
-      call table%add('amplitude', study%amplitude, known=spread(study%hill%unique, 1, size(study%amplitude)))
-      call tables%put(table)
-      call put_response('hill_response', '', study%hill, 1.0_wp, 1.0_wp, 1, tables)
-   end subroutine put_hill
 
    !> What a link is called: its arc and loop, of a sketch its name.
    pure function link_words(set, place, loop, arc) result(words)

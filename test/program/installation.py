@@ -1,15 +1,17 @@
 #!/usr/bin/env python3
-"""What scripts/install puts below a prefix, used from outside: programs, library by pkg-config, manual pages, completion, data sets.
+"""What scripts/install puts below a prefix, used from outside: programs, library by pkg-config and CMake, manual pages, completion,
+data sets; and the checkout as a dependency of fpm.
 
 usage: installation.py PREFIX, where it is installed first. Last line: N passed, N failed."""
 import os
+import shutil
 import subprocess
 import sys
 
 TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 PROGRAMS = ("psalm", "kalm", "balm", "muscle", "ssics", "calm", "bridge")
 prefix = os.path.abspath(sys.argv[1])
-passed = failed = 0
+passed = failed = skipped = 0
 
 
 def check(law, right, words=""):
@@ -44,13 +46,71 @@ if flags.returncode == 0:
 commit = subprocess.run(["git", "-C", TOP, "rev-parse", "--short=12", "HEAD"], capture_output=True, text=True).stdout.strip()
 told = run("bin/psalm", "--version").stdout
 check("--version tells the commit", told.splitlines()[1].startswith("commit %s" % (commit or "not known")), told)
+def by_cmake(language, source):
+    """A program of one source that finds the library by find_package."""
+    place = os.path.join(prefix, "consumer_" + language)
+    os.makedirs(place, exist_ok=True)
+    with open(os.path.join(place, "CMakeLists.txt"), "w", encoding="utf-8") as file:
+        file.write("cmake_minimum_required(VERSION 3.13)\nproject(consumer %s)\nfind_package(psalm 0.1 REQUIRED)\n"
+                   "add_executable(consumer %s)\ntarget_link_libraries(consumer psalm::psalm)\n" % (language, source))
+    built = run("sh", "-c", "cd %s && cmake -S . -B build -DCMAKE_PREFIX_PATH=.. && cmake --build build" % place)
+    check("a program in %s by CMake" % language, built.returncode == 0 and "179.6424" in run(place + "/build/consumer").stdout, built.stderr)
+
+
+def by_fpm(name, source):
+    """A package that depends on this checkout, with its program: the objects that scripts/setup has compiled are taken."""
+    installed = os.path.join(TOP, "build", "local")
+    place = os.path.join(prefix, "package_" + name)
+    os.makedirs(os.path.join(place, "app"), exist_ok=True)
+    shutil.copy(os.path.join(TOP, "example", "analyse.f90"), os.path.join(place, "app", "main.f90"))
+    with open(os.path.join(place, "fpm.toml"), "w", encoding="utf-8") as file:
+        file.write('name = "package_%s"\n[dependencies]\nopenmp = "*"\npsalm.%s\n' % (name, source))
+    fpm = os.path.join(TOP, ".venv", "bin", "fpm")
+    ran = run("sh", "-c", "cd %s && %s run --profile debug --flag '-std=f2018 -O0'" % (place, fpm),
+              env=dict(os.environ, INSTALLED=installed, FPM_FC=os.path.join(TOP, "test", "tools", "installed", "gfortran")))
+    check("a package by fpm, dependency by " + name, ran.returncode == 0 and "179.6424" in ran.stdout, ran.stderr[-2000:])
+
+
+def skip(law):
+    global skipped
+    skipped += 1
+    print("SKIPPED: installation: " + law)
+
+
 if run("sh", "-c", "command -v cmake").returncode == 0:
-    with open(os.path.join(prefix, "CMakeLists.txt"), "w", encoding="utf-8") as file:
-        file.write("cmake_minimum_required(VERSION 3.13)\nproject(consumer C)\nfind_package(psalm 0.1 REQUIRED)\n"
-                   "add_executable(consumer %s/c/slider_crank.c)\ntarget_link_libraries(consumer psalm::psalm)\n" % TOP)
-    built = run("sh", "-c", "cmake -S . -B consumer -DCMAKE_PREFIX_PATH=. && cmake --build consumer")
-    check("a program in C by CMake", built.returncode == 0 and "179.6424" in run("consumer/consumer").stdout, built.stderr)
+    by_cmake("C", os.path.join(TOP, "c", "slider_crank.c"))
+    if run("sh", "-c", "command -v c++").returncode == 0:
+        with open(os.path.join(prefix, "consumer.cpp"), "w", encoding="utf-8") as file:
+            file.write("""#include <iostream>
+#include <psalm.h>
+int main() {
+  psalm_case *linkage = nullptr;
+  psalm_result *motion = nullptr;
+  double slide[24];
+  if (psalm_read_file("share/psalm/data/dyad4_slider_crank.nml", 1, &linkage) != PSALM_DONE) return 1;
+  if (psalm_study(linkage, "analysis", PSALM_BRIEF, 0, &motion) != PSALM_DONE) return 1;
+  if (psalm_column(motion, 1, psalm_find_column(motion, 1, "output"), 24, slide) != PSALM_DONE) return 1;
+  std::cout << std::fixed;
+  std::cout.precision(4);
+  std::cout << slide[0] << std::endl;
+  psalm_result_free(motion);
+  psalm_free(linkage);
+}
+""")
+        by_cmake("CXX", os.path.join(prefix, "consumer.cpp"))
+    else:
+        skip("a program in C++ by CMake")
+else:
+    skip("programs in C and C++ by CMake")
+if os.path.exists(os.path.join(TOP, "build", "local", "lib", "libpsalm.a")):
+    by_fpm("path", 'path = "%s"' % os.path.relpath(TOP, os.path.join(prefix, "package_path")))
+    if os.path.exists(os.path.join(TOP, ".git")):
+        by_fpm("git", 'git = "file://%s"' % TOP)
+    else:
+        skip("a package by fpm, dependency by git")
+else:
+    skip("packages by fpm (scripts/setup builds what they take)")
 done = run("bash", "-c", ". share/bash-completion/completions/psalm; COMP_WORDS=(psalm --items SEA); COMP_CWORD=2; _psalm; echo ${COMPREPLY[*]}")
 check("completion", done.stdout.strip() == "SEARCH", done.stdout + done.stderr)
-print("%d passed, %d failed" % (passed, failed))
+print("%d passed, %d failed" % (passed, failed) + (", %d skipped" % skipped if skipped else ""))
 sys.exit(failed > 0)

@@ -5,6 +5,7 @@ usage: test/program/tables.py PROGRAM_DIRECTORY. Last line: N passed, N failed."
 import csv
 import glob
 import json
+import math
 import os
 import re
 import subprocess
@@ -75,7 +76,7 @@ def compare(program, case, *options):
                                                  for n, values in columns.items() if block["units"][n] for v in values))
             if "closed" in columns:
                 check(law + name + ": what does not close is empty", all(
-                    v is None for n, values in columns.items() if not n.startswith(("input", "closed", "desired", "setting", "position"))
+                    v is None for n, values in columns.items() if not n.startswith(("input", "closed", "desired", "setting", "position", "crank_angle"))
                     for closed, v in zip(columns["closed"], values) if closed == 0))
     if os.path.exists(stem + ".dev9"):
         blocks = [(name, block) for one in whole["cases"] for name, block in one["blocks"].items()]
@@ -97,6 +98,109 @@ def forces(kalm, case):
     check(case + ": columns of forces", all(n in columns for n in heads[first:]), str(heads))
     check(case + ": figures of forces", all(
         [v or "NaN" for v in map(as_csv, columns[n])] == [row[first + k] for row in rows] for k, n in enumerate(heads[first:])))
+
+
+def listing(program, case):
+    """Listing and standard error of a case."""
+    done = subprocess.run([program, "--output-dir", ".", case], capture_output=True, text=True, check=False)
+    return done.stdout, done.stderr
+
+
+def plain(text):
+    """The numbers of a text."""
+    return [float(word.replace("D", "E")) for word in re.findall(r"(?<![\w.])-?\d+\.?\d*(?:[DE][-+]\d+)?(?!\w|\.\d)", text)]
+
+
+def near(value, told, relative=6e-5):
+    """True if a value is a number that was told with five digits."""
+    return value is not None and abs(float(value) - told) <= max(relative * abs(told), 6e-6)
+
+
+def summaries(psalm, kalm, data):
+    """Tables of the summary say what its words say; KTHETA gives all arcs."""
+    for name in ("needle_masses", "suspension", "engine"):
+        case = os.path.join(data, name + ".nml")
+        words = listing(psalm, case)[1]
+        blocks = compare(psalm, case)
+        row = {n: v[0] for n, v in blocks["summary"]["columns"].items()}
+        line = dict(re.findall(r"^  (\S[^\n]{17})\s+(.*)$", words, re.M))
+        line = {label.strip(): text for label, text in line.items()}
+        check(name + ": transmission angle", near(row["transmission_angle"], plain(line["Transmission angle"])[0]), str(row))
+        output = next(text for label, text in line.items() if label.startswith("Output"))
+        check(name + ": range of the output", near(row["output_least"], plain(output)[0]) and near(row["output_most"], plain(output)[1]), output)
+        check(name + ": closes over the full turn", (row["closes_everywhere"] == 1) == ("full turn" in line["Closes"]), line["Closes"])
+        ranges = [float(v) for pair in zip(*blocks["closing"]["columns"].values()) for v in pair]
+        if "from input" in line["Closes"]:
+            check(name + ": ranges", all(near(v, told) for v, told in zip(ranges, plain(line["Closes"]))), line["Closes"])
+        turns = blocks["reversals"]["columns"]["input"]
+        check(name + ": dead points", len(turns) == len(plain(line["Dead points"])) and all(
+            near(v, told) for v, told in zip(turns, plain(line["Dead points"]))), line["Dead points"])
+        if "Error" in line:
+            check(name + ": errors", all(near(row[n], told) for n, told in zip(("error_rms", "error_largest"), plain(line["Error"]))), line["Error"])
+        check(name + ": kinds", all(kind in line["Kind"] for kind in blocks["loop_kinds"]["columns"]["kind"]), line["Kind"])
+    case = os.path.join(data, "needle_masses.nml")
+    arcs = compare(psalm, case)["arcs"]["columns"]
+    with open("needle_masses.dev8", encoding="utf-8") as file:
+        listed = file.read().split("LENGTHS AND ANGLES OF ALL ARCS")[1]
+    first = plain(listed.split(" INPUT")[1].split("NUMBER")[1].split("JOINT OF")[0])[1:]
+    loops = [[(float(n), float(a)) for o, p, n, a in zip(arcs["loop"], arcs["position"], arcs["length"], arcs["angle"]) if o == loop and p == 1]
+             for loop in sorted(set(arcs["loop"]))]
+    wanted = [v for loop in loops for column in zip(*loop) for v in column]
+    check("all arcs: lengths and angles of device 8", all(abs(a - b) < 1e-6 * max(1.0, abs(b)) for a, b in zip(wanted, first)) and len(first) >= len(
+        wanted) > 10, "%s %s" % (wanted[:8], first[:8]))
+    columns = compare(kalm, case)["arcs"]["columns"]
+    check("kalm: the same arcs", all(abs(float(a) - float(b)) < 1e-9 * max(1.0, abs(float(b))) for a, b in zip(columns["length"], arcs["length"])) and all(
+        abs((float(a) - float(b) + 180.0) % 360.0 - 180.0) < 1e-9 for a, b in zip(columns["angle"], arcs["angle"])))
+    with open("gap.nml", "w", encoding="utf-8") as file:
+        file.write("A LINKAGE THAT DOES NOT CLOSE EVERYWHERE\n &CHAIN JNT='A','B','C','D', JX=0.,0.,40.,70., JY=0.,60.,50.,0., LNK='A D','A B','B C','C D'"
+                   " &END\n &DRIVES DRIVE='A' &END\n &METHOD IKIN=12 &END\n &LIMITS TRMIN=40., LAST=1 &END\n")
+    text, _ = listing(psalm, "gap.nml")
+    violations = compare(psalm, "gap.nml")["violations"]["columns"]
+    told = re.findall(r"^ LOOP (\d+), DYAD[^:]*, POSITIONS? (\d+)", text, re.M)
+    check("violations: those of the listing", [[str(v) for v in pair] for pair in zip(violations["loop"], violations["first"])] == [list(t) for t in told]
+          and len(told) > 1, "%s %s" % (violations, told))
+
+
+def one_numbers(directory, data):
+    """What was a number of the listing alone: vibration, drive, Hill's equation, the search for a cam."""
+    ssics, calm = os.path.join(directory, "ssics"), os.path.join(directory, "calm")
+    hill = compare(ssics, os.path.join(data, "ssics", "hill.nml"))
+    row = {n: v[0] for n, v in hill["hill"]["columns"].items()}
+    a, b, c, d = (float(row[n]) for n in ("y_from_y", "y1_from_y", "y_from_y1", "y1_from_y1"))
+    roots = [complex(float(re_), float(im)) for re_, im in zip(*hill["hill_multipliers"]["columns"].values())]
+    check("hill: multipliers have trace and determinant of the period", abs(sum(roots) - (a + d)) < 1e-9 and abs(
+        roots[0] * roots[1] - (a * d - b * c)) < 1e-9, "%s %s" % (roots, row))
+    start = float(row["start_y"]), float(row["start_y1"])
+    after = a * start[0] + c * start[1] + float(row["y_from_rest"]), b * start[0] + d * start[1] + float(row["y1_from_rest"])
+    check("hill: the steady state returns after a period", all(abs(p - q) < 1e-9 for p, q in zip(start, after)), "%s %s" % (start, after))
+    case = os.path.join(data, "ssics", "link_loads.nml")
+    text, _ = listing(ssics, case)
+    blocks = compare(ssics, case)
+    row = {n: float(v[0]) for n, v in blocks["vibration"]["columns"].items() if v[0] is not None}
+    told = plain(re.search(r"FIRST FREQUENCY AT REST(.*)", text)[1].replace(",", " "))
+    check("vibration: frequency and ratio", near(row["frequency"], told[0], 1e-6) and near(row["frequency_per_speed"], told[1], 1e-6), str(told))
+    told = [plain(line)[0] for line in re.findall(r"^ GREATEST(.*)", text, re.M)]
+    modes = blocks["modes"]["columns"]
+    check("vibration: greatest deflection of each mode", len(told) == len(modes["mode"]) and all(near(v, t, 1e-6) for v, t in zip(modes["greatest"], told)))
+    check("estimates: rules kept are those of the listing", blocks["estimate_rules"]["columns"]["kept"] == [
+        int(word == "KEPT") for word in re.findall(r"AT (?:LEAST|MOST) [\d.]+ +(KEPT|BROKEN)", text)])
+    drive = {n: v[0] for n, v in compare(ssics, os.path.join(data, "ssics", "drive_loads.nml"))["drive"]["columns"].items()}
+    with open(os.path.join(data, "ssics", "drive_loads.nml"), encoding="utf-8") as file:
+        speed = float(re.search(r"SPEED *= *([-\d.]+), UNITS='REV/MIN'", file.read())[1]) * math.pi / 30.0
+    check("drive: its stiffness gives d", abs((float(drive["stiffness"]) / float(drive["inertia_mean"])) ** 0.5 / speed - float(drive["d"])) < 1e-9, str(drive))
+    with open(os.path.join(data, "calm", "translating_roller.nml"), encoding="utf-8") as file:
+        cam = file.read()
+    with open("best.nml", "w", encoding="utf-8") as file:
+        file.write(cam.replace("RROLL=8.0", "ALFMAX=35.0, VARY='ORIGLK', VARLOW=30.0, VARHI=90.0, GOAL='BASE', RROLL=8.0"))
+    text, errors = listing(calm, "best.nml")
+    blocks = compare(calm, "best.nml")
+    check("calm: there is a search", {"search", "search_values"} <= set(blocks), errors)
+    search, values = blocks["search"]["columns"], blocks["search_values"]["columns"]
+    base = dict(zip(blocks["extremes"]["columns"]["what"], blocks["extremes"]["columns"]["value"]))
+    check("calm: the least base radius is that of the cam", search["least"] == ["base"] and near(search["after"][0], float(next(
+        v for n, v in base.items() if n in ("base_radius", "least_height"))), 1e-4), "%s %s" % (search, base))
+    check("calm: what varied", values["item"] == ["ORIGLK"] and 30.0 <= float(values["after"][0]) <= 90.0 and float(values["before"][0]) == 48.0, str(values))
+    check("calm: no fault where it keeps its limits", blocks["judgement"]["columns"]["fails"] == [int("exceeds" in errors or "undercut" in errors)], errors)
 
 
 def main(directory):
@@ -136,21 +240,27 @@ def main(directory):
         for case in (os.path.join(data, "engine.nml"), "digger.nml"):
             forces(kalm, case)
         for program, case, blocks in (
-                ("kalm", "engine.nml", {"positions", "powers", "sizing", "harmonics", "shares", "machine", "machine_cycle"}),
+                ("kalm", "engine.nml", {"positions", "powers", "sizing", "harmonics", "shares", "machine", "machine_cycle", "summary", "closing", "reversals",
+                                       "loop_kinds", "dimensions", "violations", "arcs", "arc_joints"}),
                 ("kalm", "stephenson3_rod_driven.nml", {"positions", "powers", "limits"}),
                 ("psalm", "stephenson3_rod_driven.nml", {"positions", "tolerances", "output_tolerances", "dimension_effects"}),
                 ("psalm", "links_apart.nml", {"positions", "constraints"}),
-                ("psalm", "brake_reaction_lsq.nml", {"positions", "ranking", "ranked_dimensions"}),
+                ("psalm", "brake_reaction_lsq.nml", {"positions", "search", "ranking", "ranked_dimensions"}),
                 ("muscle", "muscle/needle_balance.nml", {"balance", "links", "outcomes", "weights", "loads", "designs", "budgets"}),
                 ("muscle", "muscle/haines_spring.nml", {"springs", "spring_result", "spring_load", "spring_phases"}),
-                ("ssics", "ssics/link_loads.nml", {"boundaries", "multipliers", "response"}),
-                ("bridge", "bridge/four_bar_haines.nml", {"minima", "following", "flight", "cycle"}),
-                ("calm", "calm/knuckle_press.nml", {"cam", "extremes"}),
+                ("ssics", "ssics/link_loads.nml", {"vibration", "modes", "boundaries", "boundary_series", "multipliers", "response", "estimates",
+                                                  "estimate_rules", "speeds", "unstable_speeds"}),
+                ("ssics", "ssics/drive_loads.nml", {"drive", "drive_inertia", "drive_torque", "drive_multipliers", "drive_harmonics"}),
+                ("ssics", "ssics/hill.nml", {"hill", "hill_multipliers", "hill_harmonics", "hill_response"}),
+                ("bridge", "bridge/four_bar_haines.nml", {"clearance", "minima", "losses", "following", "least_forces", "speeds", "flight", "cycle"}),
+                ("calm", "calm/knuckle_press.nml", {"cam", "segments", "law", "law_joints", "judgement", "extremes"}),
                 ("psalm", "exact/five_poses.nml", {"exact"}),
                 ("psalm", "cheapest_tolerances.nml", {"positions", "tolerances", "allocation", "allocation_bands"}),
                 ("psalm", "adjustable_stroke.nml", {"positions", "sweep"})):
             found = compare(os.path.join(directory, program), os.path.join(data, case))
             check("%s, %s: blocks" % (program, case), blocks <= set(found), str(list(found)))
+        summaries(psalm, kalm, data)
+        one_numbers(directory, data)
         two = "TWO DESIRED OUTPUTS\n &CHAIN JNT='A','B','C','D','P', JX=0.,0.,40.,70.,25., JY=0.,30.,60.,0.,70., LNK='A D','A B','B C P','C D' &END\n" \
               " &DRIVES DRIVE='A' &END\n &OUTPUTS OUTPUT='point P','angle D C', DES2=116.0,117.0,118.0 &END\n" \
               " &METHOD NDES=3, DELT=0.0,1.0,2.0 &END\n &LIMITS LAST=1 &END\n"
