@@ -238,6 +238,7 @@ contains
       type(search_log_t) :: log
       type(sketch_study_t) :: sketch
       type(sketch_study_t), allocatable :: swept
+      logical :: searched
       integer :: threads
 
       if (set%gives('EXACT')) then
@@ -268,14 +269,15 @@ contains
       wanted%summary = arguments%json .or. (.not. arguments%quiet .and. devices%summarised < most_summarised)
       call analyse(set, problem, dimensions, wanted, analysis)
       call report_analysis(set, problem, analysis, prepared%warnings, devices)
-      if (set%has_names() .and. .not. set%wants_search()) then
-         call study_sketch(set, problem, dimensions, analysis%motion%closed, 1.0_wp, 0.0_wp, sketch)
-         if (set%limits%icond /= 0) call study_conditions(set, problem, dimensions, sketch)
-         call put_sketch(set%sketch, sketch, 0, devices%cases(devices%last_case()))
+      if (set%has_names()) then
+         searched = set%wants_search()
+         call study_sketch(set, problem, dimensions, analysis%motion%closed, 1.0_wp, 0.0_wp, sketch, searched)
+         if (set%limits%icond /= 0) call study_conditions(set, problem, dimensions, sketch, searched)
+         call put_sketch(set%sketch, sketch, 0, devices%cases(devices%last_case()), problem=problem)
          call report_outputs(set, sketch, analysis%motion%beyond, 0, devices)
          if (allocated(analysis%sweep) .and. several_outputs(set)) then
             allocate (swept)
-            call study_sweep(set, problem, dimensions, analysis%sweep%closed, swept)
+            call study_sweep(set, problem, dimensions, analysis%sweep%closed, swept, searched)
             call report_swept_outputs(set, swept, devices)
          end if
       else

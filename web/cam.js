@@ -2,13 +2,12 @@
 'use strict';
 
 globalThis.calm = (() => {
-  const FORMAT = 2;              // of the data, as in psalm_cam_page.f90
+  const FORMAT = 3;              // of the data, as in psalm_cam_page.f90
   const ROUND = 2 * Math.PI;
   const SECONDS = 6;             // of a turn at speed 1
   const COLOURS = ['paper', 'ink', 'soft', 'line', 'panel', 'accent', 'actual', 'bad', 'badband', 'frame', 'ghost', 'good',
     'link0', 'link1', 'link2', 'link3', 'link4', 'link5', 'link6', 'link7'];
-  const PANELS = [['y', 'output'], ['y1', 'first derivative'], ['y2', 'second derivative'], ['y3', 'third derivative'],
-    ['alpha', 'pressure angle, degrees'], ['bend', 'curvature of the profile']];
+  const { short } = scales, { line } = panels;
   const data = JSON.parse(document.getElementById('data').textContent);
   const element = (id) => document.getElementById(id);
   const state = { angle: 0, playing: false, shown: 0, last: 0 };
@@ -35,7 +34,6 @@ globalThis.calm = (() => {
   const entry = (row, i) => (typeof row === 'number' ? row : row[i]);
   const lengthOf = (row) => (typeof row === 'number' ? 1 : row.length);
   const joint = (j, angle) => [at(data.joints[j].x, angle), at(data.joints[j].y, angle)];
-  const short = (value) => (Math.abs(value) < 5e-10 ? '0' : String(Number(value.toPrecision(6))));
 
   /** A point of a cam in machine axes. */
   function turned(cam, x, y, angle) {
@@ -45,20 +43,6 @@ globalThis.calm = (() => {
   }
 
   // ---- the machine -----------------------------------------------------------------------------------------------------
-
-  function readColours() {
-    const css = getComputedStyle(document.documentElement);
-    for (const name of COLOURS) pens[name] = css.getPropertyValue('--' + name).trim();
-  }
-
-  function fit(canvas) {
-    const dpr = window.devicePixelRatio || 1, w = canvas.clientWidth, h = canvas.clientHeight;
-    canvas.width = Math.max(1, Math.round(w * dpr));
-    canvas.height = Math.max(1, Math.round(h * dpr));
-    const pen = canvas.getContext('2d');
-    pen.setTransform(dpr, 0, 0, dpr, 0, 0);
-    return [pen, w, h];
-  }
 
   const X = (x) => view.ox + view.k * x, Y = (y) => view.oy - view.k * y;
 
@@ -212,7 +196,7 @@ globalThis.calm = (() => {
   }
 
   function drawMachine() {
-    const [pen, w, h] = fit(element('machine')), margin = 26, [x0, y0, x1, y1] = data.view;
+    const [w, h] = panels.fit(element('machine')), pen = element('machine').getContext('2d'), margin = 26, [x0, y0, x1, y1] = data.view;
     const k = Math.min((w - 2 * margin) / (x1 - x0), (h - 2 * margin) / (y1 - y0));
     view = { k, ox: w / 2 - k * (x0 + x1) / 2, oy: h / 2 + k * (y0 + y1) / 2 };
     pen.clearRect(0, 0, w, h);
@@ -223,40 +207,37 @@ globalThis.calm = (() => {
 
   // ---- curves ----------------------------------------------------------------------------------------------------------
 
+  /** Panels of a cam: the row of its data, its name with its unit. */
+  function panelsOf(cam) {
+    const [unit, rate] = cam.angular ? [', degrees', ', rad/rad'] : [', length', ', length/rad'];
+    return [['y', 'output' + unit], ['y1', 'first derivative' + rate], ['y2', 'second derivative' + rate + '^2'],
+      ['y3', 'third derivative' + rate + '^3'], ['alpha', 'pressure angle, degrees'], ['bend', 'curvature of the profile, 1/length']];
+  }
+
   function drawCurves() {
-    const [pen, w, h] = fit(element('curves')), cam = data.cams[state.shown], left = 14, right = 14, gap = 24;
-    const high = (h - 26 - gap * PANELS.length) / PANELS.length;
-    box = { left, width: w - left - right };
+    const canvas = element('curves'), [w, h] = panels.fit(canvas), pen = canvas.getContext('2d'), cam = data.cams[state.shown];
+    const u = Math.min(2.2, Math.max(1, Math.min(w / 480, h / 560))), list = panelsOf(cam), each = (h - 34 * u) / list.length;
+    box = { left: 58 * u, right: w - 18 * u };
     pen.clearRect(0, 0, w, h);
-    pen.font = '12px system-ui, sans-serif';
-    const across = (angle) => left + box.width * angle / 360;
-    PANELS.forEach(([key, words], p) => {
-      const row = cam[key], top = gap + p * (high + gap), n = lengthOf(row);
+    pen.font = panels.font(u);
+    const across = (angle) => box.left + (box.right - box.left) * angle / 360, room = box.right - box.left;
+    list.forEach(([key, name], p) => {
+      const row = cam[key], n = lengthOf(row), words = [[name, pens.ink], [short(Number(at(row, state.angle).toPrecision(6))), pens.accent]];
+      // the height is that of the longest number, so that nothing moves
+      const top = p * each + 6 * u + panels.headHeight(pen, [words[0], ['-0.000000000', pens.accent]], room, u), bottom = (p + 1) * each - 8 * u;
       let low = Infinity, most = -Infinity;
       for (let i = 0; i < n; i += 1) { low = Math.min(low, entry(row, i)); most = Math.max(most, entry(row, i)); }
       const limits = key === 'alpha' ? [-cam.limit, cam.limit].filter((v) => v > low - cam.limit / 2 && v < most + cam.limit / 2) : [];
-      const bottom = Math.min(low, ...limits), upper = Math.max(most, ...limits), span = upper - bottom || 1;
-      const up = (value) => top + high * (upper - value) / span;
-      pen.strokeStyle = pens.line;
-      pen.lineWidth = 1;
-      pen.strokeRect(left, top, box.width, high);
-      if (bottom < 0 && upper > 0) {
-        pen.beginPath();
-        pen.moveTo(left, up(0));
-        pen.lineTo(left + box.width, up(0));
-        pen.stroke();
-      }
-      pen.setLineDash([4, 4]);
+      const [least, upper] = scales.range(Math.min(low, ...limits), Math.max(most, ...limits), Math.max(Math.abs(low), Math.abs(most)));
+      const up = (value) => bottom - (bottom - top) * (value - least) / (upper - least);
+      panels.head(pen, words, box.left, top - 6 * u, room, u);
+      panels.grid(pen, pens, box, scales.ticks(least, upper, Math.max(2, (bottom - top) / (27 * u)), key === 'alpha'), up, u);
+      pen.setLineDash([5, 4]);
       pen.strokeStyle = pens.bad;
-      for (const limit of limits) {
-        pen.beginPath();
-        pen.moveTo(left, up(limit));
-        pen.lineTo(left + box.width, up(limit));
-        pen.stroke();
-      }
+      for (const limit of limits) line(pen, box.left, up(limit), box.right, up(limit));
       pen.setLineDash([]);
       pen.strokeStyle = pens.accent;
-      pen.lineWidth = 1.5;
+      pen.lineWidth = 1.6 * u;
       pen.beginPath();
       for (let i = 0; i < n + (slides ? 0 : 1); i += 1) {
         const x = across(360 * i / (slides ? Math.max(n - 1, 1) : n)), y = up(entry(row, i % n));
@@ -264,29 +245,15 @@ globalThis.calm = (() => {
       }
       if (n === 1) pen.lineTo(across(360), up(entry(row, 0)));
       pen.stroke();
-      pen.fillStyle = pens.soft;
-      pen.fillText(words + ': ' + short(low) + ' to ' + short(most), left, top - 7);
-      pen.fillStyle = pens.ink;
-      pen.textAlign = 'right';
-      pen.fillText(short(at(row, state.angle)), left + box.width, top - 7);
-      pen.textAlign = 'left';
       pen.beginPath();
-      pen.arc(across(state.angle), up(at(row, state.angle)), 3.5, 0, ROUND);
+      pen.arc(across(state.angle), up(at(row, state.angle)), 3.6 * u, 0, ROUND);
       pen.fillStyle = pens.actual;
       pen.fill();
     });
-    pen.strokeStyle = pens.actual;
-    pen.lineWidth = 1;
-    pen.beginPath();
-    pen.moveTo(across(state.angle), gap);
-    pen.lineTo(across(state.angle), h - 24);
-    pen.stroke();
-    pen.fillStyle = pens.soft;
-    for (const tick of [0, 90, 180, 270, 360]) {
-      pen.textAlign = tick === 0 ? 'left' : tick === 360 ? 'right' : 'center';
-      pen.fillText(String(tick), across(tick), h - 8);
-    }
-    pen.textAlign = 'left';
+    pen.strokeStyle = pens.ink;
+    pen.lineWidth = u;
+    line(pen, across(state.angle), 14 * u, across(state.angle), h - 34 * u);
+    panels.axis(pen, pens, { ...box, bottom: h - 34 * u }, [0, 90, 180, 270, 360], across, 'cam angle, degrees', u);
   }
 
   function draw() {
@@ -346,7 +313,7 @@ globalThis.calm = (() => {
   }
 
   function dragCurve(event) {
-    turnTo(Math.min(360, Math.max(0, 360 * (event.offsetX - box.left) / box.width)));
+    turnTo(Math.min(360, Math.max(0, 360 * (event.offsetX - box.left) / (box.right - box.left))));
     return 0;
   }
 
@@ -362,7 +329,7 @@ globalThis.calm = (() => {
       for (const [name, value, angle] of cam.facts) {
         const row = rows.insertRow();
         if (!cam.sound) row.className = 'bad';
-        for (const words of [cam.name, name, short(value), angle.toFixed(2) + '\u00b0']) row.insertCell().textContent = words;
+        for (const words of [cam.name, name, short(Number(value.toPrecision(6))), angle.toFixed(2) + '\u00b0']) row.insertCell().textContent = words;
       }
     });
     element('chooser').hidden = data.cams.length < 2;
@@ -381,7 +348,7 @@ globalThis.calm = (() => {
         event.preventDefault();
       });
     }
-    const repaint = () => { readColours(); draw(); };
+    const repaint = () => { panels.colours(COLOURS, pens); draw(); };
     window.addEventListener('resize', repaint);
     window.matchMedia('(prefers-color-scheme: dark)').addEventListener('change', repaint);
     repaint();

@@ -2,7 +2,8 @@
 'use strict';
 
 balm.charts = (() => {
-  const HEIGHT = 300;       // pixels on a desk
+  const HEIGHT = 300;       // pixels of a panel
+  const NARROW = 640;       // pixels across, below which panels stand one below the other
   let canvas, box;
 
   function begin() {
@@ -10,67 +11,41 @@ balm.charts = (() => {
     box = document.getElementById('chartbox');
   }
 
-  /** Panels side by side; nothing for a case without them. */
+  /** Panels side by side, on a phone one below the other; nothing for a case without them. */
   function layOut(c) {
-    const v = c.vibration, panels = [];
-    if (v && v.speeds.some(([, a]) => a !== null)) panels.push(drawSpeeds);
-    if (v && v.chart.length) panels.push(drawChart);
-    box.hidden = !panels.length;
+    const v = c.vibration, list = [];
+    if (v && v.speeds.some(([, a]) => a !== null)) list.push(drawSpeeds);
+    if (v && v.chart.length) list.push(drawChart);
+    box.hidden = !list.length;
     if (box.hidden) return;
-    canvas.style.height = HEIGHT + 'px';
-    const [w, h] = balm.drawing.fit(canvas), g = canvas.getContext('2d'), each = w / panels.length;
-    g.clearRect(0, 0, w, h);
-    g.font = '11px system-ui, sans-serif';
-    panels.forEach((panel, i) => panel(g, v, { left: i * each + 64, right: (i + 1) * each - 16, top: 26, bottom: h - 40 }));
+    const below = box.clientWidth < NARROW;
+    canvas.style.height = (below ? list.length : 1) * HEIGHT + 'px';
+    const [w] = panels.fit(canvas), g = canvas.getContext('2d'), across = below ? 1 : list.length, each = w / across;
+    g.clearRect(0, 0, w, canvas.clientHeight);
+    g.font = panels.font(1);
+    list.forEach((panel, i) => {
+      const left = (i % across) * each, top = Math.floor(i / across) * HEIGHT;
+      panel(g, v, { left: left + 64, right: left + each - 16, top, bottom: top + HEIGHT - 40 });
+    });
   }
 
-  /** Axes with their ticks; gives the functions from values to pixels. */
+  /** Axes with their ticks below a heading; gives the functions from values to pixels. */
   function axes(g, at, name, across, [x0, x1], [y0, y1], logarithmic) {
-    const { pens } = balm.drawing, { ticks } = balm.curves, { short } = balm.scene;
+    const { pens } = balm.drawing, words = [[name, pens.ink]], room = at.right - at.left;
+    at.top += 6 + panels.headHeight(g, words, room, 1);
     const tall = logarithmic ? Math.log10 : (v) => v, low = tall(y0), high = tall(y1);
-    const x = (v) => at.left + (v - x0) / (x1 - x0) * (at.right - at.left);
+    const x = (v) => at.left + (v - x0) / (x1 - x0) * room;
     const y = (v) => at.bottom - (tall(v) - low) / (high - low) * (at.bottom - at.top);
-    const marks = logarithmic ? decades(low, high) : ticks(y0, y1, 6);
-    g.lineWidth = 1;
-    g.strokeStyle = pens.line;
-    g.fillStyle = pens.soft;
-    g.textAlign = 'right';
-    for (const v of marks) {
-      g.beginPath();
-      g.moveTo(at.left, y(v));
-      g.lineTo(at.right, y(v));
-      g.stroke();
-      g.fillText(short(v), at.left - 5, y(v) + 4);
-    }
-    g.textAlign = 'center';
-    for (const v of ticks(x0, x1, 6)) {
-      g.beginPath();
-      g.moveTo(x(v), at.bottom);
-      g.lineTo(x(v), at.bottom + 4);
-      g.stroke();
-      g.fillText(short(v), x(v), at.bottom + 16);
-    }
-    g.fillText(across, (at.left + at.right) / 2, at.bottom + 32);
-    g.textAlign = 'left';
-    g.fillStyle = pens.ink;
-    g.fillText(name, at.left, at.top - 10);
+    panels.head(g, words, at.left, at.top - 6, room, 1);
+    panels.grid(g, pens, at, logarithmic ? scales.decades(low, high) : scales.ticks(y0, y1, 6), y, 1);
+    panels.axis(g, pens, at, scales.ticks(x0, x1, 6), x, across, 1);
     return [x, y];
-  }
-
-  /** Powers of ten, with 2 and 5 times them where there are few. */
-  function decades(low, high) {
-    const list = [];
-    for (let k = Math.floor(low); k <= high; k++) for (const m of high - low > 3 ? [1] : [1, 2, 5]) {
-      const v = m * 10 ** k;
-      if (Math.log10(v) >= low - 1e-9 && Math.log10(v) <= high + 1e-9) list.push(v);
-    }
-    return list;
   }
 
   function drawSpeeds(g, v, at) {
     const { pens } = balm.drawing, known = v.speeds.filter(([, a]) => a !== null && a > 0);
     const ends = [v.speeds[0][0], v.speeds.at(-1)[0]], sizes = known.map(([, a]) => a);
-    const [x, y] = axes(g, at, 'greatest deflection of mode 1 (shaded: unstable speeds)', 'speed, rad/s', ends,
+    const [x, y] = axes(g, at, 'greatest deflection of mode 1, length (shaded: unstable speeds)', 'speed, rad/s', ends,
       [Math.min(...sizes) / 1.2, Math.max(...sizes) * 1.2], true);
     g.fillStyle = pens.badband;
     for (const [from, to] of v.bands) g.fillRect(x(from), at.top, Math.max(1, x(to) - x(from)), at.bottom - at.top);
@@ -90,7 +65,7 @@ balm.charts = (() => {
   function drawChart(g, v, at) {
     const { pens } = balm.drawing, rows = v.chart, last = rows[0].bounds.length - 1;
     const top = Math.max(v.ratio, 1, ...rows.map((row) => row.bounds[last][1]));
-    const [x, y] = axes(g, at, 'chart of stability (shaded: unstable; dot: this case)', 'e, inertia of the other links',
+    const [x, y] = axes(g, at, 'frequency/speed, chart of stability (shaded: unstable; dot: this case)', 'e, factor on the inertia of the other links',
       [rows[0].e, rows.at(-1).e], [0, top], false);
     g.save();
     g.beginPath();

@@ -4,10 +4,9 @@
 
 balm.curves = (() => {
   const { OPEN, between, mixed, modulo, inputAt, inputName, short } = balm.scene;
+  const { ticks, range } = scales, { fit, line } = panels;
   const MOST = 6;           // panels of outputs; CASE.csv has all
   const ROOM = 7;           // so many panels are shown at once unasked
-  const FLAT = 1e-8;        // a curve that varies by less than this part of the scale is constant: nine digits are sent
-  const AROUND = 0.01;      // part of the scale that is shown on either side of a constant
   const OUTPUT = { angle: 'angle', distance: 'distance', slide: 'place of the slide' };
   const ROUND = 2 * Math.PI;
   let canvas, chart, still, strip;
@@ -18,30 +17,6 @@ balm.curves = (() => {
     chart = canvas.getContext('2d');
     still = document.createElement('canvas');
     strip = document.getElementById('strip');
-  }
-
-  // ---- axes ---------------------------------------------------------------------------------------------------------
-
-  /** Round numbers from a to b, about `count`, at least two; with `angles` steps that divide a turn. */
-  function ticks(a, b, count, angles = false) {
-    const low = Math.min(a, b), high = Math.max(a, b), rough = (high - low) / count || 1;
-    const power = 10 ** Math.floor(Math.log10(rough));
-    const turns = [15, 30, 45, 90, 180, 360].find((s) => s >= rough * 0.999);
-    const step = angles && rough > 10 && turns ? turns : power * [1, 2, 5, 10].find((s) => s * power >= rough * 0.999);
-    const list = [];
-    for (let v = Math.ceil(low / step - 1e-9) * step; v <= high + 1e-9 * step; v += step)
-      list.push(Math.abs(v) < 1e-9 * step ? 0 : v);
-    // one number gives no scale
-    return list.length < 2 && high > low ? ticks(a, b, 2 * count, angles) : list;
-  }
-
-  /** Ends of an axis for values from low to high on a linkage of the given size; rounding is not magnified. */
-  function axisRange(low, high, size) {
-    if (!(high >= low)) return [0, 1];
-    if (high - low >= FLAT * size) return [low, high];
-    const middle = Math.abs(low) < FLAT * size ? 0 : (low + high) / 2;
-    if (!(size > 0)) return [low - 1, high + 1];
-    return [middle - AROUND * size, middle + AROUND * size];
   }
 
   /** Least and greatest of all values of a panel that are seen from `from` to `to`. */
@@ -64,10 +39,10 @@ balm.curves = (() => {
 
   /** What the panels show: lines over the sweep, points at the prescribed positions; each belongs to a group. */
   function allPanels(c) {
-    const { pens, linkColour } = balm.drawing, s = c.sweep, p = c.prescribed, panels = [];
+    const { pens, linkColour } = balm.drawing, s = c.sweep, p = c.prescribed, list = [];
     const size = c.motion === 'angle' ? 360 : c.size, called = c.outputLabel || 'the output';
     const unit = c.motion === 'angle' ? ', degrees' : ', length';
-    const put = (group, panel) => panels.push({ group, points: [], ...panel });
+    const put = (group, panel) => list.push({ group, points: [], ...panel });
     const marks = (values) => Array.from(values, (v, i) => [c.at[i], v]);
     const output = (name, actual, desired, band) => put('position', { name, size, band,
       lines: [{ label: 'actual', colour: pens.actual, values: s[actual] }],
@@ -119,7 +94,7 @@ balm.curves = (() => {
     if (c.vibration) put('vibration', { name: 'deflection of the link, length' + (c.vibration.settles ? '' : ' (not settled)'), size: 0,
       zero: true, lines: c.vibration.modes.map((values, j) => ({ label: 'mode ' + (j + 1),
         colour: linkColour(j), values })) });
-    return panels;
+    return list;
   }
 
   /** The groups of panels that a case has, as [name, words]; with several of them all together come first. */
@@ -131,24 +106,28 @@ balm.curves = (() => {
 
   /** The group that is shown unasked: all, if there is room; else without the rates. */
   function firstGroup(c) {
-    const panels = allPanels(c);
-    return panels.length <= ROOM || !panels.some((panel) => panel.group === 'rates') ? 'all' : 'usual';
+    const list = allPanels(c);
+    return list.length <= ROOM || !list.some((panel) => panel.group === 'rates') ? 'all' : 'usual';
   }
 
   const panelsOf = (c) => allPanels(c).filter(({ group }) => balm.state.group === 'all' || group === balm.state.group ||
     balm.state.group === 'usual' && group !== 'rates');
 
+  /** Name of a panel and of its lines, each in its colour. */
+  const headOf = (panel) => [[panel.name, balm.drawing.pens.ink],
+    ...[...panel.lines, ...panel.points].filter((one) => one.label).map((one) => [one.label, one.colour])];
+
   /** Everything but the cursor. */
   function layOut(c) {
-    const { fit, sizeOf } = balm.drawing, [w, h] = fit(canvas, still), g = still.getContext('2d');
-    const [from, to] = balm.state.whole ? c.ends : c.range, u = sizeOf(w / 480, h / 520);
+    const [w, h] = fit(canvas, still), g = still.getContext('2d');
+    const [from, to] = balm.state.whole ? c.ends : c.range, u = balm.drawing.sizeOf(w / 480, h / 520);
     plot = { w, h, u, left: 58 * u, right: w - 18 * u, from, to: Math.max(to, from + 1e-9), panels: panelsOf(c) };
     plot.x = (t) => plot.left + (t - plot.from) / (plot.to - plot.from) * (plot.right - plot.left);
     g.clearRect(0, 0, w, h);
-    g.font = 11 * u + 'px system-ui, sans-serif';
+    g.font = panels.font(u);
     const each = (h - 34 * u) / plot.panels.length;
     plot.panels.forEach((panel, i) => {
-      panel.top = i * each + 20 * u;
+      panel.top = i * each + 6 * u + panels.headHeight(g, headOf(panel), plot.right - plot.left, u);
       panel.bottom = (i + 1) * each - 8 * u;
       drawPanel(g, c, panel);
     });
@@ -157,32 +136,20 @@ balm.curves = (() => {
   }
 
   function drawInputAxis(g, c) {
-    const { w, h, u, left, right } = plot, first = inputAt(c, 0), each = inputAt(c, 1) - first || 1;
-    g.fillStyle = balm.drawing.pens.soft;
-    g.textAlign = 'center';
-    for (const v of ticks(inputAt(c, plot.from), inputAt(c, plot.to), w < 500 * u ? 4 : 7, c.ring))
-      g.fillText(short(c.ring ? modulo(v, 360) : v), plot.x((v - first) / each), h - 20 * u);
-    g.fillText(inputName(c), (left + right) / 2, h - 5 * u);
-    g.textAlign = 'left';
+    const { w, h, u } = plot, first = inputAt(c, 0), each = inputAt(c, 1) - first || 1;
+    panels.axis(g, balm.drawing.pens, { ...plot, bottom: h - 34 * u },
+      ticks(inputAt(c, plot.from), inputAt(c, plot.to), w < 500 * u ? 4 : 7, c.ring), (v) => plot.x((v - first) / each), inputName(c), u,
+      (v) => short(c.ring ? modulo(v, 360) : v));
   }
 
   function drawPanel(g, c, panel) {
     const { pens } = balm.drawing, { left, right, u } = plot, { top, bottom } = panel;
-    const [low, high] = panel.fixed || axisRange(...extent(panel, plot.from, plot.to), panel.size);
+    const [low, high] = panel.fixed || range(...extent(panel, plot.from, plot.to), panel.size);
     const pad = panel.fixed ? 0 : 0.06 * (high - low);
     panel.y = (v) => bottom - (v - low + pad) / (high - low + 2 * pad) * (bottom - top);
     bands(g, c, plot.x, top, bottom - top);
-    g.strokeStyle = pens.line;
-    g.lineWidth = 1;
-    g.fillStyle = pens.soft;
-    g.textAlign = 'right';
-    for (const v of panel.fixed ? [0, 45, 90, 135, 180] : ticks(low, high, Math.max(2, (bottom - top) / (27 * u)))) {
-      const y = Math.round(panel.y(v)) + 0.5;
-      line(g, left, y, right, y);
-      g.fillText(short(v), left - 5 * u, y + 4 * u);
-    }
-    g.textAlign = 'left';
-    drawHead(g, panel);
+    panels.grid(g, pens, plot, panel.fixed ? [0, 90, 180, 45, 135] : ticks(low, high, Math.max(2, (bottom - top) / (27 * u))), panel.y, u);
+    panels.head(g, headOf(panel), left, top - 6 * u, right - left, u);
     g.save();
     g.beginPath();
     g.rect(left - 4 * u, top - 4, right - left + 8 * u, bottom - top + 8);
@@ -197,26 +164,6 @@ balm.curves = (() => {
     for (const one of panel.lines) drawCurve(g, panel, one);
     for (const one of panel.points) drawPoints(g, panel, one);
     g.restore();
-  }
-
-  /** Name of a panel and of its lines, each in its colour. */
-  function drawHead(g, panel) {
-    const { left, u } = plot, y = panel.top - 6 * u;
-    g.fillStyle = balm.drawing.pens.ink;
-    g.fillText(panel.name, left, y);
-    let x = left + g.measureText(panel.name).width + 14 * u;
-    for (const one of [...panel.lines, ...panel.points]) if (one.label) {
-      g.fillStyle = one.colour;
-      g.fillText(one.label, x, y);
-      x += g.measureText(one.label).width + 10 * u;
-    }
-  }
-
-  function line(g, x1, y1, x2, y2) {
-    g.beginPath();
-    g.moveTo(x1, y1);
-    g.lineTo(x2, y2);
-    g.stroke();
   }
 
   /** Within the root-sum-square of the tolerances; dotted lines at the worst case. */
@@ -291,7 +238,7 @@ balm.curves = (() => {
   }
 
   function layOutStrip(c) {
-    const { fit, pens } = balm.drawing, [w, h] = fit(strip), g = strip.getContext('2d');
+    const { pens } = balm.drawing, [w, h] = fit(strip), g = strip.getContext('2d');
     const x = (t) => 8 + (t - plot.from) / (plot.to - plot.from) * (w - 16);
     g.clearRect(0, 0, w, h);
     bands(g, c, x, 0, h);
@@ -328,7 +275,7 @@ balm.curves = (() => {
     return plot.from + Math.min(1, Math.max(0, part)) * (plot.to - plot.from);
   }
 
-  return { begin, ticks, axisRange, extent, groupsOf, firstGroup, layOut, frame, placeAt,
+  return { begin, extent, groupsOf, firstGroup, layOut, frame, placeAt,
     get canvas() { return canvas; }, get chart() { return chart; }, get from() { return plot.from; },
     get to() { return plot.to; } };
 })();

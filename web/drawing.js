@@ -8,7 +8,11 @@ balm.drawing = (() => {
   const MANY = 60;               // joints above which symbols are smaller and letters left out
   const LONGEST = 90;            // pixels of the arrow of the largest load
   const HOLE = 52;               // radius of a hole with its pin, pixels
+  const INSET = 68;              // half the side of a square for the polar diagram, or for the pin, pixels
+  const CAPTION = 16;            // pixels of a line of words below a saved picture
   const ROUND = 2 * Math.PI;
+  const LETTER_TURNS = [0, 1, -1, 2, -2, 3, -3, 4].map((n) => n * ROUND / 8); // about the joint, from where it is put at first
+  const FAR = 1000;              // pixels: a letter so far away is left out
   const pens = {};               // colours of the scheme
   let canvas, pen, still;        // `still` holds what does not move
   let view = null;               // scale and place of the drawing
@@ -19,21 +23,7 @@ balm.drawing = (() => {
     still = document.createElement('canvas');
   }
 
-  function readColours() {
-    const css = getComputedStyle(document.documentElement);
-    for (const name of COLOURS) pens[name] = css.getPropertyValue('--' + name).trim();
-  }
-
-  /** Gives a canvas and copies of it the pixels of its place on the screen. */
-  function fit(shown, ...copies) {
-    const dpr = window.devicePixelRatio || 1, w = shown.clientWidth, h = shown.clientHeight;
-    for (const one of [shown, ...copies]) {
-      one.width = Math.max(1, Math.round(w * dpr));
-      one.height = Math.max(1, Math.round(h * dpr));
-      one.getContext('2d').setTransform(dpr, 0, 0, dpr, 0, 0);
-    }
-    return [w, h];
-  }
+  const readColours = () => panels.colours(COLOURS, pens);
 
   /** How much larger than on a desk everything is drawn on a large screen. */
   const sizeOf = (across, down) => Math.min(2.2, Math.max(1, Math.min(across, down)));
@@ -62,20 +52,52 @@ balm.drawing = (() => {
     const { state } = balm;
     readColours();
     c.ink = null;
-    const [w, h] = fit(canvas, still), overlays = shownOverlays();
+    const [w, h] = panels.fit(canvas, still), overlays = shownOverlays();
     let box = c.view.slice();
     if (state.other) box = withOthers(c, box);
     for (const { view: v } of overlays)
       box = [Math.min(box[0], v[0]), Math.min(box[1], v[1]), Math.max(box[2], v[2]), Math.max(box[3], v[3])];
     const margin = Math.min(48, w / 10);
-    const k = Math.min((w - 2 * margin) / (box[2] - box[0]), (h - 2 * margin) / (box[3] - box[1]));
-    view = { w, h, k, ox: w / 2 - k * (box[0] + box[2]) / 2, oy: h / 2 + k * (box[1] + box[3]) / 2 };
-    view.u = sizeOf(w / 740, h / 520);
-    if (c.clearance) placePin(c);
+    view = { w, h, u: sizeOf(w / 740, h / 520), letters: [] };
+    const [wide, high] = placeInsets(c, box, margin);
+    const k = Math.min((wide - 2 * margin) / (box[2] - box[0]), (high - 2 * margin) / (box[3] - box[1]));
+    Object.assign(view, { k, ox: wide / 2 - k * (box[0] + box[2]) / 2, oy: h - high / 2 + k * (box[1] + box[3]) / 2 });
     view.small = view.u * (c.joints.length > MANY ? 0.55 : 1);
     const g = still.getContext('2d');
     g.clearRect(0, 0, w, h);
     drawStill(g, c);
+  }
+
+  /** Polar diagram and pin in its hole stand beside the linkage: above it or at its right, where it stays larger. Gives the room
+   *  that is left, at the lower left. */
+  function placeInsets(c, box, margin) {
+    const side = 2 * INSET * view.u, names = [['polar', c.forces], ['pin', c.clearance]].filter(([, there]) => there).map(([name]) => name);
+    if (!names.length) return [view.w, view.h];
+    const scale = (w, h) => Math.min((w - 2 * margin) / (box[2] - box[0]), (h - 2 * margin) / (box[3] - box[1]));
+    const above = scale(view.w, view.h - side) >= scale(view.w - side, view.h);
+    names.forEach((name, i) => {
+      view[name] = { x: view.w - side / 2 - (above ? i * side : 0), y: side / 2 + (above ? 0 : i * side) };
+    });
+    return above ? [view.w, view.h - side] : [view.w - side, view.h];
+  }
+
+  /** What is told about the picture in words, below it: [words, colour]; of a position. */
+  function captions(c, t) {
+    const list = [], at = between(c, t), newton = (value) => short(Number(value.toPrecision(4))) + ' N';
+    if (c.forces && balm.state.forces) {
+      const f = c.forces, bearing = f.joints[balm.state.bearing];
+      if (f.largest > 0) list.push(['loads: ' + LONGEST + ' pixels are ' + newton(f.largest), pens.link2]);
+      if (bearing) list.push(['force at ' + bearing.name + ' ' + newton(Math.hypot(mixed(bearing.fx, at), mixed(bearing.fy, at))) +
+        ', peak ' + newton(bearing.peak), pens.accent]);
+    }
+    if (c.clearance && balm.state.pin) {
+      const v = c.clearance, force = mixed(v.force, at);
+      list.push([v.name + ': clearance ' + short(v.diametral) + ', load ' + newton(Math.hypot(mixed(v.fx, at), mixed(v.fy, at))), pens.ink]);
+      list.push(force < 0 ? ['contact lost', pens.bad] : ['contact ' + newton(force), pens.ink]);
+    }
+    if (c.vibration && balm.state.bent) list.push(['bending drawn ' + short(c.vibration.factor) + ' times larger' +
+      (c.vibration.settles ? '' : '; the motion is not stable'), pens.soft]);
+    return list;
   }
 
   /** What does not move. */
@@ -333,11 +355,19 @@ balm.drawing = (() => {
     const own = pen;
     pen = g;
     g.fillStyle = pens.paper;
-    g.fillRect(0, 0, view.w, view.h);
+    g.fillRect(0, 0, view.w, view.h + captionRoom(c, t));
     drawStill(g, c);
     drawMoving(c, t);
+    g.font = panels.font(view.u);
+    captions(c, t).forEach(([words, colour], i) => {
+      g.fillStyle = colour;
+      g.fillText(words, 12, view.h + CAPTION * view.u * (i + 0.7));
+    });
     pen = own;
   }
+
+  /** Height of the captions below the linkage. */
+  const captionRoom = (c, t) => CAPTION * view.u * captions(c, t).length;
 
   function drawMoving(c, t) {
     const part = (t - c.ends[0]) / Math.max(1e-9, c.ends[1] - c.ends[0]);
@@ -439,7 +469,7 @@ balm.drawing = (() => {
     g.stroke();
   }
 
-  /** Centres of mass, loads as arrows, and the polar diagram of one bearing in the upper right corner. */
+  /** Centres of mass, loads as arrows, and the polar diagram of one bearing beside the linkage. */
   function drawForces(f, at) {
     const g = pen, u = view.u, r = 5.5 * u;
     for (const one of f.centres) {
@@ -461,9 +491,7 @@ balm.drawing = (() => {
       }
     }
     g.strokeStyle = g.fillStyle = pens.link2;
-    g.font = 11 * u + 'px system-ui, sans-serif';
     for (const one of f.loads) arrow(g, one, at, f.largest);
-    if (f.largest > 0) g.fillText('loads: ' + LONGEST + ' pixels are ' + short(Number(f.largest.toPrecision(4))) + ' N', 12, 16 * u);
     const bearing = f.joints[balm.state.bearing];
     if (bearing) drawPolar(g, bearing, at);
   }
@@ -484,7 +512,7 @@ balm.drawing = (() => {
 
   /** Force on the later link of a joint over the sweep, machine axes, with a dot where it is now. */
   function drawPolar(g, bearing, at) {
-    const u = view.u, r = 58 * u, x = view.w - r - 14 * u, y = r + 14 * u, scale = r / (bearing.peak || 1);
+    const u = view.u, r = 58 * u, { x, y } = view.polar, scale = r / (bearing.peak || 1);
     g.strokeStyle = pens.line;
     g.lineWidth = u;
     line(g, x - r, y, x + r, y);
@@ -507,37 +535,14 @@ balm.drawing = (() => {
       g.arc(x + scale * fx, y - scale * fy, 3.4 * u, 0, ROUND);
       g.fill();
     }
-    g.fillStyle = pens.ink;
-    g.textAlign = 'center';
-    g.fillText(bearing.name + ': ' + short(Number(Math.hypot(fx, fy).toPrecision(4))) + ' N, peak ' +
-      short(Number(bearing.peak.toPrecision(4))) + ' N', x, y + r + 14 * u);
-    g.textAlign = 'left';
   }
 
-  /** The corner where the picture of the pin covers least of the linkage; the polar diagram has the upper right one. */
-  function placePin(c) {
-    const u = view.u, r = HOLE * u * Math.min(1, Math.max(0.6, view.w / 640)), near = r + 16 * u, low = view.h - r - 52 * u, wide = view.w - r - 28 * u;
-    const corners = [{ x: r + 28 * u, y: near + 22 * u, left: true }, { x: wide, y: low }, { x: r + 28 * u, y: low - 40 * u, left: true },
-      { x: wide, y: c.forces ? near + 150 * u : near }];
-    let best = corners[0], least = Infinity;
-    for (const corner of corners) {
-      let covered = 0;
-      for (let i = 0; i < c.sweep.n; i += 6) for (const bar of c.bars) for (const f of [0, 0.25, 0.5, 0.75, 1]) {
-        const at = [i, i, 0], along = (v) => (1 - f) * mixed(v[bar.from], at) + f * mixed(v[bar.to], at);
-        if (Math.hypot(X(along(c.sweep.x)) - corner.x, Y(along(c.sweep.y)) - corner.y - 12 * u) < r + 30 * u) covered++;
-      }
-      if (covered < least) [best, least] = [corner, covered];
-    }
-    view.pin = { ...best, r };
-  }
-
-  /** The pin in its hole in a corner, magnified: load without clearance, force of contact, and where the joint is. */
+  /** The pin in its hole, magnified: load without clearance, force of contact, and where the joint is. */
   function drawPin(c, at) {
-    const g = pen, v = c.clearance, u = view.u, hole = view.pin.r, play = hole / 4, { x, y, left } = view.pin;
+    const g = pen, v = c.clearance, u = view.u, hole = HOLE * u, play = hole / 4, { x, y } = view.pin;
     const px = mixed(v.px, at), py = mixed(v.py, at), size = Math.hypot(px, py) || 1, ux = px / size, uy = -py / size;
-    const fx = mixed(v.fx, at), fy = mixed(v.fy, at), load = Math.hypot(fx, fy), force = mixed(v.force, at);
+    const fx = mixed(v.fx, at), fy = mixed(v.fy, at), force = mixed(v.force, at);
     const most = v.fx.reduce((top, f, i) => Math.max(top, Math.hypot(f, v.fy[i]) || 0), 0) || 1;
-    g.font = 11 * u + 'px system-ui, sans-serif';
     g.lineWidth = 1.2 * u;
     if (v.joint >= 0 && isFinite(c.px[v.joint])) {
       g.strokeStyle = pens.line;
@@ -578,14 +583,6 @@ balm.drawing = (() => {
     vector(g, x, y, reach * fx / most, -reach * fy / most);
     g.strokeStyle = pens.actual;
     if (force > 0) vector(g, x + hole * ux, y + hole * uy, Math.min(1.2, force / most) * reach * ux, Math.min(1.2, force / most) * reach * uy);
-    const number = (value) => short(Number(value.toPrecision(4))) + ' N';
-    const side = left ? x - hole - 9 * u : view.w - 12 * u;
-    g.textAlign = left ? 'left' : 'right';
-    g.fillStyle = force < 0 ? pens.bad : pens.ink;
-    g.fillText(force < 0 ? 'contact lost' : 'contact ' + number(force), side, y + hole + 39 * u);
-    g.fillStyle = pens.ink;
-    g.fillText(v.name + ': clearance ' + short(v.diametral) + ', load ' + number(load), side, y + hole + 24 * u);
-    g.textAlign = 'left';
   }
 
   /** An arrow in pixels. */
@@ -688,10 +685,6 @@ balm.drawing = (() => {
       g.lineTo(x + f * dx + bow * dy, y + f * dy - bow * dx);
     }
     g.stroke();
-    g.fillStyle = pens.soft;
-    g.font = 11 * view.u + 'px system-ui, sans-serif';
-    g.fillText('bending drawn ' + short(v.factor) + ' times larger' + (v.settles ? '' : '; the motion is not stable'), 12,
-      view.h - 34 * view.u);
   }
 
   /** Pitch circles of gear wheels, with a line that turns with each. */
@@ -788,15 +781,26 @@ balm.drawing = (() => {
     if (balm.state.letters && main && c.joints.length <= MANY) drawLetters(c);
   }
 
+  /** Letters beside their joints. One that would lie on another one or on a joint goes round its joint to the first free place, and
+   *  stays there while that is free. */
   function drawLetters(c) {
-    pen.font = 'italic ' + 14 * view.u + 'px system-ui, "DejaVu Sans", sans-serif';
-    pen.fillStyle = pens.ink;
-    pen.textAlign = 'center';
+    const high = 14 * view.u, boxes = [], g = pen;
+    g.font = 'italic ' + high + 'px system-ui, "DejaVu Sans", sans-serif';
+    g.fillStyle = pens.ink;
+    g.textAlign = 'center';
+    const free = ([x, y, half], own) => boxes.every(([bx, by, other]) => Math.abs(x - bx) > half + other || Math.abs(y - by) > high) &&
+      c.joints.every((joint, j) => j === own || !joint.turning || !(Math.abs(x - c.px[j]) < half + 4 * view.small && Math.abs(y - 5 * view.u - c.py[j]) < 10 * view.u));
     c.joints.forEach((joint, j) => {
-      if (!joint.name || !isFinite(c.px[j])) return;
-      pen.fillText(joint.name, c.px[j] + view.u * joint.letter[0], c.py[j] + view.u * (joint.letter[1] + 5));
+      if (!joint.name || !isFinite(c.px[j]) || Math.abs(joint.letter[0]) > FAR) return;
+      const half = g.measureText ? g.measureText(joint.name).width / 2 : 0.3 * high * joint.name.length, [dx, dy] = joint.letter;
+      const boxAt = (turn) => [c.px[j] + view.u * (Math.cos(turn) * dx - Math.sin(turn) * dy),
+        c.py[j] + view.u * (Math.sin(turn) * dx + Math.cos(turn) * dy + 5), half];
+      const tried = [view.letters[j] || 0, ...LETTER_TURNS], turn = tried.find((one) => free(boxAt(one), j)) ?? tried[0], box = boxAt(turn);
+      view.letters[j] = turn;
+      boxes.push(box);
+      g.fillText(joint.name, box[0], box[1]);
     });
-    pen.textAlign = 'left';
+    g.textAlign = 'left';
   }
 
   // ---- where things are ---------------------------------------------------------------------------------------------
@@ -818,7 +822,7 @@ balm.drawing = (() => {
   /** A place of the canvas in machine axes. */
   const machine = (x, y) => [(x - view.ox) / view.k, (view.oy - y) / view.k];
 
-  return { pens, begin, readColours, fit, sizeOf, linkColour, layOut, frame, picture, nearest, machine,
-    get size() { return [view.w, view.h]; },
+  return { pens, begin, readColours, sizeOf, linkColour, layOut, frame, picture, captions, nearest, machine,
+    sizeAt: (c, t) => [view.w, view.h + captionRoom(c, t)],
     get canvas() { return canvas; }, get pen() { return pen; }, get scale() { return view.k; } };
 })();

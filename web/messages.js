@@ -4,7 +4,7 @@
 balm.messages = (() => {
   const MOST_OUTPUTS = 5;   // of several told in the line of facts
   const { OPEN, between, mixed, modulo, inputAt, prescribedAt, short, shortOutput, explain } = balm.scene;
-  const MOST = 3;           // violations told on the picture at a time
+  const MOST = 3;           // violations told below the picture at a time
   const $ = (id) => document.getElementById(id);
 
   function setText(element, text) {
@@ -44,9 +44,24 @@ balm.messages = (() => {
   function show(c, t) {
     const i = between(c, t)[0], wrong = c.wrong[i], open = c.status[i] === OPEN, alert = $('alert');
     setText($('facts'), factsOf(c, t));
-    alert.hidden = !wrong.length && !open;
+    // its room stays while the linkage moves
+    alert.hidden = !c.status.some(Boolean) && !wrong.length;
+    alert.style.visibility = wrong.length || open ? '' : 'hidden';
     alert.className = open ? 'open' : 'limits';
+    showCaptions(c, t);
     setText(alert, wrong.slice(0, MOST).map((v) => explain(c, v, i)).join(' \u2014 ') || 'Does not close');
+  }
+
+  /** Words about the picture, below it. */
+  function showCaptions(c, t) {
+    const box = $('captions'), list = balm.drawing.captions(c, t);
+    box.hidden = !list.length;
+    while (box.children.length > list.length) box.lastChild.remove();
+    while (box.children.length < list.length) box.append(document.createElement('span'));
+    list.forEach(([words, colour], i) => {
+      setText(box.children[i], words);
+      box.children[i].style.color = colour;
+    });
   }
 
   /** The lists below the picture; a violation leads to its position. */

@@ -67,14 +67,14 @@ balm.save = (() => {
 
   /** The picture as it stands, as SVG. */
   function svg() {
-    const pen = new SvgPen(...balm.drawing.size);
+    const pen = new SvgPen(...balm.drawing.sizeAt(shown(), balm.state.t));
     balm.drawing.picture(shown(), balm.state.t, pen);
     return pen.text(shown().title + ', ' + $('facts').textContent);
   }
 
   /** A canvas of the picture's size, `scale` times, its sides even as films want them. */
   function sheet(scale) {
-    const canvas = document.createElement('canvas'), [w, h] = balm.drawing.size;
+    const canvas = document.createElement('canvas'), [w, h] = balm.drawing.sizeAt(shown(), balm.state.t);
     canvas.width = 2 * Math.round(w * scale / 2);
     canvas.height = 2 * Math.round(h * scale / 2);
     const g = canvas.getContext('2d');

@@ -201,7 +201,7 @@ balm.scene = (() => {
   const inputName = (c) => c.inputLabel || (c.sliding ? 'input, length' : 'crank angle, degrees');
 
   /** Seven digits. */
-  const short = (v) => !isFinite(v) ? '\u2013' : Number(v.toPrecision(7)).toString();
+  const { short } = scales;
 
   /** Seven digits of an output, without what is rounding only. */
   function shortOutput(c, v) {

@@ -185,16 +185,16 @@ globalThis.results = [];
 
   // ---- axes ---------------------------------------------------------------------------------------------------------
 
-  check('ticks are round', same(curves.ticks(0.3, 4.7, 5), [1, 2, 3, 4]) && same(curves.ticks(-7, 7, 3), [-5, 0, 5]));
-  check('ticks are two at least', same(curves.ticks(-0.3, 0.9, 1), [0, 0.5]));
-  check('ticks of a turn divide it', same(curves.ticks(0, 360, 4, true), [0, 90, 180, 270, 360]));
-  check('ticks of a falling input', same(curves.ticks(90, 0, 3, true), [0, 30, 60, 90]));
-  check('an axis takes its values', same(curves.axisRange(3, 5, 100), [3, 5]));
-  check('rounding is not magnified', same(curves.axisRange(-2e-14, 3e-14, 100), [-1, 1]));
-  const [low, high] = curves.axisRange(27, 27 + 1e-9, 100);
+  check('ticks are round', same(scales.ticks(0.3, 4.7, 5), [1, 2, 3, 4]) && same(scales.ticks(-7, 7, 3), [-5, 0, 5]));
+  check('ticks are two at least', same(scales.ticks(-0.3, 0.9, 1), [0, 0.5]));
+  check('ticks of a turn divide it', same(scales.ticks(0, 360, 4, true), [0, 90, 180, 270, 360]));
+  check('ticks of a falling input', same(scales.ticks(90, 0, 3, true), [0, 30, 60, 90]));
+  check('an axis takes its values', same(scales.range(3, 5, 100), [3, 5]));
+  check('rounding is not magnified', same(scales.range(-2e-14, 3e-14, 100), [-1, 1]));
+  const [low, high] = scales.range(27, 27 + 1e-9, 100);
   check('a constant lies in the middle', near(low, 26, 1e-8) && near(high, 28, 1e-8), [low, high]);
-  check('small linkages have small axes', same(curves.axisRange(0, 1e-12, 1e-9), [0, 1e-12]));
-  check('nothing to show', same(curves.axisRange(Infinity, -Infinity, 1), [0, 1]));
+  check('small linkages have small axes', same(scales.range(0, 1e-12, 1e-9), [0, 1e-12]));
+  check('nothing to show', same(scales.range(Infinity, -Infinity, 1), [0, 1]));
   const panel = { lines: [{ values: [5, 1, NaN, 9] }], points: [{ marks: [[1, -2], [3, 20]] }] };
   check('an axis shows what is in its range', same(curves.extent(panel, 0, 2), [-2, 5]) && same(curves.extent(panel, 0, 3), [-2, 20]) &&
     same(curves.extent({ ...panel, zero: true }, 0, 0.5), [0, 5]));

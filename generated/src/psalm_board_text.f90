@@ -126,31 +126,38 @@ module psalm_board_text
    ''//nl// &
    'figure {'//nl// &
    '  margin: 0;'//nl// &
-   '  position: relative;'//nl// &
+   '  display: flex;'//nl// &
+   '  flex-direction: column;'//nl// &
+   '  min-width: 0;'//nl// &
    '  min-height: 0;'//nl// &
    '  overflow: hidden;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '#state {'//nl// &
+   '  display: flex;'//nl// &
+   '  flex-wrap: wrap;'//nl// &
+   '  gap: 4px 12px;'//nl// &
+   '  align-items: center;'//nl// &
+   '  justify-content: space-between;'//nl// &
+   '  padding: 5px 10px;'//nl// &
    '}'//nl// &
    ''//nl// &
    '#board {'//nl// &
    '  display: block;'//nl// &
    '  width: 100%;'//nl// &
-   '  height: 100%;'//nl// &
+   '  flex: 1 1 0;'//nl// &
+   '  min-height: 0;'//nl// &
    '  touch-action: none;'//nl// &
    '  outline-offset: -2px;'//nl// &
    '}'//nl// &
    ''//nl// &
    '#chip {'//nl// &
-   '  position: absolute;'//nl// &
-   '  left: 10px;'//nl// &
-   '  top: 10px;'//nl// &
-   '  max-width: calc(100% - 20px);'//nl// &
    '  padding: 5px 11px;'//nl// &
    '  border-radius: 14px;'//nl// &
    '  font-size: .86rem;'//nl// &
    '  background: var(--paper);'//nl// &
    '  border: 1.5px solid var(--good);'//nl// &
    '  color: var(--good);'//nl// &
-   '  pointer-events: none;'//nl// &
    '}'//nl// &
    ''//nl// &
    '#chip.wrong {'//nl// &
@@ -160,19 +167,14 @@ module psalm_board_text
    '}'//nl// &
    ''//nl// &
    '#hint {'//nl// &
-   '  position: absolute;'//nl// &
-   '  left: 10px;'//nl// &
-   '  bottom: 10px;'//nl// &
-   '  max-width: calc(100% - 220px);'//nl// &
+   '  min-height: 1.4em;'//nl// &
+   '  padding: 3px 10px;'//nl// &
    '  font-size: .82rem;'//nl// &
    '  color: var(--soft);'//nl// &
-   '  pointer-events: none;'//nl// &
    '}'//nl// &
    ''//nl// &
    '#zoom {'//nl// &
-   '  position: absolute;'//nl// &
-   '  right: 10px;'//nl// &
-   '  bottom: 10px;'//nl// &
+   '  margin-left: auto;'//nl// &
    '  display: flex;'//nl// &
    '  gap: 4px;'//nl// &
    '  align-items: center;'//nl// &
@@ -217,11 +219,11 @@ module psalm_board_text
    ''//nl// &
    '#panel .row > input,'//nl// &
    '#panel .row > select,'//nl// &
-   '#panel .row > textarea {'//nl// &
-   '  flex: 1 1 40px;'//nl// &
-   '  min-width: 0;'//nl
+   '#panel .row > textarea {'//nl
 
    character(*), parameter :: part_4 = &
+   '  flex: 1 1 40px;'//nl// &
+   '  min-width: 0;'//nl// &
    '}'//nl// &
    ''//nl// &
    '#panel .row > input[type=checkbox] {'//nl// &
@@ -319,11 +321,11 @@ module psalm_board_text
    '}'//nl// &
    ''//nl// &
    'footer label {'//nl// &
-   '  display: flex;'//nl// &
-   '  align-items: center;'//nl// &
-   '  gap: 6px;'//nl
+   '  display: flex;'//nl
 
    character(*), parameter :: part_5 = &
+   '  align-items: center;'//nl// &
+   '  gap: 6px;'//nl// &
    '  color: var(--soft);'//nl// &
    '  font-size: .86rem;'//nl// &
    '}'//nl// &
@@ -391,10 +393,6 @@ module psalm_board_text
    '    position: sticky;'//nl// &
    '    bottom: 0;'//nl// &
    '  }'//nl// &
-   '  #hint {'//nl// &
-   '    max-width: calc(100% - 20px);'//nl// &
-   '    bottom: 48px;'//nl// &
-   '  }'//nl// &
    '}'//nl// &
    '</style>'//nl// &
    '</head>'//nl// &
@@ -417,19 +415,21 @@ module psalm_board_text
    '<main>'//nl// &
    '  <div id="tools" role="toolbar" aria-label="tools" aria-orientation="vertical"></div>'//nl// &
    '  <figure>'//nl// &
-   '    <canvas id="board" tabindex="0" role="application" aria-describedby="hint" aria-label="drawing board"></canvas>'//nl// &
+   '    <div id="state">'//nl// &
    '    <div id="chip" role="status" aria-live="polite"></div>'//nl// &
-   '    <div id="hint"></div>'//nl// &
    '    <div id="zoom">'//nl// &
    '      <button id="larger" type="button" aria-label="larger" title="larger (+)">+</button>'//nl// &
    '      <button id="smaller" type="button" aria-label="smaller" title="smaller (-)">&minus;</button>'//nl// &
    '      <button id="fit" type="button" aria-label="show all" title="show all (F)">Fit</button>'//nl// &
    '      <label>grid <select id="grid" aria-label="grid">'//nl// &
-   '        <option value="auto" selected>auto</option><option value="0">off</option>'//nl
-
-   character(*), parameter :: part_6 = &
+   '        <option value="auto" selected>auto</option><option value="0">off</option>'//nl// &
    '      </select></label>'//nl// &
    '    </div>'//nl// &
+   '    </div>'//nl
+
+   character(*), parameter :: part_6 = &
+   '    <canvas id="board" tabindex="0" role="application" aria-describedby="hint" aria-label="drawing board"></canvas>'//nl// &
+   '    <div id="hint"></div>'//nl// &
    '  </figure>'//nl// &
    '  <aside id="panel" aria-label="properties"></aside>'//nl// &
    '</main>'//nl// &

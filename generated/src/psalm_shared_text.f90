@@ -2,7 +2,7 @@
 module psalm_shared_text
    implicit none (type, external)
    private
-   public :: title_mark, data_mark, colours_css, frame_css
+   public :: title_mark, data_mark, colours_css, frame_css, panels_js, scales_js
 
    character(*), parameter :: title_mark = '<!--TITLE-->' !! the line of a page where the title stands
    character(*), parameter :: data_mark = '<!--DATA-->'   !! the line where its data stand
@@ -104,5 +104,239 @@ module psalm_shared_text
    '  grid-template-columns: minmax(0, 3fr) minmax(0, 2fr);'//nl// &
    '  gap: 10px 16px;'//nl// &
    '  padding: 0 18px;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   'figure {'//nl// &
+   '  margin: 0;'//nl// &
+   '  position: relative;'//nl// &
+   '  border: 1px solid var(--line);'//nl// &
+   '  border-radius: 6px;'//nl// &
+   '  overflow: hidden;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   'canvas {'//nl// &
+   '  display: block;'//nl// &
+   '  width: 100%;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '#controls {'//nl// &
+   '  display: flex;'//nl// &
+   '  flex-wrap: wrap;'//nl// &
+   '  gap: 8px 12px;'//nl// &
+   '  align-items: center;'//nl// &
+   '  background: var(--panel);'//nl// &
+   '  border-radius: 6px;'//nl// &
+   '  padding: 8px 12px;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   'button,'//nl// &
+   'select {'//nl// &
+   '  font: inherit;'//nl// &
+   '  color: inherit;'//nl// &
+   '  background: var(--paper);'//nl// &
+   '  border: 1px solid var(--line);'//nl// &
+   '  border-radius: 5px;'//nl// &
+   '  min-height: 36px;'//nl// &
+   '  min-width: 40px;'//nl// &
+   '  padding: 2px 12px;'//nl// &
+   '  cursor: pointer;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   'button:hover,'//nl// &
+   'select:hover {'//nl// &
+   '  border-color: var(--accent);'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   ':focus-visible {'//nl// &
+   '  outline: 3px solid var(--accent);'//nl// &
+   '  outline-offset: 1px;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   'label {'//nl// &
+   '  white-space: nowrap;'//nl// &
+   '  max-width: 100%;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '[hidden] {'//nl// &
+   '  display: none !important;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '@media (min-width: 1700px) {'//nl// &
+   '  body {'//nl// &
+   '    font-size: 19px;'//nl// &
+   '  }'//nl// &
+   '  #controls button,'//nl// &
+   '  #controls select {'//nl// &
+   '    min-height: 44px;'//nl// &
+   '  }'//nl// &
+   '  input[type=checkbox] {'//nl// &
+   '    width: 1.1em;'//nl// &
+   '    height: 1.1em;'//nl// &
+   '  }'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '@media (max-width: 820px) {'//nl// &
+   '  main {'//nl// &
+   '    grid-template-columns: minmax(0, 1fr);'//nl// &
+   '    padding: 0 8px;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  header {'//nl// &
+   '    padding: 10px 10px 4px;'//nl// &
+   '  }'//nl// &
    '}'//nl
+
+   character(*), parameter :: panels_js = &
+   '// Panels of curves, whatever page they are on: canvases, headings with a legend, grids and axes.'//nl// &
+   "'use strict';"//nl// &
+   ''//nl// &
+   'globalThis.panels = (() => {'//nl// &
+   '  const { short } = scales;'//nl// &
+   '  const CLOSE = 11;         // pixels: labels of an axis that are nearer than this would touch'//nl// &
+   '  const LINE = 14;          // pixels of a line of a heading'//nl// &
+   ''//nl// &
+   '  /** Gives a canvas and copies of it the pixels of its place on the screen. */'//nl// &
+   '  function fit(shown, ...copies) {'//nl// &
+   '    const dpr = window.devicePixelRatio || 1, w = shown.clientWidth, h = shown.clientHeight;'//nl// &
+   '    for (const one of [shown, ...copies]) {'//nl// &
+   '      one.width = Math.max(1, Math.round(w * dpr));'//nl// &
+   '      one.height = Math.max(1, Math.round(h * dpr));'//nl// &
+   "      one.getContext('2d').setTransform(dpr, 0, 0, dpr, 0, 0);"//nl// &
+   '    }'//nl// &
+   '    return [w, h];'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** The colours of the scheme, by their names in colours.css. */'//nl// &
+   '  function colours(names, pens) {'//nl// &
+   '    const css = getComputedStyle(document.documentElement);'//nl// &
+   "    for (const name of names) pens[name] = css.getPropertyValue('--' + name).trim();"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   "  const font = (u) => 11 * u + 'px system-ui, sans-serif';"//nl// &
+   ''//nl// &
+   '  function line(g, x1, y1, x2, y2) {'//nl// &
+   '    g.beginPath();'//nl// &
+   '    g.moveTo(x1, y1);'//nl// &
+   '    g.lineTo(x2, y2);'//nl// &
+   '    g.stroke();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Places of words `[text, colour]` in lines no longer than `room`: [text, colour, x, line]; a word longer than that'// &
+   ' is broken. */'//nl// &
+   '  function placed(g, words, room, u) {'//nl// &
+   '    const list = [];'//nl// &
+   '    let x = 0, row = 0;'//nl// &
+   '    for (const [text, colour] of words) {'//nl// &
+   '      let rest = text;'//nl// &
+   '      while (rest) {'//nl// &
+   '        const wide = g.measureText(rest).width;'//nl// &
+   '        if (x > 0 && x + wide > room) { x = 0; row++; continue; }'//nl// &
+   '        let part = rest;'//nl// &
+   "        while (g.measureText(part).width > room && part.includes(' ')) part = part.slice(0, part.lastIndexOf(' '));"//nl// &
+   '        list.push([part, colour, x, row]);'//nl// &
+   '        rest = rest.slice(part.length).trim();'//nl// &
+   '        x = rest ? 0 : x + wide + 12 * u;'//nl// &
+   '        if (rest) row++;'//nl// &
+   '      }'//nl// &
+   '    }'//nl// &
+   '    return list;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Height of a heading. */'//nl// &
+   '  function headHeight(g, words, room, u) {'//nl// &
+   '    const list = placed(g, words, room, u);'//nl// &
+   '    return LINE * u * (1 + (list.length ? list.at(-1)[3] : 0));'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** A heading, each word in its colour, above `bottom`. */'//nl// &
+   '  function head(g, words, left, bottom, room, u) {'//nl// &
+   '    const list = placed(g, words, room, u), last = list.length ? list.at(-1)[3] : 0;'//nl// &
+   "    g.textAlign = 'left';"//nl// &
+   '    for (const [text, colour, x, row] of list) {'//nl// &
+   '      g.fillStyle = colour;'//nl// &
+   '      g.fillText(text, left + x, bottom - LINE * u * (last - row));'//nl// &
+   '    }'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Lines across at values with their numbers; those that would touch another one have none. */'//nl// &
+   '  function grid(g, pens, at, values, y, u) {'//nl// &
+   '    const written = [];'//nl// &
+   '    g.strokeStyle = pens.line;'//nl// &
+   '    g.lineWidth = 1;'//nl// &
+   '    g.fillStyle = pens.soft;'//nl// &
+   "    g.textAlign = 'right';"//nl// &
+   '    for (const v of values) {'//nl// &
+   '      const place = Math.round(y(v)) + 0.5;'//nl// &
+   '      line(g, at.left, place, at.right, place);'//nl// &
+   '      if (written.some((other) => Math.abs(place - other) < CLOSE * u)) continue;'//nl// &
+   '      g.fillText(short(v), at.left - 5 * u, place + 4 * u);'//nl// &
+   '      written.push(place);'//nl// &
+   '    }'//nl// &
+   "    g.textAlign = 'left';"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** The axis below a panel, or below several: numbers at their places, its name in the middle. */'//nl// &
+   '  function axis(g, pens, at, values, x, name, u, words = short) {'//nl// &
+   '    const written = [];'//nl// &
+   '    g.fillStyle = pens.soft;'//nl// &
+   "    g.textAlign = 'center';"//nl// &
+   '    for (const v of values) {'//nl// &
+   '      const text = words(v), half = g.measureText(text).width / 2, place = x(v);'//nl// &
+   '      if (written.some(([other, far]) => Math.abs(place - other) < half + far + 4 * u)) continue;'//nl// &
+   '      g.fillText(text, place, at.bottom + 14 * u);'//nl// &
+   '      written.push([place, half]);'//nl// &
+   '    }'//nl// &
+   '    g.fillText(name, (at.left + at.right) / 2, at.bottom + 29 * u);'//nl// &
+   "    g.textAlign = 'left';"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  return { fit, colours, font, line, headHeight, head, grid, axis };'//nl// &
+   '})();'//nl
+
+   character(*), parameter :: scales_js = &
+   '// Numbers of axes, whatever page they are on: how they are written, round ones, ends of a range.'//nl// &
+   "'use strict';"//nl// &
+   ''//nl// &
+   'globalThis.scales = (() => {'//nl// &
+   '  const FLAT = 1e-8;        // a curve that varies by less than this part of the scale is constant: nine digits are sen'// &
+   't'//nl// &
+   '  const AROUND = 0.01;      // part of the scale that is shown on either side of a constant'//nl// &
+   ''//nl// &
+   '  /** A number with at most seven digits, a dash if it is not known. */'//nl// &
+   "  const short = (v) => !isFinite(v) ? '\u2013' : Number(v.toPrecision(7)).toString();"//nl// &
+   ''//nl// &
+   '  /** Round numbers from a to b, about `count`, at least two; with `angles` steps that divide a turn. */'//nl// &
+   '  function ticks(a, b, count, angles = false) {'//nl// &
+   '    const low = Math.min(a, b), high = Math.max(a, b), rough = (high - low) / count || 1;'//nl// &
+   '    const power = 10 ** Math.floor(Math.log10(rough));'//nl// &
+   '    const turns = [15, 30, 45, 90, 180, 360].find((s) => s >= rough * 0.999);'//nl// &
+   '    const step = angles && rough > 10 && turns ? turns : power * [1, 2, 5, 10].find((s) => s * power >= rough * 0.999);'//nl// &
+   '    const list = [];'//nl// &
+   '    for (let v = Math.ceil(low / step - 1e-9) * step; v <= high + 1e-9 * step; v += step)'//nl// &
+   '      list.push(Math.abs(v) < 1e-9 * step ? 0 : v);'//nl// &
+   '    // one number gives no scale'//nl// &
+   '    return list.length < 2 && high > low ? ticks(a, b, 2 * count, angles) : list;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Powers of ten between two, given by their logarithms, with 2 and 5 times them where there are few. */'//nl// &
+   '  function decades(low, high) {'//nl// &
+   '    const list = [];'//nl// &
+   '    for (let k = Math.floor(low); k <= high; k++) for (const m of high - low > 3 ? [1] : [1, 2, 5]) {'//nl// &
+   '      const v = m * 10 ** k;'//nl// &
+   '      if (Math.log10(v) >= low - 1e-9 && Math.log10(v) <= high + 1e-9) list.push(v);'//nl// &
+   '    }'//nl// &
+   '    return list;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Ends of an axis for values from low to high on a linkage of the given size; rounding is not magnified. */'//nl// &
+   '  function range(low, high, size) {'//nl// &
+   '    if (!(high >= low)) return [0, 1];'//nl// &
+   '    if (high - low >= FLAT * size) return [low, high];'//nl// &
+   '    const middle = Math.abs(low) < FLAT * size ? 0 : (low + high) / 2;'//nl// &
+   '    if (!(size > 0)) return [low - 1, high + 1];'//nl// &
+   '    return [middle - AROUND * size, middle + AROUND * size];'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  return { short, ticks, decades, range };'//nl// &
+   '})();'//nl
 end module psalm_shared_text

@@ -77,7 +77,7 @@ contains
       if (.not. present(report)) return
       if (frame%set%has_names()) then
          call study_sketch(frame%set, frame%problem, frame%prepared%given, analysis%motion%closed, 1.0_wp, 0.0_wp, sketch)
-         call put_sketch(frame%set%sketch, sketch, 0, frame%devices%cases(1))
+         call put_sketch(frame%set%sketch, sketch, 0, frame%devices%cases(1), problem=frame%problem)
       else
          call put_positions(frame%problem, analysis%motion, frame%devices%cases(1), analysis%condition)
       end if

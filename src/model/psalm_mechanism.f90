@@ -165,6 +165,7 @@ module psalm_mechanism
       integer :: motion = motion_point  !! one of `motion_...`
       integer :: arc = 0                !! the arc it is measured from
       logical :: from_start = .false.   !! from the start of that arc, else from its finish
+      logical :: stands_in = .false.    !! of a sketch: it is a joint for want of the first output, which no arc tells; not listed
       character(sketch_name) :: line(2) = '' !! of a sketch: the joints of the line that OUTLK and OUTANG are of
    end type output_t
 

@@ -13,7 +13,7 @@ module psalm_cam_page
    private
    public :: write_cam_page
 
-   integer, parameter :: cam_format = 2          !! of the data; web/cam.js expects the same
+   integer, parameter :: cam_format = 3          !! of the data; web/cam.js expects the same
    integer, parameter :: digits_shown = 7
 
 contains
@@ -94,7 +94,8 @@ contains
 
       associate (shape => study%shape, states => part%states, points => part%points)
          if (after) call text%add_text(',')
-         call text%add_text('{"name":"'//name_of(study)//'","drives":'//truth(study%part%role == role_cam)//',"centre":['// &
+         call text%add_text('{"name":"'//name_of(study)//'","drives":'//truth(study%part%role == role_cam)//',"angular":'// &
+                            truth(shape%motion%angular)//',"centre":['// &
                             number(shape%axes%centre%re)//','//number(shape%axes%centre%im)//'],"turn":'// &
                             number(merge(0.0_wp, shape%axes%sense, shape%axes%slides))//',"slide":['// &
                             number(real(shape%axes%way, wp)*radians_per_degree)//','// &

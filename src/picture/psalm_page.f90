@@ -4,7 +4,7 @@ module psalm_page
    use psalm_constraint_group, only: region_box, region_half_plane
    use psalm_dyad_kind, only: assur_rrr
    use psalm_force_page, only: write_force_data
-   use psalm_kinds, only: wp, full_turn
+   use psalm_kinds, only: wp
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance
    use psalm_labels, only: place_labels
    use psalm_markup, only: xml_text, json_text, number_or_null, short_number, short_or_null, strings_t, comma, truth
@@ -12,7 +12,7 @@ module psalm_page
    use psalm_panels, only: tolerance_band_t, panel_t
    use psalm_parts, only: drawn_bar_t, drawn_body_t
    use psalm_proof_page, only: write_proof_data
-   use psalm_scene, only: scene_t, motion_number
+   use psalm_scene, only: place_on_sweep, scene_t, motion_number
    use psalm_shared_text, only: title_mark, data_mark
    use psalm_text, only: text_t, full_precision, to_text
    use psalm_trace, only: position_row_t
@@ -483,24 +483,12 @@ contains
    subroutine write_places(scene, text)
       type(scene_t), intent(in) :: scene
       type(text_t), intent(inout) :: text
-      real(wp) :: place, whole
       integer :: i
 
       call text%add_text(',"at":[')
-      associate (sweep => scene%sweep)
-         whole = sweep%delt(sweep%n) - sweep%delt(1)
-         do i = 1, scene%prescribed%n
-            place = scene%prescribed%delt(i) - sweep%delt(1)
-            if (.not. scene%sliding) then
-               place = modulo(scene%sense*place, full_turn)
-            else if (abs(whole) > 0.0_wp) then
-               place = place/whole*real(sweep%n - 1, wp)
-            else
-               place = 0.0_wp
-            end if
-            call text%add_text(comma(i)//full_precision(place))
-         end do
-      end associate
+      do i = 1, scene%prescribed%n
+         call text%add_text(comma(i)//full_precision(place_on_sweep(scene, i)))
+      end do
       call text%add(']')
    end subroutine write_places
 

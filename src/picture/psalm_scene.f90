@@ -10,7 +10,7 @@ module psalm_scene
    use psalm_error, only: problem_t, make_problem
    use psalm_force_model, only: forces_wanted
    use psalm_force_scene, only: force_scene_t, extent_of_weights, make_force_scene
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: wp, full_turn
    use psalm_margin_list, only: describe_margin
    use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated, margin_clearance
    use psalm_markup, only: strings_t, add_string, sentence_case
@@ -30,7 +30,7 @@ module psalm_scene
    use psalm_vibration_scene, only: vibration_scene_t
    implicit none (type, external)
    private
-   public :: scene_t, make_scene, add_curves, message_scene, choose_view, find_rails, motion_number
+   public :: place_on_sweep, scene_t, make_scene, add_curves, message_scene, choose_view, find_rails, motion_number
 
    integer, parameter :: motion_number = -1      !! output of a sketch that has no place of its own
 
@@ -298,6 +298,25 @@ contains
       end if
       if (set%gives('SWEEP')) call add_family_panels(set, mechanism, dimensions, scene%sweep%delt, size_of, scene%panels)
    end subroutine add_curves
+
+   !> Where a prescribed position lies on the sweep, counted in its positions from 0.
+   pure real(wp) function place_on_sweep(scene, position) result(place)
+      type(scene_t), intent(in) :: scene
+      integer, intent(in) :: position
+      real(wp) :: whole
+
+      associate (sweep => scene%sweep)
+         place = scene%prescribed%delt(position) - sweep%delt(1)
+         whole = sweep%delt(sweep%n) - sweep%delt(1)
+         if (.not. scene%sliding) then
+            place = modulo(scene%sense*place, full_turn)
+         else if (abs(whole) > 0.0_wp) then
+            place = place/whole*real(sweep%n - 1, wp)
+         else
+            place = 0.0_wp
+         end if
+      end associate
+   end function place_on_sweep
 
    !> Directions and desired places of the output belong into the view too, counterweights and springs.
    subroutine widen_view(scene)

@@ -6,6 +6,7 @@
 module psalm_svg
    use psalm_angles, only: degrees_of, unit_vector
    use psalm_constraint_group, only: region_box, region_half_plane
+   use psalm_detail_drawing, only: bent_path, bent_words, detail_style, draw_pin, height_of_pin
    use psalm_elementary, only: hypotenuse
    use psalm_force_drawing, only: draw_centres_and_loads, draw_polar_diagrams, draw_weights_and_springs, height_of_polar_diagrams
    use psalm_kinds, only: wp
@@ -67,10 +68,13 @@ contains
       end if
       below = merge(46.0_wp, 8.0_wp, scene%sound)
       if (allocated(scene%forces)) below = below + height_of_polar_diagrams(scene%forces)
+      if (allocated(scene%clearance)) below = below + height_of_pin
       height = foot + below + line_height*real(size(lines), wp) + 14.0_wp
       call begin_svg(scene%title, width, height, text)
       call write_style(allocated(scene%forces), allocated(scene%proof), text)
       if (allocated(scene%drives)) call write_chain_style(text)
+      if (allocated(scene%vibration) .or. allocated(scene%clearance)) call text%add( &
+         '<style>'//detail_style(.false.)//'@media screen and (prefers-color-scheme:dark){'//detail_style(.true.)//'}</style>')
       call text%add('<rect class="paper" width="'//px(width)//'" height="'//px(height)//'"/>')
       call text%add('<text class="head" x="28" y="36">'//xml_text(trim(scene%title))//'</text>')
       if (scene%sound) then
@@ -86,6 +90,7 @@ contains
          call draw_scale(k, foot, unit, text)
          call draw_legend(scene, foot, text)
          if (allocated(scene%forces)) call draw_polar_diagrams(scene%forces, scene%reference, foot + 46.0_wp, text)
+         if (allocated(scene%clearance)) call draw_pin(scene, scene%reference, foot + below - height_of_pin, text)
       end if
       call draw_messages(lines, foot + below, text)
       call text%add('</svg>')
@@ -136,6 +141,10 @@ contains
                     '.warning{fill:#f0c060}.paper{fill:#14191f}.symbol{fill:#14191f;stroke:#e6ebf0}.bar{stroke:#e6ebf0}'// &
                     '.frame,.rail{stroke:#8793a0}.trace{stroke:#9fb0bf}.ghost{stroke:#6b7681}.broken{stroke:#ff6b60}'// &
                     '.actual{fill:#ff6b60;stroke:#ff6b60}.path{stroke:#ff6b60}.desired{stroke:#7db4ff}.axis{stroke:#e6ebf0}')
+      if (forces) call text%add('.mass circle{fill:#14191f;stroke:#e6ebf0}.mass path{fill:#e6ebf0}.weight{stroke:#aab6c1}'// &
+                                '.spring{stroke:#f0c060}.load{stroke:#7ccf8a}.polar{stroke:#7db4ff}.now{fill:#ff6b60}')
+      if (proof) call text%add('.near .body,.near .way,.proof.dead{stroke:#f0c060}.proof{stroke:#7db4ff}'// &
+                               '.proof.opens{stroke:#ff6b60}')
       do i = 1, colours
          call text%add('.c'//to_text(i)//'{stroke:'//dark(i)//'}.plate.c'//to_text(i)//'{fill:'//dark(i)//'}')
       end do
@@ -397,7 +406,7 @@ contains
       real(wp), intent(in) :: k
       type(text_t), intent(inout) :: text
       integer :: b
-      character(:), allocatable :: kind, dashes
+      character(:), allocatable :: kind, dashes, line
 
       do b = 1, size(scene%bars)
          associate (bar => scene%bars(b))
@@ -408,11 +417,26 @@ contains
             dashes = ''
             if (kind == 'frame') dashes = stroke(1.5_wp, k)// &
                                           ' stroke-dasharray="'//short_number(6.0_wp/k)//' '//short_number(6.0_wp/k)//'"'
+            line = 'M'//point(row, bar%start, i)//'L'//point(row, bar%finish, i)
+            if (is_bent(b)) then
+               call text%add('<path class="straight"'//stroke(0.8_wp, k)//' stroke-dasharray="'//short_number(4.0_wp/k)//'" d="'// &
+                             line//'"/>')
+               line = bent_path(scene, i)
+            end if
             call text%add('<path class="'//class//' '//kind//'" data-position="'//to_text(i)//'"'//name_of_bar(scene, b)// &
-                          dashes//' d="M'// &
-                          point(row, bar%start, i)//'L'//point(row, bar%finish, i)//'"/>')
+                          dashes//' d="'//line//'"/>')
          end associate
       end do
+
+   contains
+
+      !> A vibrating link is drawn bent at the position drawn.
+      pure logical function is_bent(b)
+         integer, intent(in) :: b
+
+         is_bent = allocated(scene%vibration) .and. class == 'bar'
+         if (is_bent) is_bent = b == scene%vibration%bar
+      end function is_bent
    end subroutine draw_bars
 
    !> What a bar is called: its loop and arc, or its link.
@@ -815,6 +839,7 @@ contains
       call take(scene%prescribed%words, 'e')
       call take(scene%breaches, 'e')
       call take(scene%warnings, 'w')
+      if (allocated(scene%vibration)) call add_string(lines, 'n'//bent_words(scene))
       if (allocated(scene%proof)) call take_proof()
       if (told < all_of_them) call add_string(lines, 'wand '//to_text(all_of_them - told)//' more messages')
 

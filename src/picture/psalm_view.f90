@@ -40,6 +40,7 @@ contains
       call change(scene%sweep)
       if (allocated(scene%forces)) call change_unit_of_forces(scene%forces, unit)
       if (allocated(scene%proof)) call change_unit_of_proof(scene%proof, unit)
+      if (allocated(scene%vibration)) scene%vibration%deflection = scene%vibration%deflection/unit
       scene%bars%barrel = scene%bars%barrel/unit
       if (allocated(scene%wheels)) scene%wheels%radius = scene%wheels%radius/unit
       if (allocated(scene%meshes)) scene%meshes = scene%meshes/unit

@@ -97,8 +97,10 @@ contains
       logical :: wanted
 
       allocate (subject%output_path(0))
-      subject%output_motion = mechanism%outputs(1)%motion
-      kind = output_kind(subject%output_motion)
+      if (.not. mechanism%outputs(1)%stands_in) then
+         subject%output_motion = mechanism%outputs(1)%motion
+         kind = output_kind(subject%output_motion)
+      end if
       n = size(plan%root)
       base = mechanism%outputs(1)%arc
       subject%output_arc = base

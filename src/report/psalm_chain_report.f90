@@ -22,11 +22,11 @@ module psalm_chain_report
 
 contains
 
-   !> All outputs of a sketch of which the listing has the first alone, or a joint for want of it: a table, a block of device 9.
+   !> All outputs of a sketch of which the listing has the first alone, or none: a table, a block of device 9.
    subroutine report_outputs(set, study, beyond, orders, devices)
       type(data_set_t), intent(in) :: set
       type(sketch_study_t), intent(in) :: study
-      logical, intent(in) :: beyond(:)        !! shape (positions): `beyond` of `motion_t`
+      logical, intent(in), optional :: beyond(:) !! shape (positions): `beyond` of `motion_t`; absent: it was not followed
       integer, intent(in) :: orders           !! 2 with rates, else 0
       type(devices_t), intent(inout) :: devices
       character(name_room), allocatable :: names(:)
@@ -109,6 +109,8 @@ contains
             if (o == 1) names(m) = trim(names(m))//'.v'
             if (o == 2) names(m) = trim(names(m))//'.a'
             values(m, :) = study%values(n, o, :)
+            ! at a dead point there are no rates
+            if (o > 0) values(m, :) = merge(huge(1.0_wp), values(m, :), study%dead)
          end do
       end do
    end subroutine columns_of

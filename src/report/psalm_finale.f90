@@ -233,6 +233,7 @@ contains
       logical :: in_turn
       integer :: i, c
 
+      if (problem%mechanism%outputs(1)%stands_in) return
       call text%add()
       line = motion_headings(problem)
       if (allocated(motion%crank)) line = line//crank_heading

@@ -70,7 +70,7 @@ contains
       words = words//', where the crank is at '//trim(adjustl(general(set%traced%crank)))//' degrees from the x axis'
    end function zero_words
 
-   !> Append to a listing what is special about a sketch: the zero of its input, and an output that the listing cannot show.
+   !> Append to a listing what is special about a sketch: the zero of its input.
    subroutine list_sketch_notes(set, text)
       type(data_set_t), intent(in) :: set
       type(text_t), intent(inout) :: text
@@ -78,13 +78,5 @@ contains
 
       zero = zero_words(set)
       if (len(zero) > 0) call text%add(' INPUTS '//upper_case(zero))
-      if (.not. set%has_stand_in()) return
-      if (set%wants_search()) then
-         call text%add(' HERE ARE X AND Y OF JOINT '//set%traced%stand_in//'; OUTPUT '// &
-                       trim(set%sketch%outputs(1)%name)//' IS NOT LISTED')
-      else
-         call text%add(' HERE ARE X AND Y OF JOINT '//set%traced%stand_in//'; OUTPUT '// &
-                       trim(set%sketch%outputs(1)%name)//' IS AMONG ALL OUTPUTS FURTHER DOWN')
-      end if
    end subroutine list_sketch_notes
 end module psalm_input_text

@@ -4,14 +4,14 @@ module psalm_position_table
    use psalm_column_names, only: by_input, by_time, closed_name, condition_name, crank_name, desired_name, drive_unit, input_name, &
                                  input_unit, joint_name, number_unit, output_name, &
                                  output_unit, per_input, per_time, plotted_component, plotted_desired, plotted_output, &
-                                 plotted_rate, position_name, rate_unit
+                                 plotted_rate, position_name, rate_unit, wished_name
    use psalm_error, only: problem_t, motion_t
    use psalm_force_list, only: add_forces
    use psalm_force_study, only: force_study_t
    use psalm_kinds, only: wp
    use psalm_output_kind, only: motion_pose, most_rates
    use psalm_rate_study, only: rate_study_t, highest_order
-   use psalm_sketch, only: sketch_t
+   use psalm_sketch, only: sketch_t, wish_column_t, columns_of
    use psalm_sketch_study, only: sketch_study_t
    use psalm_tables, only: table_t, tables_t, table_of, for_all, for_plots, for_programs
    use psalm_text, only: full_precision
@@ -54,7 +54,7 @@ contains
       type(tables_t), intent(inout) :: tables
       real(wp), intent(in), optional :: condition(:) !! shape (positions): a column more
       type(table_t) :: table
-      character(:), allocatable :: name, unit
+      character(:), allocatable :: name, unit, about
       logical :: prescribed
 
       prescribed = block == positions_block
@@ -62,12 +62,14 @@ contains
       if (.not. prescribed) name = trim(merge('evenly spaced', 'every degree ', problem%mechanism%sliding_input))
       unit = trim(merge('degrees', 'length ', problem%output%kind%angle > 0))
       if (problem%motion == motion_pose) unit = 'length and degrees'
-      table = table_of(block, name, notes=title//nl//name//'; input in '// &
-                       trim(merge('length ', 'degrees', problem%mechanism%sliding_input))//', output in '//unit, &
+      about = name//'; input in '//trim(merge('length ', 'degrees', problem%mechanism%sliding_input))
+      if (.not. problem%mechanism%outputs(1)%stands_in) about = about//', output in '//unit
+      table = table_of(block, name, notes=title//nl//about, &
                        named=.false., audience=merge(for_plots, for_all, prescribed))
       call add_motion(problem, motion, table)
       if (problem%desired) call add_desired(problem, size(motion%input), prescribed, table)
-      if (present(condition)) call table%add(condition_name, condition, short=.true.)
+      if (present(condition) .and. .not. problem%mechanism%outputs(1)%stands_in) &
+         call table%add(condition_name, condition, short=.true.)
       call add_crank(motion, table)
       call tables%put(table)
    end subroutine plot_positions
@@ -114,6 +116,7 @@ contains
       integer :: c
 
       call add_input(problem, motion, table)
+      if (problem%mechanism%outputs(1)%stands_in) return
       associate (kind => problem%output%kind)
          do c = 1, kind%components
             call table%add(output_name(kind, c), motion%actual(:, c), output_unit(c == kind%angle), motion%closed, &
@@ -186,8 +189,10 @@ contains
       table = table_of(positions_block, about_positions, notes=notes, named=.false., main=.true., &
                        audience=merge(for_all, for_plots, for_others))
       call add_motion(problem, rates%motion, table)
-      call add_derivatives(rates%by_input, per)
-      call add_derivatives(rates%by_time, per_time())
+      if (.not. problem%mechanism%outputs(1)%stands_in) then
+         call add_derivatives(rates%by_input, per)
+         call add_derivatives(rates%by_time, per_time())
+      end if
       if (present(forces)) call add_forces(forces, table)
       call add_crank(rates%motion, table)
       call tables%put(table)
@@ -217,12 +222,13 @@ contains
 
    !> The table of a sketch: inputs, closed, outputs, joints. With `orders` above 0 outputs have `.v` and `.a`, joints
    !> `.vx .vy .ax .ay`. What does not close is not known.
-   pure subroutine put_sketch(sketch, study, orders, tables, forces)
+   pure subroutine put_sketch(sketch, study, orders, tables, forces, problem)
       type(sketch_t), intent(in) :: sketch
       type(sketch_study_t), intent(in) :: study
       integer, intent(in) :: orders                  !! 0 or 2
       type(tables_t), intent(inout) :: tables
       type(force_study_t), intent(in), optional :: forces
+      type(problem_t), intent(in), optional :: problem !! of the study: its desired values are columns, too
       type(table_t) :: table
       character(:), allocatable :: unit
       logical :: known(size(study%closed), 0:2)
@@ -242,6 +248,7 @@ contains
                            number_unit(sketch%outputs, d, per_time(), o), known(:, o))
          end do
       end do
+      if (present(problem)) call add_wishes(sketch, study, problem, table)
       call add_conditions(sketch, study, table)
       do d = 1, size(study%joints, 1)
          do o = 0, orders
@@ -254,6 +261,54 @@ contains
       if (size(study%crank) > 0) call table%add(crank_name(sketch), study%crank, output_unit(.true.))
       call tables%put(table)
    end subroutine put_sketch
+
+   !> Desired values of the outputs of a sketch; of derivatives by the input the actual ones, too.
+   pure subroutine add_wishes(sketch, study, problem, table)
+      type(sketch_t), intent(in) :: sketch
+      type(sketch_study_t), intent(in) :: study      !! at a speed of 1, without acceleration
+      type(problem_t), intent(in) :: problem
+      type(table_t), intent(inout) :: table
+      type(wish_column_t), allocatable :: columns(:)
+      integer :: k, c, order, n
+
+      n = problem%positions
+      if (problem%desired) then
+         do c = 1, problem%output%kind%components
+            call add(table, c, 0, problem%wanted(:n, c), spread(.true., 1, n))
+         end do
+         if (allocated(problem%rate_wanted)) then
+            do order = 1, most_rates
+               do c = 1, problem%output%kind%components
+                  if (any(problem%rate_weight(:, c, order) > 0.0_wp)) &
+                     call add(table, c, order, problem%rate_wanted(:, c, order), problem%rate_weight(:, c, order) > 0.0_wp)
+               end do
+            end do
+         end if
+      end if
+      if (.not. allocated(problem%wish_values)) return
+      columns = sketch%wish_columns()
+      do k = 1, size(columns)
+         associate (at => columns(k))
+            call add(table, at%component + sum([(columns_of(sketch%outputs(c)), c=1, at%output - 1)]), at%order, &
+                     problem%wish_values(:, k), problem%wish_weights(:, k) > 0.0_wp)
+         end associate
+      end do
+
+   contains
+
+      pure subroutine add(into, number, of_order, values, known)
+         type(table_t), intent(inout) :: into
+         integer, intent(in) :: number, of_order
+         real(wp), intent(in) :: values(:)           !! shape (positions)
+         logical, intent(in) :: known(:)
+         character(:), allocatable :: name, unit
+
+         name = by_input(trim(study%names(number)), of_order)
+         unit = number_unit(sketch%outputs, number, per_input(problem%mechanism%sliding_input), of_order)
+         if (of_order > 0) call into%add(name, study%values(number, of_order, :), unit, study%closed .and. .not. study%dead)
+         call into%add(wished_name(name), values, unit, known)
+      end subroutine add
+   end subroutine add_wishes
 
    !> Blocks of device 9: all outputs of a sketch, whose first one alone is in the table before; with rates of several drives the
    !> change of every output with each of them, the others held.
@@ -273,7 +328,7 @@ contains
          do n = 1, size(study%names)
             do o = 0, orders
                call table%add(by_time(study%names(n), o), study%values(n, o, :), &
-                              number_unit(sketch%outputs, n, per_time(), o), study%closed)
+                              number_unit(sketch%outputs, n, per_time(), o), study%closed .and. .not. (o > 0 .and. study%dead))
             end do
          end do
          call add_conditions(sketch, study, table)

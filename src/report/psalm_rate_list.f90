@@ -97,7 +97,9 @@ contains
       call text%add(' SPEED OF THE INPUT'//general(set%rates%speed)//' '//line//name)
       if (abs(set%rates%accel) > 0.0_wp) call text%add(' ACCELERATION OF THE INPUT'//general(set%rates%accel)//' '//line//'**2')
       if (abs(set%rates%accel) > 0.0_wp) call text%add(' THE SPEED IS THE SAME AT EVERY POSITION, THE ACCELERATION TOO')
-      if (problem%output%kind%angle > 0) call text%add(' ANGLES IN DEGREES, THEIR RATES IN RADIANS')
+      if (problem%output%kind%angle > 0 .or. problem%mechanism%outputs(1)%stands_in) &
+         call text%add(' ANGLES IN DEGREES, THEIR RATES IN RADIANS')
+      if (problem%mechanism%outputs(1)%stands_in) return
       call text%add()
       line = input_heading(problem%mechanism)
       if (problem%motion == motion_point) then

@@ -42,7 +42,7 @@ module psalm_report
    use psalm_text, only: text_t, general, lower_case, to_text
    use psalm_tables, only: tables_t
    use psalm_tolerance, only: tolerances_t
-   use psalm_tolerance_list, only: list_tolerances, put_tolerances, list_output_bands, put_output_bands
+   use psalm_tolerance_list, only: list_tolerances, list_sample, put_tolerances, list_output_bands, put_output_bands
    use psalm_dimensions, only: dimensions_t
    use psalm_wish_list, only: list_output_wishes, put_output_wishes
    implicit none (type, external)
@@ -352,22 +352,18 @@ contains
       type(motion_t), intent(in) :: motion         !! at the prescribed positions
       type(devices_t), intent(inout) :: devices
       type(sketch_study_t), intent(in), optional :: study !! of a sketch: all its outputs
-      character(:), allocatable :: special
 
       call put_summary(summary, motion, set%has_stand_in(), devices%cases(devices%last_case()))
       if (present(study)) call put_output_ranges(study, devices%cases(devices%last_case()))
       call put_wish_errors(set%sketch, summary, devices%cases(devices%last_case()))
       if (devices%summarised == most_summarised) return
       devices%summarised = devices%summarised + 1
-      special = ''
-      if (set%has_stand_in()) special = 'joint '//set%traced%stand_in//', for '//trim(set%sketch%outputs(1)%name)// &
-                                             ' is not shown here'
       if (present(study)) then
-         call write_summary(set%title, summary, devices%summary, zero_words(set), '', count(motion%closed), size(motion%closed), &
+         call write_summary(set%title, summary, devices%summary, zero_words(set), count(motion%closed), size(motion%closed), &
                             coincident_words(), set%has_stand_in())
          call range_lines(set, study, devices%summary)
       else
-         call write_summary(set%title, summary, devices%summary, zero_words(set), special, coincident=coincident_words())
+         call write_summary(set%title, summary, devices%summary, zero_words(set), coincident=coincident_words())
       end if
       call write_wish_errors(set%sketch, summary, devices%summary)
       if (devices%summarised == most_summarised .and. set%limits%last == 0) &
@@ -423,12 +419,15 @@ contains
          return
       end if
       if (result%is_violating()) call devices%note_violation()
-      call list_tolerances(result%linear, result%sample, devices%six)
-      call put_tolerances(set%title, sliding_input, result%linear, result%sample, devices%cases(devices%last_case()))
+      if (.not. set%has_stand_in()) then
+         call list_tolerances(result%linear, result%sample, devices%six)
+         call put_tolerances(set%title, sliding_input, result%linear, result%sample, devices%cases(devices%last_case()))
+      end if
       if (several_outputs(set) .and. allocated(result%linear%bands)) then
          call list_output_bands(set%sketch, result%linear, result%sample, devices%six)
          call put_output_bands(set%sketch, result%linear, result%sample, devices%cases(devices%last_case()))
       end if
+      if (set%has_stand_in()) call list_sample(result%sample, devices%six)
       if (allocated(result%adjustments)) then
          call list_adjustments(result%linear, result%adjustments, set%toler%outtol, devices%six)
          call put_adjustments(result%linear, result%adjustments, devices%cases(devices%last_case()))

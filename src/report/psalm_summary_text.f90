@@ -19,12 +19,11 @@ module psalm_summary_text
 contains
 
    !> Append the summary of a case.
-   subroutine write_summary(title, summary, text, zero, special, reached, positions, coincident, no_output)
+   subroutine write_summary(title, summary, text, zero, reached, positions, coincident, no_output)
       character(*), intent(in) :: title
       type(summary_t), intent(in) :: summary
       type(text_t), intent(inout) :: text
       character(*), intent(in), optional :: zero           !! from where the inputs count; empty: as always
-      character(*), intent(in), optional :: special        !! what is shown for want of the output; empty: the output is
       character(*), intent(in), optional :: coincident     !! the joints that coincide where the linkage is undetermined
       logical, intent(in), optional :: no_output           !! leave the output and its dead points out: it is only a stand-in
       integer, intent(in), optional :: reached, positions  !! of a sketch: positions that are reached from the drawing, of so many
@@ -58,9 +57,6 @@ contains
             ' degrees, in loop '//to_text(summary%angle_loop)//place(summary%angle_input)//asked(), text)
          if (summary%group_loop > 0) call add_line('Larger group', 'in loop '//to_text(summary%group_loop)//' at least '// &
             plain_number(summary%group_measure)//' from a dead point (1 is best),'//place(summary%group_input), text)
-         if (present(special)) then
-            if (len(special) > 0) call add_line('Output', special, text)
-         end if
          outputs = .true.
          if (present(no_output)) outputs = .not. no_output
          if (summary%at_positions) outputs = .false.

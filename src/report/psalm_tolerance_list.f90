@@ -13,7 +13,7 @@ module psalm_tolerance_list
    use psalm_parameters, only: name_of, words_of
    implicit none (type, external)
    private
-   public :: list_tolerances, put_tolerances, list_output_bands, put_output_bands
+   public :: list_tolerances, list_sample, put_tolerances, list_output_bands, put_output_bands
 
    integer, parameter :: name_room = 120   !! characters of a name in a table
 
@@ -68,13 +68,22 @@ contains
             call text%add(line)
          end do
       end do
+      call list_sample(sample, text)
+   end subroutine list_tolerances
+
+   !> Append how many linkages the sample has, and which of them do not close.
+   subroutine list_sample(sample, text)
+      type(sample_t), intent(in) :: sample
+      type(text_t), intent(inout) :: text
+      integer :: i
+
       if (sample%trials == 0) return
       call text%add(' LINKAGES OF THE SAMPLE '//to_text(sample%trials)//', OF WHICH DO NOT CLOSE '//to_text(sample%open))
       do i = 1, min(sample%open, size(sample%named))
          call text%add('   LINKAGE '//to_text(sample%named(i))//', LOOP '//to_text(sample%loop(i)))
       end do
       if (sample%open > size(sample%named)) call text%add('   AND '//to_text(sample%open - size(sample%named))//' MORE')
-   end subroutine list_tolerances
+   end subroutine list_sample
 
    pure function head_of_bands(sample) result(line)
       type(sample_t), intent(in) :: sample

@@ -36,6 +36,8 @@ contains
                                    'output, which '//trim(sketch%outputs(1)%name)//' cannot be here; give its values as DES1 '// &
                                    'of &OUTPUTS, or put a point, angle, distance from the origin or slide first', 1)
          end if
+         if (set%toler%adjusted) call set%origins%error(findings, 'TOLER', 'ADJUST', 'ADJUST restores the first output, which '// &
+            trim(sketch%outputs(1)%name)//' cannot be here; put a point, angle, distance from the origin or slide first', 1)
          loops%stand_in = trim(sketch%joint_name(default_joint(sketch)))
       end if
       shown%kind = output_point

@@ -30,7 +30,7 @@ contains
          call set%origins%error(findings, 'METHOD', 'IKIN', 'IKIN sweeps a full turn; with a sliding input give NDES and DELT', 1)
       end if
       if (allocated(set%traced)) then
-         mechanism%outputs = [output_t(set%traced%motion, set%traced%output_arc, set%traced%from_start)]
+         mechanism%outputs = [output_t(set%traced%motion, set%traced%output_arc, set%traced%from_start, set%has_stand_in())]
          return
       end if
       if (set%links%noutlp < 1 .or. set%links%noutlp > set%links%nloop) then

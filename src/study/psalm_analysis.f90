@@ -216,6 +216,7 @@ contains
       integer :: i, c, first
 
       stays_at_rest = .false.
+      if (problem%mechanism%outputs(1)%stands_in) return
       first = findloc(motion%closed, .true., dim=1)
       if (first == 0) return
       extent = maxval(dimensions%arcl)

@@ -260,6 +260,7 @@ contains
       self%solver%least_gain = least_gain
       self%solver%seed = number
       call self%solver%minimise(self%problem, candidate%x, self%stop, ending)
+      call self%problem%settle_signs(candidate%x)
       candidate%objective = ending%objective
       candidate%feasible = ending%feasible
       candidate%refused = ending%reason == stop_refused .and. number == 1

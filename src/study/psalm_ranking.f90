@@ -15,6 +15,7 @@ module psalm_ranking
    use psalm_output_wishes, only: output_wishes_t, compare_with_wishes
    use psalm_search, only: found_t
    use psalm_search_group, only: pareto_largest, pareto_angle, pareto_ratio, pareto_room, pareto_band
+   use psalm_sketch, only: columns_of
    use psalm_station, only: station_t, prepare_station, evaluate_station
    use psalm_summary, only: summary_t, summarise, summarise_wishes
    use psalm_tolerance, only: deviating_t, tolerance_t, find_tolerances
@@ -154,7 +155,13 @@ contains
       if (.not. ranked%has_band) return
       ranked%band = huge(1.0_wp)
       if (any(linear%dead)) return
-      if (size(linear%square, 2) == 1) then
+      if (problem%mechanism%outputs(1)%stands_in) then
+         associate (bands => linear%bands, components => columns_of(set%sketch%outputs(1)))
+            ranked%has_band = bands%known(1)
+            ranked%band = maxval(bands%square(:, 1))
+            if (components > 1) ranked%band = maxval(hypotenuse(bands%square(:, 1), bands%square(:, 2)))
+         end associate
+      else if (size(linear%square, 2) == 1) then
          ranked%band = maxval(linear%square)
       else
          ranked%band = maxval(hypotenuse(linear%square(:, 1), linear%square(:, 2)))

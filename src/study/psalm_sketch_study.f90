@@ -6,6 +6,7 @@ module psalm_sketch_study
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp
+   use psalm_mechanism, only: mechanism_t
    use psalm_output_condition, only: output_conditions
    use psalm_rates, only: rates_t, prepare_rates, differentiate, is_dead
    use psalm_sketch, only: columns_of, output_ratio
@@ -36,12 +37,31 @@ module psalm_sketch_study
 
 contains
 
+   !> Where the joints are: those of the drawing, or of other dimensions.
+   subroutine locate_as(set, mechanism, dimensions, changed, sketch)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      logical, intent(in), optional :: changed          !! the dimensions are not those of the drawing
+      type(sketch_motion_t), intent(out) :: sketch
+      logical :: anew
+
+      anew = .false.
+      if (present(changed)) anew = changed
+      if (anew) then
+         call locate_sketch(set, mechanism, sketch, dimensions)
+      else
+         call locate_sketch(set, mechanism, sketch)
+      end if
+   end subroutine locate_as
+
    !> Condition numbers of all outputs.
-   subroutine study_conditions(set, problem, dimensions, study)
+   subroutine study_conditions(set, problem, dimensions, study, changed)
       type(data_set_t), intent(in) :: set               !! a sketch with its loops
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(sketch_study_t), intent(inout) :: study
+      logical, intent(in), optional :: changed          !! the dimensions are not those of the drawing
       class(problem_t), allocatable :: own              ! large: it would fill a small stack
       type(sketch_motion_t) :: sketch
       type(condition_t) :: condition
@@ -52,7 +72,7 @@ contains
 
       allocate (own, source=problem)
       if (allocated(own%linkages)) deallocate (own%linkages)
-      call locate_sketch(set, own%mechanism, sketch)
+      call locate_as(set, own%mechanism, dimensions, changed, sketch)
       call own%want_derivatives(.true., sketch%points)
       call own%bind(dimensions)
       call prepare_condition(own%linkage, condition)
@@ -72,17 +92,18 @@ contains
    end subroutine study_conditions
 
    !> The same over the sweep of the input that IPLOT asks for.
-   subroutine study_sweep(set, problem, dimensions, closed, study)
+   subroutine study_sweep(set, problem, dimensions, closed, study, changed)
       type(data_set_t), intent(in) :: set               !! a sketch with its loops
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       logical, intent(in) :: closed(:)                  !! shape (steps of the sweep): by its analysis
       type(sketch_study_t), intent(out) :: study
+      logical, intent(in), optional :: changed          !! the dimensions are not those of the drawing
       class(problem_t), allocatable :: fine             ! large: it would fill a small stack
 
       allocate (fine, source=problem)
       call fine%set_inputs(sweep_inputs(problem))
-      call study_sketch(set, fine, dimensions, closed, 1.0_wp, 0.0_wp, study)
+      call study_sketch(set, fine, dimensions, closed, 1.0_wp, 0.0_wp, study, changed)
    end subroutine study_sweep
 
    !> Outputs and joints at the positions of a problem, with their rates by time.
@@ -101,17 +122,10 @@ contains
       complex(wp), allocatable :: alone(:, :, :)
       real(wp) :: largest(2)
       integer :: block, offset, n, i, k, loop
-      logical :: anew
 
       allocate (own, source=problem)
       if (allocated(own%linkages)) deallocate (own%linkages)
-      anew = .false.
-      if (present(changed)) anew = changed
-      if (anew) then
-         call locate_sketch(set, own%mechanism, sketch, dimensions)
-      else
-         call locate_sketch(set, own%mechanism, sketch)
-      end if
+      call locate_as(set, own%mechanism, dimensions, changed, sketch)
       call own%want_derivatives(.true., sketch%points)
       call own%bind(dimensions)
       allocate (rates)

@@ -61,6 +61,7 @@ module psalm_chain_problem
       procedure :: find_values
       procedure :: dimensioned
       procedure :: shape_point
+      procedure :: settle_signs
    end type chain_problem_t
 
 contains
@@ -399,6 +400,55 @@ contains
          p(3) = p(3) - (3.0_wp*angle(1)**2*length(1) + i*angle(1)**3*length(0))*e
       end associate
    end function shape_point
+
+   !> Tell a linkage by positive lengths and angles nearest to 0, or to the middle of their bounds, where the bounds allow: a length
+   !> backwards in a direction is that length in the opposite one, from which other angles may be counted.
+   pure subroutine settle_signs(self, x)
+      class(chain_problem_t), intent(in) :: self
+      real(wp), intent(inout) :: x(:)           !! shape (core)
+      real(wp) :: turned(size(x))
+      integer :: k, m
+
+      do k = 1, size(self%moved)
+         associate (one => self%moved(k))
+            if (one%of_length == 0 .or. one%of_angle == 0) cycle
+            if (x(one%of_length) >= 0.0_wp) cycle
+            turned = x
+            turned(one%of_length) = -x(one%of_length)
+            turned(one%of_angle) = x(one%of_angle) + half_turn
+            do m = 1, size(self%moved)
+               associate (other => self%moved(m))
+                  if (m == k .or. other%link /= one%link .or. other%of_angle == 0) cycle
+                  if (all(other%base == [one%anchor, one%joint]) .or. all(other%base == [one%joint, one%anchor])) &
+                     turned(other%of_angle) = turned(other%of_angle) + half_turn
+               end associate
+            end do
+            call unwind(turned)
+            if (all(turned >= self%low .and. turned <= self%high)) x = turned
+         end associate
+      end do
+      turned = x
+      call unwind(turned)
+      x = merge(turned, x, turned >= self%low .and. turned <= self%high)
+
+   contains
+
+      !> Full turns of angles are none.
+      pure subroutine unwind(values)
+         real(wp), intent(inout) :: values(:)
+         real(wp) :: middle
+         integer :: n
+
+         do n = 1, size(self%moved)
+            associate (v => self%moved(n)%of_angle)
+               if (v == 0) cycle
+               middle = 0.0_wp
+               if (self%high(v) < huge(1.0_wp)) middle = 0.5_wp*(self%low(v) + self%high(v))
+               values(v) = values(v) - full_turn*anint((values(v) - middle)/full_turn)
+            end associate
+         end do
+      end subroutine unwind
+   end subroutine settle_signs
 
    !> Direction of a line of a link and its rate, radians.
    pure recursive subroutine direction_of(self, link, from, to, x, angle, rate)

@@ -29,6 +29,13 @@ SIX_BAR = """SIX-BAR WITH A GROUP OF FOUR LINKS
   LNAME='frame','crank','left','top','right','tie', LNK='A G','A B','B C E','C D','D F G','E F P' &END
  &DRIVES DRIVE='A' &END
 """
+GRIPPER = """GRIPPER WITH A CYLINDER
+ &CHAIN JNT='a','b','c','f','a2','b2','c2','f2',
+  JX=0.0,30.0,60.0,140.0,0.0,30.0,60.0,140.0, JY=10.0,25.0,15.0,20.0,-10.0,-25.0,-15.0,-20.0,
+  LNAME='body','rod','linkU','fingerU','linkL','fingerL',
+  LNK='b b2','a a2','a c','b c f','a2 c2','b2 c2 f2', SLNK='body', SLNK2='rod', SLX=0.0, SLY=0.0, SLANG=0.0 &END
+ &DRIVES DRIVE='S1' &END
+"""
 POSES = """FOUR-BAR THROUGH FOUR POSES
  &CHAIN JNT='A','B','C','D','P','Q', JX=0,-10,60,80,40,50, JY=0,45,70,0,110,110,
   LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P Q','C D',
@@ -37,6 +44,14 @@ POSES = """FOUR-BAR THROUGH FOUR POSES
  &OUTPUTS OUTPUT='%s' &END
  &METHOD NDES=4, DELT=0,-15,-30,-45, DESX=%s, DESY=%s, DESANG=%s &END
  &SEARCH SOLVER='LSQ', NSTART=20, NBEST=2 &END
+"""
+PLACE = """FOUR-BAR WHOSE PIVOT MOVES
+ &CHAIN JNT='A','B','C','D','P','Q', JX=20,10,80,100,60,70, JY=5,50,75,5,115,135,
+  LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P Q','C D', VARY='place A','B Q','angle B C B Q' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point P','angle P Q', DES1=45,113,63,115,80,112,95,105, DES2=60,50,40,30 &END
+ &METHOD NDES=4, VAR=0.99, DELT=0,-15,-30,-45 &END
+ &SEARCH SOLVER='LSQ', NSTART=1, FIRST=%d &END
 """
 OUTPUTS = ("point P", "x P", "angle C D", "distance B D", "between A B C D")
 NUMBERS = ("point_P.x", "point_P.y", "x_P", "angle_C_D", "distance_B_D", "between_A_B_C_D")
@@ -170,6 +185,13 @@ def wished_poses(programs, work):
         objective = float(re.search(r"best objective\s+(\S+)", search.messages)[1])
         check("%s: the objective is the sum of the squares" % name, abs(4.0*sum(e*e for e in both) - objective) < 1e-6*objective,
               (both, objective))
+        for c, part in enumerate(("x", "y", "angle")):
+            column = "%s.%s" % (name, part)
+            check("%s: table, listing and device 9 of the search have it" % column, all(
+                abs(float(row[column]) - float(again[column])) < 1e-9 and float(row[column + ".desired"]) == pose[c]
+                for row, again, pose in zip(search.table, rates.table, wanted)) and
+                far(search.block("outputs")[column], [float(row[column]) for row in search.table]) < 1e-12 and
+                column.upper()[:14] in search.listing.split(" ALL OUTPUTS", 1)[1].split("\n")[1], list(search.table[0]))
         ranked = re.search(r"RMS ERROR.*\n\s+1\s+(\S+)\s+(\S+)", search.listing)
         check("%s: the ranking has their errors" % name, abs(float(ranked[1]) - both[0]) < 1e-6*both[0] and
               abs(float(ranked[2]) - max(points)) < 1e-6*max(points) and "ERRORS ARE THOSE OF " + name.upper() in search.listing, ranked[0])
@@ -182,10 +204,71 @@ def wished_poses(programs, work):
                       abs(float(largest) - max(map(abs, errors))) < 1e-4*max(map(abs, errors)), (rms, one, largest, errors))
 
 
+def no_other_joint(programs, work):
+    """A first output that no arc tells is what listing, summary and device 9 have; no joint is there in its stead."""
+    for head, outputs, numbers, most in (
+            (FOUR_BAR, ("y P",), {"y_P": lambda row: float(row["P.y"])}, "crank_angle"),
+            (FOUR_BAR, ("distance B D", "angle C D"), {
+                "distance_B_D": lambda row: math.hypot(float(row["B.x"]) - float(row["D.x"]), float(row["B.y"]) - float(row["D.y"]))}, "crank_angle"),
+            (GRIPPER, ("distance f f2",), {
+                "distance_f_f2": lambda row: math.hypot(float(row["f.x"]) - float(row["f2.x"]), float(row["f.y"]) - float(row["f2.y"]))}, "closed")):
+        positions = "&METHOD IKIN=30" if head == FOUR_BAR else "&METHOD NDES=5, DELT=-2.0,-1.0,0.0,1.0,2.0"
+        groups = (positions, "&LIMITS TANGLE=89.0, IPLOT=1, ICOND=1", "&TOLER TOLLEN=0.002, TOLANG=0.002, NTRIAL=50")
+        for program, more in (("psalm", ()), ("kalm", ("&RATES SPEED=1.0",))):
+            run = Run(programs, work, case(head, outputs, *groups, *more), program)
+            law = "%s %s: " % (program, outputs[0])
+            check(law + "has a result", run.status < 2 and len(run.table) > 4, run.messages)
+            for part in run.parts[:2] if program == "psalm" else run.parts[:1]:
+                heads = part[0].split()[1:]
+                check(law + "device 9 begins without another output", heads == ["input", "closed", "crank_angle"][:2 + (most == "crank_angle")], heads)
+            check(law + "none in the listing", not re.search("ACTUAL X|SPEED$|EFFECT OF TOLERANCES|BANDS OF X|HERE ARE", run.listing, re.M), run.listing)
+            check(law + "none in the summary", "Output point" not in run.messages and "not shown" not in run.messages, run.messages)
+            block, listed = run.block("outputs"), run.listing.split(" ALL OUTPUTS, INPUTS", 1)[1].split("\n")[2:]
+            for name, of in numbers.items():
+                values = [of(row) for row in run.table if row["closed"] == "1"]
+                check(law + "%s in the table" % name, far([float(row[name]) for row in run.table if row["closed"] == "1"], values) < 1e-10)
+                check(law + "%s on device 9" % name, far([v for v in block[name] if v == v], values) < 1e-10)
+                check(law + "%s in the listing" % name, far([float(line.split()[2]) for line, row in zip(listed, run.table) if row["closed"] == "1"],
+                                                            values) < 1e-3, listed[:2])
+                told = re.search(r"Output +%s (\S+) to (\S+)" % name, run.messages)
+                check(law + "%s in the summary" % name, told and far([float(told[1]), float(told[2])], [min(values), max(values)]) < 1e-3, run.messages)
+            if program == "psalm":
+                check(law + "bands of all outputs", "BANDS OF ALL OUTPUTS" in run.listing and "LINKAGES OF THE SAMPLE 50" in run.listing and
+                      numbers.keys() <= {key.split(".")[0] for key in run.block("output_tolerances")}, run.listing)
+    text = case(FOUR_BAR, ("y P",), "&METHOD IKIN=30", "&TOLER TOLLEN=0.002, ADJUST=1")
+    path = os.path.join(work, "adjust.nml")
+    with open(path, "w", encoding="ascii") as file:
+        file.write(text)
+    done = subprocess.run([os.path.join(programs, "psalm"), path], capture_output=True, text=True, check=False)
+    check("no dimension is adjusted for another output", done.returncode == 2 and "ADJUST restores the first output, which y_P cannot be here" in
+          done.stderr, done.stderr)
+
+
+def one_linkage_one_name(programs, work):
+    """A search in poses tells a linkage by positive lengths and angles within half a turn, from whatever start it comes there."""
+    seen = []
+    for first in (2, 3, 4, 5):
+        path = os.path.join(work, "place.nml")
+        with open(path, "w", encoding="ascii") as file:
+            file.write(PLACE % first)
+        done = subprocess.run([os.path.join(programs, "psalm"), "--quiet", path], capture_output=True, text=True, check=False)
+        found = {}
+        for line in done.stdout.split("  VARIABLE ", 1)[-1].split("\n\n")[0].split("\n")[1:]:
+            words = line.split()
+            found[" ".join(words[:-2])] = float(words[-1].replace("D", "E"))
+        check("start %d: a linkage is found" % first, done.returncode < 2 and len(found) == 4, done.stderr)
+        check("start %d: lengths are positive, angles within half a turn" % first, all(
+            value > 0.0 if name.startswith(("length", "distance")) else abs(value) <= 180.0 for name, value in found.items()), found)
+        seen.append([found.get("distance of A"), found.get("direction of A")])
+    check("the pivot is told in one way", all(far(one, seen[0]) < 1e-2 for one in seen), seen)
+
+
 def main():
     programs = os.path.abspath(sys.argv[1])
     with tempfile.TemporaryDirectory() as work:
         wished_poses(programs, work)
+        no_other_joint(programs, work)
+        one_linkage_one_name(programs, work)
         for head in (FOUR_BAR, SIX_BAR):
             groups = ("&METHOD IKIN=30", "&LIMITS TANGLE=89.0, IPLOT=1, ICOND=1", "&TOLER TOLLEN=0.002, TOLANG=0.002, NTRIAL=20000")
             outputs, numbers = OUTPUTS, NUMBERS

@@ -76,7 +76,8 @@ def compare(program, case, *options):
                                                  for n, values in columns.items() if block["units"][n] for v in values))
             if "closed" in columns:
                 check(law + name + ": what does not close is empty", all(
-                    v is None for n, values in columns.items() if not n.startswith(("input", "closed", "desired", "setting", "position", "crank_angle"))
+                    v is None for n, values in columns.items()
+                    if not n.startswith(("input", "closed", "desired", "setting", "position", "crank_angle")) and not n.endswith(".desired")
                     for closed, v in zip(columns["closed"], values) if closed == 0))
     if os.path.exists(stem + ".dev9"):
         blocks = [(name, block) for one in whole["cases"] for name, block in one["blocks"].items()]
@@ -221,7 +222,7 @@ def main(directory):
             with_rates = compare(kalm, case)["positions"]["columns"]
             check(stem + ": rates of every joint", all(j + "." + v in with_rates for j in own for v in ("vx", "vy", "ax", "ay")))
             check(stem + ": rates of every output", all(n + v in with_rates for n in names[:names.index(own[0] + ".x")]
-                                                       if not n.startswith(("input", "closed")) and not n.endswith(".condition") for v in (".v", ".a")))
+                                                       if not n.startswith(("input", "closed")) and not n.endswith((".condition", ".desired", ".first", ".second")) for v in (".v", ".a")))
         for name in ("needle", "engine", "textile", "door_five_poses", "actuator_davis_steering"):
             case = os.path.join(data, name + ".nml")
             columns = compare(psalm, case)["positions"]["columns"]

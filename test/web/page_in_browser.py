@@ -12,7 +12,8 @@ from xml.etree import ElementTree
 from playwright.sync_api import sync_playwright
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
-from picture_tools import DATA, FLAGS, PATIENCE, TOP, balm, check, page_data
+import picture_tools
+from picture_tools import DATA, FLAGS, PATIENCE, TOP, balm, check, page_data, run
 
 
 def test_pages(shots):
@@ -23,6 +24,7 @@ def test_pages(shots):
         test_browser(browser, shots)
         test_browser_forces(browser, shots)
         test_saving(browser, shots)
+        test_letters(browser)
         browser.close()
 
 
@@ -273,6 +275,59 @@ def test_clearance(browser, shots):
     pin.context.close()
 
 
+# every text that a page writes on its canvases, with its box in pixels of the canvas, from its last painting
+WATCH = """(() => {
+  globalThis.written = {};
+  const proto = CanvasRenderingContext2D.prototype, fill = proto.fillText, clear = proto.clearRect;
+  const key = (pen) => pen.canvas.id || pen.canvas.keep || (pen.canvas.keep = 'copy ' + Math.random());
+  proto.clearRect = function (...box) { written[key(this)] = []; return clear.apply(this, box); };
+  proto.fillText = function (text, x, y) {
+    const m = this.measureText(text);
+    (written[key(this)] ||= []).push([text, x - m.actualBoundingBoxLeft, x + m.actualBoundingBoxRight,
+      y - m.actualBoundingBoxAscent, y + m.actualBoundingBoxDescent, this.canvas.width / devicePixelRatio]);
+    return fill.apply(this, arguments);
+  };
+})()"""
+
+
+def collisions(page):
+    """Texts of a canvas that lie on each other or beyond its edges."""
+    found = []
+    for texts in page.evaluate("written").values():
+        for i, (text, left, right, top, bottom, room) in enumerate(texts):
+            if left < -1 or right > room + 1:
+                found.append(text)
+            found += ["%s | %s" % (text, other) for other, a, b, c, d, _ in texts[:i] if left < b and a < right and top < d and c < bottom]
+    return found
+
+
+def test_letters(browser):
+    """Nothing that is written lies on other words, on a phone, a desk and a large screen; messages stand beside the picture."""
+    os.makedirs("letters")
+    cases = ["engine", "rig_coupler", "jansen", "needle_masses", os.path.join("bridge", "four_bar_haines")]
+    for case in cases:
+        balm("--quiet", "--output-dir", "letters", os.path.join(DATA, case + ".nml"))
+    run(os.path.join(picture_tools.programs, "calm"), "--quiet", "--output-dir", "letters", os.path.join(DATA, "calm", "conjugate_cams.nml"))
+    for width, height in ((390, 844), (1280, 800), (1920, 1080)):
+        for name in [os.path.basename(case) + ".html" for case in cases] + ["conjugate_cams.calm.html"]:
+            law = "%s, %d pixels: " % (name, width)
+            one = Page(browser, os.path.join("letters", name), width, height)
+            one.ask(WATCH)
+            one.page.set_viewport_size({"width": width - 2, "height": height})
+            one.page.wait_for_timeout(120)
+            found = collisions(one.page)
+            for place in range(0, 360, 30):
+                if "calm" not in name:
+                    one.ask("balm.go(%d)" % place)
+                found += collisions(one.page)
+            check(law + "no words lie on others", not found, str(found[:4]))
+            check(law + "nothing is wider than the screen", one.ask("document.documentElement.scrollWidth <= innerWidth"))
+            beside = "(id) => { const e = document.getElementById(id); if (!e || e.hidden) return true;" \
+                     " return e.getBoundingClientRect().top >= document.querySelector('canvas').getBoundingClientRect().bottom - 1; }"
+            check(law + "words stand below the picture", all(one.ask("(%s)('%s')" % (beside, id_)) for id_ in ("alert", "captions")))
+            one.context.close()
+
+
 def test_browser_cases(browser, shots):
     three = Page(browser, "needle_lsq.html")
     page = three.page
@@ -309,7 +364,7 @@ def test_browser_cases(browser, shots):
 
     gap = Page(browser, "open.html")
     gap.ask("balm.go(270)")
-    check("open: explained on the picture", gap.page.is_visible("#alert") and "link 2 is too short" in gap.page.text_content("#alert"))
+    check("open: explained below the picture", gap.page.is_visible("#alert") and "link 2 is too short" in gap.page.text_content("#alert"))
     check("open: by how much here", gap.page.text_content("#alert").endswith("; here by 15"), gap.page.text_content("#alert"))
     gap.ask("balm.go(20)")
     check("open: nothing to explain where it closes", not gap.page.is_visible("#alert"))

@@ -569,6 +569,45 @@ def test_rails():
                       (along / long, aside / long))
 
 
+def test_details():
+    """A vibrating link is bent as ssics finds it; a pin in its hole has load and force of contact of bridge."""
+    programs = picture_tools.programs
+    case = os.path.join(DATA, "rig_coupler.nml")
+    balm("--quiet", "--output-dir", ".", case)
+    run(os.path.join(programs, "ssics"), "--quiet", "--json", "--output-dir", ".", case)
+    blocks = json.loads(read("rig_coupler.ssics.json"))["cases"][0]["blocks"]
+    scene = page_data("rig_coupler.html")[0]
+    straight, = Picture("rig_coupler.svg").of_class("straight")
+    ax, ay, bx, by = map(float, numbers(straight))
+    bent, = [e for e in Picture("rig_coupler.svg").of_class("bar") if e.get("d").count("L") > 1]
+    places = [float(v) for v in numbers(bent)]
+    points = list(zip(places[::2], places[1::2]))
+    long = math.hypot(bx - ax, by - ay)
+    check("bent link: from joint to joint", {tuple(round(v, 9) for v in p) for p in (points[0], points[-1])} == {
+        (round(ax, 9), round(ay, 9)), (round(bx, 9), round(by, 9))}, "%s %s" % (points[0], points[-1]))
+    x, y = points[len(points) // 2]
+    aside = abs((bx - ax) * (y - ay) - (by - ay) * (x - ax)) / long
+    # the second mode has a node there
+    metre = blocks["vibration"]["columns"]["length"][0] / long
+    wanted = scene["vibration"]["factor"] * abs(blocks["response"]["columns"]["y"][0]) / metre
+    check("bent link: its middle is off the line as ssics says", abs(aside - wanted) < 1e-5 * wanted and wanted > 0.01 * long, "%s %s" % (aside, wanted))
+    check("bent link: how much larger it is drawn", "bending drawn %g times larger" % scene["vibration"]["factor"] in read("rig_coupler.svg"))
+    case = os.path.join(DATA, "bridge", "four_bar_haines.nml")
+    balm("--quiet", "--output-dir", ".", case)
+    run(os.path.join(programs, "bridge"), "--quiet", "--json", "--output-dir", ".", case)
+    blocks = json.loads(read("four_bar_haines.bridge.json"))["cases"][0]["blocks"]
+    pin, = [e for e in Picture("four_bar_haines.svg").root.iter(SVG + "g") if e.get("id") == "pin"]
+    load = [float(v) for v in pin.get("data-load").split()]
+    cycle = blocks["cycle"]["columns"]
+    check("pin: its load is that of bridge", all(abs(v - cycle[n][0]) < 1e-9 * max(map(abs, cycle[n])) for v, n in zip(load, ("fx", "fy"))), str(load))
+    inputs, force = (blocks["following"]["columns"][n] for n in ("input", "force"))
+    k = max(i for i, v in enumerate(inputs) if v <= 360)
+    between = force[k] + (360 - inputs[k]) / (inputs[k + 1] - inputs[k]) * (force[k + 1] - force[k])
+    check("pin: force of contact is that of bridge", abs(float(pin.get("data-force")) - between) < 1e-6 * max(force), "%s %s" % (pin.get("data-force"), between))
+    hole, disc = pin.findall(SVG + "circle")
+    check("pin: it touches its hole", abs(math.hypot(float(disc.get("cx")), float(disc.get("cy"))) + float(disc.get("r")) - float(hole.get("r"))) < 0.01)
+
+
 def test_bodies():
     """Bars at one joint that never turn against each other are one body, others are not."""
     rigid = 0
@@ -1090,6 +1129,7 @@ PARTS = {
     "assemblies": test_assemblies,
     "proof": test_proof,
     "rails": test_rails,
+    "details": test_details,
     "bodies": test_bodies,
     "regions": test_regions,
     "messages": test_messages,
