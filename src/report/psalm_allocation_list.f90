@@ -87,11 +87,16 @@ contains
       type(table_t) :: table
       integer :: i
       character(len=limit_room) :: limits(size(result%names))
+      character(len(result%names)), allocatable :: names(:)
 
       table = table_of('allocation', 'a row for each dimension: its cheapest tolerance; cost '// &
                        trim(adjustl(general(result%value)))//', at least '//trim(adjustl(general(result%bound))), &
                        audience=for_programs)
-      call table%add('dimension', [character(len(result%names)) :: (item_name(result%names(i)), i=1, size(result%names))])
+      names = result%names
+      do i = 1, size(names)
+         names(i) = item_name(result%names(i))
+      end do
+      call table%add('dimension', names)
       call table%add('angle', result%is_angle)
       call table%add('tolerance', result%tolerance)
       call table%add('cost', result%cost)

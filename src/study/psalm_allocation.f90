@@ -237,7 +237,10 @@ contains
          call names_of_numbers(set%sketch%outputs, numbers, turning)
       else
          kind = output_kind(set%method%motion)
-         numbers = [character(name_room) :: (output_name(kind, k), k=1, kind%components)]
+         allocate (numbers(kind%components))
+         do k = 1, kind%components
+            numbers(k) = output_name(kind, k)
+         end do
       end if
       do i = 1, size(asked%outputs)
          if (any(numbers == asked%outputs(i))) cycle

@@ -534,7 +534,10 @@ contains
                if (linear%variables(v)%kind == variable_outang) allowance%change(:, v, :) = linear%bands%change(:, k, :)
             end do
          else
-            allowance%numbers = [character(name_room) :: (output_name(linear%kind, k), k=1, linear%kind%components)]
+            allocate (allowance%numbers(linear%kind%components))
+            do k = 1, linear%kind%components
+               allowance%numbers(k) = output_name(linear%kind, k)
+            end do
             allowance%known = [(.true., k=1, linear%kind%components)]
             allowance%turns = [(k == linear%kind%angle, k=1, linear%kind%components)]
             allowance%change = linear%effect
