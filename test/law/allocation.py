@@ -161,6 +161,23 @@ def one(program, folder, number, random):
     tally.check(where + ": the bound is near", total - bound < 2e-6*total, "%r %r" % (bound, total))
 
 
+def by_loops(program, folder):
+    """A linkage by &LINKS: 19 dimensions, lengths and angles, named as its listing names them."""
+    data = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "data", "needle.nml")
+    with open(data, encoding="utf-8") as f:
+        text = f.read()
+    path = os.path.join(folder, "loops.nml")
+    with open(path, "w", encoding="utf-8") as f:
+        f.write(text.replace(" &LIMITS", " &TOLER TOLLEN=0.1, TOLANG=0.1 &END\n &ALLOC ALBAND=0.5, ALRULE='RSS' &END\n &LIMITS"))
+    subprocess.run([program, "--quiet", "--json", "--output-dir", folder, path], capture_output=True, check=False)
+    with open(os.path.join(folder, "loops.allocation.csv"), encoding="utf-8") as f:
+        names = [row["dimension"] for row in csv.DictReader(f)]
+    with open(os.path.join(folder, "loops.allocation_bands.csv"), encoding="utf-8") as f:
+        bands = [(float(row["used"]), float(row["band"])) for row in csv.DictReader(f)]
+    tally.check("loops: 19 dimensions", len(set(names)) == 19 and "length of arc 2 in loop 1" in names, str(names))
+    tally.check("loops: 20 bands, of which one is full", len(bands) == 20 and 0 <= min(b - u for u, b in bands) < 1e-6, str(bands))
+
+
 def main():
     parser = argparse.ArgumentParser(usage=__doc__)
     parser.add_argument("programs")
@@ -168,6 +185,7 @@ def main():
     options = parser.parse_args()
     random = numpy.random.default_rng(41)
     with tempfile.TemporaryDirectory() as folder:
+        by_loops(os.path.join(os.path.abspath(options.programs), "psalm"), folder)
         for number in range(options.cases):
             one(os.path.join(os.path.abspath(options.programs), "psalm"), folder, number, random)
     return tally.report()
