@@ -109,7 +109,7 @@ contains
       else if (proof_wanted(set, .false.) /= no_proof) then
          allocate (proof)
          call study_proof(set, problem, prepared%given, proof_wanted(set, .false.), proof)
-         call report_proof(set, proof, devices)
+         call report_proof(set, problem%mechanism, proof, devices)
       end if
       if (.not. arguments%json .and. (arguments%quiet .or. devices%summarised == most_summarised)) return
       call summarise(problem, prepared%given, rates%motion, summary)
@@ -119,9 +119,9 @@ contains
          call summarise_wishes(set%sketch, wishes, rates%motion, summary)
       end if
       if (set%has_names()) then
-         call report_summary(set, summary, rates%motion, devices, sketch)
+         call report_summary(set, problem%mechanism, summary, rates%motion, devices, sketch)
       else
-         call report_summary(set, summary, rates%motion, devices)
+         call report_summary(set, problem%mechanism, summary, rates%motion, devices)
       end if
    end subroutine run_case
 

@@ -316,15 +316,15 @@ contains
          else
             allocate (proof)
             call study_proof(set, problem, dimensions, proof_wanted(set, prepared%parameters%has_search()), proof)
-            call report_proof(set, proof, devices)
+            call report_proof(set, problem%mechanism, proof, devices)
          end if
       end if
       call report_violations(set, problem, analysis, devices)
       if (allocated(analysis%summary)) then
          if (allocated(sketch%names)) then
-            call report_summary(set, analysis%summary, analysis%motion, devices, sketch)
+            call report_summary(set, problem%mechanism, analysis%summary, analysis%motion, devices, sketch)
          else
-            call report_summary(set, analysis%summary, analysis%motion, devices)
+            call report_summary(set, problem%mechanism, analysis%summary, analysis%motion, devices)
          end if
       end if
       if (search%many) then

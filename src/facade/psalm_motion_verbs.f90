@@ -113,9 +113,9 @@ contains
       if (.not. present(report)) return
       if (frame%set%has_names()) then
          call study_sketch(frame%set, frame%problem, frame%prepared%given, analysis%motion%closed, 1.0_wp, 0.0_wp, sketch)
-         call report_summary(frame%set, summary, analysis%motion, frame%devices, sketch)
+         call report_summary(frame%set, frame%problem%mechanism, summary, analysis%motion, frame%devices, sketch)
       else
-         call report_summary(frame%set, summary, analysis%motion, frame%devices)
+         call report_summary(frame%set, frame%problem%mechanism, summary, analysis%motion, frame%devices)
       end if
       call frame%devices%six%add_text(frame%devices%summary%content())
       call frame%conclude(report, findings)
@@ -225,7 +225,7 @@ contains
             call frame%end_early(report, findings)
             return
          end if
-         if (present(report)) call report_proof(frame%set, proven%loops, frame%devices)
+         if (present(report)) call report_proof(frame%set, frame%problem%mechanism, proven%loops, frame%devices)
       end if
       call frame%conclude(report, findings)
    end subroutine prove

@@ -12,8 +12,8 @@ module psalm_scene
    use psalm_force_scene, only: force_scene_t, extent_of_weights, make_force_scene
    use psalm_kinds, only: wp, full_turn
    use psalm_margin_list, only: describe_margin
-   use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated, margin_clearance
-   use psalm_markup, only: strings_t, add_string, sentence_case
+   use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated
+   use psalm_markup, only: strings_t, add_string
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_slide, motion_pose
    use psalm_panels, only: panel_t, tolerance_band_t, add_family_panels, add_rate_panels, add_sketch_panels, find_band
    use psalm_parts, only: drawn_joint_t, drawn_bar_t, drawn_body_t, drawn_slide_t, drawn_dyad_t, wheel_t, output_curve_t, &
@@ -425,12 +425,7 @@ contains
       call inspect(inspector, dimensions, own%delt, margins)
       do i = 1, size(margins)
          if (.not. is_violated(margins(i))) cycle
-         if (margins(i)%kind == margin_clearance) then
-            ! the user's names of joints stay
-            call add_string(scene%breaches, 'violated: '//describe_margin(set, own, dimensions, margins(i), in_sentence=.true.))
-         else
-            call add_string(scene%breaches, sentence_case('violated: '//describe_margin(set, own, dimensions, margins(i))))
-         end if
+         call add_string(scene%breaches, 'violated: '//describe_margin(set, own, dimensions, margins(i), small=.true.))
       end do
    end subroutine check_constraints
 

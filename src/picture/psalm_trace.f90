@@ -83,7 +83,7 @@ contains
       row%violations = points%violations
       allocate (row%words(0))
       do i = 1, size(row%violations)
-         call add_string(row%words, sentence_case(describe_violation(whole, points, row%violations(i), prescribed)))
+         call add_string(row%words, sentence_case(describe_violation(whole, points, row%violations(i), prescribed, named=.false.)))
       end do
       joints = size(own%mechanism%points) + 1
       loops = own%mechanism%nloop

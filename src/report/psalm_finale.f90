@@ -9,10 +9,12 @@ module psalm_finale
                          violation_angle_large, violation_undetermined, violation_slides, violation_toggle
    use psalm_dyad_kind, only: assur_rpr, assur_rpr_guide_first, form_of, form_t
    use psalm_error, only: problem_t, motion_t, violation_t, crossing_t
+   use psalm_group_words, only: group_heading, group_words
    use psalm_input_text, only: angle_text, crank_heading, input_heading, input_text, list_sketch_notes
    use psalm_loop_arrays, only: loop_arrays_t, arrays_of
    use psalm_kinds, only: wp, right_angle
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_pose, most_rates
+   use psalm_parameters, only: variable_outlk, variable_outang
    use psalm_plan, only: root_frame
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
@@ -43,14 +45,27 @@ contains
       call list_reference(problem%mechanism, dimensions%crnki, text)
       call text%add(' POLAR CO-ORDINATES (LENGTH, ANGLE) OF')
       call text%add(' INPUT PIVOT '//fixed(dimensions%origlk, column, 3)//fixed(dimensions%origng, column, 4, tie_away=.true.))
-      call text%add(' OUTPUT LINK '//fixed(dimensions%outlk, column, 3)//fixed(dimensions%outang, column, 4, tie_away=.true.))
-      call list_output_arc(arrays_of(set), text)
+      if (shows_output_link(problem)) then
+         call text%add(' OUTPUT LINK '//fixed(dimensions%outlk, column, 3)//fixed(dimensions%outang, column, 4, tie_away=.true.))
+         call list_output_arc(arrays_of(set), text)
+      end if
       call list_cartesian(set, problem, dimensions, text)
       call list_motion(problem, motion, text)
       published = text%length
       if (allocated(motion%rates)) call list_wanted_rates(problem, motion, text)
       call list_violations(problem, motion, text)
    end subroutine list_results
+
+   !> True if the output link is that of the output, or its dimensions vary.
+   pure logical function shows_output_link(problem)
+      type(problem_t), intent(in) :: problem
+
+      shows_output_link = .not. problem%mechanism%outputs(1)%stands_in
+      if (shows_output_link) return
+      associate (kinds => problem%parameters%variables%kind)
+         shows_output_link = any(kinds == variable_outlk .or. kinds == variable_outang)
+      end associate
+   end function shows_output_link
 
    !> Insert the line that begins what the published listing does not have, if there is any.
    pure subroutine mark_beyond(published, text)
@@ -189,6 +204,7 @@ contains
       call text%add(' ARRAY OF LINK Y DIMENSIONS, YLINK')
       call column_heads('L', longest, text)
       call arc_table(y, .false., text)
+      if (.not. shows_output_link(problem)) return
       call text%add(' OUTPUT LINK (X,Y)')
       call unit_vector(dimensions%outang, c, s)
       call text%add(fixed(dimensions%outlk*c, column, 3)//fixed(dimensions%outlk*s, column, 3))
@@ -377,13 +393,15 @@ contains
    end subroutine list_wanted_rates
 
    !> Slides that are parallel between two positions, in words.
-   function describe_crossing(motion, crossing) result(text)
+   function describe_crossing(problem, motion, crossing) result(text)
+      type(problem_t), intent(in) :: problem
       type(motion_t), intent(in) :: motion
       type(crossing_t), intent(in) :: crossing
       character(:), allocatable :: text
 
       associate (i => crossing%position)
-         text = 'the slides of loop '//to_text(crossing%loop)//' are parallel between positions '//to_text(i)//' and '// &
+         text = 'the slides of '//group_words(problem%mechanism, crossing%loop)// &
+                ' are parallel between positions '//to_text(i)//' and '// &
                 to_text(i + 1)//' (inputs '//trim(adjustl(general(motion%input(i))))//' and '// &
                 trim(adjustl(general(motion%input(i + 1))))//'): the linkage cannot move from one to the other'
       end associate
@@ -406,21 +424,26 @@ contains
    end function names_of_group
 
    !> A violation in words: loop, dyad, positions and by how much.
-   function describe_violation(problem, motion, violation, numbered) result(text)
+   function describe_violation(problem, motion, violation, numbered, named) result(text)
       type(problem_t), intent(in) :: problem
       type(motion_t), intent(in) :: motion
       type(violation_t), intent(in) :: violation
       logical, intent(in), optional :: numbered !! if false the positions have no numbers that a user knows; default true
+      logical, intent(in), optional :: named    !! if false the group has the number of its loop in a sketch, too; default true
       character(:), allocatable :: text
-      character(:), allocatable :: pair, p, q
+      character(:), allocatable :: pair, p, q, group
       type(form_t) :: form
       logical :: with_numbers
 
       with_numbers = .true.
       if (present(numbered)) with_numbers = numbered
+      group = group_heading(violation%loop, problem%mechanism)
+      if (present(named)) then
+         if (.not. named) group = group_heading(violation%loop)
+      end if
       form = form_of(problem%mechanism%groups(violation%loop)%kind)
       if (.not. problem%mechanism%is_dyad(violation%loop)) then
-         text = 'LOOP '//to_text(violation%loop)//', GROUP OF LINKS '//names_of_group(problem%mechanism, violation%loop)
+         text = group//', GROUP OF LINKS '//names_of_group(problem%mechanism, violation%loop)
          if (with_numbers) text = text//', POSITION'//positions()
          text = text//': IT CANNOT FOLLOW FROM THE DRAWING'
          return
@@ -434,7 +457,7 @@ contains
          q = to_text(problem%mechanism%place(2, violation%loop))
          pair = 'ARCS '//p//' AND '//q
       end if
-      text = 'LOOP '//to_text(violation%loop)//', DYAD OF TYPE '//to_text(problem%mechanism%groups(violation%loop)%kind)// &
+      text = group//', DYAD OF TYPE '//to_text(problem%mechanism%groups(violation%loop)%kind)// &
              ' ('//pair//')'
       if (with_numbers) text = text//', POSITION'//positions()
       text = text//': '

@@ -5,9 +5,11 @@ module psalm_margin_list
    use psalm_constraint_group, only: range_positions, range_inputs
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
+   use psalm_group_words, only: group_heading, group_words
    use psalm_kinds, only: wp
    use psalm_margins, only: margin_t, is_violated, margin_angle, margin_slides, margin_guide, margin_offset, &
                              margin_clearance, margin_bound, margin_group
+   use psalm_mechanism, only: mechanism_t
    use psalm_place, only: beside_t
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_text, only: text_t, general, lower_case, to_text
@@ -30,7 +32,6 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(margin_t), intent(in) :: margins(:)
       type(text_t), intent(inout) :: text
-      character(name_columns) :: name
       character(:), allocatable :: line
       integer :: i
 
@@ -45,8 +46,8 @@ contains
       end select
       call text%add(' CONSTRAINT                                           MARGIN       AT INPUT')
       do i = 1, size(margins)
-         name = name_of_margin(set, problem, margins(i))
-         line = ' '//name//general(margins(i)%margin)
+         line = name_of_margin(set, problem, margins(i))
+         line = ' '//line//repeat(' ', max(1, name_columns - len(line)))//general(margins(i)%margin)
          if (has_input(margins(i))) line = line//general(input_of(problem, dimensions, margins(i)))
          if (is_violated(margins(i))) line = line//'  VIOLATED'
          call text%add(line)
@@ -54,16 +55,15 @@ contains
    end subroutine list_margins
 
    !> A violated constraint in words.
-   function describe_margin(set, problem, dimensions, margin, in_sentence, small) result(text)
+   function describe_margin(set, problem, dimensions, margin, small) result(text)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(margin_t), intent(in) :: margin
-      logical, intent(in), optional :: in_sentence !! names of joints are the user's, the other words of a clearance small
-      logical, intent(in), optional :: small       !! all words but names
+      logical, intent(in), optional :: small       !! small letters, but for names
       character(:), allocatable :: text
 
-      text = name_of_margin(set, problem, margin, in_sentence)
+      text = name_of_margin(set, problem, margin)
       if (present(small)) text = small_name(set, problem, margin)
       text = text//' by '//trim(adjustl(general(-margin%margin)))
       if (has_input(margin)) text = text//' at input '//trim(adjustl(general(input_of(problem, dimensions, margin))))
@@ -90,10 +90,15 @@ contains
       type(problem_t), intent(in) :: problem
       type(margin_t), intent(in) :: margin
       character(:), allocatable :: name
+      character(:), allocatable :: whole, group
+      integer :: k
 
       select case (margin%kind)
       case (margin_angle, margin_slides, margin_guide, margin_offset, margin_group)
-         name = lower_case(name_of_margin(set, problem, margin))
+         whole = name_of_margin(set, problem, margin)
+         group = group_heading(margin%which, problem%mechanism)
+         k = index(whole, group)
+         name = lower_case(whole(:k - 1))//group_words(problem%mechanism, margin%which)//lower_case(whole(k + len(group):))
       case (margin_clearance)
          name = name_of_margin(set, problem, margin, in_sentence=.true.)
       case default
@@ -114,9 +119,9 @@ contains
 
       select case (margin%kind)
       case (margin_angle, margin_slides, margin_guide, margin_offset)
-         name = name_of_limit(margin, set%limits%trmin_given)
+         name = name_of_limit(margin, set%limits%trmin_given, problem%mechanism)
       case (margin_group)
-         name = 'LOOP '//to_text(margin%which)//', DEAD POINT OF ITS GROUP (1 IS BEST)'
+         name = group_heading(margin%which, problem%mechanism)//', DEAD POINT OF ITS GROUP (1 IS BEST)'
       case (margin_clearance)
          call list_clearances(set%constr, problem%mechanism, problem%given%outlk <= 0.0_wp, clearances, joints, &
                               beside)
@@ -129,20 +134,21 @@ contains
    end function name_of_margin
 
    !> What a dyad is to keep.
-   pure function name_of_limit(margin, trmin_given) result(name)
+   pure function name_of_limit(margin, trmin_given, mechanism) result(name)
       type(margin_t), intent(in) :: margin
       logical, intent(in) :: trmin_given           !! the limit of angles is TRMIN
+      type(mechanism_t), intent(in), optional :: mechanism !! whose groups have names in a sketch
       character(:), allocatable :: name
 
       select case (margin%kind)
       case (margin_angle)
-         name = 'TRANSMISSION ANGLE'//as_given()//', LOOP '//to_text(margin%which)//', DEGREES'
+         name = 'TRANSMISSION ANGLE'//as_given()//', '//group_heading(margin%which, mechanism)//', DEGREES'
       case (margin_slides)
-         name = 'ANGLE BETWEEN THE SLIDES, LOOP '//to_text(margin%which)//', DEGREES'
+         name = 'ANGLE BETWEEN THE SLIDES, '//group_heading(margin%which, mechanism)//', DEGREES'
       case (margin_guide)
-         name = 'GUIDE AND TOGGLE, LOOP '//to_text(margin%which)
+         name = 'GUIDE AND TOGGLE, '//group_heading(margin%which, mechanism)
       case default
-         name = 'OFFSET AND TOGGLE, LOOP '//to_text(margin%which)
+         name = 'OFFSET AND TOGGLE, '//group_heading(margin%which, mechanism)
       end select
 
    contains

@@ -4,12 +4,14 @@
 module psalm_proof_list
    use psalm_column_names, only: input_unit
    use psalm_data_set, only: data_set_t
+   use psalm_group_words, only: arc_heading, group_heading
    use psalm_kinds, only: wp, dp
    use psalm_margin_list, only: name_of_clearance, name_of_limit
    use psalm_margins, only: margin_angle, margin_guide, margin_slides
    use psalm_proven_margins, only: proven_margin_t
    use psalm_proof, only: proof_t, limit_t, touch_exact, piece_closes, piece_opens, piece_undecided, cause_too_short, &
                           cause_difference, cause_guide, cause_link, cause_parallel
+   use psalm_mechanism, only: mechanism_t
    use psalm_proof_motion, only: proven_dead_point_t, quantity_output, quantity_turning
    use psalm_proof_ranges, only: proven_extreme_t, extreme_angle, extreme_slide, extreme_x, extreme_y, extreme_output, &
                                  extreme_distance, extreme_slides
@@ -39,8 +41,9 @@ module psalm_proof_list
 contains
 
    !> Append the limits of motion.
-   subroutine list_proof(set, study, text)
+   subroutine list_proof(set, mechanism, study, text)
       type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
       type(proof_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
       integer :: i
@@ -58,25 +61,26 @@ contains
             call list_tolerance(study, text)
          else
             do i = 1, size(proof%limits)
-               call list_limit(proof, i, text)
+               call list_limit(mechanism, proof, i, text)
             end do
             call list_circuits(study, text)
          end if
       end associate
       do i = 1, size(study%kinds)
-         call text%add('   LOOP '//to_text(study%kinds(i)%loop)//': '//upper_case(name_of_kind(study%kinds(i)%kind)))
+         call text%add('   '//group_heading(study%kinds(i)%loop, mechanism)//': '//upper_case(name_of_kind(study%kinds(i)%kind)))
       end do
-      call list_extremes(study, text)
-      call list_movement(study, text)
-      call list_proven_margins(study, text)
+      call list_extremes(mechanism, study, text)
+      call list_movement(mechanism, study, text)
+      call list_proven_margins(mechanism, study, text)
       call list_kept(set, study%kept, text)
    end subroutine list_proof
 
    !> Margins of the dyads, with the angle or length they keep inside their limits at least.
-   subroutine list_proven_margins(study, text)
+   subroutine list_proven_margins(mechanism, study, text)
+      type(mechanism_t), intent(in) :: mechanism
       type(proof_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
-      character(limit_columns) :: name
+      character(:), allocatable :: name
       character(value_columns) :: least
       character(number_columns) :: at
       integer :: i
@@ -85,7 +89,8 @@ contains
       call text%add('   MARGIN                                             AT LEAST             AT')
       do i = 1, size(study%margins)
          associate (own => study%margins(i))
-            name = name_of_limit(own%margin, study%trmin_given)
+            name = name_of_limit(own%margin, study%trmin_given, mechanism)
+            name = name//repeat(' ', max(0, limit_columns - len(name)))
             least = shown(own%low, -1)
             at = general(own%margin%delt)
             call text%add('   '//name//adjustr(least)//at//'  '//verdict(own))
@@ -168,7 +173,8 @@ contains
    end subroutine list_tolerance
 
    !> Least and greatest values over what closes.
-   subroutine list_extremes(study, text)
+   subroutine list_extremes(mechanism, study, text)
+      type(mechanism_t), intent(in) :: mechanism
       type(proof_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
       integer :: i
@@ -177,7 +183,7 @@ contains
       call text%add(head_of_ranges)
       do i = 1, size(study%extremes)
          associate (extreme => study%extremes(i))
-            if (extreme%found) call list_range(extreme_name(extreme), [extreme%least_low, extreme%greatest_low], &
+            if (extreme%found) call list_range(extreme_name(extreme, mechanism), [extreme%least_low, extreme%greatest_low], &
                                                [extreme%least_high, extreme%greatest_high], &
                                                [extreme%least_at, extreme%greatest_at], text)
          end associate
@@ -190,11 +196,11 @@ contains
       real(wp), intent(in) :: low(2), high(2)  !! brackets of the least, of the greatest value
       real(wp), intent(in) :: at(2)            !! inputs, or positions
       type(text_t), intent(inout) :: text
-      character(quantity_columns) :: padded
+      character(:), allocatable :: padded
       character(value_columns) :: least, greatest
       character(place_columns) :: places(2)
 
-      padded = name
+      padded = name//repeat(' ', max(0, quantity_columns - len(name)))
       least = shown(low(1), -1)
       greatest = shown(high(2), 1)
       places(1) = general(at(1))
@@ -212,15 +218,17 @@ contains
       end function is_wide
    end subroutine list_range
 
-   pure function extreme_name(extreme) result(columns)
+   pure function extreme_name(extreme, mechanism) result(columns)
       type(proven_extreme_t), intent(in) :: extreme
-      character(quantity_columns) :: columns
+      type(mechanism_t), intent(in), optional :: mechanism !! whose groups have names in a sketch
+      character(:), allocatable :: columns
 
       select case (extreme%kind)
       case (extreme_angle)
-         columns = 'TRANSMISSION ANGLE, LOOP '//to_text(extreme%loop)
+         columns = 'TRANSMISSION ANGLE, '//group_heading(extreme%loop, mechanism)
       case (extreme_slide)
-         columns = 'SLIDE, LOOP '//to_text(extreme%loop)//', ARC '//to_text(extreme%place)
+         columns = arc_heading(extreme%loop, extreme%place, mechanism)
+         if (index(columns, 'SLIDE') /= 1) columns = 'SLIDE, '//columns
       case (extreme_x)
          columns = 'OUTPUT POINT, X'
       case (extreme_y)
@@ -230,14 +238,15 @@ contains
       case (extreme_distance)
          columns = 'DISTANCE OF THE OUTPUT POINT'
       case (extreme_slides)
-         columns = 'ANGLE BETWEEN THE SLIDES, LOOP '//to_text(extreme%loop)
+         columns = 'ANGLE BETWEEN THE SLIDES, '//group_heading(extreme%loop, mechanism)
       case default
          columns = 'VELOCITY RATIO'
       end select
    end function extreme_name
 
    !> Strokes of the output, dead points, dwells.
-   subroutine list_movement(study, text)
+   subroutine list_movement(mechanism, study, text)
+      type(mechanism_t), intent(in) :: mechanism
       type(proof_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
       integer :: i, first
@@ -260,7 +269,7 @@ contains
             if (i < size(movement%dead)) then
                if (same_quantity(movement%dead(i), movement%dead(i + 1))) cycle
             end if
-            call list_dead_points(quantity_name(movement%dead(i)), movement%dead(first:i), study%proof%turns, text)
+            call list_dead_points(quantity_name(movement%dead(i), mechanism), movement%dead(first:i), study%proof%turns, text)
             first = i + 1
          end do
       end associate
@@ -315,14 +324,15 @@ contains
       call text%add(line)
    end subroutine list_dead_points
 
-   pure function quantity_name(dead) result(name)
+   pure function quantity_name(dead, mechanism) result(name)
       type(proven_dead_point_t), intent(in) :: dead
+      type(mechanism_t), intent(in), optional :: mechanism !! whose groups have names in a sketch
       character(:), allocatable :: name
 
       if (dead%kind == quantity_output) then
          name = 'THE OUTPUT'
       else
-         name = 'LOOP '//to_text(dead%loop)//', ARC '//to_text(dead%place)//', '// &
+         name = arc_heading(dead%loop, dead%place, mechanism)//', '// &
                 trim(merge('ITS TURNING', 'ITS LENGTH ', dead%kind == quantity_turning))
       end if
    end function quantity_name
@@ -363,7 +373,8 @@ contains
    end function shown
 
    !> A part of the range that closes, is open or is undecided; a bracket of an end is in the numbers of its neighbours.
-   subroutine list_limit(proof, i, text)
+   subroutine list_limit(mechanism, proof, i, text)
+      type(mechanism_t), intent(in) :: mechanism
       type(proof_t), intent(in) :: proof
       integer, intent(in) :: i
       type(text_t), intent(inout) :: text
@@ -374,10 +385,10 @@ contains
             call text%add('   CLOSES '//end_text(limit%from, 1, proof%turns)//' TO '//end_text(limit%to, -1, proof%turns))
          case (piece_opens)
             call text%add('   OPENS  '//end_text(limit%from, 1, proof%turns)//' TO '//end_text(limit%to, -1, proof%turns)// &
-                          ': LOOP '//to_text(limit%loop)//', '//cause_words(limit%cause))
+                          ': '//group_heading(limit%loop, mechanism)//', '//cause_words(limit%cause))
          case (piece_undecided)
             if (is_end(proof, i) .and. limit%to - limit%from <= narrow*(proof%to - proof%from)) return
-            call text%add('   UNDECIDED '//undecided_words(proof, limit))
+            call text%add('   UNDECIDED '//undecided_words(mechanism, proof, limit))
          end select
       end associate
    end subroutine list_limit
@@ -394,7 +405,8 @@ contains
       end associate
    end function is_end
 
-   function undecided_words(proof, limit) result(words)
+   function undecided_words(mechanism, proof, limit) result(words)
+      type(mechanism_t), intent(in) :: mechanism
       type(proof_t), intent(in) :: proof
       type(limit_t), intent(in) :: limit
       character(:), allocatable :: words
@@ -410,7 +422,7 @@ contains
          return
       end if
       if (limit%touch == touch_exact) words = words//'CHANGE POINT, '
-      words = words//'LOOP '//to_text(limit%loop)
+      words = words//group_heading(limit%loop, mechanism)
       if (limit%touch == touch_exact) then
          words = words//', THE LINKS IN ONE LINE EXACTLY; THE ASSEMBLY IS NOT DETERMINED BEYOND IT'
          return

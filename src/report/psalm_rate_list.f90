@@ -4,6 +4,7 @@ module psalm_rate_list
    use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t
    use psalm_finale, only: open_words
+   use psalm_group_words, only: group_heading, group_words
    use psalm_input_text, only: input_heading, input_text, list_sketch_notes
    use psalm_kinds, only: wp
    use psalm_output_kind, only: motion_point, motion_pose
@@ -12,7 +13,7 @@ module psalm_rate_list
    use psalm_mechanism, only: mechanism_t
    implicit none (type, external)
    private
-   public :: list_rates, list_all_rates, dead_words
+   public :: list_rates, list_all_rates, dead_point_words
 
 contains
 
@@ -119,7 +120,7 @@ contains
             do c = 1, size(rates%motion%actual, 2)
                line = line//general(rates%motion%actual(k, c))
             end do
-            line = line//'   '//dead_words(rates%dead(k))
+            line = line//'   '//dead_words(problem%mechanism, rates%dead(k))
          else if (size(rates%motion%actual, 2) > 1) then
             do c = 1, size(rates%motion%actual, 2)
                line = line//general(rates%motion%actual(k, c))
@@ -143,14 +144,29 @@ contains
       end do
    end subroutine list_rates
 
-   pure function dead_words(dead) result(words)
+   !> Why a position has no rates, for a remark.
+   pure function dead_point_words(mechanism, dead) result(words)
+      type(mechanism_t), intent(in) :: mechanism
+      integer, intent(in) :: dead                 !! as `rate_study_t` has it
+      character(:), allocatable :: words
+
+      if (dead == output_at_origin) then
+         words = 'output at the origin: rates are not defined'
+      else
+         words = 'dead point of '//group_words(mechanism, dead)//': rates are infinite'
+      end if
+   end function dead_point_words
+
+   !> The same for the listing.
+   pure function dead_words(mechanism, dead) result(words)
+      type(mechanism_t), intent(in) :: mechanism
       integer, intent(in) :: dead
       character(:), allocatable :: words
 
       if (dead == output_at_origin) then
          words = 'OUTPUT AT THE ORIGIN: RATES ARE NOT DEFINED'
       else
-         words = 'DEAD POINT OF LOOP '//to_text(dead)//': RATES ARE INFINITE'
+         words = 'DEAD POINT OF '//group_heading(dead, mechanism)//': RATES ARE INFINITE'
       end if
    end function dead_words
 end module psalm_rate_list

@@ -20,11 +20,12 @@ module psalm_report
    use psalm_machine_study, only: machine_study_t
    use psalm_margin_list, only: list_margins, put_margins, describe_margin
    use psalm_margins, only: is_violated
+   use psalm_mechanism, only: mechanism_t
    use psalm_method_group, only: default_niter
    use psalm_position_table, only: plot_positions, plot_wanted_rates, put_rates, positions_block
    use psalm_proof_list, only: list_proof, put_proof, describe_proof
    use psalm_proof_study, only: proof_study_t
-   use psalm_rate_list, only: list_rates, list_all_rates, dead_words
+   use psalm_rate_list, only: list_rates, list_all_rates, dead_point_words
    use psalm_rate_study, only: rate_study_t
    use psalm_ranking_list, only: list_ranking, put_ranking, bounds_reached, add_to_ranking, add_share, list_common_ranking
    use psalm_search, only: result_t
@@ -301,7 +302,7 @@ contains
       type(devices_t), intent(inout) :: devices
 
       associate (motion => analysis%motion)
-         call report_crossings(set, motion, devices)
+         call report_crossings(set, problem, motion, devices)
          if (size(motion%violations) > 0) then
             call devices%note_violation()
             call report_open(set, problem, motion, devices)
@@ -316,14 +317,15 @@ contains
       if (analysis%doubts%at_rest) call devices%remark(set, words_at_rest)
    end subroutine report_violations
 
-   subroutine report_crossings(set, motion, devices)
+   subroutine report_crossings(set, problem, motion, devices)
       type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
       type(motion_t), intent(in) :: motion
       type(devices_t), intent(inout) :: devices
       integer :: i
 
       do i = 1, min(size(motion%crossings), most_told)
-         call devices%remark(set, 'warning: '//describe_crossing(motion, motion%crossings(i)))
+         call devices%remark(set, 'warning: '//describe_crossing(problem, motion, motion%crossings(i)))
       end do
    end subroutine report_crossings
 
@@ -346,8 +348,9 @@ contains
    end subroutine report_open
 
    !> What the linkage does over the range of its input: tables, and in words for the first cases of a file.
-   subroutine report_summary(set, summary, motion, devices, study)
+   subroutine report_summary(set, mechanism, summary, motion, devices, study)
       type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
       type(summary_t), intent(in) :: summary
       type(motion_t), intent(in) :: motion         !! at the prescribed positions
       type(devices_t), intent(inout) :: devices
@@ -360,10 +363,11 @@ contains
       devices%summarised = devices%summarised + 1
       if (present(study)) then
          call write_summary(set%title, summary, devices%summary, zero_words(set), count(motion%closed), size(motion%closed), &
-                            coincident_words(), set%has_stand_in())
+                            coincident_words(), set%has_stand_in(), mechanism)
          call range_lines(set, study, devices%summary)
       else
-         call write_summary(set%title, summary, devices%summary, zero_words(set), coincident=coincident_words())
+         call write_summary(set%title, summary, devices%summary, zero_words(set), coincident=coincident_words(), &
+                            mechanism=mechanism)
       end if
       call write_wish_errors(set%sketch, summary, devices%summary)
       if (devices%summarised == most_summarised .and. set%limits%last == 0) &
@@ -384,8 +388,9 @@ contains
    end subroutine report_summary
 
    !> What is proven of the motion over the range of the input: listing, device 9, remarks and exit status.
-   subroutine report_proof(set, study, devices)
+   subroutine report_proof(set, mechanism, study, devices)
       type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
       type(proof_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
 
@@ -394,7 +399,7 @@ contains
                                                         'IPROOF proves the motion between the inputs, but all inputs are the same')
          return
       end if
-      call list_proof(set, study, devices%six)
+      call list_proof(set, mechanism, study, devices%six)
       call put_proof(set%title, study, devices%cases(devices%last_case()))
       if (.not. study%is_violating()) return
       call devices%note_violation()
@@ -505,14 +510,14 @@ contains
       if (present(forces)) call report_forces(set, forces, devices)
       if (present(machine)) call report_machine(set, machine, devices)
       if (rates%is_violating()) call devices%note_violation()
-      call report_crossings(set, rates%motion, devices)
+      call report_crossings(set, problem, rates%motion, devices)
       if (.not. all(rates%motion%closed)) call report_open(set, problem, rates%motion, devices)
       if (allocated(rates%motion%beyond)) call report_unreached(set, rates%motion%beyond, devices)
       told = 0
       do k = 1, size(rates%dead)
          if (rates%dead(k) == 0 .or. .not. rates%motion%closed(k)) cycle
          told = told + 1
-         if (told <= most_told) call devices%remark(set, lower_case(dead_words(rates%dead(k)))//' at '// &
+         if (told <= most_told) call devices%remark(set, dead_point_words(problem%mechanism, rates%dead(k))//' at '// &
                                                     position_words(k, rates%motion%input(k)))
       end do
       if (told > most_told) call devices%detail(set, 'and '//to_text(told - most_told)//' more dead points')

@@ -1,7 +1,9 @@
 !> The summary of a run in words, for standard error: a title and at most fourteen lines a case.
 module psalm_summary_text
    use psalm_column_names, only: number_unit, output_unit, per_input
+   use psalm_group_words, only: group_words
    use psalm_kinds, only: wp, dp
+   use psalm_mechanism, only: mechanism_t
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, most_rates
    use psalm_sketch, only: sketch_t
    use psalm_summary, only: summary_t, range_t, loop_kind_t, kind_crank_rocker, kind_double_crank, kind_double_rocker, &
@@ -19,7 +21,7 @@ module psalm_summary_text
 contains
 
    !> Append the summary of a case.
-   subroutine write_summary(title, summary, text, zero, reached, positions, coincident, no_output)
+   subroutine write_summary(title, summary, text, zero, reached, positions, coincident, no_output, mechanism)
       character(*), intent(in) :: title
       type(summary_t), intent(in) :: summary
       type(text_t), intent(inout) :: text
@@ -27,6 +29,7 @@ contains
       character(*), intent(in), optional :: coincident     !! the joints that coincide where the linkage is undetermined
       logical, intent(in), optional :: no_output           !! leave the output and its dead points out: it is only a stand-in
       integer, intent(in), optional :: reached, positions  !! of a sketch: positions that are reached from the drawing, of so many
+      type(mechanism_t), intent(in), optional :: mechanism !! whose groups have names in a sketch
       character(*), parameter :: labels(most_rates) = [character(label_columns) :: 'First derivative', 'Second derivative']
       character(:), allocatable :: words
       logical :: outputs
@@ -49,13 +52,13 @@ contains
       if (summary%undetermined_loop > 0 .and. present(coincident)) call add_line('Undetermined', 'from input '// &
          plain_number(summary%undetermined%low)//' to '//plain_number(summary%undetermined%high)//': '//coincident//' coincide', &
                                                                                  text)
-      if (size(summary%kinds) > 0) call add_line('Kind', kind_words(summary%kinds), text)
+      if (size(summary%kinds) > 0) call add_line('Kind', kind_words(summary%kinds, mechanism), text)
       if (summary%partial) call add_line('Prescribed', 'from input '//range_words(summary%prescribed)// &
                                          '; what follows is over this range', text)
       if (size(summary%closing) > 0 .or. summary%at_positions) then
          if (summary%angle_loop > 0) call add_line('Transmission angle', 'at least '//plain_number(summary%angle)// &
-            ' degrees, in loop '//to_text(summary%angle_loop)//place(summary%angle_input)//asked(), text)
-         if (summary%group_loop > 0) call add_line('Larger group', 'in loop '//to_text(summary%group_loop)//' at least '// &
+            ' degrees, '//in_group(summary%angle_loop)//place(summary%angle_input)//asked(), text)
+         if (summary%group_loop > 0) call add_line('Larger group', in_group(summary%group_loop)//' at least '// &
             plain_number(summary%group_measure)//' from a dead point (1 is best),'//place(summary%group_input), text)
          outputs = .true.
          if (present(no_output)) outputs = .not. no_output
@@ -77,6 +80,17 @@ contains
       end do
 
    contains
+
+      !> In which group.
+      function in_group(loop) result(words)
+         integer, intent(in) :: loop
+         character(:), allocatable :: words
+
+         words = 'in loop '//to_text(loop)
+         if (.not. present(mechanism)) return
+         words = group_words(mechanism, loop)
+         words = trim(merge('in             ', 'in the group of', index(words, 'loop ') == 1))//' '//words
+      end function in_group
 
       !> Where something was found.
       function place(input) result(words)
@@ -168,18 +182,30 @@ contains
       end if
    end function closing_words
 
-   function kind_words(kinds) result(words)
+   function kind_words(kinds, mechanism) result(words)
       type(loop_kind_t), intent(in) :: kinds(:)
+      type(mechanism_t), intent(in), optional :: mechanism
       character(:), allocatable :: words
       integer :: i
 
       words = ''
       do i = 1, min(most_listed, size(kinds))
          if (i > 1) words = words//', '
-         words = words//'loop '//to_text(kinds(i)%loop)//' '//name_of_kind(kinds(i)%kind)
+         if (has_names(mechanism)) then
+            words = words//name_of_kind(kinds(i)%kind)//' ('//group_words(mechanism, kinds(i)%loop)//')'
+         else
+            words = words//'loop '//to_text(kinds(i)%loop)//' '//name_of_kind(kinds(i)%kind)
+         end if
       end do
       words = words//and_more(size(kinds))
    end function kind_words
+
+   pure logical function has_names(mechanism)
+      type(mechanism_t), intent(in), optional :: mechanism
+
+      has_names = .false.
+      if (present(mechanism)) has_names = allocated(mechanism%ends)
+   end function has_names
 
    !> What a loop is, in words.
    pure function name_of_kind(kind) result(name)

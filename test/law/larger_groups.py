@@ -119,7 +119,7 @@ def positions(work):
     check("psalm runs", done.returncode == 0, done.stderr)
     check("summary: it turns fully", "over the full turn of the crank" in done.stderr, done.stderr)
     margin = re.search(r"DEAD POINT OF ITS GROUP \(1 IS BEST\) +(\S+) +(\S+)", done.stdout).groups()
-    told = re.search(r"Larger group +in loop 1 at least (\S+) from a dead point \(1 is best\), at input (\S+)", done.stderr).groups()
+    told = re.search(r"Larger group +in the group of joints .+ at least (\S+) from a dead point \(1 is best\), at input (\S+)", done.stderr).groups()
     check("summary and margins agree how near a dead point is", all(abs(float(a) - float(b)) < 1e-3*float(b) for a, b in zip(told, margin)),
           (told, margin))
     own = bar.turn(range(0, 360, 15))
@@ -366,7 +366,7 @@ PRESSED = """PRESSED TO A DEAD POINT
 
 def distance_kept(work):
     """A search whose wishes lie beyond a dead point comes no nearer to it than to a fiftieth of what the linkage given is away."""
-    away = lambda done: float(re.search(r"Larger group +in loop 1 at least (\S+) from a dead point", done.stderr).group(1))
+    away = lambda done: float(re.search(r"Larger group +in the group of joints .+ at least (\S+) from a dead point", done.stderr).group(1))
     given = away(run("psalm", (PRESSED % "").replace(", VARY='C D'", ""), work))
     for x, y in ((150.0, 30.0), (60.0, 60.0)):
         wishes = ", DESX=%r,%r,%r, DESY=%r,%r,%r &END\n &SEARCH SOLVER='LSQ'" % (x, x, x, y, y, y)
