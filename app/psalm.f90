@@ -33,7 +33,7 @@ program psalm
    use psalm_preparation, only: prepared_t, prepare, threads_for, threads_wanted
    use psalm_proof_study, only: proof_study_t, study_proof, proof_wanted, no_proof
    use psalm_report, only: most_summarised, begin_search_report, report_search, report_analysis, report_found, &
-                           report_tolerances, report_violations, report_summary, report_proof
+                           report_tolerances, report_allocation, report_violations, report_summary, report_proof
    use psalm_search_log, only: search_log_t, begin_log
    use psalm_signals, only: signals_t, shield_threads
    use psalm_sketch_study, only: sketch_study_t, study_conditions, study_sketch, study_sweep
@@ -45,6 +45,8 @@ program psalm
    use psalm_system, only: write_standard_error
    use psalm_team, only: team_t
    use psalm_text, only: to_text
+   use psalm_allocation, only: allocation_t, study_allocation
+   use psalm_allocation_group, only: allocation_group_t, allocation_of
    use psalm_tolerance, only: tolerances_t, study_tolerances
    use psalm_type_search, only: share_starts, shares_starts
    use psalm_dimensions, only: dimensions_t
@@ -113,7 +115,7 @@ contains
          reason = 'cases that share their starts (RANKING=2) decide by what was found which case is searched next'
       else if (.not. any([(is_numbered(sets(k)), k=1, size(sets))])) then
          reason = 'there is no numbered work in it: many starts (SOLVER of &SEARCH other than the simplex), a sample '// &
-                  '(NTRIAL of &TOLER) or paths (&EXACT)'
+                  '(NTRIAL of &TOLER, ALTRY of &ALLOC) or paths (&EXACT)'
       end if
    end function why_undivided
 
@@ -121,9 +123,18 @@ contains
    pure logical function is_numbered(set)
       type(data_set_t), intent(in) :: set
 
-      is_numbered = set%toler%ntrial > 0 .or. set%gives('EXACT') .or. &
+      is_numbered = is_sampled(set) .or. set%gives('EXACT') .or. &
                     (set%wants_search() .and. set%search%solver%many_starts)
    end function is_numbered
+
+   !> True if linkages within their tolerances are drawn.
+   pure logical function is_sampled(set)
+      type(data_set_t), intent(in) :: set
+      type(allocation_group_t) :: allocation
+
+      allocation = allocation_of(set)
+      is_sampled = set%toler%ntrial > 0 .or. allocation%trials > 0
+   end function is_sampled
 
    subroutine prepare_search(file, set, prepared, findings, mark)
       character(*), intent(in) :: file
@@ -218,6 +229,7 @@ contains
       type(synthesis_t), allocatable :: search
       type(analysis_t), allocatable :: analysis
       type(tolerances_t), allocatable :: tolerances
+      type(allocation_t), allocatable :: allocation
       type(proof_study_t), allocatable :: proof
       type(variant_t), allocatable :: by_loops
       real(wp), allocatable :: delt(:)    ! of a linkage with free timing; not allocated: absent where it is an argument
@@ -284,11 +296,18 @@ contains
       else
          call report_found(set, problem, dimensions, search, devices)
       end if
+      if (set%toler%given .or. set%gives('ALLOC')) then
+         if (set%method%ifree /= 0 .and. size(search%found%best) > 0) delt = search%found%best(1)%delt
+      end if
       if (set%toler%given) then
          allocate (tolerances)
-         if (set%method%ifree /= 0 .and. size(search%found%best) > 0) delt = search%found%best(1)%delt
          call study_tolerances(set, problem%mechanism, dimensions, threads, stop, tolerances, delt)
          call report_tolerances(set, problem%mechanism%sliding_input, tolerances, devices)
+      end if
+      if (set%gives('ALLOC')) then
+         allocate (allocation)
+         call study_allocation(set, problem%mechanism, dimensions, threads, stop, allocation, delt)
+         call report_allocation(set, problem%mechanism%sliding_input, allocation, devices)
       end if
       if (set%gives('SWEEP')) call run_family(set, problem%mechanism, dimensions, devices)
       if (proof_wanted(set, prepared%parameters%has_search()) /= no_proof) then
@@ -413,6 +432,6 @@ contains
       if (threads < wanted) call devices%remark(set, 'cannot start '//to_text(wanted)//' threads, using '//to_text(threads)// &
                                                 ' (the results are the same)')
       if (threads > 1) call shield_threads(threads)
-      if (set%wants_search() .or. set%toler%ntrial > 0) call signals%hold(threads)
+      if (set%wants_search() .or. is_sampled(set)) call signals%hold(threads)
    end subroutine take_threads
 end program psalm

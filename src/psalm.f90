@@ -7,6 +7,7 @@
 !>
 !> Lengths are in the user's one unit, angles in degrees, rates of angles in radians.
 module psalm
+   use psalm_allocation, only: allocation_t
    use psalm_analysis, only: analysis_t, wanted_t
    use psalm_assembly_study, only: assembly_study_t
    use psalm_case, only: case_t, new_case, read_file, read_text
@@ -21,7 +22,7 @@ module psalm
    use psalm_kinds, only: wp
    use psalm_machine_study, only: machine_study_t
    use psalm_margins, only: margin_t
-   use psalm_motion_verbs, only: analyse, find_assemblies, find_family, find_tolerances, prove, proven_t, summarise
+   use psalm_motion_verbs, only: analyse, find_allocation, find_assemblies, find_family, find_tolerances, prove, proven_t, summarise
    use psalm_muscle_study, only: muscle_study_t
    use psalm_nlp, only: nlp_t, plain_nlp_t
    use psalm_output_kind, only: output_point => motion_point, output_angle => motion_angle, output_distance => motion_distance, &
@@ -57,6 +58,7 @@ module psalm
    public :: find_forces, force_study_t
    public :: find_machine, machine_study_t
    public :: find_tolerances, tolerances_t
+   public :: find_allocation, allocation_t
    public :: find_family, family_t
    public :: synthesise, synthesis_t, found_t, found_case
    public :: ended_unmade, ended_infeasible, ended_converged, ended_small_objective, ended_iterations, ended_starts, ended_time, &

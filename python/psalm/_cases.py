@@ -407,6 +407,13 @@ class Case:
             raise Error(_library.VIOLATION, result.findings)
         return result
 
+    def allocation(self, threads: int = 0, progress: Progress = None) -> Result:
+        """The cheapest tolerances within the bands of &ALLOC: a row for each dimension. `Error` if the linkage does not close."""
+        result = self.study("allocation", threads=threads, progress=progress)
+        if library.psalm_table_count(result._handle) == 0:
+            raise Error(_library.VIOLATION, result.findings)
+        return result
+
     def sweep(self) -> Result:
         """The output for the settings of an adjustable dimension, &SWEEP."""
         return self.study("sweep")

@@ -1,6 +1,7 @@
 !> Verbs about the motion of a linkage as given: what it does at its positions and over its range, what is proven of it, how it
-!> can be put together, how tolerances and settings change it.
+!> can be put together, how tolerances and settings change it, which tolerances are the cheapest.
 module psalm_motion_verbs
+   use psalm_allocation, only: allocation_t, study_allocation
    use psalm_analysis, only: analysis_t, wanted_t, study_analysis => analyse, wanted_by
    use psalm_assembly_list, only: report_assemblies
    use psalm_assembly_study, only: assembly_study_t, study_assemblies
@@ -18,7 +19,7 @@ module psalm_motion_verbs
    use psalm_position_table, only: put_positions, put_sketch
    use psalm_preparation, only: demand_t, threads_for
    use psalm_proof_study, only: proof_study_t, study_proof, proof_wanted, no_proof, proof_of_inputs
-   use psalm_report, only: report_analysis, report_proof, report_summary, report_tolerances
+   use psalm_report, only: report_allocation, report_analysis, report_proof, report_summary, report_tolerances
    use psalm_sketch_study, only: sketch_study_t, study_sketch
    use psalm_status, only: findings_t => diagnostics_t
    use psalm_stop, only: stop_t
@@ -28,7 +29,7 @@ module psalm_motion_verbs
    use psalm_tolerance, only: tolerances_t, study_tolerances
    implicit none (type, external)
    private
-   public :: analyse, summarise, find_tolerances, find_family, proven_t, prove, find_assemblies
+   public :: analyse, summarise, find_tolerances, find_allocation, find_family, proven_t, prove, find_assemblies
 
    type(demand_t), parameter :: demand_of_psalm = demand_t()
 
@@ -143,6 +144,28 @@ contains
       if (.not. tolerances%closes) call frame%devices%note_violation()
       call frame%conclude(report, findings)
    end subroutine find_tolerances
+
+   !> The cheapest tolerances within the bands of the group ALLOC, of a case as given.
+   subroutine find_allocation(case, allocation, findings, threads, stop, report)
+      type(case_t), intent(in) :: case
+      type(allocation_t), intent(out) :: allocation       !! empty if the case has errors or does not close
+      type(findings_t), intent(inout) :: findings
+      integer, intent(in), optional :: threads            !! that share the work; default THREADS of the case, or 1
+      type(stop_t), intent(in), optional :: stop          !! by which the host can end the sample
+      type(report_t), intent(out), optional :: report     !! tables: tolerances and bands
+      type(frame_t) :: frame
+      type(stop_t) :: ending
+
+      call frame%begin(case, findings, report, 'ALLOC')
+      if (frame%ready) frame%ready = may_share(threads, findings)
+      if (.not. frame%ready) return
+      if (present(stop)) ending = stop
+      call study_allocation(frame%set, frame%problem%mechanism, frame%problem%given, &
+                            threads_for(frame%set, threads_of(threads)), ending, allocation)
+      call report_allocation(frame%set, frame%problem%mechanism%sliding_input, allocation, frame%devices)
+      if (.not. allocation%closes) call frame%devices%note_violation()
+      call frame%conclude(report, findings)
+   end subroutine find_allocation
 
    !> The output for the settings of an adjustable dimension, the group SWEEP.
    subroutine find_family(case, family, findings, report, stop)

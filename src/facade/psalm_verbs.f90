@@ -4,6 +4,7 @@
 !> case comes back as findings; the result is then empty. With `report` it also gives what the programs of the suite write: listing,
 !> tables, pictures, the linkages found as cases for the next study. `study` calls any verb by its name.
 module psalm_verbs
+   use psalm_allocation, only: allocation_t
    use psalm_analysis, only: analysis_t
    use psalm_assembly_study, only: assembly_study_t
    use psalm_case, only: case_t
@@ -16,7 +17,7 @@ module psalm_verbs
                                 find_clearance
    use psalm_kind_search, only: kind_study_t
    use psalm_machine_study, only: machine_study_t
-   use psalm_motion_verbs, only: analyse, summarise, find_tolerances, find_family, proven_t, prove, find_assemblies
+   use psalm_motion_verbs, only: analyse, summarise, find_tolerances, find_allocation, find_family, proven_t, prove, find_assemblies
    use psalm_muscle_study, only: muscle_study_t
    use psalm_rate_study, only: rate_study_t
    use psalm_search_verbs, only: synthesise, find_exact, find_kinds
@@ -48,6 +49,7 @@ module psalm_verbs
       verb_t('analysis', 'psalm', ''), &
       verb_t('summary', 'psalm', ''), &
       verb_t('tolerances', 'psalm', 'TOLER'), &
+      verb_t('allocation', 'psalm', 'ALLOC'), &
       verb_t('sweep', 'psalm', 'SWEEP'), &
       verb_t('synthesis', 'psalm', 'SEARCH'), &
       verb_t('exact', 'psalm', 'EXACT'), &
@@ -79,6 +81,7 @@ contains
       logical, intent(in), optional :: brief
       type(analysis_t), allocatable :: analysis
       type(tolerances_t), allocatable :: tolerances
+      type(allocation_t), allocatable :: allocation
       type(family_t), allocatable :: family
       type(kind_study_t), allocatable :: kinds
       type(synthesis_t), allocatable :: synthesis
@@ -106,6 +109,9 @@ contains
       case ('tolerances')
          allocate (tolerances)
          call find_tolerances(case, tolerances, findings, threads, stop, report)
+      case ('allocation')
+         allocate (allocation)
+         call find_allocation(case, allocation, findings, threads, stop, report)
       case ('sweep')
          allocate (family)
          call find_family(case, family, findings, report, stop)

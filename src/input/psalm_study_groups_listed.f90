@@ -1,5 +1,6 @@
 !> The groups that studies read: a new one is a line here, and one in `psalm_group_table`, which says for what programs.
 submodule(psalm_study_groups) psalm_study_groups_listed
+   use psalm_allocation_group, only: allocation_group_t
    use psalm_balance_group, only: balance_group_t
    use psalm_cam_group, only: cam_section_t
    use psalm_clearance_group, only: clearance_group_t
@@ -16,9 +17,9 @@ submodule(psalm_study_groups) psalm_study_groups_listed
 contains
 
    module procedure study_groups
-      allocate (sections(14))
+      allocate (sections(15))
       sections%name = [character(len(sections%name)) :: 'MOTOR', 'VIBR', 'ESTIM', 'DRIVEL', 'HILL', 'BALANC', 'CAM', 'SPRNGS', &
-                       'CLEAR', 'CAM2', 'EXACT', 'DXF', 'SWEEP', 'KINDS']
+                       'CLEAR', 'CAM2', 'EXACT', 'DXF', 'SWEEP', 'KINDS', 'ALLOC']
       allocate (motor_group_t :: sections(1)%group)
       allocate (vibration_group_t :: sections(2)%group)
       allocate (estimate_group_t :: sections(3)%group)
@@ -33,5 +34,6 @@ contains
       allocate (dxf_group_t :: sections(12)%group)
       allocate (sweep_group_t :: sections(13)%group)
       allocate (kinds_group_t :: sections(14)%group)
+      allocate (allocation_group_t :: sections(15)%group)
    end procedure study_groups
 end submodule psalm_study_groups_listed

@@ -1,5 +1,6 @@
 !> Which items there are, and how they are written: only this knows all groups.
 submodule(psalm_item_list) psalm_item_list_body
+   use psalm_allocation_group, only: allocation_items
    use psalm_balance_group, only: balance_items
    use psalm_cam_group, only: cam_items
    use psalm_chain_group, only: chain_items
@@ -99,6 +100,8 @@ contains
          rules = kinds_items
       case ('CURVE')
          rules = curve_items
+      case ('ALLOC')
+         rules = allocation_items
       case ('SWEEP')
          rules = sweep_items
       case ('EXACT')

@@ -1,6 +1,8 @@
 !> Results of studies become texts of the devices, remarks for standard error and the exit status. Nothing is computed here.
 module psalm_report
    use psalm_adjustment_list, only: list_adjustments, put_adjustments
+   use psalm_allocation, only: allocation_t
+   use psalm_allocation_list, only: list_allocation, put_allocation
    use psalm_analysis, only: analysis_t
    use psalm_chain_report, only: range_lines, report_unreached, several_outputs
    use psalm_check_list, only: list_arcs, list_reference_joints, list_setup
@@ -46,8 +48,8 @@ module psalm_report
    use psalm_wish_list, only: list_output_wishes, put_output_wishes
    implicit none (type, external)
    private
-   public :: begin_search_report, report_search, report_analysis, report_found, report_tolerances, report_violations, &
-             report_rates, report_summary, report_proof
+   public :: begin_search_report, report_search, report_analysis, report_found, report_tolerances, report_allocation, &
+             report_violations, report_rates, report_summary, report_proof
    public :: most_summarised
 
    integer, parameter :: most_summarised = 10 !! cases of a file whose summary is written
@@ -443,6 +445,46 @@ contains
       if (result%sample%open > 0) call devices%remark(set, to_text(result%sample%open)//' of '// &
          to_text(result%sample%trials)//' linkages within the tolerances do not close')
    end subroutine report_tolerances
+
+   !> The allocation in the listing and in tables; remarks on what is not kept.
+   subroutine report_allocation(set, sliding_input, result, devices)
+      type(data_set_t), intent(in) :: set
+      logical, intent(in) :: sliding_input
+      type(allocation_t), intent(in) :: result
+      type(devices_t), intent(inout) :: devices
+      integer :: j, missed
+
+      if (.not. result%closes) then
+         call devices%remark(set, 'no tolerances are allotted, because the linkage does not close everywhere')
+         return
+      end if
+      if (result%is_violating()) call devices%note_violation()
+      if (any(result%dead)) call devices%remark(set, 'dead point at position '// &
+         to_text(findloc(result%dead, .true., dim=1))//': effects of tolerances are infinite there, and the bands leave it out')
+      if (.not. result%solved) then
+         if (result%impossible > 0) then
+            associate (band => result%bands(result%impossible))
+               call devices%remark(set, 'no tolerances are allotted: the least ones let '// &
+                                   trim(result%numbers(band%number))//' leave its band at position '//to_text(band%position))
+            end associate
+         else
+            call devices%remark(set, 'no tolerances are allotted: rounding prevents it')
+         end if
+         return
+      end if
+      call list_allocation(result, devices%six)
+      call put_allocation(sliding_input, result, devices%cases(devices%last_case()))
+      if (result%trials == 0) return
+      if (result%sample%trials < result%trials) call devices%remark(set, 'the sample of &ALLOC has '// &
+         to_text(result%sample%trials)//' of '//to_text(result%trials)//' linkages')
+      missed = findloc([(.not. result%is_kept(j), j=1, size(result%bands))], .true., dim=1)
+      if (missed == 0) return
+      associate (band => result%bands(missed))
+         call devices%remark(set, 'the linear bands are not those of the linkage: of '//to_text(result%sample%trials)// &
+                             ' linkages '//to_text(nint(result%sample%beyond(band%position, result%columns(missed))))// &
+                             ' leave the band of '//trim(result%numbers(band%number))//' at position '//to_text(band%position))
+      end associate
+   end subroutine report_allocation
 
    ! ---- rates -------------------------------------------------------------------------------------------------------
 

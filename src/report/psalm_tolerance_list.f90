@@ -9,7 +9,7 @@ module psalm_tolerance_list
    use psalm_sketch, only: sketch_t
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_text, only: text_t, general, to_text, upper_case
-   use psalm_tolerance, only: tolerance_t, sample_t
+   use psalm_tolerance, only: tolerance_t, sample_t, names_of_tolerances
    use psalm_parameters, only: name_of, words_of
    implicit none (type, external)
    private
@@ -122,8 +122,10 @@ contains
       type(sample_t), intent(in) :: sample
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
+      character(name_room), allocatable :: dimensions(:)
       integer :: n, i
 
+      dimensions = names_of_tolerances(sketch, linear%variables, linear%bands%apart)
       call text%add()
       if (sample%any_closed) then
          call text%add(' BANDS OF ALL OUTPUTS (+-), AND WHAT THE SAMPLE DEVIATED')
@@ -138,7 +140,7 @@ contains
             end if
             line = ' '//upper_case(trim(bands%names(n)))//': THE LARGEST EFFECT, '
             line = line//trim(adjustl(general(maxval(bands%effect(:, n)))))
-            call text%add(line//', IS THAT OF '//column_words(maxloc(bands%effect(:, n), dim=1)))
+            call text%add(line//', IS THAT OF '//trim(dimensions(maxloc(bands%effect(:, n), dim=1))))
             call text%add(head_of_bands(sample))
             do i = 1, size(bands%worst, 1)
                line = input_of(linear, i)
@@ -152,23 +154,6 @@ contains
             end do
          end do
       end associate
-
-   contains
-
-      !> The dimension of a column.
-      function column_words(column) result(words)
-         integer, intent(in) :: column
-         character(:), allocatable :: words
-         integer :: k
-
-         if (column <= size(linear%variables)) then
-            words = name_of(linear%variables(column))
-            return
-         end if
-         k = column - size(linear%variables)
-         words = trim(merge('DISTANCE', 'ANGLE   ', modulo(k, 2) == 1))//' OF JOINT '// &
-                 trim(sketch%joint_name(linear%bands%apart((k + 1)/2)))//' ON ITS LINK'
-      end function column_words
    end subroutine list_output_bands
 
    !> The table `output_tolerances` of a sketch: the same bands, and what the sample deviated.

@@ -1,6 +1,7 @@
 !> A case made ready for a study: its topology and dimensions, understood once, with every mistake found before any work is done.
 module psalm_preparation
    use, intrinsic :: iso_fortran_env, only: int64
+   use psalm_allocation, only: check_allocation
    use psalm_constraint_group, only: range_positions
    use psalm_data_set, only: data_set_t
    use psalm_dyad_groups, only: dyads_of_variables
@@ -86,6 +87,7 @@ contains
       if (any(.not. prepared%mechanism%actuators(2:)%geared)) call refuse_ranges(set, own)
       call refuse_changes(set, prepared%mechanism, prepared%parameters, own)
       call check_regions(set%constr, prepared%mechanism, own)
+      call check_allocation(set, prepared%mechanism, prepared%given, own)
       if (set%search%by_dyads .and. prepared%parameters%has_search()) then
          if (maxval(dyads_of_variables(prepared%mechanism, prepared%parameters)) == 1) &
             call set%origins%error(own, 'SEARCH', 'IDYAD', 'all dimensions that vary belong to one dyad: leave IDYAD out')
@@ -151,6 +153,7 @@ contains
       braced = [(mechanism%is_braced(mechanism%arcs(n)%loop), n=1, size(braced))]
       if (.not. any(braced)) return
       if (set%toler%given) call set%origins%error(findings, 'TOLER', '', why)
+      if (set%gives('ALLOC')) call set%origins%error(findings, 'ALLOC', '', why)
       if (sets_one_of(set, mechanism, braced)) call set%origins%error(findings, 'SWEEP', '', why)
       if (any(braced .and. (parameters%length_variable > 0 .or. parameters%angle_variable > 0))) &
          call set%origins%error(findings, 'CHAIN', 'VARY', why)

@@ -1,12 +1,14 @@
 !> What small deviations of the dimensions do to the output.
 !>
 !> Linear: the Jacobian times the tolerances, dimension by dimension; worst case (all add up) and root-sum-square over the
-!> motion. Real: a Monte-Carlo sample of linkages whose dimensions deviate uniformly within their tolerances, shared
-!> out to threads in chunks, whose random numbers are streams of their own: the same bits for any number of threads.
+!> motion. Real: a Monte-Carlo sample of linkages whose dimensions deviate within their tolerances, uniformly if nothing else is
+!> asked for, shared out to threads in chunks, whose random numbers are streams of their own: the same bits for any number of
+!> threads.
 !> Source: Oldham (1977), section 8.2.5 and chapter 1.
 module psalm_tolerance
    use psalm_angles, only: nearest_difference, unit_vector
    use psalm_closure, only: most_orders
+   use psalm_column_names, only: output_name
    use psalm_adjustment, only: adjustment_t, find_adjustments
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t, inputs_of, new_problem, own_inputs_at
@@ -16,17 +18,20 @@ module psalm_tolerance
    use psalm_output_kind, only: output_kind_t
    use psalm_rates, only: form_frames, is_dead
    use psalm_sensitivity, only: sensitivity_t, wanted_outputs_t, prepare_sensitivity, find_jacobian
-   use psalm_sketch, only: sketch_output_t, output_ratio, columns_of
+   use psalm_sketch, only: sketch_t, sketch_output_t, output_ratio, columns_of
    use psalm_sketch_motion, only: sketch_motion_t, find_places, locate_sketch
    use psalm_sketch_outputs, only: names_of_numbers, name_room, values_of_outputs
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
-   use psalm_parameters, only: parameters_t, variable_t, no_parameters, variable_crnki, variable_length, variable_gama, &
+   use psalm_parameters, only: parameters_t, variable_t, no_parameters, name_of, variable_crnki, variable_length, variable_gama, &
                                variable_outlk, variable_outang, variable_origlk, variable_origng
+   use psalm_sum_law, only: law_uniform, law_triangle, law_normal, standard_normal
+   use psalm_tolerance_group, only: tolerance_group_t
    use psalm_xoshiro, only: xoshiro_t, purpose_sample
    implicit none (type, external)
    private
    public :: tolerances_t, tolerance_t, sample_t, deviating_t, study_tolerances, find_tolerances, draw_sample
+   public :: column_room, allowance_t, allowances_of, names_of_tolerances, dimensions_to_allot, allot
 
    integer, parameter :: linkages_of_stream = 1000 !! of the random numbers
    integer, parameter :: least_chunk = 1000     !! linkages of a chunk; sums are formed by chunk and added in order
@@ -35,6 +40,7 @@ module psalm_tolerance
    integer, parameter :: numbers_at_once = 5000000 !! of all chunks between them, where a sample is shared
    integer, parameter :: solved_unasked = 20000 !! positions between two looks whether the sample must end
    integer, parameter :: most_named = 10        !! linkages of the sample that are named because they do not close
+   integer, parameter :: column_room = 120      !! characters of the name of a dimension
 
    !> The linkage with every dimension that has a tolerance as a variable.
    type :: deviating_t
@@ -52,7 +58,7 @@ module psalm_tolerance
       logical, allocatable :: angle(:)             !! shape (numbers): deviations are degrees
       integer, allocatable :: apart(:)             !! joints that move and stand off the arcs: they deviate by themselves
       integer :: listed = 0                        !! the one of these that is the output of the loops, which OUTLK and OUTANG move
-      real(wp) :: along = 0.0_wp, turn = 0.0_wp    !! tolerances of their distances and angles, length and degrees
+      real(wp), allocatable :: along(:), turn(:)   !! tolerances of their distances and angles, length and degrees
       real(wp), allocatable :: nominal(:, :)       !! shape (positions, numbers)
    end type sampled_t
 
@@ -61,10 +67,13 @@ module psalm_tolerance
    type :: output_bands_t
       character(name_room), allocatable :: names(:) !! of the numbers
       logical, allocatable :: known(:)             !! shape (numbers): it is no ratio of rates
+      logical, allocatable :: turns(:)             !! shape (numbers): deviations are degrees
       real(wp), allocatable :: worst(:, :)         !! shape (positions, numbers): worst case
       real(wp), allocatable :: square(:, :)        !! the same shape: root-sum-square
       real(wp), allocatable :: effect(:, :)        !! shape (columns, numbers): largest amount over the positions
       integer, allocatable :: apart(:)             !! joints of the sketch that stand off the arcs
+      real(wp), allocatable :: of_apart(:)         !! tolerances of their distances and angles, in turn
+      real(wp), allocatable :: change(:, :, :)     !! shape (positions, columns, numbers): change of the outputs with each
    end type output_bands_t
 
    !> The linear picture.
@@ -79,7 +88,21 @@ module psalm_tolerance
       real(wp), allocatable :: square(:, :)        !! shape (positions, components): root-sum-square
       logical, allocatable :: dead(:)              !! shape (positions): a dead point, where the effects are infinite
       type(output_bands_t), allocatable :: bands   !! of a sketch: all its outputs
+      integer :: law = law_uniform                 !! of the deviations of a sample: one of `law_...`
    end type tolerance_t
+
+   !> The dimensions to which tolerances can be allotted.
+   type :: allowance_t
+      character(column_room), allocatable :: names(:) !! shape (dimensions), of listings
+      integer, allocatable :: column(:)            !! shape (dimensions): of the tolerances
+      logical, allocatable :: is_angle(:)          !! shape (dimensions): its tolerance is in degrees
+      real(wp), allocatable :: size(:)             !! shape (dimensions): the length; of angles 0
+      real(wp), allocatable :: given(:)            !! shape (dimensions): tolerance that the case has
+      character(name_room), allocatable :: numbers(:) !! shape (numbers): of the outputs
+      logical, allocatable :: known(:)             !! shape (numbers): its changes are
+      logical, allocatable :: turns(:)             !! shape (numbers): degrees
+      real(wp), allocatable :: change(:, :, :)     !! shape (positions, dimensions, numbers): by a tolerance of 1
+   end type allowance_t
 
    !> The sample.
    type :: sample_t
@@ -90,6 +113,8 @@ module psalm_tolerance
       integer :: loop(most_named) = 0              !! and the loop that fails
       real(wp), allocatable :: low(:, :), high(:, :), mean(:, :), deviation(:, :) !! shape (positions, columns): components of the
                                                    !! first output; of a sketch then the numbers of all outputs
+      integer :: kept = 0                          !! linkages within all bands of a sample that has some
+      real(wp), allocatable :: beyond(:, :)        !! the same shape: linkages beyond the band, or that do not close
    end type sample_t
 
    !> Results.
@@ -141,7 +166,7 @@ contains
    end function is_violating
 
    !> Jacobian and linear bands of a linkage. `dimensions` must close at every position.
-   subroutine find_tolerances(set, mechanism, dimensions, deviating, result, closes, delt, every_loop)
+   subroutine find_tolerances(set, mechanism, dimensions, deviating, result, closes, delt, every_loop, of_lengths)
       type(data_set_t), intent(in) :: set          !! its tolerances and input positions
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
@@ -150,7 +175,9 @@ contains
       logical, intent(out) :: closes
       real(wp), intent(in), optional :: delt(:)    !! increments of the input in place of those of the case
       logical, intent(in), optional :: every_loop  !! and not those of the output alone; without it as KTHETA says
+      real(wp), intent(in), optional :: of_lengths !! tolerance of all lengths where the case has no tolerances
       type(parameters_t) :: parameters
+      type(tolerance_group_t) :: toler
       real(wp), allocatable :: inputs(:)
       type(wanted_outputs_t), allocatable :: wanted ! of a sketch; large as well
       logical, allocatable :: turning(:)
@@ -159,7 +186,8 @@ contains
       integer :: v, nvar, n
 
       result%dimensions = dimensions
-      parameters = deviating_dimensions(set, mechanism)
+      toler = tolerances_of(set, of_lengths)
+      parameters = deviating_dimensions(set, toler, mechanism)
       allocate (deviating%problem)
       if (present(delt)) then
          inputs = delt
@@ -188,7 +216,7 @@ contains
       n = deviating%problem%positions
       allocate (result%tolerance(nvar), result%effect(n, nvar, deviating%problem%output%kind%components))
       do v = 1, nvar
-         result%tolerance(v) = tolerance_of(set, parameters%variables(v))
+         result%tolerance(v) = tolerance_of(set, toler, parameters%variables(v))
       end do
       allocate (work)
       call prepare_sensitivity(deviating%problem, work)
@@ -197,8 +225,8 @@ contains
          call names_of_numbers(wanted%outputs, result%bands%names, turning, wanted%angle)
          wanted%numbers = size(result%bands%names)
          call find_jacobian(deviating%problem, dimensions, work, result%effect, wanted=wanted)
-         call make_bands(set, result%tolerance, wanted, result%bands)
-         call prepare_sampled(set, dimensions, wanted, result%bands%known, deviating)
+         call make_bands(toler, result%tolerance, wanted, result%bands)
+         call prepare_sampled(set, dimensions, wanted, result%bands, deviating)
       else
          call find_jacobian(deviating%problem, dimensions, work, result%effect)
       end if
@@ -211,18 +239,18 @@ contains
    end subroutine find_tolerances
 
    !> Bands of all outputs from their changes with every dimension.
-   subroutine make_bands(set, tolerance, wanted, bands)
-      type(data_set_t), intent(in) :: set
+   subroutine make_bands(toler, tolerance, wanted, bands)
+      type(tolerance_group_t), intent(in) :: toler
       real(wp), intent(in) :: tolerance(:)         !! shape (nvar)
       type(wanted_outputs_t), intent(in) :: wanted
       type(output_bands_t), intent(inout) :: bands
       real(wp), allocatable :: all_tolerances(:), effect(:, :, :)
       integer :: column, k, n
 
-      all_tolerances = tolerance
-      do k = 1, size(wanted%apart)
-         all_tolerances = [all_tolerances, set%toler%tollen, set%toler%tolang]
-      end do
+      bands%of_apart = [([toler%tollen, toler%tolang], k=1, size(wanted%apart))]
+      all_tolerances = [tolerance, bands%of_apart]
+      bands%change = wanted%change
+      bands%turns = wanted%angle
       effect = wanted%change
       do column = 1, size(effect, 2)
          effect(:, column, :) = effect(:, column, :)*all_tolerances(column)
@@ -240,11 +268,11 @@ contains
    end subroutine make_bands
 
    !> Make the sample ready for all outputs of a sketch, with their values on the nominal linkage.
-   subroutine prepare_sampled(set, dimensions, wanted, known, deviating)
+   subroutine prepare_sampled(set, dimensions, wanted, bands, deviating)
       type(data_set_t), intent(in) :: set
       type(dimensions_t), intent(in) :: dimensions
       type(wanted_outputs_t), intent(in) :: wanted
-      logical, intent(in) :: known(:)              !! shape (numbers)
+      type(output_bands_t), intent(in) :: bands
       type(deviating_t), intent(inout) :: deviating
       complex(wp), allocatable :: joint(:, :)
       real(wp), allocatable :: moved(:, :)
@@ -254,16 +282,15 @@ contains
       associate (all => deviating%outputs)
          all%sketch = wanted%sketch
          all%outputs = wanted%outputs
-         all%known = known
+         all%known = bands%known
          all%angle = wanted%angle
-         all%along = set%toler%tollen
-         all%turn = set%toler%tolang
+         all%along = bands%of_apart(1::2)
+         all%turn = bands%of_apart(2::2)
          all%apart = pack([(k, k=1, size(all%sketch%moving))], abs(all%sketch%moving%offset) > 0.0_wp)
-         if (dimensions%outlk > 0.0_wp .and. size(all%apart) > 0) &
-            all%listed = findloc(all%sketch%moving(all%apart)%joint, set%traced%output_joint, dim=1)
+         all%listed = listed_of(set, dimensions, all%sketch%moving(all%apart)%joint)
          call deviating%lean%want_derivatives(.true., all%sketch%points)
          call deviating%lean%bind(dimensions)
-         allocate (all%nominal(deviating%lean%positions, size(known)))
+         allocate (all%nominal(deviating%lean%positions, size(bands%known)))
          allocate (joint(size(all%sketch%drawn), deviating%lean%linkage%room))
          allocate (moved(size(all%sketch%arcs), deviating%lean%linkage%room))
          call find_numbers(all, all%sketch, joint, moved, deviating%lean, .false., all%nominal)
@@ -302,55 +329,280 @@ contains
    end subroutine find_numbers
 
    !> Joints that stand off the arcs: their distances and angles deviate, too; the output of the loops is where its dimensions are.
-   subroutine move_apart(all, dimensions, random, sketch)
+   subroutine move_apart(all, dimensions, law, random, sketch)
       type(sampled_t), intent(in) :: all
       type(dimensions_t), intent(in) :: dimensions
+      integer, intent(in) :: law
       type(xoshiro_t), intent(inout) :: random
       type(sketch_motion_t), intent(inout) :: sketch
       real(wp) :: deviate(2), c, s
       integer :: k
 
       do k = 1, size(all%apart)
-         call random%next(deviate(1))
-         call random%next(deviate(2))
+         call next_deviation(random, law, deviate(1))
+         call next_deviation(random, law, deviate(2))
          associate (nominal => all%sketch%moving(all%apart(k))%offset, offset => sketch%moving(all%apart(k))%offset)
             if (k == all%listed) then
                call unit_vector(dimensions%outang, c, s)
                offset = dimensions%outlk*cmplx(c, s, wp)
             else
-               deviate = 2.0_wp*deviate - 1.0_wp
-               call unit_vector(deviate(2)*all%turn, c, s)
-               offset = nominal*(1.0_wp + deviate(1)*all%along/abs(nominal))*cmplx(c, s, wp)
+               call unit_vector(deviate(2)*all%turn(k), c, s)
+               offset = nominal*(1.0_wp + deviate(1)*all%along(k)/abs(nominal))*cmplx(c, s, wp)
             end if
          end associate
       end do
    end subroutine move_apart
 
-   !> Every dimension with a tolerance as a variable.
-   pure function deviating_dimensions(set, mechanism) result(parameters)
+   !> A deviation as part of its tolerance, from -1 to 1; a normal one is beyond it now and then.
+   pure subroutine next_deviation(random, law, deviation)
+      type(xoshiro_t), intent(inout) :: random
+      integer, intent(in) :: law                   !! one of `law_...`
+      real(wp), intent(out) :: deviation
+      real(wp) :: deviate, second
+
+      call random%next(deviate)
+      select case (law)
+      case (law_triangle)
+         call random%next(second)
+         deviation = deviate + second - 1.0_wp
+      case (law_normal)
+         deviation = standard_normal(deviate)
+      case default
+         deviation = 2.0_wp*deviate - 1.0_wp
+      end select
+   end subroutine next_deviation
+
+   ! ---- dimensions with tolerances ------------------------------------------------------------------------------------
+
+   !> The tolerances of a case; where it has none, one for all lengths.
+   pure function tolerances_of(set, of_lengths) result(toler)
       type(data_set_t), intent(in) :: set
+      real(wp), intent(in), optional :: of_lengths
+      type(tolerance_group_t) :: toler
+
+      toler = set%toler
+      if (.not. present(of_lengths) .or. toler%given) return
+      toler%tollen = of_lengths
+      toler%tolarc = of_lengths
+      if (set%links%outlk > 0.0_wp) toler%tolout = of_lengths
+      if (set%method%origlk > 0.0_wp) toler%tolorl = of_lengths
+      toler%of_pivot(1) = of_lengths
+   end function tolerances_of
+
+   !> Names of the columns of changes: of the variables, then of distance and angle of each joint that stands off the arcs.
+   pure function names_of_tolerances(sketch, variables, apart) result(names)
+      type(sketch_t), intent(in) :: sketch
+      type(variable_t), intent(in) :: variables(:)
+      integer, intent(in) :: apart(:)              !! joints of the sketch
+      character(column_room), allocatable :: names(:) !! shape (columns)
+      integer :: v, k
+
+      allocate (names(size(variables) + 2*size(apart)))
+      do v = 1, size(variables)
+         names(v) = name_of(variables(v))
+      end do
+      do k = 1, size(apart)
+         v = size(variables) + 2*k - 1
+         names(v) = 'DISTANCE OF JOINT '//trim(sketch%joint_name(apart(k)))//' ON ITS LINK'
+         names(v + 1) = 'ANGLE OF JOINT '//trim(sketch%joint_name(apart(k)))//' ON ITS LINK'
+      end do
+   end function names_of_tolerances
+
+   !> What tolerances can be allotted to in a case: names and kinds, before anything is analysed.
+   subroutine dimensions_to_allot(set, mechanism, dimensions, names, is_angle)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      character(column_room), allocatable, intent(out) :: names(:)
+      logical, allocatable, intent(out) :: is_angle(:)
+      type(tolerance_group_t) :: toler
+      type(parameters_t) :: parameters
+      type(sketch_motion_t) :: sketch
+      integer, allocatable :: apart(:), list(:)
+      integer :: k
+
+      toler = tolerances_of(set, 1.0_wp)
+      parameters = deviating_dimensions(set, toler, mechanism)
+      allocate (apart(0))
+      if (size(set%sketch%outputs) > 0) then
+         call locate_sketch(set, mechanism, sketch, dimensions)
+         apart = pack(sketch%moving%joint, abs(sketch%moving%offset) > 0.0_wp)
+      end if
+      list = allotted_columns(parameters%variables, listed_of(set, dimensions, apart), &
+                              [([toler%tollen, toler%tolang], k=1, size(apart))])
+      names = names_of_tolerances(set%sketch, parameters%variables, apart)
+      names = names(list)
+      is_angle = angles_of(parameters%variables, size(apart), mechanism%sliding_input)
+      is_angle = is_angle(list)
+   end subroutine dimensions_to_allot
+
+   !> Columns to which tolerances can be allotted. The joint that the output arc ends at has the tolerances of that arc.
+   pure function allotted_columns(variables, listed, of_apart) result(list)
+      type(variable_t), intent(in) :: variables(:)
+      integer, intent(in) :: listed                !! joint off the arcs that the output arc ends at; 0: none
+      real(wp), intent(in) :: of_apart(:)          !! tolerances of their distances and angles, in turn
+      integer, allocatable :: list(:)
+      integer :: v, k
+
+      list = [(v, v=1, size(variables))]
+      do k = 1, size(of_apart)
+         if ((k + 1)/2 /= listed .and. of_apart(k) > 0.0_wp) list = [list, size(variables) + k]
+      end do
+   end function allotted_columns
+
+   !> Which of the joints off the arcs the output arc ends at; 0: none.
+   pure integer function listed_of(set, dimensions, apart) result(listed)
+      type(data_set_t), intent(in) :: set
+      type(dimensions_t), intent(in) :: dimensions
+      integer, intent(in) :: apart(:)
+
+      listed = 0
+      if (dimensions%outlk > 0.0_wp .and. size(apart) > 0) listed = findloc(apart, set%traced%output_joint, dim=1)
+   end function listed_of
+
+   !> Which columns are angles.
+   pure function angles_of(variables, apart, sliding_input) result(is_angle)
+      type(variable_t), intent(in) :: variables(:)
+      integer, intent(in) :: apart                 !! number of joints off the arcs
+      logical, intent(in) :: sliding_input
+      logical, allocatable :: is_angle(:)
+      integer :: v, k
+
+      is_angle = [(any(variables(v)%kind == [variable_gama, variable_outang, variable_origng]) .or. &
+                   (variables(v)%kind == variable_crnki .and. .not. sliding_input), v=1, size(variables)), &
+                  ([.false., .true.], k=1, apart)]
+   end function angles_of
+
+   !> Dimensions to which tolerances can be allotted, and how the outputs change with each.
+   subroutine allowances_of(set, sliding_input, deviating, linear, allowance)
+      type(data_set_t), intent(in) :: set
+      logical, intent(in) :: sliding_input
+      type(deviating_t), intent(in) :: deviating
+      type(tolerance_t), intent(in) :: linear
+      type(allowance_t), intent(out) :: allowance
+      real(wp), allocatable :: sizes(:), given(:)
+      integer, allocatable :: apart(:)
+      integer :: v, k, nvar, listed
+
+      nvar = size(linear%variables)
+      allocate (apart(0), sizes(nvar))
+      do v = 1, nvar
+         associate (one => linear%variables(v), dimensions => linear%dimensions)
+            select case (one%kind)
+            case (variable_length)
+               sizes(v) = dimensions%arcl(one%n)
+            case (variable_outlk)
+               sizes(v) = dimensions%outlk
+            case (variable_origlk)
+               sizes(v) = dimensions%origlk
+            case default
+               sizes(v) = 0.0_wp
+            end select
+         end associate
+      end do
+      given = linear%tolerance
+      listed = 0
+      if (allocated(linear%bands)) then
+         apart = linear%bands%apart
+         given = [given, linear%bands%of_apart]
+         listed = deviating%outputs%listed
+         associate (all => deviating%outputs)
+            do k = 1, size(apart)
+               sizes = [sizes, abs(all%sketch%moving(all%apart(k))%offset), 0.0_wp]
+            end do
+         end associate
+         allowance%column = allotted_columns(linear%variables, listed, linear%bands%of_apart)
+      else
+         allowance%column = [(v, v=1, nvar)]
+      end if
+      associate (list => allowance%column)
+         allowance%names = names_of_tolerances(set%sketch, linear%variables, apart)
+         allowance%names = allowance%names(list)
+         allowance%is_angle = angles_of(linear%variables, size(apart), sliding_input)
+         allowance%is_angle = allowance%is_angle(list)
+         allowance%size = sizes(list)
+         allowance%given = given(list)
+         if (allocated(linear%bands)) then
+            allowance%numbers = linear%bands%names
+            allowance%known = linear%bands%known
+            allowance%turns = linear%bands%turns
+            allowance%change = linear%bands%change(:, list, :)
+            do v = 1, nvar
+               if (listed == 0) exit
+               k = nvar + 2*listed
+               if (linear%variables(v)%kind == variable_outlk) allowance%change(:, v, :) = linear%bands%change(:, k - 1, :)
+               if (linear%variables(v)%kind == variable_outang) allowance%change(:, v, :) = linear%bands%change(:, k, :)
+            end do
+         else
+            allocate (allowance%numbers(linear%kind%components))
+            do k = 1, linear%kind%components
+               allowance%numbers(k) = output_name(linear%kind, k)
+            end do
+            allowance%known = [(.true., k=1, linear%kind%components)]
+            allowance%turns = [(k == linear%kind%angle, k=1, linear%kind%components)]
+            allowance%change = linear%effect
+            do v = 1, nvar
+               allowance%change(:, v, :) = linear%effect(:, v, :)/linear%tolerance(v)
+            end do
+         end if
+      end associate
+   end subroutine allowances_of
+
+   !> Give dimensions other tolerances, and the deviations of a sample a law.
+   subroutine allot(allowance, allotted, law, deviating, linear)
+      type(allowance_t), intent(in) :: allowance
+      real(wp), intent(in) :: allotted(:)          !! shape (dimensions)
+      integer, intent(in) :: law                   !! one of `law_...`
+      type(deviating_t), intent(inout) :: deviating
+      type(tolerance_t), intent(inout) :: linear
+      real(wp), allocatable :: tolerance(:)
+      integer :: nvar, v
+
+      nvar = size(linear%variables)
+      tolerance = linear%tolerance
+      if (allocated(linear%bands)) tolerance = [tolerance, linear%bands%of_apart]
+      tolerance(allowance%column) = allotted
+      do v = 1, nvar
+         linear%effect(:, v, :) = linear%effect(:, v, :)*(tolerance(v)/linear%tolerance(v))
+      end do
+      linear%tolerance = tolerance(:nvar)
+      linear%worst = sum(abs(linear%effect), dim=2)
+      linear%square = sqrt(sum(linear%effect**2, dim=2))
+      linear%law = law
+      if (.not. allocated(linear%bands)) return
+      linear%bands%of_apart = tolerance(nvar + 1:)
+      deviating%outputs%along = tolerance(nvar + 1::2)
+      deviating%outputs%turn = tolerance(nvar + 2::2)
+   end subroutine allot
+
+   !> Every dimension with a tolerance as a variable.
+   pure function deviating_dimensions(set, toler, mechanism) result(parameters)
+      type(data_set_t), intent(in) :: set
+      type(tolerance_group_t), intent(in) :: toler
       type(mechanism_t), intent(in) :: mechanism
       type(parameters_t) :: parameters
       logical :: pivot
       integer :: n
 
-      pivot = max(tolerance_of_kind(set, variable_origlk), tolerance_of_kind(set, variable_origng)) > 0.0_wp
+      pivot = max(tolerance_of_kind(set, toler, variable_origlk), tolerance_of_kind(set, toler, variable_origng)) > 0.0_wp
       parameters = no_parameters(mechanism)
       do n = 1, size(mechanism%arcs)
          associate (arc => mechanism%arcs(n))
-            if (tolerance_of_kind(set, variable_length, arc%loop, arc%place) > 0.0_wp) call parameters%vary_length(mechanism, n)
+            if (tolerance_of_kind(set, toler, variable_length, arc%loop, arc%place) > 0.0_wp) &
+               call parameters%vary_length(mechanism, n)
          end associate
       end do
-      if (tolerance_of_kind(set, variable_outlk) > 0.0_wp) call parameters%vary(mechanism, variable_outlk)
+      if (tolerance_of_kind(set, toler, variable_outlk) > 0.0_wp) call parameters%vary(mechanism, variable_outlk)
       if (pivot) call parameters%vary(mechanism, variable_origlk)
       do n = 1, size(mechanism%arcs)
          associate (arc => mechanism%arcs(n))
-            if (tolerance_of_kind(set, variable_gama, arc%loop, arc%place) > 0.0_wp) call parameters%vary_angle(mechanism, n)
+            if (tolerance_of_kind(set, toler, variable_gama, arc%loop, arc%place) > 0.0_wp) &
+               call parameters%vary_angle(mechanism, n)
          end associate
       end do
-      if (tolerance_of_kind(set, variable_outang) > 0.0_wp) call parameters%vary(mechanism, variable_outang)
+      if (tolerance_of_kind(set, toler, variable_outang) > 0.0_wp) call parameters%vary(mechanism, variable_outang)
       if (pivot) call parameters%vary(mechanism, variable_origng)
-      if (set%toler%tolcrk > 0.0_wp) call parameters%vary(mechanism, variable_crnki)
+      if (toler%tolcrk > 0.0_wp) call parameters%vary(mechanism, variable_crnki)
    end function deviating_dimensions
 
    !> Positions at which some dyad is at a dead point.
@@ -375,16 +627,18 @@ contains
       end do
    end subroutine find_dead
 
-   pure real(wp) function tolerance_of(set, variable) result(tolerance)
+   pure real(wp) function tolerance_of(set, toler, variable) result(tolerance)
       type(data_set_t), intent(in) :: set
+      type(tolerance_group_t), intent(in) :: toler
       type(variable_t), intent(in) :: variable
 
-      tolerance = tolerance_of_kind(set, variable%kind, variable%loop, variable%arc)
+      tolerance = tolerance_of_kind(set, toler, variable%kind, variable%loop, variable%arc)
    end function tolerance_of
 
    !> Tolerance of a kind of dimension, of arcs that of one arc. Of a sketch one for all lengths and one for all angles.
-   pure real(wp) function tolerance_of_kind(set, kind, loop, place) result(tolerance)
+   pure real(wp) function tolerance_of_kind(set, toler, kind, loop, place) result(tolerance)
       type(data_set_t), intent(in) :: set
+      type(tolerance_group_t), intent(in) :: toler     !! of the case, or in their place
       integer, intent(in) :: kind                      !! one of `variable_...`
       integer, intent(in), optional :: loop, place     !! of an arc
 
@@ -394,19 +648,19 @@ contains
       end if
       select case (kind)
       case (variable_length)
-         tolerance = set%toler%tolarc(place, loop)
+         tolerance = toler%tolarc(place, loop)
       case (variable_gama)
-         tolerance = set%toler%tolgam(place, loop)
+         tolerance = toler%tolgam(place, loop)
       case (variable_outlk)
-         tolerance = set%toler%tolout
+         tolerance = toler%tolout
       case (variable_outang)
-         tolerance = set%toler%toloua
+         tolerance = toler%toloua
       case (variable_origlk)
-         tolerance = set%toler%tolorl
+         tolerance = toler%tolorl
       case (variable_origng)
-         tolerance = set%toler%tolora
+         tolerance = toler%tolora
       case default
-         tolerance = set%toler%tolcrk
+         tolerance = toler%tolcrk
       end select
 
    contains
@@ -417,7 +671,7 @@ contains
          real(wp) :: own
 
          own = -1.0_wp
-         of_sketch = merge(set%toler%tollen, set%toler%tolang, which == 1)
+         of_sketch = merge(toler%tollen, toler%tolang, which == 1)
          select case (kind)
          case (variable_length, variable_gama)
             own = set%traced%arcs(set%traced%number_of(loop, place))%tolerances(which)
@@ -426,9 +680,9 @@ contains
             if (set%traced%outlk <= 0.0_wp .and. which == 1) of_sketch = 0.0_wp
          case (variable_origlk, variable_origng)
             of_sketch = 0.0_wp
-            if (set%traced%origlk > 0.0_wp) of_sketch = set%toler%of_pivot(which)
+            if (set%traced%origlk > 0.0_wp) of_sketch = toler%of_pivot(which)
          case default
-            of_sketch = set%toler%tolcrk
+            of_sketch = toler%tolcrk
          end select
          if (own >= 0.0_wp) of_sketch = own
       end function of_sketch
@@ -438,17 +692,19 @@ contains
    !>
    !> Every `linkages_of_stream` linkages take their deviates from a stream of their own, so that a sample is the beginning of each
    !> larger one. A sample that must end early has the linkages analysed so far.
-   subroutine draw_sample(deviating, linear, trials, istart, threads, sample, interrupt)
+   subroutine draw_sample(deviating, linear, trials, istart, threads, sample, interrupt, within)
       type(deviating_t), intent(in) :: deviating
       type(tolerance_t), intent(in) :: linear
       integer, intent(in) :: trials, istart, threads
       type(sample_t), intent(out) :: sample
       type(stop_t), intent(in), optional :: interrupt !! asked now and then
+      real(wp), intent(in), optional :: within(:, :) !! shape (positions, columns): bands, to count linkages that keep them
       type(stop_t) :: ending
       type(problem_t), allocatable :: workers(:)
       type(xoshiro_t), allocatable :: random(:)
       real(wp), allocatable :: low(:, :, :), high(:, :, :), total(:, :, :), squares(:, :, :) !! by chunk of a round
-      integer, allocatable :: made(:), unclosed(:), named(:, :), loop(:, :)
+      real(wp), allocatable :: beyond(:, :, :), band(:, :)
+      integer, allocatable :: made(:), unclosed(:), kept(:), named(:, :), loop(:, :)
       integer :: chunk, chunks, before, at_once, of_round, k, t, n, i, closed, components, columns
 
       if (present(interrupt)) ending = interrupt
@@ -470,11 +726,13 @@ contains
       ! those who share a sample must have the same rounds, and as few as they can
       if (ending%is_shared()) at_once = min(chunks, max(chunks_at_once, numbers_at_once/(n*columns)))
       allocate (low(n, columns, at_once), high(n, columns, at_once))
-      allocate (total(n, columns, at_once), squares(n, columns, at_once))
-      allocate (made(at_once), unclosed(at_once), named(most_named, at_once), loop(most_named, at_once), source=0)
+      allocate (total(n, columns, at_once), squares(n, columns, at_once), beyond(n, columns, at_once))
+      allocate (band(n, columns), source=huge(1.0_wp))
+      if (present(within)) band = within
+      allocate (made(at_once), unclosed(at_once), kept(at_once), named(most_named, at_once), loop(most_named, at_once), source=0)
       allocate (sample%low(n, columns), source=huge(1.0_wp))
       allocate (sample%high(n, columns), source=-huge(1.0_wp))
-      allocate (sample%mean(n, columns), sample%deviation(n, columns), source=0.0_wp)
+      allocate (sample%mean(n, columns), sample%deviation(n, columns), sample%beyond(n, columns), source=0.0_wp)
       do before = 0, chunks - 1, at_once
          of_round = min(at_once, chunks - before)
          made = 0
@@ -486,11 +744,11 @@ contains
                k = ending%next_item(k, size(workers), of_round)
                if (k > of_round) exit
                call run_chunk(deviating, linear, workers(t), random(t), (before + k - 1)*chunk + 1, &
-                              min(trials, (before + k)*chunk), ending, low(:, :, k), high(:, :, k), total(:, :, k), &
-                              squares(:, :, k), made(k), unclosed(k), named(:, k), loop(:, k))
+                              min(trials, (before + k)*chunk), ending, band, low(:, :, k), high(:, :, k), total(:, :, k), &
+                              squares(:, :, k), beyond(:, :, k), made(k), unclosed(k), kept(k), named(:, k), loop(:, k))
                if (ending%is_shared() .and. made(k) == min(trials, (before + k)*chunk) - (before + k - 1)*chunk) &
-                  call ending%keep_item(k, [low(:, :, k), high(:, :, k), total(:, :, k), squares(:, :, k), &
-                                            real([made(k), unclosed(k), named(:, k), loop(:, k)], wp)])
+                  call ending%keep_item(k, [low(:, :, k), high(:, :, k), total(:, :, k), squares(:, :, k), beyond(:, :, k), &
+                                            real([made(k), unclosed(k), kept(k), named(:, k), loop(:, k)], wp)])
             end do
          end do
          !$omp end parallel do
@@ -501,6 +759,8 @@ contains
             sample%high = max(sample%high, high(:, :, k))
             sample%mean = sample%mean + total(:, :, k)
             sample%deviation = sample%deviation + squares(:, :, k)
+            sample%beyond = sample%beyond + beyond(:, :, k)
+            sample%kept = sample%kept + kept(k)
             do i = 1, min(unclosed(k), most_named)
                if (sample%open + i > most_named) exit
                sample%named(sample%open + i) = named(i, k)
@@ -531,9 +791,11 @@ contains
             high(:, :, c) = reshape(numbers(n*columns + 1:2*n*columns), [n, columns])
             total(:, :, c) = reshape(numbers(2*n*columns + 1:3*n*columns), [n, columns])
             squares(:, :, c) = reshape(numbers(3*n*columns + 1:4*n*columns), [n, columns])
-            first = 4*n*columns + 2
-            made(c) = nint(numbers(first - 1))
-            unclosed(c) = nint(numbers(first))
+            beyond(:, :, c) = reshape(numbers(4*n*columns + 1:5*n*columns), [n, columns])
+            first = 5*n*columns + 3
+            made(c) = nint(numbers(first - 2))
+            unclosed(c) = nint(numbers(first - 1))
+            kept(c) = nint(numbers(first))
             named(:, c) = nint(numbers(first + 1:first + most_named))
             loop(:, c) = nint(numbers(first + most_named + 1:first + 2*most_named))
          end do
@@ -541,28 +803,32 @@ contains
    end subroutine draw_sample
 
    !> The linkages from one number to another.
-   subroutine run_chunk(deviating, linear, problem, random, from, to, ending, low, high, total, squares, made, open, named, &
-                        loop)
+   subroutine run_chunk(deviating, linear, problem, random, from, to, ending, band, low, high, total, squares, beyond, made, &
+                        open, kept, named, loop)
       type(deviating_t), intent(in) :: deviating
       type(tolerance_t), intent(in) :: linear
       type(problem_t), intent(inout) :: problem
       type(xoshiro_t), intent(inout) :: random
       integer, intent(in) :: from, to             !! `from` begins a stream
       type(stop_t), intent(in) :: ending
-      real(wp), intent(out) :: low(:, :), high(:, :), total(:, :), squares(:, :) !! shape (positions, columns)
-      integer, intent(out) :: made, open, named(:), loop(:)
+      real(wp), intent(in) :: band(:, :)          !! shape (positions, columns): largest amounts
+      real(wp), intent(out) :: low(:, :), high(:, :), total(:, :), squares(:, :), beyond(:, :) !! shape (positions, columns)
+      integer, intent(out) :: made, open, kept, named(:), loop(:)
       type(dimensions_t) :: dimensions
       type(sketch_motion_t), allocatable :: sketch
       complex(wp), allocatable :: joint(:, :)
       real(wp), allocatable :: nominal(:), values(:), miss(:, :), moved(:, :)
-      real(wp) :: deviate
+      real(wp) :: deviation
+      logical :: within
       integer :: t, v, failed, i, k, unasked, first
 
       low = huge(low)
       high = -huge(high)
       total = 0.0_wp
       squares = 0.0_wp
+      beyond = 0.0_wp
       open = 0
+      kept = 0
       named = 0
       loop = 0
       dimensions = linear%dimensions
@@ -583,14 +849,15 @@ contains
          made = made + 1
          if (mod(t - 1, linkages_of_stream) == 0) call random%use_stream((t - 1)/linkages_of_stream)
          do v = 1, size(values)
-            call random%next(deviate)
-            values(v) = nominal(v) + linear%tolerance(v)*(2.0_wp*deviate - 1.0_wp)
+            call next_deviation(random, linear%law, deviation)
+            values(v) = nominal(v) + linear%tolerance(v)*deviation
          end do
          call problem%parameters%apply(values, dimensions)
-         if (allocated(sketch)) call move_apart(deviating%outputs, dimensions, random, sketch)
+         if (allocated(sketch)) call move_apart(deviating%outputs, dimensions, linear%law, random, sketch)
          call problem%deviations(dimensions, miss(:, :first), failed)
          if (failed > 0) then
             open = open + 1
+            beyond = beyond + 1.0_wp
             if (open <= most_named) then
                named(open) = t
                loop(open) = failed
@@ -598,14 +865,20 @@ contains
             cycle
          end if
          if (allocated(sketch)) call miss_of_outputs()
+         within = .true.
          do k = 1, size(low, 2)
             do i = 1, size(miss, 1)
+               if (abs(miss(i, k)) > band(i, k)) then
+                  within = .false.
+                  beyond(i, k) = beyond(i, k) + 1.0_wp
+               end if
                low(i, k) = merge(miss(i, k), low(i, k), miss(i, k) < low(i, k))
                high(i, k) = merge(miss(i, k), high(i, k), miss(i, k) > high(i, k))
                total(i, k) = total(i, k) + miss(i, k)
                squares(i, k) = squares(i, k) + miss(i, k)**2
             end do
          end do
+         if (within) kept = kept + 1
       end do
 
    contains

@@ -17,6 +17,7 @@ import psalm  # noqa: E402
 
 # data sets that are studied in a moment, and what makes them so
 ASKING = {"analysis": "dyad4_slider_crank.nml", "summary": "dyad4_slider_crank.nml", "tolerances": "adjustable_stroke.nml",
+          "allocation": "cheapest_tolerances.nml",
           "sweep": "adjustable_stroke.nml", "synthesis": "path5.nml", "exact": "exact/five_poses.nml", "proof": "dyad4_slider_crank.nml",
           "assemblies": "sketch_four_bar.nml", "rates": "engine.nml", "forces": "engine.nml", "machine": "engine.nml",
           "balance": "muscle/haines_bodies.nml", "springs": "muscle/haines_spring.nml", "vibration": "rig_coupler.nml",

@@ -93,6 +93,7 @@ while read -r example program file words; do
 done <<'END'
 machine kalm engine.nml STEADY CYCLE
 tolerances psalm adjustable_stroke.nml WORST CASE
+allocation psalm cheapest_tolerances.nml LOWER BOUND
 sweep psalm adjustable_stroke.nml FAMILY OF CURVES
 exact psalm exact/five_poses.nml certified: 
 kinds psalm types/kinds_for_corner.nml four-bar with a slide, 1

@@ -256,6 +256,7 @@ def main(directory):
                 ("bridge", "bridge/four_bar_haines.nml", {"clearance", "minima", "losses", "following", "least_forces", "speeds", "flight", "cycle"}),
                 ("calm", "calm/knuckle_press.nml", {"cam", "segments", "law", "law_joints", "judgement", "extremes"}),
                 ("psalm", "exact/five_poses.nml", {"exact"}),
+                ("psalm", "cheapest_tolerances.nml", {"positions", "tolerances", "allocation", "allocation_bands"}),
                 ("psalm", "adjustable_stroke.nml", {"positions", "sweep"})):
             found = compare(os.path.join(directory, program), os.path.join(data, case))
             check("%s, %s: blocks" % (program, case), blocks <= set(found), str(list(found)))

@@ -626,6 +626,7 @@ contains
       type(trial_t), parameter :: trials(*) = [ &
          trial_t('analysis', 'data/textile.nml'), trial_t('summary', 'data/textile.nml'), &
          trial_t('tolerances', 'data/adjustable_stroke.nml'), trial_t('sweep', 'data/adjustable_stroke.nml'), &
+         trial_t('allocation', 'data/cheapest_tolerances.nml'), &
          trial_t('synthesis', 'data/path5.nml'), trial_t('exact', 'data/exact/five_poses.nml'), &
          trial_t('kinds', 'data/types/kinds_for_corner.nml'), &
          trial_t('proof', 'data/geared_five_bar.nml'), trial_t('assemblies', 'data/sketch_four_bar.nml'), &

@@ -1,0 +1,139 @@
+!> The group ALLOC: bands of the outputs, and what tolerances cost: the cheapest tolerances within the bands are wanted.
+module psalm_allocation_group
+   use psalm_case_group, only: case_group_t, surroundings_t
+   use psalm_data_set, only: data_set_t
+   use psalm_group, only: group_t, out_of
+   use psalm_kinds, only: wp
+   use psalm_rule, only: rule_t, a_number, a_text, a_whole, a_word
+   use psalm_status, only: diagnostics_t
+   use psalm_sum_law, only: law_uniform
+   use psalm_take, only: take
+   use psalm_text, only: to_text
+   implicit none (type, external)
+   private
+   public :: allocation_items
+   public :: allocation_group_t, allocation_of
+   public :: rule_worst, rule_square, rule_yield
+
+   integer, parameter :: rule_worst = 1, rule_square = 2, rule_yield = 3 !! words of ALRULE in their order
+   real(wp), parameter :: percent = 0.01_wp
+   integer, parameter :: text_room = 120       !! characters of a name
+
+   type, extends(case_group_t) :: allocation_group_t
+      real(wp), allocatable :: bands(:)        !! ALBAND: one for all outputs, or one for each
+      character(text_room), allocatable :: outputs(:) !! ALOUT: numbers of outputs that have bands; none: all of the first output
+      real(wp), allocatable :: factors(:)      !! ALPOS: of the bands at every position; none: 1
+      integer :: rule = rule_worst             !! ALRULE: one of `rule_...`
+      real(wp) :: yield = 0.9973_wp            !! ALYLD: share of the linkages
+      integer :: law = law_uniform             !! ALLAW: one of `law_...`, the words in their order
+      character(text_room), allocatable :: names(:) !! ALNAM: dimensions with entries of their own
+      real(wp), allocatable :: fixed(:)        !! ALFIX, shape (names): part of the cost that does not depend on the tolerance
+      real(wp), allocatable :: cost(:)         !! ALCOST: of a tolerance of 1; 0: as by default
+      real(wp), allocatable :: power(:)        !! ALEXP
+      real(wp), allocatable :: low(:), high(:) !! ALMIN, ALMAX; 0: as by default
+      integer, allocatable :: class(:)         !! ALCLAS; 0: in none
+      integer :: trials = 0                    !! ALTRY: linkages of the sample
+   contains
+      procedure :: read => read_allocation
+   end type allocation_group_t
+
+   !> The items of the group.
+   type(rule_t), parameter :: allocation_items(*) = [ &
+      rule_t('ALBAND', a_number, 'n', '', 'required', '(0,)', &
+             'largest deviation of the output to either side: one for all its numbers, or one for each of ALOUT'), &
+      rule_t('ALOUT', a_text, 'n', '', '', '', &
+             'numbers of outputs that have bands, by the names of their columns in tables: `''P.x''`; without it all of the '// &
+             'first output'), &
+      rule_t('ALPOS', a_number, 'n', '', '1', '[0,)', &
+             'factor of the bands at every position; 0: no band there'), &
+      rule_t('ALRULE', a_word, '', '', 'WORST', 'WORST RSS YIELD', &
+             'what keeps within the band: the worst case, the root-sum-square, or a share of the linkages'), &
+      rule_t('ALYLD', a_number, '', 'per cent', '99.73', '(0,100)', &
+             'that share, at every position, with YIELD'), &
+      rule_t('ALLAW', a_word, '', '', 'UNIFORM', 'UNIFORM TRIANGLE NORMAL', &
+             'how dimensions deviate within their tolerances, for YIELD and the sample; NORMAL: a tolerance is three standard '// &
+             'deviations'), &
+      rule_t('ALNAM', a_text, 'n', '', '', '', &
+             'dimensions with entries of their own in the next items, by the names of the listing: `''length A B''`; '// &
+             '`''length *''`: all lengths, `''angle *''`: all angles, `''*''`: all'), &
+      rule_t('ALCOST', a_number, 'n', '', '', '[0,)', &
+             'cost B of a tolerance of 1, in the order of ALNAM; 0 or not given: 1 for a length, for an angle that of the '// &
+             'length by which it moves the end of an arc of mean length'), &
+      rule_t('ALEXP', a_number, 'n', '', '1', '(0,10]', &
+             'exponent K of the cost A + B/T**K, in the order of ALNAM'), &
+      rule_t('ALFIX', a_number, 'n', '', '0', '[0,)', &
+             'cost A that does not depend on the tolerance, in the order of ALNAM'), &
+      rule_t('ALMIN', a_number, 'n', '', '0', '[0,)', &
+             'least tolerance, in the order of ALNAM'), &
+      rule_t('ALMAX', a_number, 'n', '', '0', '[0,)', &
+             'largest tolerance, in the order of ALNAM; 0: a tenth of the length, 5 degrees'), &
+      rule_t('ALCLAS', a_whole, 'n', '', '0', '[0,)', &
+             'class, in the order of ALNAM: tolerances of a class are equal; 0: in none'), &
+      rule_t('ALTRY', a_whole, '', '', '0', '[0,1000000000]', &
+             'linkages of a Monte-Carlo sample within the tolerances found')]
+
+contains
+
+   !> Read the group. Errors: more entries than names, a least tolerance above the largest.
+   subroutine read_allocation(self, group, about, findings)
+      class(allocation_group_t), intent(inout) :: self
+      type(group_t), intent(inout) :: group
+      class(surroundings_t), intent(in) :: about
+      type(diagnostics_t), intent(inout) :: findings
+      character(:), allocatable :: texts(:)
+      integer :: last, n, i
+
+      self%given = group%line > 0
+      call group%follow(allocation_items)
+      call group%get_texts('ALOUT', texts, findings)
+      self%outputs = [character(text_room) :: (adjustl(texts(i)), i=1, size(texts))]
+      allocate (self%bands(max(1, size(texts))))
+      call take(group, 'ALBAND', self%bands, findings, last=last, repeated=.true.)
+      if (last > 1 .and. last /= size(self%bands)) call out_of(group, 'ALBAND', to_text(size(texts))//' numbers are named in '// &
+                                                               'ALOUT, but '//to_text(last)//' bands given', findings, last)
+      allocate (self%factors(about%positions))
+      call take(group, 'ALPOS', self%factors, findings, last=last)
+      if (last > 0 .and. last /= about%positions) call out_of(group, 'ALPOS', 'a factor for each of the '// &
+         to_text(about%positions)//' positions is expected; found '//to_text(last), findings, last)
+      if (self%given .and. about%positions > 0 .and. .not. any(self%factors > 0.0_wp)) &
+         call out_of(group, 'ALPOS', 'no position has a band', findings)
+      call take(group, 'ALRULE', self%rule, findings)
+      call take(group, 'ALYLD', self%yield, findings)
+      self%yield = self%yield*percent
+      if (group%given('ALYLD') .and. self%rule /= rule_yield) call out_of(group, 'ALYLD', "is for ALRULE='YIELD'", findings)
+      call take(group, 'ALLAW', self%law, findings)
+      call take(group, 'ALTRY', self%trials, findings)
+      if (group%given('ALLAW') .and. self%rule /= rule_yield .and. self%trials == 0) &
+         call out_of(group, 'ALLAW', "is for ALRULE='YIELD' and for a sample (ALTRY)", findings)
+      call group%get_texts('ALNAM', texts, findings)
+      n = size(texts)
+      self%names = [character(text_room) :: (adjustl(texts(i)), i=1, n)]
+      allocate (self%fixed(n), self%cost(n), self%power(n), self%low(n), self%high(n), self%class(n))
+      call take(group, 'ALFIX', self%fixed, findings)
+      self%cost = 0.0_wp
+      call take(group, 'ALCOST', self%cost, findings)
+      call take(group, 'ALEXP', self%power, findings)
+      call take(group, 'ALMIN', self%low, findings)
+      call take(group, 'ALMAX', self%high, findings)
+      call take(group, 'ALCLAS', self%class, findings)
+      do i = 1, n
+         if (self%high(i) > 0.0_wp .and. self%low(i) > self%high(i)) &
+            call out_of(group, 'ALMIN', 'the least tolerance of '//trim(self%names(i))//' is above the largest', findings, i)
+      end do
+
+   end subroutine read_allocation
+
+   !> The group ALLOC of a case; as it is by default where the case does not have it.
+   pure function allocation_of(set) result(allocation)
+      class(data_set_t), intent(in) :: set
+      type(allocation_group_t) :: allocation
+      integer :: k
+
+      k = set%place_of('ALLOC')
+      if (k == 0) return
+      select type (group => set%sections(k)%group)
+      type is (allocation_group_t)
+         allocation = group
+      end select
+   end function allocation_of
+end module psalm_allocation_group

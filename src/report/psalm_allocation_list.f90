@@ -1,0 +1,123 @@
+!> Allotted tolerances in the listing and in tables.
+module psalm_allocation_list
+   use psalm_allocation, only: allocation_t, item_name, limit_largest, limit_least
+   use psalm_allocation_group, only: rule_square, rule_worst, rule_yield
+   use psalm_column_names, only: input_name, input_unit, position_name
+   use psalm_kinds, only: wp
+   use psalm_tables, only: table_t, tables_t, table_of, for_programs
+   use psalm_text, only: text_t, fixed, general, to_text, upper_case
+   implicit none (type, external)
+   private
+   public :: list_allocation, put_allocation
+
+   real(wp), parameter :: percent = 0.01_wp
+   real(wp), parameter :: full = 1.0e-6_wp      !! part of a band that is left where it is full
+   integer, parameter :: name_columns = 32
+   integer, parameter :: limit_room = 7
+
+contains
+
+   !> Append the tolerances, then the bands that limit them.
+   subroutine list_allocation(result, text)
+      type(allocation_t), intent(in) :: result
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      integer :: i, j, n
+
+      call text%add()
+      select case (result%rule)
+      case (rule_worst)
+         call text%add(' CHEAPEST TOLERANCES WITHIN THE BANDS: WORST CASE')
+      case (rule_square)
+         call text%add(' CHEAPEST TOLERANCES WITHIN THE BANDS: ROOT SUM SQUARE')
+      case (rule_yield)
+         call text%add(' CHEAPEST TOLERANCES WITHIN THE BANDS: '//trim(adjustl(general(result%yield/percent)))// &
+                       ' PER CENT OF THE LINKAGES')
+      end select
+      call text%add(' COST'//general(result%value)//'   LOWER BOUND'//general(result%bound)//'   DUALITY GAP'// &
+                    general(result%value - result%bound))
+      if (result%with_given) call text%add(' COST OF THE TOLERANCES OF TOLER'//general(result%cost_of_given)// &
+         ', WHICH TAKE UP AT MOST '//trim(adjustl(general(result%use_of_given/percent)))//' PER CENT OF A BAND')
+      call text%add(' DIMENSION                       TOLERANCE (+-)           COST  PER CENT  LIMIT    CLASS')
+      do i = 1, size(result%names)
+         line = ' '//trim(result%names(i))
+         line = line//repeat(' ', max(1, name_columns - len(line)))//general(result%tolerance(i))//general(result%cost(i))// &
+                fixed(result%cost(i)/result%value/percent, 10, 2)//'  '//limit_of(i)
+         if (result%class(i) > 0) line = line//'  '//to_text(result%class(i))
+         call text%add(trim(line))
+      end do
+      call text%add()
+      call text%add(' BANDS THAT ARE FULL: WHAT A BAND WIDER BY 1 PER CENT SAVES')
+      call text%add(' NUMBER          POSITION          INPUT      BAND (+-)          SAVES')
+      n = 0
+      do j = 1, size(result%bands)
+         associate (band => result%bands(j))
+            if (band%used < (1.0_wp - full)*band%width) cycle
+            n = n + 1
+            line = ' '//upper_case(trim(result%numbers(band%number)))
+            line = line//repeat(' ', max(1, 17 - len(line)))
+            line = line//repeat(' ', max(0, 8 - len(to_text(band%position))))//to_text(band%position)// &
+                   general(result%input(band%position))//general(band%width)//general(percent*band%price)
+            call text%add(line)
+         end associate
+      end do
+      if (n == 0) call text%add(' NONE: EVERY TOLERANCE IS THE LARGEST')
+      if (result%sample%trials == 0) return
+      line = ' LINKAGES OF THE SAMPLE '//to_text(result%sample%trials)//', WITHIN ALL BANDS '//to_text(result%sample%kept)//' ('
+      line = line//trim(adjustl(general(real(result%sample%kept, wp)/real(result%sample%trials, wp)/percent)))//' PER CENT)'
+      call text%add(line//', THAT DO NOT CLOSE '//to_text(result%sample%open))
+
+   contains
+
+      pure function limit_of(i) result(word)
+         integer, intent(in) :: i
+         character(limit_room) :: word
+
+         word = '-'
+         if (result%limit(i) == limit_least) word = 'LEAST'
+         if (result%limit(i) == limit_largest) word = 'LARGEST'
+      end function limit_of
+   end subroutine list_allocation
+
+   !> The tables `allocation` and `allocation_bands`.
+   subroutine put_allocation(sliding_input, result, tables)
+      logical, intent(in) :: sliding_input
+      type(allocation_t), intent(in) :: result
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      integer :: i
+      character(len=limit_room) :: limits(size(result%names))
+      character(len(result%names)), allocatable :: names(:)
+
+      table = table_of('allocation', 'a row for each dimension: its cheapest tolerance; cost '// &
+                       trim(adjustl(general(result%value)))//', at least '//trim(adjustl(general(result%bound))), &
+                       audience=for_programs)
+      names = result%names
+      do i = 1, size(names)
+         names(i) = item_name(result%names(i))
+      end do
+      call table%add('dimension', names)
+      call table%add('angle', result%is_angle)
+      call table%add('tolerance', result%tolerance)
+      call table%add('cost', result%cost)
+      limits = 'none'
+      where (result%limit == limit_least) limits = 'least'
+      where (result%limit == limit_largest) limits = 'largest'
+      call table%add('limit', limits)
+      call table%add('class', result%class)
+      call tables%put(table)
+      table = table_of('allocation_bands', 'a row for each number of an output and position that has a band (+-)')
+      associate (bands => result%bands)
+         call table%add('number', [character(len(result%numbers)) :: (result%numbers(bands(i)%number), i=1, size(bands))])
+         call table%add(position_name, bands%position)
+         call table%add(input_name(), result%input(bands%position), input_unit(sliding_input))
+         call table%add('band', bands%width)
+         call table%add('used', bands%used)
+         call table%add('price', bands%price)
+         call table%add('share_within', bands%share)
+         if (result%sample%trials > 0) call table%add('sample_beyond', &
+            [(result%sample%beyond(bands(i)%position, result%columns(i)), i=1, size(bands))])
+      end associate
+      call tables%put(table)
+   end subroutine put_allocation
+end module psalm_allocation_list
