@@ -12,10 +12,11 @@ module psalm_finale
    use psalm_group_words, only: group_heading, group_words
    use psalm_input_text, only: angle_text, crank_heading, input_heading, input_text, list_sketch_notes
    use psalm_loop_arrays, only: loop_arrays_t, arrays_of
-   use psalm_kinds, only: wp, right_angle
+   use psalm_kinds, only: wp, right_angle, half_turn
+   use psalm_markup, only: strings_t, add_string
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_pose, most_rates
    use psalm_parameters, only: variable_outlk, variable_outang
-   use psalm_plan, only: root_frame
+   use psalm_plan, only: root_crank, root_frame
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
    use psalm_text, only: text_t, fixed, general, to_text
@@ -26,6 +27,7 @@ module psalm_finale
 
    character(*), parameter :: beyond_line = ' *** BEYOND THE PUBLISHED LISTING ***'
    integer, parameter :: column = 10   !! width of a dimension
+   integer, parameter :: name_columns = 30 !! of the name of a dimension of a sketch
 
 contains
 
@@ -41,6 +43,24 @@ contains
       call text%add(' '//set%title)
       call text%add()
       call list_sketch_notes(set, text)
+      if (allocated(problem%mechanism%ends)) then
+         call list_by_joints(problem, dimensions, text)
+      else
+         call list_by_arcs(set, problem, dimensions, text)
+      end if
+      call list_motion(problem, motion, text)
+      published = text%length
+      if (allocated(motion%rates)) call list_wanted_rates(problem, motion, text)
+      call list_violations(problem, motion, text)
+   end subroutine list_results
+
+   !> Dimensions of a linkage of loops, as the published listing has them.
+   subroutine list_by_arcs(set, problem, dimensions, text)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      type(text_t), intent(inout) :: text
+
       call list_dimensions(set, problem%mechanism, dimensions, text)
       call list_reference(problem%mechanism, dimensions%crnki, text)
       call text%add(' POLAR CO-ORDINATES (LENGTH, ANGLE) OF')
@@ -50,11 +70,79 @@ contains
          call list_output_arc(arrays_of(set), text)
       end if
       call list_cartesian(set, problem, dimensions, text)
-      call list_motion(problem, motion, text)
-      published = text%length
-      if (allocated(motion%rates)) call list_wanted_rates(problem, motion, text)
-      call list_violations(problem, motion, text)
-   end subroutine list_results
+   end subroutine list_by_arcs
+
+   !> Dimensions of a sketch by the names of its joints: lengths, each once, and angles of lines that are not found from others.
+   subroutine list_by_joints(problem, dimensions, text)
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      type(text_t), intent(inout) :: text
+      type(strings_t), allocatable :: names(:)
+      real(wp) :: c, s
+      integer :: n
+
+      associate (mechanism => problem%mechanism)
+         call text%add(' LENGTHS BETWEEN JOINTS')
+         allocate (names(0))
+         do n = 1, size(mechanism%arcs)
+            if (mechanism%slides(n) .or. .not. dimensions%arcl(n) > 0.0_wp) cycle
+            call row(mechanism%length_called(n), dimensions%arcl(n))
+         end do
+         if (dimensions%outlk > 0.0_wp .and. shows_output_link(problem) .and. len_trim(mechanism%outputs(1)%line(1)) > 0) &
+            call row(mechanism%length_called(0), dimensions%outlk)
+         call text%add(' ANGLES, DEGREES: OF A LINE FROM THE X AXIS, OR OF THE SECOND LINE FROM THE FIRST')
+         deallocate (names)
+         allocate (names(0))
+         do n = 1, size(mechanism%arcs)
+            if (is_found(n)) cycle
+            if (follows(n)) cycle
+            call row(mechanism%angle_called(n), dimensions%gama(n))
+         end do
+         if (dimensions%outlk > 0.0_wp .and. shows_output_link(problem) .and. len_trim(mechanism%outputs(1)%line(1)) > 0) &
+            call row(mechanism%angle_called(0), dimensions%outang)
+         call list_reference(mechanism, dimensions%crnki, text)
+         call unit_vector(dimensions%origng, c, s)
+         call text%add(' ITS PIVOT (X,Y)')
+         call text%add(general(dimensions%origlk*c)//general(dimensions%origlk*s))
+      end associate
+
+   contains
+
+      !> True if the direction of an arc follows from the motion: of the crank, of dyads, of larger groups.
+      pure logical function is_found(n)
+         integer, intent(in) :: n
+
+         associate (arc => problem%mechanism%arcs(n))
+            is_found = arc%dyad /= 0 .or. problem%plan%root(n) == root_crank
+         end associate
+      end function is_found
+
+      !> True if an arc has no direction of its own: it is one joint, it lies along the one that it hangs on, or it is the same line
+      !> of two joints back again.
+      pure logical function follows(n)
+         integer, intent(in) :: n
+
+         associate (arcs => problem%mechanism%arcs, ends => problem%mechanism%ends)
+            follows = ends(1, n) == ends(2, n)
+            if (follows .or. arcs(n)%reference == 0) return
+            follows = abs(dimensions%gama(n)) <= 0.0_wp
+            if (all(ends(:, n) == ends([2, 1], arcs(n)%reference))) follows = abs(dimensions%gama(n) - half_turn) <= 0.0_wp
+         end associate
+      end function follows
+
+      !> A name and its value; a name that was there is skipped.
+      subroutine row(name, value)
+         character(*), intent(in) :: name
+         real(wp), intent(in) :: value
+         integer :: k
+
+         do k = 1, size(names)
+            if (names(k)%text == name) return
+         end do
+         call add_string(names, name)
+         call text%add('  '//name//repeat(' ', max(1, name_columns - len(name)))//general(value))
+      end subroutine row
+   end subroutine list_by_joints
 
    !> True if the output link is that of the output, or its dimensions vary.
    pure logical function shows_output_link(problem)

@@ -651,7 +651,7 @@ def main():
             done, rows = run_psalm(arguments.programs, folder, "s%d" % number, sketch.text("point " + output, deltas))
             wrong = 1.0
             if done.returncode in (0, 1) and len(rows) == len(deltas):
-                by_loops += " ARRAY OF ARC LENGTHS" in done.stdout
+                by_loops += " LENGTHS BETWEEN JOINTS" in done.stdout
                 wrong = max(abs(complex(row[2], row[3]) - sketch.place(pose, output)) / 100 for pose, row in zip(poses, rows))
                 with open(os.path.join(folder, "s%d.csv" % number), encoding="ascii") as file:
                     for pose, row in zip(poses, csv.DictReader(file)):
