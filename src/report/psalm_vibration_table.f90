@@ -321,15 +321,18 @@ contains
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
       logical, allocatable :: measured(:)
-      character(name_room) :: names(size(rules))
+      character(name_room) :: names(size(rules)), owners(size(rules)*size(links))
       integer :: k, n
 
       measured = [(estimates(k)%measured, k=1, size(estimates))]
+      do k = 1, size(links)
+         owners((k - 1)*size(rules) + 1:k*size(rules)) = links(k)
+      end do
       table = table_of('estimate_rules', 'a row for each link and rule of Haines', audience=for_programs)
       do n = 1, size(rules)
          names(n) = lower_case(rules(n)%name)
       end do
-      call table%add('link', pack([(spread(links(k), 1, size(rules)), k=1, size(estimates))], measured))
+      call table%add('link', pack(owners, measured))
       call table%add('rule', pack([(names, k=1, size(estimates))], measured))
       call table%add('value', pack([(estimates(k)%measures, k=1, size(estimates))], measured))
       call table%add('limit', pack([(rules%limit, k=1, size(estimates))], measured))
