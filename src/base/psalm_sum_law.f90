@@ -6,7 +6,7 @@
 !> twice the largest |R|. A triangular deviation is the sum of two uniform ones within half its tolerance each. Of normal
 !> deviations the tolerance is three standard deviations.
 module psalm_sum_law
-   use psalm_elementary, only: sine_cosine
+   use psalm_angles, only: unit_vector
    use psalm_kinds, only: wp, half_turn, pi
    implicit none (type, external)
    private
@@ -139,7 +139,7 @@ contains
          r = of_middle - from_middle**2
          deviation = from_middle*polynomial(a, r)/polynomial(b, r)
       else
-         r = sqrt(-log(min(deviate, 1.0_wp - deviate)))
+         r = sqrt(-logarithm(min(deviate, 1.0_wp - deviate)))
          if (r <= far) then
             deviation = polynomial(c, r - of_near)/polynomial(d, r - of_near)
          else
@@ -149,6 +149,29 @@ contains
       end if
       deviation = deviation/deviations_of_tolerance
    end function standard_normal
+
+   !> The natural logarithm of a positive number, the same on every processor: 2 artanh((m - 1)/(m + 1)) of the mantissa, with 1/sqrt(2)
+   !> <= m < sqrt(2), and the exponent times log 2.
+   pure real(wp) function logarithm(x)
+      real(wp), intent(in) :: x
+      real(wp), parameter :: log_2 = 0.69314718055994530941723212145817656807_wp
+      integer, parameter :: terms = 24               !! 0.1716**(2*24) is below 1E-36
+      real(wp) :: mantissa, z, power
+      integer :: k, twos
+
+      mantissa = fraction(x)
+      twos = exponent(x)
+      if (mantissa < sqrt(0.5_wp)) then
+         mantissa = 2.0_wp*mantissa
+         twos = twos - 1
+      end if
+      z = (mantissa - 1.0_wp)/(mantissa + 1.0_wp)
+      power = 0.0_wp
+      do k = terms, 0, -1
+         power = power*z**2 + 2.0_wp/real(2*k + 1, wp)
+      end do
+      logarithm = real(twos, wp)*log_2 + z*power
+   end function logarithm
 
    pure real(wp) function polynomial(coefficients, x) result(value)
       real(wp), intent(in) :: coefficients(0:), x
@@ -216,7 +239,7 @@ contains
       allocate (of%sine(terms, size(of%others)), of%cosine(terms, size(of%others)))
       allocate (of%characteristic(terms), source=1.0_wp)
       do j = 1, size(of%others)
-         call sine_cosine(half_turn*amount(of%others(j))/of%length, s, c)
+         call unit_vector(half_turn*amount(of%others(j))/of%length, c, s)
          c2 = c**2 - s**2
          s2 = 2.0_wp*s*c
          of%sine(1, j) = s
@@ -271,7 +294,7 @@ contains
          d = [0.5_wp*(x**2/of%all_others + of%all_others), x/of%all_others]
          return
       end if
-      call sine_cosine(half_turn*x/of%length, s, c)
+      call unit_vector(half_turn*x/of%length, c, s)
       c2 = c**2 - s**2
       s2 = 2.0_wp*s*c
       d = 0.0_wp
@@ -326,7 +349,7 @@ contains
       end if
       m = size(of%others)
       do i = 1, of%terms
-         call sine_cosine(half_turn*real(2*i - 1, wp)*x/of%length, s, c)
+         call unit_vector(half_turn*real(2*i - 1, wp)*x/of%length, c, s)
          before(1) = 1.0_wp
          do j = 1, m
             factor(j) = of%sine(i, j)/argument(of, i, amount(of%others(j)))

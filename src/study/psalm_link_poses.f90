@@ -30,15 +30,15 @@ contains
       class(sketch_study_t), intent(inout) :: study
       type(chain_motion_t), intent(out) :: motion
       class(mechanism_t), allocatable :: mechanism       ! large, as those below: they would fill a small stack
-      type(dimensions_t) :: dimensions
-      type(parameters_t) :: parameters
+      class(dimensions_t), allocatable :: dimensions
+      class(parameters_t), allocatable :: parameters
       type(diagnostics_t) :: findings
       class(problem_t), allocatable :: problem
       class(motion_t), allocatable :: found
       class(sketch_study_t), allocatable :: outputs
       integer :: k
 
-      allocate (mechanism, problem, found, outputs)
+      allocate (mechanism, dimensions, parameters, problem, found, outputs)
       call set_up(set, mechanism, dimensions, parameters, findings)
       call new_problem(mechanism, dimensions, no_parameters(mechanism), inputs(1, :) - (dimensions%crnki - dimensions%drawn), &
                        .true., problem, transpose(inputs(2:, :)))

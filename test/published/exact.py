@@ -629,7 +629,7 @@ def refused(folder):
         ("XP=0,1,2,3,4,5,6,7,8,9,10,11, YP=12*1", 2, "one circle or line"),
         ("XP=0,1,2,3,4,5,6,7,8,9, YP=0,2,1,1,5,3,2,8,7,6, TIMP=0,10", 2, "a four-bar with points only"),
         ("KIND='MOTION', XP=0,1,2,3,4, YP=0,2,1,1,5, ANGP=5*10.0", 1, "degenerate"),
-        ("KIND='FUNCTION', SIXBAR='WATT', PHI=0,10,20, PSI=0,5,12", 2, "a six-bar is made for 5 points"),
+        ("KIND='FUNCTION', SIXBAR='WATT', PHI=0,10,20, PSI=0,5,12", 2, "a six-bar of Watt II is made for 5 points (a sample) or 9"),
         ("KIND='FUNCTION', SIXBAR='JANSEN', PHI=0,10,20, PSI=0,5,12", 2, "must be 'STEPHENSON' or 'WATT'"),
         ("KIND='MOTION', XP=0,1,1,3,4, YP=0,2,2,1,5, ANGP=0,10,370,20,30", 2, "poses 2 and 3 are the same"),
         ("XP=0,1,2,3, YP=0,2,1,1", 2, "infinitely many pass; give more"),

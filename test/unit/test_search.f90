@@ -358,6 +358,7 @@ contains
       allocate (none(2, 0))
       dimensions = problem%given
       call synthesise(set, none, problem, 1, stop, dimensions, search)
+      call devices%begin_case(set%title, .false.)
       call report_search(set, search, log, devices)
       text = devices%seven%content()
       allocate (lines(0))
