@@ -42,8 +42,11 @@ def run(program, *arguments, limits=(), env=None, user=None, **options):
             os.setuid(user)
     options.setdefault("stdout", subprocess.PIPE)
     options.setdefault("stderr", subprocess.PIPE)
+    # what is in the environment is on the stack, too: it is not the programs' part of a small one
+    small = any(which == resource.RLIMIT_STACK for which, _ in limits)
+    inherited = {n: v for n, v in os.environ.items() if not small or n in ("HOME", "PATH", "LANG", "XDG_CACHE_HOME")}
     return subprocess.run([os.path.join(BIN, program), *arguments], text=True, preexec_fn=prepare, timeout=120,
-                          env={**os.environ, **(env or {})}, **options)
+                          env={**inherited, **(env or {})}, **options)
 
 
 def read(name):
