@@ -150,8 +150,8 @@ contains
       deviation = deviation/deviations_of_tolerance
    end function standard_normal
 
-   !> The natural logarithm of a positive number, the same on every processor: 2 artanh((m - 1)/(m + 1)) of the mantissa, with 1/sqrt(2)
-   !> <= m < sqrt(2), and the exponent times log 2.
+   !> The natural logarithm of a positive number, the same on every processor: 2 artanh((m - 1)/(m + 1)) of the mantissa, with
+   !> 1/sqrt(2) <= m < sqrt(2), and the exponent times log 2.
    pure real(wp) function logarithm(x)
       real(wp), intent(in) :: x
       real(wp), parameter :: log_2 = 0.69314718055994530941723212145817656807_wp
