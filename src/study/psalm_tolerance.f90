@@ -18,7 +18,7 @@ module psalm_tolerance
    use psalm_output_kind, only: output_kind_t
    use psalm_rates, only: form_frames, is_dead
    use psalm_sensitivity, only: sensitivity_t, wanted_outputs_t, prepare_sensitivity, find_jacobian
-   use psalm_sketch, only: sketch_t, sketch_output_t, output_ratio, columns_of
+   use psalm_sketch, only: sketch_t, sketch_output_t, output_angle, output_pose, output_ratio, columns_of
    use psalm_sketch_motion, only: sketch_motion_t, find_places, locate_sketch
    use psalm_sketch_outputs, only: names_of_numbers, name_room, values_of_outputs
    use psalm_dimensions, only: dimensions_t
@@ -677,7 +677,9 @@ contains
             own = set%traced%arcs(set%traced%number_of(loop, place))%tolerances(which)
          case (variable_outlk, variable_outang)
             own = set%traced%of_output(which)
-            if (set%traced%outlk <= 0.0_wp .and. which == 1) of_sketch = 0.0_wp
+            ! of a joint of the loops or of a slide there is no line whose length or angle could deviate
+            if (set%traced%outlk <= 0.0_wp .and. .not. (which == 2 .and. &
+                any(set%sketch%outputs(1)%kind == [output_angle, output_pose]))) of_sketch = 0.0_wp
          case (variable_origlk, variable_origng)
             of_sketch = 0.0_wp
             if (set%traced%origlk > 0.0_wp) of_sketch = toler%of_pivot(which)
