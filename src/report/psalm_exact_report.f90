@@ -514,9 +514,7 @@ contains
       type(devices_t), intent(inout) :: devices
       complex(wp), allocatable :: joints(:, :)
       type(table_t) :: table
-      character(*), parameter :: names(3:7) = ['c', 'd', 'e', 'g', 'h']
-      character(:), allocatable :: line
-      integer :: i, k, shown
+      integer :: k, shown
 
       associate (found => study%six_bars, six => devices%six)
          call six%add('  '//to_text(found%drivers)//' drivers close, '//to_text(found%linkages)//' closing linkages, '// &
@@ -536,37 +534,12 @@ contains
             call devices%note_violation()
             return
          end if
-         call six%add()
-         call six%add('  RANK   TRANSMISSION   LONGEST LINK     ERROR (DEG)')
-         do k = 1, shown
-            associate (one => found%best(k))
-               call six%add(rank_column(k)//general(one%transmission)// &
-                            general(one%longest)//' '//general(one%error*degrees_per_radian))
-            end associate
-         end do
-         call six%add()
-         call six%add('  RANK  JOINTS C, D, E, G, H: X, Y')
          allocate (joints(7, shown))
          do k = 1, shown
             joints(:, k) = exact%frame*six_bar_joints(found%best(k), study%phi(1))
-            line = rank_column(k)
-            do i = 3, size(joints, 1)
-               line = line//general(real(joints(i, k), wp))//general(aimag(joints(i, k)))
-            end do
-            call six%add(line)
-            call devices%seven%add('! rank '//to_text(k)//': least transmission angle '// &
-                                   trim(adjustl(general(found%best(k)%transmission)))//' degrees')
-            call write_case(set, study, k, merge(set%limits%last, 0, k == shown), devices%seven)
          end do
-         table = list_of(set)
          associate (best => found%best(:shown))
-            call table%add('rank', [(k, k=1, shown)])
-            call table%add('transmission', best%transmission, 'deg')
-            call table%add('longest', best%longest, 'length')
-            call table%add('error', best%error*degrees_per_radian, 'deg')
-            do i = 3, size(joints, 1)
-               call add_point(names(i), joints(i, :), table)
-            end do
+            call list_six_bars(set, study, best%transmission, best%longest, best%error, joints, devices, table)
          end associate
          call devices%cases(devices%last_case())%put(table)
       end associate
@@ -578,10 +551,9 @@ contains
       type(exact_group_t), intent(in) :: exact
       type(exact_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
-      character(*), parameter :: names(3:7) = ['c', 'd', 'e', 'g', 'h'], numbers(5) = ['p', 'q', 'r', 's', 'c']
+      character(*), parameter :: numbers(5) = ['p', 'q', 'r', 's', 'c']
       complex(wp), allocatable :: joints(:, :)
       type(table_t) :: table
-      character(:), allocatable :: line
       integer :: i, k, shown
 
       associate (every => study%every, six => devices%six)
@@ -619,37 +591,12 @@ contains
             call devices%note_violation()
             return
          end if
-         call six%add()
-         call six%add('  RANK   TRANSMISSION   LONGEST LINK     ERROR (DEG)  DRIVEN AT')
-         do k = 1, shown
-            associate (one => every%best(k))
-               call six%add(rank_column(k)//general(one%transmission)//general(one%longest)//' '// &
-                            general(one%error*degrees_per_radian)//'  '//trim(merge('either', 'input ', one%by_output)))
-            end associate
-         end do
-         call six%add()
-         call six%add('  RANK  JOINTS C, D, E, G, H: X, Y')
          allocate (joints(7, shown))
          do k = 1, shown
             joints(:, k) = exact%frame*joints_of(every%problem, every%best(k))
-            line = rank_column(k)
-            do i = 3, size(joints, 1)
-               line = line//general(real(joints(i, k), wp))//general(aimag(joints(i, k)))
-            end do
-            call six%add(line)
-            call devices%seven%add('! rank '//to_text(k)//': least transmission angle '// &
-                                   trim(adjustl(general(every%best(k)%transmission)))//' degrees')
-            call write_case(set, study, k, merge(set%limits%last, 0, k == shown), devices%seven)
          end do
-         table = list_of(set)
          associate (best => every%best(:shown))
-            call table%add('rank', [(k, k=1, shown)])
-            call table%add('transmission', best%transmission, 'deg')
-            call table%add('longest', best%longest, 'length')
-            call table%add('error', best%error*degrees_per_radian, 'deg')
-            do i = 3, size(joints, 1)
-               call add_point(names(i), joints(i, :), table)
-            end do
+            call list_six_bars(set, study, best%transmission, best%longest, best%error, joints, devices, table, best%by_output)
             do i = 1, every%problem%unknowns
                call table%add('number_'//numbers(i)//'x', real(best%x(i), wp))
                call table%add('number_'//numbers(i)//'y', aimag(best%x(i)))
@@ -658,6 +605,53 @@ contains
          call devices%cases(devices%last_case())%put(table)
       end associate
    end subroutine report_every_six_bar
+
+   !> Ranked six-bars in the listing, as cases on device 7 and as a table.
+   subroutine list_six_bars(set, study, transmission, longest, error, joints, devices, table, by_output)
+      type(data_set_t), intent(in) :: set
+      type(exact_study_t), intent(in) :: study
+      real(wp), intent(in) :: transmission(:), longest(:), error(:) !! degrees, length, radians
+      complex(wp), intent(in) :: joints(:, :)       !! at the first point: A to E, G, H; shape (7, six-bars)
+      type(devices_t), intent(inout) :: devices
+      type(table_t), intent(out) :: table
+      logical, intent(in), optional :: by_output(:) !! without a defect driven at the output, too
+      character(*), parameter :: names(3:7) = ['c', 'd', 'e', 'g', 'h']
+      character(:), allocatable :: line
+      integer :: i, k, shown
+
+      shown = size(error)
+      associate (six => devices%six)
+         call six%add()
+         line = '  RANK   TRANSMISSION   LONGEST LINK     ERROR (DEG)'
+         if (present(by_output)) line = line//'  DRIVEN AT'
+         call six%add(line)
+         do k = 1, shown
+            line = rank_column(k)//general(transmission(k))//general(longest(k))//' '//general(error(k)*degrees_per_radian)
+            if (present(by_output)) line = line//'  '//trim(merge('either', 'input ', by_output(k)))
+            call six%add(line)
+         end do
+         call six%add()
+         call six%add('  RANK  JOINTS C, D, E, G, H: X, Y')
+         do k = 1, shown
+            line = rank_column(k)
+            do i = 3, size(joints, 1)
+               line = line//general(real(joints(i, k), wp))//general(aimag(joints(i, k)))
+            end do
+            call six%add(line)
+            call devices%seven%add('! rank '//to_text(k)//': least transmission angle '// &
+                                   trim(adjustl(general(transmission(k))))//' degrees')
+            call write_case(set, study, k, merge(set%limits%last, 0, k == shown), devices%seven)
+         end do
+      end associate
+      table = list_of(set)
+      call table%add('rank', [(k, k=1, shown)])
+      call table%add('transmission', transmission, 'deg')
+      call table%add('longest', longest, 'length')
+      call table%add('error', error*degrees_per_radian, 'deg')
+      do i = 3, size(joints, 1)
+         call add_point(names(i), joints(i, :), table)
+      end do
+   end subroutine list_six_bars
 
    !> How many results are listed.
    pure integer function shown_of(set, study)
