@@ -959,7 +959,7 @@ contains
          given(at_c) = -cmplx(exact%pivots(1), exact%pivots(2), wp)/exact%frame
       end if
       call make_six_bar_problem(merge(watt_2, stephenson_3, exact%six_bar == six_bar_watt), size(study%phi) - 1, is_given, &
-                                0, problem)
+                                problem)
       call find_every_six_bar(problem, study%wanted, study%phi, study%psi, given, exact%least_transmission, exact%longest, &
                               study%every, stop)
       associate (found => study%every%found)
