@@ -844,8 +844,14 @@ contains
       character(:), allocatable :: item
       integer :: i, k
 
-      if (.not. exact%wants_every_six_bar()) return
+      if (exact%six_bar == six_bar_none) return
       call wanted_of(exact, wanted, phi, psi)
+      if (.not. maxval(angle_between(psi - psi(1))) > apart) then
+         call set%origins%error(findings, 'EXACT', trim(merge('FUNC', 'PSI ', wanted%continuous)), &
+                                'the output stands still, as far as whole turns do not count: no linkage is needed', 1)
+         return
+      end if
+      if (.not. exact%wants_every_six_bar()) return
       item = 'PHI'
       if (wanted%continuous) item = 'DPHI'
       do i = 2, size(phi)
