@@ -974,15 +974,15 @@ contains
          study%ends = size(found%ends, 2)
          study%paths = found%paths
          study%followed = found%followed
-         study%merged = found%merged
          study%passes = found%passes
          study%stopped = found%stopped
          study%real_ends = size(study%every%real_ones)
          study%complete = found%complete() .and. study%generic == study%expected
       end associate
       study%linkages = study%real_ends
-      if (.not. exact%certify .or. study%stopped .or. study%real_ends == 0) return
+      if (.not. exact%certify .or. study%stopped) return
       study%examined = .true.
+      if (study%real_ends == 0) return
       associate (every => study%every)
          call certify_six_bars(problem, every%data, study%phi, study%psi, every%found%ends(:, every%real_ones), study%certificate)
       end associate
