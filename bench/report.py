@@ -117,7 +117,7 @@ lines += ["The rivals are timed up to 4 million dyads times positions. On the te
           "| method (table 5.2) | four-bar | six-bar |", "| --- | --- | --- |", "| direct | 0.053 | 0.121 |",
           "| Adams-Moulton | 0.474 | 0.981 |", "| Brown | 0.540 | 2.038 |", "| Newton-Raphson | 0.840 | 1.735 |", "",
           "| variables, Brown's method (table 5.1) | four-bar | six-bar |", "| --- | --- | --- |",
-          "| link angles and lengths | 0.540 | 2.038 |", "| joint co-ordinates | 0.350 | 3.862 |", "",
+          "| link angles and lengths | 0.540 | 2.038 |", "| joint coordinates | 0.350 | 3.862 |", "",
           "Here, microseconds for 180 positions:", "", "| method | four-bar | six-bar |", "| --- | --- | --- |"]
 for m in methods:
     if m[0] == "real64":

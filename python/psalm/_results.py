@@ -98,8 +98,8 @@ class Group:
         raise AttributeError("there is no column %s.%s; there are %s" % (self._name, name, ", ".join(dir(self))))
 
     # a look-up that need not fail first
-    x = property(lambda self: self.__getattr__("x"), doc="(rows,): horizontal co-ordinate")
-    y = property(lambda self: self.__getattr__("y"), doc="(rows,): vertical co-ordinate")
+    x = property(lambda self: self.__getattr__("x"), doc="(rows,): horizontal coordinate")
+    y = property(lambda self: self.__getattr__("y"), doc="(rows,): vertical coordinate")
 
     def __dir__(self):
         return [n[len(self._name) + 1:] for n in self._table.columns if n.startswith(self._name + ".")]

@@ -42,8 +42,8 @@ module psalm_allocation_group
       rule_t('ALBAND', a_number, 'n', '', 'required', '(0,)', &
              'largest deviation of the output to either side: one for all its numbers, or one for each of ALOUT'), &
       rule_t('ALOUT', a_text, 'n', '', '', '', &
-             'numbers of outputs that have bands, by the names of their columns in tables: `''P.x''`; without it all of the '// &
-             'first output'), &
+             'outputs that have bands, by the names of their columns (`''point_P.x''`); without it all numbers of the first '// &
+             'output'), &
       rule_t('ALPOS', a_number, 'n', '', '1', '[0,)', &
              'factor of the bands at every position; 0: no band there'), &
       rule_t('ALRULE', a_word, '', '', 'WORST', 'WORST RSS YIELD', &

@@ -95,7 +95,7 @@ module psalm_exact_group
              'turn of the follower over the range; of a slider its travel'), &
       rule_t('PHI', a_number, 'n', 'degrees', '', '', &
              'a table in place of FUNC: angles of the crank, from a free zero line; five points (four with one '// &
-             'of PHI0 and PSI0, three with both) to be met, more with MINIMAX=1'), &
+             'of PHI0 and PSI0, three with both) to be met, seven or nine by a six-bar (SIXBAR), more with MINIMAX=1'), &
       rule_t('PSI', a_number, 'n', 'degrees, length', '', '', &
              'the angles of the follower, or the travel of the slider'), &
       rule_t('PHI0', a_number, '', 'degrees', '', '', &
@@ -111,8 +111,8 @@ module psalm_exact_group
              '''STEPHENSON'' through seven with PIVOTS and CRANK, all there are', &
              'must be ''STEPHENSON'' or ''WATT'''), &
       rule_t('NPOINT', a_whole, '', '', '5', '[5,9]', &
-             'six-bars: points of FUNC, those of Chebyshev, that are met'), &
-      rule_t('CRANK', a_number, '2', 'length', 'free', '', &
+             'six-bars: points of FUNC, those of Chebyshev, that are met: 5; ''STEPHENSON'' also 7, ''WATT'' also 9'), &
+      rule_t('CRANK', a_number, '2', 'length', 'required with seven points', '', &
              'six-bars through seven points: x, y from A of the crank''s pin at input 0'), &
       rule_t('NGRID', a_whole, '', '', '6', '[2,12]', &
              'six-bars: values of each dimension that is sampled'), &
@@ -131,8 +131,8 @@ module psalm_exact_group
              'the body of a chain of three joints'), &
       rule_t('CERTIFY', a_flag, '', '', '0', '', &
              '1: prove by Krawczyk''s test in discs how many of the ends exist, differ from all others, and are '// &
-             'real (complete lists: not four poses, MINIMAX, NSUB, three or four points of a function, six-bars through '// &
-             'five; of other six-bars the real ones)'), &
+             'real (complete lists: not four poses, three with SLIDER, ARM, MINIMAX, NSUB, three or four points of a '// &
+             'function, six-bars through five; of other six-bars the real ones)'), &
       rule_t('NBEST', a_whole, '', '', '10', '[1,100000]', &
              'linkages that are listed'), &
       rule_t('MAXTIME', a_number, '', 's', 'no limit', '(0,)', &

@@ -171,7 +171,7 @@ contains
             solution%value = value
             solution%bound = bound
          end if
-         if (best <= wanted*value .or. halving > most_halvings) exit
+         if (best <= wanted*value .or. halving == most_halvings) exit
          if (value < smaller*scale) then
             price = price*scale/value
             at_low = at_low*scale/value

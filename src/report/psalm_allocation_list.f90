@@ -32,7 +32,7 @@ contains
          call text%add(' CHEAPEST TOLERANCES WITHIN THE BANDS: ROOT SUM SQUARE')
       case (rule_yield)
          call text%add(' CHEAPEST TOLERANCES WITHIN THE BANDS: '//trim(adjustl(general(result%yield/percent)))// &
-                       ' PER CENT OF THE LINKAGES')
+                       ' PER CENT AT EACH POSITION')
       end select
       call text%add(' COST'//general(result%value)//'   LOWER BOUND'//general(result%bound)//'   DUALITY GAP'// &
                     general(result%value - result%bound))

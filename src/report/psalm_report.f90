@@ -467,6 +467,9 @@ contains
                call devices%remark(set, 'no tolerances are allotted: the least ones let '// &
                                    trim(result%numbers(band%number))//' leave its band at position '//to_text(band%position))
             end associate
+         else if (result%unsettled) then
+            call devices%remark(set, 'no tolerances are allotted: the widths that hold ALYLD do not settle; another ALYLD, '// &
+                                'or ALRULE=''RSS''')
          else
             call devices%remark(set, 'no tolerances are allotted: rounding prevents it')
          end if
@@ -475,7 +478,8 @@ contains
       call list_allocation(result, devices%six)
       call put_allocation(sliding_input, result, devices%cases(devices%last_case()))
       if (result%trials == 0) return
-      if (result%sample%trials < result%trials) call devices%remark(set, 'the sample of &ALLOC has '// &
+      if (result%sample%trials < result%trials) call devices%remark(set, &
+         trim(merge('MAXTIME passed', 'interrupted   ', result%out_of_time))//': the sample of &ALLOC has '// &
          to_text(result%sample%trials)//' of '//to_text(result%trials)//' linkages')
       missed = findloc([(.not. result%is_kept(j), j=1, size(result%bands))], .true., dim=1)
       if (missed == 0) return

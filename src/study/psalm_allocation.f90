@@ -16,6 +16,7 @@ module psalm_allocation
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_mechanism, only: mechanism_t
    use psalm_output_kind, only: output_kind_t, output_kind
+   use psalm_sketch, only: output_ratio
    use psalm_separable, only: separable_t, separable_solution_t, solve_separable, inverse_power
    use psalm_sketch_outputs, only: names_of_numbers, name_room
    use psalm_status, only: diagnostics_t
@@ -34,6 +35,8 @@ module psalm_allocation
    real(wp), parameter :: largest_angle = 5.0_wp      !! degrees, the same of an angle
    real(wp), parameter :: at_limit = 1.0e-6_wp        !! part of a limit within which a tolerance is at it
    integer, parameter :: most_rounds = 100            !! of weights
+   integer, parameter :: undamped = 8                 !! rounds that go all the way to the next weights
+   real(wp), parameter :: kept_to = 1.0e-6_wp         !! part of a band that rounds which have ended may leave over
    real(wp), parameter :: steady = 1.0e-9_wp          !! change of the cost between two rounds at which they end
    character(*), parameter :: of_joint = ' OF JOINT ', of_arc = ' OF ARC ' !! in names that joints have no part in, or one
    real(wp), parameter :: least_change = 1.0e-10_wp           !! part of the largest change below which a dimension has none
@@ -51,6 +54,7 @@ module psalm_allocation
    type :: allocation_t
       logical :: closes = .false.                     !! the nominal linkage closes everywhere; else there is nothing more
       logical :: solved = .false.                     !! tolerances were found
+      logical :: unsettled = .false.                  !! the rounds of a yield did not come to an end
       integer :: rule = rule_worst                    !! one of `rule_...`
       real(wp) :: yield = 0.0_wp                      !! share of the linkages that is wanted
       character(name_room), allocatable :: numbers(:) !! of the outputs
@@ -64,12 +68,13 @@ module psalm_allocation
       type(allocated_band_t), allocatable :: bands(:) !! by number of the output, then by position
       integer :: impossible = 0                       !! band that even the least tolerances do not keep; 0: there is none
       real(wp), allocatable :: input(:)               !! shape (positions), as listings have it
-      logical, allocatable :: dead(:)                 !! shape (positions): dead points, where there are no bands
+      logical, allocatable :: dead(:)                 !! shape (positions): dead points where a band was asked for and there is none
       logical :: with_given = .false.                 !! the case has tolerances of its own (TOLER)
       real(wp) :: cost_of_given = 0.0_wp              !! their cost
       real(wp) :: use_of_given = 0.0_wp               !! and how much of a band they use at most
       integer :: trials = 0                           !! linkages of the sample that were asked for
       type(sample_t) :: sample
+      logical :: out_of_time = .false.                !! MAXTIME ended it
       integer, allocatable :: columns(:)              !! shape (bands): of the sample
    contains
       procedure :: is_violating
@@ -114,7 +119,7 @@ contains
       result%turns = allowance%turns
       result%names = allowance%names
       result%is_angle = allowance%is_angle
-      result%dead = linear%dead
+      result%dead = linear%dead .and. asked%factors > 0.0_wp
       result%input = linear%nominal%input
       call make_terms(asked, allowance, linear%dimensions, terms)
       result%class = terms%class
@@ -140,6 +145,7 @@ contains
          within(result%bands(j)%position, result%columns(j)) = result%bands(j)%width
       end do
       call draw_sample(deviating, linear, asked%trials, set%method%istart, threads, result%sample, limited, within)
+      result%out_of_time = limited%late()
    end subroutine study_allocation
 
    !> True if no tolerances keep the bands, there are dead points without bands, the sample ended early, or the linkages of the
@@ -155,8 +161,8 @@ contains
       is_violating = self%sample%trials < self%trials .or. any([(.not. self%is_kept(j), j=1, size(self%bands))])
    end function is_violating
 
-   !> True if the sample keeps a band as promised: all of it in the worst case; the share that the law of the deviations has within
-   !> it, but for three standard errors.
+   !> True if the sample keeps a band as promised: the share that the law of the deviations has within it, but for three standard
+   !> errors.
    pure logical function is_kept(self, j)
       class(allocation_t), intent(in) :: self
       integer, intent(in) :: j                        !! band
@@ -168,7 +174,6 @@ contains
       associate (trials => real(self%sample%trials, wp))
          beyond = self%sample%beyond(self%bands(j)%position, self%columns(j))
          expected = trials*(1.0_wp - self%bands(j)%share)
-         if (self%rule == rule_worst) expected = 0.0_wp
          is_kept = beyond <= expected + errors*sqrt(max(0.0_wp, expected*(1.0_wp - expected/trials)))
       end associate
    end function is_kept
@@ -232,9 +237,10 @@ contains
          call set%origins%error(findings, 'ALLOC', 'ALCLAS', 'class '//to_text(class(i))//' has lengths and angles')
          exit
       end do
-      if (size(asked%outputs) == 0) return
       if (size(set%sketch%outputs) > 0) then
          call names_of_numbers(set%sketch%outputs, numbers, turning)
+         if (size(asked%outputs) == 0 .and. set%sketch%outputs(1)%kind == output_ratio) &
+            call set%origins%error(findings, 'ALLOC', 'ALOUT', 'the first output is a ratio of rates, which has no band')
       else
          kind = output_kind(set%method%motion)
          allocate (numbers(kind%components))
@@ -243,6 +249,11 @@ contains
          end do
       end if
       do i = 1, size(asked%outputs)
+         if (any(asked%outputs(:i - 1) == asked%outputs(i))) &
+            call set%origins%error(findings, 'ALLOC', 'ALOUT', "'"//trim(asked%outputs(i))//"' is named twice", i)
+         if (any(set%sketch%outputs%name == asked%outputs(i) .and. set%sketch%outputs%kind == output_ratio)) &
+            call set%origins%error(findings, 'ALLOC', 'ALOUT', "'"//trim(asked%outputs(i))// &
+                                   "' is a ratio of rates, which has no band", i)
          if (any(numbers == asked%outputs(i))) cycle
          list = ''
          do k = 1, size(numbers)
@@ -323,7 +334,7 @@ contains
       type(allowance_t), intent(in) :: allowance
       type(dimensions_t), intent(in) :: dimensions
       type(terms_t), intent(out) :: terms
-      real(wp) :: arm
+      real(wp) :: mean, own
       integer :: i, k, n
 
       n = size(allowance%names)
@@ -342,15 +353,16 @@ contains
             end where
          end associate
       end do
-      arm = radians_per_degree*sum(abs(dimensions%arcl))/real(max(1, count(abs(dimensions%arcl) > 0.0_wp)), wp)
+      mean = sum(abs(dimensions%arcl))/real(max(1, count(abs(dimensions%arcl) > 0.0_wp)), wp)
       do i = 1, n
          if (.not. terms%cost(i) > 0.0_wp) then
             terms%cost(i) = 1.0_wp
-            if (allowance%is_angle(i)) terms%cost(i) = inverse_power(arm, terms%power(i))
+            if (allowance%is_angle(i)) terms%cost(i) = inverse_power(radians_per_degree*mean, terms%power(i))
          end if
          if (terms%high(i) > 0.0_wp) cycle
-         terms%high(i) = largest_angle
-         if (.not. allowance%is_angle(i)) terms%high(i) = largest_of_length*allowance%size(i)
+         own = abs(allowance%size(i))
+         if (.not. own > 0.0_wp) own = mean           ! of a travel, or of a length that is 0
+         terms%high(i) = merge(largest_angle, largest_of_length*own, allowance%is_angle(i))
          terms%high(i) = max(terms%high(i), terms%low(i))
       end do
    end subroutine make_terms
@@ -459,10 +471,17 @@ contains
          if (asked%rule /= rule_yield) exit
          if (abs(solution%value - before) <= steady*solution%value) exit
          before = solution%value
-         call reweigh()
+         call reweigh(rounds > undamped)
       end do
       result%impossible = solution%tightest
       result%solved = solution%solved
+      if (.not. result%solved) return
+      do j = 1, size(result%bands)
+         result%bands(j)%used = used_of(asked, allowance, result%bands(j), result%tolerance)
+      end do
+      if (asked%rule == rule_yield) result%unsettled = rounds > most_rounds .or. &
+         any(result%bands%used > (1.0_wp + kept_to)*result%bands%width)
+      result%solved = .not. result%unsettled
       if (.not. result%solved) return
       result%cost = costs_of(terms, result%tolerance)
       result%value = sum(result%cost)
@@ -473,7 +492,6 @@ contains
       do j = 1, size(result%bands)
          associate (band => result%bands(j))
             band%price = order*solution%price(j)
-            band%used = used_of(asked, allowance, band, result%tolerance)
             band%share = share_within(asked%law, allowance%change(band%position, :, band%number)*result%tolerance, band%width)
          end associate
       end do
@@ -494,16 +512,19 @@ contains
          call solve_separable(problem, solution)
       end subroutine solve_with
 
-      !> Weights whose sum has the value and the slopes of the width that holds the share.
-      subroutine reweigh()
-         real(wp) :: width, slope(size(unknown)), effect(size(unknown))
+      !> Weights whose sum has the value and the slopes of the width that holds the share; damped, halfway from those before.
+      subroutine reweigh(damped)
+         logical, intent(in) :: damped
+         real(wp) :: width, slope(size(unknown)), effect(size(unknown)), next(size(unknown))
          integer :: b
 
          do b = 1, size(result%bands)
             effect = abs(allowance%change(result%bands(b)%position, :, result%bands(b)%number))
             where (effect < least_change*maxval(effect)) effect = 0.0_wp
             call half_width(asked%law, effect*result%tolerance, asked%yield, width, slope)
-            weights(:, b) = width*slope*effect/result%tolerance
+            next = width*slope*effect/result%tolerance
+            if (damped) next = 0.5_wp*(next + weights(:, b))
+            weights(:, b) = next
          end do
       end subroutine reweigh
    end subroutine find_cheapest

@@ -18,7 +18,7 @@ module psalm_tolerance
    use psalm_output_kind, only: output_kind_t
    use psalm_rates, only: form_frames, is_dead
    use psalm_sensitivity, only: sensitivity_t, wanted_outputs_t, prepare_sensitivity, find_jacobian
-   use psalm_sketch, only: sketch_t, sketch_output_t, output_ratio, columns_of
+   use psalm_sketch, only: sketch_t, sketch_output_t, output_angle, output_pose, output_ratio, columns_of
    use psalm_sketch_motion, only: sketch_motion_t, find_places, locate_sketch
    use psalm_sketch_outputs, only: names_of_numbers, name_room, values_of_outputs
    use psalm_dimensions, only: dimensions_t
@@ -419,7 +419,7 @@ contains
       type(parameters_t) :: parameters
       type(sketch_motion_t) :: sketch
       integer, allocatable :: apart(:), list(:)
-      integer :: k
+      integer :: k, v
 
       toler = tolerances_of(set, 1.0_wp)
       parameters = deviating_dimensions(set, toler, mechanism)
@@ -428,25 +428,26 @@ contains
          call locate_sketch(set, mechanism, sketch, dimensions)
          apart = pack(sketch%moving%joint, abs(sketch%moving%offset) > 0.0_wp)
       end if
-      list = allotted_columns(parameters%variables, listed_of(set, dimensions, apart), &
-                              [([toler%tollen, toler%tolang], k=1, size(apart))])
+      list = allotted_columns([(tolerance_of(set, toler, parameters%variables(v)), v=1, size(parameters%variables))], &
+                              listed_of(set, dimensions, apart), [([toler%tollen, toler%tolang], k=1, size(apart))])
       names = names_of_tolerances(set%sketch, parameters%variables, apart)
       names = names(list)
       is_angle = angles_of(parameters%variables, size(apart), mechanism%sliding_input)
       is_angle = is_angle(list)
    end subroutine dimensions_to_allot
 
-   !> Columns to which tolerances can be allotted. The joint that the output arc ends at has the tolerances of that arc.
-   pure function allotted_columns(variables, listed, of_apart) result(list)
-      type(variable_t), intent(in) :: variables(:)
+   !> Columns to which tolerances can be allotted: those that have one. The pivot of the input has two columns if either has a
+   !> tolerance. The joint that the output arc ends at has the tolerances of that arc.
+   pure function allotted_columns(tolerance, listed, of_apart) result(list)
+      real(wp), intent(in) :: tolerance(:)         !! of the variables
       integer, intent(in) :: listed                !! joint off the arcs that the output arc ends at; 0: none
       real(wp), intent(in) :: of_apart(:)          !! tolerances of their distances and angles, in turn
       integer, allocatable :: list(:)
       integer :: v, k
 
-      list = [(v, v=1, size(variables))]
+      list = pack([(v, v=1, size(tolerance))], tolerance > 0.0_wp)
       do k = 1, size(of_apart)
-         if ((k + 1)/2 /= listed .and. of_apart(k) > 0.0_wp) list = [list, size(variables) + k]
+         if ((k + 1)/2 /= listed .and. of_apart(k) > 0.0_wp) list = [list, size(tolerance) + k]
       end do
    end function allotted_columns
 
@@ -511,9 +512,9 @@ contains
                sizes = [sizes, abs(all%sketch%moving(all%apart(k))%offset), 0.0_wp]
             end do
          end associate
-         allowance%column = allotted_columns(linear%variables, listed, linear%bands%of_apart)
+         allowance%column = allotted_columns(linear%tolerance, listed, linear%bands%of_apart)
       else
-         allowance%column = [(v, v=1, nvar)]
+         allowance%column = allotted_columns(linear%tolerance, listed, [real(wp) ::])
       end if
       associate (list => allowance%column)
          allowance%names = names_of_tolerances(set%sketch, linear%variables, apart)
@@ -527,11 +528,15 @@ contains
             allowance%known = linear%bands%known
             allowance%turns = linear%bands%turns
             allowance%change = linear%bands%change(:, list, :)
-            do v = 1, nvar
-               if (listed == 0) exit
+            do v = 1, size(list)
+               if (listed == 0 .or. list(v) > nvar) exit
                k = nvar + 2*listed
-               if (linear%variables(v)%kind == variable_outlk) allowance%change(:, v, :) = linear%bands%change(:, k - 1, :)
-               if (linear%variables(v)%kind == variable_outang) allowance%change(:, v, :) = linear%bands%change(:, k, :)
+               select case (linear%variables(list(v))%kind)
+               case (variable_outlk)
+                  allowance%change(:, v, :) = linear%bands%change(:, k - 1, :)
+               case (variable_outang)
+                  allowance%change(:, v, :) = linear%bands%change(:, k, :)
+               end select
             end do
          else
             allocate (allowance%numbers(linear%kind%components))
@@ -540,9 +545,9 @@ contains
             end do
             allowance%known = [(.true., k=1, linear%kind%components)]
             allowance%turns = [(k == linear%kind%angle, k=1, linear%kind%components)]
-            allowance%change = linear%effect
-            do v = 1, nvar
-               allowance%change(:, v, :) = linear%effect(:, v, :)/linear%tolerance(v)
+            allowance%change = linear%effect(:, list, :)
+            do v = 1, size(list)
+               allowance%change(:, v, :) = allowance%change(:, v, :)/linear%tolerance(list(v))
             end do
          end if
       end associate
@@ -563,7 +568,8 @@ contains
       if (allocated(linear%bands)) tolerance = [tolerance, linear%bands%of_apart]
       tolerance(allowance%column) = allotted
       do v = 1, nvar
-         linear%effect(:, v, :) = linear%effect(:, v, :)*(tolerance(v)/linear%tolerance(v))
+         if (linear%tolerance(v) > 0.0_wp) &
+            linear%effect(:, v, :) = linear%effect(:, v, :)*(tolerance(v)/linear%tolerance(v))
       end do
       linear%tolerance = tolerance(:nvar)
       linear%worst = sum(abs(linear%effect), dim=2)
@@ -677,7 +683,9 @@ contains
             own = set%traced%arcs(set%traced%number_of(loop, place))%tolerances(which)
          case (variable_outlk, variable_outang)
             own = set%traced%of_output(which)
-            if (set%traced%outlk <= 0.0_wp .and. which == 1) of_sketch = 0.0_wp
+            ! of a joint of the loops or of a slide there is no line whose length or angle could deviate
+            if (set%traced%outlk <= 0.0_wp .and. .not. (which == 2 .and. &
+                any(set%sketch%outputs(1)%kind == [output_angle, output_pose]))) of_sketch = 0.0_wp
          case (variable_origlk, variable_origng)
             of_sketch = 0.0_wp
             if (set%traced%origlk > 0.0_wp) of_sketch = toler%of_pivot(which)

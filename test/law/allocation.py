@@ -156,6 +156,7 @@ def one(program, folder, number, random):
     tally.check(where + ": within the limits", (tolerance <= high*(1 + 1e-9)).all())
     tally.check(where + ": classes are equal", len({t for t, k in zip(tolerance, classes) if k == 7}) < 2)
     best = cheapest(cost, power, low, high, classes, shares, order, random)
+    tally.check(where + ": SLSQP keeps the bands from some start", numpy.isfinite(best))
     tally.check(where + ": not dearer than SLSQP", total <= best*(1 + 1e-6), "%r %r" % (total, best))
     tally.check(where + ": the bound is below every allocation", bound <= min(total, best)*(1 + 2e-6), "%r %r" % (bound, best))
     tally.check(where + ": the bound is near", total - bound < 2e-6*total, "%r %r" % (bound, total))
@@ -169,13 +170,61 @@ def by_loops(program, folder):
     path = os.path.join(folder, "loops.nml")
     with open(path, "w", encoding="utf-8") as f:
         f.write(text.replace(" &LIMITS", " &TOLER TOLLEN=0.1, TOLANG=0.1 &END\n &ALLOC ALBAND=0.5, ALRULE='RSS' &END\n &LIMITS"))
-    subprocess.run([program, "--quiet", "--json", "--output-dir", folder, path], capture_output=True, check=False)
+    done = subprocess.run([program, "--json", "--output-dir", folder, path], capture_output=True, text=True, check=False)
+    tally.check("loops: nothing but NITER=2 of this data set is amiss", done.returncode == 1 and "NITER=2" in done.stderr and
+                not any(word in done.stderr for word in ("allotted", "linear bands", "ALLOC has")), done.stderr)
     with open(os.path.join(folder, "loops.allocation.csv"), encoding="utf-8") as f:
         names = [row["dimension"] for row in csv.DictReader(f)]
     with open(os.path.join(folder, "loops.allocation_bands.csv"), encoding="utf-8") as f:
         bands = [(float(row["used"]), float(row["band"])) for row in csv.DictReader(f)]
     tally.check("loops: 19 dimensions", len(set(names)) == 19 and "length of arc 2 in loop 1" in names, str(names))
     tally.check("loops: 20 bands, of which one is full", len(bands) == 20 and 0 <= min(b - u for u, b in bands) < 1e-6, str(bands))
+
+
+def edges(program, folder):
+    """What random linkages seldom have: two dimensions of which one alone fills a small share of the linkages, a pivot with a tolerance of
+    its length alone, a driven slide, a normal law in the worst case, a band asked for of a ratio."""
+    def run(text, *arguments):
+        path = os.path.join(folder, "edge.nml")
+        with open(path, "w", encoding="utf-8") as f:
+            f.write(text)
+        for name in ("allocation", "allocation_bands"):
+            if os.path.exists(os.path.join(folder, "edge.%s.csv" % name)):
+                os.remove(os.path.join(folder, "edge.%s.csv" % name))
+        done = subprocess.run([program, "--quiet", "--json", "--output-dir", folder, *arguments, path], capture_output=True, text=True, check=False)
+        rows = {}
+        for name in ("allocation", "allocation_bands"):
+            table = os.path.join(folder, "edge.%s.csv" % name)
+            if os.path.exists(table):
+                with open(table, encoding="utf-8") as f:
+                    rows[name] = list(csv.DictReader(f))
+        return done, rows.get("allocation", []), rows.get("allocation_bands", [])
+
+    def data(name):
+        with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "data", name), encoding="utf-8") as f:
+            return f.read()
+    bar = ("A BAR\n &CHAIN JNT='A','B','C','D', JX=0.0,1.0,3.0,3.0, JY=0.0,0.0,1.0,0.0, LNAME='f','a','b','c', LNK='A D','A B','B C','C D' &END\n"
+           " &DRIVES DRIVE='A', DBASE='f', DLINK='a' &END\n &OUTPUTS OUTPUT='x B'%s &END\n"
+           " &METHOD NDES=2, DELT=0.0,10.0 &END\n &ALLOC ALBAND=0.01%s &END\n")
+    for share, cost in ((30.0, 0.1), (50.0, 0.1), (90.0, 1e-4), (99.0, 1e-2)):
+        done, _, bands = run(bar % ("", ", ALRULE='YIELD', ALYLD=%r, ALNAM='A B','A D', ALCOST=1.0,%r" % (share, cost)))
+        kept = all(float(b["used"]) <= float(b["band"])*(1 + 2e-6) for b in bands)
+        tally.check("yield %g: within the bands, or not called done" % share, bands and done.returncode == 0 and kept or
+                    done.returncode == 1 and not bands and "do not settle" in done.stderr, done.stderr + str(bands))
+    done, _, _ = run(bar % ("", ", ALRULE='WORST', ALLAW='NORMAL', ALTRY=20000"))
+    tally.check("worst case of normal deviations: some lie beyond, as the law has it", done.returncode == 0, done.stderr)
+    done, _, _ = run(bar % (",'ratio 1 1'", ", ALOUT='x_B','x_B'"))
+    tally.check("a number named twice is refused", done.returncode == 2, done.stderr)
+    pivot = data("dyad1_crank_rocker.nml").replace("&METHOD", "&METHOD ORIGLK=5.0, ORIGNG=45.0,", 1)
+    for tolerances in ("", " &TOLER TOLORL=0.1 &END\n", " &TOLER TOLLEN=0.1, TOLORL=0.1 &END\n"):
+        done, rows, _ = run(pivot.rstrip() + "\n" + tolerances + " &ALLOC ALBAND=0.5 &END\n")
+        names = [r["dimension"] for r in rows]
+        tally.check("a pivot with a tolerance of its length: %s" % (tolerances.strip() or "none given"),
+                    done.returncode == 0 and names and not any("angle" in n for n in names), (done.stderr, names))
+    slide = data("actuator_rapson_slide.nml")
+    done, rows, _ = run(slide.rstrip() + "\n &TOLER TOLLEN=0.1, TOLCRK=0.1 &END\n &ALLOC ALBAND=0.5 &END\n")
+    tally.check("a driven slide has tolerances above 0 and finite costs", done.returncode in (0, 1) and rows and
+                all(float(r["tolerance"]) > 0 and numpy.isfinite(float(r["cost"])) for r in rows), (done.stderr, rows))
 
 
 def main():
@@ -186,6 +235,7 @@ def main():
     random = numpy.random.default_rng(41)
     with tempfile.TemporaryDirectory() as folder:
         by_loops(os.path.join(os.path.abspath(options.programs), "psalm"), folder)
+        edges(os.path.join(os.path.abspath(options.programs), "psalm"), folder)
         for number in range(options.cases):
             one(os.path.join(os.path.abspath(options.programs), "psalm"), folder, number, random)
     return tally.report()
