@@ -198,7 +198,9 @@ module psalm_mechanism
       procedure :: angle_on_body
       procedure :: slides
       procedure :: is_cylinder
+      procedure :: is_one_joint
       procedure :: line_called
+      procedure :: has_joint_names
       procedure :: length_called
       procedure :: angle_called
       procedure :: guide_of
@@ -287,8 +289,15 @@ contains
       character(:), allocatable :: words
 
       words = ''
-      if (allocated(self%ends)) words = trim(self%ends(1, n))//' '//trim(self%ends(2, n))
+      if (self%has_joint_names()) words = trim(self%ends(1, n))//' '//trim(self%ends(2, n))
    end function line_called
+
+   !> True if arcs are lines between joints that have names, those of a sketch.
+   pure logical function has_joint_names(self)
+      class(mechanism_t), intent(in) :: self
+
+      has_joint_names = allocated(self%ends)
+   end function has_joint_names
 
    !> What the length of an arc is called, or that of the output on its link (0): its joints by the alphabet.
    pure function length_called(self, n) result(words)
@@ -298,7 +307,7 @@ contains
       character(sketch_name) :: ends(2)
 
       words = ''
-      if (.not. allocated(self%ends)) return
+      if (.not. self%has_joint_names()) return
       if (n > 0) then
          ends = self%ends(:, n)
       else
@@ -318,7 +327,7 @@ contains
 
       from = 0
       words = ''
-      if (.not. allocated(self%ends)) return
+      if (.not. self%has_joint_names()) return
       if (n > 0) then
          from = self%arcs(n)%reference
          words = self%line_called(n)
@@ -326,8 +335,19 @@ contains
          from = self%outputs(1)%arc
          words = trim(self%outputs(1)%line(1))//' '//trim(self%outputs(1)%line(2))
       end if
-      if (from > 0) words = self%line_called(from)//' '//words
+      if (from > 0) then
+         if (.not. self%is_one_joint(from)) words = self%line_called(from)//' '//words
+      end if
    end function angle_called
+
+   !> True if an arc of a sketch leads from a joint to itself: it closes a ring and is no dimension of a link.
+   pure logical function is_one_joint(self, n)
+      class(mechanism_t), intent(in) :: self
+      integer, intent(in) :: n          !! sequential number of the arc
+
+      is_one_joint = .false.
+      if (allocated(self%ends)) is_one_joint = self%ends(1, n) == self%ends(2, n)
+   end function is_one_joint
 
    !> True if an arc is a cylinder: its length is an input, its direction is found by its group.
    pure logical function is_cylinder(self, n)

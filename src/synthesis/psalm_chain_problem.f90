@@ -16,8 +16,8 @@ module psalm_chain_problem
    use psalm_kinds, only: wp, full_turn, half_turn, right_angle, radians_per_degree, degrees_per_radian
    use psalm_merit, only: least_margin
    use psalm_nlp, only: plain_nlp_t
-   use psalm_sketch, only: sketch_t, variation_t, columns_of, frame_link, most_wished, drive_turns, output_angle, output_between, &
-                           output_pose, output_ratio, vary_angle, vary_input, vary_length, vary_place
+   use psalm_sketch, only: sketch_t, variation_t, columns_of, first_number, frame_link, most_wished, drive_turns, &
+                           output_angle, output_between, output_pose, output_ratio, vary_angle, vary_input, vary_length, vary_place
    use psalm_text, only: to_text
    implicit none (type, external)
    private
@@ -305,12 +305,8 @@ contains
 
       associate (outputs => set%sketch%outputs)
          positions = size(problem%inputs, 2)
-         n = 0
-         allocate (first(size(outputs)))
-         do k = 1, size(outputs)
-            first(k) = n + 1
-            n = n + columns_of(outputs(k))
-         end do
+         first = [(first_number(outputs, k), k=1, size(outputs))]
+         n = first_number(outputs, size(outputs) + 1) - 1
          allocate (problem%wanted(n, 0:most_wished, positions), problem%weight(n, 0:most_wished, positions), source=0.0_wp)
          allocate (problem%angle(n), problem%ratio(n), source=.false.)
          allocate (problem%ratio_of(2, n), source=0)
