@@ -779,7 +779,7 @@ dwells.outputs = lambda k: "'point P'" if k.arcs else "'angle %s %s'" % k.line("
 dwells.figures = lambda k, run: {"turning": sorted(drawn_inputs(k, [
     float(v) for v in re.findall(r"^turning \S+ \S+ (\S+)", run.file(".dev9"), re.M)], 1, 0)),
                                  "ratio": [float(v) for v in re.findall(r"^velocity_ratio\S* .*", run.file(".dev9"), re.M)[:1]
-                                           for v in v.split()[3:]]}
+                                           for v in v.split()[3:-1]]} # behind the figures is the name
 
 
 def proven_ways(k):

@@ -52,6 +52,7 @@ PLACE = """FOUR-BAR WHOSE PIVOT MOVES
  &OUTPUTS OUTPUT='point P','angle P Q', DES1=45,113,63,115,80,112,95,105, DES2=60,50,40,30 &END
  &METHOD NDES=4, VAR=0.99, DELT=0,-15,-30,-45 &END
  &SEARCH SOLVER='LSQ', NSTART=1, FIRST=%d &END
+ &LIMITS TANGLE=90.0, LAST=1 &END
 """
 OUTPUTS = ("point P", "x P", "angle C D", "distance B D", "between A B C D")
 NUMBERS = ("point_P.x", "point_P.y", "x_P", "angle_C_D", "distance_B_D", "between_A_B_C_D")
