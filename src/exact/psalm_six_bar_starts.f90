@@ -16,7 +16,7 @@ module psalm_six_bar_starts
 
    integer(int64), parameter :: mark = 1936288882_int64, version = 1_int64
    integer, parameter :: checked = 10                !! solutions of a file that are polished
-   real(wp), parameter :: sound = 1.0e-9_wp          !! largest first correction of these
+   real(wp), parameter :: valid = 1.0e-9_wp          !! largest first correction of these
    integer, parameter :: most_seeds = 3
 
 contains
@@ -139,7 +139,7 @@ contains
       if (error == 0) read (unit, iostat=error) loops%first, loops%second, total
       close (unit)
       if (error == 0) kept = .not. abs(total - sum_of(loops)) > 0.0_wp .and. size(loops%first, 2) > 0
-      if (kept) kept = is_sound(loops)
+      if (kept) kept = is_valid(loops)
    end subroutine read_loops
 
    !> What tells whether numbers were damaged.
@@ -150,7 +150,7 @@ contains
    end function sum_of
 
    !> True if some of the solutions, spread over all, solve the problem.
-   logical function is_sound(loops)
+   logical function is_valid(loops)
       type(start_set_t), intent(in) :: loops
       complex(wp) :: some(size(loops%first, 1), checked), polished(size(loops%first, 1), checked)
       real(wp) :: left(checked)
@@ -162,6 +162,6 @@ contains
       end do
       polished = some
       call polish(loops%problem, loops%data(1), polished, left)
-      is_sound = all(abs(polished - some) <= sound*(1.0_wp + abs(some)))
-   end function is_sound
+      is_valid = all(abs(polished - some) <= valid*(1.0_wp + abs(some)))
+   end function is_valid
 end module psalm_six_bar_starts

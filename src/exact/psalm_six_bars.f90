@@ -46,7 +46,7 @@ module psalm_six_bars
    type :: six_bars_t
       integer :: drivers = 0                         !! looked at that close at all points
       integer :: linkages = 0                        !! closing links, all of them
-      integer :: sound = 0                           !! those that stay assembled on one branch over the range
+      integer :: valid = 0                           !! those that stay assembled on one branch over the range
       integer :: tried = 0, planned = 0              !! drivers of the grid
       logical :: stopped = .false.                   !! before all were tried
       type(six_bar_t), allocatable :: best(:)        !! ranked
@@ -95,7 +95,7 @@ contains
             if (links(k)%longest > longest .or. min(abs(links(k)%output_pin), links(k)%link) < no_length) cycle
             call judge(wanted, phi, psi, links(k))
             if (links(k)%transmission <= 0.0_wp) cycle
-            found%sound = found%sound + 1
+            found%valid = found%valid + 1
             if (links(k)%transmission < least_angle) cycle
             call keep(links(k), most, wanted%continuous, found%best)
          end do
@@ -195,7 +195,7 @@ contains
                if (one%longest > longest) cycle
                call judge(wanted, phi, psi, one)
                if (one%transmission <= 0.0_wp) cycle
-               found%sound = found%sound + 1
+               found%valid = found%valid + 1
                if (one%transmission < least_angle) cycle
                call keep(one, most, wanted%continuous, found%best)
             end do

@@ -15,12 +15,12 @@ contains
       integer, intent(in) :: loop
       character(:), allocatable :: words
       character(:), allocatable :: names
-      integer, allocatable :: told(:)     ! joints of the sketch
+      integer, allocatable :: reported(:)     ! joints of the sketch
       integer :: k, point, n
 
       words = 'loop '//to_text(loop)
       if (.not. allocated(mechanism%ends)) return
-      allocate (told(0))
+      allocate (reported(0))
       names = ''
       n = 0
       associate (joints => mechanism%groups(loop)%joints)
@@ -28,11 +28,11 @@ contains
             associate (joint => mechanism%joints(joints(k)))
                point = 0
                if (joint%kind == joint_revolute .and. joint%arc > 0) point = mechanism%arcs(joint%arc)%joints(joint%end)
-               if (any(told == point) .and. point > 0) cycle
+               if (any(reported == point) .and. point > 0) cycle
                n = n + 1
                if (n > 1) names = names//', '
                if (point > 0) then
-                  told = [told, point]
+                  reported = [reported, point]
                   names = names//trim(mechanism%ends(joint%end, joint%arc))
                else
                   names = names//joint%name

@@ -191,7 +191,7 @@ contains
       call t%close_to(summary%closing(1)%high, 180.0_wp, 1.0e-8_wp, 'parallel slides: where')
    end subroutine two_slides
 
-   !> A linkage that does not go round: prescribed inputs over less than 300 degrees are told of alone.
+   !> A linkage that does not go round: prescribed inputs over less than 300 degrees are reported of alone.
    subroutine part_of_turn()
       type(problem_t) :: problem
       type(data_set_t) :: set
