@@ -10,7 +10,7 @@ module psalm_chain_scene
    use psalm_data_set, only: data_set_t
    use psalm_error, only: violation_t
    use psalm_kinds, only: wp, degrees_per_radian, full_turn
-   use psalm_markup, only: add_string, sentence_case
+   use psalm_markup, only: add_string
    use psalm_output_kind, only: motion_point, motion_angle
    use psalm_panels, only: add_study_panels, with_unit
    use psalm_parts, only: drawn_bar_t, edge_t, drawn_joint_t, drawn_slide_t, wheel_t, convex_hull
@@ -404,27 +404,32 @@ contains
       end if
    end function order_along
 
-   !> Lengths of bars; the barrel of each cylinder.
+   !> Lengths of bars; the barrel of each cylinder. Where no prescribed position is reached they are those of the sweep; 0 of a bar
+   !> that is reached nowhere.
    subroutine finish_bars(scene)
       type(scene_t), intent(inout) :: scene
+      real(wp) :: prescribed, swept
       integer :: b
 
       do b = 1, size(scene%bars)
          associate (bar => scene%bars(b))
-            bar%length = least_length(scene%prescribed, bar%start, bar%finish)
-            if (bar%cylinder) bar%barrel = barrel_part*min(bar%length, least_length(scene%sweep, bar%start, bar%finish))
+            prescribed = least_length(scene%prescribed, bar%start, bar%finish)
+            swept = least_length(scene%sweep, bar%start, bar%finish)
+            if (min(prescribed, swept) >= huge(1.0_wp)) cycle
+            bar%length = merge(prescribed, swept, prescribed < huge(1.0_wp))
+            if (bar%cylinder) bar%barrel = barrel_part*min(prescribed, swept)
          end associate
       end do
 
    contains
 
+      !> The largest number if none is known.
       pure real(wp) function least_length(row, a, b)
          type(position_row_t), intent(in) :: row
          integer, intent(in) :: a, b
 
          least_length = minval(hypot(row%x(a, :) - row%x(b, :), row%y(a, :) - row%y(b, :)), &
                                mask=row%known(a, :) .and. row%known(b, :))
-         if (least_length >= huge(1.0_wp)) least_length = 0.0_wp
       end function least_length
    end subroutine finish_bars
 
@@ -562,7 +567,7 @@ contains
             violation%first = k
             violation%last = last
             row%violations = [row%violations, violation]
-            call add_string(row%words, sentence_case(links_of(study%motion%group(k))//' a dead point on the way here'))
+            call add_string(row%words, links_of(study%motion%group(k))//' a dead point on the way here')
          end if
          k = last + 1
       end do
@@ -574,11 +579,11 @@ contains
          character(:), allocatable :: text
          integer :: l
 
-         text = 'does not close: there is'
+         text = 'Does not close: there is'
          if (group == 0) return
          associate (links => study%closure%groups(group)%links)
             if (size(links) == 0) return
-            text = trim(merge('link  ', 'links ', size(links) == 1))
+            text = trim(merge('Link  ', 'Links ', size(links) == 1))
             do l = 1, size(links)
                text = text//' '//trim(sketch%links(links(l))%name)
                if (l < size(links)) text = text//','
