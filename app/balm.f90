@@ -13,7 +13,7 @@ program balm
    use psalm_picture_report, only: report_picture
    use psalm_picture_study, only: pictured_t, make_scenes
    use psalm_source, only: joined, line_t, read_lines
-   use psalm_status, only: diagnostics_t, exit_done, exit_file_trouble
+   use psalm_status, only: diagnostics_t, exit_done, exit_file_error
    use psalm_system, only: finish_program, write_standard_error
    use psalm_text, only: text_t
    implicit none (type, external)
@@ -78,7 +78,7 @@ contains
       if (findings%failed() .or. .not. arguments%quiet) call show_findings(findings)
       if (.not. arguments%quiet) call show_findings(devices%remarks)
       code = max(code, findings%exit_code(), devices%code)
-      if (findings%exit_code() == exit_file_trouble) return
+      if (findings%exit_code() == exit_file_error) return
       stem = stem_of(file, arguments%output_dir)
       allocate (progress(0))
       if (arguments%curves) call read_progress(stem, mark, progress)
@@ -162,16 +162,16 @@ contains
       character(*), intent(in) :: stem
       type(mark_t), intent(inout) :: mark         !! takes device 1 in
       type(line_t), allocatable, intent(inout) :: progress(:)
-      type(diagnostics_t) :: trouble
+      type(diagnostics_t) :: failure
       integer, parameter :: largest = 256      !! MB of device 1
       logical :: there
       integer :: k
 
       inquire (file=stem//'.dev1', exist=there)
-      if (there) call read_lines(stem//'.dev1', progress, trouble, largest)
-      if (trouble%failed()) then
-         call show_findings(trouble)
-         code = max(code, trouble%exit_code())
+      if (there) call read_lines(stem//'.dev1', progress, failure, largest)
+      if (failure%failed()) then
+         call show_findings(failure)
+         code = max(code, failure%exit_code())
       end if
       do k = 1, size(progress)
          call mark%add(progress(k)%text)

@@ -223,7 +223,7 @@ contains
       logical, intent(inout) :: stopped
       type(progress_t), target :: monitor
       type(path_progress_t), target :: paths
-      type(stop_t) :: told_stop
+      type(stop_t) :: stop_reported
       ! allocated: together they would fill a small stack
       class(problem_t), allocatable :: problem
       type(synthesis_t), allocatable :: search
@@ -244,9 +244,9 @@ contains
       if (set%gives('EXACT')) then
          call signals%hold(1)
          paths%request => signals
-         told_stop = stop
-         call told_stop%listen_to(paths)
-         call run_exact(set, told_stop, devices)
+         stop_reported = stop
+         call stop_reported%listen_to(paths)
+         call run_exact(set, stop_reported, devices)
          if (paths%active) call write_standard_error(nl)
          stopped = asked_to_end()
          return
@@ -396,7 +396,7 @@ contains
       end if
       allocate (study)
       call study_assemblies(set, study)
-      if (study%sound) call report_assemblies(set, study, devices)
+      if (study%valid) call report_assemblies(set, study, devices)
    end subroutine run_assemblies
 
    !> The proof of a sketch with a larger group, which is made in the poses of its links.
@@ -406,7 +406,7 @@ contains
       type(devices_t), intent(inout) :: devices
       type(chain_study_t), allocatable :: study
       type(chain_proof_t), allocatable :: proof
-      logical :: sound
+      logical :: valid
 
       if (searched) then
          if (set%limits%iproof /= proof_by_default) &
@@ -415,8 +415,8 @@ contains
          return
       end if
       allocate (study, proof)
-      call prove_loops(set, proof_wanted(set, .false.), study, proof, sound)
-      if (sound) call report_chain_proof(set, study, proof, devices)
+      call prove_loops(set, proof_wanted(set, .false.), study, proof, valid)
+      if (valid) call report_chain_proof(set, study, proof, devices)
    end subroutine prove_sketch
 
    !> Threads for a case, which take no signals. With a search or a sample there is something to lose: then signals wait until it

@@ -120,7 +120,7 @@ contains
       end do
    end subroutine run_files
 
-   !> Run all cases of a file. Mistakes are told, and the exit status is raised.
+   !> Run all cases of a file. Mistakes are reported, and the exit status is raised.
    subroutine run_file(arguments, file, outputs, prepare_it, study, code, together, team, divided)
       type(arguments_t), intent(inout) :: arguments
       character(*), intent(in) :: file
@@ -216,7 +216,7 @@ contains
       character(*), intent(in) :: stem, mark
       character(*), intent(in) :: reason             !! why the cases cannot be divided; empty: they can
       class(team_t), intent(inout) :: team
-      logical, intent(out) :: ready                  !! false: what hinders was told
+      logical, intent(out) :: ready                  !! false: what hinders was reported
       integer, intent(inout) :: code
       character(:), allocatable :: message
       integer :: files

@@ -9,7 +9,7 @@ module psalm_console
    use psalm_mark, only: mark_t
    use psalm_number, only: parse_integer
    use psalm_solver, only: observer_t, search_state_t
-   use psalm_status, only: diagnostics_t, exit_bad_input, exit_done, exit_file_trouble
+   use psalm_status, only: diagnostics_t, exit_bad_input, exit_done, exit_file_error
    use psalm_system, only: identity_t, begin_program, error_is_terminal, error_text, identity_of, identity_of_open, &
                            make_directories, same_file, standard_error, standard_input, standard_output, write_standard_error, &
                            write_standard_output
@@ -79,7 +79,7 @@ module psalm_console
       logical :: active = .false.
    contains
       procedure :: asked => ask_other
-      procedure :: told => show_paths
+      procedure :: reported => show_paths
    end type path_progress_t
 
 contains
@@ -104,7 +104,7 @@ contains
          else
             call write_standard_output(program//' '//version//new_line('a')//words_of_build()//new_line('a'), done)
          end if
-         if (.not. done) arguments%code = exit_file_trouble
+         if (.not. done) arguments%code = exit_file_error
          return
       end if
       if (arguments%items) then
@@ -140,7 +140,7 @@ contains
          return
       end if
       call write_standard_output(text%content(), done)
-      if (.not. done) arguments%code = exit_file_trouble
+      if (.not. done) arguments%code = exit_file_error
    end subroutine tell_items
 
    !> A remark on environment variables that are not understood.
@@ -217,7 +217,7 @@ contains
       type(arguments_t), intent(inout) :: arguments
       character(*), intent(in) :: stem                  !! of the outputs' names
       character(*), intent(in) :: endings(:)
-      logical, intent(out) :: ready                     !! false: what hinders was told
+      logical, intent(out) :: ready                     !! false: what hinders was reported
       integer, intent(inout) :: code                    !! exit status, raised then
       character(:), allocatable :: message
       integer :: k, error, reason
@@ -229,7 +229,7 @@ contains
             call say(arguments%program, "cannot make the directory '"//arguments%output_dir//"'"//error_text(error))
             arguments%no_place = .true.
             ready = .false.
-            code = exit_file_trouble
+            code = exit_file_error
             return
          end if
       end if
@@ -242,7 +242,7 @@ contains
       end do
    end subroutine prepare_outputs
 
-   !> Read the command line. Mistakes are told on standard error.
+   !> Read the command line. Mistakes are reported on standard error.
    subroutine read_arguments(program, arguments)
       character(*), intent(in) :: program               !! name of the program
       type(arguments_t), intent(out) :: arguments
@@ -503,7 +503,7 @@ contains
       call write_standard_output(devices%six%content(), done)
       if (done) return
       call say(arguments%program, 'cannot write the listing to standard output')
-      code = exit_file_trouble
+      code = exit_file_error
 
    contains
 

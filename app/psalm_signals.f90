@@ -1,4 +1,4 @@
-!> Signals that end a search in good order: a study is told of them through its stop token.
+!> Signals that end a search in good order: a study is informed of them through its stop token.
 !>
 !> Between `hold` and `release` the signals INT and TERM wait; no handler is installed and nothing is kept but the mask of before.
 module psalm_signals

@@ -147,7 +147,7 @@ contains
          if (k == 2) call find_watt(wanted, phi, psi, 2*grid, kept, least_angle, longest, found)
          call cpu_time(to)
          print '(3a,i0,a,i0,a,i0,a,f0.2,a)', '| ', merge('Stephenson III', 'Watt II       ', k == 1), ' | ', found%drivers, ' | ', &
-            found%linkages, ' | ', found%sound, ' | ', to - from, ' |'
+            found%linkages, ' | ', found%valid, ' | ', to - from, ' |'
       end do
       print '(a)', ''
    end subroutine measure_six_bars

@@ -18,7 +18,7 @@ program account
    use psalm_solver, only: ending_t, search_state_t
    use psalm_solver_kind, only: solver_kind_t, find_solver
    use psalm_start, only: beginning_t, rules_of, start_simplex
-   use psalm_station, only: linearise_station
+   use psalm_samples, only: linearise_samples
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t
    use psalm_dimensions, only: dimensions_t
@@ -203,7 +203,7 @@ contains
             calls = max(1, 20000/n)
             begun = seconds()
             do i = 1, calls
-               call linearise_station(merit%main, merit%dimensions)
+               call linearise_samples(merit%main, merit%dimensions)
             end do
             jacobian = min(jacobian, (seconds() - begun)/real(calls, dp))
             values = first

@@ -26,7 +26,7 @@ module bench_dynamics
 
 contains
 
-   !> Chart of the rig of chapter 14: seconds | points | largest error of a boundary that is told | points integrated | seconds for
+   !> Chart of the rig of chapter 14: seconds | points | largest error of a reported boundary | points integrated | seconds for
    !> them | points where both disagree.
    subroutine measure_chart(file)
       character(*), intent(in) :: file

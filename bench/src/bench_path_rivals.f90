@@ -12,7 +12,8 @@ module bench_path_rivals
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp, full_turn, degrees_per_radian
    use psalm_nlopt, only: nlopt_t
-   use psalm_path_fit, only: fitted_path_t, path_room_t, path_timing_t, trace_coupler, find_violations, dot, square, unknowns, &
+   use psalm_path_fit, only: fitted_path_t, path_workspace_t, path_timing_t, trace_coupler, find_violations, dot, square, &
+                             unknowns, &
                              rows_most, shape_g, shape_s, shape_q
    use psalm_solver_kind, only: find_solver
    use psalm_status, only: diagnostics_t
@@ -33,7 +34,7 @@ module bench_path_rivals
    !> What an objective function is given.
    type :: task_t
       type(fitted_path_t) :: path
-      type(path_room_t) :: room
+      type(path_workspace_t) :: room
       type(path_timing_t) :: timing
       type(nlopt_t) :: optimiser
       real(wp) :: begun = 0.0_wp, limit = 0.0_wp     !! seconds of the processor
@@ -92,7 +93,7 @@ contains
       real(c_double) :: least
       real(wp) :: now
       integer :: status, round
-      logical :: sound
+      logical :: valid
 
       associate (n => task%path%n)
          allocate (task%timing%t(n), source=0.0_wp)
@@ -112,13 +113,13 @@ contains
          round = round + 1
          ! not the middle: there ground and crank are equal
          x = low + begin*(high - low)
-         call task%optimiser%open(find_solver(name), size(x), seed + ways*(round - 1), sound)
-         if (sound) call task%optimiser%set_bounds(low, high, sound)
+         call task%optimiser%open(find_solver(name), size(x), seed + ways*(round - 1), valid)
+         if (valid) call task%optimiser%set_bounds(low, high, valid)
          call task%optimiser%set_limits(1.0e-9_c_double, 1.0e-9_c_double, huge(1))
-         if (sound) call task%optimiser%minimise(objective, c_loc(task), x, least, status)
+         if (valid) call task%optimiser%minimise(objective, c_loc(task), x, least, status)
          call task%optimiser%close()
          call cpu_time(now)
-         if (now >= task%limit .or. task%reached >= 0.0_wp .or. .not. sound) exit
+         if (now >= task%limit .or. task%reached >= 0.0_wp .or. .not. valid) exit
       end do
    end subroutine run
 

@@ -11,7 +11,7 @@ module bench_paths
    use psalm_data_set, only: data_set_t
    use psalm_free_path, only: search_batch
    use psalm_kinds, only: wp, right_angle
-   use psalm_path_fit, only: fitted_path_t, path_room_t, path_timing_t, prepare_path
+   use psalm_path_fit, only: fitted_path_t, path_workspace_t, path_timing_t, prepare_path
    use psalm_status, only: diagnostics_t
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
@@ -32,7 +32,7 @@ contains
       type(data_set_t), allocatable :: sets(:)
       type(diagnostics_t) :: findings
       type(fitted_path_t) :: path(ways)
-      type(path_room_t) :: room
+      type(path_workspace_t) :: room
       type(path_timing_t) :: timing
       type(xoshiro_t) :: random
       real(wp), allocatable :: value(:, :)
@@ -98,7 +98,7 @@ contains
       type(data_set_t), intent(in) :: set
       real(wp), intent(in) :: sense, side            !! of the crank, the coupler's: +1 or -1
       type(fitted_path_t), intent(out) :: path
-      type(path_room_t), intent(out) :: room
+      type(path_workspace_t), intent(out) :: room
       integer, parameter :: ground = 4
       integer, parameter :: of(6) = [ground, 1, 2, 3, 5, 6] !! among OPLOW and OPHIGH
       real(wp) :: cosine, unused

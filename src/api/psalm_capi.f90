@@ -129,7 +129,7 @@ contains
                               [(report%tables%tables(i)%audience /= table_for_plots, i=1, report%tables%count)])
          result%listing = as_c(report%listing)
          result%data_set = as_c(report%data_set)
-         result%told = as_c('')
+         result%reported = as_c('')
          allocate (result%files(size(report%files)))
          do i = 1, size(report%files)
             result%files(i) = as_c(report%files(i)%content)

@@ -107,7 +107,7 @@ contains
 
       psalm_case_text = c_null_ptr
       own => handle_of(handle)
-      if (associated(own)) psalm_case_text = handed_out(own%case%text(), own%told)
+      if (associated(own)) psalm_case_text = handed_out(own%case%text(), own%reported)
    end function psalm_case_text
 
    type(c_ptr) function psalm_case_title(handle) bind(C)
@@ -116,7 +116,7 @@ contains
 
       psalm_case_title = c_null_ptr
       own => handle_of(handle)
-      if (associated(own)) psalm_case_title = handed_out(own%case%title(), own%told)
+      if (associated(own)) psalm_case_title = handed_out(own%case%title(), own%reported)
    end function psalm_case_title
 
    subroutine psalm_free(handle) bind(C)

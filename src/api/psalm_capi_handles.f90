@@ -27,7 +27,7 @@ module psalm_capi_handles
       integer(c_int) :: followed = 0, paths = 0   !! of an exact synthesis: how far it is
    contains
       procedure :: asked
-      procedure :: told
+      procedure :: reported
    end type host_t
 
    !> How far a search is; another thread may ask.
@@ -46,14 +46,14 @@ module psalm_capi_handles
       type(stop_t) :: ending                      !! asks the host
       type(findings_t) :: findings                !! of the last call
       type(c_text_t), allocatable :: texts(:)     !! of the findings
-      type(c_text_t) :: told                      !! the text handed out last
+      type(c_text_t) :: reported                      !! the text handed out last
    end type handle_t
 
    !> What the handle of a result points to.
    type :: result_handle_t
       type(report_t) :: report
       integer, allocatable :: tables(:)           !! those of the report that are for other programs
-      type(c_text_t) :: told                      !! the text handed out last
+      type(c_text_t) :: reported                      !! the text handed out last
       type(c_text_t) :: listing, data_set         !! handed out as long as the result lives
       type(c_text_t), allocatable :: files(:)
    end type result_handle_t
@@ -111,17 +111,17 @@ contains
 
       allocate (handle)
       allocate (handle%texts(0))
-      handle%told = as_c('')
+      handle%reported = as_c('')
    end function new_handle
 
    !> A text that the caller may read until the next call with this handle.
-   function handed_out(text, told) result(pointer)
+   function handed_out(text, reported) result(pointer)
       character(*), intent(in) :: text
-      type(c_text_t), intent(inout), target :: told
+      type(c_text_t), intent(inout), target :: reported
       type(c_ptr) :: pointer
 
-      told = as_c(text)
-      pointer = c_loc(told%letters)
+      reported = as_c(text)
+      pointer = c_loc(reported%letters)
    end function handed_out
 
    !> Keep the findings of a call and give its status: `violation` if something is violated, unless there are errors.
@@ -239,7 +239,7 @@ contains
    end function asked
 
    !> Note how many paths are followed.
-   subroutine told(self, done, of)
+   subroutine reported(self, done, of)
       class(host_t), intent(inout) :: self
       integer, intent(in) :: done, of
 
@@ -247,7 +247,7 @@ contains
       self%paths = int(of, c_int)
       !$omp atomic write
       self%followed = int(done, c_int)
-   end subroutine told
+   end subroutine reported
 
    !> Note where a search stands.
    subroutine report(self, state, points, objectives)

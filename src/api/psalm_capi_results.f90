@@ -60,7 +60,7 @@ contains
 
       psalm_table_name = c_null_ptr
       call look_up(handle, table, own, found)
-      if (associated(found)) psalm_table_name = handed_out(found%block, own%told)
+      if (associated(found)) psalm_table_name = handed_out(found%block, own%reported)
    end function psalm_table_name
 
    type(c_ptr) function psalm_table_about(handle, table) bind(C)
@@ -71,7 +71,7 @@ contains
 
       psalm_table_about = c_null_ptr
       call look_up(handle, table, own, found)
-      if (associated(found)) psalm_table_about = handed_out(found%about, own%told)
+      if (associated(found)) psalm_table_about = handed_out(found%about, own%reported)
    end function psalm_table_about
 
    !> Number of the table of that name; 0: there is none.
@@ -119,7 +119,7 @@ contains
 
       psalm_column_name = c_null_ptr
       call look_up(handle, table, own, found, column)
-      if (associated(found)) psalm_column_name = handed_out(found%columns(column)%name, own%told)
+      if (associated(found)) psalm_column_name = handed_out(found%columns(column)%name, own%reported)
    end function psalm_column_name
 
    type(c_ptr) function psalm_column_unit(handle, table, column) bind(C)
@@ -130,7 +130,7 @@ contains
 
       psalm_column_unit = c_null_ptr
       call look_up(handle, table, own, found, column)
-      if (associated(found)) psalm_column_unit = handed_out(found%columns(column)%unit, own%told)
+      if (associated(found)) psalm_column_unit = handed_out(found%columns(column)%unit, own%reported)
    end function psalm_column_unit
 
    !> One of PSALM_REAL, PSALM_WHOLE, PSALM_FLAG, PSALM_WORD; -1 if there is no such column.
@@ -190,7 +190,7 @@ contains
             lines(at:at) = new_line('a')
          end associate
       end do
-      psalm_columns = handed_out(lines, own%told)
+      psalm_columns = handed_out(lines, own%reported)
    end function psalm_columns
 
    !> Number of the column of that name; 0: there is none.
@@ -241,9 +241,9 @@ contains
       if (.not. associated(found)) return
       if (row < 1 .or. row > found%rows .or. found%columns(column)%kind /= table_kind_word) return
       if (found%columns(column)%known(row)) then
-         psalm_word = handed_out(trim(found%columns(column)%words(row)), own%told)
+         psalm_word = handed_out(trim(found%columns(column)%words(row)), own%reported)
       else
-         psalm_word = handed_out('', own%told)
+         psalm_word = handed_out('', own%reported)
       end if
    end function psalm_word
 
@@ -311,7 +311,7 @@ contains
       own => result_of(handle)
       if (.not. associated(own)) return
       if (number < 1 .or. number > size(own%files)) return
-      psalm_file_ending = handed_out(own%report%files(number)%ending, own%told)
+      psalm_file_ending = handed_out(own%report%files(number)%ending, own%reported)
    end function psalm_file_ending
 
    type(c_ptr) function psalm_file_content(handle, number) bind(C)

@@ -1,31 +1,31 @@
 !> Assur groups: the one place that knows which kind of group is which.
 !>
-!> Each verb - bind, solve, form, differentiate, react, closure, its change, error bounds, breach, repair - goes to the file of the
-!> dyad's kind. A new kind is a new file and a line in each verb here.
+!> Each verb - bind, solve, form, differentiate, react, closure, its change, error bounds, violation, repair - goes to the file of
+!> the dyad's kind. A new kind is a new file and a line in each verb here.
 module psalm_assur
    use psalm_arc_kernels, only: arc_vector
-   use psalm_dyad, only: dyad_t, breach_t, violation_group, violation_none
+   use psalm_dyad, only: dyad_t, dyad_violation_t, violation_group, violation_none
    use psalm_dyad_kind, only: assur_ppr, assur_prp, assur_prr, assur_rpp, assur_rpr, assur_rpr_guide_first, assur_rrp, assur_rrr, &
                               assur_higher, direction_known, form_of, form_t
    use psalm_elementary, only: hypotenuse
    use psalm_frames, only: frames_t, form_arc, dyad_rate, rows_of_arc, sine_row
    use psalm_higher_group, only: closure_of_higher, dead_measure, is_dead_higher
    use psalm_kinds, only: wp
-   use psalm_prp, only: bind_prp, solve_prp, form_prp, measure_prp, change_of_measure_prp, bounds_prp, breach_prp, react_prp
+   use psalm_prp, only: bind_prp, solve_prp, form_prp, measure_prp, change_of_measure_prp, bounds_prp, violation_prp, react_prp
    use psalm_rows, only: rows_t
    use psalm_rpp, only: bind_rpp, solve_rpp, form_rpp, rates_twice_rpp, bounds_rpp, react_rpp
-   use psalm_rpr, only: bind_rpr, solve_rpr, form_rpr, measure_rpr, change_of_measure_rpr, bounds_rpr, breach_rpr, repair_rpr, &
+   use psalm_rpr, only: bind_rpr, solve_rpr, form_rpr, measure_rpr, change_of_measure_rpr, bounds_rpr, violation_rpr, repair_rpr, &
                         coincidence_rpr, react_rpr
-   use psalm_rrp, only: bind_rrp, solve_rrp, form_rrp, measure_rrp, change_of_measure_rrp, bounds_rrp, breach_rrp, repair_rrp, &
+   use psalm_rrp, only: bind_rrp, solve_rrp, form_rrp, measure_rrp, change_of_measure_rrp, bounds_rrp, violation_rrp, repair_rrp, &
                         react_rrp
-   use psalm_rrr, only: bind_rrr, solve_rrr, form_rrr, rates_rrr, measure_rrr, change_of_measure_rrr, bounds_rrr, breach_rrr, &
+   use psalm_rrr, only: bind_rrr, solve_rrr, form_rrr, rates_rrr, measure_rrr, change_of_measure_rrr, bounds_rrr, violation_rrr, &
                         repair_rrr, coincidence_rrr, react_rrr
    use psalm_wrench_kernels, only: moment_about, force_along, pass_force, pass_across, opposite_force, opposite_across
    implicit none (type, external)
    private
    public :: rows_to_react
    public :: mark_unknowns, bind_dyad, solve_dyad, form_dyad, differentiate_dyad, react_dyad, is_dead_dyad
-   public :: closure_of, change_of_closure, bounds_of_dyad, breach_of, coincidence_of, repair_dyad, is_orthogonal, is_signed
+   public :: closure_of, change_of_closure, bounds_of_dyad, violation_of, coincidence_of, repair_dyad, is_orthogonal, is_signed
    public :: makes_tip
 
    integer, parameter :: rows_to_react = 2*rows_of_arc + 2 !! scratch of `react_dyad`: both arcs, two free components
@@ -425,24 +425,24 @@ contains
    end function makes_tip
 
    !> What is wrong at a position whose closure measure is not accepted; lengths scaled as those of the dyad.
-   pure type(breach_t) function breach_of(dyad, measure, closes) result(breach)
+   pure type(dyad_violation_t) function violation_of(dyad, measure, closes) result(violation)
       type(dyad_t), intent(in) :: dyad
       real(wp), intent(in) :: measure
       logical, intent(in) :: closes                !! only TANGLE or TOGGLE is violated
 
       select case (dyad%kind)
       case (assur_higher)
-         breach = breach_t(merge(violation_none, violation_group, closes))
+         violation = dyad_violation_t(merge(violation_none, violation_group, closes))
       case (assur_rrr)
-         breach = breach_rrr(dyad, measure, closes)
+         violation = violation_rrr(dyad, measure, closes)
       case (assur_rpr, assur_rpr_guide_first)
-         breach = breach_rpr(dyad, measure, closes)
+         violation = violation_rpr(dyad, measure, closes)
       case (assur_rrp, assur_prr)
-         breach = breach_rrp(dyad, measure, closes)
+         violation = violation_rrp(dyad, measure, closes)
       case default
-         breach = breach_prp(measure, closes)
+         violation = violation_prp(measure, closes)
       end select
-   end function breach_of
+   end function violation_of
 
    !> Lengths with which the dyad is accepted at every position. Source: Oldham (1977), section 6.3.
    pure subroutine repair_dyad(kind, measure, tangle, toggle, vary, length, repaired)

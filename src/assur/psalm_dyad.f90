@@ -9,7 +9,7 @@ module psalm_dyad
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
-   public :: dyad_t, tip_t, breach_t
+   public :: dyad_t, tip_t, dyad_violation_t
    public :: violation_none, violation_too_short, violation_too_long, violation_parallel, violation_angle_small, &
              violation_angle_large, violation_undetermined, violation_slides, violation_toggle, &
              violation_group
@@ -59,9 +59,9 @@ module psalm_dyad
    end type dyad_t
 
    !> How a dyad fails at one position.
-   type :: breach_t
+   type :: dyad_violation_t
       integer :: kind = violation_none
       real(wp) :: amount = 0.0_wp   !! length missing, or the transmission angle, degrees
       logical :: is_length = .false.      !! the amount is a length, scaled as those of the dyad
-   end type breach_t
+   end type dyad_violation_t
 end module psalm_dyad

@@ -4,14 +4,14 @@
 !> sign between two inputs the slides have been parallel, and their joint at infinity.
 module psalm_prp
    use psalm_angles, only: arc_sine
-   use psalm_dyad, only: dyad_t, breach_t, violation_parallel, violation_slides, rounding
+   use psalm_dyad, only: dyad_t, dyad_violation_t, violation_parallel, violation_slides, rounding
    use psalm_frames, only: frames_t, invert, rows_of_arc
    use psalm_kinds, only: wp
    use psalm_rows, only: rows_t
    implicit none (type, external)
    private
    public :: react_prp
-   public :: bind_prp, solve_prp, form_prp, measure_prp, change_of_measure_prp, bounds_prp, breach_prp
+   public :: bind_prp, solve_prp, form_prp, measure_prp, change_of_measure_prp, bounds_prp, violation_prp
    public :: solve_two_slides
 
    real(wp), parameter :: least_sine = 16.0_wp*epsilon(1.0_wp) !! two slides at a smaller angle are parallel
@@ -114,15 +114,15 @@ contains
    end subroutine react_prp
 
    !> What is wrong at a position whose measure is not accepted.
-   pure type(breach_t) function breach_prp(measure, closes) result(breach)
+   pure type(dyad_violation_t) function violation_prp(measure, closes) result(violation)
       real(wp), intent(in) :: measure
       logical, intent(in) :: closes
 
-      breach%kind = violation_parallel
+      violation%kind = violation_parallel
       if (.not. closes) return
-      breach%kind = violation_slides
-      breach%amount = arc_sine(min(abs(measure), 1.0_wp))
-   end function breach_prp
+      violation%kind = violation_slides
+      violation%amount = arc_sine(min(abs(measure), 1.0_wp))
+   end function violation_prp
 
    ! ---- kernels -----------------------------------------------------------------------------------------------------
 

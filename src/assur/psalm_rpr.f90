@@ -4,7 +4,7 @@
 !> closes while h is not shorter than the guide. Notes of `psalm_rrr` on kernels hold here too.
 module psalm_rpr
    use psalm_arc_kernels, only: least
-   use psalm_dyad, only: dyad_t, breach_t, violation_too_long, violation_toggle, least_square, no_distance, rounding
+   use psalm_dyad, only: dyad_t, dyad_violation_t, violation_too_long, violation_toggle, least_square, no_distance, rounding
    use psalm_dyad_kind, only: assur_rpr
    use psalm_frames, only: frames_t, turned_column, invert, rows_of_arc
    use psalm_kinds, only: wp
@@ -12,7 +12,7 @@ module psalm_rpr
    implicit none (type, external)
    private
    public :: react_rpr
-   public :: bind_rpr, solve_rpr, form_rpr, measure_rpr, change_of_measure_rpr, bounds_rpr, breach_rpr, repair_rpr, &
+   public :: bind_rpr, solve_rpr, form_rpr, measure_rpr, change_of_measure_rpr, bounds_rpr, violation_rpr, repair_rpr, &
              coincidence_rpr, guide_of
    public :: solve_slide_on_q, solve_slide_on_p
 
@@ -140,16 +140,16 @@ contains
    end subroutine bounds_rpr
 
    !> What is wrong at a position whose measure is not accepted.
-   pure type(breach_t) function breach_rpr(dyad, measure, closes) result(breach)
+   pure type(dyad_violation_t) function violation_rpr(dyad, measure, closes) result(violation)
       type(dyad_t), intent(in) :: dyad
       real(wp), intent(in) :: measure
       logical, intent(in) :: closes    !! only less than TOGGLE is to spare
 
-      breach%kind = merge(violation_toggle, violation_too_long, closes)
-      breach%amount = guide_of(dyad) - sqrt(measure)
-      if (closes) breach%amount = max(-breach%amount, 0.0_wp)
-      breach%is_length = .true.
-   end function breach_rpr
+      violation%kind = merge(violation_toggle, violation_too_long, closes)
+      violation%amount = guide_of(dyad) - sqrt(measure)
+      if (closes) violation%amount = max(-violation%amount, 0.0_wp)
+      violation%is_length = .true.
+   end function violation_rpr
 
    !> Distance of the outer joints at and below which they coincide and no direction is determined; negative: they cannot.
    pure real(wp) function coincidence_rpr(dyad, size) result(distance)

@@ -4,7 +4,7 @@
 !> it is not longer than the link. Notes of `psalm_rrr` on kernels hold here too.
 module psalm_rrp
    use psalm_arc_kernels, only: least
-   use psalm_dyad, only: dyad_t, breach_t, violation_too_short, violation_toggle, rounding
+   use psalm_dyad, only: dyad_t, dyad_violation_t, violation_too_short, violation_toggle, rounding
    use psalm_dyad_kind, only: assur_rrp
    use psalm_frames, only: frames_t, turned_column, invert, rows_of_arc
    use psalm_kinds, only: wp
@@ -12,7 +12,7 @@ module psalm_rrp
    implicit none (type, external)
    private
    public :: react_rrp
-   public :: bind_rrp, solve_rrp, form_rrp, measure_rrp, change_of_measure_rrp, bounds_rrp, breach_rrp, repair_rrp, link_of
+   public :: bind_rrp, solve_rrp, form_rrp, measure_rrp, change_of_measure_rrp, bounds_rrp, violation_rrp, repair_rrp, link_of
    public :: solve_link_slide
 
    real(wp), parameter :: least_length = tiny(1.0_wp)**0.4_wp !! of a link, guards a division
@@ -167,16 +167,16 @@ contains
    end subroutine bounds_rrp
 
    !> What is wrong at a position whose measure is not accepted.
-   pure type(breach_t) function breach_rrp(dyad, measure, closes) result(breach)
+   pure type(dyad_violation_t) function violation_rrp(dyad, measure, closes) result(violation)
       type(dyad_t), intent(in) :: dyad
       real(wp), intent(in) :: measure
       logical, intent(in) :: closes    !! only less than TOGGLE is to spare
 
-      breach%kind = merge(violation_toggle, violation_too_short, closes)
-      breach%amount = abs(measure) - link_of(dyad)
-      if (closes) breach%amount = max(-breach%amount, 0.0_wp)
-      breach%is_length = .true.
-   end function breach_rrp
+      violation%kind = merge(violation_toggle, violation_too_short, closes)
+      violation%amount = abs(measure) - link_of(dyad)
+      if (closes) violation%amount = max(-violation%amount, 0.0_wp)
+      violation%is_length = .true.
+   end function violation_rrp
 
    !> Length of the link with which the dyad closes at every position with `toggle` to spare.
    pure subroutine repair_rrp(kind, measure, toggle, vary, length, repaired)

@@ -6,7 +6,7 @@
 module psalm_rrr
    use psalm_angles, only: degrees_of, unit_vector
    use psalm_arc_kernels, only: least
-   use psalm_dyad, only: dyad_t, breach_t, violation_too_short, violation_too_long, violation_angle_small, &
+   use psalm_dyad, only: dyad_t, dyad_violation_t, violation_too_short, violation_too_long, violation_angle_small, &
                          violation_angle_large, least_square, no_distance, rounding
    use psalm_frames, only: frames_t, turned_column, invert, rows_of_arc, matrix_row, sine_row
    use psalm_kinds, only: wp, degrees_per_radian, half_turn, right_angle
@@ -14,7 +14,7 @@ module psalm_rrr
    implicit none (type, external)
    private
    public :: react_rrr
-   public :: bind_rrr, solve_rrr, form_rrr, rates_rrr, measure_rrr, change_of_measure_rrr, bounds_rrr, breach_rrr, repair_rrr, &
+   public :: bind_rrr, solve_rrr, form_rrr, rates_rrr, measure_rrr, change_of_measure_rrr, bounds_rrr, violation_rrr, repair_rrr, &
              coincidence_rrr
    public :: solve_two_links, solve_one_link, repair_link_pair
 
@@ -167,7 +167,7 @@ contains
    end subroutine bounds_rrr
 
    !> What is wrong at a position whose measure is not accepted.
-   pure type(breach_t) function breach_rrr(dyad, measure, closes) result(breach)
+   pure type(dyad_violation_t) function violation_rrr(dyad, measure, closes) result(violation)
       type(dyad_t), intent(in) :: dyad
       real(wp), intent(in) :: measure
       logical, intent(in) :: closes
@@ -176,19 +176,19 @@ contains
       h = sqrt(measure)
       if (closes) then
          cosine = (dyad%p**2 + dyad%q**2 - measure)/(2.0_wp*dyad%p*dyad%q)
-         breach%kind = merge(violation_angle_small, violation_angle_large, cosine > 0.0_wp)
-         breach%amount = degrees_of(cosine, sqrt(max((1.0_wp - cosine)*(1.0_wp + cosine), 0.0_wp)))
+         violation%kind = merge(violation_angle_small, violation_angle_large, cosine > 0.0_wp)
+         violation%amount = degrees_of(cosine, sqrt(max((1.0_wp - cosine)*(1.0_wp + cosine), 0.0_wp)))
          return
       end if
-      breach%is_length = .true.
+      violation%is_length = .true.
       if (h > dyad%p + dyad%q) then
-         breach%kind = violation_too_short
-         breach%amount = h - (dyad%p + dyad%q)
+         violation%kind = violation_too_short
+         violation%amount = h - (dyad%p + dyad%q)
       else
-         breach%kind = violation_too_long
-         breach%amount = abs(dyad%p - dyad%q) - h
+         violation%kind = violation_too_long
+         violation%amount = abs(dyad%p - dyad%q) - h
       end if
-   end function breach_rrr
+   end function violation_rrr
 
    !> Distance of the outer joints at and below which they coincide and no direction is determined; negative: they cannot.
    pure real(wp) function coincidence_rrr(dyad) result(distance)

@@ -157,18 +157,18 @@ contains
 
    !> Directions in which the rows of a matrix vanish, as columns of length 1, square to each other and turned at random.
    !>
-   !> `sound` is false where the rows depend on each other.
-   subroutine null_space(rows, space, sound)
+   !> `valid` is false where the rows depend on each other.
+   subroutine null_space(rows, space, valid)
       complex(wp), intent(in) :: rows(:, :)          !! shape (r, m)
       complex(wp), allocatable, intent(out) :: space(:, :) !! shape (m, m - r)
-      logical, intent(out) :: sound
+      logical, intent(out) :: valid
       complex(wp) :: basis(size(rows, 2), size(rows, 2))
       type(xoshiro_t) :: random
       real(wp) :: left
       integer :: k
 
-      sound = size(rows, 1) <= size(rows, 2)
-      if (.not. sound) return
+      valid = size(rows, 1) <= size(rows, 2)
+      if (.not. valid) return
       call random%seed(seed, purpose_sample)
       do k = 1, size(rows, 2)
          if (k <= size(rows, 1)) then
@@ -177,7 +177,7 @@ contains
             call draw(random, basis(:, k))
          end if
          call square_to(basis(:, :k - 1), basis(:, k), left)
-         if (left < sqrt(epsilon(1.0_wp))) sound = .false.
+         if (left < sqrt(epsilon(1.0_wp))) valid = .false.
       end do
       space = basis(:, size(rows, 1) + 1:)
    end subroutine null_space
@@ -187,11 +187,11 @@ contains
       complex(wp), intent(in) :: forms(:, :)         !! shape (n+1, n)
       complex(wp), intent(out) :: point(:)           !! shape (n)
       complex(wp) :: matrix(size(point), size(point)), right(size(point), 1)
-      logical :: sound
+      logical :: valid
 
       matrix = transpose(forms(2:, :))
       right(:, 1) = -forms(1, :)
-      call eliminate(matrix, right, sound)
+      call eliminate(matrix, right, valid)
       point = right(:, 1)
    end subroutine begin
 
@@ -227,7 +227,7 @@ contains
       integer, intent(inout) :: steps
       complex(wp) :: slope(size(v)), before(size(v)), slope_before(size(v)), next(size(v)), slope_next(size(v)), step(size(v))
       real(wp) :: t, h, h_before, first, second, s
-      logical :: sound, have_before
+      logical :: valid, have_before
       integer :: i
 
       t = 0.0_wp
@@ -236,8 +236,8 @@ contains
       have_before = .false.
       simple = .false.
       next = v
-      call correct(a, d, t, next, step, slope, sound)
-      if (.not. sound) return
+      call correct(a, d, t, next, step, slope, valid)
+      if (.not. valid) return
       before = v
       slope_before = slope
       do i = 1, most_steps
@@ -249,17 +249,17 @@ contains
             s = h/h_before
             next = next + s**2*(3.0_wp + 2.0_wp*s)*(before - v) + h*s*((1.0_wp + s)*slope_before + (2.0_wp + s)*slope)
          end if
-         call correct(a, d, t + h, next, step, slope_next, sound)
-         if (sound) then
+         call correct(a, d, t + h, next, step, slope_next, valid)
+         if (valid) then
             first = size_of(step)/(1.0_wp + size_of(v))
-            sound = first < trusted*caution
+            valid = first < trusted*caution
          end if
-         if (sound) then
-            call correct(a, d, t + h, next, step, slope_next, sound)
+         if (valid) then
+            call correct(a, d, t + h, next, step, slope_next, valid)
             second = size_of(step)/(1.0_wp + size_of(v))
-            sound = sound .and. second < converged
+            valid = valid .and. second < converged
          end if
-         if (.not. sound) then
+         if (.not. valid) then
             h = shorter*h
             if (h < least_step) then
                simple = .false.
@@ -280,8 +280,8 @@ contains
       if (t < 1.0_wp) return
       do i = 1, 3
          next = v
-         call correct(a, d, 1.0_wp, next, step, slope, sound)
-         if (.not. sound) return
+         call correct(a, d, 1.0_wp, next, step, slope, valid)
+         if (.not. valid) return
          v = next
       end do
       simple = size_of(step) < settled*(1.0_wp + size_of(v))
@@ -294,12 +294,12 @@ contains
    end function size_of
 
    !> One step of Newton's method at t, and the slope of the path where the step began.
-   subroutine correct(a, d, t, v, step, slope, sound)
+   subroutine correct(a, d, t, v, step, slope, valid)
       complex(wp), intent(in), contiguous :: a(:, :, :), d(:, :, :)
       real(wp), intent(in) :: t
       complex(wp), intent(inout) :: v(:)
       complex(wp), intent(out) :: step(:), slope(:)
-      logical, intent(out) :: sound
+      logical, intent(out) :: valid
       complex(wp) :: matrix(size(v), size(v)), right(size(v), 2)
       complex(wp) :: x(size(a, 1)), y(size(a, 1)), by_x(size(a, 1)), form(size(a, 1)), value, rate
       integer :: j, k, n
@@ -324,9 +324,9 @@ contains
          right(j, 1) = -value
          right(j, 2) = -rate
       end do
-      call eliminate(matrix, right, sound)
+      call eliminate(matrix, right, valid)
       step = right(:, 1)
       slope = right(:, 2)
-      if (sound) v = v + step
+      if (valid) v = v + step
    end subroutine correct
 end module psalm_bilinear

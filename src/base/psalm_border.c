@@ -111,7 +111,7 @@ int psalm_identity_of_open(int descriptor, int64_t identity[2])
     return 0;
 }
 
-enum { input_sound, input_unreadable, input_directory, input_too_large, input_has_zero }; /* as in psalm_system.f90 */
+enum { input_valid, input_unreadable, input_directory, input_too_large, input_has_zero }; /* as in psalm_system.f90 */
 enum { first_room = 65536 };              /* bytes */
 
 /* Reads a whole file, or standard input where `path` is "-", into memory that psalm_take_input frees. Stops at the first zero
@@ -123,7 +123,7 @@ int psalm_read_input(const char *path, int64_t most, char **bytes, int64_t *coun
     const int file = standard ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
     struct stat s;
     size_t room = first_room, have = 0;
-    int verdict = input_sound;
+    int verdict = input_valid;
 
     *bytes = NULL;
     *count = *error = 0;
@@ -135,7 +135,7 @@ int psalm_read_input(const char *path, int64_t most, char **bytes, int64_t *coun
     if (S_ISDIR(s.st_mode)) verdict = input_directory;
     if (S_ISREG(s.st_mode) && s.st_size > most) verdict = input_too_large;
     if (S_ISREG(s.st_mode) && (int64_t)s.st_size < most) room = (size_t)s.st_size + 1;
-    while (verdict == input_sound) {
+    while (verdict == input_valid) {
         ssize_t got;
         if (!*bytes || have == room) {
             char *larger = realloc(*bytes, *bytes ? (room *= 2) : room);
@@ -155,7 +155,7 @@ int psalm_read_input(const char *path, int64_t most, char **bytes, int64_t *coun
         if (got <= 0) break;
         if (memchr(*bytes + have, 0, (size_t)got)) verdict = input_has_zero;
         have += (size_t)got;
-        if (verdict == input_sound && have > (uint64_t)most) verdict = input_too_large;
+        if (verdict == input_valid && have > (uint64_t)most) verdict = input_too_large;
     }
     if (!standard) close(file);
     *count = (int64_t)have;

@@ -4,7 +4,7 @@
 !> `finish`, so that no file of ours is left beside. No output takes the place of an input, of a read-only file, of a symbolic
 !> link or of what is no file.
 module psalm_files
-   use psalm_status, only: exit_bad_input, exit_done, exit_file_trouble
+   use psalm_status, only: exit_bad_input, exit_done, exit_file_error
    use psalm_system, only: identity_t, held_signals_t, same_file, look_at, lock_directory, keep_file, let_go, stage, move_file, &
                            remove_file, synchronize, error_text, kind_file, kind_directory, kind_link, kind_other
    implicit none (type, external)
@@ -45,7 +45,7 @@ contains
       logical :: writable
 
       call look_at(path, kind, identity, writable)
-      code = exit_file_trouble
+      code = exit_file_error
       message = ''
       select case (kind)
       case (kind_directory)
@@ -171,7 +171,7 @@ contains
       integer, intent(in) :: error
 
       self%message = "cannot write '"//path//"'"//error_text(error)
-      self%code = exit_file_trouble
+      self%code = exit_file_error
    end subroutine fail
 
    !> The directory part of a path, `.` if it has none.

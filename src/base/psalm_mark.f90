@@ -1,6 +1,6 @@
 !> The mark of a run: a hash of everything its results depend on. The same input and options give the same mark.
 !>
-!> Every file of a run carries it, so that files of different runs can be told apart.
+!> Every file of a run carries it, so that files of different runs can be distinguished.
 module psalm_mark
    use, intrinsic :: iso_fortran_env, only: int64
    use psalm_system, only: hash

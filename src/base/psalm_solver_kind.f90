@@ -15,21 +15,21 @@ module psalm_solver_kind
    integer, parameter :: family_nlopt = 3
 
    character(*), parameter :: default_solver = 'SIMPLEX'
-   integer, parameter :: name_room = 26            !! characters of the longest name
+   integer, parameter :: name_length = 26            !! characters of the longest name
 
-   character(name_room), parameter :: names(*) = [character(name_room) :: default_solver, 'LSQ', &
+   character(name_length), parameter :: names(*) = [character(name_length) :: default_solver, 'LSQ', &
       'GN_DIRECT', 'GN_DIRECT_L', 'GN_DIRECT_L_RAND', 'GN_DIRECT_NOSCAL', 'GN_DIRECT_L_NOSCAL', 'GN_DIRECT_L_RAND_NOSCAL', &
       'GN_ORIG_DIRECT', 'GN_ORIG_DIRECT_L', 'GD_STOGO', 'GD_STOGO_RAND', 'LD_LBFGS_NOCEDAL', 'LD_LBFGS', 'LN_PRAXIS', &
       'LD_VAR1', 'LD_VAR2', 'LD_TNEWTON', 'LD_TNEWTON_RESTART', 'LD_TNEWTON_PRECOND', 'LD_TNEWTON_PRECOND_RESTART', &
       'GN_CRS2_LM', 'GN_MLSL', 'GD_MLSL', 'GN_MLSL_LDS', 'GD_MLSL_LDS', 'LD_MMA', 'LN_COBYLA', 'LN_NEWUOA', &
       'LN_NEWUOA_BOUND', 'LN_NELDERMEAD', 'LN_SBPLX', 'LN_AUGLAG', 'LD_AUGLAG', 'LN_AUGLAG_EQ', 'LD_AUGLAG_EQ', 'LN_BOBYQA', &
       'GN_ISRES', 'AUGLAG', 'AUGLAG_EQ', 'G_MLSL', 'G_MLSL_LDS', 'LD_SLSQP', 'LD_CCSAQ', 'GN_ESCH', 'GN_AGS']
-   character(name_room), parameter :: with_constraints(*) = [character(name_room) :: 'LD_SLSQP', 'LD_MMA', 'LD_CCSAQ', &
+   character(name_length), parameter :: with_constraints(*) = [character(name_length) :: 'LD_SLSQP', 'LD_MMA', 'LD_CCSAQ', &
       'LN_COBYLA', 'GN_ISRES', 'LN_AUGLAG', 'LD_AUGLAG', 'LN_AUGLAG_EQ', 'LD_AUGLAG_EQ', 'AUGLAG', 'AUGLAG_EQ']
 
    !> A solver.
    type :: solver_kind_t
-      character(name_room) :: name = ''         !! as it is called; those of NLopt without NLOPT_
+      character(name_length) :: name = ''         !! as it is called; those of NLopt without NLOPT_
       integer :: family = family_unknown
       logical :: many_starts = .true.           !! searches from many starts, each by itself
       logical :: global = .false.               !! searches a box, every unknown needs finite bounds
@@ -78,7 +78,7 @@ contains
 
    !> All names.
    pure function solver_names() result(all_names)
-      character(name_room) :: all_names(size(names))
+      character(name_length) :: all_names(size(names))
 
       all_names = names
    end function solver_names

@@ -7,19 +7,19 @@ module psalm_status
    private
    public :: finding_t, diagnostics_t
    public :: level_error, level_warning, level_remark
-   public :: exit_done, exit_violation, exit_bad_input, exit_file_trouble
+   public :: exit_done, exit_violation, exit_bad_input, exit_file_error
 
    integer, parameter :: level_remark = 0  !! of a result
    integer, parameter :: level_warning = 1 !! worth a look; the run goes on
    integer, parameter :: level_error = 2   !! the run cannot start
 
-   integer, parameter :: most_of_a_kind = 5 !! findings of one level, group and item that are told
-   integer, parameter :: most_findings = 200 !! findings that are told
+   integer, parameter :: most_of_a_kind = 5 !! findings of one level, group and item that are reported
+   integer, parameter :: most_findings = 200 !! findings that are reported
 
    integer, parameter :: exit_done = 0          !! done
    integer, parameter :: exit_violation = 1     !! done, but constraints are violated or the search stopped early
    integer, parameter :: exit_bad_input = 2     !! the input is wrong
-   integer, parameter :: exit_file_trouble = 3  !! a file could not be read or written
+   integer, parameter :: exit_file_error = 3  !! a file could not be read or written
 
    !> One finding and its place.
    type :: finding_t
@@ -30,7 +30,7 @@ module psalm_status
       character(:), allocatable :: group       !! namelist group, empty if none
       character(:), allocatable :: item        !! namelist item, empty if none
       integer :: line = 0                      !! line of the file, 0 if none
-      integer :: more = 0                      !! stands for so many findings of one kind that are not told one by one
+      integer :: more = 0                      !! stands for so many findings of one kind that are not reported one by one
       character(:), allocatable :: pointer     !! of a case in JSON: the place as a JSON pointer, `/LINKS/ARCL/0/3`
    contains
       procedure :: render => render_finding
@@ -45,11 +45,11 @@ module psalm_status
    contains
       procedure :: error => add_error
       procedure :: warning => add_warning
-      procedure :: trouble => add_trouble
+      procedure :: failure => add_failure
       procedure :: remark => add_remark
       procedure :: add => add_finding
       procedure :: append => add_list
-      procedure :: told_enough
+      procedure :: reported_enough
       procedure :: failed
       procedure :: exit_code
    end type diagnostics_t
@@ -77,12 +77,12 @@ contains
    end subroutine add_warning
 
    !> Add an error of the file system (not to be read, not to be written).
-   pure subroutine add_trouble(self, text)
+   pure subroutine add_failure(self, text)
       class(diagnostics_t), intent(inout) :: self
       character(*), intent(in) :: text
 
-      call append(self, level_error, exit_file_trouble, text)
-   end subroutine add_trouble
+      call append(self, level_error, exit_file_error, text)
+   end subroutine add_failure
 
    !> Add a remark on a result.
    pure subroutine add_remark(self, text)
@@ -115,24 +115,24 @@ contains
    end subroutine add_list
 
    !> True if further findings of this kind are only counted, so that their words and places need not be looked for.
-   pure logical function told_enough(self, level, group, item)
+   pure logical function reported_enough(self, level, group, item)
       class(diagnostics_t), intent(in) :: self
       integer, intent(in) :: level
       character(*), intent(in) :: group, item
       integer :: i
 
-      told_enough = .false.
+      reported_enough = .false.
       do i = 1, self%count
          associate (old => self%list(i))
             if (old%more == 0 .or. old%level /= level .or. old%group /= group .or. old%item /= item) cycle
             if (allocated(self%file)) then
                if (old%file /= self%file) cycle
             end if
-            told_enough = .true.
+            reported_enough = .true.
             return
          end associate
       end do
-   end function told_enough
+   end function reported_enough
 
    !> True if any finding is an error.
    pure logical function failed(self)

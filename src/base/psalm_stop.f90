@@ -14,7 +14,7 @@ module psalm_stop
    type, abstract :: stop_request_t
    contains
       procedure(asked), deferred :: asked
-      procedure :: told
+      procedure :: reported
    end type stop_request_t
 
    abstract interface
@@ -52,13 +52,13 @@ module psalm_stop
 contains
 
    !> So many of the paths of a study are followed: nothing is done with it here. Called often, from one thread.
-   subroutine told(self, done, of)
+   subroutine reported(self, done, of)
       class(stop_request_t), intent(inout) :: self
       integer, intent(in) :: done, of
 
       associate (unused => same_type_as(self, self) .and. done == of)
       end associate
-   end subroutine told
+   end subroutine reported
 
    !> Ask this host from now on. It must live as long as the token and its copies.
    subroutine listen_to(self, request)
@@ -171,7 +171,7 @@ contains
       class(stop_t), intent(in) :: self
       integer, intent(in) :: done, of
 
-      if (associated(self%request)) call self%request%told(done, of)
+      if (associated(self%request)) call self%request%reported(done, of)
    end subroutine tell
 
    !> True if the time is up.

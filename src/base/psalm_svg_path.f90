@@ -36,13 +36,13 @@ module psalm_svg_path
 
 contains
 
-   !> The points of the path with that id; without one, of the only path. Errors: `trouble` says what is wrong, empty if nothing.
-   subroutine read_svg_path(text, id, points, closed, trouble)
+   !> The points of the path with that id; without one, of the only path. Errors: `failure` says what is wrong, empty if nothing.
+   subroutine read_svg_path(text, id, points, closed, failure)
       character(*), intent(in) :: text            !! of the file
       character(*), intent(in) :: id              !! blank: any
       real(wp), allocatable, intent(out) :: points(:, :) !! shape (2, points), y up
       logical, intent(out) :: closed
-      character(:), allocatable, intent(out) :: trouble
+      character(:), allocatable, intent(out) :: failure
       type(transform_t) :: transform
       character(:), allocatable :: name, details, path
       type(pen_t) :: pen
@@ -50,12 +50,12 @@ contains
 
       closed = .false.
       allocate (points(2, 0))
-      call find_element(text, id, name, details, transform, trouble)
-      if (len(trouble) > 0) return
+      call find_element(text, id, name, details, transform, failure)
+      if (len(failure) > 0) return
       if (name == 'path') then
          call take_attribute(details, 'd', path)
          if (verify(path, blanks) == 0) then
-            trouble = 'the path has no points (its d is empty)'
+            failure = 'the path has no points (its d is empty)'
             return
          end if
       else
@@ -64,8 +64,8 @@ contains
          if (name == 'polygon') path = path//'Z'
       end if
       allocate (pen%points(2, 64))
-      call draw(path, transform, pen, trouble)
-      if (len(trouble) > 0) return
+      call draw(path, transform, pen, failure)
+      if (len(failure) > 0) return
       associate (x => pen%points(1, :pen%count), y => pen%points(2, :pen%count))
          size = max(maxval(x) - minval(x), maxval(y) - minval(y))
       end associate
@@ -73,10 +73,10 @@ contains
       pen%count = 0
       pen%lines = 0
       pen%pieces = 0
-      call draw(path, transform, pen, trouble)
-      if (len(trouble) > 0) return
+      call draw(path, transform, pen, failure)
+      if (len(failure) > 0) return
       if (pen%lines > 1) then
-         trouble = 'the path has '//to_text(pen%lines)//' separate lines; a curve is one: break it apart and give '// &
+         failure = 'the path has '//to_text(pen%lines)//' separate lines; a curve is one: break it apart and give '// &
                    'the ID of one'
          return
       end if
@@ -88,9 +88,9 @@ contains
    ! ---- elements ----------------------------------------------------------------------------------------------------
 
    !> The element wanted, its details and the transform it is seen by.
-   pure subroutine find_element(text, id, name, details, transform, trouble)
+   pure subroutine find_element(text, id, name, details, transform, failure)
       character(*), intent(in) :: text, id
-      character(:), allocatable, intent(out) :: name, details, trouble
+      character(:), allocatable, intent(out) :: name, details, failure
       type(transform_t), intent(out) :: transform
       type(transform_t) :: levels(0:most_levels), own
       character(:), allocatable :: tag, value, label, ids, all_ids
@@ -98,14 +98,14 @@ contains
 
       name = ''
       details = ''
-      trouble = ''
+      failure = ''
       ids = ''
       all_ids = ''
       level = 0
       found = 0
       at = 1
       if (index(text, '<svg') == 0 .and. index(text, ':svg') == 0) then
-         trouble = 'this is no SVG picture (there is no <svg> in it)'
+         failure = 'this is no SVG picture (there is no <svg> in it)'
          return
       end if
       do
@@ -120,7 +120,7 @@ contains
             last = index(text(at:), '>')
          end if
          if (last == 0) then
-            trouble = 'the text ends within an element'
+            failure = 'the text ends within an element'
             return
          end if
          tag = text(at + 1:at + last - 2)
@@ -135,16 +135,16 @@ contains
          if (past_name == 0) past_name = len(tag) + 1
          label = tag(index(tag(:past_name - 1), ':') + 1:past_name - 1)
          call take_attribute(tag(past_name:), 'transform', value)
-         call read_transform(value, own, trouble)
+         call read_transform(value, own, failure)
          call take_attribute(tag(past_name:), 'id', value)
-         if (len(trouble) > 0) then
-            trouble = trouble//' (element '//label//' '//shortened(value)//')'
+         if (len(failure) > 0) then
+            failure = failure//' (element '//label//' '//shortened(value)//')'
             return
          end if
          own = product_of(levels(level), own)
          if (len(id) > 0 .and. value == id) then
             if (all(label /= [character(8) :: 'path', 'polygon', 'polyline'])) then
-               trouble = "'"//id//"' is no path but a "//label//'; make it a path (in a drawing program: object to path)'
+               failure = "'"//id//"' is no path but a "//label//'; make it a path (in a drawing program: object to path)'
                return
             end if
             found = 1
@@ -164,7 +164,7 @@ contains
          end if
          if (tag(len(tag):) == '/') cycle
          if (level == most_levels) then
-            trouble = 'more than '//to_text(most_levels)//' elements stand within each other'
+            failure = 'more than '//to_text(most_levels)//' elements stand within each other'
             return
          end if
          level = level + 1
@@ -172,11 +172,11 @@ contains
       end do
       if (found == 1) return
       if (len(all_ids) == 0) then
-         trouble = 'there is no path in the picture'
+         failure = 'there is no path in the picture'
       else if (found == 0) then
-         trouble = "there is no path with the ID '"//id//"'; there are "//all_ids(3:)
+         failure = "there is no path with the ID '"//id//"'; there are "//all_ids(3:)
       else
-         trouble = 'there are '//to_text(found)//' paths; say by ID which is wanted: '//all_ids(3:)
+         failure = 'there are '//to_text(found)//' paths; say by ID which is wanted: '//all_ids(3:)
       end if
    end subroutine find_element
 
@@ -244,18 +244,18 @@ contains
    end function product_of
 
    !> matrix, translate, scale, rotate, skewX and skewY, the last one first on the point.
-   pure subroutine read_transform(text, transform, trouble)
+   pure subroutine read_transform(text, transform, failure)
       character(*), intent(in) :: text
       type(transform_t), intent(out) :: transform
-      character(:), allocatable, intent(out) :: trouble
+      character(:), allocatable, intent(out) :: failure
       type(transform_t) :: one, back
       character(:), allocatable :: word
       real(wp), allocatable :: p(:)
       real(wp) :: cosine, sine
-      logical :: sound
+      logical :: valid
       integer :: at, bracket, past
 
-      trouble = ''
+      failure = ''
       at = 1
       do
          if (at > len(text)) return
@@ -263,29 +263,29 @@ contains
          bracket = index(text(at:), '(')
          past = index(text(at:), ')')
          if (bracket == 0 .or. past < bracket) then
-            trouble = "the transform '"//shortened(text)//"' is not understood"
+            failure = "the transform '"//shortened(text)//"' is not understood"
             return
          end if
          word = trimmed(text(at:at + bracket - 2))
          if (index(word, ',') == 1) word = trimmed(word(2:))
-         call read_numbers(text(at + bracket:at + past - 2), p, sound)
+         call read_numbers(text(at + bracket:at + past - 2), p, valid)
          at = at + past
          one = transform_t()
          select case (word)
          case ('matrix')
-            sound = sound .and. size(p) == 6
-            if (sound) one = transform_t(p(1), p(2), p(3), p(4), p(5), p(6))
+            valid = valid .and. size(p) == 6
+            if (valid) one = transform_t(p(1), p(2), p(3), p(4), p(5), p(6))
          case ('translate')
-            sound = sound .and. (size(p) == 1 .or. size(p) == 2)
-            if (sound) one%e = p(1)
-            if (sound .and. size(p) == 2) one%f = p(2)
+            valid = valid .and. (size(p) == 1 .or. size(p) == 2)
+            if (valid) one%e = p(1)
+            if (valid .and. size(p) == 2) one%f = p(2)
          case ('scale')
-            sound = sound .and. (size(p) == 1 .or. size(p) == 2)
-            if (sound) one%a = p(1)
-            if (sound) one%d = p(size(p))
+            valid = valid .and. (size(p) == 1 .or. size(p) == 2)
+            if (valid) one%a = p(1)
+            if (valid) one%d = p(size(p))
          case ('rotate')
-            sound = sound .and. (size(p) == 1 .or. size(p) == 3)
-            if (sound) then
+            valid = valid .and. (size(p) == 1 .or. size(p) == 3)
+            if (valid) then
                call unit_vector(p(1), cosine, sine)
                one = transform_t(cosine, sine, -sine, cosine, 0.0_wp, 0.0_wp)
                if (size(p) == 3) then
@@ -298,37 +298,37 @@ contains
                end if
             end if
          case ('skewX', 'skewY')
-            sound = sound .and. size(p) == 1
-            if (sound) then
+            valid = valid .and. size(p) == 1
+            if (valid) then
                call unit_vector(p(1), cosine, sine)
-               sound = abs(cosine) > 0.0_wp
+               valid = abs(cosine) > 0.0_wp
             end if
-            if (sound .and. word == 'skewX') one%c = sine/cosine
-            if (sound .and. word == 'skewY') one%b = sine/cosine
+            if (valid .and. word == 'skewX') one%c = sine/cosine
+            if (valid .and. word == 'skewY') one%b = sine/cosine
          case default
-            sound = .false.
+            valid = .false.
          end select
-         if (.not. sound) then
-            trouble = "the transform '"//shortened(text)//"' is not understood"
+         if (.not. valid) then
+            failure = "the transform '"//shortened(text)//"' is not understood"
             return
          end if
          transform = product_of(transform, one)
       end do
    end subroutine read_transform
 
-   pure subroutine read_numbers(text, numbers, sound)
+   pure subroutine read_numbers(text, numbers, valid)
       character(*), intent(in) :: text
       real(wp), allocatable, intent(out) :: numbers(:)
-      logical, intent(out) :: sound
+      logical, intent(out) :: valid
       real(wp) :: number
       integer :: at
 
       allocate (numbers(0))
-      sound = .true.
+      valid = .true.
       at = 1
       do while (more(text, at))
-         call next_number(text, at, number, sound)
-         if (.not. sound) return
+         call next_number(text, at, number, valid)
+         if (.not. valid) return
          numbers = [numbers, number]
       end do
    end subroutine read_numbers
@@ -344,18 +344,18 @@ contains
 
    !> Read the number at `at`, blanks and a comma before it left out. Numbers may follow each other without a blank: 1.5.5-2 is
    !> three.
-   pure subroutine next_number(text, at, number, sound)
+   pure subroutine next_number(text, at, number, valid)
       character(*), intent(in) :: text
       integer, intent(inout) :: at
       real(wp), intent(out) :: number
-      logical, intent(out) :: sound
+      logical, intent(out) :: valid
       character(:), allocatable :: reason
       integer :: first
       logical :: point
 
       number = 0.0_wp
-      sound = more(text, at)
-      if (.not. sound) return
+      valid = more(text, at)
+      if (.not. valid) return
       at = at + verify(text(at:), blanks//',') - 1
       first = at
       if (scan(text(at:at), '+-') == 1) at = at + 1
@@ -378,23 +378,23 @@ contains
             end do
          end if
       end if
-      call parse_real(text(first:at - 1), number, sound, reason)
+      call parse_real(text(first:at - 1), number, valid, reason)
    end subroutine next_number
 
    ! ---- drawing -----------------------------------------------------------------------------------------------------
 
    !> Follow the commands.
-   subroutine draw(path, transform, pen, trouble)
+   subroutine draw(path, transform, pen, failure)
       character(*), intent(in) :: path
       type(transform_t), intent(in) :: transform
       type(pen_t), intent(inout) :: pen
-      character(:), allocatable, intent(out) :: trouble
+      character(:), allocatable, intent(out) :: failure
       real(wp) :: here(2), first(2), before(2), p(7)
       character :: command, small, last
-      logical :: sound, begun
+      logical :: valid, begun
       integer :: at
 
-      trouble = ''
+      failure = ''
       here = 0.0_wp
       first = 0.0_wp
       before = 0.0_wp
@@ -409,18 +409,18 @@ contains
             command = path(at:at)
             at = at + 1
          else if (verify(path(at:at), '+-.0123456789') > 0 .or. command == ' ' .or. scan(command, 'Zz') == 1) then
-            trouble = "the path has the command '"//path(at:at)//"', which is none of "//commands
+            failure = "the path has the command '"//path(at:at)//"', which is none of "//commands
             return
          end if
          if (last == ' ' .and. scan(command, 'Mm') == 0) then
-            trouble = 'the path does not begin with M'
+            failure = 'the path does not begin with M'
             return
          end if
          small = lower_case(command)
          p = 0.0_wp
          call take(numbers_of(small))
-         if (.not. sound) then
-            trouble = 'the path has too few numbers, or what is no number, behind '//command
+         if (.not. valid) then
+            failure = 'the path has too few numbers, or what is no number, behind '//command
             return
          end if
          if (small == command) call shift()
@@ -466,7 +466,7 @@ contains
          end select
          last = small
       end do
-      if (pen%count < 2 .and. len(trouble) == 0) trouble = 'the path has fewer than two points'
+      if (pen%count < 2 .and. len(failure) == 0) failure = 'the path has fewer than two points'
 
    contains
 
@@ -483,20 +483,20 @@ contains
          integer, intent(in) :: count
          integer :: k
 
-         sound = .true.
+         valid = .true.
          do k = 1, count
             if (small == 'a' .and. (k == 4 .or. k == 5)) then
-               sound = more(path, at)
-               if (sound) then
+               valid = more(path, at)
+               if (valid) then
                   at = at + verify(path(at:), blanks//',') - 1
-                  sound = scan(path(at:at), '01') == 1
+                  valid = scan(path(at:at), '01') == 1
                   if (path(at:at) == '1') p(k) = 1.0_wp
                   at = at + 1
                end if
             else
-               call next_number(path, at, p(k), sound)
+               call next_number(path, at, p(k), valid)
             end if
-            if (.not. sound) return
+            if (.not. valid) return
          end do
          if (small == 'v') p(2) = p(1)
       end subroutine take

@@ -10,7 +10,7 @@ module psalm_system
    public :: lock_directory, keep_file, let_go, stage, move_file, remove_file, synchronize
    public :: make_directories, error_text
    public :: kind_none, kind_file, kind_directory, kind_link, kind_other, kind_unknown
-   public :: read_input, input_sound, input_unreadable, input_directory, input_too_large, input_has_zero
+   public :: read_input, input_valid, input_unreadable, input_directory, input_too_large, input_has_zero
    public :: begin_program, finish_program, write_standard_output, write_standard_error, error_is_terminal
    public :: memory_to_be_had, threads_to_be_had, hash
    public :: standard_input, standard_output, standard_error
@@ -23,7 +23,7 @@ module psalm_system
    integer, parameter :: kind_link = 3       !! a symbolic link
    integer, parameter :: kind_other = 4      !! a pipe, a device ...
    integer, parameter :: kind_unknown = 5    !! not to be seen
-   integer, parameter :: input_sound = 0       !! verdicts on an input: text
+   integer, parameter :: input_valid = 0       !! verdicts on an input: text
    integer, parameter :: input_unreadable = 1
    integer, parameter :: input_directory = 2
    integer, parameter :: input_too_large = 3
@@ -314,7 +314,7 @@ contains
       character(*), intent(in) :: path
       integer, intent(in) :: most                     !! bytes
       character(:), allocatable, intent(out) :: text
-      integer, intent(out) :: verdict                 !! input_sound ...
+      integer, intent(out) :: verdict                 !! input_valid ...
       integer, intent(out) :: error                   !! error number with input_unreadable, else 0
       type(c_ptr) :: bytes
       integer(c_int64_t) :: count
@@ -323,7 +323,7 @@ contains
 
       verdict = c_read_input(path//c_null_char, int(most, c_int64_t), bytes, count, number)
       error = number
-      if (verdict /= input_sound .and. verdict /= input_has_zero) count = 0_c_int64_t
+      if (verdict /= input_valid .and. verdict /= input_has_zero) count = 0_c_int64_t
       allocate (character(count) :: text, stat=status)
       if (status == 0) then
          call c_take_input(bytes, text, int(count, c_size_t))

@@ -13,7 +13,7 @@ module psalm_work_parts
    use psalm_kinds, only: wp
    use psalm_shared_work, only: sharing_t
    use psalm_status, only: exit_bad_input, exit_done
-   use psalm_system, only: identity_t, input_sound, read_input, remove_file
+   use psalm_system, only: identity_t, input_valid, read_input, remove_file
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
@@ -161,7 +161,7 @@ contains
       inquire (file=part_name(self%stem, number), exist=there)
       if (.not. there) return
       call read_input(part_name(self%stem, number), most_bytes, text, verdict, error)
-      if (verdict == input_sound) return
+      if (verdict == input_valid) return
       message = "cannot read '"//part_name(self%stem, number)//"'"
       deallocate (text)
    end subroutine found
@@ -173,7 +173,7 @@ contains
       integer, intent(in) :: number                   !! of the part
       character(:), allocatable, intent(out) :: message !! what is wrong; empty: nothing
       character(80) :: word, label
-      logical :: sound
+      logical :: valid
       integer :: from, upto, status, of, part, of_case, ordinal, items, item, count, batch
       real(wp), allocatable :: numbers(:)
 
@@ -203,16 +203,16 @@ contains
             end if
             if (status /= 0) message = 'is damaged: '//text(from:min(upto, from + 60))
          else
-            sound = .false.
+            valid = .false.
             read (text(from:upto), *, iostat=status) item, count
-            if (status == 0 .and. batch > 0) sound = item > 0 .and. count > 0
-            if (sound) sound = item <= size(self%batches(batch)%items) .and. count <= upto - from
-            if (sound) then
+            if (status == 0 .and. batch > 0) valid = item > 0 .and. count > 0
+            if (valid) valid = item <= size(self%batches(batch)%items) .and. count <= upto - from
+            if (valid) then
                allocate (numbers(count))
                read (text(from:upto), *, iostat=status) item, count, numbers
-               sound = status == 0
+               valid = status == 0
             end if
-            if (.not. sound) then
+            if (.not. valid) then
                message = 'is damaged: '//text(from:min(upto, from + 60))
             else
                self%batches(batch)%items(item)%own = self%batches(batch)%items(item)%own .or. number == self%part

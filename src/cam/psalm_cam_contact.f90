@@ -50,7 +50,7 @@ contains
 
       n = size(states%angle)
       call reduce_machine(problem, model, delt, reduced)
-      contact%known = reduced%trouble == 0
+      contact%known = reduced%failure == 0
       allocate (contact%force(n), contact%stress(n), square(n), linear(n), rest(n), lost(n), source=0.0_wp)
       if (.not. contact%known) return
       w = cam%speed*per_minute

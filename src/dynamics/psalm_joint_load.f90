@@ -27,7 +27,7 @@ module psalm_joint_load
       real(wp), allocatable :: inertia(:, :)     !! shape (2, positions): load x and y of inertia at 1 rad/s
       real(wp), allocatable :: fixed(:, :)       !! of weight, loads and springs, N
       real(wp), allocatable :: tensor(:, :)      !! shape (3, positions): M_uu, M_uv, M_vv in machine axes, kg
-      integer :: trouble = 0                     !! position at which it does not close or passes a dead point; 0: none
+      integer :: failure = 0                     !! position at which it does not close or passes a dead point; 0: none
       integer :: loop = 0                        !! and the loop
       logical :: closes = .true.                 !! it is a dead point
       integer :: loose = 0                       !! position at which the joint taken apart leaves more than two freedoms; 0: none
@@ -57,9 +57,9 @@ contains
       call problem%set_inputs([(load%sense*full_turn*real(i - 1, wp)/real(points, wp), i=1, points)])
       call problem%want_derivatives(.true., vertices_of(problem%mechanism))
       call problem%analyse(dimensions, motion)
-      load%trouble = findloc(motion%closed, .false., dim=1)
-      load%closes = load%trouble == 0
-      if (load%trouble > 0) return
+      load%failure = findloc(motion%closed, .false., dim=1)
+      load%closes = load%failure == 0
+      if (load%failure > 0) return
       call prepare_rates(problem, rates)
       call prepare_forces(problem, model, forces)
       do block = 1, problem%blocks()
@@ -68,7 +68,7 @@ contains
          do i = 1, n
             do loop = 1, problem%mechanism%nloop
                if (.not. is_dead(problem, rates, loop, i)) cycle
-               load%trouble = offset + i
+               load%failure = offset + i
                load%loop = loop
                return
             end do

@@ -6,7 +6,7 @@ module psalm_link_cycle
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t, motion_t
-   use psalm_force_model, only: force_model_t, load_t, spot_t, vertices_of, parameter_mass, parameter_mx, &
+   use psalm_force_model, only: force_model_t, load_t, location_t, vertices_of, parameter_mass, parameter_mx, &
                                 parameter_my, parameter_inertia
    use psalm_kinds, only: wp, full_turn
    use psalm_kinetostatics, only: forces_t, prepare_forces, move_bodies, clear_wrenches, add_source, sweep, joint_rows, &
@@ -40,7 +40,7 @@ module psalm_link_cycle
       real(wp), allocatable :: viscous(:)        !! of dampers on other links, at 1 rad/s
       real(wp), allocatable :: weight_along(:), weight_across(:) !! gravity in the axes of the link, m/s2
       type(acting_cycle_t), allocatable :: acting(:) !! on the link between its pins
-      integer :: trouble = 0                     !! position at which it does not close or passes a dead point; 0: none
+      integer :: failure = 0                     !! position at which it does not close or passes a dead point; 0: none
       integer :: loop = 0                        !! and the loop
       logical :: closes = .true.                 !! it is a dead point
    end type link_cycle_t
@@ -114,7 +114,7 @@ contains
       end if
       if (any(pins == 0)) return
       do k = 1, size(model%loads)
-         if (model%loads(k)%spot%body == body) call check_place('load '//to_text(k)//' of &LOADS', model%loads(k)%spot)
+         if (model%loads(k)%location%body == body) call check_place('load '//to_text(k)//' of &LOADS', model%loads(k)%location)
       end do
       do k = 1, size(model%springs)
          associate (spring => model%springs(k))
@@ -137,12 +137,12 @@ contains
    contains
 
       !> Between the pins, or above a point between them.
-      subroutine check_place(what, spot)
+      subroutine check_place(what, location)
          character(*), intent(in) :: what
-         type(spot_t), intent(in) :: spot
+         type(location_t), intent(in) :: location
          real(wp) :: place, height, length
 
-         call find_foot(mechanism, dimensions, model, n, spot, place, height, length)
+         call find_foot(mechanism, dimensions, model, n, location, place, height, length)
          if (place >= -beyond_pin*length .and. place <= (1.0_wp + beyond_pin)*length) return
          call refuse(what//' acts on this link beyond its pins: the link is treated as a beam that ends at its pins')
       end subroutine check_place
@@ -216,7 +216,7 @@ contains
 
       cycle_of%sense = sense
       call prepare_turn(given, dimensions, points, problem, input, cycle_of)
-      if (cycle_of%trouble > 0) return
+      if (cycle_of%failure > 0) return
       arc = problem%mechanism%seq(beam%link%loop, beam%link%arc)
       body = problem%mechanism%arcs(arc)%body
       start = problem%mechanism%arcs(arc)%ends(at_start)
@@ -242,7 +242,7 @@ contains
          call problem%solve_block(block, offset, n)
          call differentiate(problem, rates, n, 2)
          call note_dead(problem, rates, offset, n, cycle_of)
-         if (cycle_of%trouble > 0) return
+         if (cycle_of%failure > 0) return
          call move_bodies(problem, rates, n, 1.0_wp, 0.0_wp, forces)
          call follow_motion()
          if (block == 1) call make_own()
@@ -411,14 +411,14 @@ contains
       allocate (inertia(points), source=0.0_wp)
       cycle_of%sense = sense
       call prepare_turn(given, dimensions, points, problem, input, cycle_of)
-      if (cycle_of%trouble > 0) return
+      if (cycle_of%failure > 0) return
       call prepare_rates(problem, rates)
       call prepare_forces(problem, model, forces)
       do block = 1, problem%blocks()
          call problem%solve_block(block, offset, n)
          call differentiate(problem, rates, n, 2)
          call note_dead(problem, rates, offset, n, cycle_of)
-         if (cycle_of%trouble > 0) return
+         if (cycle_of%failure > 0) return
          call move_bodies(problem, rates, n, 1.0_wp, 0.0_wp, forces)
          call clear_wrenches(n, forces)
          call add_source(problem, model, source_inertia, input(offset + 1:offset + n), n, forces)
@@ -442,8 +442,8 @@ contains
       call problem%want_derivatives(.true., vertices_of(problem%mechanism))
       call problem%analyse(dimensions, motion)
       input = motion%input
-      cycle_of%trouble = findloc(motion%closed, .false., dim=1)
-      if (cycle_of%trouble > 0) cycle_of%closes = .false.
+      cycle_of%failure = findloc(motion%closed, .false., dim=1)
+      if (cycle_of%failure > 0) cycle_of%closes = .false.
    end subroutine prepare_turn
 
    subroutine note_dead(problem, rates, offset, n, cycle_of)
@@ -456,7 +456,7 @@ contains
       do i = 1, n
          do loop = 1, problem%mechanism%nloop
             if (.not. is_dead(problem, rates, loop, i)) cycle
-            cycle_of%trouble = offset + i
+            cycle_of%failure = offset + i
             cycle_of%loop = loop
             return
          end do

@@ -3,9 +3,9 @@ module psalm_link_loads
    use psalm_body_points, only: locate_point
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
-   use psalm_force_model, only: force_model_t, spot_t
+   use psalm_force_model, only: force_model_t, location_t
    use psalm_kinds, only: wp
-   use psalm_kinetostatics, only: forces_t, clear_wrenches, add_source, find_spot, first_load, first_spring, interpolated
+   use psalm_kinetostatics, only: forces_t, clear_wrenches, add_source, find_location, first_load, first_spring, interpolated
    use psalm_linkage, only: padded
    use psalm_mechanism, only: mechanism_t, at_start, at_finish
    implicit none (type, external)
@@ -16,7 +16,7 @@ module psalm_link_loads
    type :: acting_cycle_t
       integer :: load = 0                        !! its number; 0: it is a spring
       integer :: spring = 0, end = 0             !! the spring's number, and which of its ends is on the link
-      type(spot_t) :: spot
+      type(location_t) :: location
       real(wp) :: place = 0.0_wp                 !! of its foot on the line of the pins, from the start, m
       real(wp) :: height = 0.0_wp                !! of its point to the left of that line, m
       real(wp), allocatable :: along(:), across(:) !! N
@@ -28,23 +28,23 @@ module psalm_link_loads
 contains
 
    !> Where a place on a link has its foot on the line of an arc between its pins, and its height to the left of that line.
-   pure subroutine find_foot(mechanism, dimensions, model, arc, spot, place, height, length)
+   pure subroutine find_foot(mechanism, dimensions, model, arc, location, place, height, length)
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
       integer, intent(in) :: arc
-      type(spot_t), intent(in) :: spot
+      type(location_t), intent(in) :: location
       real(wp), intent(out) :: place, height, length !! m; the place from the start
       real(wp) :: start(2), finish(2), unit(2)
 
-      associate (body => spot%body, ends => mechanism%arcs(arc)%ends)
+      associate (body => location%body, ends => mechanism%arcs(arc)%ends)
          call locate_point(mechanism, dimensions, body, model%reference(body), ends(at_start), start)
          call locate_point(mechanism, dimensions, body, model%reference(body), ends(at_finish), finish)
       end associate
       length = norm2(finish - start)
       unit = (finish - start)/length
-      place = model%metre*dot_product(spot%at - start, unit)
-      height = model%metre*(unit(1)*(spot%at(2) - start(2)) - unit(2)*(spot%at(1) - start(1)))
+      place = model%metre*dot_product(location%at - start, unit)
+      height = model%metre*(unit(1)*(location%at(2) - start(2)) - unit(2)*(location%at(1) - start(1)))
       length = model%metre*length
    end subroutine find_foot
 
@@ -62,10 +62,10 @@ contains
       many = 0
       associate (body => mechanism%arcs(arc)%body)
          do k = 1, size(model%loads)
-            if (model%loads(k)%spot%body /= body) cycle
+            if (model%loads(k)%location%body /= body) cycle
             many = many + 1
             list(many)%load = k
-            list(many)%spot = model%loads(k)%spot
+            list(many)%location = model%loads(k)%location
          end do
          do k = 1, size(model%springs)
             do e = 1, size(model%springs(k)%ends)
@@ -73,14 +73,14 @@ contains
                many = many + 1
                list(many)%spring = k
                list(many)%end = e
-               list(many)%spot = model%springs(k)%ends(e)
+               list(many)%location = model%springs(k)%ends(e)
                if (model%springs(k)%torsional) list(many)%torsion = model%springs(k)%stiffness
             end do
          end do
       end associate
       do k = 1, many
          associate (a => list(k))
-            call find_foot(mechanism, dimensions, model, arc, a%spot, a%place, a%height, length)
+            call find_foot(mechanism, dimensions, model, arc, a%location, a%place, a%height, length)
             a%place = min(max(a%place, 0.0_wp), length) ! at a pin but for rounding
             allocate (a%along(points), a%across(points), a%moment(points), a%held(points, 3), source=0.0_wp)
          end associate
@@ -111,7 +111,7 @@ contains
          end do
       end associate
       do k = 1, size(acting)
-         associate (a => acting(k), row => forces%bodies(acting(k)%spot%body)%wrench, w => forces%w%v)
+         associate (a => acting(k), row => forces%bodies(acting(k)%location%body)%wrench, w => forces%w%v)
             call clear_wrenches(n, forces)
             if (a%load > 0) then
                call add_source(problem, model, first_load() + a%load - 1, input, n, forces)
@@ -131,7 +131,7 @@ contains
             else if (model%springs(a%spring)%torsional) then
                a%moment(offset + 1:offset + n) = forces%metre*w(1:n, row + 2)
             else
-               call find_spot(problem, forces, a%spot, padded(n), zx, zy)
+               call find_location(problem, forces, a%location, padded(n), zx, zy)
                call hold(a)
             end if
          end associate
@@ -145,7 +145,7 @@ contains
          real(wp) :: bx(padded(n)), by(padded(n)), gap(2), length, turned
 
          associate (spring => model%springs(a%spring))
-            call find_spot(problem, forces, spring%ends(3 - a%end), padded(n), bx, by)
+            call find_location(problem, forces, spring%ends(3 - a%end), padded(n), bx, by)
             do i = 1, n
                gap = [(bx(i) - zx(i))*unit(1, i) + (by(i) - zy(i))*unit(2, i), &
                       (by(i) - zy(i))*unit(1, i) - (bx(i) - zx(i))*unit(2, i)]

@@ -600,7 +600,7 @@ contains
       pin = pole - 2.0_wp*real(conjg(line)*(pole + centre(k)/level(k)), wp)*line
    end subroutine slider_pin
 
-   !> Direction of the line on which a point of the body is in all poses, as far as that can be told from the poses farthest apart.
+   !> Direction of the line on which a point of the body is in all poses, as far as that can be found from the poses farthest apart.
    pure complex(wp) function guide_of(d, g, pin) result(guide)
       complex(wp), intent(in) :: d(:), g(:)
       complex(wp), intent(in) :: pin

@@ -185,7 +185,7 @@ contains
                return
             end if
             associate (i => which(k))
-               ! what got lost on its way, or came to a singular end, goes on from its last sound place; what came to another
+               ! what got lost on its way, or came to a singular end, goes on from its last valid place; what came to another
                ! one's end begins afresh
                from_start = .not. tracked%reached(i) > 0.0_wp .and. (tracked%left(i) <= unsettled .or. .not. tracked%arrived(i))
                if (from_start) then

@@ -303,7 +303,7 @@ contains
       complex(wp), allocatable :: key(:, :)
       real(wp) :: r(size(starts, 1))
       real(wp), allocatable :: radius(:, :)
-      logical :: sound(size(starts, 2)), is_real, is_not
+      logical :: valid(size(starts, 2)), is_real, is_not
       integer :: i, n
 
       n = merge(2, size(keys), orbits)
@@ -311,11 +311,11 @@ contains
       allocate (radius(n, size(starts, 2)), source=0.0_wp)
       certificate%examined = size(starts, 2) - merge(1, 0, uncounted > 0)
       do i = 1, size(starts, 2)
-         call examine(sums, numbers, partner, starts(:, i), corrections, likely_real(i), v, r, sound(i), is_real, is_not)
-         if (.not. sound(i) .or. (likely_real(i) .and. .not. is_real)) &
-            call examine_extended(sums, numbers, partner, starts(:, i), more_corrections, likely_real(i), v, r, sound(i), is_real, &
+         call examine(sums, numbers, partner, starts(:, i), corrections, likely_real(i), v, r, valid(i), is_real, is_not)
+         if (.not. valid(i) .or. (likely_real(i) .and. .not. is_real)) &
+            call examine_extended(sums, numbers, partner, starts(:, i), more_corrections, likely_real(i), v, r, valid(i), is_real, &
                                   is_not)
-         if (.not. sound(i)) cycle
+         if (.not. valid(i)) cycle
          if (orbits) then
             call third_pivot(v([at_x, at_a, at_y, at_b]), r([at_x, at_a, at_y, at_b]), key(1, i), radius(1, i))
             call third_pivot(v([at_xh, at_ah, at_yh, at_bh]), r([at_xh, at_ah, at_yh, at_bh]), key(2, i), radius(2, i))
@@ -328,7 +328,7 @@ contains
          if (is_real) certificate%real_ones = certificate%real_ones + 1
          if (is_not) certificate%not_real = certificate%not_real + 1
       end do
-      call count_apart(sound, key, radius, uncounted, certificate%apart)
+      call count_apart(valid, key, radius, uncounted, certificate%apart)
    end subroutine examine_all
 
    !> Three times a plus s less s x/u: sum of the three pivots, which exchange of the legs and cognates leave alone; with its disc.
@@ -351,28 +351,28 @@ contains
    end subroutine third_pivot
 
    !> Solutions of which some disc meets none of each other's.
-   pure subroutine count_apart(sound, key, radius, uncounted, apart)
-      logical, intent(in) :: sound(:)                !! shape (count): with discs
+   pure subroutine count_apart(valid, key, radius, uncounted, apart)
+      logical, intent(in) :: valid(:)                !! shape (count): with discs
       complex(wp), intent(in) :: key(:, :)           !! shape (numbers, count)
       real(wp), intent(in) :: radius(:, :)
       integer, intent(in) :: uncounted
       integer, intent(out) :: apart
-      logical :: meets(size(sound))
+      logical :: meets(size(valid))
       integer :: i, k
 
       meets = .false.
-      do i = 1, size(sound)
-         if (.not. sound(i)) cycle
-         do k = i + 1, size(sound)
-            if (.not. sound(k)) cycle
+      do i = 1, size(valid)
+         if (.not. valid(i)) cycle
+         do k = i + 1, size(valid)
+            if (.not. valid(k)) cycle
             if (abs(real(key(1, i) - key(1, k), wp)) > outward*(radius(1, i) + radius(1, k))) cycle
             if (any(abs(key(:, i) - key(:, k)) > outward*(radius(:, i) + radius(:, k)))) cycle
             meets(i) = .true.
             meets(k) = .true.
          end do
       end do
-      apart = count(sound .and. .not. meets)
+      apart = count(valid .and. .not. meets)
       if (uncounted == 0) return
-      if (sound(uncounted) .and. .not. meets(uncounted)) apart = apart - 1
+      if (valid(uncounted) .and. .not. meets(uncounted)) apart = apart - 1
    end subroutine count_apart
 end module psalm_certificate

@@ -3,7 +3,7 @@
 !> The chain - frame, crank, arm, body - is chosen; so all its links have known poses, and those of any of them seen from another
 !> are five poses: the dyads of these are all links that can be put between both. A link that was added moves too, and the second
 !> one may hang on it. Seven kinds leave one freedom and no rigid part. Each six-bar is followed from the first pose by its crank;
-!> it is sound if it comes to all others without a dead point. Source: Soh and McCarthy (2008), Mechanism and Machine Theory 43,
+!> it is valid if it comes to all others without a dead point. Source: Soh and McCarthy (2008), Mechanism and Machine Theory 43,
 !> 160-170.
 module psalm_guided_six_bars
    use psalm_burmester, only: dyads_t, five_poses
@@ -49,7 +49,7 @@ module psalm_guided_six_bars
 
    type :: guided_t
       type(added_link_t) :: links(2)
-      logical :: sound = .false.                     !! it comes from the first pose to all others
+      logical :: valid = .false.                     !! it comes from the first pose to all others
       real(wp) :: fastest = 0.0_wp                   !! greatest turn of a link for one of the crank, on the way
       real(wp) :: longest = 0.0_wp                   !! distance of two joints of a link, over the size of the path
       real(wp) :: crank(poses_guided) = 0.0_wp       !! its angle from the first pose, radians
@@ -57,7 +57,7 @@ module psalm_guided_six_bars
 
    type :: guided_study_t
       integer :: pairs = 0                           !! six-bars
-      integer :: sound = 0
+      integer :: valid = 0
       type(guided_t), allocatable :: list(:)         !! ranked
    end type guided_study_t
 
@@ -98,7 +98,7 @@ contains
       end do
    end subroutine place_arm
 
-   !> All six-bars of a chain, ranked: the sound ones first, then by the fastest link.
+   !> All six-bars of a chain, ranked: the valid ones first, then by the fastest link.
    pure subroutine find_guided(arm, size_of_path, most, found)
       type(arm_t), intent(in) :: arm                 !! that reaches all poses
       real(wp), intent(in) :: size_of_path
@@ -127,7 +127,7 @@ contains
                one = guided_t(links=[first(i), second(k)])
                found%pairs = found%pairs + 1
                call judge(arm, turn, size_of_path, one)
-               if (one%sound) found%sound = found%sound + 1
+               if (one%valid) found%valid = found%valid + 1
                call keep(one, most, found%list)
             end do
          end do
@@ -210,7 +210,7 @@ contains
          end associate
       end do
       e = (1.0_wp, 0.0_wp)
-      one%sound = .false.
+      one%valid = .false.
       call correct(arm, one, e, rate, closes)
       if (.not. closes) return
       one%fastest = maxval(abs(rate))
@@ -229,7 +229,7 @@ contains
          end do
          if (maxval(abs(e(body_arm:) - turn(body_arm:, j))) > arrived) return
       end do
-      one%sound = .true.
+      one%valid = .true.
    end subroutine judge
 
    !> Newton's method for the turns at a crank angle; rates of the turns by that of the crank.
@@ -353,10 +353,10 @@ contains
       pure logical function goes_before(first, second)
          type(guided_t), intent(in) :: first, second
 
-         if (first%sound .neqv. second%sound) then
-            goes_before = first%sound
+         if (first%valid .neqv. second%valid) then
+            goes_before = first%valid
          else
-            goes_before = first%sound .and. first%fastest < second%fastest
+            goes_before = first%valid .and. first%fastest < second%fastest
          end if
       end function goes_before
    end subroutine keep

@@ -20,7 +20,7 @@ module psalm_six_bar_starts
    integer, parameter :: of_data = 2*(2 + 2*most_six_bar_points + 2*most_unknowns) !! complex numbers of both problems
    integer, parameter :: bytes = storage_size(0_int64)/8, complex_bytes = storage_size((0.0_wp, 0.0_wp))/8
    integer, parameter :: checked = 10                !! solutions of a file that are polished
-   real(wp), parameter :: sound = 1.0e-9_wp          !! largest first correction of these
+   real(wp), parameter :: valid = 1.0e-9_wp          !! largest first correction of these
    integer, parameter :: most_seeds = 3
 
 contains
@@ -173,7 +173,7 @@ contains
             loops%data(i)%df, loops%data(i)%known, i=1, size(loops%data)), loops%first, loops%second
       end if
       close (unit)
-      if (error == 0) kept = is_sound(loops)
+      if (error == 0) kept = is_valid(loops)
    end subroutine read_loops
 
    !> What tells whether a file was damaged: a hash of all its bytes before it.
@@ -184,7 +184,7 @@ contains
    end function sum_of
 
    !> True if some of the solutions, spread over all, solve the problem.
-   logical function is_sound(loops)
+   logical function is_valid(loops)
       type(start_set_t), intent(in) :: loops
       complex(wp) :: some(size(loops%first, 1), checked), polished(size(loops%first, 1), checked)
       real(wp) :: left(checked)
@@ -196,6 +196,6 @@ contains
       end do
       polished = some
       call polish(loops%problem, loops%data(1), polished, left)
-      is_sound = all(abs(polished - some) <= sound*(1.0_wp + abs(some)))
-   end function is_sound
+      is_valid = all(abs(polished - some) <= valid*(1.0_wp + abs(some)))
+   end function is_valid
 end module psalm_six_bar_starts

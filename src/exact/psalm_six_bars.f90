@@ -47,7 +47,7 @@ module psalm_six_bars
       integer :: drivers = 0                         !! looked at that close at all points
       integer :: linkages = 0                        !! closing links, all of them
       integer :: too_long = 0                        !! of these those with a link that is too long: left out
-      integer :: sound = 0                           !! of the others those that stay assembled on one branch over the range
+      integer :: valid = 0                           !! of the others those that stay assembled on one branch over the range
       integer :: flat = 0                            !! of these those that do not transmit well enough: left out
       integer :: tried = 0, planned = 0              !! drivers of the grid
       logical :: stopped = .false.                   !! before all were tried
@@ -101,7 +101,7 @@ contains
             end if
             call judge(wanted, phi, psi, links(k))
             if (links(k)%transmission <= 0.0_wp) cycle
-            found%sound = found%sound + 1
+            found%valid = found%valid + 1
             if (links(k)%transmission < least_angle) then
                found%flat = found%flat + 1
                cycle
@@ -207,7 +207,7 @@ contains
                end if
                call judge(wanted, phi, psi, one)
                if (one%transmission <= 0.0_wp) cycle
-               found%sound = found%sound + 1
+               found%valid = found%valid + 1
                if (one%transmission < least_angle) then
                   found%flat = found%flat + 1
                   cycle

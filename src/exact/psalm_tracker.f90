@@ -30,7 +30,7 @@ module psalm_tracker
 
    !> How solutions ended.
    type :: tracked_t
-      complex(wp), allocatable :: ends(:, :)         !! shape (variables, count); of one that did not arrive its last sound place
+      complex(wp), allocatable :: ends(:, :)         !! shape (variables, count); of one that did not arrive its last valid place
       real(wp), allocatable :: reached(:)            !! shape (count): the t of that
       logical, allocatable :: arrived(:)             !! shape (count)
       real(wp), allocatable :: left(:)               !! shape (count): last relative correction of those that arrived
@@ -56,7 +56,7 @@ contains
       complex(wp), intent(in) :: starts(:, :)        !! shape (variables, count)
       type(tracked_t), intent(out) :: tracked
       real(wp), intent(in), optional :: largest_prediction !! error accepted; smaller is safer and slower
-      type(stop_t), intent(in), optional :: stop     !! asked, and told of the paths followed, before every step of the lanes
+      type(stop_t), intent(in), optional :: stop     !! asked, and informed of the paths followed, before every step of the lanes
       type(tracked_t) :: some
       real(wp), allocatable :: numbers(:)
       integer :: item, items, count
@@ -145,8 +145,8 @@ contains
       complex(wp), intent(in) :: starts(:, :)        !! shape (variables, count)
       type(tracked_t), intent(out) :: tracked
       real(wp), intent(in), optional :: largest_prediction !! error accepted; smaller is safer and slower
-      type(stop_t), intent(in), optional :: stop     !! asked, and told of the paths followed, before every step of the lanes
-      integer, intent(in) :: before, of              !! paths before these, and of all, for whoever is told
+      type(stop_t), intent(in), optional :: stop     !! asked, and informed of the paths followed, before every step of the lanes
+      integer, intent(in) :: before, of              !! paths before these, and of all, for whoever is reported
       type(work_t), allocatable :: work
       complex(wp), allocatable :: past(:, :, :), past_tangent(:, :, :), z(:, :), step(:, :), tangent(:, :)
       real(wp) :: past_t(lanes, remembered), t(lanes), h(lanes), aimed(lanes), e1(lanes), e2(lanes), accept_below

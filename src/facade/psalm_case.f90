@@ -10,7 +10,7 @@ module psalm_case
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp
    use psalm_namelist, only: case_text_t
-   use psalm_preparation, only: demand_t, prepared_t
+   use psalm_preparation, only: capacity_t, prepared_t
    use psalm_status, only: findings_t => diagnostics_t
    implicit none (type, external)
    private
@@ -45,7 +45,7 @@ module psalm_case
       character(:), allocatable :: source                  !! its text
       class(data_set_t), allocatable :: set                !! what the text says
       logical :: altered = .false.                         !! a dimension of `set` was changed since
-      type(findings_t) :: faults                           !! of the verbs that made it; told by every study
+      type(findings_t) :: faults                           !! of the verbs that made it; reported by every study
    contains
       procedure :: add_loop
       procedure :: add_joint
@@ -254,7 +254,7 @@ module psalm_case
          character(*), intent(in) :: values(:)
       end subroutine set_words
 
-      !> Read a case made in memory once, so that the studies that follow need not do so each for itself. Mistakes are told by them.
+      !> Read a case made in memory once, so that the studies that follow need not do so each for itself. They report mistakes.
       module subroutine settle(self)
          implicit none (type, external)
          class(case_t), intent(inout) :: self
@@ -333,8 +333,8 @@ module psalm_case
          character(:), allocatable :: content
       end function text_of_case
 
-      !> Data set and problem of a case; whatever is wrong is told.
-      recursive module subroutine make_ready(case, set, prepared, problem, ready, findings, every_loop, demand, reader, &
+      !> Data set and problem of a case; whatever is wrong is reported.
+      recursive module subroutine make_ready(case, set, prepared, problem, ready, findings, every_loop, capacity, reader, &
          does, turning)
          implicit none (type, external)
          type(case_t), intent(in) :: case
@@ -344,13 +344,13 @@ module psalm_case
          logical, intent(out) :: ready
          type(findings_t), intent(inout) :: findings
          logical, intent(in), optional :: every_loop         !! solve loops that the output does not depend on too
-         type(demand_t), intent(in), optional :: demand      !! for memory
+         type(capacity_t), intent(in), optional :: capacity      !! for memory
          character(*), intent(in), optional :: reader        !! the program whose study it is; default psalm
          character(*), intent(in), optional :: does          !! what it does, for messages: 'bridge studies'
          logical, intent(in), optional :: turning            !! it needs a crank that turns
       end subroutine make_ready
 
-      !> What the case says; whatever is wrong is told. Without an error `set` is allocated.
+      !> What the case says; whatever is wrong is reported. Without an error `set` is allocated.
       recursive module subroutine set_of(case, set, own, reader)
          implicit none (type, external)
          type(case_t), intent(in) :: case
@@ -411,7 +411,7 @@ module psalm_case
          type(case_text_t), allocatable, intent(out) :: parts(:)
       end subroutine split_cases
 
-      !> One case as a text of its own: whether another follows is not told.
+      !> One case as a text of its own: whether another follows is not reported.
       module function text_of_parts(part) result(content)
          implicit none (type, external)
          type(case_text_t), intent(in) :: part

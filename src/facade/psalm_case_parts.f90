@@ -102,9 +102,9 @@ contains
    module procedure add_slide
       integer :: slides
 
-      if (.not. are_sound(self, [real(wp) :: x, y, angle], link//along)) return
+      if (.not. are_valid(self, [real(wp) :: x, y, angle], link//along)) return
       if (present(name)) then
-         if (.not. are_sound(self, [real(wp) ::], name)) return
+         if (.not. are_valid(self, [real(wp) ::], name)) return
       end if
       slides = count_of(self, 'CHAIN', 'SLNK') + 1
       if (present(name)) then
@@ -121,7 +121,7 @@ contains
 
    module procedure add_gear
 
-      if (.not. are_sound(self, teeth, first//second//carrier)) return
+      if (.not. are_valid(self, teeth, first//second//carrier)) return
       call append_word(self, 'CHAIN', 'GEARA', first)
       call append_word(self, 'CHAIN', 'GEARB', second)
       call append_word(self, 'CHAIN', 'GCARR', carrier)
@@ -131,12 +131,12 @@ contains
 
    module procedure add_drive
 
-      if (.not. are_sound(self, [real(wp) ::], what)) return
+      if (.not. are_valid(self, [real(wp) ::], what)) return
       if (present(base)) then
-         if (.not. are_sound(self, [real(wp) ::], base)) return
+         if (.not. are_valid(self, [real(wp) ::], base)) return
       end if
       if (present(link)) then
-         if (.not. are_sound(self, [real(wp) ::], link)) return
+         if (.not. are_valid(self, [real(wp) ::], link)) return
       end if
       call append_word(self, 'DRIVES', 'DRIVE', what)
       if (present(base)) then
@@ -153,9 +153,9 @@ contains
 
    module procedure add_output
 
-      if (.not. are_sound(self, [real(wp) ::], what)) return
+      if (.not. are_valid(self, [real(wp) ::], what)) return
       if (present(name)) then
-         if (.not. are_sound(self, [real(wp) ::], name)) return
+         if (.not. are_valid(self, [real(wp) ::], name)) return
       end if
       call append_word(self, 'OUTPUTS', 'OUTPUT', what)
       if (present(name)) then
@@ -166,14 +166,14 @@ contains
    end procedure add_output
 
    !> True if numbers are finite and words can be written; else that is a fault, and nothing is added.
-   logical function are_sound(self, numbers, words)
+   logical function are_valid(self, numbers, words)
       class(case_t), intent(inout) :: self
       real(wp), intent(in) :: numbers(:)
       character(*), intent(in) :: words
 
-      are_sound = all(ieee_is_finite(numbers)) .and. .not. has_control(words)
-      if (.not. are_sound) call self%faults%error('a part of a sketch needs finite numbers and words without control characters')
-   end function are_sound
+      are_valid = all(ieee_is_finite(numbers)) .and. .not. has_control(words)
+      if (.not. are_valid) call self%faults%error('a part of a sketch needs finite numbers and words without control characters')
+   end function are_valid
 
    module procedure vary_part
 

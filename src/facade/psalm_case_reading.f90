@@ -66,7 +66,7 @@ contains
 
    module procedure make_ready
       type(findings_t) :: own
-      type(demand_t) :: memory
+      type(capacity_t) :: memory
       character(:), allocatable :: work
       logical :: everywhere
 
@@ -79,7 +79,7 @@ contains
          if (set%loops() > 0) then
             work = 'the library studies'
             if (present(does)) work = does
-            if (present(demand)) memory = demand
+            if (present(capacity)) memory = capacity
             if (everywhere) memory%ktheta_only = .false.
             call prepare_loops(work, memory, set, prepared, own, turning)
             ready = prepared%ready
@@ -146,8 +146,8 @@ contains
    end procedure tell
 
    module procedure of_text
-      type(findings_t) :: told
+      type(findings_t) :: reported
 
-      call read_text(text, cases, told)
+      call read_text(text, cases, reported)
    end procedure of_text
 end submodule psalm_case_reading

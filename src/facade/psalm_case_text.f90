@@ -9,7 +9,7 @@ submodule(psalm_case) psalm_case_text
    use psalm_text, only: text_t, full_precision, quoted, to_text
    implicit none (type, external)
 
-   integer, parameter :: line_room = 100  !! columns of a line of values
+   integer, parameter :: line_length = 100  !! columns of a line of values
    character(*), parameter :: frame_name = 'frame' !! of the link that the fixed joints are on
 
 contains
@@ -122,7 +122,7 @@ contains
             if (loop == 1) line = '  '//name//'='
             associate (part => self%parts(loop))
                do a = 1, maxarc
-                  if (len(line) > line_room) then
+                  if (len(line) > line_length) then
                      call text%add(line)
                      line = '  '
                   end if
@@ -227,12 +227,12 @@ contains
    module procedure split_cases
       type(line_t), allocatable :: lines(:)
       type(case_text_t), allocatable :: more(:)
-      type(findings_t) :: told
+      type(findings_t) :: reported
       integer :: next, count
 
       call split_lines(text, lines)
       if (is_json(lines)) then
-         call read_json_cases(lines, parts, told)
+         call read_json_cases(lines, parts, reported)
          return
       end if
       allocate (parts(1))
@@ -244,7 +244,7 @@ contains
             more(:count) = parts
             call move_alloc(more, parts)
          end if
-         call read_case(lines, next, parts(count + 1), told)
+         call read_case(lines, next, parts(count + 1), reported)
          if (parts(count + 1)%line == 0) exit
          count = count + 1
       end do

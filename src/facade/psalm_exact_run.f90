@@ -13,7 +13,7 @@ module psalm_exact_run
                                 tries
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, half_turn
    use psalm_preparation, only: prepared_t, prepare
-   use psalm_proof, only: piece_closes, subject_t
+   use psalm_proof, only: piece_closes, proof_linkage_t
    use psalm_proof_ranges, only: extreme_angle
    use psalm_proof_study, only: proof_study_t, study_closure, proof_of_inputs, proof_of_turn
    use psalm_source, only: line_t
@@ -93,7 +93,7 @@ contains
       class(prepared_t), allocatable :: prepared
       class(problem_t), allocatable :: problem
       type(proof_study_t), allocatable :: turn, way
-      type(subject_t), allocatable :: subject
+      type(proof_linkage_t), allocatable :: linkage
       type(diagnostics_t) :: findings
       type(line_t) :: none(0)
 
@@ -104,11 +104,11 @@ contains
          call prove_groups(set, sets(1), proof)
          return
       end if
-      allocate (prepared, problem, turn, way, subject)
+      allocate (prepared, problem, turn, way, linkage)
       call prepare(sets(1), none, prepared, findings)
       if (.not. prepared%ready) return
       call make_problem(sets(1), prepared%mechanism, prepared%given, prepared%parameters, problem)
-      call study_closure(problem, prepared%given, proof_of_inputs, way, subject)
+      call study_closure(problem, prepared%given, proof_of_inputs, way, linkage)
       if (way%empty) return
       proof%known = .true.
       proof%closes = way%proof%closes_everywhere()
@@ -116,7 +116,7 @@ contains
       proof%to = maxval(problem%delt)
       if (proof%closes) call take_least_angle(way, proof)
       if (set%limits%iproof == proof_of_turn) then
-         call study_closure(problem, prepared%given, proof_of_turn, turn, subject)
+         call study_closure(problem, prepared%given, proof_of_turn, turn, linkage)
          proof%turns = turn%proof%closes_everywhere()
          if (proof%turns) then
             proof%closes = .true.
@@ -183,7 +183,7 @@ contains
 
       allocate (study, motion)
       call study_chain(case, 1.0_wp, 0.0_wp, study)
-      if (.not. study%sound) return
+      if (.not. study%valid) return
       call study_chain_proof(case, study, proof_of_inputs, motion)
       if (motion%empty .or. motion%braced > 0 .or. motion%misplaced > 0) return
       proof%known = .true.

@@ -17,7 +17,7 @@ module psalm_motion_verbs
    use psalm_margin_list, only: describe_margin
    use psalm_margins, only: is_violated
    use psalm_position_table, only: put_positions, put_sketch
-   use psalm_preparation, only: demand_t, threads_for
+   use psalm_preparation, only: capacity_t, threads_for
    use psalm_proof_study, only: proof_study_t, study_proof, proof_wanted, no_proof, proof_of_inputs
    use psalm_report, only: report_allocation, report_analysis, report_proof, report_summary, report_tolerances
    use psalm_sketch_study, only: sketch_study_t, study_sketch
@@ -31,7 +31,7 @@ module psalm_motion_verbs
    private
    public :: analyse, summarise, find_tolerances, find_allocation, find_family, proven_t, prove, find_assemblies
 
-   type(demand_t), parameter :: demand_of_psalm = demand_t()
+   type(capacity_t), parameter :: capacity_of_psalm = capacity_t()
 
    !> What is proven of a motion.
    type :: proven_t
@@ -60,7 +60,7 @@ contains
       integer :: i
 
       if (present(wanted)) all_wanted = wanted
-      call frame%begin(case, findings, report, every_loop=all_wanted%arcs, demand=demand_of_psalm)
+      call frame%begin(case, findings, report, every_loop=all_wanted%arcs, capacity=capacity_of_psalm)
       call empty_motion(analysis%motion)
       if (.not. frame%ready) return
       short = .false.
@@ -201,7 +201,7 @@ contains
       type(report_t), intent(out), optional :: report     !! tables: pieces of the range, extremes
       type(stop_t), intent(in), optional :: stop          !! by which the host can end it; then nothing is proven
       type(frame_t) :: frame
-      logical :: sound
+      logical :: valid
       integer :: range
 
       call frame%begin(case, findings, report)
@@ -210,13 +210,13 @@ contains
       if (range == no_proof) range = proof_of_inputs
       if (frame%set%is_beyond_arrays()) then
          allocate (proven%chain, proven%poses)
-         call prove_loops(frame%set, range, proven%chain, proven%poses, sound, stop)
+         call prove_loops(frame%set, range, proven%chain, proven%poses, valid, stop)
          if (proven%poses%stopped) then
             deallocate (proven%chain, proven%poses)
             call frame%end_early(report, findings)
             return
          end if
-         if (sound .and. present(report)) call report_chain_proof(frame%set, proven%chain, proven%poses, frame%devices)
+         if (valid .and. present(report)) call report_chain_proof(frame%set, proven%chain, proven%poses, frame%devices)
       else
          allocate (proven%loops)
          call study_proof(frame%set, frame%problem, frame%problem%given, range, proven%loops, stop)
@@ -246,7 +246,7 @@ contains
       if (.not. frame%ready) return
       call study_assemblies(frame%set, assemblies)
       if (.not. present(report)) return
-      if (assemblies%sound) call report_assemblies(frame%set, assemblies, frame%devices)
+      if (assemblies%valid) call report_assemblies(frame%set, assemblies, frame%devices)
       call frame%conclude(report, findings)
    end subroutine find_assemblies
 end module psalm_motion_verbs

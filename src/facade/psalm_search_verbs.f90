@@ -47,7 +47,7 @@ contains
       type(findings_t), intent(inout) :: findings
       integer, intent(in), optional :: threads            !! that share the work; default THREADS of the case, or 1
       type(stop_t), intent(in), optional :: stop          !! by which the host can end the search
-      class(observer_t), intent(inout), optional :: monitor !! told of progress
+      class(observer_t), intent(inout), optional :: monitor !! informed of progress
       type(report_t), intent(out), optional :: report     !! listing: the ranking; the linkages found
       type(frame_t) :: frame
       type(dimensions_t) :: dimensions
@@ -266,7 +266,7 @@ contains
       type(ending_t), intent(out) :: ending
       type(findings_t), intent(inout) :: findings
       type(stop_t), intent(in), optional :: stop          !! by which the host can end the search
-      class(observer_t), intent(inout), optional :: observer !! told of progress
+      class(observer_t), intent(inout), optional :: observer !! informed of progress
       class(solver_t), allocatable :: by
       type(solver_kind_t) :: kind
       type(stop_t) :: limited

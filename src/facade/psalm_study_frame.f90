@@ -11,16 +11,16 @@ module psalm_study_frame
    use psalm_error, only: motion_t, problem_t
    use psalm_finale, only: describe_violation
    use psalm_kinds, only: wp
-   use psalm_preparation, only: demand_t, prepared_t
+   use psalm_preparation, only: capacity_t, prepared_t
    use psalm_search_group, only: most_search_threads
    use psalm_status, only: findings_t => diagnostics_t, exit_violation
    use psalm_tables, only: table_t, tables_t, for_plots, tables_of
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: frame_t, report_t, column_named, demand_of_rates, no_report, warn, empty_motion, threads_of, may_share
+   public :: frame_t, report_t, column_named, capacity_of_rates, no_report, warn, empty_motion, threads_of, may_share
 
-   type(demand_t), parameter :: demand_of_rates = demand_t(position=1000, arc=400)
+   type(capacity_t), parameter :: capacity_of_rates = capacity_t(position=1000, arc=400)
 
    !> What the programs write for a case.
    type :: report_t
@@ -54,20 +54,21 @@ module psalm_study_frame
 contains
 
    !> Make a case ready: read, checked, its problem made. Errors: those of the case, and a group that is not there.
-   subroutine begin(self, case, findings, report, group, every_loop, demand, reader, does, turning)
+   subroutine begin(self, case, findings, report, group, every_loop, capacity, reader, does, turning)
       class(frame_t), intent(inout) :: self
       type(case_t), intent(in) :: case
       type(findings_t), intent(inout) :: findings
       type(report_t), intent(inout), optional :: report   !! is empty then
       character(*), intent(in), optional :: group         !! that must be given
       logical, intent(in), optional :: every_loop         !! solve loops that the output does not depend on too
-      type(demand_t), intent(in), optional :: demand      !! for memory
+      type(capacity_t), intent(in), optional :: capacity      !! for memory
       character(*), intent(in), optional :: reader        !! the program whose study it is; default psalm
       character(*), intent(in), optional :: does          !! what it does, for messages: 'bridge studies'
       logical, intent(in), optional :: turning            !! it needs a crank that turns
 
       if (present(report)) call no_report(report)
-      call make_ready(case, self%set, self%prepared, self%problem, self%ready, findings, every_loop, demand, reader, does, turning)
+      call make_ready(case, self%set, self%prepared, self%problem, self%ready, findings, every_loop, capacity, reader, does, &
+                      turning)
       if (self%ready) call take_up(self, findings, group)
    end subroutine begin
 
@@ -102,7 +103,7 @@ contains
       call self%devices%begin_case(self%set%title, .false.)
    end subroutine take_up
 
-   !> True if a check has noted errors; what it noted is told.
+   !> True if a check has noted errors; what it noted is reported.
    logical function fails(self, findings)
       class(frame_t), intent(inout) :: self
       type(findings_t), intent(inout) :: findings

@@ -77,7 +77,7 @@ contains
       type(findings_t), intent(inout) :: findings
       integer, intent(in), optional :: threads            !! that share the work; default THREADS of the case, or 1
       type(stop_t), intent(in), optional :: stop          !! by which the host can end a search, a sample, an exact synthesis
-      class(observer_t), intent(inout), optional :: monitor !! told of the progress of a search
+      class(observer_t), intent(inout), optional :: monitor !! informed of the progress of a search
       logical, intent(in), optional :: brief
       type(analysis_t), allocatable :: analysis
       type(tolerances_t), allocatable :: tolerances

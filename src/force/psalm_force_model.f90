@@ -19,8 +19,8 @@ module psalm_force_model
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: force_model_t, spot_t, load_t, spring_t, friction_t, make_force_model, forces_wanted, vertices_of
-   public :: spot_of_place, joint_at, place_right, place_on_foot, place_afloat, place_nowhere
+   public :: force_model_t, location_t, load_t, spring_t, friction_t, make_force_model, forces_wanted, vertices_of
+   public :: location_of_place, joint_at, place_right, place_on_foot, place_afloat, place_nowhere
    public :: mass_parameters, parameter_mass, parameter_mx, parameter_my, parameter_inertia
 
    integer, parameter :: mass_parameters = 4  !! of a body
@@ -32,19 +32,19 @@ module psalm_force_model
    integer, parameter :: place_nowhere = 3    !! no loop runs through its link
 
    !> A place fixed in a body.
-   type :: spot_t
+   type :: location_t
       integer :: body = body_frame
       real(wp) :: at(2) = 0.0_wp            !! from the body's reference, in the axes of the body's own arc, user's length
       real(wp) :: along(2) = [1.0_wp, 0.0_wp] !! unit vector of the arc it was named by, in these axes
-   end type spot_t
+   end type location_t
 
    type, extends(loading_t) :: load_t
-      type(spot_t) :: spot
+      type(location_t) :: location
       real(wp) :: force(2) = 0.0_wp         !! N; machine axes, or the axes of the body's own arc if it turns
    end type load_t
 
    type, extends(spring_law_t) :: spring_t
-      type(spot_t) :: ends(2)
+      type(location_t) :: ends(2)
    end type spring_t
 
    type :: friction_t
@@ -58,7 +58,7 @@ module psalm_force_model
    !> How the loads of a joint are listed where a sketch names its links and slides; of &LINKS as they are found.
    type :: shoe_t
       logical :: given = .false.            !! prismatic joint of a sketch: couple and friction are those at this place
-      type(spot_t) :: spot                  !! the middle of the shoe, on the second link of the slide
+      type(location_t) :: location                  !! the middle of the shoe, on the second link of the slide
       real(wp) :: order = 1.0_wp            !! -1: the force on the first body of the joint is listed, not on the second
       real(wp) :: sense = 1.0_wp            !! -1: the arc's direction is opposite to that of the slide's line
    end type shoe_t
@@ -76,7 +76,7 @@ module psalm_force_model
       type(shoe_t), allocatable :: shoes(:)       !! by joint
       real(wp), allocatable :: table_input(:)     !! shape (rows): degrees or user's length, ascending
       real(wp), allocatable :: table_factor(:, :) !! shape (rows, tables)
-      type(spot_t), allocatable :: centres(:)     !! shape (entries of MASSES)
+      type(location_t), allocatable :: centres(:)     !! shape (entries of MASSES)
    end type force_model_t
 
 contains
@@ -165,10 +165,10 @@ contains
       call check_masses(set, mechanism, model, findings)
       do k = 1, size(model%loads)
          associate (load => model%loads(k))
-            call place('LOADS', set%link_item('L'), k, set%loads%places(k), load%spot, placed)
+            call place('LOADS', set%link_item('L'), k, set%loads%places(k), load%location, placed)
             load%force = set%loads%force(:, k)
             load%loading_t = loading_of(set%loads, k)
-            if (load%turns) load%force = turned(load%force, load%spot%along)
+            if (load%turns) load%force = turned(load%force, load%location%along)
          end associate
       end do
       ! of a sketch every input counts from the drawing
@@ -201,15 +201,15 @@ contains
    contains
 
       !> A place of the data set on its body.
-      subroutine place(group, item, entry, given, spot, placed)
+      subroutine place(group, item, entry, given, location, placed)
          character(*), intent(in) :: group, item
          integer, intent(in) :: entry
          type(place_t), intent(in) :: given
-         type(spot_t), intent(out) :: spot
+         type(location_t), intent(out) :: location
          logical, intent(out) :: placed
          integer :: state
 
-         call spot_of_place(mechanism, dimensions, model%reference, given, spot, state)
+         call location_of_place(mechanism, dimensions, model%reference, given, location, state)
          placed = state == place_right
          if (state == place_nowhere) then
             call refuse(group, item, entry, 'is on a link that no loop runs through')
@@ -289,10 +289,10 @@ contains
                if (place%link == frame_link) then
                   call unit_vector(place%angle, z(1), z(2))
                   call unit_vector(dimensions%origng, pivot_at(1), pivot_at(2))
-                  shoe%spot%at = place%distance*z - dimensions%origlk*pivot_at
+                  shoe%location%at = place%distance*z - dimensions%origlk*pivot_at
                   shoe%given = .true.
                else
-                  call spot_of_place(mechanism, dimensions, model%reference, place, shoe%spot, state)
+                  call location_of_place(mechanism, dimensions, model%reference, place, shoe%location, state)
                   shoe%given = state == place_right
                end if
             end associate
@@ -301,12 +301,12 @@ contains
    end subroutine put_shoes
 
    !> A place of the data set on its body; `state` is one of `place_...`.
-   subroutine spot_of_place(mechanism, dimensions, reference, given, spot, state)
+   subroutine location_of_place(mechanism, dimensions, reference, given, location, state)
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       integer, intent(in) :: reference(:)   !! by body: its vertex
       type(place_t), intent(in) :: given
-      type(spot_t), intent(out) :: spot
+      type(location_t), intent(out) :: location
       integer, intent(out) :: state
       real(wp) :: from(2), cosine, sine
       integer :: n, end
@@ -317,21 +317,21 @@ contains
       n = mechanism%seq(given%loop, given%arc)
       end = merge(at_start, at_finish, given%from_start)
       associate (arc => mechanism%arcs(n))
-         spot%body = arc%body
-         if (arc%rod > 0 .and. arc%foot == end) spot%body = arc%rod
+         location%body = arc%body
+         if (arc%rod > 0 .and. arc%foot == end) location%body = arc%rod
          state = place_on_foot
-         if (arc%foot == end .and. spot%body == arc%body) return
+         if (arc%foot == end .and. location%body == arc%body) return
          state = place_afloat
          if (.not. arc%attached) return
          ! a joint of the link that nothing leads to from its others
-         call locate_point(mechanism, dimensions, spot%body, reference(spot%body), arc%ends(end), from, found)
+         call locate_point(mechanism, dimensions, location%body, reference(location%body), arc%ends(end), from, found)
          if (.not. found) return
-         call unit_vector(mechanism%angle_on_body(n, dimensions) + given%turn, spot%along(1), spot%along(2))
+         call unit_vector(mechanism%angle_on_body(n, dimensions) + given%turn, location%along(1), location%along(2))
          call unit_vector(given%angle, cosine, sine)
-         spot%at = from + given%distance*turned([cosine, sine], spot%along)
+         location%at = from + given%distance*turned([cosine, sine], location%along)
       end associate
       state = place_right
-   end subroutine spot_of_place
+   end subroutine location_of_place
 
    !> A vector turned by the angle of a unit vector.
    pure function turned(vector, by)
@@ -342,14 +342,14 @@ contains
    end function turned
 
    !> Add one entry to its body.
-   pure subroutine add_mass(model, spot, mass, inertia)
+   pure subroutine add_mass(model, location, mass, inertia)
       type(force_model_t), intent(inout) :: model
-      type(spot_t), intent(in) :: spot
+      type(location_t), intent(in) :: location
       real(wp), intent(in) :: mass, inertia
       real(wp) :: r(2)
 
-      r = spot%at*model%metre
-      associate (body => model%inertia(:, spot%body))
+      r = location%at*model%metre
+      associate (body => model%inertia(:, location%body))
          body(parameter_mass) = body(parameter_mass) + mass
          body(parameter_mx) = body(parameter_mx) + mass*r(1)
          body(parameter_my) = body(parameter_my) + mass*r(2)

@@ -2,9 +2,9 @@
 module psalm_force_trace
    use psalm_error, only: problem_t
    use psalm_force_analysis, only: force_table_t, analyse_forces, column_of_joint
-   use psalm_force_model, only: force_model_t, spot_t, parameter_mass, parameter_mx, parameter_my
+   use psalm_force_model, only: force_model_t, location_t, parameter_mass, parameter_mx, parameter_my
    use psalm_kinds, only: wp
-   use psalm_kinetostatics, only: forces_t, prepare_forces, move_bodies, clear_wrenches, add_source, find_spot, first_load
+   use psalm_kinetostatics, only: forces_t, prepare_forces, move_bodies, clear_wrenches, add_source, find_location, first_load
    use psalm_mechanism, only: body_frame, joint_prismatic
    use psalm_rates, only: rates_t, prepare_rates, differentiate
    implicit none (type, external)
@@ -38,7 +38,7 @@ contains
       type(force_trace_t), intent(out) :: trace
       type(rates_t) :: rates
       type(forces_t) :: forces
-      type(spot_t) :: spot
+      type(location_t) :: location
       integer :: block, offset, n, k, b, l
 
       call analyse_forces(problem, model, speed, accel, closed, input, trace%table)
@@ -58,15 +58,15 @@ contains
          call move_bodies(problem, rates, n, speed, accel, forces)
          do k = 1, size(trace%bodies)
             b = trace%bodies(k)
-            spot%body = b
-            spot%at = model%inertia([parameter_mx, parameter_my], b)/(model%inertia(parameter_mass, b)*model%metre)
-            call place(spot, trace%centre(:, offset + 1:offset + n, k))
+            location%body = b
+            location%at = model%inertia([parameter_mx, parameter_my], b)/(model%inertia(parameter_mass, b)*model%metre)
+            call place(location, trace%centre(:, offset + 1:offset + n, k))
          end do
          do l = 1, size(model%loads)
-            call place(model%loads(l)%spot, trace%load_at(:, offset + 1:offset + n, l))
+            call place(model%loads(l)%location, trace%load_at(:, offset + 1:offset + n, l))
             call clear_wrenches(n, forces)
             call add_source(problem, model, first_load() + l - 1, input(offset + 1:offset + n), n, forces)
-            associate (row => forces%bodies(model%loads(l)%spot%body)%wrench)
+            associate (row => forces%bodies(model%loads(l)%location%body)%wrench)
                trace%load(1, offset + 1:offset + n, l) = forces%w%v(1:n, row)
                trace%load(2, offset + 1:offset + n, l) = forces%w%v(1:n, row + 1)
             end associate
@@ -79,22 +79,22 @@ contains
          end do
          do k = 1, size(model%springs)
             do l = 1, 2
-               spot = model%springs(k)%ends(l)
-               call place(spot, trace%spring_at(:, offset + 1:offset + n, l, k))
-               spot%at = 0.0_wp
-               call place(spot, trace%spring_foot(:, offset + 1:offset + n, l, k))
+               location = model%springs(k)%ends(l)
+               call place(location, trace%spring_at(:, offset + 1:offset + n, l, k))
+               location%at = 0.0_wp
+               call place(location, trace%spring_foot(:, offset + 1:offset + n, l, k))
             end do
          end do
       end do
 
    contains
 
-      subroutine place(spot, at)
-         type(spot_t), intent(in) :: spot
+      subroutine place(location, at)
+         type(location_t), intent(in) :: location
          real(wp), intent(out) :: at(:, :)       !! shape (2, n)
          real(wp) :: x(n), y(n)
 
-         call find_spot(problem, forces, spot, n, x, y)
+         call find_location(problem, forces, location, n, x, y)
          at(1, :) = x/problem%linkage%scale + problem%output%origin_x
          at(2, :) = y/problem%linkage%scale + problem%output%origin_y
       end subroutine place
@@ -117,7 +117,7 @@ contains
                call link%arc_at(problem%plan, joint%slide, i, x, y, length)
                trace%joint(:, offset + i, j) = model%shoes(j)%sense*value(offset + i, c)*[-y, x]
             end do
-            if (model%shoes(j)%given) call place(model%shoes(j)%spot, trace%joint_at(:, offset + 1:offset + n, j))
+            if (model%shoes(j)%given) call place(model%shoes(j)%location, trace%joint_at(:, offset + 1:offset + n, j))
          end associate
       end subroutine trace_joint
    end subroutine trace_forces

@@ -12,7 +12,7 @@ module psalm_kinetostatics
    use psalm_error, only: problem_t
    use psalm_force_kernels, only: load_body, move_axes, add_inertia, add_weight, add_force_at, add_couple, place_in_body, &
                                   velocity_in_body, power_of, add_wrench, drive_of_crank, drive_of_slide
-   use psalm_force_model, only: force_model_t, friction_t, spot_t, parameter_mass, parameter_mx, parameter_my, &
+   use psalm_force_model, only: force_model_t, friction_t, location_t, parameter_mass, parameter_mx, parameter_my, &
                                 parameter_inertia
    use psalm_group_reactions, only: group_joint_t, group_couple_t, react_group
    use psalm_kinds, only: wp, radians_per_degree, full_turn
@@ -23,7 +23,8 @@ module psalm_kinetostatics
    use psalm_wrench_kernels, only: opposite_force, opposite_across
    implicit none (type, external)
    private
-   public :: forces_t, prepare_forces, load_bodies, move_bodies, clear_wrenches, add_source, sweep, rub, external_power, find_spot
+   public :: forces_t, prepare_forces, load_bodies, move_bodies, clear_wrenches, add_source, sweep, rub, external_power, &
+             find_location
    public :: couples_of_group
    public :: joint_rows, listed_rows, interpolated, sources_of, source_inertia, source_weight, first_load, first_spring
 
@@ -327,17 +328,17 @@ contains
    end subroutine add_all_weights
 
    !> Position of a place on a body.
-   subroutine find_spot(problem, forces, spot, m, zx, zy)
+   subroutine find_location(problem, forces, location, m, zx, zy)
       type(problem_t), intent(in) :: problem
       type(forces_t), intent(in) :: forces
-      type(spot_t), intent(in) :: spot
+      type(location_t), intent(in) :: location
       integer, intent(in) :: m
       real(wp), intent(out) :: zx(m), zy(m)
 
-      associate (body => forces%bodies(spot%body), w => forces%w%v, v => problem%linkage%store%v)
-         call place_in_body(m, spot%at*forces%unit, v(1, body%px), v(1, body%py), w(1, body%ex), w(1, body%ey), zx, zy)
+      associate (body => forces%bodies(location%body), w => forces%w%v, v => problem%linkage%store%v)
+         call place_in_body(m, location%at*forces%unit, v(1, body%px), v(1, body%py), w(1, body%ex), w(1, body%ey), zx, zy)
       end associate
-   end subroutine find_spot
+   end subroutine find_location
 
    subroutine add_load(problem, model, which, input, n, forces)
       type(problem_t), intent(in) :: problem
@@ -349,14 +350,14 @@ contains
       integer :: m
 
       m = padded(n)
-      associate (load => model%loads(which), body => forces%bodies(model%loads(which)%spot%body), w => forces%w%v)
+      associate (load => model%loads(which), body => forces%bodies(model%loads(which)%location%body), w => forces%w%v)
          factor = 1.0_wp
          if (load%table > 0) then
             factor(:n) = interpolated(model%table_input, model%table_factor(:, load%table), input, &
                                       .not. problem%mechanism%sliding_input)
             factor(n + 1:) = factor(n)
          end if
-         call find_spot(problem, forces, load%spot, m, zx, zy)
+         call find_location(problem, forces, load%location, m, zx, zy)
          if (load%turns) then
             rx = factor*(load%force(1)*w(1:m, body%ex) - load%force(2)*w(1:m, body%ey))
             ry = factor*(load%force(1)*w(1:m, body%ey) + load%force(2)*w(1:m, body%ex))
@@ -419,8 +420,8 @@ contains
             call add_couple(m, -1.0_wp, pull, w(1, b%wrench + 2))
             return
          end if
-         call find_spot(problem, forces, spring%ends(1), m, ax, ay)
-         call find_spot(problem, forces, spring%ends(2), m, bx, by)
+         call find_location(problem, forces, spring%ends(1), m, ax, ay)
+         call find_location(problem, forces, spring%ends(2), m, bx, by)
          call velocity_in_body(m, ax, ay, v(1, a%px), v(1, a%py), w(1, a%vx), w(1, a%vy), w(1, a%w), cx, cy)
          call velocity_in_body(m, bx, by, v(1, b%px), v(1, b%py), w(1, b%vx), w(1, b%vy), w(1, b%w), dx, dy)
          do i = 1, m
@@ -737,16 +738,16 @@ contains
       real(wp) :: at(2)
       integer :: foot
 
-      associate (spot => model%shoes(joint)%spot, link => problem%linkage, v => problem%linkage%store%v, &
-                 of => problem%mechanism%joints(joint), body => forces%bodies(model%shoes(joint)%spot%body))
+      associate (location => model%shoes(joint)%location, link => problem%linkage, v => problem%linkage%store%v, &
+                 of => problem%mechanism%joints(joint), body => forces%bodies(model%shoes(joint)%location%body))
          ! not of `move_bodies`, which is left out for masses alone
          ex = 1.0_wp
          ey = 0.0_wp
-         if (spot%body /= body_frame) then
+         if (location%body /= body_frame) then
             ex = body%c*v(1:n, body%root_x) - body%s*v(1:n, body%root_y)
             ey = body%c*v(1:n, body%root_y) + body%s*v(1:n, body%root_x)
          end if
-         at = spot%at*forces%unit
+         at = location%at*forces%unit
          x = v(1:n, body%px) + (at(1)*ex - at(2)*ey)
          y = v(1:n, body%py) + (at(1)*ey + at(2)*ex)
          foot = problem%plan%joint_points(of%point)

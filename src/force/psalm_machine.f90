@@ -95,7 +95,7 @@ contains
    end subroutine make_machine
 
    !> The machine and its steady cycle, with steps so short that the error is small. `machine` has an inertia and no dead point at
-   !> its own steps; with more of them one may be found: `machine%turn%trouble`.
+   !> its own steps; with more of them one may be found: `machine%turn%failure`.
    subroutine settle_machine(problem, model, given, machine, cycle)
       type(problem_t), intent(inout) :: problem
       type(force_model_t), intent(in) :: model
@@ -109,7 +109,7 @@ contains
          call steady_cycle(machine, given, cycle)
          if (cycle%error <= wanted_error .or. machine%steps >= most_steps) exit
          call make_machine(problem, model, motor, machine, 2*machine%steps)
-         if (machine%turn%trouble > 0) return
+         if (machine%turn%failure > 0) return
       end do
       if (cycle%error > worst_error) cycle%state = cycle_unknown
    end subroutine settle_machine
@@ -525,7 +525,7 @@ contains
          if (run%error <= wanted_error .or. finer%steps >= most_steps) exit
          call make_machine(problem, model, machine%motor, finer, 2*finer%steps)
          finer%flywheel = machine%flywheel
-         if (finer%turn%trouble > 0) exit
+         if (finer%turn%failure > 0) exit
       end do
       if (run%error <= worst_error) return
       run%computed = .false.

@@ -14,7 +14,7 @@ module psalm_reduced
       real(wp), allocatable :: slope(:)      !! J', kg m2/rad
       real(wp), allocatable :: torque(:)     !! of weight, loads and springs, N m
       real(wp), allocatable :: damping(:)    !! of dampers, N m s
-      integer :: trouble = 0                 !! first input at which the linkage does not close or is at a dead point; 0: none
+      integer :: failure = 0                 !! first input at which the linkage does not close or is at a dead point; 0: none
    end type reduced_t
 
 contains
@@ -49,7 +49,7 @@ contains
                             table%value(:, column_of_other_drive(size(problem%mechanism%joints), k))
          end associate
       end do
-      reduced%trouble = findloc([(table%known(k), k=1, size(delt))], .false., dim=1)
+      reduced%failure = findloc([(table%known(k), k=1, size(delt))], .false., dim=1)
       ! everything else but dampers, at unit speed, where power is torque
       only = model
       only%friction = [friction_t ::]

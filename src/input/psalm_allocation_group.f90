@@ -17,16 +17,16 @@ module psalm_allocation_group
 
    integer, parameter :: rule_worst = 1, rule_square = 2, rule_yield = 3 !! words of ALRULE in their order
    real(wp), parameter :: percent = 0.01_wp
-   integer, parameter :: text_room = 120       !! characters of a name
+   integer, parameter :: text_length = 120       !! characters of a name
 
    type, extends(case_group_t) :: allocation_group_t
       real(wp), allocatable :: bands(:)        !! ALBAND: one for all outputs, or one for each
-      character(text_room), allocatable :: outputs(:) !! ALOUT: numbers of outputs that have bands; none: all of the first output
+      character(text_length), allocatable :: outputs(:) !! ALOUT: numbers of outputs that have bands; none: all of the first output
       real(wp), allocatable :: factors(:)      !! ALPOS: of the bands at every position; none: 1
       integer :: rule = rule_worst             !! ALRULE: one of `rule_...`
       real(wp) :: yield = 0.9973_wp            !! ALYLD: share of the linkages
       integer :: law = law_uniform             !! ALLAW: one of `law_...`, the words in their order
-      character(text_room), allocatable :: names(:) !! ALNAM: dimensions with entries of their own
+      character(text_length), allocatable :: names(:) !! ALNAM: dimensions with entries of their own
       real(wp), allocatable :: fixed(:)        !! ALFIX, shape (names): part of the cost that does not depend on the tolerance
       real(wp), allocatable :: cost(:)         !! ALCOST: of a tolerance of 1; 0: as by default
       real(wp), allocatable :: power(:)        !! ALEXP
@@ -86,7 +86,7 @@ contains
       self%given = group%line > 0
       call group%follow(allocation_items)
       call group%get_texts('ALOUT', texts, findings)
-      self%outputs = [character(text_room) :: (adjustl(texts(i)), i=1, size(texts))]
+      self%outputs = [character(text_length) :: (adjustl(texts(i)), i=1, size(texts))]
       allocate (self%bands(max(1, size(texts))))
       call take(group, 'ALBAND', self%bands, findings, last=last, repeated=.true.)
       if (last > 1 .and. last /= size(self%bands)) call out_of(group, 'ALBAND', to_text(size(texts))//' numbers are named in '// &
@@ -107,7 +107,7 @@ contains
          call out_of(group, 'ALLAW', "is for ALRULE='YIELD' and for a sample (ALTRY)", findings)
       call group%get_texts('ALNAM', texts, findings)
       n = size(texts)
-      self%names = [character(text_room) :: (adjustl(texts(i)), i=1, n)]
+      self%names = [character(text_length) :: (adjustl(texts(i)), i=1, n)]
       allocate (self%fixed(n), self%cost(n), self%power(n), self%low(n), self%high(n), self%class(n))
       call take(group, 'ALFIX', self%fixed, findings)
       self%cost = 0.0_wp

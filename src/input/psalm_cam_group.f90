@@ -502,7 +502,7 @@ contains
          return
       end if
       if (group%given('NFOLLK')) call out_of(group, 'NFOLLK', 'the follower is on an arc or on joints (FOLJNT), not both', findings)
-      if (.not. sketch%sound) return
+      if (.not. sketch%valid) return
       call find_joints(group, 'FOLJNT', 1, trim(names(1)), 'the follower', sketch, findings, joints, valid)
       if (.not. valid) return
       if (size(names) > 1 .or. size(joints) < 1 .or. size(joints) > 2) then

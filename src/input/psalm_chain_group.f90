@@ -90,7 +90,7 @@ contains
       call group%follow(chain_items)
       own%file = findings%file
       allocate (sketch%drives(0), sketch%outputs(0))
-      ! what follows from a mistake is not told: a later stage speaks only if those before found nothing
+      ! what follows from a mistake is not reported: a later stage speaks only if those before found nothing
       do stage = 1, 7
          if (own%failed()) then
             call read_stage(unused)
@@ -103,24 +103,24 @@ contains
 
    contains
 
-      subroutine read_stage(told)
-         type(diagnostics_t), intent(inout) :: told
+      subroutine read_stage(reported)
+         type(diagnostics_t), intent(inout) :: reported
 
          select case (stage)
          case (1)
-            call read_joints(group, sketch, told)
+            call read_joints(group, sketch, reported)
          case (2)
-            call read_links(group, sketch, told)
+            call read_links(group, sketch, reported)
          case (3)
-            call read_slides(group, sketch, told)
+            call read_slides(group, sketch, reported)
          case (4)
-            call read_gears(group, sketch, told)
+            call read_gears(group, sketch, reported)
          case (5)
-            call take(group, 'KOVER', sketch%over_braced, told)
+            call take(group, 'KOVER', sketch%over_braced, reported)
          case (6)
-            call read_lengths(group, sketch, told)
+            call read_lengths(group, sketch, reported)
          case default
-            call read_variations(group, sketch, told)
+            call read_variations(group, sketch, reported)
          end select
       end subroutine read_stage
    end subroutine read_chain_group

@@ -205,16 +205,16 @@ contains
          end if
       end subroutine check_segment
 
-      subroutine read_places(told)
-         type(diagnostics_t), intent(inout) :: told
+      subroutine read_places(reported)
+         type(diagnostics_t), intent(inout) :: reported
 
-         call take(group, 'RKIND', kinds, told)
-         call take(group, 'RLINK', links, told)
-         call take(group, 'RLOOP', loops, told)
-         call group%get_texts('RJNT', names, told)
-         call take(group, 'RSEG', segments, told)
-         call take(group, 'RCLEAR', distances, told)
-         call group%get_reals('RPLACE', numbers, told, numbers_of_region, last=given)
+         call take(group, 'RKIND', kinds, reported)
+         call take(group, 'RLINK', links, reported)
+         call take(group, 'RLOOP', loops, reported)
+         call group%get_texts('RJNT', names, reported)
+         call take(group, 'RSEG', segments, reported)
+         call take(group, 'RCLEAR', distances, reported)
+         call group%get_reals('RPLACE', numbers, reported, numbers_of_region, last=given)
       end subroutine read_places
 
       subroutine wrong(item, text, which)

@@ -24,9 +24,9 @@ module psalm_curve_file
 
    integer, parameter :: column_x = 1, column_y = 2, column_x2 = 3, column_y2 = 4, column_value = 5, column_input = 6, &
                          column_weight = 7, column_vx = 8, column_vy = 9, columns_known = 9
-   integer, parameter :: name_room = 8
+   integer, parameter :: name_length = 8
    !> Names of columns, as they may be called by what the file has; the first two of poses are x1 and y1, too.
-   character(name_room), parameter :: names(columns_known) = [character(name_room) :: 'x', 'y', 'x2', 'y2', 'value', 'input', &
+   character(name_length), parameter :: names(columns_known) = [character(name_length) :: 'x', 'y', 'x2', 'y2', 'value', 'input', &
                                                               'weight', 'vx', 'vy']
    integer, parameter :: most_points = 100000
    character(*), parameter :: between = ' '//achar(9)
@@ -53,7 +53,7 @@ contains
       type(diagnostics_t), intent(inout) :: findings !! its `file` is that path
       type(line_t), allocatable :: lines(:)
       real(wp), allocatable :: points(:, :)
-      character(:), allocatable :: trouble
+      character(:), allocatable :: failure
       type(text_t) :: text
       integer :: i
 
@@ -74,9 +74,9 @@ contains
             call findings%error("an SVG picture has a path of points (WHAT='PATH'); a function or poses are a CSV file")
             return
          end if
-         call read_svg_path(curve%text, id, points, curve%closed, trouble)
-         if (len(trouble) > 0) then
-            call findings%error(trouble)
+         call read_svg_path(curve%text, id, points, curve%closed, failure)
+         if (len(failure) > 0) then
+            call findings%error(failure)
             return
          end if
          curve%has([column_x, column_y]) = .true.

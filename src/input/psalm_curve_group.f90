@@ -22,7 +22,7 @@ module psalm_curve_group
    public :: curve_items, expand_curve
 
    integer, parameter :: points_of_picture = 40   !! taken of an SVG path where NPTS is not given
-   real(wp), parameter :: stiff = 1.0e-2_wp       !! relative change of the distance of two points of a body that is told
+   real(wp), parameter :: stiff = 1.0e-2_wp       !! relative change of the distance of two points of a body that is reported
 
    type :: curve_wish_t
       character(:), allocatable :: file, id
@@ -106,7 +106,7 @@ contains
          mark = text%name()
       end if
       if (of_file%count > 0) then
-         ! told of that file
+         ! reported for that file
          own_file = ''
          if (allocated(findings%file)) own_file = findings%file
          findings%file = of_file%file
@@ -131,7 +131,7 @@ contains
       call findings%append(own)
    end subroutine expand_curve
 
-   !> A position in place of those that could not be read, so that nothing is told that follows from that.
+   !> A position in place of those that could not be read, so that nothing is reported that follows from that.
    subroutine fill_in(method, line)
       type(group_t), intent(inout) :: method
       integer, intent(in) :: line
@@ -360,28 +360,28 @@ contains
       integer :: k
 
       do k = 1, size(always)
-         if (has(method, trim(always(k)))) call told(trim(always(k)))
+         if (has(method, trim(always(k)))) call reported(trim(always(k)))
       end do
       do k = 1, size(weights)
-         if (curve%has(column_weight) .and. has(method, trim(weights(k)))) call told(trim(weights(k)))
+         if (curve%has(column_weight) .and. has(method, trim(weights(k)))) call reported(trim(weights(k)))
       end do
       do k = 1, size(rates)
-         if (curve%has(column_vx) .and. has(method, trim(rates(k)))) call told(trim(rates(k)))
+         if (curve%has(column_vx) .and. has(method, trim(rates(k)))) call reported(trim(rates(k)))
       end do
-      if (curve%has(column_input) .and. has(method, 'DELT')) call told('DELT')
+      if (curve%has(column_input) .and. has(method, 'DELT')) call reported('DELT')
       if (has(method, 'DELT') .and. group%given('TURN')) call out_of(group, 'TURN', &
          'is how far the input goes, and DELT of &METHOD says it too; leave one of both out', findings)
 
    contains
 
-      subroutine told(item)
+      subroutine reported(item)
          character(*), intent(in) :: item
          integer :: at
 
          at = method%items(findloc(method%items(:method%count)%name == item, .true., dim=1))%line
          call findings%error('the positions and what is wanted there come from the file of &CURVE; leave '//item//' out', &
                              line=at, group='METHOD', item=item)
-      end subroutine told
+      end subroutine reported
    end subroutine refuse_twice
 
    !> The items of &METHOD.

@@ -374,7 +374,7 @@ contains
       class(surroundings_t), allocatable :: about  ! large, too
       type(group_t), allocatable :: groups(:)      ! large: they would fill a small stack
       type(diagnostics_t) :: unused
-      logical :: shape_known, sketch_sound
+      logical :: shape_known, sketch_valid
       integer :: i
 
       call study_groups(set%sections)
@@ -401,7 +401,7 @@ contains
          end if
       end do
       ! a group that is not there is read too: it is asked for its items, and `finish` knows all names
-      call read_sketch(groups(chain), groups(outputs), set, sketch_sound, findings)
+      call read_sketch(groups(chain), groups(outputs), set, sketch_valid, findings)
       if (groups(links)%line > 0) then
          call read_links_group(groups(links), set%links, shape_known, findings)
       else
@@ -415,7 +415,7 @@ contains
                                 unused)
       end if
       if (program /= searching_program) set%method%nguess = 0      ! it reads no simplex
-      call read_drives(groups(drives), sketch_sound, set, findings)
+      call read_drives(groups(drives), sketch_valid, set, findings)
       call fill_grid(groups(method), groups(drives), set, findings)
       if (groups(outputs)%line > 0 .and. set%method%ikin == 0) then
          call read_wishes(groups(outputs), set%method%ndes, set%sketch, findings)
@@ -637,29 +637,29 @@ contains
    end function varies
 
    !> The drawing and what is wanted of it, which says what desired values are of.
-   subroutine read_sketch(chain, outputs, set, sound, findings)
+   subroutine read_sketch(chain, outputs, set, valid, findings)
       type(group_t), intent(inout) :: chain, outputs
       type(data_set_t), intent(inout) :: set
-      logical, intent(out) :: sound
+      logical, intent(out) :: valid
       type(diagnostics_t), intent(inout) :: findings
       type(diagnostics_t) :: own, unused
 
       own%file = findings%file
       call read_chain_group(chain, set%sketch, own)
-      sound = chain%line > 0 .and. .not. own%failed()
-      set%sketch%sound = sound
+      valid = chain%line > 0 .and. .not. own%failed()
+      set%sketch%valid = valid
       if (chain%line > 0) then
          call findings%append(own)
       end if
-      if (sound) then
+      if (valid) then
          call read_outputs_group(outputs, set%sketch, findings)
       else
-         ! names that are not there would be told for every output again
+         ! names that are not there would be reported for every output again
          call read_outputs_group(outputs, set%sketch, unused)
          outputs%missing = outputs%missing(:0)
       end if
       if (chain%line == 0 .and. outputs%line > 0) call belongs_to_chain(outputs, findings)
-      if (.not. sound) return
+      if (.not. valid) return
       if (size(set%sketch%outputs) == 0) return
       select case (set%sketch%outputs(1)%kind)
       case (output_angle)
@@ -674,20 +674,20 @@ contains
    end subroutine read_sketch
 
    !> What moves the sketch.
-   subroutine read_drives(drives, sound, set, findings)
+   subroutine read_drives(drives, valid, set, findings)
       type(group_t), intent(inout) :: drives
-      logical, intent(in) :: sound
+      logical, intent(in) :: valid
       type(data_set_t), intent(inout) :: set
       type(diagnostics_t), intent(inout) :: findings
       type(diagnostics_t) :: unused
 
-      if (sound .and. drives%line > 0) then
+      if (valid .and. drives%line > 0) then
          call read_drives_group(drives, set%method%ndes, set%sketch, findings)
          return
       end if
       call read_drives_group(drives, set%method%ndes, set%sketch, unused)
       drives%missing = drives%missing(:0)
-      if (sound) then
+      if (valid) then
          call set%origins%error(findings, 'CHAIN', '', "the sketch needs the group &DRIVES, which says what moves it: &DRIVES "// &
                                 "DRIVE='A' &END")
       else if (drives%line > 0 .and. .not. set%sketch%given) then

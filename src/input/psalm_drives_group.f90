@@ -5,7 +5,7 @@ module psalm_drives_group
    use psalm_rule, only: rule_t, a_number, a_text, a_whole
    use psalm_sketch, only: sketch_t, link_t, drive_t, sketch_name, frame_link, drive_turns, drive_slides, &
                            drive_stretches
-   use psalm_sketch_names, only: word_room, find_joints, meant, slide_names, words_of, link_named, common_link
+   use psalm_sketch_names, only: word_length, find_joints, meant, slide_names, words_of, link_named, common_link
    use psalm_status, only: diagnostics_t
    use psalm_take, only: take
    use psalm_text, only: lower_case, shortened, to_text
@@ -55,7 +55,7 @@ contains
       type(sketch_t), intent(inout) :: sketch
       type(diagnostics_t), intent(inout) :: findings
       character(:), allocatable :: names(:), bases(:), links(:)
-      character(word_room), allocatable :: words(:)
+      character(word_length), allocatable :: words(:)
       real(wp), allocatable :: ratio(:), phase(:), delt(:)
       character(:), allocatable :: item
       integer :: n, announced, i, j, last_ratio, last
@@ -207,15 +207,15 @@ contains
 
       !> Two one-letter joints that run together are two words.
       function apart(words) result(parts)
-         character(word_room), intent(in) :: words(:)
-         character(word_room), allocatable :: parts(:)
+         character(word_length), intent(in) :: words(:)
+         character(word_length), allocatable :: parts(:)
 
          parts = words
          if (size(words) /= 1) return
          if (len_trim(words(1)) /= 2) return
          if (max(sketch%joint_called(trim(words(1))), sketch%slide_called(trim(words(1)))) > 0) return
          if (sketch%joint_called(words(1)(1:1)) == 0 .or. sketch%joint_called(words(1)(2:2)) == 0) return
-         parts = [character(word_room) :: words(1)(1:1), words(1)(2:2)]
+         parts = [character(word_length) :: words(1)(1:1), words(1)(2:2)]
       end function apart
 
       !> The two links between which a drive acts.
@@ -230,7 +230,7 @@ contains
             else
                at = sketch%links_of(drive%joint)
             end if
-            if (size(at) == 0) return   ! told of JNT
+            if (size(at) == 0) return   ! reported for JNT
             if (size(at) < 2) then
                call out_of(group, 'DRIVE', &
                   'joint '//trim(drive%name)//' belongs to one link only, '//trim(sketch%links(at(1))%name)// &

@@ -37,7 +37,7 @@ module psalm_group
       integer :: line = 0                   !! line of its name
       integer :: subscripts = 0             !! how many: 0, 1 or 2
       integer :: subscript(2) = 0           !! the subscripts
-      logical :: misplaced = .false.        !! its subscript is wrong and told: the values are left out
+      logical :: misplaced = .false.        !! its subscript is wrong and reported: the values are left out
       logical :: list = .false.             !! of JSON: an array; with two subscripts a row of one
       integer :: before = 0                 !! values of the rows before it
       integer :: first = 1                  !! its first value in the group's
@@ -63,8 +63,8 @@ module psalm_group
       type(rule_t), allocatable :: rules(:) !! what its items may be
       character(name_length), allocatable :: known(:) !! names of its items: those of the rules, and asked for so far
       type(origins_t) :: origins            !! places of the values handed out
-      logical :: count_missing = .false.    !! the item that counts the others is wrong: too many of them are not told
-      type(missing_t), allocatable :: missing(:) !! told at the end, if no misspelt item is meant
+      logical :: count_missing = .false.    !! the item that counts the others is wrong: too many of them are not reported
+      type(missing_t), allocatable :: missing(:) !! reported at the end, if no misspelt item is meant
    contains
       procedure :: begin
       procedure :: follow
@@ -591,7 +591,7 @@ contains
             return
          end if
          first = not_a_position
-         if (columns == 0) return   ! NLOOP or MAXARC is wrong and told
+         if (columns == 0) return   ! NLOOP or MAXARC is wrong and reported
          ! each subscript by itself: their product may not be a number
          if (item%subscript(1) >= 1 .and. item%subscript(1) <= n/columns .and. &
              item%subscript(2) >= 1 .and. item%subscript(2) <= columns) then

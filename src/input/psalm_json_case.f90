@@ -296,7 +296,7 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       type(text_t) :: text
       integer :: i, code
-      logical :: sound
+      logical :: well_formed
 
       string = ''
       associate (line => lines(at%line)%text)
@@ -309,21 +309,21 @@ contains
             else if (line(i:i) == escape) then
                at%column = i
                i = i + 1
-               sound = i <= len(line)
-               if (sound) then
+               well_formed = i <= len(line)
+               if (well_formed) then
                   select case (line(i:i))
                   case ('"', '/', escape)
                      call text%add_text(line(i:i))
                   case ('b', 'f', 'n', 'r', 't')
                      call text%add_text(' ')   ! no name has one
                   case ('u')
-                     call read_code(line, i, code, sound)
-                     if (sound) call text%add_text(letter_of(code))
+                     call read_code(line, i, code, well_formed)
+                     if (well_formed) call text%add_text(letter_of(code))
                   case default
-                     sound = .false.
+                     well_formed = .false.
                   end select
                end if
-               if (.not. sound) then
+               if (.not. well_formed) then
                   call wrong(lines, at, 'the escape is none of \" \\ \/ \b \f \n \r \t \u1234', findings)
                   return
                end if
@@ -337,24 +337,24 @@ contains
    end subroutine read_string
 
    !> The number of a letter, `\u1234` or two of them; `i` is at the `u`, then at the last digit.
-   pure subroutine read_code(line, i, code, sound)
+   pure subroutine read_code(line, i, code, well_formed)
       character(*), intent(in) :: line
       integer, intent(inout) :: i
       integer, intent(out) :: code
-      logical, intent(out) :: sound
+      logical, intent(out) :: well_formed
       integer, parameter :: digits = 4, high_first = 55296, low_first = 56320, low_last = 57343, beyond = 65536, half = 1024
       integer :: low
 
-      call read_digits(i, code, sound)
-      if (.not. sound) return
+      call read_digits(i, code, well_formed)
+      if (.not. well_formed) return
       i = i + digits
       if (code < high_first .or. code > low_last) return
-      sound = code < low_first .and. i + 2 <= len(line)
-      if (sound) sound = line(i + 1:i + 2) == escape//'u'
-      if (.not. sound) return
-      call read_digits(i + 2, low, sound)
-      if (sound) sound = low >= low_first .and. low <= low_last
-      if (.not. sound) return
+      well_formed = code < low_first .and. i + 2 <= len(line)
+      if (well_formed) well_formed = line(i + 1:i + 2) == escape//'u'
+      if (.not. well_formed) return
+      call read_digits(i + 2, low, well_formed)
+      if (well_formed) well_formed = low >= low_first .and. low <= low_last
+      if (.not. well_formed) return
       i = i + 2 + digits
       code = beyond + (code - high_first)*half + (low - low_first)
 

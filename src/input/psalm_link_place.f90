@@ -67,7 +67,7 @@ contains
          places(k)%loop = loops(k)
          places(k)%from_start = links(k) < 0
          if (.not. group%given(letter//'LINK') .or. .not. group%given(letter//'LOOP')) cycle
-         if (size(ilink) == 0) cycle   ! the shape of the arrays is wrong and told
+         if (size(ilink) == 0) cycle   ! the shape of the arrays is wrong and reported
          if (loops(k) < 1 .or. loops(k) > size(ilink, 2)) then
             call out_of(group, letter//'LOOP', 'entry '//to_text(k)//': there is no loop '//to_text(loops(k)), findings, k)
          else if (links(k) == 0 .or. places(k)%arc > size(ilink, 1)) then
@@ -94,7 +94,7 @@ contains
       item = letter//'NAME'
       if (group%given(letter//'LINK')) call counts_arcs('LINK')
       if (group%given(letter//'LOOP')) call counts_arcs('LOOP')
-      if (size(places) == 0 .or. .not. sketch%sound) return   ! what is wrong with the sketch is told
+      if (size(places) == 0 .or. .not. sketch%valid) return   ! what is wrong with the sketch is reported
       if (size(names) == 0) then
          if (of_joints) call required(group, item, "names the joints and slides: "//item//"='A','S1'")
          if (.not. of_joints) call required(group, item, 'names the link of each entry, and the joint that the place is '// &

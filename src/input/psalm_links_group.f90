@@ -58,7 +58,7 @@ contains
    subroutine read_links_group(group, links, shape_known, findings)
       type(group_t), intent(inout) :: group
       type(links_group_t), intent(inout) :: links
-      logical, intent(out) :: shape_known     !! NLOOP and MAXARC are sound
+      logical, intent(out) :: shape_known     !! NLOOP and MAXARC are valid
       type(diagnostics_t), intent(inout) :: findings
       integer, allocatable :: integers(:)
       real(wp), allocatable :: reals(:)
@@ -81,7 +81,7 @@ contains
       allocate (reals(size(integers)), source=0.0_wp)
       call group%get_integers('ILINK', integers, findings, links%maxarc, last=highest, needed=needed, beyond=beyond)
       if (highest == 0) call required(group, 'ILINK')
-      ! one row too many or too few is told once, not for every array
+      ! one row too many or too few is reported once, not for every array
       rows_known = shape_known
       if (shape_known .and. beyond > 0) then
          call too_many_rows('ILINK', needed, beyond)

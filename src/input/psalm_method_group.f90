@@ -172,7 +172,7 @@ contains
    !> Read the group. Errors: numbers out of range, fewer or more values than NDES.
    subroutine read_method_group(group, nloop, maxarc, shape_known, of_sketch, method, findings)
       type(group_t), intent(inout) :: group
-      integer, intent(in) :: nloop, maxarc           !! of &LINKS; 0 if they are not sound
+      integer, intent(in) :: nloop, maxarc           !! of &LINKS; 0 if they are not valid
       logical, intent(in) :: shape_known             !! they are
       logical, intent(in) :: of_sketch               !! the linkage is one
       type(method_group_t), intent(inout) :: method  !! MOTION as the outputs of a sketch have it
@@ -199,7 +199,7 @@ contains
       call take_count(group, 'NDES', method%ndes, findings)
       if (group%given('NDES') .or. method%ndes > 0) then
          if (.not. memory_to_be_had(bytes_of_position*int(method%ndes, int64))) then
-            call findings%trouble('not enough memory for NDES='//to_text(method%ndes)//' positions')
+            call findings%failure('not enough memory for NDES='//to_text(method%ndes)//' positions')
             method%ndes = 0
          end if
       else if (method%ikin == 0) then

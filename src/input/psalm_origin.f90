@@ -101,7 +101,7 @@ contains
       self%runs(self%ran) = element_run_t(self%mentioned, first, last, line)
    end subroutine place
 
-   !> The case is JSON: places are told as pointers, too.
+   !> The case is JSON: places are reported as pointers, too.
    pure subroutine use_pointers(self, prefix)
       class(origins_t), intent(inout) :: self
       character(*), intent(in) :: prefix          !! of all pointers: empty, or that of the case
@@ -174,7 +174,7 @@ contains
       character(:), allocatable :: pointer
       integer :: line
 
-      if (findings%told_enough(level_error, group, item)) then
+      if (findings%reported_enough(level_error, group, item)) then
          call findings%error(text, group=group, item=item)
       else
          call find(self, group, item, element, row, columns, line, pointer)
@@ -193,7 +193,7 @@ contains
       character(:), allocatable :: pointer
       integer :: line
 
-      if (findings%told_enough(level_warning, group, item)) then
+      if (findings%reported_enough(level_warning, group, item)) then
          call findings%warning(text, group=group, item=item)
       else
          call find(self, group, item, element, row, columns, line, pointer)

@@ -4,7 +4,7 @@ module psalm_outputs_group
    use psalm_rule, only: rule_t, a_number, a_text
    use psalm_sketch, only: sketch_t, sketch_output_t, position_of, sketch_name, output_point, output_angle, output_distance, &
                            output_slide, output_between, output_pose, output_ratio, output_x, output_y
-   use psalm_sketch_names, only: word_room, take_name, find_joints, meant, link_names, words_of, joined
+   use psalm_sketch_names, only: word_length, take_name, find_joints, meant, link_names, words_of, joined
    use psalm_status, only: diagnostics_t
    use psalm_text, only: lower_case, to_text
    implicit none (type, external)
@@ -42,7 +42,7 @@ contains
       type(sketch_t), intent(inout) :: sketch
       type(diagnostics_t), intent(inout) :: findings
       character(:), allocatable :: texts(:), names(:)
-      character(word_room), allocatable :: words(:)
+      character(word_length), allocatable :: words(:)
       character(sketch_name), allocatable :: taken(:)
       integer :: n, i
 

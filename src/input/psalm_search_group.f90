@@ -143,7 +143,7 @@ contains
    contains
 
       subroutine unknown_solver()
-         integer, parameter :: most_told = 6 ! of more than forty
+         integer, parameter :: most_reported = 6 ! of more than forty
          character(:), allocatable :: near, others, written
          integer, allocatable :: distance(:)
          integer :: i, next
@@ -153,7 +153,7 @@ contains
             near = nearest_name(written, names)
             distance = [(edit_distance(written, trim(names(i))), i=1, size(names))]
             others = ''
-            do i = 1, most_told
+            do i = 1, most_reported
                next = minloc(distance, dim=1)
                distance(next) = huge(1)
                if (names(next) == near) cycle

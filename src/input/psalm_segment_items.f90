@@ -70,15 +70,15 @@ contains
 
    contains
 
-      subroutine read_items(told)
-         type(diagnostics_t), intent(inout) :: told
+      subroutine read_items(reported)
+         type(diagnostics_t), intent(inout) :: reported
 
-         call take(group, 'SLINK', links, told)
-         call take(group, 'SLOOP', loops, told)
-         call group%get_texts('SJNT', names, told)
-         call take(group, 'SWIDTH', widths, told)
-         call take(group, 'SCLEAR', distances, told)
-         call take(group, 'SLAYER', layers, told)
+         call take(group, 'SLINK', links, reported)
+         call take(group, 'SLOOP', loops, reported)
+         call group%get_texts('SJNT', names, reported)
+         call take(group, 'SWIDTH', widths, reported)
+         call take(group, 'SCLEAR', distances, reported)
+         call take(group, 'SLAYER', layers, reported)
       end subroutine read_items
 
       !> One end, counted by arcs.

@@ -6,9 +6,9 @@ module psalm_sketch_names
    use psalm_text, only: nearest_name, shortened, to_text
    implicit none (type, external)
    private
-   public :: word_room, take_name, find_joints, meant, link_names, slide_names, words_of, link_named, common_link, joined
+   public :: word_length, take_name, find_joints, meant, link_names, slide_names, words_of, link_named, common_link, joined
 
-   integer, parameter :: word_room = 2*sketch_name !! of a word within a text; longer ones are no names
+   integer, parameter :: word_length = 2*sketch_name !! of a word within a text; longer ones are no names
 
 contains
 
@@ -47,7 +47,7 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       integer, allocatable, intent(out) :: joints(:)
       logical, intent(out) :: valid
-      character(word_room), allocatable :: words(:)
+      character(word_length), allocatable :: words(:)
       integer :: i, k
       integer, allocatable :: letters(:)
 
@@ -118,7 +118,7 @@ contains
    !> The words of a text.
    pure function words_of(text) result(words)
       character(*), intent(in) :: text
-      character(word_room), allocatable :: words(:)
+      character(word_length), allocatable :: words(:)
       integer :: from, to
 
       allocate (words(0))
@@ -134,7 +134,7 @@ contains
             if (text(to + 1:to + 1) == ' ' .or. text(to + 1:to + 1) == achar(9)) exit
             to = to + 1
          end do
-         words = [character(word_room) :: words, text(from:to)]
+         words = [character(word_length) :: words, text(from:to)]
          from = to + 1
       end do
    end function words_of

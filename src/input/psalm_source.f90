@@ -5,7 +5,7 @@
 module psalm_source
    use, intrinsic :: iso_fortran_env, only: int64
    use psalm_status, only: diagnostics_t
-   use psalm_system, only: read_input, error_text, input_directory, input_has_zero, input_sound, input_too_large, &
+   use psalm_system, only: read_input, error_text, input_directory, input_has_zero, input_valid, input_too_large, &
                            memory_to_be_had
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
@@ -43,10 +43,10 @@ contains
       call read_input(file, most, text, verdict, error)
       allocate (lines(0))
       select case (verdict)
-      case (input_sound)
+      case (input_valid)
          if (index(text, byte_order_mark) == 1) text = text(len(byte_order_mark) + 1:)
          if (.not. memory_to_be_had(len(text, int64) + bytes_of_line*int(lines_in(text), int64))) then
-            call findings%trouble("not enough memory to read '"//file//"'")
+            call findings%failure("not enough memory to read '"//file//"'")
             return
          end if
          call split_lines(text, lines)
@@ -64,12 +64,12 @@ contains
          deallocate (lines)
          allocate (lines(0))
       case (input_directory)
-         call findings%trouble("cannot read '"//file//"': it is a directory")
+         call findings%failure("cannot read '"//file//"': it is a directory")
       case (input_too_large)
-         call findings%trouble("cannot read '"//file//"': it is larger than "//to_text(most/megabyte)// &
+         call findings%failure("cannot read '"//file//"': it is larger than "//to_text(most/megabyte)// &
                                ' MB, the most that is taken; split its cases over several files')
       case default
-         call findings%trouble("cannot open '"//file//"'"//error_text(error))
+         call findings%failure("cannot open '"//file//"'"//error_text(error))
       end select
    end subroutine read_lines
 

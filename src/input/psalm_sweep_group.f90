@@ -57,13 +57,13 @@ contains
       type(sweep_group_t), intent(inout) :: sweep
       type(diagnostics_t), intent(inout) :: findings
       character(:), allocatable :: names(:)
-      integer :: told                        ! mistakes in SWHAT
+      integer :: reported                        ! mistakes in SWHAT
 
       sweep%given = group%line > 0
       call group%follow(sweep_items)
-      told = findings%count
+      reported = findings%count
       call take(group, 'SWHAT', sweep%what, findings)
-      told = findings%count - told
+      reported = findings%count - reported
       call take(group, 'SWLINK', sweep%arc, findings)
       call take(group, 'SWLOOP', sweep%loop, findings)
       call group%get_texts('SWJNT', names, findings)
@@ -81,7 +81,7 @@ contains
       end if
       if (size(names) > 0) call out_of(group, 'SWJNT', 'joints have names in a sketch (&CHAIN) only; give SWLINK and SWLOOP', &
                                        findings)
-      if (all(sweep%what /= [swept_length, swept_angle]) .or. told > 0) return
+      if (all(sweep%what /= [swept_length, swept_angle]) .or. reported > 0) return
       if (sweep%loop < 1 .or. sweep%loop > size(ilink, 2)) then
          call out_of(group, 'SWLOOP', 'there is no loop '//to_text(sweep%loop), findings)
       else if (sweep%arc < 1 .or. sweep%arc > size(ilink, 1)) then
@@ -112,7 +112,7 @@ contains
             return
          end if
          sweep%joints = [find(pair(:blank - 1)), find(trim(adjustl(pair(blank:))))]
-         if (any(sweep%joints == 0) .or. .not. sketch%sound) return
+         if (any(sweep%joints == 0) .or. .not. sketch%valid) return
          do l = 1, size(sketch%links)
             if (sketch%has_joint(l, sweep%joints(1)) .and. sketch%has_joint(l, sweep%joints(2))) return
          end do
@@ -123,7 +123,7 @@ contains
          character(*), intent(in) :: name
 
          find = sketch%joint_called(name)
-         if (find == 0 .and. sketch%sound) call out_of(group, 'SWJNT', "no joint is called '"//shortened(name)//"'"// &
+         if (find == 0 .and. sketch%valid) call out_of(group, 'SWJNT', "no joint is called '"//shortened(name)//"'"// &
                                                        meant(name, sketch%joint_name), findings)
       end function find
    end subroutine read_sweep_group

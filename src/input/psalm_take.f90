@@ -11,7 +11,7 @@ module psalm_take
    public :: take, take_count
 
    !> Set a value to its default, read it where it is given, and complain where the table does not allow it. A default that is
-   !> no value leaves it as it is. What is required and missing is told with the group.
+   !> no value leaves it as it is. What is required and missing is reported with the group.
    interface take
       procedure :: take_whole, take_flag, take_number, take_wholes, take_numbers
    end interface take
@@ -49,7 +49,7 @@ contains
       call parse_integer(trim(rule%default), found, valid, reason)
       if (valid) value = found
       call group%get_integer(name, value, findings)
-      call demand(group, rule)
+      call require(group, rule)
       if (allowed(rule, value) .or. .not. group%given(name)) return
       reason = complaint_about(rule, must_be(rule))
       if (len_trim(rule%complaint) == 0) reason = reason//'; found '//to_text(value)
@@ -85,7 +85,7 @@ contains
       call parse_real(trim(rule%default), default, valid, reason)
       if (valid) value = default
       call group%get_real(name, value, findings)
-      call demand(group, rule)
+      call require(group, rule)
       call limits_of(rule%values, limits, valid)
       if (.not. valid .or. .not. group%given(name)) return
       if (.not. limits%contain(value)) call out_of(group, name, complaint_about(rule, limits%in_words()), findings)
@@ -109,7 +109,7 @@ contains
       if (valid) values = default
       call read_columns(rule, columns)
       call group%get_integers(name, values, findings, columns, last=last)
-      if (.not. group%given(name) .and. size(values) > 0) call demand(group, rule)
+      if (.not. group%given(name) .and. size(values) > 0) call require(group, rule)
       if (.not. group%given(name)) return
       do k = 1, size(values)
          if (allowed(rule, values(k))) cycle
@@ -143,7 +143,7 @@ contains
       call read_columns(rule, columns)
       call group%get_reals(name, values, findings, columns, last=highest)
       if (present(last)) last = highest
-      if (.not. group%given(name) .and. size(values) > 0) call demand(group, rule)
+      if (.not. group%given(name) .and. size(values) > 0) call require(group, rule)
       if (.not. group%given(name)) return
       if (present(repeated)) then
          if (repeated .and. highest > 0 .and. highest < size(values)) values(highest + 1:) = values(highest)
@@ -177,7 +177,7 @@ contains
          n = 0
          group%count_missing = .true.   ! that the items have too many values is a consequence
       else
-         call demand(group, rule)
+         call require(group, rule)
       end if
    end subroutine take_count
 
@@ -206,14 +206,14 @@ contains
    end subroutine read_columns
 
    !> Note an item that is required and not given.
-   subroutine demand(group, rule)
+   subroutine require(group, rule)
       type(group_t), intent(inout) :: group
       type(rule_t), intent(in) :: rule
 
       if (rule%default /= required_word .or. group%given(trim(rule%name))) return
       call required(group, trim(rule%name), 'missing; this item is required: '// &
                     trim(rule%meaning(:scan(trim(rule%meaning)//';', ';:') - 1)))
-   end subroutine demand
+   end subroutine require
 
    !> May an integer be?
    pure logical function allowed(rule, value)

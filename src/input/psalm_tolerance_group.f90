@@ -141,7 +141,7 @@ contains
                                               to_text(last)//' tolerances given', findings)
          if (any(toler%of_named < 0.0_wp)) call out_of(group, 'TOLVAL', &
             'a tolerance is negative; it is the largest deviation to either side', findings)
-         if (.not. (sketch%given .and. sketch%sound)) return
+         if (.not. (sketch%given .and. sketch%valid)) return
          do i = 1, size(texts)
             associate (one => toler%named(i))
                call read_dimension(group, 'TOLNAM', i, texts(i), sketch, findings, one)

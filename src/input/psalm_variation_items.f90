@@ -3,7 +3,7 @@ module psalm_variation_items
    use psalm_group, only: group_t, out_of
    use psalm_kinds, only: wp
    use psalm_sketch, only: sketch_t, variation_t, frame_link, vary_length, vary_angle, vary_place, vary_input, vary_all
-   use psalm_sketch_names, only: word_room, find_joints, words_of, common_link, joined
+   use psalm_sketch_names, only: word_length, find_joints, words_of, common_link, joined
    use psalm_status, only: diagnostics_t
    use psalm_take, only: take
    use psalm_text, only: lower_case, to_text
@@ -73,7 +73,7 @@ contains
       type(sketch_t), intent(in) :: sketch
       type(diagnostics_t), intent(inout) :: findings
       type(variation_t), intent(inout) :: one !! kind 0: it is empty
-      character(word_room), allocatable :: words(:)
+      character(word_length), allocatable :: words(:)
       character(:), allocatable :: whose
       integer, allocatable :: joints(:)
       integer :: wanted
@@ -104,7 +104,7 @@ contains
       case ('length')
          continue
       case default
-         words = [character(word_room) :: 'length', words]
+         words = [character(word_length) :: 'length', words]
       end select
       call find_joints(group, item, which, joined(words(2:)), whose, sketch, findings, joints, valid)
       if (.not. valid) return

@@ -188,7 +188,7 @@ module psalm_mechanism
       logical :: whole = .false.                    !! all its links are meant, whatever the output: no loop is left out
       logical :: from_drawing = .false.             !! inputs are shown from the drawing (`psalm_shown_input`)
       real(wp) :: reference = 0.0_wp                !! the reference input from there, degrees or length
-      real(wp) :: crank_turn = 0.0_wp               !! from the crank's arc to the line whose direction is told, degrees
+      real(wp) :: crank_turn = 0.0_wp               !! from the crank's arc to the line whose direction is reported, degrees
       real(wp) :: first_input = 0.0_wp              !! where a turn of inputs begins as shown
    contains
       procedure :: seq

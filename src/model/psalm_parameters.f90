@@ -15,14 +15,14 @@ module psalm_parameters
    integer, parameter :: variable_length = 1, variable_outlk = 2, variable_origlk = 3, variable_gama = 4
    integer, parameter :: variable_outang = 5, variable_origng = 6, variable_crnki = 7
 
-   integer, parameter :: name_room = 4*sketch_name + 3 !! of the joints of two lines
+   integer, parameter :: name_length = 4*sketch_name + 3 !! of the joints of two lines
 
    !> One variable and the dimension it stands for.
    type :: variable_t
       integer :: kind = 0             !! one of `variable_...`
       integer :: loop = 0, arc = 0    !! of a length or an angle: the arc, by its number in its loop
       integer :: n = 0                !! the same arc's number in the mechanism
-      character(name_room) :: of = '' !! the joints that it is between, of a sketch
+      character(name_length) :: of = '' !! the joints that it is between, of a sketch
    end type variable_t
 
    !> The dimensions that vary. A length or an angle that several arcs share is one variable.

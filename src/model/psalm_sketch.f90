@@ -105,7 +105,7 @@ module psalm_sketch
    !> The whole drawing.
    type :: sketch_t
       logical :: given = .false.
-      logical :: sound = .false.            !! every name in it is understood
+      logical :: valid = .false.            !! every name in it is understood
       character(sketch_name), allocatable :: joint_name(:)
       real(wp), allocatable :: x(:), y(:)   !! shape (joints)
       type(link_t), allocatable :: links(:)

@@ -85,7 +85,7 @@ module psalm_traced_loops
       integer :: start = 0                  !! the point that all loops begin at
       integer, allocatable :: axis(:)       !! by link: its first arc
       real(wp) :: input = 0.0_wp            !! CRNKI in the drawing
-      real(wp) :: crank = 0.0_wp            !! direction that is told of the crank in the drawing, degrees
+      real(wp) :: crank = 0.0_wp            !! direction that is reported for the crank in the drawing, degrees
       real(wp) :: anchor = 0.0_wp           !! that at which unknown arcs of larger groups have the dimensions given
       logical :: floating = .false.         !! the first drive moves no link on the frame
       logical :: sliding = .false.          !! its input is a length

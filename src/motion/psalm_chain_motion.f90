@@ -209,7 +209,7 @@ contains
       type(state_t) :: next
       real(wp) :: from(size(target)), way, step, worst
       real(wp) :: sense(size(closure%groups)), sense_next(size(closure%groups))
-      logical :: dead, sound
+      logical :: dead, valid
 
       group = 0
       reached = .false.
@@ -228,8 +228,8 @@ contains
          step = min(step, 1.0_wp - way)
          do
             next = state
-            call try_step(closure, from, target, way, step, next, sense, sense_next, worst, sound, group)
-            if (sound) exit
+            call try_step(closure, from, target, way, step, next, sense, sense_next, worst, valid, group)
+            if (valid) exit
             step = 0.5_wp*step
             if (step < least_step) return
          end do
@@ -246,14 +246,14 @@ contains
    end subroutine advance
 
    !> One step, group after group.
-   subroutine try_step(closure, from, target, way, step, next, sense, sense_next, worst, sound, group)
+   subroutine try_step(closure, from, target, way, step, next, sense, sense_next, worst, valid, group)
       type(closure_t), intent(in) :: closure
       real(wp), intent(in) :: from(:), target(:), way, step
       type(state_t), intent(inout) :: next
       real(wp), intent(in) :: sense(:)
       real(wp), intent(out) :: sense_next(:)
       real(wp), intent(out) :: worst               !! largest ratio of the first correction to the prediction
-      logical, intent(out) :: sound
+      logical, intent(out) :: valid
       integer, intent(out) :: group
       type(factors_t) :: factors
       real(wp) :: predicted, moved, turned, reach, first
@@ -261,7 +261,7 @@ contains
 
       worst = 0.0_wp
       sense_next = sense
-      sound = .true.
+      valid = .true.
       if (way + step >= 1.0_wp) then
          next%input(:, 0) = target
       else
@@ -284,15 +284,15 @@ contains
                end associate
             end do
             predicted = max(moved, turned)
-            call solve_group(closure, group, next, sound, factors, first)
-            if (.not. sound) return
+            call solve_group(closure, group, next, valid, factors, first)
+            if (.not. valid) return
             sense_next(group) = factors%sense
-            sound = factors%reciprocal_condition > rank_lost
-            if (size(factors%q, 1) == size(factors%q, 2)) sound = sound .and. factors%sense == sense(group)
+            valid = factors%reciprocal_condition > rank_lost
+            if (size(factors%q, 1) == size(factors%q, 2)) valid = valid .and. factors%sense == sense(group)
             first = first/max(predicted, 1.0e-7_wp*closure%size)
             worst = max(worst, first)
-            sound = sound .and. first < trusted .and. moved < farthest*reach .and. turned < farthest*closure%size
-            if (.not. sound) return
+            valid = valid .and. first < trusted .and. moved < farthest*reach .and. turned < farthest*closure%size
+            if (.not. valid) return
          end associate
       end do
       group = 0

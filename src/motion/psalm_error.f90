@@ -4,9 +4,9 @@
 !> linkage to move. Source of motions and objective: Oldham (1977), chapter 5 and appendix B.
 module psalm_error
    use psalm_angles, only: unit_vector
-   use psalm_assur, only: breach_of, coincidence_of
+   use psalm_assur, only: violation_of, coincidence_of
    use psalm_data_set, only: data_set_t
-   use psalm_dyad, only: breach_t, violation_none, violation_angle_small, violation_undetermined, violation_slides, &
+   use psalm_dyad, only: dyad_violation_t, violation_none, violation_angle_small, violation_undetermined, violation_slides, &
                          violation_toggle
    use psalm_dyad_kind, only: form_of, form_t
    use psalm_kinds, only: wp
@@ -831,17 +831,17 @@ contains
    pure type(violation_t) function violation_at(self, loop, i) result(violation)
       class(problem_t), intent(in) :: self
       integer, intent(in) :: loop, i
-      type(breach_t) :: breach
+      type(dyad_violation_t) :: of_dyad
 
-      breach = breach_of(self%linkage%steps(self%linkage%step_of_loop(loop))%dyad, &
+      of_dyad = violation_of(self%linkage%steps(self%linkage%step_of_loop(loop))%dyad, &
                          self%linkage%store%v(i, self%linkage%measure(loop)), self%linkage%closes(i, loop))
       violation%loop = loop
       if (coincides(self, loop, i)) then
          violation%kind = violation_undetermined
          return
       end if
-      violation%kind = breach%kind
-      violation%amount = breach%amount
-      if (breach%is_length) violation%amount = violation%amount/self%linkage%scale
+      violation%kind = of_dyad%kind
+      violation%amount = of_dyad%amount
+      if (of_dyad%is_length) violation%amount = violation%amount/self%linkage%scale
    end function violation_at
 end module psalm_error

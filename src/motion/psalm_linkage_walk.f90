@@ -41,7 +41,7 @@ contains
       type(correction_t) :: found
       real(wp) :: inputs(1 + size(self%seconds))
       integer :: i, first
-      logical :: sound, reached
+      logical :: valid, reached
 
       if (allocated(self%steps(k)%dyad%higher%powers)) then
          call follow_wheels(self, k, n)
@@ -50,13 +50,13 @@ contains
       first = 1
       if (self%steps(k)%dyad%higher%rings == 0) call follow_ties(self, k, n, path, first)
       if (first > n) return
-      call start(self, k, walk, sound)
+      call start(self, k, walk, valid)
       do while (first <= n)
          i = first
          first = first + 1
          reached = .false.
          walk%way = 0.0_wp
-         if (sound) then
+         if (valid) then
             inputs(1) = path(i)
             if (present(more)) inputs(2:) = more(i, 1, :)
             if (closes_before(self, k, i)) call reach(self, k, i, inputs, walk, found, reached)
@@ -84,14 +84,14 @@ contains
       integer, intent(in) :: k
       integer, intent(in) :: n
       real(wp), dimension(n, size(self%steps(k)%dyad%higher%known)) :: turned_x, turned_y
-      logical :: sound
+      logical :: valid
       integer :: i, j
 
-      sound = .true.
+      valid = .true.
       do j = 1, k - 1
          if (self%steps(j)%kind /= step_dyad) cycle
          ! what is accepted closes
-         sound = sound .and. self%all_accepted(n, self%steps(j)%loop)
+         valid = valid .and. self%all_accepted(n, self%steps(j)%loop)
       end do
       associate (higher => self%steps(k)%dyad%higher, v => self%store%v)
          do j = 1, size(higher%known)
@@ -103,7 +103,7 @@ contains
             end associate
          end do
          v(1:n, self%steps(k)%dyad%measure) = higher%tie_measure
-         if (.not. sound) then
+         if (.not. valid) then
             do i = 1, n
                if (closes_before(self, k, i)) cycle
                turned_x(i, :) = 1.0_wp
@@ -229,11 +229,11 @@ contains
    end function leaps
 
    !> Put all larger groups up to a step together in the drawing.
-   pure subroutine start(self, k, walk, sound)
+   pure subroutine start(self, k, walk, valid)
       class(linkage_t), intent(inout) :: self
       integer, intent(in) :: k
       type(walk_t), intent(inout) :: walk
-      logical, intent(out) :: sound
+      logical, intent(out) :: valid
       real(wp) :: unused
       integer :: j, i
 
@@ -250,7 +250,7 @@ contains
       walk%last = 0
       walk%here = [self%drawn, self%seconds%drawn]
       walk%known = .false.
-      call solve_between(self, k, walk%here, .false., sound, unused)
+      call solve_between(self, k, walk%here, .false., valid, unused)
    end subroutine start
 
    !> Go to position i of the block, if need be the other way round.
@@ -262,13 +262,13 @@ contains
       type(correction_t), intent(out) :: found
       logical, intent(out) :: reached
       real(wp) :: target(size(inputs)), offset
-      logical :: sound
+      logical :: valid
 
       target = inputs
       reached = .false.
       if (is_open(walk, target)) then
          ! from the drawing where that is nearer: the shorter the way, the fewer places to go astray
-         if (abs(walk%offset) > 0.0_wp .or. is_nearer_to_drawing(self, walk, target)) call start(self, k, walk, sound)
+         if (abs(walk%offset) > 0.0_wp .or. is_nearer_to_drawing(self, walk, target)) call start(self, k, walk, valid)
          walk%offset = 0.0_wp
          call step_to(self, k, i, target, walk, found, reached)
          if (.not. reached) call walk_to(self, k, i, target, walk, found, reached)
@@ -278,7 +278,7 @@ contains
       offset = -sign(full_turn, inputs(1) - self%drawn)
       target(1) = inputs(1) + offset
       if (.not. is_open(walk, target)) return
-      if (abs(walk%offset - offset) > 0.0_wp) call start(self, k, walk, sound)
+      if (abs(walk%offset - offset) > 0.0_wp) call start(self, k, walk, valid)
       walk%offset = offset
       call step_to(self, k, i, target, walk, found, reached)
       if (.not. reached) call walk_to(self, k, i, target, walk, found, reached)
@@ -396,11 +396,11 @@ contains
       integer, intent(in) :: k
       type(walk_t), intent(inout) :: walk
       integer :: j
-      logical :: sound
+      logical :: valid
 
       walk%known = .false.
       if (walk%last == 0) then
-         call start(self, k, walk, sound)
+         call start(self, k, walk, valid)
          return
       end if
       do j = 1, k
@@ -434,7 +434,7 @@ contains
       real(wp), intent(out) :: way              !! part of the way that was gone
       real(wp) :: step, worst, next(size(to))
       integer :: tries
-      logical :: sound
+      logical :: valid
 
       reached = .false.
       way = 0.0_wp
@@ -447,9 +447,9 @@ contains
          do
             next = to
             if (way + step < 1.0_wp) next = from + (way + step)*(to - from)
-            call solve_between(self, k, next, .true., sound, worst)
+            call solve_between(self, k, next, .true., valid, worst)
             tries = tries + 1
-            if (sound) exit
+            if (valid) exit
             step = 0.5_wp*step
             if (step < least_step .or. tries > most_tries) return
          end do
@@ -462,28 +462,28 @@ contains
       reached = .true.
    end subroutine walk_between
 
-   !> All steps up to one at an input between positions. Where that is sound, `now` of the larger groups goes there.
-   pure subroutine solve_between(self, k, here, trusting, sound, worst)
+   !> All steps up to one at an input between positions. Where that is valid, `now` of the larger groups goes there.
+   pure subroutine solve_between(self, k, here, trusting, valid, worst)
       class(linkage_t), intent(inout) :: self
       integer, intent(in) :: k
       real(wp), intent(in) :: here(:)           !! inputs
       logical, intent(in) :: trusting           !! groups must be continued from where they stood, else only be closed
-      logical, intent(out) :: sound
+      logical, intent(out) :: valid
       real(wp), intent(out) :: worst            !! largest second correction against the first
       integer :: j
 
       worst = 0.0_wp
-      sound = .true.
+      valid = .true.
       call put_input(self, here)
       do j = 1, k
          if (allocated(self%steps(j)%dyad%higher)) then
-            call group_between(self%steps(j)%dyad%higher, self%between, trusting, sound, worst)
+            call group_between(self%steps(j)%dyad%higher, self%between, trusting, valid, worst)
          else if (self%steps(j)%kind == step_dyad) then
-            call dyad_between(self, self%steps(j), sound)
+            call dyad_between(self, self%steps(j), valid)
          else
             call solve_point(1, self%steps(j), self%between)
          end if
-         if (.not. sound) return
+         if (.not. valid) return
       end do
       do j = 1, k
          if (.not. allocated(self%steps(j)%dyad%higher)) cycle
@@ -517,11 +517,11 @@ contains
       call put_seconds(self, 1, more, self%between)
    end subroutine put_input
 
-   pure subroutine group_between(higher, between, trusting, sound, worst)
+   pure subroutine group_between(higher, between, trusting, valid, worst)
       type(higher_t), intent(inout) :: higher
       type(rows_t), intent(inout) :: between
       logical, intent(in) :: trusting
-      logical, intent(out) :: sound
+      logical, intent(out) :: valid
       real(wp), intent(inout) :: worst
       type(correction_t) :: found
       real(wp) :: turned
@@ -530,23 +530,23 @@ contains
       call put_state(higher, higher%now, between, 1)
       call correct(higher, between, 1, found)
       if (trusting) then
-         sound = is_trusted(found, higher%sense) .and. turned < farthest_turn
+         valid = is_trusted(found, higher%sense) .and. turned < farthest_turn
       else
-         sound = found%converged .and. abs(found%determinant) > dead_measure
+         valid = found%converged .and. abs(found%determinant) > dead_measure
          higher%sense = sign(1.0_wp, found%determinant)
       end if
       if (found%first > 0.0_wp) worst = max(worst, found%second/found%first)
    end subroutine group_between
 
-   pure subroutine dyad_between(self, step, sound)
+   pure subroutine dyad_between(self, step, valid)
       class(linkage_t), intent(inout) :: self
       type(bound_step_t), intent(in) :: step
-      logical, intent(out) :: sound
+      logical, intent(out) :: valid
       real(wp) :: measure
 
       call solve_dyad(1, step%dyad, self%between)
       measure = self%between%v(1, step%dyad%measure)
       if (self%two_slides(step%loop)) measure = abs(measure)
-      sound = measure >= step%dyad%closes_low .and. measure <= step%dyad%closes_high
+      valid = measure >= step%dyad%closes_low .and. measure <= step%dyad%closes_high
    end subroutine dyad_between
 end submodule psalm_linkage_walk

@@ -21,7 +21,7 @@ module psalm_output_wishes
    use psalm_sketch, only: sketch_t, sketch_output_t, wish_column_t, output_ratio, columns_of, first_number, &
                            most_wished
    use psalm_sketch_motion, only: locate_sketch, find_places, observe_sketch, find_rate_changes, find_own_rate_changes
-   use psalm_sketch_outputs, only: names_of_numbers, values_of_outputs, change_of_values, name_room
+   use psalm_sketch_outputs, only: names_of_numbers, values_of_outputs, change_of_values, name_length
    implicit none (type, external)
    private
    public :: output_wishes_t, prepare_output_wishes, find_output_wishes, differentiate_output_wishes, sum_of_wish_errors, &
@@ -29,12 +29,12 @@ module psalm_output_wishes
 
    character(*), parameter :: of_order(0:most_wished) = [character(6) :: '', ' (VEL)', ' (ACC)'] !! after the items that want them
 
-   !> Numbers whose errors are told as one: x and y of a point, else one number.
+   !> Numbers whose errors are given as one: x and y of a point, else one number.
    type :: wish_group_t
       integer, allocatable :: columns(:)            !! of the wishes
       integer :: number = 0                         !! the first of them, counted through the numbers of all outputs of the sketch
       integer :: order = 0                          !! derivative
-      character(name_room) :: name = ''             !! of the output, or of the number
+      character(name_length) :: name = ''             !! of the output, or of the number
    end type wish_group_t
 
    !> Room to work in, and the linkage looked at last. Columns are the numbers that are wanted, as `wish_columns` has them.
@@ -49,7 +49,7 @@ module psalm_output_wishes
       logical, allocatable :: angle(:)              !! by column: it is one, in degrees
       logical, allocatable :: rate(:)               !! by column: needs derivatives
       logical, allocatable :: is_length(:)          !! by column: it, or what it is a derivative of, is a length
-      character(name_room), allocatable :: names(:) !! by column
+      character(name_length), allocatable :: names(:) !! by column
       logical, allocatable :: exists(:, :)          !! shape (positions, columns)
       real(wp), allocatable :: actual(:, :)         !! shape (positions, columns)
       real(wp), allocatable :: miss(:, :)           !! the same shape: actual - desired
@@ -103,7 +103,7 @@ contains
       type(sketch_output_t), intent(in) :: outputs(:)
       type(wish_column_t), intent(in) :: columns(:)
       type(output_wishes_t), intent(inout) :: wishes
-      character(name_room), allocatable :: names(:)
+      character(name_length), allocatable :: names(:)
       logical, allocatable :: turning(:)
       integer :: first(size(outputs)), place(size(outputs)), n, k
       logical :: used(size(outputs))
@@ -190,13 +190,13 @@ contains
       where (.not. wishes%exists) wishes%miss = 0.0_wp
    end subroutine compare_with_wishes
 
-   !> What errors are told of, in the order of the columns. The angle of a pose is told by itself.
+   !> What errors are reported for, in the order of the columns. The angle of a pose is given by itself.
    pure function wish_groups(sketch) result(groups)
       type(sketch_t), intent(in) :: sketch
       type(wish_group_t), allocatable :: groups(:)
       type(wish_column_t), allocatable :: columns(:)
       type(wish_group_t) :: one
-      character(name_room), allocatable :: names(:)
+      character(name_length), allocatable :: names(:)
       logical, allocatable :: turning(:)
       integer, parameter :: of_x = 1, of_y = 2  ! components
       integer :: k
@@ -221,7 +221,7 @@ contains
       end do
    end function wish_groups
 
-   !> What the errors of a linkage are those of where they are told by one number: the first that a value is wanted of, else the
+   !> What the errors of a linkage are those of where they are given as one number: the first that a value is wanted of, else the
    !> first of all.
    pure integer function first_wish(groups)
       type(wish_group_t), intent(in) :: groups(:)   !! at least one

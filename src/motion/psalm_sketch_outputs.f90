@@ -11,9 +11,9 @@ module psalm_sketch_outputs
                            output_pose, output_ratio, output_x, output_y, columns_of, most_wished
    implicit none (type, external)
    private
-   public :: names_of_numbers, values_of_outputs, change_of_values, unwrap, name_room
+   public :: names_of_numbers, values_of_outputs, change_of_values, unwrap, name_length
 
-   integer, parameter :: name_room = 48            !! characters of a column's name
+   integer, parameter :: name_length = 48            !! characters of a column's name
    real(wp), parameter :: at_rest = 1.0e-12_wp     !! of the largest rate: a slower output stands still but for rounding
 
 contains
@@ -21,7 +21,7 @@ contains
    !> Names of the numbers of all outputs, which of them are angles that may turn on, and which are any angles.
    pure subroutine names_of_numbers(outputs, names, turning, angles)
       type(sketch_output_t), intent(in) :: outputs(:)
-      character(name_room), allocatable, intent(out) :: names(:)
+      character(name_length), allocatable, intent(out) :: names(:)
       logical, allocatable, intent(out) :: turning(:)
       logical, allocatable, intent(out), optional :: angles(:)
       type(output_kind_t) :: kind

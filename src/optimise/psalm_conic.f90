@@ -59,14 +59,14 @@ contains
       real(wp) :: gap, step, sigma, mu, best, merit, norm_q, norm_h, value, bound, residual, reach
       type(scaling_t) :: scaling
       integer :: k, degree, stalled
-      logical :: sound
+      logical :: valid
 
       allocate (solution%x(size(x)), source=0.0_wp)
       degree = problem%lines + size(problem%cones)
       norm_q = max(1.0_wp, norm(problem%q))
       norm_h = max(1.0_wp, norm(problem%h))
-      call first_point(sound)
-      if (.not. sound) return
+      call first_point(valid)
+      if (.not. valid) return
       best = huge(1.0_wp)
       stalled = 0
       do k = 0, most_iterations
@@ -90,10 +90,10 @@ contains
          if (merit <= wanted) exit
          stalled = stalled + 1
          if (stalled > most_stalled .or. .not. (merit < huge(1.0_wp))) exit
-         call scale_cones(problem, s, z, scaling, lambda, sound)
-         if (.not. sound) exit
-         call factor(sound)
-         if (.not. sound) exit
+         call scale_cones(problem, s, z, scaling, lambda, valid)
+         if (.not. valid) exit
+         call factor(valid)
+         if (.not. valid) exit
          ! predictor
          call direction(-lambda)
          affine = jordan(problem, unscale(problem, scaling, ds), rescale(problem, scaling, dz))
@@ -117,8 +117,8 @@ contains
    contains
 
       !> Minimum of the penalised problem, moved into the cones.
-      subroutine first_point(sound)
-         logical, intent(out) :: sound
+      subroutine first_point(valid)
+         logical, intent(out) :: valid
          integer :: i
 
          allocate (scaling%line(problem%lines), source=1.0_wp)
@@ -129,11 +129,11 @@ contains
             scaling%w(i) = 1.0_wp
             i = i + problem%cones(k)
          end do
-         call factor(sound)
+         call factor(valid)
          x = 0.0_wp
          s = 0.0_wp
          z = 0.0_wp
-         if (.not. sound) return
+         if (.not. valid) return
          rx = problem%q
          rz = -problem%h
          u = 0.0_wp
@@ -146,16 +146,16 @@ contains
       end subroutine first_point
 
       !> The triangle R of W**-1 G: R'R = G' W**-2 G, which is never formed.
-      subroutine factor(sound)
-         logical, intent(out) :: sound
+      subroutine factor(valid)
+         logical, intent(out) :: valid
          integer :: j
 
          do j = 1, size(x)
             scaled(:, j) = unscale(problem, scaling, problem%g(:, j))
          end do
-         sound = all(abs(scaled) < sqrt(huge(1.0_wp)))
-         if (sound) matrix = triangle_of(scaled)
-         if (sound) call fill_zeros(matrix)
+         valid = all(abs(scaled) < sqrt(huge(1.0_wp)))
+         if (valid) matrix = triangle_of(scaled)
+         if (valid) call fill_zeros(matrix)
       end subroutine factor
 
       !> Direction towards smaller residuals with W dz + W**-1 ds = u.
@@ -206,19 +206,19 @@ contains
 
    ! ---- cones -------------------------------------------------------------------------------------------------------
 
-   !> s and z made one by a scaling: lambda = W z = W**-1 s. Not sound: one of them is on the edge or outside.
-   pure subroutine scale_cones(problem, s, z, scaling, lambda, sound)
+   !> s and z made one by a scaling: lambda = W z = W**-1 s. Not valid: one of them is on the edge or outside.
+   pure subroutine scale_cones(problem, s, z, scaling, lambda, valid)
       type(conic_t), intent(in) :: problem
       real(wp), intent(in) :: s(:), z(:)           !! shape (m)
       type(scaling_t), intent(inout) :: scaling
       real(wp), intent(out) :: lambda(:)           !! shape (m)
-      logical, intent(out) :: sound
+      logical, intent(out) :: valid
       real(wp) :: size_s, size_z, bend
       integer :: k, first, last, offset
 
       lambda = 0.0_wp
-      sound = all(s(:problem%lines) > 0.0_wp) .and. all(z(:problem%lines) > 0.0_wp)
-      if (.not. sound) return
+      valid = all(s(:problem%lines) > 0.0_wp) .and. all(z(:problem%lines) > 0.0_wp)
+      if (.not. valid) return
       scaling%line = sqrt(s(:problem%lines)/z(:problem%lines))
       first = problem%lines + 1
       offset = problem%lines
@@ -226,8 +226,8 @@ contains
          last = first + problem%cones(k) - 1
          size_s = lorentz(s(first:last))
          size_z = lorentz(z(first:last))
-         sound = s(first) > 0.0_wp .and. z(first) > 0.0_wp .and. size_s > 0.0_wp .and. size_z > 0.0_wp
-         if (.not. sound) return
+         valid = s(first) > 0.0_wp .and. z(first) > 0.0_wp .and. size_s > 0.0_wp .and. size_z > 0.0_wp
+         if (.not. valid) return
          size_s = sqrt(size_s)
          size_z = sqrt(size_z)
          bend = sqrt(0.5_wp*(1.0_wp + dot_product(s(first:last)/size_s, z(first:last)/size_z)))
@@ -243,7 +243,7 @@ contains
       first = problem%lines + 1
       do k = 1, size(problem%cones)
          last = first + problem%cones(k) - 1
-         sound = sound .and. lorentz(lambda(first:last)) > 0.0_wp
+         valid = valid .and. lorentz(lambda(first:last)) > 0.0_wp
          first = last + 1
       end do
    end subroutine scale_cones

@@ -93,7 +93,7 @@ contains
       real(wp) :: step(problem%core), moved(problem%core), right(problem%core), damped(problem%core, problem%core)
       real(wp) :: bend(problem%core, problem%core), before(problem%core)
       real(wp) :: total, trial_total, damping, growth, gain, promised
-      logical :: held(problem%core), sound, slow, free
+      logical :: held(problem%core), valid, slow, free
       integer :: iteration, idle, v, core
 
       core = problem%core
@@ -127,9 +127,9 @@ contains
             damped(v, v) = 1.0_wp
             right(v) = 0.0_wp
          end do
-         call solve_positive(damped, right, step, sound)
+         call solve_positive(damped, right, step, valid)
          trial_total = huge(trial_total)
-         if (sound) then
+         if (valid) then
             trial(:core) = min(max(x(:core) + step, problem%low), problem%high)
             step = trial(:core) - x(:core)
             if (free) then

@@ -164,22 +164,22 @@ contains
       refused = status == invalid_arguments .or. status == out_of_memory
    end function refused
 
-   !> Make an optimiser ready. `sound` is false if the algorithm cannot be made.
+   !> Make an optimiser ready. `valid` is false if the algorithm cannot be made.
    !>
    !> Random numbers (NLopt keeps them for each thread) start from `seed`. Algorithms that call another one get a local one: by
    !> gradients L-BFGS, otherwise Subplex.
-   subroutine open_optimiser(self, kind, unknowns, seed, sound)
+   subroutine open_optimiser(self, kind, unknowns, seed, valid)
       class(nlopt_t), intent(inout) :: self
       type(solver_kind_t), intent(in) :: kind
       integer, intent(in) :: unknowns, seed
-      logical, intent(out) :: sound
+      logical, intent(out) :: valid
       type(c_ptr) :: local
       integer(c_int) :: status
 
       self%unknowns = unknowns
       self%handle = nlopt_create(int(algorithm_of(kind%name), c_int), int(unknowns, c_int))
-      sound = c_associated(self%handle)
-      if (.not. sound) return
+      valid = c_associated(self%handle)
+      if (.not. valid) return
       call nlopt_srand(int(seed, c_long))
       if (.not. kind%calls_another) return
       local = nlopt_create(int(algorithm_of(merge('LD_LBFGS', 'LN_SBPLX', kind%uses_gradient)), c_int), int(unknowns, c_int))
@@ -188,29 +188,29 @@ contains
       status = nlopt_set_maxeval(local, int(500*(unknowns + 1), c_int))
       status = nlopt_set_local_optimizer(self%handle, local)
       call nlopt_destroy(local)
-      sound = status > 0
+      valid = status > 0
    end subroutine open_optimiser
 
    !> Bounds of the unknowns; huge values stand for none.
-   subroutine set_bounds(self, low, high, sound)
+   subroutine set_bounds(self, low, high, valid)
       class(nlopt_t), intent(inout) :: self
       real(c_double), intent(in) :: low(:), high(:)   !! shape (unknowns)
-      logical, intent(out) :: sound
+      logical, intent(out) :: valid
 
-      sound = nlopt_set_lower_bounds(self%handle, low) > 0
-      if (sound) sound = nlopt_set_upper_bounds(self%handle, high) > 0
+      valid = nlopt_set_lower_bounds(self%handle, low) > 0
+      if (valid) valid = nlopt_set_upper_bounds(self%handle, high) > 0
    end subroutine set_bounds
 
    !> Inequality constraints, each <= 0.
-   subroutine set_constraints(self, m, function, data, tolerance, sound)
+   subroutine set_constraints(self, m, function, data, tolerance, valid)
       class(nlopt_t), intent(inout) :: self
       integer, intent(in) :: m
       procedure(constraint_function) :: function
       type(c_ptr), intent(in) :: data
       real(c_double), intent(in) :: tolerance
-      logical, intent(out) :: sound
+      logical, intent(out) :: valid
 
-      sound = nlopt_add_inequality_mconstraint(self%handle, int(m, c_int), c_funloc(function), data, spread(tolerance, 1, m)) > 0
+      valid = nlopt_add_inequality_mconstraint(self%handle, int(m, c_int), c_funloc(function), data, spread(tolerance, 1, m)) > 0
    end subroutine set_constraints
 
    !> When to stop: relative changes of the function and of the unknowns, evaluations.

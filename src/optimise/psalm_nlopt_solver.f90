@@ -74,7 +74,7 @@ contains
       type(search_state_t) :: state
       real(wp) :: low(size(x)), high(size(x)), violation
       integer :: round, last, share
-      logical :: sound
+      logical :: valid
 
       ending%reason = stop_refused
       if (self%kind%uses_gradient .and. .not. problem%has_gradient) return
@@ -94,16 +94,16 @@ contains
       context%care = care*max(ending%objective, problem%small)
       state%limit = 1
       if (self%kind%takes_constraints) then
-         call run(self%kind, self%seed, context, last, sound)
+         call run(self%kind, self%seed, context, last, valid)
          call settle(1)
       else if (self%kind%global) then
          context%weight = max(ending%objective, problem%small)*global_weight
-         call run(self%kind, self%seed, context, last - share/weights, sound)
+         call run(self%kind, self%seed, context, last - share/weights, valid)
          call settle(1)
          context%weight = 0.0_wp
-         if (sound .and. .not. ending%feasible .and. .not. stop%waiting()) then
+         if (valid .and. .not. ending%feasible .and. .not. stop%waiting()) then
             call run(find_solver(merge(local_with_gradient//' ', local_without, self%kind%uses_gradient)), self%seed, context, &
-                     last, sound)
+                     last, valid)
             call settle(2)
          end if
       else
@@ -111,16 +111,16 @@ contains
          state%limit = weights
          do round = 1, weights
             call run(self%kind, self%seed, context, &
-                     problem%evaluations + max(1, (last - problem%evaluations)/(weights + 1 - round)), sound)
+                     problem%evaluations + max(1, (last - problem%evaluations)/(weights + 1 - round)), valid)
             call settle(round)
-            if (.not. sound .or. problem%evaluations >= last .or. stop%waiting()) exit
+            if (.not. valid .or. problem%evaluations >= last .or. stop%waiting()) exit
             if (ending%feasible .and. context%converged) exit
             if (.not. ending%feasible) context%weight = context%weight*weight_step
          end do
       end if
       ending%reason = merge(stop_converged, stop_evaluations, context%converged)
       if (stop%waiting()) ending%reason = stop_interrupted
-      if (.not. sound) ending%reason = stop_refused
+      if (.not. valid) ending%reason = stop_refused
 
    contains
 
@@ -146,11 +146,11 @@ contains
    end subroutine minimise
 
    !> One optimisation with one weight, from `context%x`.
-   subroutine run(kind, seed, context, last, sound)
+   subroutine run(kind, seed, context, last, valid)
       type(solver_kind_t), intent(in) :: kind
       integer, intent(in) :: seed, last
       type(context_t), intent(inout), target :: context
-      logical, intent(out) :: sound
+      logical, intent(out) :: valid
       real(c_double), allocatable :: x(:), low(:), high(:)
       real(wp) :: box_low(size(context%x)), box_high(size(context%x))
       real(c_double) :: least
@@ -178,14 +178,14 @@ contains
       context%lowest = huge(1.0_wp)
       context%kept = context%x
       context%last = last
-      call context%optimiser%open(kind, n, seed, sound)
-      if (sound) call context%optimiser%set_bounds(low, high, sound)
-      if (sound .and. m > 0) call context%optimiser%set_constraints(m, constraint_values, c_loc(context), &
-                                                                    real(tolerance, c_double), sound)
-      if (sound) then
+      call context%optimiser%open(kind, n, seed, valid)
+      if (valid) call context%optimiser%set_bounds(low, high, valid)
+      if (valid .and. m > 0) call context%optimiser%set_constraints(m, constraint_values, c_loc(context), &
+                                                                    real(tolerance, c_double), valid)
+      if (valid) then
          call context%optimiser%set_limits(real(ftol, c_double), real(xtol, c_double), max(1, last - context%problem%evaluations))
          call context%optimiser%minimise(merit_value, c_loc(context), x, least, status)
-         sound = .not. refused(status)
+         valid = .not. refused(status)
          context%converged = context%problem%evaluations < last
       end if
       call context%optimiser%close()

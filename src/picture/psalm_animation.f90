@@ -33,7 +33,7 @@ module psalm_animation
 
 contains
 
-   !> Append the picture of a sound scene.
+   !> Append the picture of a valid scene.
    subroutine write_animation(given, text)
       type(scene_t), intent(in) :: given
       type(text_t), intent(inout) :: text

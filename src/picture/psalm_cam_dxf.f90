@@ -67,7 +67,7 @@ contains
          call line('SHAFT', (0.0_wp, -1.0_wp)*mark_size(), (0.0_wp, 1.0_wp)*mark_size())
       end do
       offset = -studies(1)%shape%axes%centre
-      if (linkage%sound) call add_linkage()
+      if (linkage%valid) call add_linkage()
       call group(0, 'ENDSEC')
       call group(0, 'EOF')
 

@@ -139,7 +139,7 @@ contains
          end associate
       end do
       associate (row => scene%linkage%prescribed)
-         if (scene%linkage%sound) then
+         if (scene%linkage%valid) then
             low = min(low, [minval(row%x, row%known), minval(row%y, row%known)])
             high = max(high, [maxval(row%x, row%known), maxval(row%y, row%known)])
          end if

@@ -73,7 +73,7 @@ contains
       end do
       offset = (0.0_wp, 0.0_wp)
       associate (linkage => scene%linkage, row => scene%linkage%prescribed)
-         if (linkage%sound) then
+         if (linkage%valid) then
             do i = 1, size(linkage%bars)
                associate (from => linkage%bars(i)%start, to => linkage%bars(i)%finish)
                   if (.not. (linkage%joints(from)%fixed .and. linkage%joints(to)%fixed)) &

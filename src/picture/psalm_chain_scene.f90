@@ -52,8 +52,8 @@ contains
       if (size(scene%errors) > 0) return
       allocate (own)
       call study_chain(set, set%rates%speed, set%rates%accel, own, inputs, by_loops=.true.)
-      if (.not. own%sound) return
-      scene%sound = .true.
+      if (.not. own%valid) return
+      scene%valid = .true.
       scene%tangle = set%limits%tangle
       call make_sweep(set, own, scene, sweep)
       call make_parts(set%sketch, own%closure, own%start, scene, feet)
@@ -499,7 +499,7 @@ contains
       allocate (row%wanted(0), row%wanted_y(0))
       allocate (row%x(joints, n), row%y(joints, n), source=0.0_wp)
       allocate (row%ux(size(scene%slides), n), row%uy(size(scene%slides), n), source=0.0_wp)
-      allocate (row%known(joints, n), row%sound(0, n), row%broken(0, n), row%other_known(0, n))
+      allocate (row%known(joints, n), row%valid(0, n), row%broken(0, n), row%other_known(0, n))
       allocate (row%tip(4, 0, n), row%other(2, 0, n), row%angle(0, n), row%aim(2, n), row%wish(2, n))
       row%aim = 0.0_wp
       row%wish = 0.0_wp

@@ -28,7 +28,7 @@ module psalm_curves
 
 contains
 
-   !> The curves of a sound scene, in the order in which they are shown.
+   !> The curves of a valid scene, in the order in which they are shown.
    subroutine make_curves(scene, progress, plots)
       type(scene_t), intent(in) :: scene
       type(line_t), intent(in) :: progress(:)  !! device 1, empty if there is none
@@ -234,9 +234,9 @@ contains
             k = k + 1
             if (k <= most_lines) then
                call add_line(plot, scene%pairs(loop)%name, look_line, k, sweep, scene%sweep%angle(loop, :), &
-                             scene%sweep%sound(loop, :))
+                             scene%sweep%valid(loop, :))
             else
-               call add_line(plot, '', look_line, k, sweep, scene%sweep%angle(loop, :), scene%sweep%sound(loop, :))
+               call add_line(plot, '', look_line, k, sweep, scene%sweep%angle(loop, :), scene%sweep%valid(loop, :))
             end if
          end do
          call add_line(plot, 'limits', look_dashed, limit, ends, spread(90.0_wp - scene%tangle, 1, 2))

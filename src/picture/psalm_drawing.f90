@@ -51,7 +51,7 @@ contains
          end if
          call add_comment()
          call put(ending(k, '.svg'))
-         if (.not. cases(k)%scene%sound) cycle
+         if (.not. cases(k)%scene%valid) cycle
          if (animate .and. .not. allocated(cases(k)%poles)) then
             call write_animation(cases(k)%scene, text)
             call add_comment()
@@ -108,7 +108,7 @@ contains
       end subroutine put
    end subroutine draw_file
 
-   !> Curves of each sound case.
+   !> Curves of each valid case.
    subroutine draw_curves(cases, progress, mark, pictures)
       type(pictured_t), intent(in) :: cases(:)
       type(line_t), intent(in) :: progress(:)   !! device 1, empty if there is none; of the first case
@@ -119,7 +119,7 @@ contains
       integer :: k
 
       do k = 1, size(cases)
-         if (.not. cases(k)%scene%sound) cycle
+         if (.not. cases(k)%scene%valid) cycle
          if (k == 1) then
             call make_curves(cases(k)%scene, progress, plots)
          else

@@ -58,13 +58,13 @@ contains
       type(text_t), intent(inout) :: text
 
       call text%add_text('{"title":'//json_text(trim(scene%title))//',"file":'//json_text(scene%file)//',"sound":'// &
-                         truth(scene%sound)//',')
+                         truth(scene%valid)//',')
       call add_messages('errors', scene%errors)
       call text%add_text(',')
       call add_messages('warnings', scene%warnings)
       call text%add_text(',')
       call add_messages('breaches', scene%breaches)
-      if (scene%sound) then
+      if (scene%valid) then
          call text%add_text(',"motion":"'//motion_name(scene%motion)//'","sliding":'//truth(scene%sliding)//',"desired":'// &
                             truth(scene%desired)//',"limits":['//full_precision(90.0_wp - scene%tangle)//','// &
                             full_precision(90.0_wp + scene%tangle)//'],"sense":'//short_number(scene%sense)//',"loops":'// &
@@ -398,7 +398,7 @@ contains
          first = .false.
          call text%add_text('{"loop":'//to_text(loop)//',"values":[')
          do i = 1, row%n
-            call text%add_text(comma(i)//number(row%angle(loop, i), row%sound(loop, i)))
+            call text%add_text(comma(i)//number(row%angle(loop, i), row%valid(loop, i)))
          end do
          call text%add(']}')
       end do

@@ -22,8 +22,8 @@ module psalm_panels
    public :: panel_t, tolerance_band_t, add_rate_panels, add_sketch_panels, add_study_panels, add_family_panels, find_band, flat
    public :: with_unit
 
-   integer, parameter :: name_room = 96      !! characters of a panel's name
-   integer, parameter :: label_room = 32     !! characters of a line's name
+   integer, parameter :: name_length = 96      !! characters of a panel's name
+   integer, parameter :: label_length = 32     !! characters of a line's name
    integer, parameter :: most_outputs = 6    !! of a sketch that are shown; CASE.csv has all
    real(wp), parameter :: flat = 1.0e-8_wp   !! a curve that varies by less than this part of its scale is constant
    real(wp), parameter :: absurd = 1.0e4_wp  !! rates above this times their scale are those beside a dead point: left out
@@ -32,15 +32,15 @@ module psalm_panels
 
    !> A line of a panel.
    type :: panel_line_t
-      character(label_room) :: label = ''
+      character(label_length) :: label = ''
       real(wp), allocatable :: values(:)     !! shape (sweep)
       logical, allocatable :: known(:)       !! shape (sweep)
    end type panel_line_t
 
    !> Lines on one axis.
    type :: panel_t
-      character(name_room) :: name = ''
-      character(label_room) :: note = ''     !! speed of the input, for rates
+      character(name_length) :: name = ''
+      character(label_length) :: note = ''     !! speed of the input, for rates
       character(12) :: group = ''            !! one of `group_...`
       real(wp) :: scale = 0.0_wp             !! what is large: changes below `flat` times it are rounding
       type(panel_line_t), allocatable :: lines(:)
@@ -244,7 +244,7 @@ contains
    pure function note_of(set, sliding) result(note)
       type(data_set_t), intent(in) :: set
       logical, intent(in) :: sliding
-      character(label_room) :: note
+      character(label_length) :: note
 
       note = 'input '//short_number(set%rates%speed, 4)//trim(merge(' length/s', ' rad/s   ', sliding))
    end function note_of

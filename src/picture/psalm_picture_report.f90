@@ -1,7 +1,7 @@
 !> Remarks and exit status of the cases that are drawn.
 module psalm_picture_report
    use psalm_data_set, only: data_set_t
-   use psalm_devices, only: devices_t, most_told
+   use psalm_devices, only: devices_t, most_reported
    use psalm_picture_study, only: pictured_t
    use psalm_text, only: to_text
    implicit none (type, external)
@@ -17,7 +17,7 @@ contains
       type(devices_t), intent(inout) :: devices
       integer :: i
 
-      if (.not. case%scene%sound) return
+      if (.not. case%scene%valid) return
       associate (scene => case%scene, prescribed => case%scene%prescribed)
          if (size(case%undrawn) > 0 .or. prescribed%violated .or. size(scene%breaches) > 0) call devices%note_violation()
          do i = 1, size(case%undrawn)
@@ -29,11 +29,11 @@ contains
          if (.not. prescribed%violated) return
          if (.not. all(prescribed%closed)) call devices%remark(set, 'the linkage does not close at '// &
             to_text(count(.not. prescribed%closed))//' of '//to_text(prescribed%n)//' positions')
-         do i = 1, min(size(prescribed%words), most_told)
+         do i = 1, min(size(prescribed%words), most_reported)
             call devices%detail(set, prescribed%words(i)%text)
          end do
-         if (size(prescribed%words) > most_told) &
-            call devices%detail(set, 'and '//to_text(size(prescribed%words) - most_told)//' more in the pictures')
+         if (size(prescribed%words) > most_reported) &
+            call devices%detail(set, 'and '//to_text(size(prescribed%words) - most_reported)//' more in the pictures')
       end associate
    end subroutine report_picture
 end module psalm_picture_report

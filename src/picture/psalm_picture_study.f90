@@ -4,14 +4,14 @@ module psalm_picture_study
    use psalm_chain_scene, only: make_chain_scene
    use psalm_clearance_scene, only: clearance_scene_t, make_clearance_scene
    use psalm_data_set, only: data_set_t
-   use psalm_devices, only: most_told
+   use psalm_devices, only: most_reported
    use psalm_dxf_group, only: dxf_group_t, dxf_of
    use psalm_error, only: problem_t, motion_t, make_problem
    use psalm_finale, only: describe_violation
    use psalm_kinds, only: wp
    use psalm_markup, only: strings_t, add_string
    use psalm_pole_scene, only: pole_scene_t, asks_for_poles, check_poles, make_pole_scene
-   use psalm_preparation, only: demand_t, prepared_t, prepare
+   use psalm_preparation, only: capacity_t, prepared_t, prepare
    use psalm_scene, only: scene_t, add_curves, make_scene, message_scene
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t, finding_t, level_error
@@ -22,7 +22,7 @@ module psalm_picture_study
    public :: pictured_t, make_scenes
 
    integer, parameter :: most_drawn = 2000 !! positions of a picture; more of them make one black band
-   type(demand_t), parameter :: demand = demand_t(position=1000, arc=500, ktheta_only=.false.)
+   type(capacity_t), parameter :: capacity = capacity_t(position=1000, arc=500, ktheta_only=.false.)
 
    !> One case as it is to be drawn.
    type :: pictured_t
@@ -76,7 +76,7 @@ contains
             call make_chain_scene(sets(k), own, cases(k)%scene, chosen)
             cycle
          end if
-         call prepare(sets(k), none, prepared, noted, demand)
+         call prepare(sets(k), none, prepared, noted, capacity)
          if (allocated(kept)) deallocate (kept)
          if (prepared%ready .and. sets(k)%method%ikin == 0 .and. sets(k)%method%ndes > most_drawn) &
             kept = positions_drawn(sets(k), noted)
@@ -85,13 +85,13 @@ contains
          if (prepared%ready) then
             associate (each => sets(k), scene => cases(k)%scene)
                call make_scene(each, prepared%mechanism, prepared%given, prepared%parameters, own, scene, chosen, kept=kept)
-               if (scene%sound) call add_curves(each, prepared%mechanism, prepared%given, prepared%parameters, scene)
-               if (each%is_drawn() .and. scene%sound .and. (cases(k)%dxf%flat .or. cases(k)%dxf%width > 0.0_wp)) then
+               if (scene%valid) call add_curves(each, prepared%mechanism, prepared%given, prepared%parameters, scene)
+               if (each%is_drawn() .and. scene%valid .and. (cases(k)%dxf%flat .or. cases(k)%dxf%width > 0.0_wp)) then
                   allocate (cases(k)%parts)
                   call make_chain_scene(each, own, cases(k)%parts, chosen)
                end if
-               if (each%gives('VIBR') .and. scene%sound) call add_vibration(each, prepared, scene)
-               if (each%gives('CLEAR') .and. scene%sound) call add_clearance(each, prepared, scene)
+               if (each%gives('VIBR') .and. scene%valid) call add_vibration(each, prepared, scene)
+               if (each%gives('CLEAR') .and. scene%valid) call add_clearance(each, prepared, scene)
             end associate
             if (allocated(cases(k)%scene%prescribed%beyond)) then
                if (any(cases(k)%scene%prescribed%beyond)) &
@@ -177,7 +177,7 @@ contains
    !> are the range.
    function positions_drawn(set, findings) result(kept)
       type(data_set_t), intent(in) :: set
-      type(diagnostics_t), intent(inout) :: findings  !! told that not all are drawn
+      type(diagnostics_t), intent(inout) :: findings  !! reported that not all are drawn
       integer, allocatable :: kept(:)
       logical, allocatable :: keeps(:)
       integer :: step, i
@@ -205,7 +205,7 @@ contains
       allocate (problem)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
       call problem%analyse(prepared%given, motion)
-      do i = 1, min(size(motion%violations), most_told)
+      do i = 1, min(size(motion%violations), most_reported)
          call add_string(words, describe_violation(problem, motion, motion%violations(i)))
       end do
    end subroutine look_at_all_positions

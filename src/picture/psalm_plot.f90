@@ -8,12 +8,12 @@ module psalm_plot
 
    integer, parameter :: look_line = 1, look_thin = 2, look_dashed = 3, look_dotted = 4, look_dots = 5, look_rings = 6, &
                          look_joined = 7, look_steps = 8, look_area = 9
-   integer, parameter :: name_room = 128    !! characters of a name with its unit
-   integer, parameter :: label_room = 64
+   integer, parameter :: name_length = 128    !! characters of a name with its unit
+   integer, parameter :: label_length = 64
 
    !> Points in their order. Where one is not known there is a gap.
    type :: plot_line_t
-      character(label_room) :: label = ''   !! in the legend; none if empty
+      character(label_length) :: label = ''   !! in the legend; none if empty
       integer :: look = look_line
       integer :: colour = 1                 !! used in turn; 0: of limits
       real(wp), allocatable :: x(:), y(:)   !! shape (points)
@@ -22,8 +22,8 @@ module psalm_plot
    end type plot_line_t
 
    type :: plot_t
-      character(name_room) :: name = ''     !! with the unit
-      character(name_room) :: below = ''    !! name of the axis, with its unit
+      character(name_length) :: name = ''     !! with the unit
+      character(name_length) :: below = ''    !! name of the axis, with its unit
       real(wp) :: from = 0.0_wp, to = 1.0_wp    !! ends of the axis; from < to
       logical :: turning = .false.          !! the axis is in degrees
       logical :: logarithmic = .false.      !! upwards

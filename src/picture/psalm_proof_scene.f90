@@ -18,7 +18,7 @@ module psalm_proof_scene
    use psalm_proof_motion, only: proven_dead_point_t, quantity_output
    use psalm_proof_ranges, only: extreme_x, extreme_y, extreme_output, extreme_distance
    use psalm_proof_study, only: proof_study_t, kept_t, study_proof, proof_wanted, no_proof
-   use psalm_station, only: station_t, prepare_station, evaluate_station
+   use psalm_samples, only: sample_set_t, prepare_samples, evaluate_samples
    use psalm_text, only: lower_case
    use psalm_shown_input, only: reference_input
    implicit none (type, external)
@@ -151,13 +151,13 @@ contains
       type(beside_t), allocatable :: beside(:)
       integer, allocatable :: joints(:, :)
       character(:), allocatable :: ends
-      logical :: sound, turns, of_output
+      logical :: valid, turns, of_output
       integer :: k, way
       integer :: columns                            ! of the first output, which the picture draws
 
       allocate (study, proof)
-      call prove_loops(set, proof_wanted(set, .false.), study, proof, sound)
-      if (.not. sound) return
+      call prove_loops(set, proof_wanted(set, .false.), study, proof, valid)
+      if (.not. valid) return
       if (proof%braced > 0 .or. proof%empty) return
       found = .true.
       turns = .not. problem%mechanism%sliding_input
@@ -266,7 +266,7 @@ contains
          words = the_group(mechanism, limit%loop)//', '//lower_case(cause_words(limit%cause))
       end function why
 
-      !> A bracket at an end of what closes is told by its neighbours.
+      !> A bracket at an end of what closes is reported by its neighbours.
       logical function is_between_two_of_a_kind(i)
          integer, intent(in) :: i
 
@@ -385,7 +385,7 @@ contains
       type(proof_study_t), intent(in) :: study
       type(proof_scene_t), intent(inout) :: scene
       class(problem_t), allocatable :: plain         ! large: they would fill a small stack
-      class(station_t), allocatable :: station
+      class(sample_set_t), allocatable :: samples
       type(clearance_t), allocatable :: clearances(:)
       type(near_t) :: near
       integer, allocatable :: joints(:, :)
@@ -395,14 +395,14 @@ contains
 
       call list_clearances(set%constr, problem%mechanism, dimensions%outlk <= 0.0_wp, clearances, joints, beside)
       allocate (plain, source=problem)
-      allocate (station)
+      allocate (samples)
       plain%motion = motion_point
-      call prepare_station(plain, scene%marks%input - reference_input(plain%mechanism, dimensions), .false., &
-                           joints, .false., station, beside)
-      call evaluate_station(station, dimensions)
-      if (set%is_beyond_arrays()) call step_inside(station, dimensions)
+      call prepare_samples(plain, scene%marks%input - reference_input(plain%mechanism, dimensions), .false., &
+                           joints, .false., samples, beside)
+      call evaluate_samples(samples, dimensions)
+      if (set%is_beyond_arrays()) call step_inside(samples, dimensions)
       do i = 1, size(scene%marks)
-         scene%marks(i)%at = station%out(i, :2)
+         scene%marks(i)%at = samples%out(i, :2)
       end do
       tightest = 0
       i = size(scene%marks) - count(study%kept%nearest%found)
@@ -412,9 +412,9 @@ contains
          associate (clearance => study%kept(j)%clearance)
             do k = 1, points_of_clearance
                if (clearance%points(k) == 0) then
-                  near%ends(:, k) = station%out(i, :2)
+                  near%ends(:, k) = samples%out(i, :2)
                else
-                  near%ends(:, k) = station%joints(i, :, clearance%points(k))
+                  near%ends(:, k) = samples%joints(i, :, clearance%points(k))
                end if
             end do
             near%mark = i
@@ -447,20 +447,20 @@ contains
    end subroutine place_marks
 
    !> A larger group is not found at a dead point itself: from where it is not, go towards the drawing.
-   subroutine step_inside(station, dimensions)
-      type(station_t), intent(inout) :: station
+   subroutine step_inside(samples, dimensions)
+      type(sample_set_t), intent(inout) :: samples
       type(dimensions_t), intent(in) :: dimensions
       real(wp), parameter :: parts(3) = [1.0e-9_wp, 1.0e-7_wp, 1.0e-5_wp] !! of the way to the drawing
-      real(wp) :: marked(size(station%closed)), inputs(size(station%closed))
+      real(wp) :: marked(size(samples%closed)), inputs(size(samples%closed))
       integer :: k
 
-      marked = station%problem%delt
+      marked = samples%problem%delt
       inputs = marked
       do k = 1, size(parts)
-         if (all(station%closed)) return
-         where (.not. station%closed) inputs = (1.0_wp - parts(k))*marked
-         call station%problem%move_inputs(inputs)
-         call evaluate_station(station, dimensions)
+         if (all(samples%closed)) return
+         where (.not. samples%closed) inputs = (1.0_wp - parts(k))*marked
+         call samples%problem%move_inputs(inputs)
+         call evaluate_samples(samples, dimensions)
       end do
    end subroutine step_inside
 

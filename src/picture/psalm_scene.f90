@@ -42,7 +42,7 @@ module psalm_scene
 
    type :: scene_t
       character(:), allocatable :: title, file
-      logical :: sound = .false.                          !! there is a linkage to draw, not messages only
+      logical :: valid = .false.                          !! there is a linkage to draw, not messages only
       type(strings_t), allocatable :: errors(:), warnings(:)
       type(strings_t), allocatable :: breaches(:)         !! constraints of the group CONSTR that are violated
       integer :: motion = motion_point
@@ -122,7 +122,7 @@ contains
       end function words
    end subroutine message_scene
 
-   !> The scene of a case. Errors among its findings make it a scene of messages (`scene%sound` is false).
+   !> The scene of a case. Errors among its findings make it a scene of messages (`scene%valid` is false).
    subroutine make_scene(set, mechanism, dimensions, parameters, findings, scene, chosen, delt, kept)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
@@ -144,7 +144,7 @@ contains
       call message_scene(set, findings, scene)
       if (size(scene%errors) > 0) return
       allocate (own)
-      scene%sound = .true.
+      scene%valid = .true.
       deallocate (scene%joints, scene%bars, scene%bodies, scene%pairs)
       ! a pose is drawn as its point
       scene%motion = merge(motion_point, set%motion(), set%motion() == motion_pose)
@@ -273,7 +273,7 @@ contains
       call trace_row(one, every, dimensions, scene%slides, scene%output_slide, .false., scene%chosen)
    end subroutine trace_chosen
 
-   !> Rates of the output, further outputs of a sketch, bands of tolerance, a family of curves, over the sweep of a sound scene.
+   !> Rates of the output, further outputs of a sketch, bands of tolerance, a family of curves, over the sweep of a valid scene.
    subroutine add_curves(set, mechanism, dimensions, parameters, scene)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
@@ -360,7 +360,7 @@ contains
             mirrored = all(form%direction /= direction_known)
             s = scene%bars(pair%bars(merge(2, 1, form%slides(2))))%slide
             do k = 1, row%n
-               if (.not. row%sound(loop, k)) cycle
+               if (.not. row%valid(loop, k)) cycle
                joint = [row%x(pair%shared, k), row%y(pair%shared, k)]
                from = [row%x(pair%start, k), row%y(pair%start, k)]
                along = [row%x(pair%finish, k), row%y(pair%finish, k)] - from

@@ -50,15 +50,15 @@ contains
 
       scene = given
       unit = 1.0_wp
-      if (scene%sound) unit = drawing_unit(scene)
+      if (scene%valid) unit = drawing_unit(scene)
       if (unit /= 1.0_wp) call change_unit(scene, unit)
-      if (scene%sound .and. assemblies) call take_in_others(scene)
+      if (scene%valid .and. assemblies) call take_in_others(scene)
       call message_lines(scene, lines)
       k = 1.0_wp
       ox = 0.0_wp
       oy = header
       foot = header
-      if (scene%sound) then
+      if (scene%valid) then
          associate (size_ => scene%high - scene%low)
             k = min((width - 2.0_wp*margin)/size_(1), (tallest - 2.0_wp*margin)/size_(2))
             ox = 0.5_wp*(width - k*size_(1))
@@ -66,7 +66,7 @@ contains
             foot = oy + margin
          end associate
       end if
-      below = merge(46.0_wp, 8.0_wp, scene%sound)
+      below = merge(46.0_wp, 8.0_wp, scene%valid)
       if (allocated(scene%forces)) below = below + height_of_polar_diagrams(scene%forces)
       if (allocated(scene%clearance)) below = below + height_of_pin
       height = foot + below + line_height*real(size(lines), wp) + 14.0_wp
@@ -77,7 +77,7 @@ contains
          '<style>'//detail_style(.false.)//'@media screen and (prefers-color-scheme:dark){'//detail_style(.true.)//'}</style>')
       call text%add('<rect class="paper" width="'//px(width)//'" height="'//px(height)//'"/>')
       call text%add('<text class="head" x="28" y="36">'//xml_text(trim(scene%title))//'</text>')
-      if (scene%sound) then
+      if (scene%valid) then
          call text%add('<text class="sub" x="28" y="57">'//xml_text(subtitle(scene))//'</text>')
          call text%add('<clipPath id="area"><rect x="8" y="'//px(header - 4.0_wp)//'" width="'//px(width - 16.0_wp)// &
                        '" height="'//px(foot - header + 4.0_wp)//'"/></clipPath><g clip-path="url(#area)">')
@@ -829,19 +829,19 @@ contains
    subroutine message_lines(scene, lines)
       type(scene_t), intent(in) :: scene
       type(strings_t), allocatable, intent(out) :: lines(:)
-      integer :: told, all_of_them
+      integer :: reported, all_of_them
 
       allocate (lines(0))
-      told = 0
+      reported = 0
       all_of_them = size(scene%errors) + size(scene%breaches) + size(scene%prescribed%words) + size(scene%warnings)
-      if (.not. scene%sound) call add_string(lines, 'eThe input is wrong; there is no linkage to draw:')
+      if (.not. scene%valid) call add_string(lines, 'eThe input is wrong; there is no linkage to draw:')
       call take(scene%errors, 'e')
       call take(scene%prescribed%words, 'e')
       call take(scene%breaches, 'e')
       call take(scene%warnings, 'w')
       if (allocated(scene%vibration)) call add_string(lines, 'n'//bent_words(scene))
       if (allocated(scene%proof)) call take_proof()
-      if (told < all_of_them) call add_string(lines, 'wand '//to_text(all_of_them - told)//' more messages')
+      if (reported < all_of_them) call add_string(lines, 'wand '//to_text(all_of_them - reported)//' more messages')
 
    contains
 
@@ -864,7 +864,7 @@ contains
          call take(words, 'p')
       end subroutine take_proof
 
-      !> What the rings on the path are; those that were told with their inputs need no more.
+      !> What the rings on the path are; those that were reported with their inputs need no more.
       subroutine name_rings(words)
          type(strings_t), allocatable, intent(inout) :: words(:)
          logical :: extremes, standing
@@ -890,8 +890,8 @@ contains
          integer :: i, m
 
          do i = 1, size(messages)
-            if (told >= most_messages) return
-            told = told + 1
+            if (reported >= most_messages) return
+            reported = reported + 1
             parts = wrapped(messages(i)%text, characters)
             do m = 1, size(parts)
                call add_string(lines, mark//repeat(' ', merge(0, 4, m == 1))//parts(m)%text)

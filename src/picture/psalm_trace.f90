@@ -31,7 +31,7 @@ module psalm_trace
       real(wp), allocatable :: x(:, :), y(:, :)           !! shape (joints, n)
       logical, allocatable :: known(:, :)                 !! shape (joints, n)
       real(wp), allocatable :: ux(:, :), uy(:, :)         !! shape (slides, n): direction of the arc
-      logical, allocatable :: sound(:, :)                 !! shape (loops, n): closes, and so do all it hangs on
+      logical, allocatable :: valid(:, :)                 !! shape (loops, n): closes, and so do all it hangs on
       logical, allocatable :: broken(:, :)                !! shape (loops, n): does not close, though its outer joints are known
       real(wp), allocatable :: tip(:, :, :)               !! shape (4, loops, n): where p and q of a broken loop end; x, y, x, y
       real(wp), allocatable :: other(:, :, :)             !! shape (2, loops, n): common joint of a pair in its other assembly
@@ -91,7 +91,7 @@ contains
       joints = size(own%mechanism%points) + 1
       loops = own%mechanism%nloop
       allocate (row%x(joints, row%n), row%y(joints, row%n), source=0.0_wp)
-      allocate (row%known(joints, row%n), row%sound(loops, row%n), row%broken(loops, row%n), source=.false.)
+      allocate (row%known(joints, row%n), row%valid(loops, row%n), row%broken(loops, row%n), source=.false.)
       allocate (row%ux(size(slides), row%n), row%uy(size(slides), row%n), source=0.0_wp)
       allocate (row%tip(4, loops, row%n), row%angle(loops, row%n), source=0.0_wp)
       allocate (undetermined(row%n))
@@ -136,7 +136,7 @@ contains
          call own%solve_block(block, offset, n)
          call find_places(sketch, own, n, places(:, :n), moved(:, :n))
          do i = 1, n
-            known(before + 1:, offset + i) = all(row%sound(:, offset + i))
+            known(before + 1:, offset + i) = all(row%valid(:, offset + i))
             if (.not. known(before + 1, offset + i)) cycle
             x(before + 1:, offset + i) = real(places(joints, i), wp)
             y(before + 1:, offset + i) = aimag(places(joints, i))
@@ -162,7 +162,7 @@ contains
       row%known(1, k) = .true.
       do loop = 1, problem%mechanism%nloop
          ! of a larger group all arcs are found or none
-         if (.not. problem%mechanism%is_dyad(loop)) row%sound(loop, k) = problem%linkage%closes(i, loop)
+         if (.not. problem%mechanism%is_dyad(loop)) row%valid(loop, k) = problem%linkage%closes(i, loop)
       end do
       do j = 2, size(problem%mechanism%points)
          associate (point => problem%mechanism%points(j))
@@ -173,17 +173,17 @@ contains
                start = problem%mechanism%arcs(p)%ends(at_start)
                finish = problem%mechanism%arcs(q)%ends(at_finish)
                row%broken(loop, k) = row%known(start, k) .and. row%known(finish, k) .and. &
-                                     is_known(problem, p, loop, row%sound(:, k)) .and. is_known(problem, q, loop, row%sound(:, k))
+                                     is_known(problem, p, loop, row%valid(:, k)) .and. is_known(problem, q, loop, row%valid(:, k))
                if (row%broken(loop, k)) then
-                  row%sound(loop, k) = problem%linkage%closes(i, loop) .and. undetermined /= loop
-                  row%broken(loop, k) = .not. row%sound(loop, k)
+                  row%valid(loop, k) = problem%linkage%closes(i, loop) .and. undetermined /= loop
+                  row%broken(loop, k) = .not. row%valid(loop, k)
                end if
-               row%known(j, k) = row%sound(loop, k)
+               row%known(j, k) = row%valid(loop, k)
                if (row%broken(loop, k)) call leave_open(problem, loop, p, q, start, finish, i, k, row)
-               if (row%sound(loop, k) .and. problem%mechanism%groups(loop)%kind == assur_rrr) &
+               if (row%valid(loop, k) .and. problem%mechanism%groups(loop)%kind == assur_rrr) &
                   row%angle(loop, k) = transmission_angle(problem, p, q, i)
             else
-               row%known(j, k) = row%known(point%from, k) .and. is_known(problem, point%arc, 0, row%sound(:, k))
+               row%known(j, k) = row%known(point%from, k) .and. is_known(problem, point%arc, 0, row%valid(:, k))
             end if
             if (.not. row%known(j, k)) cycle
             call problem%linkage%arc_at(problem%plan, point%arc, i, x, y, length)
@@ -193,26 +193,26 @@ contains
       end do
       do s = 1, size(slides)
          associate (arc => problem%mechanism%bars(slides(s)%bar)%arc)
-            if (.not. is_known(problem, arc, 0, row%sound(:, k))) cycle
+            if (.not. is_known(problem, arc, 0, row%valid(:, k))) cycle
             call problem%linkage%arc_at(problem%plan, arc, i, row%ux(s, k), row%uy(s, k), length)
          end associate
       end do
    end subroutine place_joints
 
    !> True if the loops that find an arc's direction and length close; the loop `within` is not asked.
-   pure logical function is_known(problem, n, within, sound)
+   pure logical function is_known(problem, n, within, valid)
       type(problem_t), intent(in) :: problem
       integer, intent(in) :: n, within
-      logical, intent(in) :: sound(:)    !! by loop, so far
+      logical, intent(in) :: valid(:)    !! by loop, so far
       integer :: loop, arc
 
       is_known = .true.
       loop = problem%plan%root_loop(problem%plan%root(n))
-      if (loop > 0 .and. loop /= within) is_known = sound(loop)
+      if (loop > 0 .and. loop /= within) is_known = valid(loop)
       arc = problem%mechanism%arcs(n)%representative
       if (problem%mechanism%arcs(arc)%kind /= arc_slide) return
       loop = problem%mechanism%loop_of(arc)
-      if (loop /= within) is_known = is_known .and. sound(loop)
+      if (loop /= within) is_known = is_known .and. valid(loop)
    end function is_known
 
    !> A pair that does not meet: each arc is drawn from its own outer joint in the direction that comes nearest.
@@ -293,7 +293,7 @@ contains
       end if
       associate (output => own%mechanism%outputs(1))
          base = own%mechanism%arcs(output%arc)%ends(merge(at_start, at_finish, output%from_start))
-         row%known(j, k) = row%known(base, k) .and. is_known(own, output%arc, 0, row%sound(:, k))
+         row%known(j, k) = row%known(base, k) .and. is_known(own, output%arc, 0, row%valid(:, k))
       end associate
       if (.not. row%known(j, k)) return
       row%x(j, k) = points%actual(k, 1)

@@ -21,7 +21,7 @@ module psalm_proof
    use psalm_quad, only: qp, unit_vector_quad
    implicit none (type, external)
    private
-   public :: proof_t, limit_t, subject_t, prepare_subject, bind_subject, ready_subject, prove_closure
+   public :: proof_t, limit_t, proof_linkage_t, prepare_proof, bind_proof, ready_proof, prove_closure
    public :: touch_none, touch_exact, rounded
    public :: piece_closes, piece_opens, piece_undecided, cause_too_short, cause_difference, cause_guide, &
              cause_link, cause_parallel
@@ -34,7 +34,7 @@ module psalm_proof
    integer, parameter :: most_boxes = 20000, most_fine_boxes = 2000
 
    !> A linkage made ready for proofs.
-   type :: subject_t
+   type :: proof_linkage_t
       type(proof_plan_t) :: plan
       type(numbers_t) :: numbers
       type(models_t) :: models
@@ -47,7 +47,7 @@ module psalm_proof
       type(beside_t), allocatable :: lines(:)   !! of those steps
       integer :: output_arc = 0                 !! the arc that the output arc hangs on, or that is the output
       real(wp) :: output_x = 1.0_wp, output_y = 0.0_wp !! unit vector of the output arc from its root
-   end type subject_t
+   end type proof_linkage_t
 
    !> A part of the range and what is proven of it.
    type :: limit_t
@@ -72,39 +72,39 @@ module psalm_proof
 contains
 
    !> Make a topology ready.
-   pure subroutine prepare_subject(mechanism, plan, subject, placed, beside)
+   pure subroutine prepare_proof(mechanism, plan, linkage, placed, beside)
       type(mechanism_t), intent(in) :: mechanism
       type(plan_t), intent(in) :: plan       !! of the same mechanism; what is not in it is not proven
-      type(subject_t), intent(out) :: subject
+      type(proof_linkage_t), intent(out) :: linkage
       logical, intent(in), optional :: placed !! places of points in the machine are asked for, whatever the output
       type(beside_t), intent(in), optional :: beside(:) !! shape (joints of the plan): how far from its points; only if `placed`
 
-      call make_proof_plan(mechanism, plan, subject%plan)
-      call add_output(mechanism, plan, placed, subject)
-      allocate (subject%beside(size(plan%joint_points)), source=0)
-      allocate (subject%lines(0))
-      if (present(beside)) call add_lines(plan, beside, subject)
-   end subroutine prepare_subject
+      call make_proof_plan(mechanism, plan, linkage%plan)
+      call add_output(mechanism, plan, placed, linkage)
+      allocate (linkage%beside(size(plan%joint_points)), source=0)
+      allocate (linkage%lines(0))
+      if (present(beside)) call add_lines(plan, beside, linkage)
+   end subroutine prepare_proof
 
    !> The way to the output point: an arc from the machine's origin to the input pivot, the plan's arcs, the output arc.
-   pure subroutine add_output(mechanism, plan, placed, subject)
+   pure subroutine add_output(mechanism, plan, placed, linkage)
       type(mechanism_t), intent(in) :: mechanism
       type(plan_t), intent(in) :: plan
       logical, intent(in), optional :: placed
-      type(subject_t), intent(inout) :: subject
+      type(proof_linkage_t), intent(inout) :: linkage
       type(output_kind_t) :: kind
       type(proof_step_t) :: pivot, tip
       integer :: n, base
       logical :: wanted
 
-      allocate (subject%output_path(0))
+      allocate (linkage%output_path(0))
       if (.not. mechanism%outputs(1)%stands_in) then
-         subject%output_motion = mechanism%outputs(1)%motion
-         kind = output_kind(subject%output_motion)
+         linkage%output_motion = mechanism%outputs(1)%motion
+         kind = output_kind(linkage%output_motion)
       end if
       n = size(plan%root)
       base = mechanism%outputs(1)%arc
-      subject%output_arc = base
+      linkage%output_arc = base
       wanted = kind%has_point
       if (present(placed)) wanted = wanted .or. placed
       if (.not. wanted) return
@@ -112,25 +112,25 @@ contains
       pivot%fixed = .true.
       tip%arc = n + 2
       ! both lead to no point of the plan
-      associate (proof => subject%plan)
+      associate (proof => linkage%plan)
          proof%root = [proof%root, root_frame, plan%root(base)]
          proof%slot = [proof%slot, 0, 0]
-         subject%pivot = size(proof%steps) + 1
-         subject%tip = size(proof%steps) + 2
-         if (kind%has_point) subject%output_path = [subject%pivot, path_of(proof, plan%output_point), subject%tip]
+         linkage%pivot = size(proof%steps) + 1
+         linkage%tip = size(proof%steps) + 2
+         if (kind%has_point) linkage%output_path = [linkage%pivot, path_of(proof, plan%output_point), linkage%tip]
          proof%steps = [proof%steps, pivot, tip]
       end associate
    end subroutine add_output
 
    !> Lines to joints that are no points of the plan, each an arc with the direction of one of its arcs.
-   pure subroutine add_lines(plan, beside, subject)
+   pure subroutine add_lines(plan, beside, linkage)
       type(plan_t), intent(in) :: plan
       type(beside_t), intent(in) :: beside(:)
-      type(subject_t), intent(inout) :: subject
+      type(proof_linkage_t), intent(inout) :: linkage
       type(proof_step_t) :: line
       integer :: j
 
-      associate (proof => subject%plan)
+      associate (proof => linkage%plan)
          do j = 1, size(beside)
             if (beside(j)%distance <= 0.0_wp) cycle
             line%fixed = beside(j)%arc == 0
@@ -142,17 +142,17 @@ contains
             proof%slot = [proof%slot, 0]
             line%arc = size(proof%root)
             proof%steps = [proof%steps, line]
-            subject%beside(j) = size(proof%steps)
-            subject%lines = [subject%lines, beside(j)]
+            linkage%beside(j) = size(proof%steps)
+            linkage%lines = [linkage%lines, beside(j)]
          end do
       end associate
    end subroutine add_lines
 
    !> Put the numbers of a linkage in. Cosines are formed in quadruple precision from the degrees as given.
-   subroutine bind_subject(plan, dimensions, subject, zero)
+   subroutine bind_proof(plan, dimensions, linkage, zero)
       type(plan_t), intent(in) :: plan
       type(dimensions_t), intent(in) :: dimensions
-      type(subject_t), intent(inout) :: subject
+      type(proof_linkage_t), intent(inout) :: linkage
       real(wp), intent(in), optional :: zero     !! crank angle, or length of the actuator, at input 0; default 0
       real(qp) :: angle(size(plan%root)), x, y
       integer :: k, n, b
@@ -163,22 +163,22 @@ contains
          b = plan%base(n)
          if (plan%takes_gama(n)) angle(n) = real(dimensions%gama(n), qp)
          if (b > 0) angle(n) = angle(n) + angle(b) + right_angle*real(plan%quarter(n), qp)
-         if (b > 0 .or. .not. present(zero) .or. subject%plan%sliding_input) cycle
+         if (b > 0 .or. .not. present(zero) .or. linkage%plan%sliding_input) cycle
          if (plan%root(n) == root_crank) angle(n) = angle(n) + real(zero, qp)
       end do
-      call unit_vector_quad(angle(subject%output_arc) + real(dimensions%outang, qp), x, y)
-      subject%output_x = real(x, wp)
-      subject%output_y = real(y, wp)
-      if (subject%pivot == 0) then
-         call take_numbers(dimensions%arcl, angle, subject)
+      call unit_vector_quad(angle(linkage%output_arc) + real(dimensions%outang, qp), x, y)
+      linkage%output_x = real(x, wp)
+      linkage%output_y = real(y, wp)
+      if (linkage%pivot == 0) then
+         call take_numbers(dimensions%arcl, angle, linkage)
       else
-         call take_numbers([dimensions%arcl, dimensions%origlk, dimensions%outlk, subject%lines%distance], &
-                           [angle, real(dimensions%origng, qp), angle(subject%output_arc) + real(dimensions%outang, qp), &
-                            [(angle_of(subject%lines(k)), k=1, size(subject%lines))]], subject)
+         call take_numbers([dimensions%arcl, dimensions%origlk, dimensions%outlk, linkage%lines%distance], &
+                           [angle, real(dimensions%origng, qp), angle(linkage%output_arc) + real(dimensions%outang, qp), &
+                            [(angle_of(linkage%lines(k)), k=1, size(linkage%lines))]], linkage)
       end if
-      if (.not. present(zero) .or. .not. subject%plan%sliding_input) return
-      subject%numbers%zero = zero
-      subject%fine_numbers%zero = real(zero, qp)
+      if (.not. present(zero) .or. .not. linkage%plan%sliding_input) return
+      linkage%numbers%zero = zero
+      linkage%fine_numbers%zero = real(zero, qp)
 
    contains
 
@@ -188,26 +188,26 @@ contains
          angle_of = real(line%angle, qp)
          if (line%arc > 0) angle_of = angle_of + angle(line%arc)
       end function angle_of
-   end subroutine bind_subject
+   end subroutine bind_proof
 
    !> A linkage that is a plan and its dimensions by arc, made ready.
-   subroutine ready_subject(plan, lengths, angles, subject)
+   subroutine ready_proof(plan, lengths, angles, linkage)
       type(proof_plan_t), intent(in) :: plan
       real(wp), intent(in) :: lengths(:), angles(:)   !! shape (arcs): angles from the roots, degrees
-      type(subject_t), intent(out) :: subject
+      type(proof_linkage_t), intent(out) :: linkage
 
-      subject%plan = plan
-      allocate (subject%output_path(0), subject%beside(0), subject%lines(0))
-      call take_numbers(lengths, real(angles, qp), subject)
-   end subroutine ready_subject
+      linkage%plan = plan
+      allocate (linkage%output_path(0), linkage%beside(0), linkage%lines(0))
+      call take_numbers(lengths, real(angles, qp), linkage)
+   end subroutine ready_proof
 
-   subroutine take_numbers(lengths, angles, subject)
+   subroutine take_numbers(lengths, angles, linkage)
       real(wp), intent(in) :: lengths(:)
       real(qp), intent(in) :: angles(:)               !! degrees
-      type(subject_t), intent(inout) :: subject
+      type(proof_linkage_t), intent(inout) :: linkage
       integer :: n
 
-      associate (fine => subject%fine_numbers, rough => subject%numbers)
+      associate (fine => linkage%fine_numbers, rough => linkage%numbers)
          fine%x = 0.0_qp*angles
          fine%y = fine%x
          do n = 1, size(angles)
@@ -225,29 +225,29 @@ contains
          fine%length_slack = real(rough%length_slack, qp)
          fine%turn_slack = fine%length_slack
       end associate
-      call prepare_models(subject%plan, subject%numbers, subject%models)
-      call prepare_fine_models(subject%plan, subject%fine_numbers, subject%fine_models)
+      call prepare_models(linkage%plan, linkage%numbers, linkage%models)
+      call prepare_fine_models(linkage%plan, linkage%fine_numbers, linkage%fine_models)
    end subroutine take_numbers
 
    !> Where the linkage closes between two inputs.
-   subroutine prove_closure(subject, from, to, proof)
-      type(subject_t), intent(inout) :: subject  !! bound
+   subroutine prove_closure(linkage, from, to, proof)
+      type(proof_linkage_t), intent(inout) :: linkage  !! bound
       real(wp), intent(in) :: from, to           !! from < to; degrees of a turning input, else its length
       type(proof_t), intent(out) :: proof
       type(piece_t), allocatable :: pieces(:)
       type(fine_piece_t), allocatable :: fine(:), part(:), joined(:)
       integer :: i, count
 
-      proof%turns = .not. subject%plan%sliding_input
+      proof%turns = .not. linkage%plan%sliding_input
       proof%from = from
       proof%to = to
-      call find_pieces(subject%plan, subject%numbers, from, to, first_boxes, most_boxes, subject%models, pieces, proof%boxes)
+      call find_pieces(linkage%plan, linkage%numbers, from, to, first_boxes, most_boxes, linkage%models, pieces, proof%boxes)
       allocate (fine(0))
       do i = 1, size(pieces)
          associate (piece => pieces(i))
             if (piece%kind == piece_undecided) then
-               call find_fine_pieces(subject%plan, subject%fine_numbers, real(piece%from, qp), real(piece%to, qp), 1, &
-                                     most_fine_boxes, subject%fine_models, part, count)
+               call find_fine_pieces(linkage%plan, linkage%fine_numbers, real(piece%from, qp), real(piece%to, qp), 1, &
+                                     most_fine_boxes, linkage%fine_models, part, count)
                proof%fine_boxes = proof%fine_boxes + count
                fine = [fine, part]
             else
@@ -258,14 +258,14 @@ contains
       call join_pieces(fine, joined)
       allocate (proof%limits(size(joined)))
       do i = 1, size(joined)
-         proof%limits(i) = limit_of(subject, joined(i))
+         proof%limits(i) = limit_of(linkage, joined(i))
       end do
       proof%limits = pack(proof%limits, proof%limits%from <= proof%limits%to)
    end subroutine prove_closure
 
    !> A piece in working precision.
-   pure type(limit_t) function limit_of(subject, piece) result(limit)
-      type(subject_t), intent(in) :: subject
+   pure type(limit_t) function limit_of(linkage, piece) result(limit)
+      type(proof_linkage_t), intent(in) :: linkage
       type(fine_piece_t), intent(in) :: piece
 
       limit%kind = piece%kind
@@ -277,11 +277,11 @@ contains
          limit%to = rounded(piece%to, -1)
       end if
       if (piece%measure == 0) return
-      limit%loop = subject%plan%loop_of(piece%measure)
-      limit%cause = subject%plan%cause_of(piece%measure)
+      limit%loop = linkage%plan%loop_of(piece%measure)
+      limit%cause = linkage%plan%cause_of(piece%measure)
       if (piece%kind /= piece_undecided) return
       limit%amount = real(min(piece%amount, 1.0_qp), wp)
-      if (is_change_point(subject, limit)) limit%touch = touch_exact
+      if (is_change_point(linkage, limit)) limit%touch = touch_exact
    end function limit_of
 
    !> To working precision, down (-1) or up (+1).
@@ -295,15 +295,15 @@ contains
    end function rounded
 
    !> True if the links of a four-bar can lie in one line at an input of the bracket, exactly: the lengths as given add up.
-   pure logical function is_change_point(subject, limit)
-      type(subject_t), intent(in) :: subject
+   pure logical function is_change_point(linkage, limit)
+      type(proof_linkage_t), intent(in) :: linkage
       type(limit_t), intent(in) :: limit
       real(wp) :: lengths(4)
       logical :: found
 
       is_change_point = .false.
       if (limit%cause /= cause_too_short .and. limit%cause /= cause_difference) return
-      call four_bar_of(subject, limit%loop, lengths, found)
+      call four_bar_of(linkage, limit%loop, lengths, found)
       if (.not. found) return
       associate (crank => lengths(1), p => lengths(2), q => lengths(3), frame => lengths(4))
          if (limit%cause == cause_too_short) then
@@ -315,8 +315,8 @@ contains
    end function is_change_point
 
    !> Crank, links and frame of a loop that is a four-bar with the crank itself and one arc of the frame.
-   pure subroutine four_bar_of(subject, loop, lengths, found)
-      type(subject_t), intent(in) :: subject
+   pure subroutine four_bar_of(linkage, loop, lengths, found)
+      type(proof_linkage_t), intent(in) :: linkage
       integer, intent(in) :: loop
       real(wp), intent(out) :: lengths(4)
       logical, intent(out) :: found
@@ -324,21 +324,21 @@ contains
 
       found = .false.
       lengths = 0.0_wp
-      do k = 1, size(subject%plan%steps)
-         associate (step => subject%plan%steps(k))
+      do k = 1, size(linkage%plan%steps)
+         associate (step => linkage%plan%steps(k))
             if (.not. step%dyad .or. step%loop /= loop) cycle
             if (size(step%terms) /= 2) return
             crank = 0
             frame = 0
             do i = 1, 2
-               associate (arc => subject%plan%steps(step%terms(i))%arc)
-                  if (subject%plan%slot(arc) > 0) return
-                  if (subject%plan%root(arc) == root_crank) crank = arc
-                  if (subject%plan%root(arc) == root_frame) frame = arc
+               associate (arc => linkage%plan%steps(step%terms(i))%arc)
+                  if (linkage%plan%slot(arc) > 0) return
+                  if (linkage%plan%root(arc) == root_crank) crank = arc
+                  if (linkage%plan%root(arc) == root_frame) frame = arc
                end associate
             end do
-            found = crank > 0 .and. frame > 0 .and. .not. subject%plan%sliding_input
-            if (found) lengths = subject%numbers%length([crank, step%p, step%q, frame])
+            found = crank > 0 .and. frame > 0 .and. .not. linkage%plan%sliding_input
+            if (found) lengths = linkage%numbers%length([crank, step%p, step%q, frame])
          end associate
       end do
    end subroutine four_bar_of

@@ -76,16 +76,16 @@ module psalm_proof_chain
 
 contains
 
-   !> Begin at the drawing. `sound` is false where its own assembly cannot be proven.
-   subroutine start_tubes(closure, start, segments, tubes, sound)
+   !> Begin at the drawing. `valid` is false where its own assembly cannot be proven.
+   subroutine start_tubes(closure, start, segments, tubes, valid)
       type(closure_t), intent(in) :: closure
       type(state_t), intent(in) :: start
       integer, intent(in) :: segments
       type(chain_tubes_t), intent(out) :: tubes
-      logical, intent(out) :: sound
+      logical, intent(out) :: valid
 
       call enclose_here(closure, start, 0.0_wp, tubes%drawing)
-      sound = tubes%drawing%holds
+      valid = tubes%drawing%holds
       allocate (tubes%ends(segments), tubes%parts(0))
    end subroutine start_tubes
 

@@ -7,7 +7,7 @@
 !> in the working precision.
 module psalm_proof_clearance
    use psalm_kinds, only: wp
-   use psalm_proof, only: proof_t, subject_t
+   use psalm_proof, only: proof_t, proof_linkage_t
    use psalm_proof_extremes, only: place_t
    use psalm_proof_groups, only: models_t, evaluate, add_up
    use psalm_proof_ranges, only: list_places
@@ -64,8 +64,8 @@ module psalm_proof_clearance
 contains
 
    !> The least clearance over the range of a proof.
-   subroutine prove_clearance(subject, proof, keeping, nearest)
-      type(subject_t), intent(inout) :: subject  !! bound, of the same proof
+   subroutine prove_clearance(linkage, proof, keeping, nearest)
+      type(proof_linkage_t), intent(inout) :: linkage  !! bound, of the same proof
       type(proof_t), intent(in) :: proof
       type(keeping_t), intent(in) :: keeping     !! in the user's unit
       type(nearest_t), intent(out) :: nearest
@@ -78,7 +78,7 @@ contains
       logical :: final
 
       own = keeping
-      associate (scale => subject%numbers%scale)
+      associate (scale => linkage%numbers%scale)
          own%corner = keeping%corner*scale
          own%radius = keeping%radius*scale
          own%reach = keeping%reach*scale
@@ -98,8 +98,8 @@ contains
                   r(i) = max(place%to - m(i), m(i) - place%from)*(1.0_wp + 2.0_wp*eps)
                end associate
             end do
-            call evaluate(subject%plan, subject%numbers, m, r, subject%models)
-            call bound(own, subject%models, shapes, low, high, at)
+            call evaluate(linkage%plan, linkage%numbers, m, r, linkage%models)
+            call bound(own, linkage%models, shapes, low, high, at)
             do i = 1, taken
                bounds(k + i - 1) = low(i)
                if (.not. (places(k + i - 1)%certain .and. high(i) < nearest%high)) cycle
@@ -129,7 +129,7 @@ contains
       end do
       nearest%low = min(nearest%low, nearest%high)
       if (.not. nearest%found) return
-      associate (scale => subject%numbers%scale)
+      associate (scale => linkage%numbers%scale)
          nearest%low = nearest%low/scale        ! a power of two
          nearest%high = nearest%high/scale
       end associate
@@ -230,7 +230,7 @@ contains
                   vector(:, :, 1), vector(:, :, 2), e)
    end subroutine difference
 
-   !> Distance at place s of a box, not more than told, the direction that parts the shapes there, and the corners it is between.
+   !> Distance at place s of a box, rounded down, the direction that parts the shapes there, and the corners it is between.
    pure subroutine value_at(keeping, shapes, l, s, distance, u, near)
       type(keeping_t), intent(in) :: keeping
       type(shapes_t), intent(in) :: shapes

@@ -8,7 +8,7 @@ module psalm_proof_motion
    use psalm_kinds, only: wp, full_turn, degrees_per_radian, right_angle
    use psalm_output_kind, only: motion_angle, motion_distance, motion_slide, motion_pose
    use psalm_plan, only: root_frame, root_crank
-   use psalm_proof, only: proof_t, subject_t, piece_closes, piece_undecided
+   use psalm_proof, only: proof_t, proof_linkage_t, piece_closes, piece_undecided
    use psalm_proof_plan, only: proof_plan_t
    use psalm_proof_quantity, only: quantity_t, quantity_measure
    use psalm_proof_rate_extremes, only: place_t, greatest_t, find_greatest
@@ -74,8 +74,8 @@ module psalm_proof_motion
 contains
 
    !> Everything over what closes.
-   subroutine prove_movement(subject, proof, dwell, movement)
-      type(subject_t), intent(in) :: subject          !! bound, of the same proof
+   subroutine prove_movement(linkage, proof, dwell, movement)
+      type(proof_linkage_t), intent(in) :: linkage          !! bound, of the same proof
       type(proof_t), intent(in) :: proof
       real(wp), intent(in) :: dwell                   !! amount of a dwell, degrees or length; 0: none are looked for
       type(movement_t), intent(out) :: movement
@@ -88,35 +88,35 @@ contains
       allocate (movement%dead(0), movement%dwells(0))
       if (.not. any(proof%limits%kind == piece_closes)) return
       ! a link without length has no direction
-      do k = 1, size(subject%plan%steps)
-         associate (step => subject%plan%steps(k))
+      do k = 1, size(linkage%plan%steps)
+         associate (step => linkage%plan%steps(k))
             if (step%dyad .and. step%kind == assur_rrr) then
-               if (min(subject%numbers%length(step%p), subject%numbers%length(step%q)) <= 0.0_wp) return
+               if (min(linkage%numbers%length(step%p), linkage%numbers%length(step%q)) <= 0.0_wp) return
             end if
          end associate
       end do
-      moving%plan = subject%plan
+      moving%plan = linkage%plan
       do k = 1, size(moving%plan%steps)
          moving%plan%steps(k)%wants = .true.
       end do
-      call prepare_rates(moving%plan, subject%numbers, moving%models)
-      call find_output(subject, rate, sign, moves)
+      call prepare_rates(moving%plan, linkage%numbers, moving%models)
+      call find_output(linkage, rate, sign, moves)
       if (moves) then
-         call find_dead_points(subject, proof, moving, sign, quantity_output, 0, 0, own)
+         call find_dead_points(linkage, proof, moving, sign, quantity_output, 0, 0, own)
          movement%dead = own
-         call find_ratio(subject, proof, moving, rate, movement)
-         if (subject%output_motion == motion_distance) call find_distance(subject, proof, moving, movement)
-         if (rate%kind == signal_turn) call follow_angle(subject, proof, moving, rate%which, own, movement)
+         call find_ratio(linkage, proof, moving, rate, movement)
+         if (linkage%output_motion == motion_distance) call find_distance(linkage, proof, moving, movement)
+         if (rate%kind == signal_turn) call follow_angle(linkage, proof, moving, rate%which, own, movement)
          call find_time_ratio(proof, own, movement)
-         if (dwell > 0.0_wp) call find_dwells(subject, proof, moving, rate, own, dwell, movement)
+         if (dwell > 0.0_wp) call find_dwells(linkage, proof, moving, rate, own, dwell, movement)
       end if
-      do k = 1, size(subject%plan%steps)
-         associate (step => subject%plan%steps(k))
+      do k = 1, size(linkage%plan%steps)
+         associate (step => linkage%plan%steps(k))
             if (.not. step%dyad) cycle
             call add_link(step%p, step%loop, step%places(1))
-            if (subject%plan%root(step%q) /= subject%plan%root(step%p)) then
+            if (linkage%plan%root(step%q) /= linkage%plan%root(step%p)) then
                call add_link(step%q, step%loop, step%places(2))
-            else if (subject%plan%slot(step%q) > 0) then
+            else if (linkage%plan%slot(step%q) > 0) then
                call add_slide(step%q, step%loop, step%places(2))
             end if
          end associate
@@ -129,7 +129,7 @@ contains
          integer, intent(in) :: arc, loop, place
          integer :: i
 
-         associate (plan => subject%plan)
+         associate (plan => linkage%plan)
             if (plan%slot(arc) > 0) call add_slide(arc, loop, place)
             ! the direction of a slide may be that of another link
             do i = 1, size(plan%steps)
@@ -140,7 +140,7 @@ contains
             end do
             if (plan%root(arc) == root_frame .or. plan%root(arc) == root_crank) return
             sign = signal_t(signal_turn_sign, plan%root(arc))
-            call find_dead_points(subject, proof, moving, sign, quantity_turning, loop, place, own)
+            call find_dead_points(linkage, proof, moving, sign, quantity_turning, loop, place, own)
             movement%dead = [movement%dead, own]
          end associate
       end subroutine add_link
@@ -148,45 +148,45 @@ contains
       subroutine add_slide(arc, loop, place)
          integer, intent(in) :: arc, loop, place
 
-         sign = signal_t(signal_slide_sign, subject%plan%slot(arc))
-         call find_dead_points(subject, proof, moving, sign, quantity_sliding, loop, place, own)
+         sign = signal_t(signal_slide_sign, linkage%plan%slot(arc))
+         call find_dead_points(linkage, proof, moving, sign, quantity_sliding, loop, place, own)
          movement%dead = [movement%dead, own]
       end subroutine add_slide
    end subroutine prove_movement
 
    !> The rate of the output, and what has its sign.
-   pure subroutine find_output(subject, rate, sign, moves)
-      type(subject_t), intent(in) :: subject
+   pure subroutine find_output(linkage, rate, sign, moves)
+      type(proof_linkage_t), intent(in) :: linkage
       type(signal_t), intent(out) :: rate, sign
       logical, intent(out) :: moves
 
       moves = .true.
-      select case (subject%output_motion)
+      select case (linkage%output_motion)
       case (motion_angle, motion_pose)
-         associate (root => subject%plan%root(subject%output_arc))
+         associate (root => linkage%plan%root(linkage%output_arc))
             rate = signal_t(signal_turn, root)
             sign = signal_t(signal_turn_sign, root)
             moves = root /= root_frame .and. root /= root_crank
          end associate
       case (motion_slide)
-         associate (slot => subject%plan%slot(subject%output_arc))
+         associate (slot => linkage%plan%slot(linkage%output_arc))
             rate = signal_t(signal_slide, slot)
             sign = signal_t(signal_slide_sign, slot)
-            moves = slot > 0 .and. .not. (subject%plan%sliding_input .and. slot == subject%plan%input_slot)
+            moves = slot > 0 .and. .not. (linkage%plan%sliding_input .and. slot == linkage%plan%input_slot)
          end associate
       case (motion_distance)
          rate%kind = signal_depart
-         rate%path = subject%output_path
+         rate%path = linkage%output_path
          sign%kind = signal_away
-         sign%path = subject%output_path
+         sign%path = linkage%output_path
       case default
          moves = .false.
       end select
    end subroutine find_output
 
    !> Every input at which a signal vanishes, bracketed.
-   subroutine find_dead_points(subject, proof, moving, sign, kind, loop, place, dead)
-      type(subject_t), intent(in) :: subject
+   subroutine find_dead_points(linkage, proof, moving, sign, kind, loop, place, dead)
+      type(proof_linkage_t), intent(in) :: linkage
       type(proof_t), intent(in) :: proof
       type(proof_models_t), intent(inout) :: moving
       type(signal_t), intent(in) :: sign
@@ -206,7 +206,7 @@ contains
       first = 0
       do i = 1, size(proof%limits)
          if (proof%limits(i)%kind /= piece_closes) cycle
-         call find_pieces(moving%plan, subject%numbers, proof%limits(i)%from, proof%limits(i)%to, first_boxes, most_boxes, &
+         call find_pieces(moving%plan, linkage%numbers, proof%limits(i)%from, proof%limits(i)%to, first_boxes, most_boxes, &
                           moving%models, pieces, boxes)
          do k = 1, size(pieces)
             if (pieces(k)%kind /= piece_undecided) cycle
@@ -247,8 +247,8 @@ contains
    end function wraps
 
    !> Least and greatest value of a signal over what closes, in the unit of the models.
-   subroutine bracket_signal(subject, proof, moving, signal, spans, bounded)
-      type(subject_t), intent(in) :: subject
+   subroutine bracket_signal(linkage, proof, moving, signal, spans, bounded)
+      type(proof_linkage_t), intent(in) :: linkage
       type(proof_t), intent(in) :: proof
       type(proof_models_t), intent(inout) :: moving
       type(signal_t), intent(in) :: signal
@@ -275,30 +275,30 @@ contains
             k = k + first_boxes
          end associate
       end do
-      call find_greatest(moving%plan, subject%numbers, quantities, enough, most_boxes, moving%models, places, greatest, boxes)
+      call find_greatest(moving%plan, linkage%numbers, quantities, enough, most_boxes, moving%models, places, greatest, boxes)
       spans(1) = bracket_t(-greatest(1)%high, -greatest(1)%low, greatest(1)%at)
       spans(2) = bracket_t(greatest(2)%low, greatest(2)%high, greatest(2)%at)
       bounded = all(greatest%found) .and. greatest(1)%high < unbounded .and. greatest(2)%high < unbounded
    end subroutine bracket_signal
 
    !> Velocity ratio.
-   subroutine find_ratio(subject, proof, moving, rate, movement)
-      type(subject_t), intent(in) :: subject
+   subroutine find_ratio(linkage, proof, moving, rate, movement)
+      type(proof_linkage_t), intent(in) :: linkage
       type(proof_t), intent(in) :: proof
       type(proof_models_t), intent(inout) :: moving
       type(signal_t), intent(in) :: rate
       type(movement_t), intent(inout) :: movement
 
-      call bracket_signal(subject, proof, moving, rate, movement%ratio, movement%ratio_bounded)
+      call bracket_signal(linkage, proof, moving, rate, movement%ratio, movement%ratio_bounded)
       movement%has_ratio = .true.
       if (rate%kind == signal_turn) return
-      movement%ratio%low = movement%ratio%low/subject%numbers%scale
-      movement%ratio%high = movement%ratio%high/subject%numbers%scale
+      movement%ratio%low = movement%ratio%low/linkage%numbers%scale
+      movement%ratio%high = movement%ratio%high/linkage%numbers%scale
    end subroutine find_ratio
 
    !> Extremes of the distance of the output point from the origin.
-   subroutine find_distance(subject, proof, moving, movement)
-      type(subject_t), intent(in) :: subject
+   subroutine find_distance(linkage, proof, moving, movement)
+      type(proof_linkage_t), intent(in) :: linkage
       type(proof_t), intent(in) :: proof
       type(proof_models_t), intent(inout) :: moving
       type(movement_t), intent(inout) :: movement
@@ -306,16 +306,16 @@ contains
       logical :: bounded
 
       square%kind = signal_square
-      square%path = subject%output_path
-      call bracket_signal(subject, proof, moving, square, movement%output, bounded)
-      movement%output%low = sqrt(max(movement%output%low, 0.0_wp))*(1.0_wp - rounding)/subject%numbers%scale
-      movement%output%high = sqrt(max(movement%output%high, 0.0_wp))*(1.0_wp + rounding)/subject%numbers%scale
+      square%path = linkage%output_path
+      call bracket_signal(linkage, proof, moving, square, movement%output, bounded)
+      movement%output%low = sqrt(max(movement%output%low, 0.0_wp))*(1.0_wp - rounding)/linkage%numbers%scale
+      movement%output%high = sqrt(max(movement%output%high, 0.0_wp))*(1.0_wp + rounding)/linkage%numbers%scale
       movement%has_output = bounded
    end subroutine find_distance
 
    !> Extremes of an angle: followed from dead point to dead point, so that it may go on beyond a turn.
-   subroutine follow_angle(subject, proof, moving, root, dead, movement)
-      type(subject_t), intent(in) :: subject
+   subroutine follow_angle(linkage, proof, moving, root, dead, movement)
+      type(proof_linkage_t), intent(in) :: linkage
       type(proof_t), intent(in) :: proof
       type(proof_models_t), intent(inout) :: moving
       integer, intent(in) :: root
@@ -344,7 +344,7 @@ contains
       inputs = [inputs, critical(size(critical))]
       spread = [spread, 0.0_wp]
       allocate (angle(n), error(n))
-      call find_angles(subject, moving, root, inputs, angle, error)
+      call find_angles(linkage, moving, root, inputs, angle, error)
       if (any(error >= 1.0_wp)) return
       do k = 2, n
          angle(k) = angle(k) - full_turn*anint((angle(k) - angle(k - 1))/full_turn)
@@ -372,8 +372,8 @@ contains
    end subroutine follow_angle
 
    !> Angles of the output at some inputs, -180 to 180 degrees, and by how much they may be wrong, radians.
-   subroutine find_angles(subject, moving, root, inputs, angle, error)
-      type(subject_t), intent(in) :: subject
+   subroutine find_angles(linkage, moving, root, inputs, angle, error)
+      type(proof_linkage_t), intent(in) :: linkage
       type(proof_models_t), intent(inout) :: moving
       integer, intent(in) :: root
       real(wp), intent(in) :: inputs(:)
@@ -382,12 +382,12 @@ contains
       integer :: k, i
 
       r = 0.0_wp
-      associate (c => subject%output_x, s => subject%output_y)
+      associate (c => linkage%output_x, s => linkage%output_y)
          do k = 1, size(inputs), lanes
             do i = 1, lanes
                m(i) = inputs(min(k + i - 1, size(inputs)))
             end do
-            call evaluate_rates(moving%plan, subject%numbers, m, r, moving%models)
+            call evaluate_rates(moving%plan, linkage%numbers, m, r, moving%models)
             do i = 1, min(lanes, size(inputs) - k + 1)
                x = moving%models%base%root(i, 0, 1, root)
                y = moving%models%base%root(i, 0, 2, root)
@@ -430,8 +430,8 @@ contains
    end function time_ratio_of
 
    !> Round each dead point of the output the inputs over which the output stays within an amount of its value there.
-   subroutine find_dwells(subject, proof, moving, rate, dead, amount, movement)
-      type(subject_t), intent(in) :: subject
+   subroutine find_dwells(linkage, proof, moving, rate, dead, amount, movement)
+      type(proof_linkage_t), intent(in) :: linkage
       type(proof_t), intent(in) :: proof
       type(proof_models_t), intent(inout) :: moving
       type(signal_t), intent(in) :: rate
@@ -446,13 +446,13 @@ contains
 
       do d = 1, size(dead)
          if (dead(d)%high - dead(d)%low > 1.0e-6_wp) cycle
-         call refer_to(subject, moving, rate, dead(d), movement, amount, signals)
+         call refer_to(linkage, moving, rate, dead(d), movement, amount, signals)
          if (size(signals) == 0) cycle
          call choose_signals(signals, moving%models)
          do i = 1, size(proof%limits)
             associate (limit => proof%limits(i))
                if (limit%kind /= piece_closes .or. dead(d)%high < limit%from .or. dead(d)%low > limit%to) cycle
-               call find_pieces(moving%plan, subject%numbers, limit%from, limit%to, first_boxes, most_boxes, &
+               call find_pieces(moving%plan, linkage%numbers, limit%from, limit%to, first_boxes, most_boxes, &
                                 moving%models, pieces, &
                                 boxes)
                last = size(pieces)
@@ -482,8 +482,8 @@ contains
    end subroutine find_dwells
 
    !> Signals that are positive where the output is within an amount of its value at a dead point.
-   subroutine refer_to(subject, moving, rate, dead, movement, amount, signals)
-      type(subject_t), intent(in) :: subject
+   subroutine refer_to(linkage, moving, rate, dead, movement, amount, signals)
+      type(proof_linkage_t), intent(in) :: linkage
       type(proof_models_t), intent(inout) :: moving
       type(signal_t), intent(in) :: rate
       type(proven_dead_point_t), intent(in) :: dead
@@ -500,7 +500,7 @@ contains
       select case (rate%kind)
       case (signal_turn)
          if (amount >= right_angle) return
-         call evaluate_rates(moving%plan, subject%numbers, m, r, moving%models)
+         call evaluate_rates(moving%plan, linkage%numbers, m, r, moving%models)
          call take_direction()
          call unit_vector(amount, cosine, sine)
          each%which = rate%which
@@ -510,26 +510,26 @@ contains
          signals(2)%sense = -1.0_wp
          signals(3)%kind = signal_turned_less
       case (signal_slide)
-         call evaluate_rates(moving%plan, subject%numbers, m, r, moving%models)
+         call evaluate_rates(moving%plan, linkage%numbers, m, r, moving%models)
          each%which = rate%which
          each%kind = signal_longer
          each%reference(1) = moving%models%base%slide(1, 0, rate%which)
          each%doubt = sum(abs(moving%models%base%slide(1, 1:, rate%which))) + moving%models%base%slide_e(1, rate%which)
-         each%amount = amount*subject%numbers%scale
+         each%amount = amount*linkage%numbers%scale
          signals = [each, each]
          signals(2)%sense = -1.0_wp
       case default
          if (.not. movement%has_output) return
          each%kind = signal_square
-         each%path = subject%output_path
+         each%path = linkage%output_path
          call choose_signals([each], moving%models)
-         call evaluate_rates(moving%plan, subject%numbers, m, r, moving%models)
+         call evaluate_rates(moving%plan, linkage%numbers, m, r, moving%models)
          if (moving%models%low(1, 1) <= 0.0_wp) return
          each%kind = signal_farther
          each%reference(1) = sqrt(moving%models%g(1, 0, 1))
          each%doubt = (moving%models%high(1, 1) - moving%models%low(1, 1))/sqrt(moving%models%low(1, 1)) &
                       + rounding*each%reference(1)
-         each%amount = amount*subject%numbers%scale
+         each%amount = amount*linkage%numbers%scale
          signals = [each, each]
          signals(2)%sense = -1.0_wp
       end select

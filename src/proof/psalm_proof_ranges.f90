@@ -6,7 +6,7 @@
 module psalm_proof_ranges
    use psalm_angles, only: degrees_of
    use psalm_kinds, only: wp, right_angle
-   use psalm_proof, only: proof_t, subject_t, rounded, piece_closes, piece_opens, cause_too_short, cause_link, &
+   use psalm_proof, only: proof_t, proof_linkage_t, rounded, piece_closes, piece_opens, cause_too_short, cause_link, &
                           cause_parallel
    use psalm_proof_closure, only: piece_t, find_pieces
    use psalm_proof_extremes, only: place_t, greatest_t, find_greatest
@@ -51,8 +51,8 @@ module psalm_proof_ranges
 contains
 
    !> All extremes over the range of a proof.
-   subroutine prove_extremes(subject, proof, extremes, boxes)
-      type(subject_t), intent(inout) :: subject          !! bound, of the same proof
+   subroutine prove_extremes(linkage, proof, extremes, boxes)
+      type(proof_linkage_t), intent(inout) :: linkage          !! bound, of the same proof
       type(proof_t), intent(in) :: proof
       type(proven_extreme_t), allocatable, intent(out) :: extremes(:)
       integer, intent(out) :: boxes(2)                   !! evaluated in working and in quadruple precision
@@ -61,16 +61,16 @@ contains
       type(greatest_t), allocatable :: greatest(:)
       integer :: i
 
-      call list_quantities(subject, extremes, quantities)
+      call list_quantities(linkage, extremes, quantities)
       boxes = 0
       if (size(extremes) == 0) return
       call list_places(proof, places)
       allocate (greatest(size(quantities)))
-      call find_greatest(subject%plan, subject%numbers, quantities, enough, most_boxes, subject%models, places, greatest, boxes(1))
+      call find_greatest(linkage%plan, linkage%numbers, quantities, enough, most_boxes, linkage%models, places, greatest, boxes(1))
       do i = 1, size(extremes)
-         call put_together(subject, quantities(2*i), greatest(2*i - 1:2*i), extremes(i))
+         call put_together(linkage, quantities(2*i), greatest(2*i - 1:2*i), extremes(i))
       end do
-      if (any(is_wide(extremes))) call look_again(subject, quantities, places, greatest, extremes, boxes(2))
+      if (any(is_wide(extremes))) call look_again(linkage, quantities, places, greatest, extremes, boxes(2))
    end subroutine prove_extremes
 
    !> True for brackets that show in the digits printed.
@@ -90,8 +90,8 @@ contains
    end function is_wide
 
    !> Look in quadruple precision at the places that hold extremes whose brackets are wide.
-   subroutine look_again(subject, quantities, places, greatest, extremes, boxes)
-      type(subject_t), intent(inout) :: subject
+   subroutine look_again(linkage, quantities, places, greatest, extremes, boxes)
+      type(proof_linkage_t), intent(inout) :: linkage
       type(quantity_t), intent(in) :: quantities(:)
       type(place_t), intent(in) :: places(:)             !! what may hold them
       type(greatest_t), intent(in) :: greatest(:)
@@ -112,24 +112,24 @@ contains
          fine(n)%certain = places(i)%certain
       end do
       fine = fine(:n)
-      call find_fine_greatest(subject%plan, subject%fine_numbers, quantities, real(enough, qp), most_fine_boxes, &
-                              subject%fine_models, fine, fine_greatest, boxes)
+      call find_fine_greatest(linkage%plan, linkage%fine_numbers, quantities, real(enough, qp), most_fine_boxes, &
+                              linkage%fine_models, fine, fine_greatest, boxes)
       do i = 1, size(extremes)
-         if (is_wide(extremes(i))) call put_fine_together(subject, quantities(2*i), fine_greatest(2*i - 1:2*i), &
+         if (is_wide(extremes(i))) call put_fine_together(linkage, quantities(2*i), fine_greatest(2*i - 1:2*i), &
                                                           real(greatest(2*i - 1:2*i)%low, qp), extremes(i))
       end do
    end subroutine look_again
 
    !> What there is to be looked at: of each extreme the least value, then the greatest.
-   subroutine list_quantities(subject, extremes, quantities)
-      type(subject_t), intent(in) :: subject
+   subroutine list_quantities(linkage, extremes, quantities)
+      type(proof_linkage_t), intent(in) :: linkage
       type(proven_extreme_t), allocatable, intent(out) :: extremes(:)
       type(quantity_t), allocatable, intent(out) :: quantities(:)
-      type(proven_extreme_t) :: list(subject%plan%nmeasures + 2*size(subject%plan%steps) + 2)
+      type(proven_extreme_t) :: list(linkage%plan%nmeasures + 2*size(linkage%plan%steps) + 2)
       integer :: kinds(size(list)), which(size(list)), k, n, slot
 
       n = 0
-      associate (plan => subject%plan)
+      associate (plan => linkage%plan)
          do k = 1, plan%nmeasures
             ! of two links the measure that grows with the angle between them, of link and slide likewise
             if (plan%cause_of(k) == cause_too_short) then
@@ -154,7 +154,7 @@ contains
             end associate
          end do
       end associate
-      if (size(subject%output_path) > 0) then
+      if (size(linkage%output_path) > 0) then
          call add(proven_extreme_t(extreme_x), quantity_point, 1)
          call add(proven_extreme_t(extreme_y), quantity_point, 2)
       end if
@@ -166,8 +166,8 @@ contains
          quantities(2*k - 1)%sense = -1
          quantities(2*k)%sense = 1
          if (kinds(k) /= quantity_point) cycle
-         quantities(2*k - 1)%path = subject%output_path
-         quantities(2*k)%path = subject%output_path
+         quantities(2*k - 1)%path = linkage%output_path
+         quantities(2*k)%path = linkage%output_path
       end do
 
    contains
@@ -212,8 +212,8 @@ contains
    end subroutine list_places
 
    !> Brackets of one extreme in the user's unit.
-   pure subroutine put_together(subject, quantity, greatest, extreme)
-      type(subject_t), intent(in) :: subject
+   pure subroutine put_together(linkage, quantity, greatest, extreme)
+      type(proof_linkage_t), intent(in) :: linkage
       type(quantity_t), intent(in) :: quantity
       type(greatest_t), intent(in) :: greatest(2)        !! of the negative, of the quantity itself
       type(proven_extreme_t), intent(inout) :: extreme
@@ -242,18 +242,18 @@ contains
             return
          end if
          if (extreme%kind /= extreme_angle) then
-            in_unit = value/subject%numbers%scale      ! a power of two
+            in_unit = value/linkage%numbers%scale      ! a power of two
             return
          end if
-         square = value/real(whole_of(subject, quantity, extreme), wp)*(1.0_wp + real(way, wp)*slack) + real(way, wp)*tiny(1.0_wp)
+         square = value/real(whole_of(linkage, quantity, extreme), wp)*(1.0_wp + real(way, wp)*slack) + real(way, wp)*tiny(1.0_wp)
          square = min(max(square, 0.0_wp), 1.0_wp)
          in_unit = min(2.0_wp*degrees_of(sqrt(1.0_wp - square), sqrt(square))*(1.0_wp + real(way, wp)*slack), straight)
       end function in_unit
    end subroutine put_together
 
    !> The same after the second look.
-   pure subroutine put_fine_together(subject, quantity, greatest, known, extreme)
-      type(subject_t), intent(in) :: subject
+   pure subroutine put_fine_together(linkage, quantity, greatest, known, extreme)
+      type(proof_linkage_t), intent(in) :: linkage
       type(quantity_t), intent(in) :: quantity
       type(fine_greatest_t), intent(in) :: greatest(2)   !! of the negative, of the quantity itself
       real(qp), intent(in) :: known(2)                   !! lower bounds of the working precision
@@ -283,28 +283,28 @@ contains
             return
          end if
          if (extreme%kind /= extreme_angle) then
-            in_unit = rounded(value/real(subject%numbers%scale, qp), way)
+            in_unit = rounded(value/real(linkage%numbers%scale, qp), way)
             return
          end if
          ! its rounding is far below that of the working precision
-         sine = sqrt(min(max(value/whole_of(subject, quantity, extreme), 0.0_qp), 1.0_qp))
+         sine = sqrt(min(max(value/whole_of(linkage, quantity, extreme), 0.0_qp), 1.0_qp))
          in_unit = min(rounded(2.0_qp*arc_sine_quad(sine)*(1.0_qp + real(way, qp)*of_arc_sine), way), straight)
       end function in_unit
    end subroutine put_fine_together
 
    !> What the measure of a transmission angle would be at 180 degrees.
-   pure real(qp) function whole_of(subject, quantity, extreme) result(whole)
-      type(subject_t), intent(in) :: subject
+   pure real(qp) function whole_of(linkage, quantity, extreme) result(whole)
+      type(proof_linkage_t), intent(in) :: linkage
       type(quantity_t), intent(in) :: quantity
       type(proven_extreme_t), intent(in) :: extreme
       integer :: k
 
       whole = 1.0_qp
-      do k = 1, size(subject%plan%steps)
-         associate (step => subject%plan%steps(k), length => subject%fine_numbers%length)
+      do k = 1, size(linkage%plan%steps)
+         associate (step => linkage%plan%steps(k), length => linkage%fine_numbers%length)
             if (.not. step%dyad .or. step%loop /= extreme%loop) cycle
-            if (subject%plan%cause_of(quantity%which) == cause_link) then
-               whole = 2.0_qp*length(merge(step%q, step%p, subject%plan%slot(step%p) > 0))
+            if (linkage%plan%cause_of(quantity%which) == cause_link) then
+               whole = 2.0_qp*length(merge(step%q, step%p, linkage%plan%slot(step%p) > 0))
             else
                whole = 4.0_qp*length(step%p)*length(step%q)
             end if
@@ -315,8 +315,8 @@ contains
    !> How much all lengths may deviate, together, so that the linkage is still proven to close over the range.
    !>
    !> At most `largest`. Proven in the working precision.
-   subroutine prove_tolerance(subject, from, to, largest, tolerance)
-      type(subject_t), intent(inout) :: subject          !! bound
+   subroutine prove_tolerance(linkage, from, to, largest, tolerance)
+      type(proof_linkage_t), intent(inout) :: linkage          !! bound
       real(wp), intent(in) :: from, to
       real(wp), intent(in) :: largest                    !! in the user's unit
       real(wp), intent(out) :: tolerance                 !! 0: not proven for any
@@ -328,8 +328,8 @@ contains
       high = largest
       do i = 1, most_halvings
          middle = merge(high, 0.5_wp*(low + high), i == 1)
-         call give_slack(middle*subject%numbers%scale)
-         call find_pieces(subject%plan, subject%numbers, from, to, first_boxes, most_fine_boxes, subject%models, pieces, count)
+         call give_slack(middle*linkage%numbers%scale)
+         call find_pieces(linkage%plan, linkage%numbers, from, to, first_boxes, most_fine_boxes, linkage%models, pieces, count)
          if (all(pieces%kind == piece_closes)) then
             low = middle
             if (i == 1) exit
@@ -346,8 +346,8 @@ contains
       subroutine give_slack(slack)
          real(wp), intent(in) :: slack
 
-         subject%numbers%length_slack = slack
-         call prepare_models(subject%plan, subject%numbers, subject%models)
+         linkage%numbers%length_slack = slack
+         call prepare_models(linkage%plan, linkage%numbers, linkage%models)
       end subroutine give_slack
    end subroutine prove_tolerance
 end module psalm_proof_ranges

@@ -23,7 +23,7 @@ module psalm_proof_standstill
    real(wp), parameter :: at_rest = 1.0e-9_wp      !! of the fastest: what is slower everywhere is not looked at more closely
    real(wp), parameter :: one_place = 1.0e-8_wp    !! of a segment: brackets below it have one value of the output
 
-   !> How parts of the way of a segment are told: base + gain*way. Segments of one run follow each other.
+   !> How parts of the way of a segment are reported: base + gain*way. Segments of one run follow each other.
    type :: chain_way_t
       real(wp) :: base = 0.0_wp, gain = 1.0_wp
       integer :: run = 1
@@ -63,7 +63,7 @@ module psalm_proof_standstill
       type(signed_piece_t), allocatable :: pieces(:)      !! the first `count` are used
       integer :: count = 0
       integer :: left = 0                          !! tubes that may still be made
-      real(wp) :: size = 0.0_wp                    !! of the numbers by which places are told
+      real(wp) :: size = 0.0_wp                    !! of the numbers by which places are reported
    end type sign_search_t
 
 contains
@@ -137,7 +137,7 @@ contains
                   if (pieces(first)%kind == is_undecided) first = first - 1
                end if
                if (closed_turn .and. i == search%count .and. search%count > 2) then
-                  if (pieces(1)%kind == is_undecided) cycle ! told at its beginning
+                  if (pieces(1)%kind == is_undecided) cycle ! reported at its beginning
                   last = 1
                end if
                point%reverses = .false.

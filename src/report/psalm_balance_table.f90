@@ -9,11 +9,11 @@ module psalm_balance_table
    private
    public :: put_balance
 
-   integer, parameter :: name_room = 80   !! characters of a word in a table
+   integer, parameter :: name_length = 80   !! characters of a word in a table
 
    !> An outcome and what it is called: `design 1`, `lightest`, `optimum`.
    type :: named_outcome_t
-      character(name_room) :: name = ''
+      character(name_length) :: name = ''
       type(outcome_t) :: of
    end type named_outcome_t
 
@@ -118,7 +118,7 @@ contains
    pure function named(study, bodies) result(names)
       type(balance_study_t), intent(in) :: study
       integer, intent(in) :: bodies(:)
-      character(name_room) :: names(size(bodies))
+      character(name_length) :: names(size(bodies))
       integer :: i
 
       do i = 1, size(bodies)
@@ -133,7 +133,7 @@ contains
       type(named_outcome_t), allocatable :: list(:)
       type(table_t) :: table
       integer, allocatable :: of(:), at(:)        !! shape (rows): outcome, its entry
-      character(name_room), allocatable :: links(:)
+      character(name_length), allocatable :: links(:)
       integer :: i, k
 
       allocate (list(size(study%designs) + count([allocated(study%lightest), allocated(study%optimum)])))
@@ -199,7 +199,7 @@ contains
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
       type(measure_t), allocatable :: loads(:)
-      character(name_room), allocatable :: outcome(:), name(:)
+      character(name_length), allocatable :: outcome(:), name(:)
       character(3), allocatable :: unit(:)
       real(wp), allocatable :: x(:), y(:)
       logical, allocatable :: apart(:)

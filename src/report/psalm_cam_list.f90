@@ -19,7 +19,7 @@ module psalm_cam_list
 
    character(5), parameter :: side_names(2) = ['left ', 'right']
    real(wp), parameter :: rounding = 1.0e-9_wp !! relative jump of acceleration that is none
-   integer, parameter :: name_room = 32        !! characters of the name of an extreme
+   integer, parameter :: name_length = 32        !! characters of the name of an extreme
    integer, parameter :: most_extremes = 40    !! besides those of segments, dead points and flanks
 
 contains
@@ -331,7 +331,7 @@ contains
       character(*), intent(in) :: suffix
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
-      character(name_room), allocatable :: names(:)
+      character(name_length), allocatable :: names(:)
       character(:), allocatable :: in, out, unit
       integer :: k
 
@@ -421,7 +421,7 @@ contains
       character(*), intent(in) :: suffix
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
-      character(name_room), allocatable :: what(:)
+      character(name_length), allocatable :: what(:)
       real(wp), allocatable :: value(:), angle(:)
       integer :: k, rows
 

@@ -13,14 +13,14 @@ module psalm_chain_proof_list
    use psalm_proof_motion, only: proven_dead_point_t, quantity_output, quantity_turning
    use psalm_proof_numbers, only: has_rate, is_angle
    use psalm_sketch, only: drive_turns
-   use psalm_sketch_outputs, only: name_room
+   use psalm_sketch_outputs, only: name_length
    use psalm_tables, only: table_t, tables_t, table_of
    use psalm_text, only: text_t, cased, to_text, upper_case
    implicit none (type, external)
    private
    public :: list_chain_proof, put_chain_proof, links_of_group, name_of_quantity, ratio_of
 
-   integer, parameter :: word_room = 10   !! characters of a word in a table
+   integer, parameter :: word_length = 10   !! characters of a word in a table
    integer, parameter :: most_parts = 3   !! rows of a segment: it closes, is undecided, is not reached
    character(*), parameter :: of_ratio = 'velocity_ratio_' !! stands before the output's name
 
@@ -146,7 +146,7 @@ contains
       logical :: as_angles
       integer :: n, i, first
 
-      ! numbers of positions are told like angles
+      ! numbers of positions are reported like angles
       as_angles = turns .or. .not. proof%one_drive
       associate (movement => proof%movement, outputs => study%closure%sketch%outputs)
          do n = 1, size(movement%time_ratio)
@@ -229,7 +229,7 @@ contains
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
       type(strings_t), allocatable :: names(:)
-      character(word_room), allocatable :: kind(:), cause(:)
+      character(word_length), allocatable :: kind(:), cause(:)
       real(wp), allocatable :: from(:), to(:)
       integer, allocatable :: group(:)
       character(:), allocatable :: input
@@ -298,7 +298,7 @@ contains
       logical, intent(in) :: turns
       type(tables_t), intent(inout) :: tables
       type(output_range_t), allocatable :: ranges(:)
-      character(len(of_ratio) + name_room), allocatable :: names(:)
+      character(len(of_ratio) + name_length), allocatable :: names(:)
       integer, allocatable :: zero(:)
       type(table_t) :: table
       character(:), allocatable :: input

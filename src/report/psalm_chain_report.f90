@@ -10,7 +10,7 @@ module psalm_chain_report
    use psalm_kinds, only: wp
    use psalm_position_table, only: plot_sketch
    use psalm_sketch, only: numbers_of => columns_of
-   use psalm_sketch_outputs, only: name_room
+   use psalm_sketch_outputs, only: name_length
    use psalm_sketch_study, only: sketch_study_t
    use psalm_text, only: text_t, general, to_text
    implicit none (type, external)
@@ -29,10 +29,10 @@ contains
       logical, intent(in), optional :: beyond(:) !! shape (positions): `beyond` of `motion_t`; absent: it was not followed
       integer, intent(in) :: orders           !! 2 with rates, else 0
       type(devices_t), intent(inout) :: devices
-      character(name_room), allocatable :: names(:)
+      character(name_length), allocatable :: names(:)
       real(wp), allocatable :: values(:, :)
 
-      ! the inputs of several drives are told there, too
+      ! the inputs of several drives are reported there, too
       if (.not. (several_outputs(set) .or. size(set%sketch%drives) > 1)) return
       call columns_of(study, orders, names, values)
       call devices%six%add()
@@ -94,7 +94,7 @@ contains
    subroutine columns_of(study, orders, names, values)
       class(sketch_study_t), intent(in) :: study
       integer, intent(in) :: orders
-      character(name_room), allocatable, intent(out) :: names(:)
+      character(name_length), allocatable, intent(out) :: names(:)
       real(wp), allocatable, intent(out) :: values(:, :)   !! shape (columns, positions)
       integer :: n, o, m
 

@@ -11,7 +11,7 @@ module psalm_chain_search_list
    private
    public :: report_chain_search
 
-   integer, parameter :: name_room = 40   !! characters of a variable's name in the listing
+   integer, parameter :: name_length = 40   !! characters of a variable's name in the listing
 
 contains
 
@@ -21,7 +21,7 @@ contains
       type(chain_synthesis_t), intent(in) :: search
       type(devices_t), intent(inout) :: devices
       character(:), allocatable :: line
-      character(name_room) :: name
+      character(name_length) :: name
       integer :: k, v
 
       line = to_text(search%starts)//' starts, '//to_text(search%feasible)//' led to a linkage, '//to_text(search%evaluations)// &
@@ -91,7 +91,7 @@ contains
       type(chain_synthesis_t), intent(in) :: search
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
-      character(name_room), allocatable :: names(:)
+      character(name_length), allocatable :: names(:)
       integer :: k, v
 
       associate (best => search%best, n => size(search%best(1)%x))

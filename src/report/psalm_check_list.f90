@@ -2,7 +2,7 @@
 !>
 !> Layout of Oldham (1977), figures 7.3 and C1.
 module psalm_check_list
-   use psalm_analysis, only: arc_table_t, doubts_t
+   use psalm_analysis, only: arc_table_t, warnings_t
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t
    use psalm_finale, only: arc_table, list_reference, list_output_arc
@@ -342,24 +342,24 @@ contains
    end subroutine arc_lines
 
    !> Append where the joint of the two undetermined arcs of every loop is at the reference position.
-   subroutine list_reference_joints(mechanism, doubts, text)
+   subroutine list_reference_joints(mechanism, warnings, text)
       type(mechanism_t), intent(in) :: mechanism
-      type(doubts_t), intent(in) :: doubts
+      type(warnings_t), intent(in) :: warnings
       type(text_t), intent(inout) :: text
       character(:), allocatable :: arcs
       integer :: loop
 
       call text%add(' JOINT OF THE UNDETERMINED ARCS OF EACH LOOP AT THE REFERENCE INPUT (X,Y)')
       do loop = 1, mechanism%nloop
-         if (.not. doubts%closes(loop)) then
+         if (.not. warnings%closes(loop)) then
             call text%add(' LOOP '//to_text(loop)//' DOES NOT CLOSE AT THE REFERENCE INPUT')
             return
          end if
          arcs = 'FINISH OF ARC '//to_text(mechanism%place(1, loop))
          if (mechanism%is_dyad(loop)) arcs = 'ARCS '//to_text(mechanism%place(1, loop))//' AND '// &
                                              to_text(mechanism%place(2, loop))
-         call text%add(' LOOP '//to_text(loop)//', '//arcs//'  '//fixed(doubts%joint(1, loop), wide_column, 4)// &
-                       fixed(doubts%joint(2, loop), wide_column, 4))
+         call text%add(' LOOP '//to_text(loop)//', '//arcs//'  '//fixed(warnings%joint(1, loop), wide_column, 4)// &
+                       fixed(warnings%joint(2, loop), wide_column, 4))
       end do
    end subroutine list_reference_joints
 

@@ -14,7 +14,7 @@ module psalm_clearance_report
    private
    public :: report_clearance
 
-   integer, parameter :: name_room = 48              !! characters of a verdict in a table
+   integer, parameter :: name_length = 48              !! characters of a verdict in a table
    real(wp), parameter :: rpm_per_speed = 30.0_wp/pi !! revolutions per minute of 1 rad/s
 
 contains
@@ -59,10 +59,10 @@ contains
       character(:), allocatable :: words
 
       hindered = .true.
-      if (study%load%trouble > 0) then
+      if (study%load%failure > 0) then
          words = 'the crank cannot make a full turn: the linkage does not close'
          if (study%load%closes) words = the_group(mechanism, study%load%loop)//' passes a dead point'
-         words = words//at_position(study%load%trouble)
+         words = words//at_position(study%load%failure)
       else if (study%load%loose > 0) then
          words = 'with joint '//mechanism%joints(study%joint)%name//' taken apart the links are not held'// &
                  at_position(study%load%loose)
@@ -140,7 +140,7 @@ contains
    !> The same in a table.
    pure function verdict_name(m) result(words)
       type(flypast_of_joint_t), intent(in) :: m
-      character(name_room) :: words
+      character(name_length) :: words
 
       words = lower_case(verdict(m))
    end function verdict_name

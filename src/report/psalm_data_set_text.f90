@@ -21,7 +21,7 @@ module psalm_data_set_text
    private
    public :: write_vertices, write_data_set
 
-   integer, parameter :: line_room = 100  !! columns of a line of values
+   integer, parameter :: line_length = 100  !! columns of a line of values
 
 contains
 
@@ -50,7 +50,7 @@ contains
       end do
    end subroutine write_vertices
 
-   !> Append the complete data set of a linkage, as an analysis: what was variable is told in comments.
+   !> Append the complete data set of a linkage, as an analysis: what was variable is said in comments.
    subroutine write_data_set(set, problem, dimensions, text, variant)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
@@ -61,18 +61,18 @@ contains
       integer :: loop
       real(wp), allocatable :: inputs(:)
       type(loop_arrays_t) :: arrays
-      logical :: sound
+      logical :: valid
 
       own = variant_of(set)
       if (present(variant)) own = variant
       if (set%is_drawn() .and. .not. own%by_loops) then
-         sound = .true.
+         valid = .true.
          if (problem%parameters%has_search()) then
             inputs = inputs_of(set)
             if (set%method%ikin == 0) inputs = own%delt
-            call redraw_sketch(set, problem%mechanism, dimensions, inputs, own%sketch, own%from_drawing, sound)
+            call redraw_sketch(set, problem%mechanism, dimensions, inputs, own%sketch, own%from_drawing, valid)
          end if
-         if (sound) then
+         if (valid) then
             call write_sketch(set, text, own)
             return
          else if (set%is_beyond_arrays()) then
@@ -128,7 +128,7 @@ contains
             line = '  '
             if (loop == 1) line = line//name//'='
             do a = 1, size(values, 1)
-               if (len(line) > line_room) then
+               if (len(line) > line_length) then
                   call text%add(line)
                   line = '  '
                end if
@@ -155,7 +155,7 @@ contains
 
          line = '  '//head
          do a = 1, size(values)
-            if (len(line) > line_room) then
+            if (len(line) > line_length) then
                call text%add(line)
                line = '  '
             end if

@@ -10,9 +10,9 @@ module psalm_devices
    use psalm_version, only: version
    implicit none (type, external)
    private
-   public :: devices_t, drawing_t, header_of, most_told
+   public :: devices_t, drawing_t, header_of, most_reported
 
-   integer, parameter :: most_told = 5 !! messages of one kind on standard error; the listing has all
+   integer, parameter :: most_reported = 5 !! messages of one kind on standard error; the listing has all
 
    !> A file beside the devices that belongs to one case.
    type :: drawing_t

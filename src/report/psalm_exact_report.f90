@@ -22,7 +22,7 @@ module psalm_exact_report
    private
    public :: report_exact, write_case
 
-   integer, parameter :: sound_classes = 2           !! the first classes of psalm_defects: linkages without a defect
+   integer, parameter :: valid_classes = 2           !! the first classes of psalm_defects: linkages without a defect
    integer, parameter :: samples = 21                !! positions of a generator with the least largest error
 
 contains
@@ -260,7 +260,7 @@ contains
             call devices%note_violation()
             return
          end if
-         if (all(study%results(:shown)%verdict%class > sound_classes)) call devices%remark(set, 'every linkage listed has a '// &
+         if (all(study%results(:shown)%verdict%class > valid_classes)) call devices%remark(set, 'every linkage listed has a '// &
             'defect: try other or fewer points or poses (four poses leave curves of pivots), other PIVOTS or none, a six-bar '// &
             '(ARM), or a search with these values as desired ones')
          call six%add()
@@ -518,7 +518,7 @@ contains
 
       associate (found => study%six_bars, six => devices%six)
          call six%add('  '//to_text(found%drivers)//' drivers close, '//to_text(found%linkages)//' closing linkages, '// &
-                      to_text(found%sound)//' stay assembled on one branch')
+                      to_text(found%valid)//' stay assembled on one branch')
          if (found%stopped) then
             call six%add('  not complete: '//reason_of(study)//', '//to_text(found%tried)//' of '//to_text(found%planned)// &
                          ' drivers of the grid tried')
@@ -530,7 +530,7 @@ contains
             call devices%remark(set, 'no linkage was found so far')
             return
          else if (shown == 0) then
-            if (found%sound > 0) then
+            if (found%valid > 0) then
                call devices%remark(set, 'no six-bar of this grid is left: '//left_out(found%too_long, found%flat))
             else if (found%too_long > 0) then
                call devices%remark(set, 'no six-bar of this grid meets the points on one branch; not looked at: '// &
@@ -746,10 +746,10 @@ contains
       integer :: k, i, shown
 
       associate (found => study%guided, six => devices%six)
-         call six%add('  '//to_text(found%pairs)//' six-bars, '//to_text(found%sound)// &
+         call six%add('  '//to_text(found%pairs)//' six-bars, '//to_text(found%valid)// &
                       ' of them come from the first pose to all others')
          shown = shown_of(set, study)
-         if (found%sound == 0) then
+         if (found%valid == 0) then
             call devices%remark(set, 'no six-bar of this chain comes from the first pose to all others')
             call devices%note_violation()
          end if
@@ -759,7 +759,7 @@ contains
          call six%add('  RANK SOUND   FASTEST LINK   LONGEST LINK  FIRST LINK     SECOND LINK')
          do k = 1, shown
             associate (one => found%list(k))
-               call six%add(rank_column(k)//word(one%sound, 6)//general(one%fastest)//general(one%longest)//'  '// &
+               call six%add(rank_column(k)//word(one%valid, 6)//general(one%fastest)//general(one%longest)//'  '// &
                             between(one%links(1)%from, one%links(1)%to)//'  '//between(one%links(2)%from, one%links(2)%to))
             end associate
          end do
@@ -768,7 +768,7 @@ contains
          table = list_of(set)
          associate (list => found%list(:shown))
             call table%add('rank', [(k, k=1, shown)])
-            call table%add('sound', list%sound)
+            call table%add('sound', list%valid)
             call table%add('fastest', list%fastest)
             call table%add('longest', list%longest, 'length')
             do i = 1, 2
@@ -792,7 +792,7 @@ contains
                call six%add(line)
             end associate
             line = '! rank '//to_text(k)
-            if (.not. found%list(k)%sound) line = line//': it does not come to all poses'
+            if (.not. found%list(k)%valid) line = line//': it does not come to all poses'
             call devices%seven%add(line)
             call write_case(set, study, k, merge(set%limits%last, 0, k == shown), devices%seven)
          end do
@@ -870,12 +870,12 @@ contains
       table = table_of('exact', 'a row for each linkage listed', notes=set%title)
    end function list_of
 
-   function word(sound, width) result(text)
-      logical, intent(in) :: sound
+   function word(valid, width) result(text)
+      logical, intent(in) :: valid
       integer, intent(in) :: width
       character(:), allocatable :: text
 
-      text = repeat(' ', width - 3)//merge('yes', ' no', sound)
+      text = repeat(' ', width - 3)//merge('yes', ' no', valid)
    end function word
 
    function assembly_word(assembly) result(text)

@@ -11,7 +11,7 @@ module psalm_exact_text
    private
    public :: write_linkage, write_generator, write_six_bar, write_guided
 
-   integer, parameter :: line_room = 100            !! columns of a line of values
+   integer, parameter :: line_length = 100            !! columns of a line of values
 
 contains
 
@@ -171,7 +171,7 @@ contains
 
       line = '  '//head
       do i = 1, size(values)
-         if (len(line) > line_room) then
+         if (len(line) > line_length) then
             call text%add(line)
             line = '  '
          end if

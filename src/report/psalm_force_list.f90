@@ -10,7 +10,7 @@ module psalm_force_list
    use psalm_text, only: text_t, general, to_text, upper_case
    implicit none (type, external)
    private
-   public :: list_forces, list_joint_forces, list_shares, add_forces, put_forces, trouble_at
+   public :: list_forces, list_joint_forces, list_shares, add_forces, put_forces, failure_at
 
    integer, parameter :: name_columns = 18     !! of a name at the beginning of a line, unless it is longer
 
@@ -44,7 +44,7 @@ contains
          do k = 1, size(study%input)
             line = merge(general(study%input(k)), angle_text(study%input(k)), sliding .or. study%mechanism%from_drawing)
             if (.not. study%table%known(k)) then
-               call text%add(line//'   '//upper_case(trouble_at(study, k)))
+               call text%add(line//'   '//upper_case(failure_at(study, k)))
                cycle
             end if
             associate (v => study%table%value)
@@ -83,7 +83,7 @@ contains
    end function heading
 
    !> What stands in place of forces where they are not known.
-   pure function trouble_at(study, k) result(words)
+   pure function failure_at(study, k) result(words)
       type(force_study_t), intent(in) :: study
       integer, intent(in) :: k
       character(:), allocatable :: words
@@ -95,7 +95,7 @@ contains
       else
          words = 'friction locks the linkage: no drive can move it'
       end if
-   end function trouble_at
+   end function failure_at
 
    subroutine list_sizing(study, text)
       type(force_study_t), intent(in) :: study
@@ -155,7 +155,7 @@ contains
          call text%add()
          call text%add(' INPUT'//general(study%input(k)))
          if (.not. study%table%known(k)) then
-            call text%add(' '//upper_case(trouble_at(study, k)))
+            call text%add(' '//upper_case(failure_at(study, k)))
             cycle
          end if
          do j = 1, size(study%joints)
@@ -180,7 +180,7 @@ contains
       do k = 1, size(study%input)
          call text%add(' INPUT'//general(study%input(k)))
          if (.not. study%table%known(k)) then
-            call text%add('  '//upper_case(trouble_at(study, k)))
+            call text%add('  '//upper_case(failure_at(study, k)))
             cycle
          end if
          do source = 1, size(study%sources)

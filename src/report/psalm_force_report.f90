@@ -1,8 +1,8 @@
 !> What a study of forces has to report, on all devices.
 module psalm_force_report
    use psalm_data_set, only: data_set_t
-   use psalm_devices, only: devices_t, most_told
-   use psalm_force_list, only: list_forces, list_joint_forces, list_shares, put_forces, trouble_at
+   use psalm_devices, only: devices_t, most_reported
+   use psalm_force_list, only: list_forces, list_joint_forces, list_shares, put_forces, failure_at
    use psalm_force_study, only: force_study_t
    use psalm_input_text, only: position_words
    use psalm_text, only: to_text
@@ -18,7 +18,7 @@ contains
       type(force_study_t), intent(in) :: forces
       type(devices_t), intent(inout) :: devices
       integer, allocatable :: resting(:)
-      integer :: k, told
+      integer :: k, reported
 
       call list_forces(set, forces, devices%six)
       call put_forces(set, forces, devices%cases(devices%last_case()))
@@ -30,13 +30,14 @@ contains
       if (size(resting) > 0) call devices%remark(set, 'at '//to_text(size(resting))//' positions, first at '// &
                                                  position_words(resting(1), forces%input(resting(1)))// &
                                                  ', a joint with friction does not move and has none')
-      told = 0
+      reported = 0
       do k = 1, size(forces%input)
-         if (forces%table%known(k) .or. .not. forces%table%closed(k)) cycle   ! what is open is told with the rates
-         told = told + 1
-         if (told <= most_told) call devices%remark(set, trouble_at(forces, k)//' at '// &
+         if (forces%table%known(k) .or. .not. forces%table%closed(k)) cycle   ! what is open is reported with the rates
+         reported = reported + 1
+         if (reported <= most_reported) call devices%remark(set, failure_at(forces, k)//' at '// &
                                                     position_words(k, forces%input(k)))
       end do
-      if (told > most_told) call devices%detail(set, 'and '//to_text(told - most_told)//' more positions without forces')
+      if (reported > most_reported) call devices%detail(set, 'and '//to_text(reported - most_reported)// &
+                                                       ' more positions without forces')
    end subroutine report_forces
 end module psalm_force_report

@@ -74,9 +74,9 @@ contains
       character(:), allocatable :: words
 
       if (.not. study%turns) then
-         words = 'THE CRANK DOES NOT TURN FULLY, OR PASSES A DEAD POINT, AT '//to_text(study%trouble_at)// &
+         words = 'THE CRANK DOES NOT TURN FULLY, OR PASSES A DEAD POINT, AT '//to_text(study%failure_at)// &
                  ' DEGREES FROM THE REFERENCE INPUT'
-         if (study%massless) words = 'NOTHING HAS INERTIA AT '//to_text(study%trouble_at)//' DEGREES FROM THE REFERENCE INPUT'
+         if (study%massless) words = 'NOTHING HAS INERTIA AT '//to_text(study%failure_at)//' DEGREES FROM THE REFERENCE INPUT'
          return
       end if
       select case (study%cycle%state)

@@ -20,7 +20,7 @@ module psalm_margin_list
    private
    public :: list_margins, put_margins, describe_margin, name_of_clearance, name_of_limit
 
-   integer, parameter :: name_room = 120     !! characters of a name in a table
+   integer, parameter :: name_length = 120     !! characters of a name in a table
    integer, parameter :: name_columns = 44   !! width of a constraint's name
 
 contains
@@ -209,7 +209,7 @@ contains
       type(margin_t), intent(in) :: margins(:)
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
-      character(name_room), allocatable :: names(:)
+      character(name_length), allocatable :: names(:)
       integer :: i
 
       allocate (names(size(margins)))

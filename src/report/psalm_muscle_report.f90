@@ -34,10 +34,10 @@ contains
       group = balance_of(set)
       call devices%six%add(' '//set%title)
       if (allocated(study%balance)) then
-         if (study%balance%trouble > 0) then
-            call devices%six%add(' NO FORCES AT POSITION '//to_text(study%balance%trouble)// &
+         if (study%balance%failure > 0) then
+            call devices%six%add(' NO FORCES AT POSITION '//to_text(study%balance%failure)// &
                                    ': THE LINKAGE DOES NOT CLOSE OR IS AT A DEAD POINT')
-            call devices%remark(set, 'position '//to_text(study%balance%trouble)// &
+            call devices%remark(set, 'position '//to_text(study%balance%failure)// &
                                 ': the linkage does not close or is at a dead point; kalm reports which')
             call devices%note_violation()
          else
@@ -67,10 +67,10 @@ contains
       type(spring_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
 
-      if (study%trouble > 0) then
+      if (study%failure > 0) then
          call devices%six%add(' NO SPRINGS: THE LINKAGE DOES NOT CLOSE, OR IS AT A DEAD POINT, AT POSITION '// &
-                              to_text(study%trouble))
-         call devices%remark(set, 'position '//to_text(study%trouble)// &
+                              to_text(study%failure))
+         call devices%remark(set, 'position '//to_text(study%failure)// &
                              ': the linkage does not close or is at a dead point; kalm reports which')
          call devices%note_violation()
          return

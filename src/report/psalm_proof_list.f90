@@ -34,11 +34,11 @@ module psalm_proof_list
    character(*), parameter :: head_of_ranges = &
       '   QUANTITY                                      LEAST             AT         GREATEST             AT'
    integer, parameter :: name_columns = 39, limit_columns = 42, number_columns = 15
-   real(wp), parameter :: certain = 1.0e-9_wp       !! relative width of a bracket that is told as one number
+   real(wp), parameter :: certain = 1.0e-9_wp       !! relative width of a bracket that is reported as one number
 
    integer, parameter :: width = 16, decimals = 12  !! of an angle below 1000
    integer, parameter :: most_digits = 40           !! of any
-   real(wp), parameter :: narrow = 1.0e-12_wp       !! of the range: an end bracketed so is told as one number
+   real(wp), parameter :: narrow = 1.0e-12_wp       !! of the range: an end bracketed so is reported as one number
 
 contains
 

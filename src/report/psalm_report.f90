@@ -8,8 +8,8 @@ module psalm_report
    use psalm_check_list, only: list_arcs, list_reference_joints, list_setup
    use psalm_data_set, only: data_set_t, title_columns
    use psalm_data_set_text, only: write_vertices, write_data_set
-   use psalm_devices, only: devices_t, most_told
-   use psalm_doubts, only: describe_short_links, words_at_rest
+   use psalm_devices, only: devices_t, most_reported
+   use psalm_warnings, only: describe_short_links, words_at_rest
    use psalm_error, only: problem_t, motion_t
    use psalm_finale, only: list_results, describe_violation, describe_crossing
    use psalm_force_report, only: report_forces
@@ -249,7 +249,7 @@ contains
       call list_setup(set, problem, devices%eight)
       if (len(set%skipped) > 0) call devices%eight%add(' GROUPS THAT PSALM DOES NOT READ: '//set%skipped)
       if (allocated(set%traced)) call devices%eight%add_text(set%traced%chosen)
-      call list_reference_joints(problem%mechanism, analysis%doubts, devices%eight)
+      call list_reference_joints(problem%mechanism, analysis%warnings, devices%eight)
       do i = 1, warnings%count
          call devices%eight%add(' '//warnings%list(i)%render())
       end do
@@ -308,15 +308,15 @@ contains
          if (size(motion%violations) > 0) then
             call devices%note_violation()
             call report_open(set, problem, motion, devices)
-            if (size(motion%violations) > most_told) call devices%detail(set, 'and '// &
-               to_text(size(motion%violations) - most_told)//' more in the listing')
+            if (size(motion%violations) > most_reported) call devices%detail(set, 'and '// &
+               to_text(size(motion%violations) - most_reported)//' more in the listing')
          end if
          if (allocated(motion%beyond)) call report_unreached(set, motion%beyond, devices)
       end associate
-      if (.not. allocated(analysis%doubts)) return
-      if (size(analysis%doubts%short) > 0) call devices%remark(set, describe_short_links(set, problem%mechanism, &
-                                                                                         analysis%dimensions, analysis%doubts))
-      if (analysis%doubts%at_rest) call devices%remark(set, words_at_rest)
+      if (.not. allocated(analysis%warnings)) return
+      if (size(analysis%warnings%short) > 0) call devices%remark(set, describe_short_links(set, problem%mechanism, &
+                                                                                         analysis%dimensions, analysis%warnings))
+      if (analysis%warnings%at_rest) call devices%remark(set, words_at_rest)
    end subroutine report_violations
 
    subroutine report_crossings(set, problem, motion, devices)
@@ -326,7 +326,7 @@ contains
       type(devices_t), intent(inout) :: devices
       integer :: i
 
-      do i = 1, min(size(motion%crossings), most_told)
+      do i = 1, min(size(motion%crossings), most_reported)
          call devices%remark(set, 'warning: '//describe_crossing(problem, motion, motion%crossings(i)))
       end do
    end subroutine report_crossings
@@ -344,7 +344,7 @@ contains
       if (open > 0) call devices%remark(set, 'the linkage does not close at '//to_text(open)//' of '// &
                                         to_text(size(motion%closed))//' positions')
       if (size(motion%violations) > 0 .and. len(zero_words(set)) > 0) call devices%detail(set, 'inputs '//zero_words(set))
-      do i = 1, min(size(motion%violations), most_told)
+      do i = 1, min(size(motion%violations), most_reported)
          call devices%detail(set, describe_violation(problem, motion, motion%violations(i)))
       end do
    end subroutine report_open
@@ -503,7 +503,7 @@ contains
       type(devices_t), intent(inout) :: devices
       type(force_study_t), intent(in), optional :: forces       !! if the case has masses, loads or springs
       type(machine_study_t), intent(in), optional :: machine    !! if it has a motor
-      integer :: k, told
+      integer :: k, reported
 
       call put_dimensions(problem%mechanism, rates%dimensions, devices%cases(devices%last_case()))
       call put_violations(problem, rates%motion, devices%cases(devices%last_case()))
@@ -520,14 +520,14 @@ contains
       call report_crossings(set, problem, rates%motion, devices)
       if (.not. all(rates%motion%closed)) call report_open(set, problem, rates%motion, devices)
       if (allocated(rates%motion%beyond)) call report_unreached(set, rates%motion%beyond, devices)
-      told = 0
+      reported = 0
       do k = 1, size(rates%dead)
          if (rates%dead(k) == 0 .or. .not. rates%motion%closed(k)) cycle
-         told = told + 1
-         if (told <= most_told) call devices%remark(set, dead_point_words(problem%mechanism, rates%dead(k))//' at '// &
+         reported = reported + 1
+         if (reported <= most_reported) call devices%remark(set, dead_point_words(problem%mechanism, rates%dead(k))//' at '// &
                                                     position_words(k, rates%motion%input(k)))
       end do
-      if (told > most_told) call devices%detail(set, 'and '//to_text(told - most_told)//' more dead points')
+      if (reported > most_reported) call devices%detail(set, 'and '//to_text(reported - most_reported)//' more dead points')
    end subroutine report_rates
 
    !> Motion from torque.

@@ -16,7 +16,7 @@ module psalm_search_log
    type, extends(observer_t) :: search_log_t
       integer :: every = 20              !! NPRT: iterations between two lines of objectives
       integer :: every_vertex = 100      !! NPRINT: the same for co-ordinates
-      integer :: violations = 30         !! NVIOL: more violations in an iteration are told
+      integer :: violations = 30         !! NVIOL: more violations in an iteration are reported
       type(text_t) :: device1
       class(observer_t), pointer :: next => null()
       integer, private :: calls_before = 0

@@ -13,7 +13,7 @@ module psalm_sketch_text
    private
    public :: variant_t, variant_of, write_sketch, limit_of_angles
 
-   integer, parameter :: line_room = 100  !! columns of a line of values
+   integer, parameter :: line_length = 100  !! columns of a line of values
 
    !> What of a case is written otherwise than it was read.
    type :: variant_t
@@ -141,7 +141,7 @@ contains
       subroutine word(value)
          character(*), intent(in) :: value
 
-         if (len(line) + len(value) > line_room) then
+         if (len(line) + len(value) > line_length) then
             call text%add(line)
             line = '   '
          end if

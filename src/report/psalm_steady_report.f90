@@ -116,7 +116,7 @@ contains
       call devices%remark(set, what//': '//lower_case(stability_words(hill)))
    end subroutine remark_stability
 
-   !> True if the crank cannot turn, which is told.
+   !> True if the crank cannot turn, which is reported.
    logical function stuck(set, mechanism, cycle_of, points, devices)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
@@ -125,11 +125,11 @@ contains
       type(devices_t), intent(inout) :: devices
       character(:), allocatable :: words
 
-      stuck = cycle_of%trouble > 0
+      stuck = cycle_of%failure > 0
       if (.not. stuck) return
       words = 'the crank cannot make a full turn: the linkage does not close'
       if (cycle_of%closes) words = the_group(mechanism, cycle_of%loop)//' passes a dead point'
-      words = words//' at'//general(cycle_of%sense*full_turn*real(cycle_of%trouble - 1, wp)/real(points, wp))// &
+      words = words//' at'//general(cycle_of%sense*full_turn*real(cycle_of%failure - 1, wp)/real(points, wp))// &
               ' degrees after the reference'
       call devices%six%add(' NO STEADY STATE: '//words)
       call devices%remark(set, words)

@@ -24,7 +24,7 @@ module psalm_summary_table
    public :: put_summary, put_output_ranges, put_wish_errors, put_violations, put_dimensions, put_arcs, put_arc_rates, &
              put_simplex, put_starts
 
-   integer, parameter :: name_room = 48  !! characters of a word in a table
+   integer, parameter :: name_length = 48  !! characters of a word in a table
 
 contains
 
@@ -35,7 +35,7 @@ contains
       type(mechanism_t), intent(in) :: mechanism
       type(summary_t), intent(in) :: summary
       type(motion_t), intent(in) :: motion         !! at the prescribed positions
-      logical, intent(in) :: stands_in             !! the output is that of a joint that stands in for it: it is not told
+      logical, intent(in) :: stands_in             !! the output is that of a joint that stands in for it: it is not reported
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
       character(:), allocatable :: of_input, of_output
@@ -129,7 +129,7 @@ contains
       type(summary_t), intent(in) :: summary
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
-      character(name_room), allocatable :: names(:)
+      character(name_length), allocatable :: names(:)
       integer :: i
 
       allocate (names(size(summary%kinds)))
@@ -148,7 +148,7 @@ contains
       type(summary_t), intent(in) :: summary
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
-      character(name_room) :: units(most_rates)
+      character(name_length) :: units(most_rates)
       integer, allocatable :: there(:)
       integer :: order
 
@@ -173,7 +173,7 @@ contains
       type(summary_t), intent(in) :: summary
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
-      character(name_room), allocatable :: names(:)
+      character(name_length), allocatable :: names(:)
       integer :: k
 
       if (.not. allocated(summary%wishes)) return
@@ -222,7 +222,7 @@ contains
       type(motion_t), intent(in) :: motion
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
-      character(name_room), allocatable :: words(:)
+      character(name_length), allocatable :: words(:)
       logical, allocatable :: angle(:), length(:)
       integer :: i
 

@@ -17,7 +17,7 @@ module psalm_tolerance_list
    private
    public :: list_tolerances, list_sample, put_tolerances, list_output_bands, put_output_bands
 
-   integer, parameter :: name_room = 120   !! characters of a name in a table
+   integer, parameter :: name_length = 120   !! characters of a name in a table
 
 contains
 
@@ -127,7 +127,7 @@ contains
       type(sample_t), intent(in) :: sample
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
-      character(name_room), allocatable :: dimensions(:)
+      character(name_length), allocatable :: dimensions(:)
       integer :: n, i
 
       dimensions = names_of_tolerances(sketch, linear%variables, linear%bands%apart)
@@ -241,7 +241,7 @@ contains
       type(tolerance_t), intent(in) :: linear
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
-      character(name_room), allocatable :: names(:)
+      character(name_length), allocatable :: names(:)
       integer, allocatable :: worst(:)
       real(wp), allocatable :: effect(:)
       integer :: v

@@ -15,7 +15,7 @@ module psalm_vibration_table
    private
    public :: put_vibration, put_estimates, put_drive, put_hill
 
-   integer, parameter :: name_room = 80              !! characters of a word in a table
+   integer, parameter :: name_length = 80              !! characters of a word in a table
 
 contains
 
@@ -146,7 +146,7 @@ contains
    pure subroutine add_periodic(hill, table)
       type(hill_t), intent(in) :: hill(:)
       type(table_t), intent(inout) :: table
-      character(name_room), allocatable :: words(:)
+      character(name_length), allocatable :: words(:)
       integer :: k
 
       allocate (words(size(hill)))
@@ -265,7 +265,7 @@ contains
       type(tables_t), intent(inout) :: tables
       type(estimate_group_t) :: group
       type(table_t) :: table
-      character(name_room), allocatable :: links(:), verdicts(:)
+      character(name_length), allocatable :: links(:), verdicts(:)
       integer :: k, n
 
       group = estimates_of(set)
@@ -321,7 +321,7 @@ contains
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
       logical, allocatable :: measured(:)
-      character(name_room) :: names(size(rules)), owners(size(rules)*size(links))
+      character(name_length) :: names(size(rules)), owners(size(rules)*size(links))
       integer :: k, n
 
       measured = [(estimates(k)%measured, k=1, size(estimates))]

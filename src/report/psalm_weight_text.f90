@@ -10,7 +10,7 @@ module psalm_weight_text
    private
    public :: place_words, write_masses, write_places, write_reals
 
-   integer, parameter :: line_room = 100  !! columns of a line of values
+   integer, parameter :: line_length = 100  !! columns of a line of values
 
 contains
 
@@ -136,7 +136,7 @@ contains
       character(:), allocatable, intent(inout) :: line
       type(text_t), intent(inout) :: text
 
-      if (len(line) < line_room) return
+      if (len(line) < line_length) return
       call text%add(line)
       line = '   '
    end subroutine break_line

@@ -14,21 +14,21 @@ module psalm_arcs
 contains
 
    !> Tell determined, undetermined, absent arcs and the input apart, and check every reference.
-   subroutine classify_arcs(set, mechanism, sound, findings)
+   subroutine classify_arcs(set, mechanism, valid, findings)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(inout) :: mechanism
-      logical, intent(out) :: sound  !! every loop has its arcs in order, so that dyads can be looked for
+      logical, intent(out) :: valid  !! every loop has its arcs in order, so that dyads can be looked for
       type(diagnostics_t), intent(inout) :: findings
       integer :: loop, a, n
 
       call lay_out(set, mechanism)
-      sound = .true.
+      valid = .true.
       do loop = 1, set%links%nloop
          n = mechanism%loops(loop)%arcs
          do a = 1, n
             if (set%links%ilink(a, loop) == 0) then
                call complain(set, 'ILINK', loop, a, 'is 0 (no arc), but arcs follow in this loop', findings)
-               sound = .false.
+               valid = .false.
             end if
          end do
          do a = n + 1, set%links%maxarc
@@ -38,12 +38,12 @@ contains
          end do
          if (n < 3) then
             call complain(set, 'ILINK', loop, 0, 'has fewer than three arcs', findings)
-            sound = .false.
+            valid = .false.
          end if
       end do
-      if (.not. sound) return
-      call find_misplaced_frame(set, mechanism, sound, findings)
-      if (.not. sound) return
+      if (.not. valid) return
+      call find_misplaced_frame(set, mechanism, valid, findings)
+      if (.not. valid) return
       do loop = 1, set%links%nloop
          do a = 1, mechanism%loops(loop)%arcs
             call classify(set, mechanism, loop, a, findings)
@@ -78,10 +78,10 @@ contains
    end subroutine lay_out
 
    !> A frame arc that is not the last of loop 1: everything else that looks wrong then follows from it.
-   subroutine find_misplaced_frame(set, mechanism, sound, findings)
+   subroutine find_misplaced_frame(set, mechanism, valid, findings)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
-      logical, intent(inout) :: sound
+      logical, intent(inout) :: valid
       type(diagnostics_t), intent(inout) :: findings
       integer :: a, n
 
@@ -89,7 +89,7 @@ contains
       if (set%links%iloop(n, 1) == 1) return
       do a = 2, n - 1
          if (abs(set%links%ilink(a, 1)) /= a .or. set%links%iloop(a, 1) /= 1) cycle
-         sound = .false.
+         valid = .false.
          call complain(set, 'ILINK', 1, a, 'is measured from the machine''s x axis, as the frame arc is: the frame arc must '// &
                        'come last in its loop, as arc '//to_text(n), findings)
          return

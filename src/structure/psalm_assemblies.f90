@@ -260,7 +260,7 @@ contains
       complex(wp) :: factor(size(closure%origin)), along
       integer :: family(size(closure%origin)), column(size(closure%origin))
       integer :: r, k, m, last, equations, unknowns, slide, fixed
-      logical :: sound
+      logical :: valid
 
       associate (links => closure%groups(group)%links, rows => closure%groups(group)%rows)
          known = all(rows%kind /= row_gear)
@@ -291,10 +291,10 @@ contains
                call add_linear(d)
             end select
          end do
-         call null_space(linear, space, sound)
+         call null_space(linear, space, valid)
          unknowns = size(space, 2) - 1
          equations = m - size(links) + count([(rows(r)%kind == row_line .and. .not. is_driven(r), r=1, size(rows))])
-         known = sound .and. equations == 2*unknowns .and. unknowns <= most_loops
+         known = valid .and. equations == 2*unknowns .and. unknowns <= most_loops
          if (.not. known) return
          allocate (places(size(links), unknowns + 1), turns(size(links) + 1, unknowns + 1))
          do k = 1, size(links)

@@ -24,14 +24,14 @@ module psalm_assur_order
    end type assur_group_t
 
    type :: assur_order_t
-      logical :: sound = .false.             !! every unknown is found by one equation
+      logical :: valid = .false.             !! every unknown is found by one equation
       type(assur_group_t), allocatable :: groups(:)
       integer, allocatable :: of_link(:), of_joint(:) !! the group that places it; 0: the frame
    end type assur_order_t
 
 contains
 
-   !> Decompose. `sound` is false where the mechanism is loose or over-braced; `psalm_freedom` then has the words.
+   !> Decompose. `valid` is false where the mechanism is loose or over-braced; `psalm_freedom` then has the words.
    !> Equations that others imply are left out where `braced` says so.
    function find_assur_groups(sketch, braced) result(order)
       type(sketch_t), intent(in) :: sketch
@@ -55,18 +55,18 @@ contains
       end if
       allocate (payer(3, size(graph%equations)), source=0)
       allocate (spent(graph%nodes()), source=0)
-      order%sound = .true.
+      order%valid = .true.
       do i = 1, size(graph%equations)
          do k = 1, graph%equations(i)%count
             allocate (seen(graph%nodes()), source=.false.)
             call pay(graph, i, payer, spent, seen, found)
             deallocate (seen)
-            order%sound = order%sound .and. found
+            order%valid = order%valid .and. found
          end do
       end do
-      order%sound = order%sound .and. all(spent == graph%unknowns)
+      order%valid = order%valid .and. all(spent == graph%unknowns)
       allocate (order%of_link(graph%links), order%of_joint(graph%joints), source=0)
-      if (.not. order%sound) then
+      if (.not. order%valid) then
          allocate (order%groups(0))
          return
       end if

@@ -69,7 +69,7 @@ module psalm_closure
 
 contains
 
-   !> Make a sketch ready. `order` must be sound.
+   !> Make a sketch ready. `order` must be valid.
    subroutine make_closure(sketch, order, closure)
       type(sketch_t), intent(in) :: sketch
       type(assur_order_t), intent(in) :: order

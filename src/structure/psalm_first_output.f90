@@ -75,14 +75,14 @@ contains
       type(state_t), intent(in) :: state
       type(sketch_t), intent(in) :: sketch
       type(data_set_t), intent(inout) :: set
-      logical :: told
+      logical :: reported
 
       associate (first => sketch%outputs(1))
-         told = first%kind /= output_slide
-         if (told) call put_output(loops, state, sketch, first, told)
-         if (told .and. (set%method%desired .neqv. first%is_wished())) then
+         reported = first%kind /= output_slide
+         if (reported) call put_output(loops, state, sketch, first, reported)
+         if (reported .and. (set%method%desired .neqv. first%is_wished())) then
             call give_to_method(set)
-         else if (wants_travel(loops, set) .or. (set%method%desired .and. first%kind == output_pose .and. .not. told)) then
+         else if (wants_travel(loops, set) .or. (set%method%desired .and. first%kind == output_pose .and. .not. reported)) then
             call take_from_method(set)
          end if
       end associate

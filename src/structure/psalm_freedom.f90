@@ -2,7 +2,7 @@
 !>
 !> The pebble game: a link holds three pebbles, a joint two; an equation is free of the others if four pebbles can be gathered at
 !> its two ends, and then takes one of them. It finds over-braced parts although the total may be right. Source: Jacobs and
-!> Thorpe (1995) for bars, here for links, joints and slides; Oldham (1977), 3.1 and 3.2 for what is to be told.
+!> Thorpe (1995) for bars, here for links, joints and slides; Oldham (1977), 3.1 and 3.2 for what is to be reported.
 module psalm_freedom
    use psalm_sketch, only: sketch_t, frame_link, drive_stretches
    use psalm_sketch_graph, only: graph_t, make_graph

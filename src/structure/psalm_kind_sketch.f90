@@ -47,7 +47,7 @@ contains
             link(order(a)) = next
          end do
          if (cylinder > 0) link(cylinder) = link(kind%driven)
-         sketch%sound = .true.
+         sketch%valid = .true.
          allocate (sketch%links(next))
          do a = 1, next
             sketch%links(a)%name = 'link'//to_text(a)

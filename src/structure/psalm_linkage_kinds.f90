@@ -20,7 +20,7 @@ module psalm_linkage_kinds
    integer, parameter :: driven_by_cylinder = 2    !! a slide between two links that have a pin each otherwise
 
    integer, parameter :: colour_frame = 1, colour_output = 2
-   integer, parameter :: name_room = 48
+   integer, parameter :: name_length = 48
 
    !> What kinds are wanted.
    type :: wanted_kinds_t
@@ -39,7 +39,7 @@ module psalm_linkage_kinds
       integer :: slides = 0                        !! not driven
       integer :: largest_group = 0                 !! links of its largest Assur group
       integer :: groups = 0
-      character(name_room) :: name = ''            !! unique among the kinds found together
+      character(name_length) :: name = ''            !! unique among the kinds found together
    end type linkage_kind_t
 
 contains
@@ -266,7 +266,7 @@ contains
    pure function family_of(chain, number, frame) result(name)
       type(chain_graph_t), intent(in) :: chain
       integer, intent(in) :: number, frame
-      character(name_room) :: name
+      character(name_length) :: name
       integer :: k, ternary(2), both
 
       select case (chain%n)
@@ -289,7 +289,7 @@ contains
    !> Families by what is in them: slides, drive and output are counted.
    pure subroutine name_kinds(kinds)
       type(linkage_kind_t), intent(inout) :: kinds(:)
-      character(name_room) :: family(size(kinds))
+      character(name_length) :: family(size(kinds))
       integer :: k, number
 
       do k = 1, size(kinds)

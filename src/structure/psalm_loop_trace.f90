@@ -36,18 +36,18 @@ contains
       logical, intent(out) :: valid
       type(tracing_t) :: tracings(2)
       type(loops_t) :: tried(2)
-      logical :: sound(2)
+      logical :: found(2)
       integer :: way
 
       do way = 1, 2
          tried(way) = loops
          tracings(way) = tracing
-         call trace(closure, state, turned_round(dyad, way == 2), tracings(way), tried(way), sound(way))
+         call trace(closure, state, turned_round(dyad, way == 2), tracings(way), tried(way), found(way))
       end do
-      valid = any(sound)
+      valid = any(found)
       if (.not. valid) return
-      way = merge(1, 2, sound(1))
-      if (all(sound)) way = merge(1, 2, size(tried(1)%arcs) <= size(tried(2)%arcs))
+      way = merge(1, 2, found(1))
+      if (all(found)) way = merge(1, 2, size(tried(1)%arcs) <= size(tried(2)%arcs))
       dyad = turned_round(dyad, way == 2)
       tracing = tracings(way)
       loops = tried(way)

@@ -13,7 +13,7 @@ contains
 
    !> Name bodies and joints as the sketch does; where several pairs of links meet in one joint, each with the later link's name.
    !>
-   !> Such joints are told to be on one pin: loops that reach it along other arcs have points of their own there.
+   !> Such joints are reported to be on one pin: loops that reach it along other arcs have points of their own there.
    subroutine take_names(set, mechanism)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(inout) :: mechanism

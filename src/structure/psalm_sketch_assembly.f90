@@ -16,11 +16,11 @@ module psalm_sketch_assembly
 contains
 
    !> Check a sketch and put it together at the drawing.
-   subroutine assemble_sketch(set, closure, state, sound, findings)
+   subroutine assemble_sketch(set, closure, state, valid, findings)
       type(data_set_t), intent(in) :: set
       type(closure_t), intent(out) :: closure
       type(state_t), intent(out) :: state        !! at the drawing
-      logical, intent(out) :: sound
+      logical, intent(out) :: valid
       type(diagnostics_t), intent(inout) :: findings
       type(assur_order_t) :: order
       type(factors_t) :: factors
@@ -28,7 +28,7 @@ contains
       logical :: closed
       integer :: g
 
-      sound = .false.
+      valid = .false.
       own%file = findings%file
       call check_sketch(set, order, own)
       call findings%append(own)
@@ -39,16 +39,16 @@ contains
          if (size(closure%groups(g)%links) == 0) cycle
          call solve_group(closure, g, state, closed, factors)
          if (.not. closed .or. factors%reciprocal_condition < rank_lost) then
-            call set%origins%error(findings, 'CHAIN', 'LNK', trouble(g, closed), closure%groups(g)%links(1))
+            call set%origins%error(findings, 'CHAIN', 'LNK', failure(g, closed), closure%groups(g)%links(1))
             return
          end if
       end do
       call place_points(closure, state, 0)
-      sound = .true.
+      valid = .true.
 
    contains
 
-      function trouble(group, closed) result(text)
+      function failure(group, closed) result(text)
          integer, intent(in) :: group
          logical, intent(in) :: closed
          character(:), allocatable :: text
@@ -71,7 +71,7 @@ contains
             text = text//trim(merge(' stands', ' stand ', one))//' at a dead point in the drawing, where two assemblies '// &
                    'meet; draw the linkage in another position'
          end if
-      end function trouble
+      end function failure
    end subroutine assemble_sketch
 
    !> Slides where assembling has put them: the point that the second link carries, the direction that the first one has. What moved

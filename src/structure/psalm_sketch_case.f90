@@ -33,7 +33,7 @@ contains
       type(data_set_t), intent(out) :: set
       type(diagnostics_t), intent(inout) :: findings
       logical, intent(in), optional :: as_groups     !! trace dyads as larger groups
-      logical, intent(in), optional :: as_given      !! nothing is searched: what only a search could not do is no trouble
+      logical, intent(in), optional :: as_given      !! nothing is searched: what only a search could not do is no failure
       character(:), allocatable, intent(out), optional :: in_poses !! what varies that loops cannot vary, so that the search is one
                                                                    !! in poses; empty: nothing. There are no loops then
       character(:), allocatable :: why

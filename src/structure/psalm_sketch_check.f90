@@ -33,7 +33,7 @@ contains
       end if
       if (failed) return
       order = find_assur_groups(set%sketch, freedom%braced)
-      if (.not. order%sound) &
+      if (.not. order%valid) &
          call tell(set, 'LNK', 1, 'the sketch is underconstrained in one part and overconstrained in another: '// &
                                        count_of(set%sketch, freedom), findings)
    end subroutine check_sketch
@@ -78,7 +78,7 @@ contains
                 'joins links when both have it in LNK', findings)
    end subroutine check_connected
 
-   !> What is braced twice. With KOVER=1 only a drive that moves nothing is told.
+   !> What is braced twice. With KOVER=1 only a drive that moves nothing is reported.
    subroutine tell_bracing(set, freedom, findings, failed)
       type(data_set_t), intent(in) :: set
       type(freedom_t), intent(in) :: freedom
@@ -121,7 +121,7 @@ contains
                             trim(sketch%links(equation%nodes(1))%name)//' and '//trim(sketch%links(equation%nodes(2))%name)// &
                             ' holds what is held already ('//count_of(sketch, freedom)//')', findings)
                end select
-               ! what follows from the first is not told
+               ! what follows from the first is not reported
                return
             end associate
          end do
@@ -200,20 +200,20 @@ contains
       type(sketch_t), intent(in) :: sketch
       logical, intent(in) :: chosen(:)       !! shape (links)
       character(:), allocatable :: text
-      integer :: i, told
+      integer :: i, reported
 
       text = trim(merge('link  ', 'links ', count(chosen) == 1))
-      told = 0
+      reported = 0
       do i = 1, size(chosen)
          if (.not. chosen(i)) cycle
-         told = told + 1
-         if (told > most_named) then
+         reported = reported + 1
+         if (reported > most_named) then
             text = text//' and '//to_text(count(chosen) - most_named)//' more'
             return
          end if
-         if (told > 1 .and. told == count(chosen)) then
+         if (reported > 1 .and. reported == count(chosen)) then
             text = text//' and '//trim(sketch%links(i)%name)
-         else if (told > 1) then
+         else if (reported > 1) then
             text = text//', '//trim(sketch%links(i)%name)
          else
             text = text//' '//trim(sketch%links(i)%name)

@@ -356,20 +356,20 @@ contains
       type(sketch_t), intent(in) :: sketch
       character(:), allocatable :: words
       character(:), allocatable :: have
-      integer :: i, told
+      integer :: i, reported
 
       have = ''
-      told = 0
+      reported = 0
       do i = 1, size(loops%arcs)
          associate (arc => loops%arcs(i))
             if (arc%same .or. arc%against .or. any(arc%ends > size(sketch%joint_name)) .or. arc%length == 0.0_wp) cycle
             if (any(arc%kind == [traced_slide, traced_actuator])) cycle
-            told = told + 1
-            if (told > most_named) cycle
+            reported = reported + 1
+            if (reported > most_named) cycle
             have = have//', '//line_words(sketch, arc%ends)
          end associate
       end do
-      if (told > most_named) have = have//' and '//to_text(told - most_named)//' more,'
+      if (reported > most_named) have = have//' and '//to_text(reported - most_named)//' more,'
       if (len(have) > 0) have = '; there are the lengths '//have(3:)//' and the angles between them'
       words = ' is no dimension of the loops'//have
    end function none_such

@@ -18,12 +18,12 @@ module psalm_allocation
    use psalm_output_kind, only: output_kind_t, output_kind
    use psalm_sketch, only: output_ratio
    use psalm_separable, only: separable_t, separable_solution_t, solve_separable, inverse_power
-   use psalm_sketch_outputs, only: names_of_numbers, name_room
+   use psalm_sketch_outputs, only: names_of_numbers, name_length
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t
    use psalm_sum_law, only: half_width, share_within
    use psalm_text, only: to_text, upper_case, lower_case
-   use psalm_tolerance, only: allowance_t, column_room, deviating_t, sample_t, tolerance_t, allot, allowances_of, &
+   use psalm_tolerance, only: allowance_t, column_length, deviating_t, sample_t, tolerance_t, allot, allowances_of, &
                               dimensions_to_allot, draw_sample, find_tolerances
    implicit none (type, external)
    private
@@ -57,9 +57,9 @@ module psalm_allocation
       logical :: unsettled = .false.                  !! the rounds of a yield did not come to an end
       integer :: rule = rule_worst                    !! one of `rule_...`
       real(wp) :: yield = 0.0_wp                      !! share of the linkages that is wanted
-      character(name_room), allocatable :: numbers(:) !! of the outputs
+      character(name_length), allocatable :: numbers(:) !! of the outputs
       logical, allocatable :: turns(:)                !! shape (numbers): degrees
-      character(column_room), allocatable :: names(:) !! shape (dimensions)
+      character(column_length), allocatable :: names(:) !! shape (dimensions)
       logical, allocatable :: is_angle(:)             !! shape (dimensions)
       integer, allocatable :: class(:)                !! shape (dimensions); 0: in none
       real(wp), allocatable :: tolerance(:), cost(:)  !! shape (dimensions)
@@ -187,8 +187,8 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(diagnostics_t), intent(inout) :: findings
       character(:), allocatable :: list
-      character(column_room), allocatable :: names(:)
-      character(name_room), allocatable :: numbers(:)
+      character(column_length), allocatable :: names(:)
+      character(name_length), allocatable :: numbers(:)
       logical, allocatable :: is_angle(:), turning(:), named(:)
       integer, allocatable :: class(:)
       real(wp), allocatable :: low(:), high(:)

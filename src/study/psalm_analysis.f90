@@ -17,7 +17,7 @@ module psalm_analysis
    use psalm_mechanism, only: mechanism_t, arc_crank, arc_link
    implicit none (type, external)
    private
-   public :: analysis_t, wanted_t, arc_table_t, doubts_t, analyse, wanted_by
+   public :: analysis_t, wanted_t, arc_table_t, warnings_t, analyse, wanted_by
 
    real(wp), parameter :: least_ratio = 1.0e-3_wp  !! of a link to the longest arc, below which it is practically none
    real(wp), parameter :: at_rest = 1.0e-9_wp      !! of the size: an output that moves less does not move
@@ -28,7 +28,7 @@ module psalm_analysis
       logical :: sweep = .false.       !! the motion at every degree of a turn, or evenly over the range of a sliding input
       logical :: arcs = .false.        !! length and angle of every arc at every position (needs KTHETA=1)
       logical :: margins = .false.     !! margins of every constraint
-      logical :: doubts = .false.      !! what makes the result doubtful, and joints at the reference input
+      logical :: warnings = .false.      !! what makes the result doubtful, and joints at the reference input
       logical :: summary = .false.     !! what the linkage does over the whole range of its input
    end type wanted_t
 
@@ -41,12 +41,12 @@ module psalm_analysis
    end type arc_table_t
 
    !> What is no violation and yet makes a result doubtful.
-   type :: doubts_t
+   type :: warnings_t
       integer, allocatable :: short(:)       !! sequential numbers of moving links of practically no length
       logical :: at_rest = .false.           !! the output stays where it is while the input moves
       real(wp), allocatable :: joint(:, :)   !! shape (2, loops): joint of the undetermined arcs at the reference input
       logical, allocatable :: closes(:)      !! by loop: closes there; `joint` is determined up to the first that does not
-   end type doubts_t
+   end type warnings_t
 
    !> Results. What was not wanted is not allocated.
    type :: analysis_t
@@ -57,7 +57,7 @@ module psalm_analysis
       type(margin_t), allocatable :: margins(:)
       type(motion_t), allocatable :: sweep           !! between and beyond the prescribed positions
       real(wp), allocatable :: sweep_condition(:)
-      type(doubts_t), allocatable :: doubts
+      type(warnings_t), allocatable :: warnings
       type(summary_t), allocatable :: summary
       class(output_wishes_t), allocatable :: wishes !! desired values of further outputs, where there are any
    contains
@@ -74,7 +74,7 @@ contains
       wanted%conditions = set%limits%ktheta /= 0 .or. set%limits%icond /= 0
       wanted%sweep = set%limits%iplot /= 0
       wanted%margins = set%search%given .or. set%constr%given .or. set%limits%trmin_given
-      wanted%doubts = .true.
+      wanted%warnings = .true.
    end function wanted_by
 
    !> Analyse a linkage. `problem` is bound to it afterwards.
@@ -112,11 +112,11 @@ contains
          call fine%analyse(dimensions, analysis%sweep)
          if (wanted%conditions) analysis%sweep_condition = conditions(fine)
       end if
-      if (wanted%doubts) then
-         allocate (analysis%doubts)
-         analysis%doubts%short = short_links(problem%mechanism, dimensions)
-         analysis%doubts%at_rest = stays_at_rest(problem, dimensions, analysis%motion)
-         call find_reference_joints(problem, dimensions, analysis%doubts)
+      if (wanted%warnings) then
+         allocate (analysis%warnings)
+         analysis%warnings%short = short_links(problem%mechanism, dimensions)
+         analysis%warnings%at_rest = stays_at_rest(problem, dimensions, analysis%motion)
+         call find_reference_joints(problem, dimensions, analysis%warnings)
       end if
       if (wanted%summary) then
          allocate (analysis%summary)
@@ -237,10 +237,10 @@ contains
    end function stays_at_rest
 
    !> Joint of the two undetermined arcs of every loop at the reference input, by which a wrong assembly is seen.
-   subroutine find_reference_joints(problem, dimensions, doubts)
+   subroutine find_reference_joints(problem, dimensions, warnings)
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
-      type(doubts_t), intent(inout) :: doubts
+      type(warnings_t), intent(inout) :: warnings
       class(problem_t), allocatable :: at_reference
       integer, allocatable :: joints(:, :)
       integer :: loop, block, n
@@ -248,8 +248,8 @@ contains
       allocate (at_reference)
       associate (mechanism => problem%mechanism)
          allocate (joints(2, mechanism%nloop))
-         allocate (doubts%joint(2, mechanism%nloop), source=0.0_wp)
-         allocate (doubts%closes(mechanism%nloop), source=.false.)
+         allocate (warnings%joint(2, mechanism%nloop), source=0.0_wp)
+         allocate (warnings%closes(mechanism%nloop), source=.false.)
          do loop = 1, mechanism%nloop
             joints(:, loop) = [loop, mechanism%place(1, loop)]
          end do
@@ -263,11 +263,11 @@ contains
          call at_reference%bind(dimensions)
          call at_reference%solve_block(1, block, n)
          do loop = 1, mechanism%nloop
-            doubts%closes(loop) = at_reference%linkage%closes(1, loop)
-            if (.not. doubts%closes(loop)) return
+            warnings%closes(loop) = at_reference%linkage%closes(1, loop)
+            if (.not. warnings%closes(loop)) return
             associate (link => at_reference%linkage, point => at_reference%plan%joint_points(loop))
-               doubts%joint(1, loop) = link%store%v(1, link%point_x(point))/link%scale + at_reference%output%origin_x
-               doubts%joint(2, loop) = link%store%v(1, link%point_y(point))/link%scale + at_reference%output%origin_y
+               warnings%joint(1, loop) = link%store%v(1, link%point_x(point))/link%scale + at_reference%output%origin_x
+               warnings%joint(2, loop) = link%store%v(1, link%point_y(point))/link%scale + at_reference%output%origin_y
             end associate
          end do
       end associate

@@ -12,7 +12,7 @@ module psalm_assembly_study
    integer, parameter :: most_listed = 1000   !! assemblies
 
    type :: assembly_study_t
-      logical :: sound = .false.
+      logical :: valid = .false.
       type(closure_t) :: closure
       type(assemblies_t) :: found
    end type assembly_study_t
@@ -26,7 +26,7 @@ contains
       type(state_t) :: drawn
       type(diagnostics_t) :: findings
 
-      call assemble_sketch(set, study%closure, drawn, study%sound, findings)
-      if (study%sound) call find_assemblies(study%closure, drawn, most_listed, study%found)
+      call assemble_sketch(set, study%closure, drawn, study%valid, findings)
+      if (study%valid) call find_assemblies(study%closure, drawn, most_listed, study%found)
    end subroutine study_assemblies
 end module psalm_assembly_study

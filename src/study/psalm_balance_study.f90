@@ -14,7 +14,7 @@ module psalm_balance_study
    use psalm_force_analysis, only: force_table_t, analyse_forces, loads_of_unit_masses, column_of_joint, column_drive, &
                                    column_fx, column_fy, column_moment
    use psalm_force_balance, only: force_balance_t, weights_t, prepare_balance, find_sets, least_weights, rank_of, unspanned
-   use psalm_force_model, only: force_model_t, spot_t, make_force_model, vertices_of, joint_at, spot_of_place, &
+   use psalm_force_model, only: force_model_t, location_t, make_force_model, vertices_of, joint_at, location_of_place, &
                                 place_right, parameter_mass, parameter_mx, parameter_my
    use psalm_kinds, only: wp, half_turn
    use psalm_kinetostatics, only: source_inertia, source_weight
@@ -69,7 +69,7 @@ module psalm_balance_study
    end type front_point_t
 
    type :: balance_study_t
-      integer :: trouble = 0                       !! position that is not known; 0: none
+      integer :: failure = 0                       !! position that is not known; 0: none
       logical :: stopped = .false.                 !! the host asked for the end: the rest is not there
       character(:), allocatable :: names(:)        !! of the bodies, the frame first
       integer, allocatable :: adrift(:)            !! bodies that do not hang on the frame by pins
@@ -114,24 +114,24 @@ contains
       type(balance_group_t) :: group
       type(diagnostics_t) :: unused
       type(force_model_t) :: model
-      type(spot_t) :: spot
+      type(location_t) :: location
       integer, allocatable :: taken(:)
       integer :: k, state
 
       group = balance_of(set)
       call make_force_model(set, mechanism, dimensions, model, unused)
-      if (unused%failed()) return                  ! told elsewhere
+      if (unused%failed()) return                  ! reported elsewhere
       allocate (taken(size(group%places)), source=0)
       do k = 1, size(group%places)
-         call spot_of_place(mechanism, dimensions, model%reference, group%places(k), spot, state)
+         call location_of_place(mechanism, dimensions, model%reference, group%places(k), location, state)
          if (state /= place_right) then
             call refuse('WLINK', k, 'the anchor is no point of the link; name another end or arc of it')
-         else if (spot%body == body_frame) then
+         else if (location%body == body_frame) then
             call refuse('WLINK', k, 'a weight on the frame balances nothing')
-         else if (any(taken == spot%body)) then
-            call refuse('WLINK', k, 'there is an entry for '//mechanism%bodies(spot%body)%name//' already')
+         else if (any(taken == location%body)) then
+            call refuse('WLINK', k, 'there is an entry for '//mechanism%bodies(location%body)%name//' already')
          end if
-         taken(k) = spot%body
+         taken(k) = location%body
       end do
       do k = 1, size(group%joints)
          if (joint_at(mechanism, group%joints(k)) == 0) call refuse('BLINK', k, 'there is no joint at this end of the arc')
@@ -205,12 +205,12 @@ contains
       call problem%want_derivatives(.true., vertices_of(problem%mechanism))
       call problem%analyse(dimensions, motion)
       call analyse_forces(problem, model, set%pace(), set%change_of_pace(), motion%closed, motion%input, table)
-      study%trouble = findloc([(table%known(k), k=1, size(motion%input))], .false., dim=1)
+      study%failure = findloc([(table%known(k), k=1, size(motion%input))], .false., dim=1)
       study%sliding = problem%mechanism%sliding_input
       call name_bodies(problem%mechanism, study)
       call order_by_pins(problem%mechanism, pins)
       study%adrift = pack([(b, b=1, size(pins%adrift))], pins%adrift)
-      if (study%trouble > 0) return
+      if (study%failure > 0) return
       call place_anchors(set, group, problem%mechanism, dimensions, model, pins, anchor, rooms, study)
       study%mass = sum(model%inertia(parameter_mass, :))
       call make_channels(set, problem, model, motion, table, anchor, study)
@@ -254,7 +254,7 @@ contains
       real(wp), allocatable, intent(out) :: anchor(:, :) !! shape (2, bodies): from the reference, axes of the body, m
       type(room_t), allocatable, intent(out) :: rooms(:)
       type(balance_study_t), intent(inout) :: study
-      type(spot_t) :: spot
+      type(location_t) :: location
       integer :: b, k, state, next
 
       call find_lines(set, mechanism, dimensions, model, study)
@@ -279,9 +279,9 @@ contains
       else
          allocate (rooms(group%links))
          do k = 1, group%links
-            call spot_of_place(mechanism, dimensions, model%reference, group%places(k), spot, state)
-            anchor(:, spot%body) = spot%at*model%metre
-            rooms(k) = room_of(spot%body, k)
+            call location_of_place(mechanism, dimensions, model%reference, group%places(k), location, state)
+            anchor(:, location%body) = location%at*model%metre
+            rooms(k) = room_of(location%body, k)
          end do
       end if
       rooms = pack(rooms, rooms%reach > 0.0_wp)
@@ -307,16 +307,16 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
       type(balance_study_t), intent(inout) :: study
-      type(spot_t) :: spot
+      type(location_t) :: location
       integer :: link, state
 
       allocate (study%line_from(2, size(model%reference)), study%line_angle(size(model%reference)), source=0.0_wp)
       if (.not. allocated(set%traced)) return
       do link = 1, size(set%traced%link_places)
-         call spot_of_place(mechanism, dimensions, model%reference, set%traced%link_places(link), spot, state)
-         if (state /= place_right .or. spot%body == body_frame) cycle
-         study%line_from(:, spot%body) = spot%at*model%metre
-         study%line_angle(spot%body) = degrees_of(spot%along(1), spot%along(2))
+         call location_of_place(mechanism, dimensions, model%reference, set%traced%link_places(link), location, state)
+         if (state /= place_right .or. location%body == body_frame) cycle
+         study%line_from(:, location%body) = location%at*model%metre
+         study%line_angle(location%body) = degrees_of(location%along(1), location%along(2))
       end do
    end subroutine find_lines
 

@@ -392,11 +392,11 @@ contains
       type(state_t) :: drawn
       type(cam_chain_t), allocatable :: chain
       type(cam_group_t) :: used(size(laws))
-      logical :: sound
+      logical :: valid
       integer :: k, own_drives
 
-      call assemble_sketch(set, closure, drawn, sound, findings)
-      if (.not. sound) return
+      call assemble_sketch(set, closure, drawn, valid, findings)
+      if (.not. valid) return
       own_drives = count(.not. set%sketch%drives%geared)
       if (own_drives /= size(laws)) then
          call set%origins%error(findings, 'DRIVES', 'DRIVE', 'there are '//to_text(own_drives)//' drives of their own, but '// &

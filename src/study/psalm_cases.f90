@@ -96,7 +96,7 @@ contains
          call resolve_sketch(as_read, set, own, as_given=.true.)
          set%search_in_poses = in_poses
          if (set%wants_search()) call refuse_in_poses(set, findings)
-         ! what loops cannot do for the drawing may be no trouble for the linkage found
+         ! what loops cannot do for the drawing may be no failure for the linkage found
          if (reader == 'psalm') own = diagnostics_t()
       end if
       if (.not. own%failed() .and. set%loops() > 0) then

@@ -63,7 +63,7 @@ contains
       type(chain_tubes_t), allocatable :: tubes
       real(wp), allocatable :: inputs(:, :)
       type(closure_t) :: whole
-      logical :: sound, begun
+      logical :: valid, begun
       integer :: g, k
 
       associate (closure => study%closure, drives => set%sketch%drives)
@@ -87,8 +87,8 @@ contains
          if (proof%empty) return
          allocate (tubes)
          call in_one_group(closure, whole)
-         call start_tubes(whole, study%start, size(proof%segments), tubes, sound)
-         proof%complete = sound
+         call start_tubes(whole, study%start, size(proof%segments), tubes, valid)
+         proof%complete = valid
          do k = 1, size(proof%segments)
             proof%stopped = is_to_end(stop)
             if (proof%stopped) return
@@ -101,7 +101,7 @@ contains
                proof%segments(2)%to = -(1.0_wp - proof%segments(1)%reached)*proof%segments(1)%to
                proof%segments(2)%per = 1.0_wp/proof%segments(2)%to(1)
             end if
-            begun = sound
+            begun = valid
             if (proof%segments(k)%after > 0) begun = proof%segments(proof%segments(k)%after)%complete
             if (begun) call cover_segment(whole, set%sketch%outputs, k, proof%segments(k), tubes)
             proof%complete = proof%complete .and. proof%segments(k)%complete
@@ -205,18 +205,18 @@ contains
       end do
    end subroutine prove_clearances
 
-   !> The proof of a sketch with loops and a larger group, made in the poses of its links. Not `sound`: the drawing does not close.
-   subroutine prove_loops(set, range, study, proof, sound, stop)
+   !> The proof of a sketch with loops and a larger group, made in the poses of its links. Not `valid`: the drawing does not close.
+   subroutine prove_loops(set, range, study, proof, valid, stop)
       type(data_set_t), intent(in) :: set
       integer, intent(in) :: range           !! one of `proof_of_...`
       type(chain_study_t), intent(out) :: study
       type(chain_proof_t), intent(out) :: proof
-      logical, intent(out) :: sound
+      logical, intent(out) :: valid
       type(stop_t), intent(in), optional :: stop !! asked between the steps
 
       call study_chain(set, 1.0_wp, 0.0_wp, study)
-      sound = study%sound
-      if (sound) call study_chain_proof(set, study, range, proof, stop)
+      valid = study%valid
+      if (valid) call study_chain_proof(set, study, range, proof, stop)
    end subroutine prove_loops
 
    !> Count the positions that are not on the motion that is proven to lead to them.
@@ -349,7 +349,7 @@ contains
       end do
    end subroutine find_lines
 
-   !> A place on a segment as it is told: the first drive's input, or between positions.
+   !> A place on a segment as it is reported: the first drive's input, or between positions.
    pure real(wp) function place_on(proof, segment, way, turns) result(place)
       type(chain_proof_t), intent(in) :: proof
       integer, intent(in) :: segment

@@ -17,7 +17,7 @@ module psalm_chain_study
 
    !> What the sketch does.
    type, extends(sketch_study_t) :: chain_study_t
-      logical :: sound = .false.
+      logical :: valid = .false.
       type(closure_t) :: closure
       type(state_t) :: start                        !! at the drawing
       type(chain_motion_t) :: motion
@@ -40,8 +40,8 @@ contains
       integer :: k, d, n, numbers, positions
       logical :: looped
 
-      call assemble_sketch(set, study%closure, study%start, study%sound, findings)
-      if (.not. study%sound) return
+      call assemble_sketch(set, study%closure, study%start, study%valid, findings)
+      if (.not. study%valid) return
       associate (drives => set%sketch%drives, outputs => set%sketch%outputs)
          if (present(inputs)) then
             study%inputs = inputs

@@ -77,16 +77,16 @@ contains
       type(multistart_t) :: rules
       type(stop_t) :: ending
       integer, allocatable :: best(:)
-      character(:), allocatable :: trouble
-      logical :: sound
+      character(:), allocatable :: failure
+      logical :: valid
       integer :: which, i
 
       allocate (result%best(0))
-      call assemble_sketch(set, closure, drawn, sound, findings)
-      if (.not. sound) return
-      call make_chain_problem(set, closure, drawn, inputs_of_drives(set, .true.), result%problem, trouble, which)
+      call assemble_sketch(set, closure, drawn, valid, findings)
+      if (.not. valid) return
+      call make_chain_problem(set, closure, drawn, inputs_of_drives(set, .true.), result%problem, failure, which)
       if (which > 0) then
-         call set%origins%error(findings, 'CHAIN', 'VARY', trouble, which)
+         call set%origins%error(findings, 'CHAIN', 'VARY', failure, which)
       else if (result%problem%residuals == 0) then
          call set%origins%error(findings, 'CHAIN', 'VARY', 'variables without desired values: give DESX, DESY or DESANG of the '// &
                                 'first output in &METHOD, or DES1, DES2 ... in &OUTPUTS', 1)

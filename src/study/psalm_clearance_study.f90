@@ -126,7 +126,7 @@ contains
       end subroutine refuse
    end subroutine check_clearance
 
-   !> Study of a case that `check_clearance` found no fault with. `study%load%trouble` tells where the crank cannot turn: then
+   !> Study of a case that `check_clearance` found no fault with. `study%load%failure` tells where the crank cannot turn: then
    !> there is nothing else.
    subroutine find_clearance(set, clearance, problem, mechanism, dimensions, study, stop)
       type(data_set_t), intent(in) :: set
@@ -146,7 +146,7 @@ contains
       study%joint = joint_at(mechanism, clearance%joint)
       study%diametral = clearance%diametral*model%metre
       call find_joint_load(problem, dimensions, model, study%joint, clearance%points, set%rates%speed, study%load)
-      if (study%load%trouble > 0 .or. study%load%loose > 0) return
+      if (study%load%failure > 0 .or. study%load%loose > 0) return
       associate (m => study%load%tensor)
          study%massless = .not. all(m(1, :) + m(3, :) > 0.0_wp)
          if (study%massless) return

@@ -49,14 +49,14 @@ contains
          used = model
          if (.not. drive%offsets) then
             call inertia_at_crank(given, dimensions, model, drive%points, sign(1.0_wp, set%rates%speed), whole, study%turn)
-            if (study%turn%trouble > 0) return
+            if (study%turn%failure > 0) return
             whole = whole + drive%extra
             if (all(whole > 0.0_wp)) study%with_offsets = extent_of(whole)
             call drop_offsets(given%mechanism, used)
          end if
          call inertia_at_crank(given, dimensions, used, drive%points, sign(1.0_wp, set%rates%speed), study%inertia, &
                                study%turn)
-         if (study%turn%trouble > 0) return
+         if (study%turn%failure > 0) return
          study%inertia = study%inertia + drive%extra
          call find_torque(drive, given, model, study)
       end if

@@ -46,7 +46,7 @@ module psalm_estimate_study
    integer, parameter :: harmonics_estimated = 12
    integer, parameter :: extents_used = 4          !! of the acceleration and three derivatives
    integer, parameter :: modes_summed = 24         !! of the quasi-static deflection: of a single force it is then 1e-5 too small
-   integer, parameter :: stations = 64             !! parts of the link, at which it is looked for
+   integer, parameter :: samples = 64             !! parts of the link, at which it is looked for
 
    type :: estimate_t
       type(link_cycle_t) :: cycle
@@ -102,7 +102,7 @@ contains
       integer :: k
 
       call find_link_cycle(given, dimensions, model, beam, points, sign(1.0_wp, set%rates%speed), estimate%cycle)
-      if (estimate%cycle%trouble > 0) return
+      if (estimate%cycle%failure > 0) return
       speed = abs(set%rates%speed)
       stiffness = beam%modulus*beam%area*beam%gyration**2
       associate (c => estimate%cycle, e => estimate)
@@ -176,7 +176,7 @@ contains
       end associate
       if (pin == 0) return
       call find_joint_load(given, dimensions, model, pin, size(e%cycle%own), sign(speed, e%cycle%sense), load)
-      if (load%trouble > 0 .or. load%loose > 0) return
+      if (load%failure > 0 .or. load%loose > 0) return
       associate (u => e%cycle%direction, m => load%tensor)
          mass = u(1, :)**2*m(1, :) + 2.0_wp*u(1, :)*u(2, :)*m(2, :) + u(2, :)**2*m(3, :)
       end associate
@@ -261,16 +261,16 @@ contains
       end do
    end subroutine bend
 
-   !> Greatest amount of a deflection over link and turn, by the parabola through a station and its neighbours.
+   !> Greatest amount of a deflection over link and turn, by the parabola through a sample and its neighbours.
    pure subroutine find_greatest(modes, greatest, at)
       real(wp), intent(in) :: modes(:, :)        !! shape (positions, modes)
       real(wp), intent(out) :: greatest          !! m
       real(wp), intent(out) :: at                !! from the start, part of the length
-      real(wp) :: shapes(size(modes, 2), 0:stations), bent(0:stations), left, right
+      real(wp) :: shapes(size(modes, 2), 0:samples), bent(0:samples), left, right
       integer :: i, j, s
 
-      do s = 0, stations
-         shapes(:, s) = [(sin(real(j*s, wp)*pi/real(stations, wp)), j=1, size(modes, 2))]
+      do s = 0, samples
+         shapes(:, s) = [(sin(real(j*s, wp)*pi/real(samples, wp)), j=1, size(modes, 2))]
       end do
       greatest = 0.0_wp
       at = 0.5_wp
@@ -279,12 +279,12 @@ contains
          s = maxloc(bent, 1) - 1
          if (bent(s) <= greatest) cycle
          greatest = bent(s)
-         at = real(s, wp)/real(stations, wp)
-         if (s == 0 .or. s == stations) cycle
+         at = real(s, wp)/real(samples, wp)
+         if (s == 0 .or. s == samples) cycle
          left = bent(s) - bent(s - 1)
          right = bent(s) - bent(s + 1)
          greatest = bent(s) + (left - right)**2/(8.0_wp*(left + right))
-         at = at + 0.5_wp*(left - right)/(left + right)/real(stations, wp)
+         at = at + 0.5_wp*(left - right)/(left + right)/real(samples, wp)
       end do
    end subroutine find_greatest
 
@@ -300,7 +300,7 @@ contains
       bodies = [(mechanism%arcs(mechanism%seq(beams(k)%link%loop, beams(k)%link%arc))%body, k=1, size(beams))]
       do k = 1, size(beams)
          associate (e => estimates(k))
-            if (e%cycle%trouble > 0) cycle
+            if (e%cycle%failure > 0) cycle
             do n = 1, size(beams)
                if (bodies(n) == bodies(k)) cycle
                if (.not. any([(any(mechanism%joints(j)%bodies == bodies(k)) .and. any(mechanism%joints(j)%bodies == bodies(n)), &

@@ -48,7 +48,7 @@ module psalm_exact_study
    real(wp), parameter :: real_within = 1.0e-6_wp    !! of a number and the conjugate of its partner, over the largest
    real(wp), parameter :: on_circle = 1.0e-7_wp      !! distance of points from a circle or line, over their size
    real(wp), parameter :: coincident = 1.0e-9_wp     !! distance of two points that are one, over the size of all
-   !> Distance of two points over the size of all below which ends of paths are not told apart: psalm_monodromy takes two solutions
+   !> Distance of two points over the size of all below which ends of paths are one end: psalm_monodromy takes two solutions
    !> for one at this difference, and the precision is used up long before.
    real(wp), parameter :: too_close = 1.0e-6_wp
    real(wp), parameter :: apart = 1.0e-6_wp          !! radians between two angles of points of six-bars
@@ -732,7 +732,7 @@ contains
       case (way_generators)
          stays_assembled = study%generators%list(number)%assembly /= 0
       case (way_guided)
-         stays_assembled = study%guided%list(number)%sound
+         stays_assembled = study%guided%list(number)%valid
       case (way_minimax, way_six_bars, way_subsets, way_every_six_bar)
          stays_assembled = .true.
       case default

@@ -9,7 +9,7 @@ module psalm_exact_subsets
    use psalm_leg_problem, only: absolute, at_a, at_b, at_x, at_y, variables
    use psalm_nine_points, only: in_place, nine_points_t, solve_nine_points
    use psalm_path_descent, only: descend, nearest_g, retime
-   use psalm_path_fit, only: error_of, path_room_t, fitted_path_t, prepare_path, trace_coupler, path_timing_t
+   use psalm_path_fit, only: error_of, path_workspace_t, fitted_path_t, prepare_path, trace_coupler, path_timing_t
    use psalm_stop, only: stop_t
    use psalm_xoshiro, only: purpose_starts, xoshiro_t
    implicit none (type, external)
@@ -52,7 +52,7 @@ contains
       type(subset_study_t), intent(out) :: study
       type(stop_t), intent(in), optional :: stop     !! asked now and then
       type(fitted_path_t) :: paths(2)                       !! as it is, and mirrored: passed the other way round
-      type(path_room_t), allocatable :: room
+      type(path_workspace_t), allocatable :: room
       type(nine_points_t) :: found
       type(path_timing_t) :: best(most_refined)
       type(xoshiro_t) :: random
@@ -164,7 +164,7 @@ contains
    subroutine finish(path, timing, room)
       type(fitted_path_t), intent(in) :: path
       type(path_timing_t), intent(inout) :: timing
-      type(path_room_t), intent(inout) :: room
+      type(path_workspace_t), intent(inout) :: room
       integer, parameter :: steps = 500, rounds = 5
       real(wp), parameter :: gain = 1.0e-5_wp, inside = 1.0e-6_wp, of_violations = 30.0_wp, least_error = 1.0e-9_wp
       type(path_timing_t) :: other

@@ -227,7 +227,7 @@ contains
    end subroutine find_harmonics_of
 
    !> Harmonics of values at inputs that divide a turn evenly, from order 0, the mean. Orders from half the number of values on
-   !> cannot be told from lower ones and are not given.
+   !> cannot be distinguished from lower ones and are not given.
    pure type(harmonic_t) function harmonics_of(name, values, input, highest) result(one)
       character(*), intent(in) :: name
       real(wp), intent(in) :: values(:), input(:)   !! shape (n); degrees

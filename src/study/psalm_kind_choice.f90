@@ -7,7 +7,7 @@ module psalm_kind_choice
    use psalm_kinds, only: wp
    use psalm_margins, only: inspector_t, prepare_inspector
    use psalm_mechanism, only: arc_crank, arc_determined, arc_link, body_frame
-   use psalm_proof, only: subject_t
+   use psalm_proof, only: proof_linkage_t
    use psalm_proof_study, only: proof_study_t, study_closure, proof_of_inputs, proof_of_turn
    use psalm_ranking, only: ranked_t, rate_linkage
    implicit none (type, external)
@@ -85,10 +85,10 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       logical, intent(in) :: turns
       type(proof_study_t), allocatable :: study
-      type(subject_t), allocatable :: subject
+      type(proof_linkage_t), allocatable :: linkage
 
-      allocate (study, subject)
-      call study_closure(problem, dimensions, merge(proof_of_turn, proof_of_inputs, turns), study, subject)
+      allocate (study, linkage)
+      call study_closure(problem, dimensions, merge(proof_of_turn, proof_of_inputs, turns), study, linkage)
       proof_of = proven_unknown
       if (study%empty) return
       proof_of = merge(proven_closes, proven_not, study%proof%closes_everywhere())

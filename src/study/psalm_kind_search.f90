@@ -185,7 +185,7 @@ contains
       type(xoshiro_t) :: random
       complex(wp) :: centre
       integer :: k, turn, n, tried, i
-      logical :: new, sound
+      logical :: new, valid
 
       centre = (0.0_wp, 0.0_wp)
       if (set%method%ndes > 0) centre = cmplx(sum(set%method%desx), sum(set%method%desy), wp)/real(set%method%ndes, wp)
@@ -200,8 +200,8 @@ contains
             do tried = 1, drawings
                allocate (one)
                one%kind = k
-               call draw_case(set, asked, study%kinds(k), centre, random, one, sound)
-               new = sound
+               call draw_case(set, asked, study%kinds(k), centre, random, one, valid)
+               new = valid
                do i = 1, n
                   if (new .and. all_of_them(i)%kind == k) new = any(all_of_them(i)%signs /= one%signs)
                end do
@@ -233,16 +233,16 @@ contains
       call move_alloc(from%signs, to%signs)
    end subroutine hand_over
 
-   !> A case of a kind, drawn at random, ready to be searched. `sound` is false for a drawing that is none, or whose loops do
+   !> A case of a kind, drawn at random, ready to be searched. `valid` is false for a drawing that is none, or whose loops do
    !> not do.
-   subroutine draw_case(set, asked, kind, centre, random, one, sound)
+   subroutine draw_case(set, asked, kind, centre, random, one, valid)
       type(data_set_t), intent(in) :: set
       type(kinds_group_t), intent(in) :: asked
       type(linkage_kind_t), intent(in) :: kind
       complex(wp), intent(in) :: centre
       type(xoshiro_t), intent(inout) :: random
       type(assembly_in_search_t), intent(inout) :: one
-      logical, intent(out) :: sound
+      logical, intent(out) :: valid
       type(data_set_t), allocatable :: drawn ! large
       type(method_group_t) :: method
       type(search_group_t) :: search
@@ -266,12 +266,12 @@ contains
       end associate
       call set%redraw(trim(set%title)//': '//trim(kind%name), sketch, method, search, drawn)
       call resolve_drawn(drawn, one%set, findings)
-      sound = .not. findings%failed()
-      if (sound) sound = one%set%loops() > 0 .and. .not. allocated(one%set%search_in_poses)
-      if (.not. sound) return
+      valid = .not. findings%failed()
+      if (valid) valid = one%set%loops() > 0 .and. .not. allocated(one%set%search_in_poses)
+      if (.not. valid) return
       call prepare(one%set, none, one%prepared, findings)
-      sound = one%prepared%ready .and. .not. findings%failed()
-      if (.not. sound) return
+      valid = one%prepared%ready .and. .not. findings%failed()
+      if (.not. valid) return
       associate (arcs => one%set%traced%arcs)
          one%signs = pack(arcs%sign, arcs%kind == traced_link)
       end associate
@@ -438,7 +438,7 @@ contains
       !$omp end parallel do
       do k = 1, size(chosen)
          associate (one => contenders(chosen(k)))
-            ! what was left undone of this kind is told of all kinds together
+            ! what was left undone of this kind is reported of all kinds together
             one%prepared%found%out_of_time = .false.
             one%prepared%found%next = 0
             one%set%search%nstart = max(1, one%starts)

@@ -13,7 +13,7 @@ module psalm_machine_study
 
    type :: machine_study_t
       logical :: turns = .false.             !! the crank turns fully, without a dead point, and J > 0: the rest is valid
-      integer :: trouble_at = 0              !! degrees from CRNKI, rounded: where it does not turn, or has no inertia
+      integer :: failure_at = 0              !! degrees from CRNKI, rounded: where it does not turn, or has no inertia
       logical :: massless = .false.          !! it has no inertia there
       real(wp) :: inertia_least = 0.0_wp, inertia_greatest = 0.0_wp !! kg m2, flywheel included
       type(cycle_t) :: cycle
@@ -52,10 +52,10 @@ contains
       allocate (problem, source=given)
       allocate (machine)
       call make_machine(problem, model, motor, machine)
-      call find_trouble()
+      call find_failure()
       if (.not. study%turns) return
       call settle_machine(problem, model, set%rates%speed, machine, study%cycle)
-      call find_trouble()
+      call find_failure()
       if (.not. study%turns) return
       study%inertia_least = minval(machine%turn%inertia) + machine%flywheel
       study%inertia_greatest = maxval(machine%turn%inertia) + machine%flywheel
@@ -65,18 +65,18 @@ contains
    contains
 
       !> A node at which the crank does not turn, or nothing has inertia.
-      subroutine find_trouble()
+      subroutine find_failure()
          real(wp) :: degrees_of_node
          integer :: node
 
          degrees_of_node = full_turn/real(size(machine%turn%inertia) - 1, wp)
-         node = machine%turn%trouble
+         node = machine%turn%failure
          if (node == 0) then
             node = findloc(machine%turn%inertia + machine%flywheel > 0.0_wp, .false., dim=1)
             study%massless = node > 0
          end if
          study%turns = node == 0
-         if (.not. study%turns) study%trouble_at = nint(degrees_of_node*real(node - 1, wp))
-      end subroutine find_trouble
+         if (.not. study%turns) study%failure_at = nint(degrees_of_node*real(node - 1, wp))
+      end subroutine find_failure
    end subroutine find_machine
 end module psalm_machine_study

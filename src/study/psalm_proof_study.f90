@@ -16,7 +16,7 @@ module psalm_proof_study
    use psalm_parameters, only: no_parameters
    use psalm_place, only: beside_t
    use psalm_plan, only: plan_t, make_plan
-   use psalm_proof, only: proof_t, subject_t, prepare_subject, bind_subject, prove_closure, piece_closes
+   use psalm_proof, only: proof_t, proof_linkage_t, prepare_proof, bind_proof, prove_closure, piece_closes
    use psalm_proof_clearance, only: step_path_t, keeping_t, nearest_t, prove_clearance, apart_from_link, apart_from_corners, &
                                     within_edges, within_circle
    use psalm_proof_motion, only: movement_t, bracket_t, prove_movement
@@ -24,7 +24,7 @@ module psalm_proof_study
    use psalm_proven_margins, only: proven_margin_t, prove_margins
    use psalm_proof_ranges, only: proven_extreme_t, prove_extremes, prove_tolerance, extreme_output, extreme_distance, extreme_ratio
    use psalm_stop, only: stop_t, is_to_end
-   use psalm_station, only: station_t, prepare_station, linearise_station
+   use psalm_samples, only: sample_set_t, prepare_samples, linearise_samples
    use psalm_summary, only: loop_kind_t, kinds_of
    use psalm_shown_input, only: input_in_turn, reference_input, zero_input
    implicit none (type, external)
@@ -93,7 +93,7 @@ contains
       type(proof_study_t), intent(out) :: study
       type(stop_t), intent(in), optional :: stop   !! asked between the steps
       class(problem_t), allocatable :: bound
-      type(subject_t), allocatable :: subject
+      type(proof_linkage_t), allocatable :: linkage
       type(plan_t) :: plan
       type(clearance_t), allocatable :: clearances(:)
       integer, allocatable :: joints(:, :)
@@ -108,21 +108,21 @@ contains
          deallocate (beside)
          allocate (beside(0))
       end if
-      allocate (subject)
-      call begin_proof(problem, dimensions, range, joints, size(clearances) > 0, study, subject, plan, beside)
+      allocate (linkage)
+      call begin_proof(problem, dimensions, range, joints, size(clearances) > 0, study, linkage, plan, beside)
       study%stopped = is_to_end(stop)
       if (study%empty .or. study%stopped) return
       allocate (bound, source=problem)
       call bound%bind(dimensions)
       study%kinds = kinds_of(bound, dimensions, .true.)
       study%dwell = set%limits%dwell
-      call prove_movement(subject, study%proof, set%limits%dwell, study%movement)
+      call prove_movement(linkage, study%proof, set%limits%dwell, study%movement)
       call add_output(study)
       study%stopped = is_to_end(stop)
       if (study%stopped) return
       if (study%proof%closes_everywhere()) then
          study%largest_tried = part_of_longest*maxval(dimensions%arcl)
-         call prove_tolerance(subject, study%proof%from, study%proof%to, study%largest_tried, study%tolerance)
+         call prove_tolerance(linkage, study%proof%from, study%proof%to, study%largest_tried, study%tolerance)
          if (set%limits%iproof /= proof_by_default) call estimate_corner(problem, dimensions, study)
       end if
       if (study%proof%closes_everywhere() .and. covers_limits()) then
@@ -139,7 +139,7 @@ contains
          if (study%stopped) return
          associate (kept => study%kept(i))
             kept%clearance = clearances(i)
-            call prove_clearance(subject, study%proof, keeping_of(subject, plan, clearances(i)), kept%nearest)
+            call prove_clearance(linkage, study%proof, keeping_of(linkage, plan, clearances(i)), kept%nearest)
             kept%is_broken = kept%nearest%found .and. &
                              kept%nearest%high < clearances(i)%asked - touching*maxval(dimensions%arcl)
          end associate
@@ -161,26 +161,26 @@ contains
    end subroutine study_proof
 
    !> Prove where a linkage closes, and how far its transmission angles, slides and output point go there.
-   subroutine study_closure(problem, dimensions, range, study, subject)
+   subroutine study_closure(problem, dimensions, range, study, linkage)
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       integer, intent(in) :: range                 !! one of `proof_of_...`
       type(proof_study_t), intent(out) :: study
-      type(subject_t), intent(out) :: subject      !! what was proven, ready for more
+      type(proof_linkage_t), intent(out) :: linkage      !! what was proven, ready for more
       type(plan_t) :: plan
 
-      call begin_proof(problem, dimensions, range, reshape([integer ::], [2, 0]), .false., study, subject, plan)
+      call begin_proof(problem, dimensions, range, reshape([integer ::], [2, 0]), .false., study, linkage, plan)
    end subroutine study_closure
 
-   !> Closure and extremes; the subject and the plan know the joints given.
-   subroutine begin_proof(problem, dimensions, range, joints, placed, study, subject, plan, beside)
+   !> Closure and extremes; the linkage and the plan know the joints given.
+   subroutine begin_proof(problem, dimensions, range, joints, placed, study, linkage, plan, beside)
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       integer, intent(in) :: range                 !! one of `proof_of_...`
       integer, intent(in) :: joints(:, :)          !! shape (2, joints): loop and arc, as `make_plan` has them
       logical, intent(in) :: placed                !! places in the machine are asked for, that of the output point too
       type(proof_study_t), intent(out) :: study
-      type(subject_t), intent(out) :: subject
+      type(proof_linkage_t), intent(out) :: linkage
       type(plan_t), intent(out) :: plan
       type(beside_t), intent(in), optional :: beside(:) !! shape (joints): how far from there
       real(wp) :: from, to
@@ -199,10 +199,10 @@ contains
       if (study%empty) return
       plan = make_plan(problem%mechanism, merge(motion_point, problem%motion, placed), everything=.true., all_roots=.true., &
                        joints=joints)
-      call prepare_subject(problem%mechanism, plan, subject, placed, beside)
-      call bind_subject(plan, dimensions, subject, zero_input(problem%mechanism, dimensions))
-      call prove_closure(subject, from, to, study%proof)
-      call prove_extremes(subject, study%proof, study%extremes, boxes)
+      call prepare_proof(problem%mechanism, plan, linkage, placed, beside)
+      call bind_proof(plan, dimensions, linkage, zero_input(problem%mechanism, dimensions))
+      call prove_closure(linkage, from, to, study%proof)
+      call prove_extremes(linkage, study%proof, study%extremes, boxes)
       call place_positions(problem%mechanism, study%reference + problem%delt, study)
    end subroutine begin_proof
 
@@ -212,10 +212,10 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(proof_study_t), intent(inout) :: study
       class(problem_t), allocatable :: plain        ! large: they would fill a small stack
-      class(station_t), allocatable :: station
+      class(sample_set_t), allocatable :: samples
       integer :: n, loop, i
 
-      allocate (plain, station)
+      allocate (plain, samples)
       plain = problem
       plain%tangle = right_angle
       plain%spare = 0.0_wp
@@ -228,17 +228,17 @@ contains
       end do
       if (size(plain%parameters%variables) == 0) return
       ! a joint that is asked for has every loop solved
-      call prepare_station(plain, [(study%proof%from - study%reference + (study%proof%to - study%proof%from) &
+      call prepare_samples(plain, [(study%proof%from - study%reference + (study%proof%to - study%proof%from) &
                                     *(real(i, wp)/real(steps_of_corner, wp)), i=0, steps_of_corner)], .false., &
-                           reshape([1, 0], [2, 1]), .true., station)
-      call linearise_station(station, dimensions)
+                           reshape([1, 0], [2, 1]), .true., samples)
+      call linearise_samples(samples, dimensions)
       study%worst_corner = huge(1.0_wp)   ! no measure depends on a length yet
-      do loop = 1, size(station%k, 2)
-         do i = 1, size(station%k, 1)
+      do loop = 1, size(samples%k, 2)
+         do i = 1, size(samples%k, 1)
             if (problem%mechanism%groups(loop)%kind == assur_rrr) then
                call look_at_links()
             else
-               call take(1.0_wp - abs(station%k(i, loop)), station%dk(i, loop, :))
+               call take(1.0_wp - abs(samples%k(i, loop)), samples%dk(i, loop, :))
             end if
          end do
       end do
@@ -255,17 +255,17 @@ contains
 
       !> (p+q)**2 - d and d - (p-q)**2, which are nearer to linear than the cosine k; d = p**2 + q**2 - 2 p q k.
       subroutine look_at_links()
-         real(wp), dimension(size(station%dk, 3)) :: dp, dq, dd
+         real(wp), dimension(size(samples%dk, 3)) :: dp, dq, dd
          real(wp) :: d
 
-         associate (members => problem%mechanism%groups(loop)%members, k => station%k(i, loop))
+         associate (members => problem%mechanism%groups(loop)%members, k => samples%k(i, loop))
             associate (p => dimensions%arcl(members(1)), q => dimensions%arcl(members(2)))
                dp = 0.0_wp
                dq = 0.0_wp
                where (plain%parameters%length_variable(members(1)) == [(n, n=1, size(dp))]) dp = 1.0_wp
                where (plain%parameters%length_variable(members(2)) == [(n, n=1, size(dq))]) dq = 1.0_wp
                d = p*p + q*q - 2.0_wp*p*q*k
-               dd = 2.0_wp*(p - q*k)*dp + 2.0_wp*(q - p*k)*dq - 2.0_wp*p*q*station%dk(i, loop, :)
+               dd = 2.0_wp*(p - q*k)*dp + 2.0_wp*(q - p*k)*dq - 2.0_wp*p*q*samples%dk(i, loop, :)
                call take((p + q)**2 - d, 2.0_wp*(p + q)*(dp + dq) - dd)
                call take(d - (p - q)**2, dd - 2.0_wp*(p - q)*(dp - dq))
             end associate
@@ -274,8 +274,8 @@ contains
    end subroutine estimate_corner
 
    !> A clearance with the ways to its points.
-   pure type(keeping_t) function keeping_of(subject, plan, clearance) result(keeping)
-      type(subject_t), intent(in) :: subject
+   pure type(keeping_t) function keeping_of(linkage, plan, clearance) result(keeping)
+      type(proof_linkage_t), intent(in) :: linkage
       type(plan_t), intent(in) :: plan             !! with the joints of the clearances
       type(clearance_t), intent(in) :: clearance
       real(wp) :: c, s
@@ -320,10 +320,10 @@ contains
          integer, intent(in) :: point
 
          if (point == 0) then
-            path%steps = [subject%pivot, path_of(subject%plan, plan%output_point), subject%tip]
+            path%steps = [linkage%pivot, path_of(linkage%plan, plan%output_point), linkage%tip]
          else
-            path%steps = [subject%pivot, path_of(subject%plan, plan%joint_points(point))]
-            if (subject%beside(point) > 0) path%steps = [path%steps, subject%beside(point)]
+            path%steps = [linkage%pivot, path_of(linkage%plan, plan%joint_points(point))]
+            if (linkage%beside(point) > 0) path%steps = [path%steps, linkage%beside(point)]
          end if
       end function way_to
    end function keeping_of

@@ -15,7 +15,7 @@ module psalm_ranking
    use psalm_search, only: found_t
    use psalm_search_group, only: pareto_largest, pareto_angle, pareto_ratio, pareto_room, pareto_band
    use psalm_sketch, only: columns_of
-   use psalm_station, only: station_t, prepare_station, evaluate_station
+   use psalm_samples, only: sample_set_t, prepare_samples, evaluate_samples
    use psalm_summary, only: summary_t, summarise, unit_room
    use psalm_tolerance, only: deviating_t, tolerance_t, find_tolerances
    implicit none (type, external)
@@ -101,7 +101,7 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       logical, intent(in) :: turn                  !! over the full turn of a crank
       real(wp), intent(out) :: width, height
-      class(station_t), allocatable :: station
+      class(sample_set_t), allocatable :: samples
       integer, allocatable :: joints(:, :)
       real(wp) :: from, to, low(2), high(2)
       integer :: i, c, loop, a
@@ -112,24 +112,24 @@ contains
       associate (loops => problem%mechanism%loops)
          joints = reshape([((loop, a, a=1, loops(loop)%arcs), loop=1, size(loops))], [2, sum(loops%arcs)])
       end associate
-      allocate (station)
-      call prepare_station(problem, [(from + (to - from)*(real(i, wp)/real(room_steps, wp)), i=0, room_steps)], .false., &
+      allocate (samples)
+      call prepare_samples(problem, [(from + (to - from)*(real(i, wp)/real(room_steps, wp)), i=0, room_steps)], .false., &
                               joints, &
-                           .false., station)
-      call evaluate_station(station, dimensions)
+                           .false., samples)
+      call evaluate_samples(samples, dimensions)
       width = 0.0_wp
       height = 0.0_wp
-      if (.not. any(station%closed)) return
+      if (.not. any(samples%closed)) return
       low = huge(1.0_wp)
       high = -huge(1.0_wp)
       do c = 1, 2
-         do i = 1, size(station%closed)
-            if (.not. station%closed(i)) cycle
-            low(c) = min(low(c), minval(station%joints(i, c, :)))
-            high(c) = max(high(c), maxval(station%joints(i, c, :)))
+         do i = 1, size(samples%closed)
+            if (.not. samples%closed(i)) cycle
+            low(c) = min(low(c), minval(samples%joints(i, c, :)))
+            high(c) = max(high(c), maxval(samples%joints(i, c, :)))
             if (.not. any(problem%motion == [motion_point, motion_pose])) cycle
-            low(c) = min(low(c), station%out(i, c))
-            high(c) = max(high(c), station%out(i, c))
+            low(c) = min(low(c), samples%out(i, c))
+            high(c) = max(high(c), samples%out(i, c))
          end do
       end do
       width = high(1) - low(1)

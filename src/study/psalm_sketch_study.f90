@@ -11,7 +11,7 @@ module psalm_sketch_study
    use psalm_rates, only: rates_t, prepare_rates, differentiate, is_dead
    use psalm_sketch, only: columns_of, output_ratio
    use psalm_sketch_motion, only: sketch_motion_t, find_places, locate_sketch, observe_sketch
-   use psalm_sketch_outputs, only: names_of_numbers, values_of_outputs, unwrap, name_room
+   use psalm_sketch_outputs, only: names_of_numbers, values_of_outputs, unwrap, name_length
    use psalm_shown_input, only: crank_angle_at, input_at, shows_crank
    use psalm_sweep, only: sweep_inputs
    implicit none (type, external)
@@ -25,7 +25,7 @@ module psalm_sketch_study
                                                     !! not shown
       logical, allocatable :: closed(:)             !! shape (positions): it is reached from the drawing
       logical, allocatable :: dead(:)               !! shape (positions): rates are infinite
-      character(name_room), allocatable :: names(:) !! of the numbers of all outputs
+      character(name_length), allocatable :: names(:) !! of the numbers of all outputs
       logical, allocatable :: angles(:)             !! they are angles that may turn on
       real(wp), allocatable :: values(:, :, :)      !! shape (numbers, 0:most_orders, positions); angles in degrees, rates radians;
                                                     !! huge: a ratio to what stands still, and its rates

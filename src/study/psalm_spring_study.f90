@@ -7,14 +7,15 @@ module psalm_spring_study
    use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t, motion_t
    use psalm_force_analysis, only: force_table_t, analyse_forces, loads_of_unit_wrenches, column_of_joint, column_drive
-   use psalm_force_model, only: force_model_t, spot_t, make_force_model, vertices_of, joint_at, spot_of_place, place_right, &
+   use psalm_force_model, only: force_model_t, location_t, make_force_model, vertices_of, joint_at, location_of_place, &
+                               place_right, &
                                 place_nowhere
    use psalm_kinds, only: wp, pi, full_turn
    use psalm_mechanism, only: mechanism_t, joint_prismatic
    use psalm_place, only: place_t
    use psalm_spring_design_group, only: spring_design_group_t, spring_design_of
    use psalm_spring_exact, only: exact_spring_t, exact_task_t, prepare_exact, find_exact, columns_of_torque, exact_possible
-   use psalm_spring_load, only: spring_room_t, found_spring_t, load_with, criterion_of
+   use psalm_spring_load, only: spring_workspace_t, found_spring_t, load_with, criterion_of
    use psalm_spring_search, only: spring_search_t, search_springs
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t
@@ -40,7 +41,7 @@ module psalm_spring_study
    end type spring_result_t
 
    type :: spring_study_t
-      integer :: trouble = 0                       !! position that is not known; 0: none
+      integer :: failure = 0                       !! position that is not known; 0: none
       character(:), allocatable :: load            !! name of the load
       real(wp) :: before = 0.0_wp, after = 0.0_wp  !! the criterion, N or N m
       type(spring_result_t), allocatable :: springs(:)
@@ -65,18 +66,19 @@ contains
       type(spring_design_group_t) :: group
       type(diagnostics_t) :: unused
       type(force_model_t) :: model
-      type(spot_t) :: spots(2)
+      type(location_t) :: locations(2)
       integer :: k, states(2)
 
       group = spring_design_of(set)
       call make_force_model(set, mechanism, dimensions, model, unused)
-      if (unused%failed()) return                  ! told elsewhere
+      if (unused%failed()) return                  ! reported elsewhere
       do k = 1, size(group%first)
-         call spot_of_place(mechanism, dimensions, model%reference, group%first(k), spots(1), states(1))
-         call spot_of_place(mechanism, dimensions, model%reference, group%second(k), spots(2), states(2))
+         call location_of_place(mechanism, dimensions, model%reference, group%first(k), locations(1), states(1))
+         call location_of_place(mechanism, dimensions, model%reference, group%second(k), locations(2), states(2))
          if (states(1) /= place_right) call refuse('PLINK', k, 'the end is no point of the link; name another end or arc of it')
          if (states(2) /= place_right) call refuse('QLINK', k, 'the end is no point of the link; name another end or arc of it')
-         if (spots(1)%body == spots(2)%body) call refuse('QLINK', k, 'both ends are on the same link: it would have no effect')
+         if (locations(1)%body == locations(2)%body) &
+            call refuse('QLINK', k, 'both ends are on the same link: it would have no effect')
       end do
       if (group%of_joint) then
          if (joint_at(mechanism, group%joint) == 0) call refuse('SJLINK', 1, 'there is no joint at this end of the arc')
@@ -112,7 +114,7 @@ contains
       type(motion_t) :: motion
       type(force_table_t) :: table
       type(diagnostics_t) :: unused
-      type(spring_room_t), allocatable :: rooms(:)
+      type(spring_workspace_t), allocatable :: rooms(:)
       type(found_spring_t), allocatable :: springs(:)
       integer, allocatable :: columns(:)
       integer :: k
@@ -124,10 +126,10 @@ contains
       call problem%want_derivatives(.true., vertices_of(problem%mechanism))
       call problem%analyse(dimensions, motion)
       call analyse_forces(problem, model, set%pace(), set%change_of_pace(), motion%closed, motion%input, table)
-      study%trouble = findloc([(table%known(k), k=1, size(motion%input))], .false., dim=1)
+      study%failure = findloc([(table%known(k), k=1, size(motion%input))], .false., dim=1)
       study%input = motion%input
       call choose_load(group, problem%mechanism, columns, study)
-      if (study%trouble > 0) return
+      if (study%failure > 0) return
       study%load_before = table%value(:, columns)
       call make_rooms(group, problem, dimensions, model, columns, rooms)
       study%before = criterion_of(group%criterion, study%load_before)
@@ -169,9 +171,9 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
       integer, intent(in) :: columns(:)
-      type(spring_room_t), allocatable, intent(out) :: rooms(:)
+      type(spring_workspace_t), allocatable, intent(out) :: rooms(:)
       type(body_motion_t) :: bodies
-      type(spot_t) :: spot
+      type(location_t) :: location
       real(wp), allocatable :: slopes(:, :, :, :)
       integer :: k, e, state
 
@@ -182,9 +184,9 @@ contains
          rooms(k)%stiffest = group%stiffest(k)
          rooms(k)%free = [group%free_low(k), group%free_high(k)]*model%metre
          do e = 1, 2
-            if (e == 1) call spot_of_place(problem%mechanism, dimensions, model%reference, group%first(k), spot, state)
-            if (e == 2) call spot_of_place(problem%mechanism, dimensions, model%reference, group%second(k), spot, state)
-            associate (path => rooms(k)%ends(e), b => spot%body, at => spot%at*model%metre)
+            if (e == 1) call location_of_place(problem%mechanism, dimensions, model%reference, group%first(k), location, state)
+            if (e == 2) call location_of_place(problem%mechanism, dimensions, model%reference, group%second(k), location, state)
+            associate (path => rooms(k)%ends(e), b => location%body, at => location%at*model%metre)
                path%c = bodies%c(:, b)
                path%s = bodies%s(:, b)
                path%x = bodies%x(:, b) + at(1)*path%c - at(2)*path%s
@@ -211,7 +213,7 @@ contains
       type(body_motion_t) :: bodies
       type(exact_task_t) :: task
       type(exact_spring_t) :: two(2), before(2)
-      type(spot_t) :: spots(2)
+      type(location_t) :: locations(2)
       ! large: they would fill a small stack
       real(wp), dimension(:), allocatable :: p1, p2, c, s, d1, d2, turn, x, y, vx, vy
       real(wp), allocatable :: ends(:, :, :), inputs(:)
@@ -228,14 +230,14 @@ contains
       call problem%want_derivatives(.true., vertices_of(problem%mechanism))
       call problem%analyse(dimensions, motion)
       call analyse_forces(problem, model, set%pace(), set%change_of_pace(), motion%closed, motion%input, table)
-      study%trouble = findloc([(table%known(k), k=1, steps_of_turn)], .false., dim=1)
-      if (study%trouble > 0) return
+      study%failure = findloc([(table%known(k), k=1, steps_of_turn)], .false., dim=1)
+      if (study%failure > 0) return
       call follow_bodies(problem, model, bodies)
-      call spot_of_place(problem%mechanism, dimensions, model%reference, group%first(1), spots(1), state)
-      call spot_of_place(problem%mechanism, dimensions, model%reference, group%second(1), spots(2), state)
+      call location_of_place(problem%mechanism, dimensions, model%reference, group%first(1), locations(1), state)
+      call location_of_place(problem%mechanism, dimensions, model%reference, group%second(1), locations(2), state)
       do e = 1, 2
-         b = spots(e)%body
-         associate (at => spots(e)%at*model%metre)
+         b = locations(e)%body
+         associate (at => locations(e)%at*model%metre)
             x = at(1)*bodies%c(:, b) - at(2)*bodies%s(:, b)
             y = at(1)*bodies%s(:, b) + at(2)*bodies%c(:, b)
             ends(:, e, 1) = bodies%x(:, b) + x
@@ -246,7 +248,7 @@ contains
       end do
       x = ends(:, 1, 1) - ends(:, 2, 1)
       y = ends(:, 1, 2) - ends(:, 2, 2)
-      associate (cq => bodies%c(:, b), sq => bodies%s(:, b), wq => bodies%w(:, b), f => spots(1)%body)
+      associate (cq => bodies%c(:, b), sq => bodies%s(:, b), wq => bodies%w(:, b), f => locations(1)%body)
          ! of the first link in the axes of the second
          vx = ends(:, 1, 3) - ends(:, 2, 3) + wq*y
          vy = ends(:, 1, 4) - ends(:, 2, 4) - wq*x
@@ -312,10 +314,10 @@ contains
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
-      type(spring_room_t), intent(in) :: rooms(:)
+      type(spring_workspace_t), intent(in) :: rooms(:)
       type(found_spring_t), intent(in) :: springs(:)
       type(spring_study_t), intent(inout) :: study
-      type(spot_t) :: spot, bare
+      type(location_t) :: location, bare
       type(place_t) :: place
       real(wp) :: z(size(study%input), 2, 2), length(size(study%input)), from(2), ratio
       integer :: k, e, state
@@ -331,10 +333,10 @@ contains
                   z(:, 2, e) = path%y + at(1)*path%s + at(2)*path%c
                   if (e == 1) place = group%first(k)
                   if (e == 2) place = group%second(k)
-                  call spot_of_place(mechanism, dimensions, model%reference, place, spot, state)
+                  call location_of_place(mechanism, dimensions, model%reference, place, location, state)
                   state = place_nowhere
                   if (allocated(set%traced)) &
-                     call spot_of_place(mechanism, dimensions, model%reference, set%traced%link_places(place%link), &
+                     call location_of_place(mechanism, dimensions, model%reference, set%traced%link_places(place%link), &
                                                            bare, state)
                   if (state == place_right) then
                      ! from the first joint of the link: the joint that was named need not be an end of an arc
@@ -342,9 +344,9 @@ contains
                      place%line = set%traced%link_places(place%link)%line
                   else
                      place%distance = 0.0_wp
-                     call spot_of_place(mechanism, dimensions, model%reference, place, bare, state)
+                     call location_of_place(mechanism, dimensions, model%reference, place, bare, state)
                   end if
-                  from = spot%at + at/model%metre - bare%at
+                  from = location%at + at/model%metre - bare%at
                   result%at(:, e) = from
                   from = [from(1)*bare%along(1) + from(2)*bare%along(2), from(2)*bare%along(1) - from(1)*bare%along(2)]
                   place%distance = hypotenuse(from(1), from(2))

@@ -20,7 +20,7 @@ module psalm_tolerance
    use psalm_sensitivity, only: sensitivity_t, wanted_outputs_t, prepare_sensitivity, find_jacobian
    use psalm_sketch, only: sketch_t, sketch_output_t, output_angle, output_pose, output_ratio, columns_of
    use psalm_sketch_motion, only: sketch_motion_t, find_places, locate_sketch
-   use psalm_sketch_outputs, only: names_of_numbers, name_room, values_of_outputs
+   use psalm_sketch_outputs, only: names_of_numbers, name_length, values_of_outputs
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
    use psalm_parameters, only: parameters_t, variable_t, no_parameters, name_of, variable_crnki, variable_length, variable_gama, &
@@ -31,7 +31,7 @@ module psalm_tolerance
    implicit none (type, external)
    private
    public :: tolerances_t, tolerance_t, sample_t, deviating_t, study_tolerances, find_tolerances, draw_sample
-   public :: column_room, allowance_t, allowances_of, names_of_tolerances, dimensions_to_allot, allot
+   public :: column_length, allowance_t, allowances_of, names_of_tolerances, dimensions_to_allot, allot
 
    integer, parameter :: linkages_of_stream = 1000 !! of the random numbers
    integer, parameter :: least_chunk = 1000     !! linkages of a chunk; sums are formed by chunk and added in order
@@ -40,7 +40,7 @@ module psalm_tolerance
    integer, parameter :: numbers_at_once = 5000000 !! of all chunks between them, where a sample is shared
    integer, parameter :: solved_unasked = 20000 !! positions between two looks whether the sample must end
    integer, parameter :: most_named = 10        !! linkages of the sample that are named because they do not close
-   integer, parameter :: column_room = 120      !! characters of the name of a dimension
+   integer, parameter :: column_length = 120      !! characters of the name of a dimension
 
    !> The linkage with every dimension that has a tolerance as a variable.
    type :: deviating_t
@@ -65,7 +65,7 @@ module psalm_tolerance
    !> Bands of all outputs of a sketch. Columns are the dimensions with a tolerance, then those of joints that stand off the arcs:
    !> their distance and their angle.
    type :: output_bands_t
-      character(name_room), allocatable :: names(:) !! of the numbers
+      character(name_length), allocatable :: names(:) !! of the numbers
       logical, allocatable :: known(:)             !! shape (numbers): it is no ratio of rates
       logical, allocatable :: turns(:)             !! shape (numbers): deviations are degrees
       real(wp), allocatable :: worst(:, :)         !! shape (positions, numbers): worst case
@@ -93,12 +93,12 @@ module psalm_tolerance
 
    !> The dimensions to which tolerances can be allotted.
    type :: allowance_t
-      character(column_room), allocatable :: names(:) !! shape (dimensions), of listings
+      character(column_length), allocatable :: names(:) !! shape (dimensions), of listings
       integer, allocatable :: column(:)            !! shape (dimensions): of the tolerances
       logical, allocatable :: is_angle(:)          !! shape (dimensions): its tolerance is in degrees
       real(wp), allocatable :: size(:)             !! shape (dimensions): the length; of angles 0
       real(wp), allocatable :: given(:)            !! shape (dimensions): tolerance that the case has
-      character(name_room), allocatable :: numbers(:) !! shape (numbers): of the outputs
+      character(name_length), allocatable :: numbers(:) !! shape (numbers): of the outputs
       logical, allocatable :: known(:)             !! shape (numbers): its changes are
       logical, allocatable :: turns(:)             !! shape (numbers): degrees
       real(wp), allocatable :: change(:, :, :)     !! shape (positions, dimensions, numbers): by a tolerance of 1
@@ -394,7 +394,7 @@ contains
       type(sketch_t), intent(in) :: sketch
       type(variable_t), intent(in) :: variables(:)
       integer, intent(in) :: apart(:)              !! joints of the sketch
-      character(column_room), allocatable :: names(:) !! shape (columns)
+      character(column_length), allocatable :: names(:) !! shape (columns)
       integer :: v, k
 
       allocate (names(size(variables) + 2*size(apart)))
@@ -413,7 +413,7 @@ contains
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
-      character(column_room), allocatable, intent(out) :: names(:)
+      character(column_length), allocatable, intent(out) :: names(:)
       logical, allocatable, intent(out) :: is_angle(:)
       type(tolerance_group_t) :: toler
       type(parameters_t) :: parameters

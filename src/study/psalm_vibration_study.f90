@@ -69,7 +69,7 @@ module psalm_vibration_study
    end type vibration_study_t
 
    interface
-      !> Vibration of a link that `check_link` found no fault with. `study%cycle%trouble` tells where the crank cannot turn: then
+      !> Vibration of a link that `check_link` found no fault with. `study%cycle%failure` tells where the crank cannot turn: then
       !> there is nothing else.
       module subroutine find_vibration(set, given, dimensions, model, study)
          implicit none (type, external)

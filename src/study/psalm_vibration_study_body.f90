@@ -45,7 +45,7 @@ contains
       associate (v => vibration, beam => vibration%beam)
          call find_link_cycle(given, dimensions, model, beam, v%points, sign(1.0_wp, set%rates%speed), study%cycle)
          allocate (study%modes(0), study%speeds(0), study%bands(0), study%chart(0), study%multipliers(0))
-         if (study%cycle%trouble > 0) return
+         if (study%cycle%failure > 0) return
          speed = abs(set%rates%speed)
          euler = first_frequency(study%cycle%length, beam%gyration, beam%modulus, beam%density)
          study%frequency = euler*sqrt(mode_factor(set, study%cycle%length, 1))

@@ -73,18 +73,18 @@ module psalm_chain_problem
 
 contains
 
-   !> Make the problem of a sketch that was assembled. Not empty `trouble` says, with the number of the variable, what it cannot do.
-   subroutine make_chain_problem(set, closure, start, inputs, problem, trouble, which)
+   !> Make the problem of a sketch that was assembled. Not empty `failure` says, with the number of the variable, what it cannot do.
+   subroutine make_chain_problem(set, closure, start, inputs, problem, failure, which)
       type(data_set_t), intent(in) :: set
       type(closure_t), intent(in) :: closure
       type(state_t), intent(in) :: start
       real(wp), intent(in) :: inputs(:, :)    !! shape (drives, positions): radians or length, from the drawing
       type(chain_problem_t), intent(out) :: problem
-      character(:), allocatable, intent(out) :: trouble
+      character(:), allocatable, intent(out) :: failure
       integer, intent(out) :: which           !! the variable that cannot vary so; 0: none
       integer :: n, v
 
-      trouble = ''
+      failure = ''
       which = 0
       problem%drawn = closure
       problem%start = start
@@ -102,7 +102,7 @@ contains
       allocate (problem%moved(0), problem%first(0), problem%low(0), problem%high(0))
       do v = 1, size(set%sketch%variations)
          call add_variation(set%sketch%variations(v))
-         if (len(trouble) > 0) then
+         if (len(failure) > 0) then
             which = v
             return
          end if
@@ -249,13 +249,13 @@ contains
          end do
          if (at <= size(problem%moved)) then
             if (problem%moved(at)%anchor == anchor) return
-            trouble = 'joint '//name(joint)//' of link '//trim(set%sketch%links(link)%name)// &
+            failure = 'joint '//name(joint)//' of link '//trim(set%sketch%links(link)%name)// &
                       ' is moved from two other joints; count both variables from one of them'
             at = 0
             return
          end if
          if (closure%cylinder(link) > 0) then
-            trouble = 'the length of a cylinder is driven and cannot vary'
+            failure = 'the length of a cylinder is driven and cannot vary'
             at = 0
             return
          end if
@@ -264,7 +264,7 @@ contains
          problem%moved = [problem%moved, moved_t(link, joint, anchor, abs(h), degrees_of(h%re, h%im)*radians_per_degree)]
          at = size(problem%moved)
          if (leads_to(anchor, link, joint)) then
-            trouble = 'joint '//name(joint)//' is counted from '//name(anchor)//', and that in the end from '//name(joint)
+            failure = 'joint '//name(joint)//' is counted from '//name(anchor)//', and that in the end from '//name(joint)
             at = 0
          end if
       end subroutine find_moved
@@ -559,7 +559,7 @@ contains
       real(wp) :: sense(size(closure%groups)), sense_next(size(closure%groups)), drawn(size(self%inputs, 1))
       real(wp) :: way, step, worst
       integer :: group
-      logical :: dead, sound
+      logical :: dead, valid
 
       reached = .true.
       drawn = state%input(:, 0)
@@ -581,8 +581,8 @@ contains
                call self%dimensioned(self%first + (way + step)*(x - self%first), closure)
             end if
             next = state
-            call try_step(closure, drawn, drawn, way, step, next, sense, sense_next, worst, sound, group)
-            if (sound) exit
+            call try_step(closure, drawn, drawn, way, step, next, sense, sense_next, worst, valid, group)
+            if (valid) exit
             step = 0.5_wp*step
             if (step < least_step) return
          end do

@@ -108,7 +108,7 @@ contains
       type(room_t) :: rooms(size(given))
       real(wp) :: centre(2, size(given)), radius(size(given)), bound
       real(wp) :: values(max(aim%starts, 1))
-      logical :: sound
+      logical :: valid
       integer :: start, ended
 
       tried%added = 0.0_wp*channels(1)%slope(1, 1, :, :)
@@ -157,8 +157,8 @@ contains
             call random%use_stream(start)
             call draw_centres(random, rooms, centre, radius)
          end if
-         call go_by_tangents(channels, rooms, aim, balance, centre, radius, tried, sound)
-         if (.not. sound) cycle
+         call go_by_tangents(channels, rooms, aim, balance, centre, radius, tried, valid)
+         if (.not. valid) cycle
          ended = ended + 1
          values(ended) = tried%value
          if (tried%value < design%value) design = tried
@@ -228,21 +228,21 @@ contains
    end subroutine draw_centres
 
    !> A local optimum from a start, for points and discs.
-   subroutine go_by_tangents(channels, rooms, aim, balance, centre, radius, best, sound)
+   subroutine go_by_tangents(channels, rooms, aim, balance, centre, radius, best, valid)
       type(channel_t), intent(in) :: channels(:)
       type(room_t), intent(in) :: rooms(:)
       type(aim_t), intent(in) :: aim
       type(force_balance_t), intent(in) :: balance
       real(wp), intent(inout) :: centre(:, :), radius(:) !! shapes (2, rooms), (rooms)
       type(design_t), intent(out) :: best
-      logical, intent(out) :: sound
+      logical, intent(out) :: valid
       type(design_t) :: tried
       real(wp) :: move, gain
       integer :: step
 
       ! first the best masses for these centres: there the tangents are true
       move = first_move
-      sound = .false.
+      valid = .false.
       do step = 1, most_steps
          call solve_step(channels, rooms, aim, balance, mode_tangent, preference, tried, centre, radius, move)
          if (tried%found) then
@@ -252,7 +252,7 @@ contains
          if (tried%value < best%value) then
             gain = (best%value - tried%value)/max(best%value, tiny(1.0_wp))
             best = tried
-            sound = .true.
+            valid = .true.
             call take_centres(rooms, aim, best, centre, radius)
             if (step > 2 .and. gain <= least_gain) exit
             move = min(1.0_wp, max(2.0_wp*move, usual_move))
@@ -317,7 +317,7 @@ contains
       real(wp) :: unit, bare, none(parameters_of_weight, size(channels(1)%slope, 4)), scale
       integer, allocatable :: first(:)
       integer :: each, n, k, row, cone, tau, c, i, comps, positions
-      logical :: disc, sound
+      logical :: disc, valid
 
       allocate (design%added(parameters_of_weight, size(channels(1)%slope, 4)), source=0.0_wp)
       allocate (design%radius(size(rooms)), design%thickness(size(rooms)), source=0.0_wp)
@@ -336,8 +336,8 @@ contains
       tau = each*size(rooms) + 1
       n = tau
       call fill_map()
-      call allow_exact(sound)
-      if (.not. sound) return
+      call allow_exact(valid)
+      if (.not. valid) return
       call count_rows()
       call fill_limits()
       call fill_objective()
@@ -396,15 +396,15 @@ contains
       end subroutine fill_map
 
       !> Complete force balance leaves the moments of an independent choice of links no freedom: x = origin + span*y.
-      subroutine allow_exact(sound)
-         logical, intent(out) :: sound
+      subroutine allow_exact(valid)
+         logical, intent(out) :: valid
          integer, allocatable :: basis(:), free(:)
          complex(wp), allocatable :: right(:, :)
          complex(wp) :: value
          integer :: j, at, column, kept(n), count_kept, place
 
          allocate (origin(n), source=0.0_wp)
-         sound = .true.
+         valid = .true.
          if (.not. aim%exact) then
             allocate (span(n, n), source=0.0_wp)
             do j = 1, n
@@ -412,8 +412,8 @@ contains
             end do
             return
          end if
-         call solve_moments(balance, rooms%link, basis, free, right, sound)
-         if (.not. sound) return
+         call solve_moments(balance, rooms%link, basis, free, right, valid)
+         if (.not. valid) return
          count_kept = 0
          do j = 1, n
             place = (j - 1)/each + 1

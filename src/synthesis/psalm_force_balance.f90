@@ -245,14 +245,14 @@ contains
       complex(wp), allocatable :: right(:, :)
       real(wp) :: unit
       integer :: k, n, m, first, rank, j, place, column
-      logical :: sound
+      logical :: valid
 
       weights%links = links
       allocate (weights%mass(size(links)), source=0.0_wp)
       allocate (weights%moment(size(links)), source=(0.0_wp, 0.0_wp))
-      call solve_moments(balance, links, basis, free, right, sound)
+      call solve_moments(balance, links, basis, free, right, valid)
       rank = size(basis)
-      if (.not. sound) return
+      if (.not. valid) return
       ! unknowns: masses in masses of the linkage, free moments in reach times these, missing room
       unit = merge(balance%mass, 1.0_wp, balance%mass > 0.0_wp)   ! without any mass there is nothing to scale by
       n = size(links) + 2*size(free) + 1
@@ -327,12 +327,12 @@ contains
 
    !> Complete balance solved for the moments of an independent choice of links: moment of basis(k) =
    !> right(k, 1) + right(k, 2:)*[masses of all links, moments of the free links].
-   subroutine solve_moments(balance, links, basis, free, right, sound)
+   subroutine solve_moments(balance, links, basis, free, right, valid)
       type(force_balance_t), intent(in) :: balance
       integer, intent(in) :: links(:)
       integer, allocatable, intent(out) :: basis(:), free(:) !! of the links
       complex(wp), allocatable, intent(out) :: right(:, :)   !! shape (basis, 1 + links + free)
-      logical, intent(out) :: sound
+      logical, intent(out) :: valid
       complex(wp), allocatable :: frame(:, :), square(:, :)
       integer :: k, rank
 
@@ -345,7 +345,7 @@ contains
       right(:, 1:1) = -conjugate_product(frame, reshape(balance%imbalance, [size(balance%imbalance), 1]))
       right(:, 2:size(links) + 1) = -conjugate_product(frame, balance%moving(:, links))
       right(:, size(links) + 2:) = -conjugate_product(frame, balance%turning(:, free))
-      call solve_complex(square, right, sound)
+      call solve_complex(square, right, valid)
    end subroutine solve_moments
 
    !> Product of the conjugate transpose of a matrix with another one.
@@ -362,19 +362,19 @@ contains
    end function conjugate_product
 
    !> Solve with several right sides by elimination with row exchanges.
-   pure subroutine solve_complex(a, b, sound)
+   pure subroutine solve_complex(a, b, valid)
       complex(wp), intent(inout) :: a(:, :)        !! shape (n, n): destroyed
       complex(wp), intent(inout) :: b(:, :)        !! shape (n, m): right sides, then solutions
-      logical, intent(out) :: sound
+      logical, intent(out) :: valid
       complex(wp) :: row_a(size(a, 2)), row_b(size(b, 2))
       integer :: i, k, n, pivot
 
       n = size(a, 1)
-      sound = .true.
+      valid = .true.
       do k = 1, n
          pivot = k - 1 + maxloc(real(a(k:, k), wp)**2 + aimag(a(k:, k))**2, dim=1)
-         sound = sound .and. abs(real(a(pivot, k), wp)) + abs(aimag(a(pivot, k))) > 0.0_wp
-         if (.not. sound) return
+         valid = valid .and. abs(real(a(pivot, k), wp)) + abs(aimag(a(pivot, k))) > 0.0_wp
+         if (.not. valid) return
          row_a = a(k, :)
          a(k, :) = a(pivot, :)
          a(pivot, :) = row_a

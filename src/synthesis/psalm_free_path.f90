@@ -6,7 +6,7 @@ module psalm_free_path
    use psalm_kinds, only: wp, full_turn, half_turn
    use psalm_path_angles, only: limits_angle, keep_angles
    use psalm_path_descent, only: descend, put_in_order, retime, nearest_g, least_sigma, largest_q
-   use psalm_path_fit, only: fitted_path_t, path_timing_t, path_room_t, trace_coupler, fit_linear, error_of, find_violations, &
+   use psalm_path_fit, only: fitted_path_t, path_timing_t, path_workspace_t, trace_coupler, fit_linear, error_of, find_violations, &
                              rows_most, samples
    use psalm_timing_draw, only: draw_spread, draw_jumps, draw_corner, draw_ratio, follow, uniform
    use psalm_xoshiro, only: xoshiro_t
@@ -75,7 +75,7 @@ contains
    subroutine search_batch(paths, random, room, best)
       type(fitted_path_t), intent(in) :: paths(:)           !! as many points in each
       type(xoshiro_t), intent(inout) :: random
-      type(path_room_t), intent(inout) :: room
+      type(path_workspace_t), intent(inout) :: room
       type(path_timing_t), intent(inout) :: best           !! finished; `worst` tells whether the bounds are kept
       real(wp) :: amount(rows_most), many, deviate
       integer :: i, count, order(samples)

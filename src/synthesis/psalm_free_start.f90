@@ -16,10 +16,10 @@ module psalm_free_start
    use psalm_output_kind, only: motion_point
    use psalm_parameters, only: variable_length, variable_outlk, variable_origlk, variable_gama, variable_outang, variable_origng, &
                                variable_crnki
-   use psalm_path_fit, only: fitted_path_t, path_room_t, path_timing_t, prepare_path, trace_coupler, lengths_of, &
+   use psalm_path_fit, only: fitted_path_t, path_workspace_t, path_timing_t, prepare_path, trace_coupler, lengths_of, &
                              at_ground, at_crank, &
                              at_coupler, at_follower, at_point, at_pivot
-   use psalm_station, only: station_t, prepare_station, evaluate_station
+   use psalm_samples, only: sample_set_t, prepare_samples, evaluate_samples
    use psalm_xoshiro, only: xoshiro_t
    implicit none (type, external)
    private
@@ -31,9 +31,9 @@ module psalm_free_start
    type :: free_start_t
       logical :: applies = .false.
       type(fitted_path_t) :: path
-      type(path_room_t), allocatable :: room
+      type(path_workspace_t), allocatable :: room
       type(path_timing_t) :: timing
-      class(station_t), allocatable :: station        !! the user's linkage at the inputs of a timing
+      class(sample_set_t), allocatable :: samples        !! the user's linkage at the inputs of a timing
       integer :: of_length(6) = 0                    !! variables: lengths as `lengths_of` has them
       integer :: of_ground = 0, of_outang = 0, of_origng = 0 !! and angles
       real(wp) :: sense = 1.0_wp                     !! of the inputs; where they fall, the mirror image is searched
@@ -63,8 +63,8 @@ contains
          if (any(0.5_wp*merit%high(angles) - 0.5_wp*merit%low(angles) < half_turn)) return
       end associate
       starts%sense = merit%sense
-      allocate (starts%station, starts%room)
-      call prepare_station(problem, problem%delt, .false., reshape([integer ::], [2, 0]), .false., starts%station)
+      allocate (starts%samples, starts%room)
+      call prepare_samples(problem, problem%delt, .false., reshape([integer ::], [2, 0]), .false., starts%samples)
       ! which of both links is the coupler, and which assembly the program's is
       do coupler = 1, 2
          exchanged = coupler == 2
@@ -214,9 +214,9 @@ contains
          complex(wp), intent(out) :: seen(:)
 
          call problem%parameters%apply(values, dimensions)
-         call starts%station%problem%move_inputs(delt)
-         call evaluate_station(starts%station, dimensions)
-         seen = cmplx(starts%station%out(:, 1), starts%station%out(:, 2), wp)
+         call starts%samples%problem%move_inputs(delt)
+         call evaluate_samples(starts%samples, dimensions)
+         seen = cmplx(starts%samples%out(:, 1), starts%samples%out(:, 2), wp)
       end subroutine look
 
       !> An angle by whole turns to where its bounds are, or as near to zero as it can be.

@@ -20,7 +20,7 @@ module psalm_linear_unknowns
    use psalm_parameters, only: variable_length, variable_outlk, variable_outang, variable_origlk, variable_origng, &
                                variable_gama, variable_crnki
    use psalm_path_fit, only: fitted_path_t, path_timing_t, set_points, fit_linear, square
-   use psalm_station, only: station_t, prepare_station, evaluate_station, evaluate_output
+   use psalm_samples, only: sample_set_t, prepare_samples, evaluate_samples, evaluate_output
    implicit none (type, external)
    private
    public :: linear_unknowns_t, prepare_linear_unknowns, solve_linear_unknowns
@@ -34,7 +34,7 @@ module psalm_linear_unknowns
       logical :: applies = .false.
       type(fitted_path_t) :: path                           !! the points
       type(path_timing_t) :: fit
-      class(station_t), allocatable :: station        !! the linkage at its prescribed positions
+      class(sample_set_t), allocatable :: samples        !! the linkage at its prescribed positions
       type(dimensions_t) :: dimensions
       logical :: free = .false.                      !! the inputs turn, else CRNKI
       integer :: outlk = 0, outang = 0, origlk = 0, origng = 0 !! variables
@@ -84,10 +84,10 @@ contains
       linear%turns(linear%outang) = .false.
       linear%turns(linear%origng) = .false.
       call set_points(problem%wanted(:n, 1), problem%wanted(:n, 2), problem%weight(:n, 1), linear%path)
-      allocate (linear%station)
+      allocate (linear%samples)
       allocate (linear%joint(n), linear%arm(n), source=(0.0_wp, 0.0_wp))
-      call prepare_station(problem, problem%delt, .false., reshape([integer ::], [2, 0]), .false., linear%station)
-      linear%station%leading = n
+      call prepare_samples(problem, problem%delt, .false., reshape([integer ::], [2, 0]), .false., linear%samples)
+      linear%samples%leading = n
       linear%dimensions = problem%given
       linear%free = free
       values = problem%parameters%first_values(problem%given)
@@ -111,13 +111,13 @@ contains
 
       bare = values
       bare([linear%outlk, linear%outang, linear%origlk, linear%origng]) = 0.0_wp
-      call linear%station%problem%move_inputs(delt)
-      call linear%station%problem%parameters%apply(bare, linear%dimensions)
-      call evaluate_station(linear%station, linear%dimensions)
-      linear%joint = cmplx(linear%station%out(:, 1), linear%station%out(:, 2), wp)
+      call linear%samples%problem%move_inputs(delt)
+      call linear%samples%problem%parameters%apply(bare, linear%dimensions)
+      call evaluate_samples(linear%samples, linear%dimensions)
+      linear%joint = cmplx(linear%samples%out(:, 1), linear%samples%out(:, 2), wp)
       linear%dimensions%outlk = 1.0_wp
-      call evaluate_output(linear%station, linear%dimensions)
-      linear%arm = cmplx(linear%station%out(:, 1), linear%station%out(:, 2), wp) - linear%joint
+      call evaluate_output(linear%samples, linear%dimensions)
+      linear%arm = cmplx(linear%samples%out(:, 1), linear%samples%out(:, 2), wp) - linear%joint
    end subroutine look
 
    !> Put the best place, size, direction and output point in. Nothing is changed where they would violate a bound.

@@ -17,7 +17,7 @@ module psalm_margins
    use psalm_regions, only: edge_distance, box_edges
    use psalm_rpr, only: guide_of
    use psalm_rrp, only: link_of
-   use psalm_station, only: station_t, prepare_station, evaluate_station
+   use psalm_samples, only: sample_set_t, prepare_samples, evaluate_samples
    use psalm_dimensions, only: dimensions_t
    use psalm_parameters, only: variable_length, variable_outlk
    implicit none (type, external)
@@ -60,9 +60,9 @@ module psalm_margins
 
    type :: inspector_t
       ! in memory of their own, for objects this large fill a small stack
-      class(station_t), allocatable :: fine   !! prescribed positions, then the range
-      class(station_t), allocatable :: refinement
-      class(station_t), allocatable :: zoom   !! round a narrow place
+      class(sample_set_t), allocatable :: fine   !! prescribed positions, then the range
+      class(sample_set_t), allocatable :: refinement
+      class(sample_set_t), allocatable :: zoom   !! round a narrow place
       integer :: places = 0                  !! narrow places looked into
       integer :: irange = range_positions
       integer :: prescribed = 0              !! positions
@@ -109,12 +109,12 @@ contains
       inputs = problem%delt
       if (inspector%irange /= range_positions) then
          inputs = [inputs, constraint_inputs(inspector%irange, problem, problem%delt, steps_of_range, 0)]
-         call prepare_station(plain, inputs(:steps_of_refinement + 1), .false., joints, .false., inspector%refinement, beside)
-         call prepare_station(plain, inputs(:2*steps_of_zoom + 1), .false., joints, .false., inspector%zoom, beside)
+         call prepare_samples(plain, inputs(:steps_of_refinement + 1), .false., joints, .false., inspector%refinement, beside)
+         call prepare_samples(plain, inputs(:2*steps_of_zoom + 1), .false., joints, .false., inspector%zoom, beside)
          allocate (inspector%refinement%measure(steps_of_refinement + 1, plain%mechanism%nloop), source=0.0_wp)
          allocate (inspector%zoom%measure(2*steps_of_zoom + 1, plain%mechanism%nloop), source=0.0_wp)
       end if
-      call prepare_station(plain, inputs, .false., joints, .false., inspector%fine, beside)
+      call prepare_samples(plain, inputs, .false., joints, .false., inspector%fine, beside)
       inspector%fine%leading = problem%positions
       allocate (inspector%fine%measure(size(inputs), plain%mechanism%nloop), source=0.0_wp)
       inspector%bounded = set%limits%limval == 1 .and. nvar > 0
@@ -145,7 +145,7 @@ contains
             call fine%problem%move_inputs([delt, constraint_inputs(inspector%irange, fine%problem, delt, steps_of_range, 0)])
          end if
          fine%problem%side = 1.0_wp ! not what the linkage before had
-         call evaluate_station(fine, dimensions)
+         call evaluate_samples(fine, dimensions)
          do loop = 1, fine%problem%mechanism%nloop
             if (fine%problem%linkage%step_of_loop(loop) == 0) cycle
             select case (fine%problem%mechanism%groups(loop)%kind)
@@ -338,22 +338,22 @@ contains
       end do
    end subroutine look_into_narrow_places
 
-   !> How near each dyad is to a dead point, from position `first` of a station on: 0 at it. Shape (positions, nloop).
+   !> How near each dyad is to a dead point, from position `first` of a samples on: 0 at it. Shape (positions, nloop).
    !>
    !> Two links or a slide with its guide: the distance between the outer joints, for they swing round where these meet. Two
    !> slides: the sine between them, for they run far out. Link pairs, and link and slide: what is left of closing too.
-   pure function narrowness(inspector, station, first) result(near)
+   pure function narrowness(inspector, samples, first) result(near)
       type(inspector_t), intent(in) :: inspector
-      type(station_t), intent(in) :: station
+      type(sample_set_t), intent(in) :: samples
       integer, intent(in) :: first
       real(wp), allocatable :: near(:, :)
       integer :: loop
 
-      associate (link => station%problem%linkage)
-         allocate (near(size(station%k, 1) - first + 1, size(station%k, 2)), source=1.0_wp)
+      associate (link => samples%problem%linkage)
+         allocate (near(size(samples%k, 1) - first + 1, size(samples%k, 2)), source=1.0_wp)
          do loop = 1, size(near, 2)
             if (link%step_of_loop(loop) == 0) cycle
-            associate (k => station%k(first:, loop), measure => station%measure(first:, loop), &
+            associate (k => samples%k(first:, loop), measure => samples%measure(first:, loop), &
                        dyad => link%steps(link%step_of_loop(loop))%dyad)
                select case (dyad%kind)
                case (assur_rrr)
@@ -414,7 +414,7 @@ contains
       inputs(steps_of_zoom + 1) = at
       call clip(inspector, inputs)
       call inspector%zoom%problem%move_inputs(inputs)
-      call evaluate_station(inspector%zoom, dimensions)
+      call evaluate_samples(inspector%zoom, dimensions)
       do m = 1, size(margins)
          do i = 1, n
             values(i) = margin_at(inspector, inspector%zoom, i, margins(m))
@@ -457,13 +457,13 @@ contains
       call clip(inspector, ends)
       call inspector%refinement%problem%move_inputs([(ends(1) + (ends(2) - ends(1))*(real(i, wp)/real(steps_of_refinement, wp)), &
                                                 i=0, steps_of_refinement)])
-      call evaluate_station(inspector%refinement, dimensions)
+      call evaluate_samples(inspector%refinement, dimensions)
    end subroutine move_refinement
 
-   !> Margin of a constraint at position i of a station.
-   pure real(wp) function margin_at(inspector, station, i, margin) result(value)
+   !> Margin of a constraint at position i of a samples.
+   pure real(wp) function margin_at(inspector, samples, i, margin) result(value)
       type(inspector_t), intent(in) :: inspector
-      type(station_t), intent(in) :: station
+      type(sample_set_t), intent(in) :: samples
       integer, intent(in) :: i
       type(margin_t), intent(in) :: margin
       real(wp) :: at(2, points_of_clearance), unused(2, points_of_clearance)
@@ -474,9 +474,9 @@ contains
          associate (clearance => inspector%clearances(margin%which))
             do k = 1, points_of_clearance
                if (clearance%points(k) == 0) then
-                  at(:, k) = station%out(i, 1:2)
+                  at(:, k) = samples%out(i, 1:2)
                else
-                  at(:, k) = station%joints(i, :, clearance%points(k))
+                  at(:, k) = samples%joints(i, :, clearance%points(k))
                end if
             end do
             if (margin%edge > 0) then
@@ -489,31 +489,31 @@ contains
          value = -value
       case (margin_angle)
          ! past closing the sine stands for more than a right angle
-         value = abs(station%k(i, margin%which))
+         value = abs(samples%k(i, margin%which))
          value = inspector%tangle - (arc_sine(min(value, 1.0_wp)) + max(value - 1.0_wp, 0.0_wp)*degrees_per_radian)
       case (margin_slides)
          ! the angle between them, negative past parallel, less what is to remain of it
-         value = inspector%slide_angle - right_angle + arc_sine(max(-1.0_wp, min(1.0_wp - station%k(i, margin%which), 1.0_wp)))
+         value = inspector%slide_angle - right_angle + arc_sine(max(-1.0_wp, min(1.0_wp - samples%k(i, margin%which), 1.0_wp)))
       case (margin_group)
-         value = 1.0_wp - station%k(i, margin%which)
+         value = 1.0_wp - samples%k(i, margin%which)
       case (margin_guide)
-         value = guide(station, margin%which)*(1.0_wp/max(station%k(i, margin%which), tiny(1.0_wp)**0.25_wp) - 1.0_wp)
+         value = guide(samples, margin%which)*(1.0_wp/max(samples%k(i, margin%which), tiny(1.0_wp)**0.25_wp) - 1.0_wp)
       case default
-         associate (dyad => station%problem%linkage%steps(station%problem%linkage%step_of_loop(margin%which))%dyad)
-            value = link_of(dyad)/station%problem%linkage%scale &
-                    *(1.0_wp - abs(station%k(i, margin%which)))
+         associate (dyad => samples%problem%linkage%steps(samples%problem%linkage%step_of_loop(margin%which))%dyad)
+            value = link_of(dyad)/samples%problem%linkage%scale &
+                    *(1.0_wp - abs(samples%k(i, margin%which)))
          end associate
       end select
    end function margin_at
 
    !> Guide of a dyad of type 2 or 3 and TOGGLE, user's unit.
-   pure real(wp) function guide(station, loop)
-      type(station_t), intent(in) :: station
+   pure real(wp) function guide(samples, loop)
+      type(sample_set_t), intent(in) :: samples
       integer, intent(in) :: loop
 
-      associate (link => station%problem%linkage)
+      associate (link => samples%problem%linkage)
          associate (dyad => link%steps(link%step_of_loop(loop))%dyad)
-            guide = guide_of(dyad)/link%scale + station%problem%toggle
+            guide = guide_of(dyad)/link%scale + samples%problem%toggle
          end associate
       end associate
    end function guide

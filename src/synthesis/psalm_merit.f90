@@ -21,7 +21,7 @@ module psalm_merit
    use psalm_search_group, only: order_free
    use psalm_sort, only: pool_rising
    use psalm_start, only: random_limits
-   use psalm_station, only: station_t, prepare_station, evaluate_station, linearise_station, exceeds
+   use psalm_samples, only: sample_set_t, prepare_samples, evaluate_samples, linearise_samples, exceeds
    use psalm_wanted_rates, only: wanted_rates_t, prepare_wanted_rates, find_wanted_rates, differentiate_wanted_rates, &
                                  sum_of_rate_errors, all_rates_exist
    use psalm_dimensions, only: dimensions_t
@@ -45,16 +45,16 @@ module psalm_merit
    !> A problem made ready, with room to work in. One object serves one thread.
    type, extends(nlp_t) :: merit_t
       ! in memory of their own, for objects this large fill a small stack
-      class(station_t), allocatable :: main           !! the prescribed positions
-      class(station_t), allocatable :: range          !! where else constraints hold: over the range of the inputs
-      class(station_t), allocatable :: few            !! those of them where constraints are violated, if they are few
+      class(sample_set_t), allocatable :: main           !! the prescribed positions
+      class(sample_set_t), allocatable :: range          !! where else constraints hold: over the range of the inputs
+      class(sample_set_t), allocatable :: few            !! those of them where constraints are violated, if they are few
       logical :: has_range = .false.                 !! there are such places
       class(wanted_rates_t), allocatable :: rates     !! derivatives of the output by the input, where they are wanted
       class(output_wishes_t), allocatable :: wishes   !! desired values of further outputs, where there are any
       class(problem_t), allocatable :: final          !! with the user's limits: what counts in the end
       type(dimensions_t) :: dimensions
       real(wp), allocatable :: limit(:)              !! by loop: of abs(k)
-      type(clearance_t), allocatable :: clearances(:) !! their points are joints of that station
+      type(clearance_t), allocatable :: clearances(:) !! their points are joints of that samples
       real(wp) :: size = 1.0_wp                      !! of the linkage: makes lengths comparable
       integer :: irange = range_positions
       logical :: free = .false.                      !! free timing
@@ -122,7 +122,7 @@ contains
       plain%tangle = right_angle
       plain%spare = 0.0_wp
       plain%slide_angle = right_angle
-      call prepare_station(plain, problem%delt, merit%free, reshape([integer ::], [2, 0]), .true., merit%main)
+      call prepare_samples(plain, problem%delt, merit%free, reshape([integer ::], [2, 0]), .true., merit%main)
       call copy_desired(problem, merit%main%problem)
       merit%main%leading = n
       merit%floor = sum(merit%main%problem%weight(:n, 1))*(epsilon(1.0_wp)*merit%size)**2
@@ -134,12 +134,12 @@ contains
       merit%has_range = merit%irange /= range_positions .or. size(merit%clearances) > 0
       if (merit%has_range) then
          plain%motion = motion_point
-         call prepare_station(plain, constraint_inputs(merit%irange, problem, problem%delt, range_steps, extra_positions), &
+         call prepare_samples(plain, constraint_inputs(merit%irange, problem, problem%delt, range_steps, extra_positions), &
                               merit%free .and. merit%irange == range_positions, joints, .true., merit%range, &
                               beside)
          if (size(merit%clearances) == 0 .and. merit%range%problem%positions > most_few .and. .not. merit%range%timed) then
             allocate (merit%few)
-            call prepare_station(plain, merit%range%problem%delt(:most_few), .false., joints, .true., merit%few, beside)
+            call prepare_samples(plain, merit%range%problem%delt(:most_few), .false., joints, .true., merit%few, beside)
          end if
       end if
       merit%low = spread(-huge(1.0_wp), 1, nvar)
@@ -277,7 +277,7 @@ contains
       inputs = [(from + (to - from)*(real(i, wp)/real(steps, wp)), i=0, steps), spread(from, 1, extra)]
    end function constraint_inputs
 
-   !> Move the station over the range: its even steps to the range of the inputs, its further positions to where violations
+   !> Move the samples over the range: its even steps to the range of the inputs, its further positions to where violations
    !> were found.
    subroutine set_range(merit, extra)
       class(merit_t), intent(inout) :: merit
@@ -323,7 +323,7 @@ contains
          if (allocated(merit%wishes) .and. merit%free) call merit%wishes%problem%move_inputs(delt)
          if (order_weighs(merit)) merit%late = (merit%sense*(delt - cshift(delt, 1)) &
                                                 - [spread(0.0_wp, 1, size(delt) - 1), merit%span])/unit_of_input(merit)
-         ! the variables of `final` are the user's; those of a station may have one more for the input
+         ! the variables of `final` are the user's; those of a samples may have one more for the input
          call merit%final%parameters%apply(values, merit%dimensions)
       end associate
    end subroutine put_in
@@ -359,19 +359,19 @@ contains
       real(wp), intent(in) :: x(:)
 
       call put_in(merit, x)
-      call evaluate_station(merit%main, merit%dimensions)
+      call evaluate_samples(merit%main, merit%dimensions)
       if (allocated(merit%rates)) call find_wanted_rates(merit%rates, merit%dimensions)
       if (allocated(merit%wishes)) call find_output_wishes(merit%wishes, merit%dimensions)
       merit%seen = x
       if (merit%has_range) call look_over_range(merit)
    end subroutine see
 
-   !> Look at the station over the range, with two slides on the side of each other that the prescribed positions say.
+   !> Look at the samples over the range, with two slides on the side of each other that the prescribed positions say.
    subroutine look_over_range(merit)
       class(merit_t), intent(inout) :: merit
 
       merit%range%problem%side = merit%main%problem%side
-      call evaluate_station(merit%range, merit%dimensions)
+      call evaluate_samples(merit%range, merit%dimensions)
    end subroutine look_over_range
 
    !> The objective of the linkage last looked at.
@@ -407,19 +407,19 @@ contains
       end do
    end function squared_violations
 
-   pure real(wp) function squared_angles(station, limit) result(total)
-      type(station_t), intent(in) :: station
+   pure real(wp) function squared_angles(samples, limit) result(total)
+      type(sample_set_t), intent(in) :: samples
       real(wp), intent(in) :: limit(:)
       integer :: loop
 
       total = 0.0_wp
       do loop = 1, size(limit)
-         if (.not. exceeds(size(station%k, 1), station%k(:, loop), limit(loop))) cycle
-         total = total + sum(max(abs(station%k(:, loop)) - limit(loop), 0.0_wp)**2)
+         if (.not. exceeds(size(samples%k, 1), samples%k(:, loop), limit(loop))) cycle
+         total = total + sum(max(abs(samples%k(:, loop)) - limit(loop), 0.0_wp)**2)
       end do
    end function squared_angles
 
-   !> How far short clearance r falls at position i of the station over the range, in sizes of the linkage, and its gradient by
+   !> How far short clearance r falls at position i of the samples over the range, in sizes of the linkage, and its gradient by
    !> its points.
    pure subroutine depth_at(merit, r, i, depth, pull)
       class(merit_t), intent(in) :: merit
@@ -453,7 +453,7 @@ contains
       seen = self%main%solved .and. allocated(self%seen)
       if (seen) seen = all(x <= self%seen .and. x >= self%seen)
       call put_in(self, x)
-      call linearise_station(self%main, self%dimensions, seen, self%limit)
+      call linearise_samples(self%main, self%dimensions, seen, self%limit)
       self%seen = x
       self%jacobians = self%jacobians + 1
       call equations%clear(self%core, self%local)
@@ -525,12 +525,12 @@ contains
                call merit%few%problem%move_inputs(merit%range%problem%delt(places([(min(i, size(places)), i=1, most_few)])))
             end associate
             merit%few%problem%side = merit%main%problem%side
-            call linearise_station(merit%few, merit%dimensions)
+            call linearise_samples(merit%few, merit%dimensions)
             call add_angles(merit%few, merit%limit, count(violated), merit%core, weight, equations)
             return
          end if
       end if
-      call linearise_station(merit%range, merit%dimensions)
+      call linearise_samples(merit%range, merit%dimensions)
       call add_angles(merit%range, merit%limit, size(merit%range%k, 1), merit%core, weight, equations)
       do r = 1, size(merit%clearances)
          do i = 1, merit%range%problem%positions
@@ -607,11 +607,11 @@ contains
       end do
    end function product_of
 
-   !> Violations of closure, transmission angles, angles between slides and TOGGLE at the positions of a station.
-   subroutine add_angles(station, limit, positions, nvar, weight, equations)
-      type(station_t), intent(in) :: station
+   !> Violations of closure, transmission angles, angles between slides and TOGGLE at the positions of a samples.
+   subroutine add_angles(samples, limit, positions, nvar, weight, equations)
+      type(sample_set_t), intent(in) :: samples
       real(wp), intent(in) :: limit(:)               !! shape (loops)
-      integer, intent(in) :: positions               !! of the station that count, the first ones
+      integer, intent(in) :: positions               !! of the samples that count, the first ones
       integer, intent(in) :: nvar
       real(wp), intent(in) :: weight
       type(normal_equations_t), intent(inout) :: equations
@@ -619,14 +619,14 @@ contains
       integer :: loop, i
 
       do loop = 1, size(limit)
-         if (.not. exceeds(positions, station%k(:, loop), limit(loop))) cycle
+         if (.not. exceeds(positions, samples%k(:, loop), limit(loop))) cycle
          do i = 1, positions
-            over = abs(station%k(i, loop)) - limit(loop)
+            over = abs(samples%k(i, loop)) - limit(loop)
             if (over <= 0.0_wp) cycle
-            over = sign(over, station%k(i, loop))
-            call add_row(equations, weight, over, station%dk(i, loop, :nvar))
-            if (station%timed) call add_timing(equations, i, weight, over, station%dk(i, loop, :nvar), &
-                                               station%dk(i, loop, nvar + 1))
+            over = sign(over, samples%k(i, loop))
+            call add_row(equations, weight, over, samples%dk(i, loop, :nvar))
+            if (samples%timed) call add_timing(equations, i, weight, over, samples%dk(i, loop, :nvar), &
+                                               samples%dk(i, loop, nvar + 1))
          end do
       end do
    end subroutine add_angles
@@ -679,7 +679,7 @@ contains
          feasible = feasible .and. all(self%wishes%exists)
       end if
       if (.not. feasible) return
-      call evaluate_station(self%main, self%dimensions)
+      call evaluate_samples(self%main, self%dimensions)
       self%seen = x
       feasible = keeps_limits(self%main, self%limit)
       if (.not. (feasible .and. self%has_range)) return
@@ -693,14 +693,14 @@ contains
       end do
    end subroutine accept
 
-   pure logical function keeps_limits(station, limit)
-      type(station_t), intent(in) :: station
+   pure logical function keeps_limits(samples, limit)
+      type(sample_set_t), intent(in) :: samples
       real(wp), intent(in) :: limit(:)
       integer :: loop
 
       keeps_limits = .true.
       do loop = 1, size(limit)
-         if (any(abs(station%k(:, loop)) > limit(loop) + slack)) keeps_limits = .false.
+         if (any(abs(samples%k(:, loop)) > limit(loop) + slack)) keeps_limits = .false.
       end do
    end function keeps_limits
 
@@ -710,29 +710,29 @@ contains
    integer function count_constraints(self)
       class(merit_t), intent(in) :: self
 
-      count_constraints = of_station(self%main)
+      count_constraints = of_samples(self%main)
       if (order_weighs(self)) count_constraints = count_constraints + size(self%late)
-      if (self%has_range) count_constraints = count_constraints + of_station(self%range) &
+      if (self%has_range) count_constraints = count_constraints + of_samples(self%range) &
                                             + size(self%clearances)*self%range%problem%positions
 
    contains
 
-      pure integer function of_station(station)
-         type(station_t), intent(in) :: station
+      pure integer function of_samples(samples)
+         type(sample_set_t), intent(in) :: samples
          integer :: loop
 
-         of_station = station%problem%positions*sum([(ways(station, loop), loop=1, size(self%limit))])
-      end function of_station
+         of_samples = samples%problem%positions*sum([(ways(samples, loop), loop=1, size(self%limit))])
+      end function of_samples
    end function count_constraints
 
    !> In how many ways a dyad that is solved may fail to close: none of type 6 or 7 does, two slides are parallel one way.
-   pure integer function ways(station, loop)
-      type(station_t), intent(in) :: station
+   pure integer function ways(samples, loop)
+      type(sample_set_t), intent(in) :: samples
       integer, intent(in) :: loop
       type(form_t) :: form
 
-      form = form_of(station%problem%mechanism%groups(loop)%kind)
-      ways = merge(form%ways, 0, station%problem%linkage%step_of_loop(loop) > 0)
+      form = form_of(samples%problem%mechanism%groups(loop)%kind)
+      ways = merge(form%ways, 0, samples%problem%linkage%step_of_loop(loop) > 0)
    end function ways
 
    !> Every constraint, aimed at <= 0, and with `slopes` its derivatives by dimensions and input positions.
@@ -746,11 +746,11 @@ contains
 
       if (present(slopes)) then
          call put_in(self, x)
-         call linearise_station(self%main, self%dimensions)
+         call linearise_samples(self%main, self%dimensions)
          self%seen = x
          if (self%has_range) then
             self%range%problem%side = self%main%problem%side
-            call linearise_station(self%range, self%dimensions)
+            call linearise_samples(self%range, self%dimensions)
          end if
          self%jacobians = self%jacobians + 1
          slopes = 0.0_wp
@@ -759,7 +759,7 @@ contains
       end if
       nvar = self%core
       next = 0
-      call of_station(self%main)
+      call of_samples(self%main)
       if (order_weighs(self)) then
          do i = 1, size(self%late)
             next = next + 1
@@ -770,7 +770,7 @@ contains
          end do
       end if
       if (.not. self%has_range) return
-      call of_station(self%range)
+      call of_samples(self%range)
       do r = 1, size(self%clearances)
          do i = 1, self%range%problem%positions
             call depth_at(self, r, i, depth, pull)
@@ -784,24 +784,24 @@ contains
 
    contains
 
-      subroutine of_station(station)
-         type(station_t), intent(in) :: station
+      subroutine of_samples(samples)
+         type(sample_set_t), intent(in) :: samples
          integer :: loop, k, way
          real(wp) :: side
 
          do loop = 1, size(self%limit)
-            do k = 1, size(station%k, 1)
-               do way = 1, ways(station, loop)
+            do k = 1, size(samples%k, 1)
+               do way = 1, ways(samples, loop)
                   side = merge(1.0_wp, -1.0_wp, way == 1)
                   next = next + 1
-                  values(next) = side*station%k(k, loop) - self%limit(loop)
+                  values(next) = side*samples%k(k, loop) - self%limit(loop)
                   if (.not. present(slopes)) cycle
-                  slopes(:nvar, next) = side*station%dk(k, loop, :nvar)
-                  if (station%timed) slopes(nvar + k, next) = side*station%dk(k, loop, nvar + 1)
+                  slopes(:nvar, next) = side*samples%dk(k, loop, :nvar)
+                  if (samples%timed) slopes(nvar + k, next) = side*samples%dk(k, loop, nvar + 1)
                end do
             end do
          end do
-      end subroutine of_station
+      end subroutine of_samples
    end subroutine constrain
    ! ---- free timing -----------------------------------------------------------------------------------------------------
 

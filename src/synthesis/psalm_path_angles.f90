@@ -102,7 +102,7 @@ contains
       real(wp), intent(inout) :: step(unknowns)
       logical, intent(inout) :: solved
       real(wp) :: values(2), slopes(3, 2), rows(unknowns, 2), ways(unknowns, 2), products(2, 2), force(2), determinant
-      logical :: sound
+      logical :: valid
       integer :: k, other
 
       call angle_limits(path, timing, values, slopes)
@@ -115,8 +115,8 @@ contains
       if (all(values <= 0.0_wp)) return
       solved = .false.
       do k = 1, 2
-         call solve_positive(matrix, rows(:, k), ways(:, k), sound)
-         if (.not. sound) return
+         call solve_positive(matrix, rows(:, k), ways(:, k), valid)
+         if (.not. valid) return
       end do
       do k = 1, 2
          products(:, k) = [dot_product(rows(:, 1), ways(:, k)), dot_product(rows(:, 2), ways(:, k))]

@@ -6,7 +6,7 @@ module psalm_path_descent
    use psalm_kinds, only: wp, degrees_per_radian, full_turn
    use psalm_linear, only: solve_positive
    use psalm_path_angles, only: limits_angle, keep_angles, slide_along
-   use psalm_path_fit, only: fitted_path_t, path_timing_t, path_room_t, trace_at, halve, fit_linear, find_violations, weigh, &
+   use psalm_path_fit, only: fitted_path_t, path_timing_t, path_workspace_t, trace_at, halve, fit_linear, find_violations, weigh, &
                              square, &
                              dot, unknowns, lanes, column_turn, column_miss, shape_g, shape_s, shape_q, rows_most, places
    use psalm_sort, only: pool_rising
@@ -29,7 +29,7 @@ contains
       real(wp), intent(in) :: weight                 !! of squared relative violations
       real(wp), intent(in) :: margin                 !! inside the bounds
       type(path_timing_t), intent(inout) :: timing
-      type(path_room_t), intent(inout) :: room
+      type(path_workspace_t), intent(inout) :: room
       real(wp) :: h(unknowns, unknowns), slope(unknowns), step(unknowns)
       real(wp) :: damping, raise, merit, trial
       integer :: iteration, groups, small
@@ -90,7 +90,7 @@ contains
       type(fitted_path_t), intent(in) :: path
       real(wp), intent(in) :: weight, margin
       type(path_timing_t), intent(in) :: timing
-      type(path_room_t), intent(inout) :: room
+      type(path_workspace_t), intent(inout) :: room
       real(wp), intent(out) :: h(unknowns, unknowns), slope(unknowns)
       integer, intent(out) :: groups
       real(wp) :: amount(rows_most), rows(unknowns, rows_most), products(lanes, unknowns), re(lanes), im(lanes), wr, wi
@@ -153,7 +153,7 @@ contains
    subroutine pool(timing, path, room, groups)
       type(path_timing_t), intent(in) :: timing
       type(fitted_path_t), intent(in) :: path
-      type(path_room_t), intent(inout) :: room
+      type(path_workspace_t), intent(inout) :: room
       integer, intent(out) :: groups
       complex(wp) :: miss, turn
       real(wp) :: wish, before, mass
@@ -186,7 +186,7 @@ contains
    subroutine solve_step(path, timing, room, h, slope, groups, damping, step, solved)
       type(fitted_path_t), intent(in) :: path
       type(path_timing_t), intent(in) :: timing
-      type(path_room_t), intent(in) :: room
+      type(path_workspace_t), intent(in) :: room
       real(wp), intent(in) :: h(unknowns, unknowns), slope(unknowns), damping
       integer, intent(in) :: groups
       real(wp), intent(out) :: step(unknowns)
@@ -238,7 +238,7 @@ contains
    subroutine take_step(path, timing, room, step, groups, damping, next)
       type(fitted_path_t), intent(in) :: path
       type(path_timing_t), intent(in) :: timing
-      type(path_room_t), intent(in) :: room
+      type(path_workspace_t), intent(in) :: room
       real(wp), intent(in) :: step(unknowns), damping
       integer, intent(in) :: groups
       type(path_timing_t), intent(inout) :: next
@@ -279,7 +279,7 @@ contains
    !> The nearest inputs that rise and stay within one turn, cut at the widest gap.
    subroutine put_in_order(t, room)
       real(wp), intent(inout) :: t(:)
-      type(path_room_t), intent(inout) :: room
+      type(path_workspace_t), intent(inout) :: room
       real(wp) :: gap, widest, excess
       integer :: n, k, cut, pools, j
 
@@ -321,7 +321,7 @@ contains
    subroutine retime(path, timing, room)
       type(fitted_path_t), intent(in) :: path
       type(path_timing_t), intent(inout) :: timing
-      type(path_room_t), intent(inout) :: room
+      type(path_workspace_t), intent(inout) :: room
       real(wp), parameter :: place_step = full_turn/real(places, wp)
       real(wp) :: near(3), total, best, x, y
       integer :: from(3), begun, i, k

@@ -13,7 +13,7 @@ module psalm_path_fit
    use psalm_kinds, only: wp, full_turn
    implicit none (type, external)
    private
-   public :: fitted_path_t, path_timing_t, path_room_t, set_points, prepare_path, trace_coupler, trace_at, halve, fit_linear, &
+   public :: fitted_path_t, path_timing_t, path_workspace_t, set_points, prepare_path, trace_coupler, trace_at, halve, fit_linear, &
              error_of, &
              lengths_of, find_violations, weigh
    public :: square, dot
@@ -60,7 +60,7 @@ module psalm_path_fit
    end type path_timing_t
 
    !> Room to work in; one object serves one thread.
-   type :: path_room_t
+   type :: path_workspace_t
       complex(wp), allocatable :: e(:), v(:), turn(:) !! shape (n): e, v, dv/dt
       complex(wp), allocatable :: grow(:, :)         !! shape (n, 3): dv by ln g, ln sigma, q
       real(wp), allocatable :: b(:, :)               !! shape (lanes, groups): products of dP/dt with all columns
@@ -74,7 +74,7 @@ module psalm_path_fit
       type(path_timing_t), allocatable :: batch(:)   !! shape (samples)
       real(wp), allocatable :: score(:)              !! shape (samples)
       type(path_timing_t) :: now, next, other, copy
-   end type path_room_t
+   end type path_workspace_t
 
 contains
 
@@ -85,7 +85,7 @@ contains
       real(wp), intent(in) :: cosine                 !! of the least transmission angle
       real(wp), intent(in) :: side                   !! assembly, as `fitted_path_t` has it
       type(fitted_path_t), intent(out) :: path
-      type(path_room_t), intent(out) :: room
+      type(path_workspace_t), intent(out) :: room
       integer :: i
 
       call set_points(x, y, weight, path)

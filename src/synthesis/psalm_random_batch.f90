@@ -11,7 +11,7 @@ module psalm_random_batch
    use psalm_parameters, only: variable_length, variable_outlk, variable_origlk, variable_crnki
    use psalm_path_fit, only: square
    use psalm_solver, only: solver_t, ending_t
-   use psalm_station, only: evaluate_station
+   use psalm_samples, only: evaluate_samples
    use psalm_stop, only: stop_t
    use psalm_timing, only: timing_t, find_timing
    use psalm_timing_draw, only: draw_spread, draw_jumps, draw_ratio, follow, uniform
@@ -172,7 +172,7 @@ contains
          end do
          trial = min(max(trial, merit%low), merit%high)
          call problem%parameters%apply(trial, merit%dimensions)
-         call evaluate_station(timing%path, merit%dimensions)
+         call evaluate_samples(timing%path, merit%dimensions)
          open = sum(max(abs(timing%path%k) - 1.0_wp, 0.0_wp)**2)
          if (open >= least) cycle
          least = open

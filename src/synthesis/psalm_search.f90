@@ -21,7 +21,7 @@ module psalm_search
    use psalm_search_group, only: order_either, pareto_none
    use psalm_solver, only: solver_t, ending_t, observer_t, stop_refused
    use psalm_solvers, only: new_solver
-   use psalm_station, only: station_t, prepare_station, evaluate_station
+   use psalm_samples, only: sample_set_t, prepare_samples, evaluate_samples
    use psalm_stop, only: stop_t
    use psalm_timing, only: timing_t, prepare_timing, find_timing
    use psalm_parameters, only: variable_length, variable_outlk, variable_origlk, variable_crnki, variable_gama, &
@@ -94,7 +94,7 @@ module psalm_search
       class(problem_t), allocatable :: problem
       class(constraints_t), allocatable :: constraints
       class(merit_t), allocatable :: merit
-      class(station_t), allocatable :: places     !! where the joints of two linkages are compared
+      class(sample_set_t), allocatable :: places     !! where the joints of two linkages are compared
       ! by its base class, as a team is
       class(starter_t), allocatable :: few(:)     !! shape (stages - 1): who makes the stages of a start but its last
       logical :: early = .false.                  !! this is one of those: some of the positions are looked at
@@ -617,17 +617,17 @@ contains
          if (.not. allocated(self%places)) then
             joints = reshape([((loop, arc, arc=1, loops(loop)%arcs), loop=1, size(loops))], [2, sum(loops%arcs)])
             allocate (self%places)
-            call prepare_station(self%problem, delt, .false., joints, .false., self%places)
+            call prepare_samples(self%problem, delt, .false., joints, .false., self%places)
          end if
          call self%places%problem%move_inputs(delt)
          call self%problem%parameters%apply(a%x(:merit%core), merit%dimensions)
          reference = merit%dimensions%crnki
-         call evaluate_station(self%places, merit%dimensions)
+         call evaluate_samples(self%places, merit%dimensions)
          first = self%places%joints
          closed = self%places%closed
          call self%problem%parameters%apply(b%x(:merit%core), merit%dimensions)
          call self%places%problem%move_inputs(delt + (reference - merit%dimensions%crnki))
-         call evaluate_station(self%places, merit%dimensions)
+         call evaluate_samples(self%places, merit%dimensions)
          same = all(closed .and. self%places%closed)
          if (same) same = all(abs(self%places%joints - first) <= same_place*merit%size)
       end associate
@@ -847,7 +847,7 @@ contains
       end associate
    end subroutine turn_pivot
 
-   !> Angles without bounds are told within half a turn of the first ones; so are those that solving for linear unknowns turns, as
+   !> Angles without bounds are reported within half a turn of the first ones; so are those that linear unknowns turn, as
    !> far as their bounds allow.
    pure subroutine unwind(worker, values)
       class(worker_t), intent(in) :: worker
@@ -992,10 +992,10 @@ contains
 
    contains
 
-      subroutine run_solver(x, f, sound)
+      subroutine run_solver(x, f, valid)
          real(wp), intent(inout) :: x(:)
          real(wp), intent(out) :: f
-         logical, intent(out) :: sound
+         logical, intent(out) :: valid
          type(ending_t) :: ending
          real(wp), allocatable :: point(:)
 
@@ -1012,7 +1012,7 @@ contains
          x = point(:size(x))
          if (worker%merit%free) worker%merit%delt = point(size(x) + 1:)
          f = ending%objective
-         sound = ending%feasible
+         valid = ending%feasible
          if (ending%reason == stop_refused) candidate%refused = .true.
       end subroutine run_solver
    end subroutine improve

@@ -123,15 +123,15 @@ contains
       real(wp), intent(in), optional :: from(:)    !! shape (6): angles to begin with, turns
       real(wp) :: angles(points), q(terms), best_q(terms), best_angles(points), worst(points), arcs(points), ratio, best
       integer :: k, round
-      logical :: sound
+      logical :: valid
 
       angles = [(phase/real(points, wp) + (real(k, wp) - 0.5_wp*real(points + 1, wp))/real(points, wp), k=1, points)]
       if (present(from)) angles = from + (phase - sum(from))/real(points, wp)
       designs%phase = phase
       best = huge(1.0_wp)
       do round = 0, merge(respacings, 0, respace)
-         call fit(task, angles, q, worst, ratio, sound)
-         if (.not. sound) exit
+         call fit(task, angles, q, worst, ratio, valid)
+         if (.not. valid) exit
          if (ratio < best) then
             best = ratio
             best_q = q
@@ -169,11 +169,11 @@ contains
    end function fifth_root
 
    !> Coefficients that make the torque constant at six angles; greatest error on each arc between them; ratio of the ranges.
-   subroutine fit(task, angles, q, worst, ratio, sound)
+   subroutine fit(task, angles, q, worst, ratio, valid)
       type(exact_task_t), intent(in) :: task
       real(wp), intent(in) :: angles(:)            !! shape (6): ascending, turns
       real(wp), intent(out) :: q(terms), worst(points), ratio
-      logical, intent(out) :: sound
+      logical, intent(out) :: valid
       real(wp) :: matrix(points, points), right(points), x(points), sizes(terms), error, level
       real(wp) :: torque(size(task%torque))
       integer :: i, k, column, steps, arc
@@ -192,11 +192,11 @@ contains
          matrix(i, points) = -1.0_wp
          right(i) = -interpolated(task%torque, angles(i))
       end do
-      call solve_general(matrix, right, x, sound)
+      call solve_general(matrix, right, x, valid)
       worst = 0.0_wp
       ratio = huge(1.0_wp)
       q = 0.0_wp
-      if (.not. sound) return
+      if (.not. valid) return
       column = 0
       do k = 1, terms
          if (k == task%dropped) cycle

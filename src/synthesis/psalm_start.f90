@@ -108,7 +108,7 @@ contains
       integer, allocatable :: records(:)
       integer :: k, r, vertex
       real(wp) :: value
-      logical :: sound
+      logical :: valid
 
       allocate (vertices(nvar, wanted), source=0.0_wp)
       records = first_records(lines, nvar)
@@ -120,9 +120,9 @@ contains
       do vertex = 1, wanted
          do k = 1, nvar
             r = records(vertex) + (k - 1)/values_per_record
-            sound = .false.
-            if (r <= size(lines)) call field(lines(r)%text, mod(k - 1, values_per_record), value, sound)
-            if (.not. sound) then
+            valid = .false.
+            if (r <= size(lines)) call field(lines(r)%text, mod(k - 1, values_per_record), value, valid)
+            if (.not. valid) then
                call findings%error('device 4, line '//to_text(min(r, size(lines)))//': coordinate '//to_text(k)// &
                                    ' of a vertex is expected as a number in columns '// &
                                    to_text(label_width + 1 + value_width*mod(k - 1, values_per_record))//' to '// &
@@ -135,21 +135,21 @@ contains
 
    contains
 
-      subroutine field(text, index, value, sound)
+      subroutine field(text, index, value, valid)
          character(*), intent(in) :: text
          integer, intent(in) :: index
          real(wp), intent(out) :: value
-         logical, intent(out) :: sound
+         logical, intent(out) :: valid
          character(:), allocatable :: reason
          integer :: first, last
 
          first = label_width + index*value_width + 1
          last = min(first + value_width - 1, len(text))
          value = 0.0_wp
-         sound = .false.
+         valid = .false.
          if (first > last) return
          if (len_trim(text(first:last)) == 0) return
-         call parse_real(trim(adjustl(text(first:last))), value, sound, reason)
+         call parse_real(trim(adjustl(text(first:last))), value, valid, reason)
       end subroutine field
    end subroutine read_vertices
 

@@ -15,8 +15,8 @@ module psalm_summary
    use psalm_output_kind, only: motion_point, motion_angle, motion_pose, most_rates
    use psalm_output_wishes, only: output_wishes_t, compare_with_wishes, wish_group_t, wish_groups, first_wish
    use psalm_plan, only: root_crank, root_frame
-   use psalm_station, only: station_t, prepare_station, evaluate_station
-   use psalm_sketch_outputs, only: name_room
+   use psalm_samples, only: sample_set_t, prepare_samples, evaluate_samples
+   use psalm_sketch_outputs, only: name_length
    use psalm_sweep, only: sweep_sense
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
@@ -70,7 +70,7 @@ module psalm_summary
 
    !> Errors of an output of a sketch, or of a derivative of it.
    type :: wish_errors_t
-      character(name_room) :: name = ''               !! of the output
+      character(name_length) :: name = ''               !! of the output
       integer :: number = 0                           !! the first of its numbers, counted through those of all outputs
       integer :: order = 0                            !! derivative
       integer :: compared = 0                         !! positions at which a value is wanted and exists
@@ -146,7 +146,7 @@ contains
       type(motion_t), intent(in) :: motion
       type(summary_t), intent(out) :: summary
       class(problem_t), allocatable :: plain          ! in memory of their own: they would fill a small stack
-      class(station_t), allocatable :: fine, refinement
+      class(sample_set_t), allocatable :: fine, refinement
       type(summary_t) :: part, whole
       real(wp), allocatable :: inputs(:), gaps(:)
       integer :: none(2, 0), i
@@ -154,7 +154,7 @@ contains
 
       summary%sliding_input = problem%mechanism%sliding_input
       if (problem%trmin_given) summary%least_asked = right_angle - problem%tangle
-      ! of a pose the point is told
+      ! of a pose the point is reported
       summary%motion = merge(motion_point, problem%motion, problem%motion == motion_pose)
       call errors(problem, motion, summary)
       if (allocated(motion%rates)) call errors_of_rates(problem, motion, summary%rates)
@@ -224,8 +224,8 @@ contains
          summary%at_positions = .true.
          summary%everywhere = all(motion%closed)
          allocate (summary%closing(0), summary%reverses(0), summary%kinds(0))
-         call prepare_station(plain, problem%delt, .false., any_joint, .false., fine)
-         call evaluate_station(fine, dimensions)
+         call prepare_samples(plain, problem%delt, .false., any_joint, .false., fine)
+         call evaluate_samples(fine, dimensions)
          do i = 1, size(motion%closed)
             if (.not. motion%closed(i)) cycle
             do loop = 1, problem%mechanism%nloop
@@ -267,14 +267,14 @@ contains
          integer, allocatable :: loops(:)   !! by input: the loop that is undetermined there
 
          allocate (found%reverses(0), found%closing(0))
-         call prepare_station(plain, row, .false., joints, .false., fine)
-         call prepare_station(plain, row(:steps_of_refinement + 1), .false., joints, .false., refinement)
+         call prepare_samples(plain, row, .false., joints, .false., fine)
+         call prepare_samples(plain, row(:steps_of_refinement + 1), .false., joints, .false., refinement)
          call look(fine, dimensions, loops)
          call least_angle(fine, refinement, dimensions, found, gaps)
          if (size(gaps) > 0) then
             all_inputs = row
             call insert(gaps, all_inputs)
-            call prepare_station(plain, all_inputs, .false., joints, .false., fine)
+            call prepare_samples(plain, all_inputs, .false., joints, .false., fine)
             call look(fine, dimensions, loops)
             do i = 1, size(gaps)
                where (abs(all_inputs - gaps(i)) <= 0.0_wp) fine%closed = .false.
@@ -292,20 +292,20 @@ contains
    end subroutine summarise_range
 
    !> See where it closes. Where the outer joints of a dyad coincide it does not: rounding would decide from step to step.
-   subroutine look(station, dimensions, loops)
-      type(station_t), intent(inout) :: station
+   subroutine look(samples, dimensions, loops)
+      type(sample_set_t), intent(inout) :: samples
       type(dimensions_t), intent(in) :: dimensions
       integer, allocatable, intent(out) :: loops(:) !! by position: the loop that is undetermined, 0: none
 
-      call evaluate_station(station, dimensions)
-      allocate (loops(size(station%closed)))
-      call station%problem%find_undetermined(loops)
-      station%closed = station%closed .and. loops == 0
+      call evaluate_samples(samples, dimensions)
+      allocate (loops(size(samples%closed)))
+      call samples%problem%find_undetermined(loops)
+      samples%closed = samples%closed .and. loops == 0
    end subroutine look
 
    !> The first range of the sweep that is undetermined; of a turn it may begin before the end and go on at the beginning.
    subroutine note_undetermined(fine, dimensions, loops, turn, summary)
-      type(station_t), intent(in) :: fine
+      type(sample_set_t), intent(in) :: fine
       type(dimensions_t), intent(in) :: dimensions
       integer, intent(in) :: loops(:)
       logical, intent(in) :: turn
@@ -451,7 +451,7 @@ contains
 
    !> Least transmission angle where the linkage closes, and inputs between the steps at which it does not.
    subroutine least_angle(fine, refinement, dimensions, summary, gaps)
-      type(station_t), intent(inout) :: fine, refinement
+      type(sample_set_t), intent(inout) :: fine, refinement
       type(dimensions_t), intent(in) :: dimensions
       type(summary_t), intent(inout) :: summary
       real(wp), allocatable, intent(out) :: gaps(:)
@@ -588,9 +588,9 @@ contains
 
    !> Look at even steps between two inputs, within the range of the sweep unless it is a turn.
    subroutine aim(refinement, dimensions, fine, from, to)
-      type(station_t), intent(inout) :: refinement
+      type(sample_set_t), intent(inout) :: refinement
       type(dimensions_t), intent(in) :: dimensions
-      type(station_t), intent(in) :: fine
+      type(sample_set_t), intent(in) :: fine
       real(wp), intent(in) :: from, to
       real(wp) :: low, high
       integer :: i
@@ -604,7 +604,7 @@ contains
       end if
       call refinement%problem%move_inputs([(low + (high - low)*(real(i, wp)/real(steps_of_refinement, wp)), i=0, &
                                            steps_of_refinement)])
-      call evaluate_station(refinement, dimensions)
+      call evaluate_samples(refinement, dimensions)
    end subroutine aim
 
    !> Put further inputs among those of a sweep.
@@ -626,7 +626,7 @@ contains
 
    !> Ranges in which the linkage closes, and what the output does there.
    subroutine follow(fine, refinement, dimensions, turn, summary)
-      type(station_t), intent(inout) :: fine, refinement
+      type(sample_set_t), intent(inout) :: fine, refinement
       type(dimensions_t), intent(in) :: dimensions
       logical, intent(in) :: turn
       type(summary_t), intent(inout) :: summary
@@ -793,7 +793,7 @@ contains
 
    !> Let the sweep of a turn begin at another step.
    subroutine rotate(fine, start)
-      type(station_t), intent(inout) :: fine
+      type(sample_set_t), intent(inout) :: fine
       integer, intent(in) :: start
       real(wp) :: turn
       integer :: n, c
@@ -806,17 +806,17 @@ contains
    end subroutine rotate
 
    !> Second component of the output, 0 if there is none.
-   pure real(wp) function second(station, i)
-      type(station_t), intent(in) :: station
+   pure real(wp) function second(samples, i)
+      type(sample_set_t), intent(in) :: samples
       integer, intent(in) :: i
 
       second = 0.0_wp
-      if (size(station%out, 2) > 1) second = station%out(i, 2)
+      if (size(samples%out, 2) > 1) second = samples%out(i, 2)
    end function second
 
    !> What a change of the output is compared with: a turn, or the longest arc.
    pure real(wp) function size_of(fine, dimensions)
-      type(station_t), intent(in) :: fine
+      type(sample_set_t), intent(in) :: fine
       type(dimensions_t), intent(in) :: dimensions
 
       size_of = full_turn

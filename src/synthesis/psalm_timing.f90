@@ -6,7 +6,7 @@ module psalm_timing
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, full_turn
    use psalm_merit, only: merit_t
-   use psalm_station, only: station_t, prepare_station, evaluate_station
+   use psalm_samples, only: sample_set_t, prepare_samples, evaluate_samples
    implicit none (type, external)
    private
    public :: timing_t, prepare_timing, find_timing
@@ -16,7 +16,7 @@ module psalm_timing
    real(wp), parameter :: never = 1.0e30_wp       !! cost of a position that does not close
 
    type :: timing_t
-      class(station_t), allocatable :: path
+      class(sample_set_t), allocatable :: path
       real(wp), allocatable :: inputs(:)          !! shape (steps)
       real(wp), allocatable :: cost(:, :)         !! shape (steps, positions): weighted squared distance
       real(wp), allocatable :: least(:, :)        !! shape (steps, positions): of timings that end here or before
@@ -39,7 +39,7 @@ contains
       timing%inputs = [(from + (to - from)*(real(i, wp)/real(merge(steps - 1, steps, problem%mechanism%sliding_input), wp)), &
                         i=0, steps - 1)]
       allocate (timing%path)
-      call prepare_station(problem, timing%inputs, .false., reshape([integer ::], [2, 0]), .false., timing%path)
+      call prepare_samples(problem, timing%inputs, .false., reshape([integer ::], [2, 0]), .false., timing%path)
       allocate (timing%cost(steps, problem%positions), timing%least(steps, problem%positions), source=0.0_wp)
       allocate (timing%like(steps), source=1)
    end subroutine prepare_timing
@@ -54,7 +54,7 @@ contains
       real(wp) :: trial(size(delt)), total, best
       integer :: i
 
-      call evaluate_station(timing%path, merit%dimensions)
+      call evaluate_samples(timing%path, merit%dimensions)
       call find_paths(timing)
       best = huge(best)
       do i = 1, steps

@@ -379,7 +379,7 @@ def random_linkages(place):
                 ",".join("%.2f" % draw.uniform(0, 360) for _ in range(n)), ",".join("%.6f" % draw.uniform(0, .01) for _ in range(n)),
                 draw.uniform(40, 90))
         code, results, _, error = muscle(text, place)
-        if "trouble_at" in results:
+        if "failure_at" in results:
             continue
         check(results["feasible"] and results["counterweights"] == 3, "random six-bar %d: three weights" % seed, error)
         bare = results["before"]["force"]["rms"]

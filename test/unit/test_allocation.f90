@@ -58,7 +58,7 @@ contains
       end do
    end subroutine one_band
 
-   !> Bounds: what is not limited by a band is the largest; what cannot be is told; held unknowns stay.
+   !> Bounds: what is not limited by a band is the largest; what cannot be is reported; held unknowns stay.
    subroutine own_bounds()
       type(separable_t) :: problem
       type(separable_solution_t) :: solution

@@ -200,7 +200,7 @@ contains
       complex(wp) :: c(-degree:degree), p(0:2*degree), roots(2*degree), at
       real(wp) :: matrix(2*degree, 2*degree), e, step, phi, h, size_of
       integer :: k, n
-      logical :: sound
+      logical :: valid
 
       c = (0.0_wp, 0.0_wp)
       size_of = 0.0_wp
@@ -224,8 +224,8 @@ contains
       do k = 2, 2*degree
          matrix(k, k - 1) = 1.0_wp
       end do
-      call general_eigenvalues(matrix, roots, sound)
-      call t%is_true(sound, 'the eigenvalues of the elimination are found')
+      call general_eigenvalues(matrix, roots, valid)
+      call t%is_true(valid, 'the eigenvalues of the elimination are found')
       allocate (turns(0), places(0))
       do k = 1, 2*degree
          if (abs(roots(k)%im) > 1.0e-5_wp*(1.0_wp + abs(roots(k)))) cycle
@@ -358,14 +358,14 @@ contains
       type(closure_t) :: closure
       type(state_t) :: state
       type(assemblies_t) :: found
-      logical :: sound
+      logical :: valid
       character(:), allocatable :: law
 
       law = text(:index(text, nl) - 1)
       call read_case_text(text, 'test', sets, findings, 'psalm')
       call t%is_true(.not. findings%failed(), law//' is read')
       if (findings%failed()) return
-      call assemble_sketch(sets(1), closure, state, sound, findings)
+      call assemble_sketch(sets(1), closure, state, valid, findings)
       call find_assemblies(closure, state, 100, found)
       call t%equal_integer(size(found%states), wanted, law//': assemblies')
       call t%is_true(found%complete .and. found%unknown == 0 .and. .not. found%more, law//': none is missing')

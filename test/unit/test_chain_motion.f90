@@ -160,7 +160,7 @@ contains
    subroutine special_dimensions()
       type(chain_study_t) :: s
       type(data_set_t), allocatable :: sets(:)
-      type(diagnostics_t) :: findings, told
+      type(diagnostics_t) :: findings, reported
       character(*), parameter :: chain = 'PARALLELOGRAM'//nl//" &CHAIN JNT='A','B','C','D','E','F','P',"//nl// &
          ' JX=0.0,18.0,58.0,40.0,70.0,88.0,40.0, JY=0.0,24.0,24.0,0.0,10.0,34.0,60.0,'//nl// &
          " LNK='A D E','A B','D C','E F','B C F P', KOVER=1", rest = " &END &DRIVES DRIVE='A' &END"//nl// &
@@ -183,10 +183,10 @@ contains
       call t%is_true(all(s%motion%closed), 'the length that it has may be said')
       call read_case_text(chain//", LENP='E F', LENV=30.1"//rest, 'test', sets, findings, 'psalm')
       call t%is_true(findings%failed(), 'a third link of another length is refused')
-      call read_case_text(chain(:len(chain) - 9)//rest, 'test', sets, told, 'psalm')
-      call t%equal_integer(told%count, 1, 'one message without KOVER')
-      call t%finds(told, 'moves nothing', 'without KOVER')
-      call t%finds(told, 'KOVER=1', 'and what to do')
+      call read_case_text(chain(:len(chain) - 9)//rest, 'test', sets, reported, 'psalm')
+      call t%equal_integer(reported%count, 1, 'one message without KOVER')
+      call t%finds(reported, 'moves nothing', 'without KOVER')
+      call t%finds(reported, 'KOVER=1', 'and what to do')
    end subroutine special_dimensions
 
    !> An excavator over a grid of its three strokes: lengths of all links and strokes of all cylinders are kept everywhere.

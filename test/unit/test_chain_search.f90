@@ -58,9 +58,9 @@ contains
       real(wp), allocatable :: r(:), up(:), down(:), jacobian(:, :), x(:), slope(:)
       real(wp) :: worst
       real(wp), parameter :: h = 1.0e-4_wp
-      character(:), allocatable :: trouble
+      character(:), allocatable :: failure
       integer :: which, v
-      logical :: sound
+      logical :: valid
 
       call read_one('DERIVATIVES'//nl//six_bar//" &END &DRIVES DRIVE='A' &END"//nl// &
                     " &OUTPUTS OUTPUT='point D','angle G D','distance B F','y E','ratio y_E distance_B_F',"//nl// &
@@ -68,8 +68,8 @@ contains
                     ' DACC2=3*0.0, DACC3=3*1.0, WVEL1=2.0 &END &METHOD NDES=3, DELT=-12.0,-15.0,-20.0 &END'//nl, set, findings)
       call t%equal_integer(findings%count, 0, 'desired derivatives are read')
       if (findings%failed()) return
-      call assemble_sketch(set, closure, state, sound, findings)
-      call make_chain_problem(set, closure, state, inputs_of_drives(set, .true.), problem, trouble, which)
+      call assemble_sketch(set, closure, state, valid, findings)
+      call make_chain_problem(set, closure, state, inputs_of_drives(set, .true.), problem, failure, which)
       call t%equal_integer(which, 0, 'all variables vary')
       call t%equal_integer(problem%core, 10, 'eight variables have ten unknowns')
       call t%equal_text(unknown_name(set%sketch, 7), 'direction of G', 'the second number of a place')
@@ -208,25 +208,25 @@ contains
    end subroutine floating_cylinder
 
    subroutine refused()
-      call told(" &END &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='point D', DES1=1.0,2.0 &END &METHOD NDES=2, DELT=0.0,1.0 &END", &
+      call reported(" &END &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='point D', DES1=1.0,2.0 &END &METHOD NDES=2, DELT=0.0,1.0 &END", &
                 'have 4 values, but only 2 given')
-      call told(" &END &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='point D', WVEL1=1.0 &END &METHOD NDES=1, DELT=0.0 &END", &
+      call reported(" &END &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='point D', WVEL1=1.0 &END &METHOD NDES=1, DELT=0.0 &END", &
                 'weighs DVEL1, which is not given')
-      call told(" &END &DRIVES DRIVE='A' &END &METHOD NDES=1, DELT=0.0 &END &CONSTR NREGN=1, RKIND=3, RPLACE=0.,0.,1.,0. &END", &
-                'the joint that it is for is missing')
-      call told(" &END &DRIVES DRIVE='A' &END &METHOD NDES=1, DELT=0.0 &END &CONSTR NREGN=1, RKIND=3, RJNT='Q', "// &
+      call reported(" &END &DRIVES DRIVE='A' &END &METHOD NDES=1, DELT=0.0 &END &CONSTR NREGN=1, RKIND=3, "// &
+                'RPLACE=0.,0.,1.,0. &END', 'the joint that it is for is missing')
+      call reported(" &END &DRIVES DRIVE='A' &END &METHOD NDES=1, DELT=0.0 &END &CONSTR NREGN=1, RKIND=3, RJNT='Q', "// &
                 'RPLACE=0.,0.,1.,0. &END', "no joint is called 'Q'")
-      call told(" &END &DRIVES DRIVE='A' &END &METHOD NDES=1, DELT=0.0 &END &CONSTR NSEG=1, SJNT='A Q' &END", &
+      call reported(" &END &DRIVES DRIVE='A' &END &METHOD NDES=1, DELT=0.0 &END &CONSTR NSEG=1, SJNT='A Q' &END", &
                 "no joint is called 'Q'")
-      call told(" &END &DRIVES DRIVE='A' &END &METHOD NDES=1, DELT=0.0 &END &CONSTR NSEG=1, SJNT='A' &END", &
+      call reported(" &END &DRIVES DRIVE='A' &END &METHOD NDES=1, DELT=0.0 &END &CONSTR NSEG=1, SJNT='A' &END", &
                 "two joints are expected, as 'A B'; found 'A'")
-      call told(" &END &DRIVES DRIVE='A' &END &METHOD NDES=1, DELT=0.0 &END &CONSTR NSEG=2, SJNT='A D' &END", &
+      call reported(" &END &DRIVES DRIVE='A' &END &METHOD NDES=1, DELT=0.0 &END &CONSTR NSEG=2, SJNT='A D' &END", &
                 'the two joints between which it lies are missing')
-      call told(" &END &DRIVES DRIVE='A' &END &METHOD NDES=1, DELT=0.0 &END &CONSTR NSEG=1, SLINK=1,2, SLOOP=1,1 &END", &
+      call reported(" &END &DRIVES DRIVE='A' &END &METHOD NDES=1, DELT=0.0 &END &CONSTR NSEG=1, SLINK=1,2, SLOOP=1,1 &END", &
                 'the joints of a sketch are named, SJNT')
    end subroutine refused
 
-   subroutine told(rest, words)
+   subroutine reported(rest, words)
       character(*), intent(in) :: rest, words
       type(data_set_t) :: set
       type(diagnostics_t) :: findings
@@ -234,5 +234,5 @@ contains
       call read_one('REFUSED'//nl//six_bar//rest//nl, set, findings)
       call t%equal_integer(findings%count, 1, 'one message: '//words)
       call t%finds(findings, words, 'message')
-   end subroutine told
+   end subroutine reported
 end program test_chain_search

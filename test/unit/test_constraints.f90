@@ -17,7 +17,7 @@ program test_constraints
    use psalm_regions, only: find_region_depth, check_regions
    use psalm_search, only: result_t, search_many
    use psalm_status, only: diagnostics_t
-   use psalm_station, only: station_t, prepare_station, evaluate_station, linearise_station
+   use psalm_samples, only: sample_set_t, prepare_samples, evaluate_samples, linearise_samples
    use psalm_stop, only: stop_t
    use psalm_text, only: to_text
    use psalm_timing, only: timing_t, prepare_timing, find_timing
@@ -57,7 +57,7 @@ contains
       character(*), intent(in) :: name
       type(problem_t) :: problem
       type(data_set_t) :: set
-      type(station_t) :: station
+      type(sample_set_t) :: samples
       type(dimensions_t) :: dimensions
       real(wp), allocatable :: values(:), changed(:), ahead(:, :, :), near(:, :)
       real(wp), allocatable :: joints(:, :, :, :)
@@ -71,33 +71,33 @@ contains
       ! a point of the frame, and one beside an arc that moves
       beside(1) = beside_t(0, 12.0_wp, 40.0_wp)
       beside(2) = beside_t(problem%mechanism%seq(1, problem%mechanism%place(1, 1)), 7.0_wp, -25.0_wp)
-      call prepare_station(problem, problem%delt, .false., joint, .true., station, beside)
+      call prepare_samples(problem, problem%delt, .false., joint, .true., samples, beside)
       values = problem%parameters%first_values(problem%given)
       dimensions = problem%given
       ! the first variable length is made a third longer: some positions of some linkages open
       values(1) = values(1)*4.0_wp/3.0_wp
       call problem%parameters%apply(values, dimensions)
-      call linearise_station(station, dimensions)
-      opened = count(.not. station%closed)
-      near = abs(abs(station%k) - 1.0_wp)
+      call linearise_samples(samples, dimensions)
+      opened = count(.not. samples%closed)
+      near = abs(abs(samples%k) - 1.0_wp)
       worst = 0.0_wp
       worst_open = 0.0_wp
-      size_of = max(maxval(abs(station%dk), mask=spread(near > 0.02_wp, 3, station%columns)), 1.0e-3_wp)
-      associate (dk => station%dk, closed => station%closed, n => size(station%closed))
-         allocate (ahead(n, size(station%k, 2), 2), joints(n, 2, 2, 2))
-         do v = 1, station%columns
+      size_of = max(maxval(abs(samples%dk), mask=spread(near > 0.02_wp, 3, samples%columns)), 1.0e-3_wp)
+      associate (dk => samples%dk, closed => samples%closed, n => size(samples%closed))
+         allocate (ahead(n, size(samples%k, 2), 2), joints(n, 2, 2, 2))
+         do v = 1, samples%columns
             step = 1.0e-5_wp*max(1.0_wp, 0.1_wp*abs(values(v)))
             changed = values
             changed(v) = values(v) + step
-            call observe(station, problem, changed, dimensions, ahead(:, :, 1), joints(:, :, :, 1))
+            call observe(samples, problem, changed, dimensions, ahead(:, :, 1), joints(:, :, :, 1))
             changed(v) = values(v) - step
-            call observe(station, problem, changed, dimensions, ahead(:, :, 2), joints(:, :, :, 2))
+            call observe(samples, problem, changed, dimensions, ahead(:, :, 2), joints(:, :, :, 2))
             do i = 1, n
                if (any(near(i, :) <= 0.02_wp)) cycle ! beside the kink
                difference = maxval(abs((ahead(i, :, 1) - ahead(i, :, 2))/(2.0_wp*step) - dk(i, :, v)))/size_of
                difference = max(difference, &
-                                maxval(abs((joints(i, :, :, 1) - joints(i, :, :, 2))/(2.0_wp*step) - station%djoints(i, :, :, v))) &
-                                /max(1.0_wp, maxval(abs(station%djoints(i, :, :, v)))))
+                                maxval(abs((joints(i, :, :, 1) - joints(i, :, :, 2))/(2.0_wp*step) - samples%djoints(i, :, :, v))) &
+                                /max(1.0_wp, maxval(abs(samples%djoints(i, :, :, v)))))
                if (closed(i)) then
                   worst = max(worst, difference)
                else
@@ -112,17 +112,17 @@ contains
    end subroutine derivatives_past_closing
 
    !> Constraints and joints of a changed linkage.
-   subroutine observe(station, problem, values, dimensions, k, joints)
-      type(station_t), intent(in) :: station
+   subroutine observe(samples, problem, values, dimensions, k, joints)
+      type(sample_set_t), intent(in) :: samples
       type(problem_t), intent(in) :: problem
       real(wp), intent(in) :: values(:)
       type(dimensions_t), intent(inout) :: dimensions
       real(wp), intent(out) :: k(:, :), joints(:, :, :)
-      type(station_t) :: other
+      type(sample_set_t) :: other
 
-      other = station
+      other = samples
       call problem%parameters%apply(values, dimensions)
-      call evaluate_station(other, dimensions)
+      call evaluate_samples(other, dimensions)
       k = other%k
       joints = other%joints
    end subroutine observe
@@ -366,7 +366,7 @@ contains
       type(timing_t) :: whole
       real(wp) :: objective
       integer :: loop, far
-      logical :: sound
+      logical :: valid
 
       call load_case('dyad8_tangent_mechanism', problem, set)
       do far = 0, 1
@@ -403,12 +403,12 @@ contains
       set%constr%irange = range_turn
       values = problem%parameters%first_values(problem%given)
       call prepare_merit(set, problem, values, merit)
-      call merit%accept(values, objective, sound)
-      call t%is_true(.not. sound, 'a search sees parallel slides between the prescribed positions')
+      call merit%accept(values, objective, valid)
+      call t%is_true(.not. valid, 'a search sees parallel slides between the prescribed positions')
       set%constr%irange = range_inputs
       call prepare_merit(set, problem, values, merit)
-      call merit%accept(values, objective, sound)
-      call t%is_true(sound, 'and accepts a range without')
+      call merit%accept(values, objective, valid)
+      call t%is_true(valid, 'and accepts a range without')
       ! free timing keeps to one side
       set%constr%irange = range_positions
       set%method%ifree = 1
@@ -431,7 +431,7 @@ contains
       type(merit_t) :: merit
       real(wp), allocatable :: values(:)
       real(wp) :: objective
-      logical :: sound
+      logical :: valid
 
       ! the transmission angle is 48.6 degrees at 0 degrees of the crank, above 55 from 33 degrees on
       call load_case('dyad1_crank_rocker', problem, set, vary=.true.)
@@ -442,12 +442,12 @@ contains
       values = problem%parameters%first_values(problem%given)
       set%constr%irange = range_turn
       call prepare_merit(set, problem, values, merit)
-      call merit%accept(values, objective, sound)
-      call t%is_true(all(merit%range%closed) .and. .not. sound, 'an angle out of its limits between the positions')
+      call merit%accept(values, objective, valid)
+      call t%is_true(all(merit%range%closed) .and. .not. valid, 'an angle out of its limits between the positions')
       set%constr%irange = range_positions
       call prepare_merit(set, problem, values, merit)
-      call merit%accept(values, objective, sound)
-      call t%is_true(sound, 'which nobody asked about')
+      call merit%accept(values, objective, valid)
+      call t%is_true(valid, 'which nobody asked about')
    end subroutine angle_between_positions
 
    !> A forbidden region that is touched within rounding of the longest link is none that is entered.
@@ -577,16 +577,16 @@ contains
       type(data_set_t) :: set
       type(merit_t) :: merit
       type(timing_t) :: whole
-      type(station_t) :: station
+      type(sample_set_t) :: samples
       real(wp), allocatable :: delt(:), found(:, :), wanted(:)
       integer :: turns, i
 
       call load_case('dyad1_crank_rocker', problem, set, vary=.true.)
       allocate (found(problem%positions, 0:1))
-      call prepare_station(problem, problem%delt, .false., reshape([integer ::], [2, 0]), .false., station)
-      call evaluate_station(station, problem%given)
+      call prepare_samples(problem, problem%delt, .false., reshape([integer ::], [2, 0]), .false., samples)
+      call evaluate_samples(samples, problem%given)
       do turns = 0, 1
-         wanted = station%out(:, 1) + 360.0_wp*[(real(turns*(mod(i, 5) - 2), wp), i=1, problem%positions)]
+         wanted = samples%out(:, 1) + 360.0_wp*[(real(turns*(mod(i, 5) - 2), wp), i=1, problem%positions)]
          call problem%set_desired(reshape(wanted, [size(wanted), 1]))
          call prepare_merit(set, problem, problem%parameters%first_values(problem%given), merit)
          call prepare_timing(problem, merit, whole)
@@ -596,21 +596,21 @@ contains
          deallocate (delt)
       end do
       call t%is_true(all(abs(found(:, 1) - found(:, 0)) <= 0.0_wp), 'whole turns of a wanted angle do not change the timing')
-      wanted = station%out(:, 1)
-      call prepare_station(problem, found(:, 1), .false., reshape([integer ::], [2, 0]), .false., station)
-      call evaluate_station(station, problem%given)
-      call t%is_true(all(abs(station%out(:, 1) - wanted) <= 2.0_wp), 'each angle is met within a step')
+      wanted = samples%out(:, 1)
+      call prepare_samples(problem, found(:, 1), .false., reshape([integer ::], [2, 0]), .false., samples)
+      call evaluate_samples(samples, problem%given)
+      call t%is_true(all(abs(samples%out(:, 1) - wanted) <= 2.0_wp), 'each angle is met within a step')
       call t%is_true(maxval(wanted) - minval(wanted) > 30.0_wp, 'angles that differ')
    end subroutine timing_of_angles
 
    !> Make the points a linkage goes through the desired ones.
    subroutine points_of_itself(problem)
       type(problem_t), intent(inout) :: problem
-      type(station_t) :: station
+      type(sample_set_t) :: samples
 
-      call prepare_station(problem, problem%delt, .false., reshape([integer ::], [2, 0]), .false., station)
-      call evaluate_station(station, problem%given)
-      call problem%set_desired(station%out)
+      call prepare_samples(problem, problem%delt, .false., reshape([integer ::], [2, 0]), .false., samples)
+      call evaluate_samples(samples, problem%given)
+      call problem%set_desired(samples%out)
    end subroutine points_of_itself
 
    !> NLopt: the same answer for any number of threads.

@@ -208,7 +208,7 @@ contains
                end do
                if (.not. first) cycle
                groups = find_assur_groups(drawn(joined, f, a, b))
-               if (.not. groups%sound) then
+               if (.not. groups%valid) then
                   call t%is_true(.false., 'a chain with one drive is determined')
                   cycle
                end if

@@ -120,21 +120,21 @@ contains
       type(generator_t) :: one
       real(wp) :: worst
       logical :: exists
-      integer :: k, i, sound
+      integer :: k, i, valid
 
-      sound = 0
+      valid = 0
       worst = 0.0_wp
       do i = 1, 2
          call five_points(phi, psi, i == 2, found)
          do k = 1, found%count
             one = found%list(k)
             if (one%assembly == 0) cycle
-            sound = sound + 1
+            valid = valid + 1
             worst = max(worst, error_at_points(one, phi, psi))
          end do
          call t%is_true(found%count == 1 .or. found%count == 3, 'functions: one or three linkages', to_text(found%count))
       end do
-      call t%is_true(sound > 0, 'functions: one stays in its assembly')
+      call t%is_true(valid > 0, 'functions: one stays in its assembly')
       call t%close_to(worst, 0.0_wp, 1.0e-10_wp, 'functions: five points are met')
       ! four of the five with a zero line of a linkage known
       call five_points(phi, psi, .false., found)
@@ -178,7 +178,7 @@ contains
       do k = 1, 2
          if (k == 1) call find_stephenson(wanted, phi, psi, 2, 3, 1.0_wp, 100.0_wp, found)
          if (k == 2) call find_watt(wanted, phi, psi, 3, 3, 1.0_wp, 100.0_wp, found)
-         call t%is_true(size(found%best) > 0, 'six-bars: some are found', to_text(found%sound))
+         call t%is_true(size(found%best) > 0, 'six-bars: some are found', to_text(found%valid))
          worst = 0.0_wp
          do i = 1, size(found%best)*size(phi)
             call six_bar_output(found%best(1 + (i - 1)/size(phi)), phi(1 + modulo(i - 1, size(phi))), got, sine, closes)

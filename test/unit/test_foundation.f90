@@ -9,7 +9,7 @@ program test_foundation
    use psalm_mark, only: mark_t, mark_width
    use psalm_rows, only: rows_t, make_rows
    use psalm_sort, only: ascending, pool_rising
-   use psalm_status, only: diagnostics_t, exit_bad_input, exit_file_trouble
+   use psalm_status, only: diagnostics_t, exit_bad_input, exit_file_error
    use psalm_text, only: to_text
    implicit none (type, external)
    type(checks_t) :: t
@@ -40,11 +40,11 @@ contains
       call t%equal_integer(len(one%name()), mark_width, 'width of a mark')
    end subroutine marks
 
-   !> Findings in words, with and without their place; more of them than are told.
+   !> Findings in words, with and without their place; more of them than are reported.
    subroutine findings()
       type(diagnostics_t) :: some, many, fresh
       integer :: i
-      integer, parameter :: told = 200, more = 57
+      integer, parameter :: reported = 200, more = 57
 
       call some%error('no place')
       call t%equal_text(some%list(1)%render(), 'error: no place', 'a finding without a file')
@@ -55,18 +55,18 @@ contains
       call t%equal_text(some%list(3)%render(), 'a.nml: warning: &LINKS: a group', 'a finding of a group')
       call t%equal_integer(some%exit_code(), exit_bad_input, 'an error, no trouble with files')
       ! each of another kind, so that none stands for others
-      do i = 1, told + more
+      do i = 1, reported + more
          call many%warning('odd', item='I'//to_text(i))
       end do
-      call t%equal_integer(many%count, told, 'findings that are told')
-      ! the last that is told gives its place up
-      call t%equal_text(many%list(told)%render(), 'warning: and '//to_text(more + 1)//' more', 'how many are not')
+      call t%equal_integer(many%count, reported, 'findings that are told')
+      ! the last that is reported gives its place up
+      call t%equal_text(many%list(reported)%render(), 'warning: and '//to_text(more + 1)//' more', 'how many are not')
       call t%is_true(.not. many%failed(), 'warnings only')
-      call many%trouble('no room')
-      call t%equal_integer(many%exit_code(), exit_file_trouble, 'an error among those that are not told counts')
+      call many%failure('no room')
+      call t%equal_integer(many%exit_code(), exit_file_error, 'an error among those that are not told counts')
       many = fresh
-      do i = 1, told + more
-         if (i == told) call many%error('wrong')
+      do i = 1, reported + more
+         if (i == reported) call many%error('wrong')
          call many%warning('odd', item='I'//to_text(i))
       end do
       call t%is_true(many%failed(), 'an error that gives its place up counts')

@@ -4,7 +4,7 @@ program test_free_path
    use psalm_free_path, only: search_batch
    use psalm_kinds, only: wp, degrees_per_radian, full_turn
    use psalm_path_angles, only: angle_limits, keep_angles
-   use psalm_path_fit, only: fitted_path_t, path_room_t, path_timing_t, prepare_path, trace_coupler, fit_linear, lengths_of
+   use psalm_path_fit, only: fitted_path_t, path_workspace_t, path_timing_t, prepare_path, trace_coupler, fit_linear, lengths_of
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    type(checks_t) :: t
@@ -105,7 +105,7 @@ contains
    !> The least-squares problem of pivot, crank and coupler point, and what makes it a least one.
    subroutine linear_unknowns()
       type(fitted_path_t) :: path
-      type(path_room_t) :: room
+      type(path_workspace_t) :: room
       type(path_timing_t) :: timing
       complex(wp) :: e(18), v(18), miss(18)
 
@@ -126,7 +126,7 @@ contains
    !> The best known linkage for the 18 points, from five seeds; its bounds, order and turn.
    subroutine searches()
       type(fitted_path_t) :: path
-      type(path_room_t) :: room
+      type(path_workspace_t) :: room
       type(path_timing_t) :: best, timing
       type(xoshiro_t) :: random
       integer :: seed, batch, reached
@@ -158,7 +158,7 @@ contains
    !> With a limit of the transmission angle no position of the turn passes it.
    subroutine transmission()
       type(fitted_path_t) :: path
-      type(path_room_t) :: room
+      type(path_workspace_t) :: room
       type(path_timing_t) :: timing
       type(xoshiro_t) :: random
       complex(wp) :: e(360), v(360)
@@ -247,7 +247,7 @@ contains
    !> turn, its sum of squares found by other programs. A wider limit, from the same random numbers, is never worse.
    subroutine both_limits()
       type(fitted_path_t) :: paths(2)
-      type(path_room_t) :: room
+      type(path_workspace_t) :: room
       type(path_timing_t) :: timing
       type(xoshiro_t) :: random
       real(wp), parameter :: points_x(20) = [-27.0_wp, -21.857_wp, -16.7_wp, -11.571_wp, -6.428_wp, -1.285_wp, 3.857_wp, 9.0_wp, &

@@ -337,7 +337,7 @@ contains
       call t%equal_integer(findings%list(1)%line, 5, 'a position given twice: its line')
    end subroutine places
 
-   !> Of one kind a few findings are told, the others counted.
+   !> Of one kind a few findings are reported, the others counted.
    subroutine many()
       call wrong(altered('NOUTLK=3', repeat('Q=1 ', 100)//'NOUTLK=3'), 'and 95 more unknown items')
       call t%equal_integer(findings%count, 6, 'of 100 unknown items five are told')

@@ -236,7 +236,7 @@ contains
       call t%close_to(maxval(abs(one%motion%actual(:, 1) - slide(one%motion%input, 35.0_wp))), 0.0_wp, 1.0e-12_wp, &
                       'a shorter crank')
       call t%is_true(all(abs(one%motion%actual - two%motion%actual) <= 0.0_wp), 'read or made: the same bits')
-      ! a rod too short to reach: told, not refused
+      ! a rod too short to reach: reported, not refused
       call made%set_length(1, 2, 40.0_wp)
       call analyse(made, one, findings)
       call t%is_true(.not. findings%failed() .and. one%is_violating() .and. .not. all(one%motion%closed), &
@@ -440,12 +440,12 @@ contains
       type(stop_t), intent(in) :: stop
       type(case_t), allocatable :: cases(:)
       type(report_t) :: report
-      type(findings_t) :: told
+      type(findings_t) :: reported
 
-      call read_file(file, cases, told)
-      call study(cases(1), verb, report, told, stop=stop)
-      call t%is_true(report%violated .and. .not. told%failed(), verb//' is ended by the host: '//file)
-      if (told%count > 0) call t%is_true(index(told%list(told%count)%text, 'ended before it had a result') > 0, &
+      call read_file(file, cases, reported)
+      call study(cases(1), verb, report, reported, stop=stop)
+      call t%is_true(report%violated .and. .not. reported%failed(), verb//' is ended by the host: '//file)
+      if (reported%count > 0) call t%is_true(index(reported%list(reported%count)%text, 'ended before it had a result') > 0, &
                                             verb//': a warning')
       call t%equal_integer(report%tables%count, 0, verb//': no tables')
    end subroutine ended_early

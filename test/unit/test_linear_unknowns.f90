@@ -9,7 +9,7 @@ program test_linear_unknowns
    use psalm_merit, only: merit_t, prepare_merit, eliminate_linear
    use psalm_preparation, only: prepared_t, prepare
    use psalm_source, only: line_t
-   use psalm_station, only: station_t, prepare_station, evaluate_station
+   use psalm_samples, only: sample_set_t, prepare_samples, evaluate_samples
    use psalm_status, only: diagnostics_t
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
@@ -47,7 +47,7 @@ contains
       type(data_set_t), intent(inout) :: set
       type(problem_t), allocatable :: problem
       type(merit_t), allocatable :: merit
-      type(station_t), allocatable :: station
+      type(sample_set_t), allocatable :: samples
       type(linear_unknowns_t), allocatable :: linear
       type(xoshiro_t) :: random
       real(wp), allocatable :: values(:), first(:), x(:), near(:), delt(:)
@@ -56,12 +56,12 @@ contains
       logical, allocatable :: lengths(:)
       logical :: solved
 
-      allocate (problem, merit, station, linear)
+      allocate (problem, merit, samples, linear)
       call make(set, problem, merit)
       first = problem%parameters%first_values(problem%given)
-      call prepare_station(problem, problem%delt, .false., reshape([integer ::], [2, 0]), .false., station)
-      call evaluate_station(station, problem%given)
-      problem%wanted(:problem%positions, :) = station%out
+      call prepare_samples(problem, problem%delt, .false., reshape([integer ::], [2, 0]), .false., samples)
+      call evaluate_samples(samples, problem%given)
+      problem%wanted(:problem%positions, :) = samples%out
       call prepare_linear_unknowns(problem, .true., merit%low, merit%high, linear)
       call t%is_true(linear%applies, trim(set%title)//': it applies')
       if (.not. linear%applies) return

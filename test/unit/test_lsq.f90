@@ -47,14 +47,14 @@ contains
 
    subroutine equations()
       real(wp) :: x(2)
-      logical :: sound
+      logical :: valid
 
-      call solve_positive(reshape([4.0_wp, 1.0_wp, 1.0_wp, 3.0_wp], [2, 2]), [1.0_wp, 2.0_wp], x, sound)
-      call t%is_true(sound, 'a positive definite system')
+      call solve_positive(reshape([4.0_wp, 1.0_wp, 1.0_wp, 3.0_wp], [2, 2]), [1.0_wp, 2.0_wp], x, valid)
+      call t%is_true(valid, 'a positive definite system')
       call t%close_to(x(1), 1.0_wp/11.0_wp, 1.0e-14_wp, 'its first unknown')
       call t%close_to(x(2), 7.0_wp/11.0_wp, 1.0e-14_wp, 'its second unknown')
-      call solve_positive(reshape([1.0_wp, 2.0_wp, 2.0_wp, 1.0_wp], [2, 2]), [1.0_wp, 2.0_wp], x, sound)
-      call t%is_true(.not. sound, 'a matrix that is not positive definite is told')
+      call solve_positive(reshape([1.0_wp, 2.0_wp, 2.0_wp, 1.0_wp], [2, 2]), [1.0_wp, 2.0_wp], x, valid)
+      call t%is_true(.not. valid, 'a matrix that is not positive definite is told')
    end subroutine equations
 
    !> Derivatives of the constraints against central differences.

@@ -9,7 +9,7 @@ program test_proof
    use psalm_exact_sum, only: sign_of_sum
    use psalm_kinds, only: wp, full_turn
    use psalm_plan, only: plan_t, make_plan
-   use psalm_proof, only: proof_t, subject_t, prepare_subject, bind_subject, prove_closure, piece_closes, piece_opens, &
+   use psalm_proof, only: proof_t, proof_linkage_t, prepare_proof, bind_proof, prove_closure, piece_closes, piece_opens, &
                           piece_undecided, cause_too_short, cause_difference, cause_guide, cause_link, touch_exact, touch_none
    use psalm_output_kind, only: motion_angle
    use psalm_proof_motion, only: movement_t, proven_dead_point_t, prove_movement, quantity_output, quantity_turning
@@ -106,18 +106,18 @@ contains
 
    subroutine prove(from, to)
       real(wp), intent(in) :: from, to
-      type(subject_t) :: subject
+      type(proof_linkage_t) :: linkage
       type(plan_t) :: plan
 
       plan = make_plan(problem%mechanism, problem%motion, everything=.true., all_roots=.false.)
-      call prepare_subject(problem%mechanism, plan, subject)
-      call bind_subject(plan, dimensions, subject)
-      call prove_closure(subject, from, to, proof)
+      call prepare_proof(problem%mechanism, plan, linkage)
+      call bind_proof(plan, dimensions, linkage)
+      call prove_closure(linkage, from, to, proof)
    end subroutine prove
 
    !> Transmission angles in degrees, computed in 50 digits, and what the lengths alone say of tolerances.
    subroutine check_extremes()
-      type(subject_t) :: subject
+      type(proof_linkage_t) :: linkage
       type(proven_extreme_t), allocatable :: extremes(:)
       type(plan_t) :: plan
       real(wp) :: tolerance
@@ -126,45 +126,45 @@ contains
       ! the needle linkage
       call prove_turn()
       plan = make_plan(problem%mechanism, problem%motion, everything=.true., all_roots=.false.)
-      call prepare_subject(problem%mechanism, plan, subject)
-      call bind_subject(plan, dimensions, subject)
-      call prove_extremes(subject, proof, extremes, boxes)
+      call prepare_proof(problem%mechanism, plan, linkage)
+      call bind_proof(plan, dimensions, linkage)
+      call prove_extremes(linkage, proof, extremes, boxes)
       call t%equal_integer(size(extremes), 4, 'the needle linkage has four transmission angles')
       call holds(extremes(1), 55.629566864372296_wp, 58.3591_wp, 82.296817292824374_wp, 238.3591_wp, 'loop 1')
       call holds(extremes(2), 55.435241336673324_wp, 91.9525_wp, 135.85560262535641_wp, 271.9525_wp, 'loop 2')
       call holds(extremes(3), 62.013712565713751_wp, 165.465584877_wp, 111.17352686010631_wp, 266.072665573_wp, 'loop 3')
       call holds(extremes(4), 78.870740311878348_wp, 334.454869784_wp, 85.867085518809795_wp, 157.893040857_wp, 'loop 4')
-      call check_movement(subject)
+      call check_movement(linkage)
       ! a crank-rocker: the sum of crank and frame is 18.88391998183876 short of the links, which four deviations close
       call load_case('dyad1_crank_rocker', problem, set)
       call four_bar([30.0_wp, 60.0_wp, 68.88391998183876_wp, 80.0_wp])
-      call prepare_subject(problem%mechanism, plan_of(), subject)
-      call bind_subject(plan_of(), dimensions, subject)
-      call prove_extremes(subject, proof, extremes, boxes)
+      call prepare_proof(problem%mechanism, plan_of(), linkage)
+      call bind_proof(plan_of(), dimensions, linkage)
+      call prove_extremes(linkage, proof, extremes, boxes)
       call holds(extremes(1), 45.0_wp - 1.0e-15_wp, 200.25_wp, 117.01780160191131_wp, 20.25_wp, 'crank-rocker')
-      call prove_tolerance(subject, 0.0_wp, full_turn, 8.0_wp, tolerance)
+      call prove_tolerance(linkage, 0.0_wp, full_turn, 8.0_wp, tolerance)
       call t%is_true(tolerance <= 18.88391998183876_wp/4.0_wp, 'no tolerance is proven at which the linkage opens')
       call t%is_true(tolerance >= 18.88391998183876_wp/4.0_wp - 0.01_wp, 'a tolerance is proven that is hardly less')
    end subroutine check_extremes
 
    !> Rates and dead points of the needle linkage, computed in 50 digits, and the strokes of a crank-rocker.
-   subroutine check_movement(subject)
-      type(subject_t), intent(inout) :: subject
+   subroutine check_movement(linkage)
+      type(proof_linkage_t), intent(inout) :: linkage
       type(movement_t) :: movement
       type(proven_dead_point_t), allocatable :: own(:)
       real(wp), parameter :: dead_of_p(4) = [7.8084731752614_wp, 87.578210292501_wp, 147.79448573772_wp, 260.03221795726_wp]
       real(wp), parameter :: dead_of_q(4) = [11.798387991037_wp, 50.39894978684_wp, 156.37903747427_wp, 312.9502531781_wp]
       real(wp), parameter :: least = -0.0881349872442579_wp, greatest = 0.097646273426758_wp
 
-      call prove_movement(subject, proof, 0.0_wp, movement)
+      call prove_movement(linkage, proof, 0.0_wp, movement)
       own = pack(movement%dead, movement%dead%kind == quantity_turning .and. movement%dead%loop == 4)
       call t%equal_integer(count(movement%dead%kind == quantity_turning), 22, 'the needle linkage has 22 dead points of its links')
       call are_at(own(:size(own)/2), dead_of_p, 'needle linkage, first link of loop 4')
       call are_at(own(size(own)/2 + 1:), dead_of_q, 'needle linkage, second link of loop 4')
       ! as the output
-      subject%output_motion = motion_angle
-      subject%output_arc = problem%mechanism%groups(4)%members(2)
-      call prove_movement(subject, proof, 0.0_wp, movement)
+      linkage%output_motion = motion_angle
+      linkage%output_arc = problem%mechanism%groups(4)%members(2)
+      call prove_movement(linkage, proof, 0.0_wp, movement)
       call are_at(pack(movement%dead, movement%dead%kind == quantity_output), dead_of_q, 'needle linkage, the same as output')
       associate (ratio => movement%ratio)
          call t%is_true(ratio(1)%low <= least .and. least <= ratio(1)%high .and. ratio(2)%low <= greatest .and. &

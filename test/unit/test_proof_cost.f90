@@ -7,7 +7,7 @@ program test_proof_cost
    use psalm_error, only: problem_t, new_problem
    use psalm_kinds, only: wp, full_turn
    use psalm_plan, only: plan_t, make_plan
-   use psalm_proof, only: proof_t, subject_t, prepare_subject, bind_subject, prove_closure
+   use psalm_proof, only: proof_t, proof_linkage_t, prepare_proof, bind_proof, prove_closure
    use psalm_proof_ranges, only: proven_extreme_t, prove_extremes
    implicit none (type, external)
 
@@ -32,7 +32,7 @@ contains
       type(problem_t) :: problem, fine
       type(data_set_t) :: set
       type(plan_t) :: plan
-      type(subject_t) :: subject
+      type(proof_linkage_t) :: linkage
       type(proof_t) :: proof
       type(proven_extreme_t), allocatable :: extremes(:)
       integer :: boxes(2), i, block, offset, n, repeats
@@ -41,10 +41,10 @@ contains
 
       call load_case(name, problem, set)
       plan = make_plan(problem%mechanism, problem%motion, everything=.true., all_roots=.false.)
-      call prepare_subject(problem%mechanism, plan, subject)
-      call bind_subject(plan, problem%given, subject)
-      call prove_closure(subject, 0.0_wp, full_turn, proof)
-      call prove_extremes(subject, proof, extremes, boxes)
+      call prepare_proof(problem%mechanism, plan, linkage)
+      call bind_proof(plan, problem%given, linkage)
+      call prove_closure(linkage, 0.0_wp, full_turn, proof)
+      call prove_extremes(linkage, proof, extremes, boxes)
       call t%is_true(proof%closes_everywhere() .and. proof%boxes <= most_boxes, trim(name)//': closes, proven in few boxes')
       call t%is_true(sum(boxes) <= 2*most_extreme_boxes*size(extremes), trim(name)//': extremes in few boxes')
       if (command_argument_count() == 0) return
@@ -61,14 +61,14 @@ contains
       engine = real(finish - start, wp)/real(rate, wp)/real(repeats, wp)*1.0e6_wp
       call system_clock(start)
       do i = 1, repeats
-         call prove_closure(subject, 0.0_wp, full_turn, proof)
+         call prove_closure(linkage, 0.0_wp, full_turn, proof)
       end do
       call system_clock(finish)
       closure = real(finish - start, wp)/real(rate, wp)/real(repeats, wp)*1.0e6_wp
       repeats = 20
       call system_clock(start)
       do i = 1, repeats
-         call prove_extremes(subject, proof, extremes, boxes)
+         call prove_extremes(linkage, proof, extremes, boxes)
       end do
       call system_clock(finish)
       all_extremes = real(finish - start, wp)/real(rate, wp)/real(repeats, wp)*1.0e6_wp

@@ -11,7 +11,7 @@ program test_proof_searches
    use psalm_kinds, only: wp, full_turn, right_angle
    use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated, margin_angle
    use psalm_plan, only: plan_t, make_plan
-   use psalm_proof, only: proof_t, subject_t, prepare_subject, bind_subject, prove_closure
+   use psalm_proof, only: proof_t, proof_linkage_t, prepare_proof, bind_proof, prove_closure
    use psalm_proof_ranges, only: proven_extreme_t, extreme_angle, prove_extremes
    use psalm_search, only: result_t, search_many
    use psalm_stop, only: stop_t
@@ -50,7 +50,7 @@ contains
       type(result_t) :: result
       type(stop_t) :: never
       type(inspector_t) :: inspector
-      type(subject_t) :: subject
+      type(proof_linkage_t) :: linkage
       type(dimensions_t) :: dimensions
       type(plan_t) :: plan
       real(wp), allocatable :: none(:, :)
@@ -65,19 +65,19 @@ contains
       call search_many(set, problem, problem%parameters%first_values(problem%given), none, 1, never, result)
       call prepare_inspector(set, problem, .true., inspector)
       plan = make_plan(problem%mechanism, problem%motion, everything=.false., all_roots=.false.)
-      call prepare_subject(problem%mechanism, plan, subject)
+      call prepare_proof(problem%mechanism, plan, linkage)
       do i = 1, size(result%best)
          dimensions = problem%given
          call problem%parameters%apply(result%best(i)%values, dimensions)
-         call bind_subject(plan, dimensions, subject)
-         call compare(inspector, subject, dimensions, result%best(i)%delt, set%limits%tangle)
+         call bind_proof(plan, dimensions, linkage)
+         call compare(inspector, linkage, dimensions, result%best(i)%delt, set%limits%tangle)
       end do
    end subroutine search_and_prove
 
-   !> Verdicts and margins of one linkage that a search holds for sound.
-   subroutine compare(inspector, subject, dimensions, delt, tangle)
+   !> Verdicts and margins of one linkage that a search holds for valid.
+   subroutine compare(inspector, linkage, dimensions, delt, tangle)
       type(inspector_t), intent(inout) :: inspector
-      type(subject_t), intent(inout) :: subject
+      type(proof_linkage_t), intent(inout) :: linkage
       type(dimensions_t), intent(in) :: dimensions
       real(wp), intent(in) :: delt(:), tangle
       type(margin_t), allocatable :: margins(:)
@@ -85,13 +85,13 @@ contains
       type(proof_t) :: proof
       real(wp) :: least, room
       integer :: boxes(2), i, k
-      logical :: sound
+      logical :: valid
 
       found = found + 1
       call inspect(inspector, dimensions, delt, margins)
-      sound = .not. any(is_violated(margins))
-      call prove_closure(subject, 0.0_wp, full_turn, proof)
-      call prove_extremes(subject, proof, extremes, boxes)
+      valid = .not. any(is_violated(margins))
+      call prove_closure(linkage, 0.0_wp, full_turn, proof)
+      call prove_extremes(linkage, proof, extremes, boxes)
       ! how near the worst angle is to its limit
       least = huge(least)
       do i = 1, size(extremes)
@@ -103,9 +103,9 @@ contains
             if (abs(margins(k)%margin - room) > near) margins_off = margins_off + 1
          end do
       end do
-      if (proof%closes_everywhere() .eqv. sound) then
+      if (proof%closes_everywhere() .eqv. valid) then
          agree = agree + 1
-      else if (sound .and. abs(least) <= near) then
+      else if (valid .and. abs(least) <= near) then
          at_limit = at_limit + 1
       else
          open = open + 1

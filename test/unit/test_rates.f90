@@ -254,7 +254,7 @@ contains
                       'Rapson slide: acceleration')
    end subroutine known_rates
 
-   !> At a dead point the rates are infinite: told, finite numbers, no trap.
+   !> At a dead point the rates are infinite: reported, finite numbers, no trap.
    subroutine dead_points()
       type(problem_t) :: problem
       type(data_set_t) :: set

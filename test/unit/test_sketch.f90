@@ -225,7 +225,7 @@ contains
                classes = classes + 1
                seen(:, classes) = [f, a, b]
                found = find_assur_groups(drawn(chain, f, a, b))
-               call t%is_true(found%sound, 'a six-bar with one drive is determined')
+               call t%is_true(found%valid, 'a six-bar with one drive is determined')
                largest = maxval(found%groups%order)
                if (largest == 2) dyads = dyads + 1
                if (largest == 4) larger = larger + 1

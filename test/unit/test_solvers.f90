@@ -81,9 +81,9 @@ contains
 
    !> The names of all algorithms that the library has.
    function algorithm_names() result(known)
-      integer, parameter :: name_room = 32        !! characters of the longest name, and some
+      integer, parameter :: name_length = 32        !! characters of the longest name, and some
       integer, parameter :: most_algorithms = 200 !! a bound for the search of their names
-      character(name_room), allocatable :: known(:)
+      character(name_length), allocatable :: known(:)
       character(kind=c_char), pointer :: letters(:)
       type(c_ptr) :: address
       integer :: i, k
@@ -99,9 +99,9 @@ contains
       do i = 0, most_algorithms
          address = nlopt_algorithm_to_string(int(i, c_int))
          if (.not. c_associated(address)) exit
-         call c_f_pointer(address, letters, [name_room])
-         known = [character(name_room) :: known, '']
-         do k = 1, name_room
+         call c_f_pointer(address, letters, [name_length])
+         known = [character(name_length) :: known, '']
+         do k = 1, name_length
             if (letters(k) == c_null_char) exit
             known(size(known))(k:k) = letters(k)
          end do
@@ -265,7 +265,7 @@ contains
       call t%close_to(maxval(abs(x(:3) - [4.0_wp, 1.0_wp, 2.5_wp])), 0.0_wp, 1.0e-9_wp, 'the circle the points lie on')
    end subroutine elimination
 
-   !> Constraints that nothing obeys: what comes back violates them next to least, and is told to violate them.
+   !> Constraints that nothing obeys: what comes back violates them next to least, and is reported to violate them.
    subroutine nothing_obeys()
       type(contradiction_t) :: problem
       type(ending_t) :: ending
@@ -311,7 +311,7 @@ contains
       end associate
    end subroutine evaluations
 
-   !> What an observer is told: counts that grow, and in the end the objective of what is found.
+   !> What an observer is reported: counts that grow, and in the end the objective of what is found.
    subroutine reports()
       type(rosenbrock_t) :: problem
       type(ending_t) :: ending

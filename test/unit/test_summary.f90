@@ -84,13 +84,14 @@ contains
       call t%equal_integer(kind_of_four_bar(2.0_wp, 2.0_wp, 2.0_wp, 2.0_wp, .true.), kind_change_point, 'a rhombus')
    end subroutine kinds
 
-   subroutine sum_up(problem, summary)
+   subroutine sum_up(set, problem, summary)
+      type(data_set_t), intent(in) :: set
       type(problem_t), intent(inout) :: problem
       type(summary_t), intent(out) :: summary
       type(motion_t) :: motion
 
       call problem%analyse(problem%given, motion)
-      call summarise(problem, problem%given, motion, summary)
+      call summarise(set, problem, problem%given, motion, summary)
    end subroutine sum_up
 
    !> Crank 40, rod 140, offset 10: stroke and least angle in closed form.
@@ -100,7 +101,7 @@ contains
       type(summary_t) :: summary
 
       call load_case('dyad4_slider_crank', problem, set)
-      call sum_up(problem, summary)
+      call sum_up(set, problem, summary)
       call t%is_true(summary%everywhere, 'slider-crank: full turn')
       call t%equal_integer(summary%kinds(1)%kind, kind_slider_turning, 'slider-crank: crank and offset are within the rod')
       call t%close_to(summary%output%high, sqrt(180.0_wp**2 - 10.0_wp**2), 1.0e-10_wp, 'slider-crank: outer dead point')
@@ -112,7 +113,7 @@ contains
                       'slider-crank: crank and rod in line')
       call problem%bind(problem%given)
       problem%given%arcl(2) = 49.0_wp
-      call sum_up(problem, summary)
+      call sum_up(set, problem, summary)
       call t%equal_integer(summary%kinds(1)%kind, kind_slider_swinging, 'slider-crank: the rod is too short')
       call t%is_true(.not. summary%everywhere .and. size(summary%closing) == 1, 'slider-crank: part of a turn')
       call t%close_to(summary%closing(1)%high, 180.0_wp + asin(39.0_wp/40.0_wp)*degrees_per_radian, 1.0e-8_wp, &
@@ -130,7 +131,7 @@ contains
       real(wp) :: swing
 
       call load_case('dyad1_crank_rocker', problem, set)
-      call sum_up(problem, summary)
+      call sum_up(set, problem, summary)
       swing = (angle_at(80.0_wp, 130.0_wp, 160.0_wp) - angle_at(80.0_wp, 130.0_wp, 80.0_wp))*degrees_per_radian
       call t%is_true(summary%everywhere .and. .not. summary%turns, 'crank-rocker: full turn of the crank, not of the rocker')
       call t%close_to(summary%output%high - summary%output%low, swing, 1.0e-10_wp, 'crank-rocker: swing')
@@ -140,7 +141,7 @@ contains
       call t%equal_integer(summary%kinds(1)%kind, kind_crank_rocker, 'crank-rocker: kind')
       ! the frame the shortest: the output turns
       problem%given%arcl(1:4) = [130.0_wp, 120.0_wp, 90.0_wp, 40.0_wp]
-      call sum_up(problem, summary)
+      call sum_up(set, problem, summary)
       call t%equal_integer(summary%kinds(1)%kind, kind_double_crank, 'double-crank: kind')
       call t%is_true(summary%everywhere .and. summary%turns .and. size(summary%reverses) == 0, 'double-crank: the output turns')
    end subroutine crank_rocker
@@ -162,7 +163,7 @@ contains
 
       call load_case('dyad1_crank_rocker', problem, set)
       problem%given%arcl(1:4) = [120.0_wp, 40.0_wp, 80.0_wp, 130.0_wp]
-      call sum_up(problem, summary)
+      call sum_up(set, problem, summary)
       low = angle_at(120.0_wp, 130.0_wp, 40.0_wp)*degrees_per_radian
       high = angle_at(120.0_wp, 130.0_wp, 120.0_wp)*degrees_per_radian
       call t%equal_integer(size(summary%closing), 2, 'double-rocker: two ranges')
@@ -170,12 +171,12 @@ contains
       call t%close_to(summary%closing(1)%high, high, 1.0e-8_wp, 'double-rocker: second end')
       call t%close_to(summary%closing(2)%low, 360.0_wp - high, 1.0e-8_wp, 'double-rocker: third end')
       call t%close_to(summary%closing(2)%high, 360.0_wp - low, 1.0e-8_wp, 'double-rocker: fourth end')
-      call write_summary('TITLE', mechanism_t(), summary, text)
+      call write_summary('TITLE', problem%mechanism, summary, text)
       call t%is_true(index(text%content(), 'Closes              from input 17.') > 0, 'double-rocker: words', text%content())
       ! a gap of a hundredth of a degree between the steps is seen
       problem%given%arcl(1:4) = [40.0_wp, 120.0_wp, 80.0_wp, 160.0_wp + 1.0e-7_wp]
       problem%given%crnki = 0.25_wp
-      call sum_up(problem, summary)
+      call sum_up(set, problem, summary)
       call t%is_true(.not. summary%everywhere, 'a narrow gap')
    end subroutine double_rocker
 
@@ -186,12 +187,12 @@ contains
       type(summary_t) :: summary
 
       call load_case('dyad8_tangent_mechanism', problem, set)
-      call sum_up(problem, summary)
+      call sum_up(set, problem, summary)
       call t%is_true(.not. summary%everywhere .and. summary%partial, 'parallel slides end the range')
       call t%close_to(summary%closing(1)%high, 180.0_wp, 1.0e-8_wp, 'parallel slides: where')
    end subroutine two_slides
 
-   !> A linkage that does not go round: prescribed inputs over less than 300 degrees are told of alone.
+   !> A linkage that does not go round: prescribed inputs over less than 300 degrees are reported alone.
    subroutine part_of_turn()
       type(problem_t) :: problem
       type(data_set_t) :: set
@@ -204,7 +205,7 @@ contains
          ! open from 257 to 283 degrees
          problem%given%arcl(2) = 49.0_wp
          call problem%set_inputs([-65.0_wp, 0.0_wp, span(i) - 65.0_wp])
-         call sum_up(problem, summary)
+         call sum_up(set, problem, summary)
          call t%is_true(.not. summary%everywhere, 'prescribed inputs: the linkage does not go round')
          call t%is_true(summary%partial .eqv. i == 1, 'prescribed inputs over more than 300 degrees mean a turn')
       end do

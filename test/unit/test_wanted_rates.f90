@@ -479,15 +479,15 @@ contains
    end function changed_length
 
    subroutine notation()
-      call told(', DESANG=3*1.0, DVELANG=4*1.0', '4 values given')
-      call told(', DESANG=3*1.0, WVELANG=1.0', 'weighs DVELANG, which is not given')
-      call told(', DESANG=3*1.0, DVELANG=3*0.0, WVELANG=1.0,2.0', 'is one weight, or one for each of NDES=3 positions; found 2')
-      call told(', DESANG=3*1.0, DACCANG=3*0.0, WACCANG=1.0,-2.0,1.0', 'weights must not be negative')
-      call told(', DESANG=3*1.0, DVELX=3*0.0', 'is of no use: MOTION=1 has the derivatives DVELANG, DACCANG')
-      call told(', DVELANG=3*0.0', 'derivatives are desired in addition to values (DESANG), which are missing')
+      call reported(', DESANG=3*1.0, DVELANG=4*1.0', '4 values given')
+      call reported(', DESANG=3*1.0, WVELANG=1.0', 'weighs DVELANG, which is not given')
+      call reported(', DESANG=3*1.0, DVELANG=3*0.0, WVELANG=1.0,2.0', 'is one weight, or one for each of NDES=3 positions; found 2')
+      call reported(', DESANG=3*1.0, DACCANG=3*0.0, WACCANG=1.0,-2.0,1.0', 'weights must not be negative')
+      call reported(', DESANG=3*1.0, DVELX=3*0.0', 'is of no use: MOTION=1 has the derivatives DVELANG, DACCANG')
+      call reported(', DVELANG=3*0.0', 'derivatives are desired in addition to values (DESANG), which are missing')
    end subroutine notation
 
-   subroutine told(items, words)
+   subroutine reported(items, words)
       character(*), intent(in) :: items, words
       type(data_set_t) :: set
       type(diagnostics_t) :: findings
@@ -495,5 +495,5 @@ contains
       call read_one(four_bar//items//' &END'//nl, set, findings)
       call t%equal_integer(findings%count, 1, 'one message: '//words)
       call t%finds(findings, words, 'message')
-   end subroutine told
+   end subroutine reported
 end program test_wanted_rates

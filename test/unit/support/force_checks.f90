@@ -342,11 +342,11 @@ contains
 
          do l = 1, size(model%loads)
             associate (load => model%loads(l))
-               call move(load%spot%body, p, v, a, e, w, al)
+               call move(load%location%body, p, v, a, e, w, al)
                if (load%turns) then
-                  call add_at(load%spot%body, p + turn(load%spot%at, e)*model%metre, turn(load%force, e), load%moment)
+                  call add_at(load%location%body, p + turn(load%location%at, e)*model%metre, turn(load%force, e), load%moment)
                else
-                  call add_at(load%spot%body, p + turn(load%spot%at, e)*model%metre, load%force, load%moment)
+                  call add_at(load%location%body, p + turn(load%location%at, e)*model%metre, load%force, load%moment)
                end if
             end associate
          end do
@@ -511,10 +511,11 @@ contains
          end do
          do l = 1, size(model%loads)
             associate (load => model%loads(l))
-               call follow(load%spot%body, 5, load%spot%at*model%metre, z, v, w)
+               call follow(load%location%body, 5, load%location%at*model%metre, z, v, w)
                f = load%force
                if (load%turns) then
-                  call problem%linkage%arc_at(problem%plan, problem%mechanism%bodies(load%spot%body)%axis, 5, e(1), e(2), length)
+                  call problem%linkage%arc_at(problem%plan, problem%mechanism%bodies(load%location%body)%axis, 5, e(1), e(2), &
+                                              length)
                   f = [f(1)*e(1) - f(2)*e(2), f(1)*e(2) + f(2)*e(1)]
                end if
                want(:2) = want(:2) + f

@@ -7,7 +7,7 @@ module linkage_campaign
    use psalm_dyad_kind, only: assur_prp, assur_ppr, assur_rpp, assur_rpr, assur_rpr_guide_first, assur_rrp, assur_prr, assur_rrr
    use psalm_kinds, only: wp, full_turn
    use psalm_plan, only: root_crank, root_frame, origin
-   use psalm_proof, only: proof_t, limit_t, subject_t, ready_subject, prove_closure, touch_exact, piece_closes, piece_undecided
+   use psalm_proof, only: proof_t, limit_t, proof_linkage_t, ready_proof, prove_closure, touch_exact, piece_closes, piece_undecided
    use psalm_proof_plan, only: proof_plan_t, proof_step_t, complete_plan
    use psalm_proof_rates, only: rate_models_t, prepare_rates, evaluate_rates
    use psalm_quad, only: qp, unit_vector_quad
@@ -54,7 +54,7 @@ contains
       type(tally_t), intent(out) :: tally
       type(xoshiro_t) :: stream
       type(drawn_t) :: drawn
-      type(subject_t) :: subject
+      type(proof_linkage_t) :: linkage
       type(proof_t) :: proof
       integer :: n, i
       real(qp) :: worst
@@ -64,8 +64,8 @@ contains
       do n = first, first + linkages - 1
          call stream%seed(n, mode)
          call draw(stream, mode, drawn)
-         call ready_subject(drawn%plan, drawn%length(:drawn%arcs), drawn%angle(:drawn%arcs), subject)
-         call prove_closure(subject, merge(0.5_wp, 0.0_wp, drawn%plan%sliding_input), &
+         call ready_proof(drawn%plan, drawn%length(:drawn%arcs), drawn%angle(:drawn%arcs), linkage)
+         call prove_closure(linkage, merge(0.5_wp, 0.0_wp, drawn%plan%sliding_input), &
                             merge(4.0_wp, full_turn, drawn%plan%sliding_input), proof)
          if (proof%closes_everywhere()) tally%everywhere = tally%everywhere + 1
          if (proof%fine_boxes > 0) tally%fine = tally%fine + 1
@@ -113,7 +113,7 @@ contains
       type(rate_models_t) :: rates
       type(xoshiro_t) :: stream
       type(drawn_t) :: drawn
-      type(subject_t) :: subject
+      type(proof_linkage_t) :: linkage
       real(wp) :: m(lanes), r(lanes)
       real(qp), dimension(room) :: directions, lengths, before, before_length, after, after_length
       real(qp) :: s, x, y, at, rate, unit
@@ -124,13 +124,13 @@ contains
       do n = first, first + linkages - 1
          call stream%seed(n, mode)
          call draw(stream, mode, drawn)
-         call ready_subject(drawn%plan, drawn%length(:drawn%arcs), drawn%angle(:drawn%arcs), subject)
+         call ready_proof(drawn%plan, drawn%length(:drawn%arcs), drawn%angle(:drawn%arcs), linkage)
          do i = 1, lanes
             m(i) = uniform(stream, 0.0_wp, merge(4.0_wp, full_turn, drawn%plan%sliding_input))
             r(i) = merge(0.2_wp, 22.5_wp, drawn%plan%sliding_input)*10.0_wp**uniform(stream, -8.0_wp, 0.0_wp)
          end do
-         call prepare_rates(subject%plan, subject%numbers, rates)
-         call evaluate_rates(subject%plan, subject%numbers, m, r, rates)
+         call prepare_rates(linkage%plan, linkage%numbers, rates)
+         call evaluate_rates(linkage%plan, linkage%numbers, m, r, rates)
          unit = merge(1.0_qp, radians, drawn%plan%sliding_input)
          do i = 1, lanes
             do j = 1, samples
@@ -145,7 +145,7 @@ contains
                   end associate
                end do
                do k = 1, drawn%plan%nlengths
-                  call judge(abs(value_at(rates%base%slide(i, :, k)) - lengths(k)*real(subject%numbers%scale, qp)), &
+                  call judge(abs(value_at(rates%base%slide(i, :, k)) - lengths(k)*real(linkage%numbers%scale, qp)), &
                              rates%base%slide_e(i, k))
                end do
                if (least_margin(drawn, at - step, before, before_length) <= 1.0e-4_qp) cycle
@@ -157,7 +157,7 @@ contains
                              rates%turn_e(i, k) + coarse*(1.0_wp + real(abs(rate), wp)))
                end do
                do k = 1, drawn%plan%nlengths
-                  rate = (after_length(k) - before_length(k))*real(subject%numbers%scale, qp)/(2.0_qp*step*unit)
+                  rate = (after_length(k) - before_length(k))*real(linkage%numbers%scale, qp)/(2.0_qp*step*unit)
                   call judge(abs(value_at(rates%slide(i, :, k)) - rate), &
                              rates%slide_e(i, k) + coarse*(1.0_wp + real(abs(rate), wp)))
                end do

@@ -1,6 +1,6 @@
 !> Words on what is no violation and yet makes a result doubtful.
-module psalm_doubts
-   use psalm_analysis, only: doubts_t
+module psalm_warnings
+   use psalm_analysis, only: warnings_t
    use psalm_data_set, only: data_set_t
    use psalm_text, only: general, to_text
    use psalm_dimensions, only: dimensions_t
@@ -16,25 +16,25 @@ module psalm_doubts
 contains
 
    !> Links of practically no length, in words. There must be one.
-   function describe_short_links(set, mechanism, dimensions, doubts) result(words)
+   function describe_short_links(set, mechanism, dimensions, warnings) result(words)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
-      type(doubts_t), intent(in) :: doubts
+      type(warnings_t), intent(in) :: warnings
       character(:), allocatable :: words
       integer :: i, n
 
       words = 'a link of practically no length (the longest '// &
               trim(merge('length', 'arc   ', set%has_names()))//' is '// &
               trim(adjustl(general(maxval(dimensions%arcl), 'E')))//'): '
-      do i = 1, min(size(doubts%short), most_named)
-         n = doubts%short(i)
+      do i = 1, min(size(warnings%short), most_named)
+         n = warnings%short(i)
          if (i > 1) words = words//', '
          words = words//length_name(mechanism, n)// &
                  ' is '//trim(adjustl(general(dimensions%arcl(n), 'E')))
       end do
-      if (size(doubts%short) > most_named) words = words//' and '//to_text(size(doubts%short) - most_named)//' more'
+      if (size(warnings%short) > most_named) words = words//' and '//to_text(size(warnings%short) - most_named)//' more'
       words = words//'; limit the lengths ('// &
               set%bound_items(', ')//') if this is not meant'
    end function describe_short_links
-end module psalm_doubts
+end module psalm_warnings
