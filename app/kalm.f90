@@ -13,7 +13,6 @@ program kalm
    use psalm_force_study, only: force_study_t, find_forces
    use psalm_machine_study, only: machine_study_t, find_machine
    use psalm_mark, only: mark_t
-   use psalm_output_wishes, only: output_wishes_t, compare_with_wishes
    use psalm_position_table, only: put_sketch
    use psalm_preparation, only: demand_t, prepared_t, prepare
    use psalm_proof_study, only: proof_study_t, study_proof, proof_wanted, no_proof
@@ -22,7 +21,7 @@ program kalm
    use psalm_sketch_study, only: sketch_study_t, study_sketch
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t
-   use psalm_summary, only: summary_t, summarise, summarise_wishes
+   use psalm_summary, only: summary_t, summarise
    use psalm_system, only: finish_program
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
@@ -80,7 +79,6 @@ contains
       type(machine_study_t), allocatable :: machine
       type(proof_study_t), allocatable :: proof
       type(summary_t) :: summary
-      class(output_wishes_t), allocatable :: wishes
       type(sketch_study_t) :: sketch
 
       associate (unused => stopped, also_unused => number)
@@ -112,12 +110,7 @@ contains
          call report_proof(set, problem%mechanism, proof, devices)
       end if
       if (.not. arguments%json .and. (arguments%quiet .or. devices%summarised == most_summarised)) return
-      call summarise(problem, prepared%given, rates%motion, summary)
-      if (allocated(problem%wish_values)) then
-         allocate (wishes)
-         call compare_with_wishes(set, problem, prepared%given, rates%motion%closed, wishes)
-         call summarise_wishes(set%sketch, wishes, rates%motion, summary)
-      end if
+      call summarise(set, problem, prepared%given, rates%motion, summary)
       if (set%has_names()) then
          call report_summary(set, problem%mechanism, summary, rates%motion, devices, sketch)
       else

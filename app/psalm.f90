@@ -302,7 +302,7 @@ contains
       if (set%toler%given) then
          allocate (tolerances)
          call study_tolerances(set, problem%mechanism, dimensions, threads, stop, tolerances, delt)
-         call report_tolerances(set, problem%mechanism%sliding_input, tolerances, devices)
+         call report_tolerances(set, problem%mechanism, tolerances, devices)
       end if
       if (set%gives('ALLOC')) then
          allocate (allocation)

@@ -86,7 +86,7 @@ contains
          call devices%eight%add(' '//set%title)
       end if
       call find_steady(set, problem, prepared, study)
-      call report_steady(set, study, devices)
+      call report_steady(set, problem%mechanism, study, devices)
       if (arguments%curves) call draw_steady(set, study, number, devices%mark, pictures)
    end subroutine run_case
 

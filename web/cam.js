@@ -3,6 +3,7 @@
 
 globalThis.calm = (() => {
   const FORMAT = 3;              // of the data, as in psalm_cam_page.f90
+  const NOISE = 1e-12;           // part of a size that is rounding
   const ROUND = 2 * Math.PI;
   const SECONDS = 6;             // of a turn at speed 1
   const COLOURS = ['paper', 'ink', 'soft', 'line', 'panel', 'accent', 'actual', 'bad', 'badband', 'frame', 'ghost', 'good',
@@ -32,6 +33,8 @@ globalThis.calm = (() => {
 
   const point = (cam, name, angle) => [at(cam[name + '_x'], angle), at(cam[name + '_y'], angle)];
   const entry = (row, i) => (typeof row === 'number' ? row : row[i]);
+  /** A number to six digits; what is rounding beside a size is 0. */
+  const rounded = (value, size) => short(Math.abs(value) < NOISE * size ? 0 : Number(value.toPrecision(6)));
   const lengthOf = (row) => (typeof row === 'number' ? 1 : row.length);
   const joint = (j, angle) => [at(data.joints[j].x, angle), at(data.joints[j].y, angle)];
 
@@ -222,11 +225,12 @@ globalThis.calm = (() => {
     pen.font = panels.font(u);
     const across = (angle) => box.left + (box.right - box.left) * angle / 360, room = box.right - box.left;
     list.forEach(([key, name], p) => {
-      const row = cam[key], n = lengthOf(row), words = [[name, pens.ink], [short(Number(at(row, state.angle).toPrecision(6))), pens.accent]];
+      const row = cam[key], n = lengthOf(row), words = [[name, pens.ink], ['', pens.accent]];
       // the height is that of the longest number, so that nothing moves
       const top = p * each + 6 * u + panels.headHeight(pen, [words[0], ['-0.000000000', pens.accent]], room, u), bottom = (p + 1) * each - 8 * u;
       let low = Infinity, most = -Infinity;
       for (let i = 0; i < n; i += 1) { low = Math.min(low, entry(row, i)); most = Math.max(most, entry(row, i)); }
+      words[1][0] = rounded(at(row, state.angle), Math.max(Math.abs(low), Math.abs(most)));
       const limits = key === 'alpha' ? [-cam.limit, cam.limit].filter((v) => v > low - cam.limit / 2 && v < most + cam.limit / 2) : [];
       const [least, upper] = scales.range(Math.min(low, ...limits), Math.max(most, ...limits), Math.max(Math.abs(low), Math.abs(most)));
       const up = (value) => bottom - (bottom - top) * (value - least) / (upper - least);
@@ -329,7 +333,7 @@ globalThis.calm = (() => {
       for (const [name, value, angle] of cam.facts) {
         const row = rows.insertRow();
         if (!cam.sound) row.className = 'bad';
-        for (const words of [cam.name, name, short(Number(value.toPrecision(6))), angle.toFixed(2) + '\u00b0']) row.insertCell().textContent = words;
+        for (const words of [cam.name, name, rounded(value, data.view[2] - data.view[0]), angle.toFixed(2) + '\u00b0']) row.insertCell().textContent = words;
       }
     });
     element('chooser').hidden = data.cams.length < 2;

@@ -71,7 +71,8 @@ balm.drawing = (() => {
   /** Polar diagram and pin in its hole stand beside the linkage: above it or at its right, where it stays larger. Gives the room
    *  that is left, at the lower left. */
   function placeInsets(c, box, margin) {
-    const side = 2 * INSET * view.u, names = [['polar', c.forces], ['pin', c.clearance]].filter(([, there]) => there).map(([name]) => name);
+    const side = 2 * INSET * view.u, shown = { polar: c.forces && balm.state.forces, pin: c.clearance && balm.state.pin };
+    const names = Object.keys(shown).filter((name) => shown[name]);
     if (!names.length) return [view.w, view.h];
     const scale = (w, h) => Math.min((w - 2 * margin) / (box[2] - box[0]), (h - 2 * margin) / (box[3] - box[1]));
     const above = scale(view.w, view.h - side) >= scale(view.w - side, view.h);

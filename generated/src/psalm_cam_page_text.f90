@@ -36,10 +36,6 @@ module psalm_cam_page_text
    '  cursor: grabbing;'//nl// &
    '}'//nl// &
    ''//nl// &
-   '#controls {'//nl// &
-   '  margin: 10px 18px;'//nl// &
-   '}'//nl// &
-   ''//nl// &
    '.wide {'//nl// &
    '  flex: 1 1 260px;'//nl// &
    '  display: flex;'//nl// &
@@ -82,7 +78,14 @@ module psalm_cam_page_text
    '    height: 62vh;'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  #controls,'//nl// &
+   '  #controls {'//nl// &
+   '    order: 1;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  figure:nth-of-type(2) {'//nl// &
+   '    order: 2;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
    '  table {'//nl// &
    '    margin-left: 8px;'//nl// &
    '    margin-right: 8px;'//nl// &
@@ -110,24 +113,24 @@ module psalm_cam_page_text
    '    <canvas id="curves" role="img" tabindex="0" aria-label="output and its derivatives, pressure angle and curvature ov'// &
    'er the cam angle; drag to turn the cam"></canvas>'//nl// &
    '  </figure>'//nl// &
-   '</main>'//nl// &
-   '<div id="controls">'//nl// &
-   '  <button id="play" type="button" aria-pressed="false">Play</button>'//nl// &
-   '  <label>speed'//nl// &
-   '    <select id="speed" aria-label="speed">'//nl// &
-   '      <option value="0.25">0.25</option>'//nl// &
-   '      <option value="0.5">0.5</option>'//nl// &
-   '      <option value="1" selected>1</option>'//nl// &
-   '      <option value="2">2</option>'//nl// &
-   '      <option value="4">4</option>'//nl// &
-   '    </select></label>'//nl// &
-   '  <label class="wide">cam angle <input id="angle" type="range" min="0" max="360" step="0.25" value="0"></label>'//nl// &
-   '  <label><input id="cutter" type="checkbox"> cutter path</label>'//nl// &
-   '  <label><input id="pitch" type="checkbox" checked> pitch curve</label>'//nl
+   '  <div id="controls">'//nl// &
+   '    <button id="play" type="button" aria-pressed="false">Play</button>'//nl// &
+   '    <label>speed'//nl// &
+   '      <select id="speed" aria-label="speed">'//nl// &
+   '        <option value="0.25">0.25</option>'//nl// &
+   '        <option value="0.5">0.5</option>'//nl// &
+   '        <option value="1" selected>1</option>'//nl// &
+   '        <option value="2">2</option>'//nl// &
+   '        <option value="4">4</option>'//nl// &
+   '      </select></label>'//nl// &
+   '    <label class="wide">cam angle <input id="angle" type="range" min="0" max="360" step="0.25" value="0"></label>'//nl
 
    character(*), parameter :: part_4 = &
-   '  <label id="chooser" hidden>curves of <select id="which" aria-label="cam whose curves are shown"></select></label>'//nl// &
-   '</div>'//nl// &
+   '    <label><input id="cutter" type="checkbox"> cutter path</label>'//nl// &
+   '    <label><input id="pitch" type="checkbox" checked> pitch curve</label>'//nl// &
+   '    <label id="chooser" hidden>curves of <select id="which" aria-label="cam whose curves are shown"></select></label>'//nl// &
+   '  </div>'//nl// &
+   '</main>'//nl// &
    '<table id="extremes"><caption>Extremes over a turn</caption><thead><tr><th>cam</th><th>what</th><th>value</th><th>at</t'// &
    'h></tr></thead>'//nl// &
    '<tbody></tbody></table>'//nl// &
@@ -146,6 +149,7 @@ module psalm_cam_page_text
    ''//nl// &
    'globalThis.calm = (() => {'//nl// &
    '  const FORMAT = 3;              // of the data, as in psalm_cam_page.f90'//nl// &
+   '  const NOISE = 1e-12;           // part of a size that is rounding'//nl// &
    '  const ROUND = 2 * Math.PI;'//nl// &
    '  const SECONDS = 6;             // of a turn at speed 1'//nl// &
    "  const COLOURS = ['paper', 'ink', 'soft', 'line', 'panel', 'accent', 'actual', 'bad', 'badband', 'frame', 'ghost', 'go"// &
@@ -178,6 +182,8 @@ module psalm_cam_page_text
    ''//nl// &
    "  const point = (cam, name, angle) => [at(cam[name + '_x'], angle), at(cam[name + '_y'], angle)];"//nl// &
    "  const entry = (row, i) => (typeof row === 'number' ? row : row[i]);"//nl// &
+   '  /** A number to six digits; what is rounding beside a size is 0. */'//nl// &
+   '  const rounded = (value, size) => short(Math.abs(value) < NOISE * size ? 0 : Number(value.toPrecision(6)));'//nl// &
    "  const lengthOf = (row) => (typeof row === 'number' ? 1 : row.length);"//nl// &
    '  const joint = (j, angle) => [at(data.joints[j].x, angle), at(data.joints[j].y, angle)];'//nl// &
    ''//nl// &
@@ -239,12 +245,12 @@ module psalm_cam_page_text
    '    }'//nl// &
    '    if (slides) return;'//nl// &
    '    // a mark that turns with the cam, and the shaft'//nl// &
-   '    const rim = turned(cam, entry(cam.profile_x, 0), entry(cam.profile_y, 0), angle);'//nl// &
-   '    path(pen, [cam.centre, rim], false);'//nl// &
-   '    pen.strokeStyle = colour;'//nl// &
-   '    pen.lineWidth = 1;'//nl
+   '    const rim = turned(cam, entry(cam.profile_x, 0), entry(cam.profile_y, 0), angle);'//nl
 
    character(*), parameter :: part_7 = &
+   '    path(pen, [cam.centre, rim], false);'//nl// &
+   '    pen.strokeStyle = colour;'//nl// &
+   '    pen.lineWidth = 1;'//nl// &
    '    pen.stroke();'//nl// &
    '    circle(pen, cam.centre, 5);'//nl// &
    '    pen.fillStyle = pens.paper;'//nl// &
@@ -342,12 +348,12 @@ module psalm_cam_page_text
    '      pen.fillStyle = pens.soft;'//nl// &
    "      pen.font = '12px system-ui, sans-serif';"//nl// &
    '      pen.fillText(one.name, X(p[0]) + 7, Y(p[1]) - 7);'//nl// &
-   '    });'//nl// &
-   '  }'//nl// &
-   ''//nl// &
-   '  function drawMachine() {'//nl
+   '    });'//nl
 
    character(*), parameter :: part_8 = &
+   '  }'//nl// &
+   ''//nl// &
+   '  function drawMachine() {'//nl// &
    "    const [w, h] = panels.fit(element('machine')), pen = element('machine').getContext('2d'), margin = 26, [x0, y0, x1,"// &
    " y1] = data.view;"//nl// &
    '    const k = Math.min((w - 2 * margin) / (x1 - x0), (h - 2 * margin) / (y1 - y0));'//nl// &
@@ -379,13 +385,13 @@ module psalm_cam_page_text
    '    pen.font = panels.font(u);'//nl// &
    '    const across = (angle) => box.left + (box.right - box.left) * angle / 360, room = box.right - box.left;'//nl// &
    '    list.forEach(([key, name], p) => {'//nl// &
-   '      const row = cam[key], n = lengthOf(row), words = [[name, pens.ink], [short(Number(at(row, state.angle).toPrecisio'// &
-   'n(6))), pens.accent]];'//nl// &
+   "      const row = cam[key], n = lengthOf(row), words = [[name, pens.ink], ['', pens.accent]];"//nl// &
    '      // the height is that of the longest number, so that nothing moves'//nl// &
    "      const top = p * each + 6 * u + panels.headHeight(pen, [words[0], ['-0.000000000', pens.accent]], room, u), bottom"// &
    " = (p + 1) * each - 8 * u;"//nl// &
    '      let low = Infinity, most = -Infinity;'//nl// &
    '      for (let i = 0; i < n; i += 1) { low = Math.min(low, entry(row, i)); most = Math.max(most, entry(row, i)); }'//nl// &
+   '      words[1][0] = rounded(at(row, state.angle), Math.max(Math.abs(low), Math.abs(most)));'//nl// &
    "      const limits = key === 'alpha' ? [-cam.limit, cam.limit].filter((v) => v > low - cam.limit / 2 && v < most + cam."// &
    "limit / 2) : [];"//nl// &
    '      const [least, upper] = scales.range(Math.min(low, ...limits), Math.max(most, ...limits), Math.max(Math.abs(low), '// &
@@ -454,13 +460,13 @@ module psalm_cam_page_text
    '    let held = null;'//nl// &
    "    canvas.addEventListener('pointerdown', (event) => {"//nl// &
    '      play(false);'//nl// &
-   '      held = move(event, null);'//nl// &
+   '      held = move(event, null);'//nl
+
+   character(*), parameter :: part_9 = &
    '      canvas.setPointerCapture(event.pointerId);'//nl// &
    '    });'//nl// &
    "    canvas.addEventListener('pointermove', (event) => { if (held !== null) held = move(event, held); });"//nl// &
-   "    canvas.addEventListener('pointerup', () => { held = null; });"//nl
-
-   character(*), parameter :: part_9 = &
+   "    canvas.addEventListener('pointerup', () => { held = null; });"//nl// &
    "    canvas.addEventListener('pointercancel', () => { held = null; });"//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -494,8 +500,8 @@ module psalm_cam_page_text
    '      for (const [name, value, angle] of cam.facts) {'//nl// &
    '        const row = rows.insertRow();'//nl// &
    "        if (!cam.sound) row.className = 'bad';"//nl// &
-   "        for (const words of [cam.name, name, short(Number(value.toPrecision(6))), angle.toFixed(2) + '\u00b0']) row.ins"// &
-   "ertCell().textContent = words;"//nl// &
+   "        for (const words of [cam.name, name, rounded(value, data.view[2] - data.view[0]), angle.toFixed(2) + '\u00b0'])"// &
+   " row.insertCell().textContent = words;"//nl// &
    '      }'//nl// &
    '    });'//nl// &
    "    element('chooser').hidden = data.cams.length < 2;"//nl// &

@@ -73,10 +73,6 @@ module psalm_page_text
    '  max-width: 90%;'//nl// &
    '}'//nl// &
    ''//nl// &
-   '#controls {'//nl// &
-   '  grid-column: 1 / -1;'//nl// &
-   '}'//nl// &
-   ''//nl// &
    '#track {'//nl// &
    '  flex: 1 1 260px;'//nl// &
    '  min-width: 180px;'//nl// &
@@ -121,13 +117,13 @@ module psalm_page_text
    ''//nl// &
    'legend {'//nl// &
    '  float: left;'//nl// &
-   '  color: var(--soft);'//nl
-
-   character(*), parameter :: part_4 = &
+   '  color: var(--soft);'//nl// &
    '  margin-right: 10px;'//nl// &
    '}'//nl// &
    ''//nl// &
-   '#messages {'//nl// &
+   '#messages {'//nl
+
+   character(*), parameter :: part_4 = &
    '  padding: 4px 18px 18px;'//nl// &
    '  font-size: .9rem;'//nl// &
    '}'//nl// &
@@ -223,13 +219,13 @@ module psalm_page_text
    '<header>'//nl// &
    '  <h1 id="title"></h1>'//nl// &
    '  <span id="facts"></span>'//nl// &
-   '  <label id="chooser" hidden>case <select id="case" aria-label="case shown"></select></label>'//nl
-
-   character(*), parameter :: part_5 = &
+   '  <label id="chooser" hidden>case <select id="case" aria-label="case shown"></select></label>'//nl// &
    '</header>'//nl// &
    '<main id="stage">'//nl// &
    '  <figure>'//nl// &
-   '    <canvas id="linkage" role="img" tabindex="0" aria-label="the linkage; drag to move its input"></canvas>'//nl// &
+   '    <canvas id="linkage" role="img" tabindex="0" aria-label="the linkage; drag to move its input"></canvas>'//nl
+
+   character(*), parameter :: part_5 = &
    '    <div id="tip" hidden></div>'//nl// &
    '    <figcaption>'//nl// &
    '      <div id="captions" hidden></div>'//nl// &
@@ -629,8 +625,9 @@ module psalm_page_text
    's the room'//nl// &
    '   *  that is left, at the lower left. */'//nl// &
    '  function placeInsets(c, box, margin) {'//nl// &
-   "    const side = 2 * INSET * view.u, names = [['polar', c.forces], ['pin', c.clearance]].filter(([, there]) => there).m"// &
-   "ap(([name]) => name);"//nl// &
+   '    const side = 2 * INSET * view.u, shown = { polar: c.forces && balm.state.forces, pin: c.clearance && balm.state.pin'// &
+   ' };'//nl// &
+   '    const names = Object.keys(shown).filter((name) => shown[name]);'//nl// &
    '    if (!names.length) return [view.w, view.h];'//nl// &
    '    const scale = (w, h) => Math.min((w - 2 * margin) / (box[2] - box[0]), (h - 2 * margin) / (box[3] - box[1]));'//nl// &
    '    const above = scale(view.w, view.h - side) >= scale(view.w - side, view.h);'//nl// &
@@ -715,10 +712,10 @@ module psalm_page_text
    "    g.lineJoin = 'round';"//nl// &
    '    g.strokeStyle = pens.link2;'//nl// &
    '    g.lineWidth = 3 * view.u;'//nl// &
-   '    g.stroke();'//nl// &
-   '    g.fillStyle = g.strokeStyle = pens.paper;'//nl
+   '    g.stroke();'//nl
 
    character(*), parameter :: part_11 = &
+   '    g.fillStyle = g.strokeStyle = pens.paper;'//nl// &
    '    g.lineWidth = 0.5;'//nl// &
    '    g.fill();'//nl// &
    '    g.stroke();'//nl// &
@@ -818,10 +815,10 @@ module psalm_page_text
    '      const at = [i % s.n, i % s.n, 0], x = mixed(s.x[j], at), y = mixed(s.y[j], at);'//nl// &
    '      if (!isFinite(x)) { down = false; continue; }'//nl// &
    '      if (down) g.lineTo(X(x), Y(y)); else g.moveTo(X(x), Y(y));'//nl// &
-   '      down = true;'//nl// &
-   '    }'//nl
+   '      down = true;'//nl
 
    character(*), parameter :: part_12 = &
+   '    }'//nl// &
    '    g.stroke();'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -921,10 +918,10 @@ module psalm_page_text
    '  }'//nl// &
    ''//nl// &
    '  /** The whole picture at the place t on another pen: a file, a film; paper below it. */'//nl// &
-   '  function picture(c, t, g) {'//nl// &
-   '    const own = pen;'//nl
+   '  function picture(c, t, g) {'//nl
 
    character(*), parameter :: part_13 = &
+   '    const own = pen;'//nl// &
    '    pen = g;'//nl// &
    '    g.fillStyle = pens.paper;'//nl// &
    '    g.fillRect(0, 0, view.w, view.h + captionRoom(c, t));'//nl// &
@@ -1024,10 +1021,10 @@ module psalm_page_text
    '    const r = 2.6 * view.u, width = g.lineWidth;'//nl// &
    '    g.beginPath();'//nl// &
    '    if (frame) {'//nl// &
-   '      g.moveTo(x, y);'//nl// &
-   '      g.lineTo(x - 2 * r, y + 3.5 * r);'//nl
+   '      g.moveTo(x, y);'//nl
 
    character(*), parameter :: part_14 = &
+   '      g.lineTo(x - 2 * r, y + 3.5 * r);'//nl// &
    '      g.lineTo(x + 2 * r, y + 3.5 * r);'//nl// &
    '      g.closePath();'//nl// &
    '    } else {'//nl// &
@@ -1126,10 +1123,10 @@ module psalm_page_text
    '      g.arc(c.px[v.joint], c.py[v.joint], 9 * u, 0, ROUND);'//nl// &
    '      g.stroke();'//nl// &
    '    }'//nl// &
-   '    g.fillStyle = pens.paper;'//nl// &
-   '    g.strokeStyle = pens.frame;'//nl
+   '    g.fillStyle = pens.paper;'//nl
 
    character(*), parameter :: part_15 = &
+   '    g.strokeStyle = pens.frame;'//nl// &
    '    g.beginPath();'//nl// &
    '    g.arc(x, y, hole + 9 * u, 0, ROUND);'//nl// &
    '    g.fill();'//nl// &
@@ -1229,10 +1226,10 @@ module psalm_page_text
    '    for (const bar of c.bars) {'//nl// &
    '      if (bar.from === bar.to || !isFinite(px[bar.from]) || !isFinite(px[bar.to])) continue;'//nl// &
    '      const fixed = bar.body >= 0 && c.bodies[bar.body].frame;'//nl// &
-   '      g.strokeStyle = colourOf(c, bar.body);'//nl// &
-   '      g.lineWidth = (bar === balm.state.hover && main ? 5 : fixed ? 1.4 : 2.8) * thin;'//nl
+   '      g.strokeStyle = colourOf(c, bar.body);'//nl
 
    character(*), parameter :: part_16 = &
+   '      g.lineWidth = (bar === balm.state.hover && main ? 5 : fixed ? 1.4 : 2.8) * thin;'//nl// &
    '      if (fixed) g.setLineDash([6, 5]);'//nl// &
    '      if (main && isBent(c, bar)) drawBent(c, at);'//nl// &
    '      else line(g, px[bar.from], py[bar.from], px[bar.to], py[bar.to]);'//nl// &
@@ -1332,10 +1329,10 @@ module psalm_page_text
    '    g.fillStyle = pens.paper;'//nl// &
    '    g.beginPath();'//nl// &
    '    c.joints.forEach((joint, j) => {'//nl// &
-   '      if (!joint.turning || !joint.fixed || !isFinite(px[j])) return;'//nl// &
-   '      g.moveTo(px[j], py[j]);'//nl
+   '      if (!joint.turning || !joint.fixed || !isFinite(px[j])) return;'//nl
 
    character(*), parameter :: part_17 = &
+   '      g.moveTo(px[j], py[j]);'//nl// &
    '      g.lineTo(px[j] - 9 * m, py[j] + 15 * m);'//nl// &
    '      g.lineTo(px[j] + 9 * m, py[j] + 15 * m);'//nl// &
    '      g.closePath();'//nl// &
@@ -1441,10 +1438,10 @@ module psalm_page_text
    ''//nl// &
    '  /** Least and greatest of all values of a panel that are seen from `from` to `to`. */'//nl// &
    '  function extent(panel, from, to) {'//nl// &
-   '    let low = Infinity, high = -Infinity;'//nl// &
-   '    const see = (t, v) => {'//nl
+   '    let low = Infinity, high = -Infinity;'//nl
 
    character(*), parameter :: part_18 = &
+   '    const see = (t, v) => {'//nl// &
    '      if (!isFinite(v) || t < from - 1e-6 || t > to + 1e-6) return;'//nl// &
    '      low = Math.min(low, v);'//nl// &
    '      high = Math.max(high, v);'//nl// &
@@ -1550,10 +1547,10 @@ module psalm_page_text
    '  function layOut(c) {'//nl// &
    "    const [w, h] = fit(canvas, still), g = still.getContext('2d');"//nl// &
    '    const [from, to] = balm.state.whole ? c.ends : c.range, u = balm.drawing.sizeOf(w / 480, h / 520);'//nl// &
-   '    plot = { w, h, u, left: 58 * u, right: w - 18 * u, from, to: Math.max(to, from + 1e-9), panels: panelsOf(c) };'//nl// &
-   '    plot.x = (t) => plot.left + (t - plot.from) / (plot.to - plot.from) * (plot.right - plot.left);'//nl
+   '    plot = { w, h, u, left: 58 * u, right: w - 18 * u, from, to: Math.max(to, from + 1e-9), panels: panelsOf(c) };'//nl
 
    character(*), parameter :: part_19 = &
+   '    plot.x = (t) => plot.left + (t - plot.from) / (plot.to - plot.from) * (plot.right - plot.left);'//nl// &
    '    g.clearRect(0, 0, w, h);'//nl// &
    '    g.font = panels.font(u);'//nl// &
    '    const each = (h - 34 * u) / plot.panels.length;'//nl// &
@@ -1655,10 +1652,10 @@ module psalm_page_text
    '    }'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Red where it does not close, amber where a transmission angle is out of its limits. */'//nl// &
-   '  function bands(g, c, x, top, height) {'//nl
+   '  /** Red where it does not close, amber where a transmission angle is out of its limits. */'//nl
 
    character(*), parameter :: part_20 = &
+   '  function bands(g, c, x, top, height) {'//nl// &
    '    const { pens } = balm.drawing, n = c.sweep.n;'//nl// &
    '    for (let i = 0; i < n;) {'//nl// &
    '      const status = c.status[i];'//nl// &
@@ -1757,10 +1754,10 @@ module psalm_page_text
    '    const y = (v) => at.bottom - (tall(v) - low) / (high - low) * (at.bottom - at.top);'//nl// &
    '    panels.head(g, words, at.left, at.top - 6, room, 1);'//nl// &
    '    panels.grid(g, pens, at, logarithmic ? scales.decades(low, high) : scales.ticks(y0, y1, 6), y, 1);'//nl// &
-   '    panels.axis(g, pens, at, scales.ticks(x0, x1, 6), x, across, 1);'//nl// &
-   '    return [x, y];'//nl
+   '    panels.axis(g, pens, at, scales.ticks(x0, x1, 6), x, across, 1);'//nl
 
    character(*), parameter :: part_21 = &
+   '    return [x, y];'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function drawSpeeds(g, v, at) {'//nl// &
@@ -1861,10 +1858,10 @@ module psalm_page_text
    '  /** Facts and what is wrong at t. */'//nl// &
    '  function show(c, t) {'//nl// &
    "    const i = between(c, t)[0], wrong = c.wrong[i], open = c.status[i] === OPEN, alert = $('alert');"//nl// &
-   "    setText($('facts'), factsOf(c, t));"//nl// &
-   '    // its room stays while the linkage moves'//nl
+   "    setText($('facts'), factsOf(c, t));"//nl
 
    character(*), parameter :: part_22 = &
+   '    // its room stays while the linkage moves'//nl// &
    '    alert.hidden = !c.status.some(Boolean) && !wrong.length;'//nl// &
    "    alert.style.visibility = wrong.length || open ? '' : 'hidden';"//nl// &
    "    alert.className = open ? 'open' : 'limits';"//nl// &
@@ -1964,10 +1961,10 @@ module psalm_page_text
    '  let last = 0;                          // time of the frame before'//nl// &
    '  let drag = null;                       // where the pointer was last; null: nothing is dragged'//nl// &
    '  let pointing = false;                  // the cursor of the curves is dragged'//nl// &
-   ''//nl// &
-   '  const shown = () => balm.cases[balm.state.c];'//nl
+   ''//nl
 
    character(*), parameter :: part_23 = &
+   '  const shown = () => balm.cases[balm.state.c];'//nl// &
    '  const limits = () => balm.state.whole ? shown().ends : shown().range;'//nl// &
    ''//nl// &
    '  /** Seconds that the whole motion takes at the speed chosen: a turn, or a part of one there and back. */'//nl// &
@@ -2067,10 +2064,10 @@ module psalm_page_text
    '    let best = c.output, least = Infinity;'//nl// &
    '    c.joints.forEach((joint, j) => {'//nl// &
    '      const away = Math.hypot(c.px[j] - x, c.py[j] - y);'//nl// &
-   '      if (!joint.fixed && away < least) [best, least] = [j, away];'//nl// &
-   '    });'//nl
+   '      if (!joint.fixed && away < least) [best, least] = [j, away];'//nl
 
    character(*), parameter :: part_24 = &
+   '    });'//nl// &
    '    return best;'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -2174,10 +2171,10 @@ module psalm_page_text
    "      state.bearing = Number($('bearing').value);"//nl// &
    '      refresh();'//nl// &
    '    });'//nl// &
-   "    picture.addEventListener('pointerdown', grab);"//nl// &
-   "    picture.addEventListener('pointermove', pull);"//nl
+   "    picture.addEventListener('pointerdown', grab);"//nl
 
    character(*), parameter :: part_25 = &
+   "    picture.addEventListener('pointermove', pull);"//nl// &
    "    picture.addEventListener('pointerup', release);"//nl// &
    "    picture.addEventListener('pointercancel', release);"//nl// &
    "    picture.addEventListener('pointerleave', leave);"//nl// &
@@ -2288,10 +2285,10 @@ module psalm_page_text
    '    canvas.height = 2 * Math.round(h * scale / 2);'//nl// &
    "    const g = canvas.getContext('2d');"//nl// &
    '    g.setTransform(canvas.width / w, 0, 0, canvas.height / h, 0, 0);'//nl// &
-   '    return [canvas, g];'//nl// &
-   '  }'//nl
+   '    return [canvas, g];'//nl
 
    character(*), parameter :: part_26 = &
+   '  }'//nl// &
    ''//nl// &
    '  /** The same as PNG. */'//nl// &
    '  function png() {'//nl// &
@@ -2391,10 +2388,10 @@ module psalm_page_text
    '    bearing: -1,            // joint of the polar diagram'//nl// &
    '    overlays: new Set(),    // cases laid over the one shown'//nl// &
    "    group: 'all',           // curves that are shown"//nl// &
-   '    paths: new Set(),       // joints whose paths are drawn'//nl// &
-   '    hover: null,            // bar under the pointer'//nl
+   '    paths: new Set(),       // joints whose paths are drawn'//nl
 
    character(*), parameter :: part_27 = &
+   '    hover: null,            // bar under the pointer'//nl// &
    '  };'//nl// &
    '  let laidOut = false;      // a linkage has been drawn'//nl// &
    ''//nl// &
@@ -2493,10 +2490,10 @@ module psalm_page_text
    '      return label;'//nl// &
    '    }));'//nl// &
    '  }'//nl// &
-   ''//nl// &
-   '  /** Titles in the list as long as the window has room for. */'//nl
+   ''//nl
 
    character(*), parameter :: part_28 = &
+   '  /** Titles in the list as long as the window has room for. */'//nl// &
    '  function nameCases() {'//nl// &
    '    const room = Math.max(12, Math.floor((document.documentElement.clientWidth - 130) / 10));'//nl// &
    "    [...$('case').options].forEach((option, i) => {"//nl// &

@@ -120,6 +120,7 @@ module psalm_shared_text
    '}'//nl// &
    ''//nl// &
    '#controls {'//nl// &
+   '  grid-column: 1 / -1;'//nl// &
    '  display: flex;'//nl// &
    '  flex-wrap: wrap;'//nl// &
    '  gap: 8px 12px;'//nl// &

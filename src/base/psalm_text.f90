@@ -6,8 +6,8 @@ module psalm_text
    use psalm_kinds, only: wp, dp
    implicit none (type, external)
    private
-   public :: text_t, upper_case, lower_case, to_text, fixed, general, full_precision, number_or_nan, rank_column, edit_distance, &
-             nearest_name, quoted, shortened
+   public :: text_t, upper_case, lower_case, cased, to_text, fixed, general, full_precision, number_or_nan, rank_column, &
+             edit_distance, nearest_name, quoted, shortened
 
    !> A text that grows by lines. Lines end with a line feed.
    type :: text_t
@@ -87,6 +87,16 @@ contains
          if (text(i:i) >= 'a' .and. text(i:i) <= 'z') capitals(i:i) = achar(iachar(text(i:i)) - 32)
       end do
    end function upper_case
+
+   !> Words of a listing, in capitals, as they stand there or in small letters within a sentence.
+   pure function cased(words, small) result(text)
+      character(*), intent(in) :: words
+      logical, intent(in) :: small
+      character(len(words)) :: text
+
+      text = words
+      if (small) text = lower_case(words)
+   end function cased
 
    !> The text in small letters (letters A to Z only).
    pure function lower_case(text) result(small)

@@ -208,7 +208,7 @@ contains
       end if
       call study_steady(frame%set, frame%problem, frame%prepared, steady)
       if (.not. present(report)) return
-      call report_steady(frame%set, steady, frame%devices)
+      call report_steady(frame%set, frame%problem%mechanism, steady, frame%devices)
       call frame%conclude(report, findings)
    end subroutine find_vibration
 

@@ -24,7 +24,7 @@ module psalm_motion_verbs
    use psalm_status, only: findings_t => diagnostics_t
    use psalm_stop, only: stop_t
    use psalm_study_frame, only: frame_t, report_t, warn, empty_motion, threads_of, may_share
-   use psalm_summary, only: summary_t, study_summary => summarise
+   use psalm_summary, only: summary_t
    use psalm_tables, only: table_t, table_of
    use psalm_tolerance, only: tolerances_t, study_tolerances
    implicit none (type, external)
@@ -108,8 +108,8 @@ contains
       call frame%begin(case, findings, report)
       if (.not. frame%ready) return
       allocate (analysis)
-      call study_analysis(frame%set, frame%problem, frame%problem%given, wanted_t(), analysis)
-      call study_summary(frame%problem, frame%problem%given, analysis%motion, summary)
+      call study_analysis(frame%set, frame%problem, frame%problem%given, wanted_t(summary=.true.), analysis)
+      summary = analysis%summary
       if (.not. present(report)) return
       if (frame%set%has_names()) then
          call study_sketch(frame%set, frame%problem, frame%prepared%given, analysis%motion%closed, 1.0_wp, 0.0_wp, sketch)
@@ -140,7 +140,7 @@ contains
                             threads_for(frame%set, threads_of(threads)), ending, tolerances)
       if (.not. tolerances%closes) call findings%warning('no tolerances, because the linkage does not close everywhere')
       if (.not. present(report)) return
-      if (tolerances%closes) call report_tolerances(frame%set, frame%problem%mechanism%sliding_input, tolerances, frame%devices)
+      if (tolerances%closes) call report_tolerances(frame%set, frame%problem%mechanism, tolerances, frame%devices)
       if (.not. tolerances%closes) call frame%devices%note_violation()
       call frame%conclude(report, findings)
    end subroutine find_tolerances

@@ -15,7 +15,7 @@ module psalm_study_frame
    use psalm_search_group, only: most_search_threads
    use psalm_status, only: findings_t => diagnostics_t, exit_violation
    use psalm_tables, only: table_t, tables_t, for_plots, tables_of
-   use psalm_text, only: lower_case, to_text
+   use psalm_text, only: to_text
    implicit none (type, external)
    private
    public :: frame_t, report_t, column_named, demand_of_rates, no_report, warn, empty_motion, threads_of, may_share
@@ -147,14 +147,10 @@ contains
       type(problem_t), intent(in) :: problem
       type(motion_t), intent(in) :: motion
       type(findings_t), intent(inout) :: findings
-      character(:), allocatable :: words
       integer :: i
 
       do i = 1, size(motion%violations)
-         words = describe_violation(problem, motion, motion%violations(i))
-         ! names of links stay as they are
-         if (.not. allocated(problem%mechanism%ends)) words = lower_case(words)
-         call findings%warning(words)
+         call findings%warning(describe_violation(problem, motion, motion%violations(i), small=.true.))
       end do
       if (.not. allocated(motion%beyond)) return
       if (any(motion%beyond)) call findings%warning(unreached_words(motion%beyond))

@@ -200,6 +200,7 @@ module psalm_mechanism
       procedure :: is_cylinder
       procedure :: is_one_joint
       procedure :: line_called
+      procedure :: has_joint_names
       procedure :: length_called
       procedure :: angle_called
       procedure :: guide_of
@@ -288,8 +289,15 @@ contains
       character(:), allocatable :: words
 
       words = ''
-      if (allocated(self%ends)) words = trim(self%ends(1, n))//' '//trim(self%ends(2, n))
+      if (self%has_joint_names()) words = trim(self%ends(1, n))//' '//trim(self%ends(2, n))
    end function line_called
+
+   !> True if arcs are lines between joints that have names, those of a sketch.
+   pure logical function has_joint_names(self)
+      class(mechanism_t), intent(in) :: self
+
+      has_joint_names = allocated(self%ends)
+   end function has_joint_names
 
    !> What the length of an arc is called, or that of the output on its link (0): its joints by the alphabet.
    pure function length_called(self, n) result(words)
@@ -299,7 +307,7 @@ contains
       character(sketch_name) :: ends(2)
 
       words = ''
-      if (.not. allocated(self%ends)) return
+      if (.not. self%has_joint_names()) return
       if (n > 0) then
          ends = self%ends(:, n)
       else
@@ -319,7 +327,7 @@ contains
 
       from = 0
       words = ''
-      if (.not. allocated(self%ends)) return
+      if (.not. self%has_joint_names()) return
       if (n > 0) then
          from = self%arcs(n)%reference
          words = self%line_called(n)

@@ -11,7 +11,7 @@ module psalm_sketch
    private
    public :: sketch_t, link_t, slide_t, drive_t, sketch_output_t, variation_t
    public :: wish_t, wish_column_t
-   public :: sketch_name, frame_link, position_of, grid_digits, columns_of, most_wished
+   public :: sketch_name, frame_link, position_of, grid_digits, columns_of, first_number, most_wished
    public :: drive_turns, drive_slides, drive_stretches
    public :: output_point, output_angle, output_distance, output_slide, output_between, output_pose, output_ratio
    public :: output_x, output_y
@@ -120,6 +120,7 @@ module psalm_sketch
    contains
       procedure :: has_wishes
       procedure :: wish_columns
+      procedure :: shown_joint
       procedure :: has_joint
       procedure :: links_of
       procedure :: joint_called
@@ -156,6 +157,18 @@ contains
       kind = kind_of_output(output%kind)
       columns_of = kind%components
    end function columns_of
+
+   !> Place of the first number of an output among those of all outputs.
+   pure integer function first_number(outputs, output)
+      type(sketch_output_t), intent(in) :: outputs(:)
+      integer, intent(in) :: output
+      integer :: k
+
+      first_number = 1
+      do k = 1, output - 1
+         first_number = first_number + columns_of(outputs(k))
+      end do
+   end function first_number
 
    !> True if values are prescribed.
    pure logical function is_wished(self)
@@ -206,6 +219,20 @@ contains
          words = 'the input of this linkage slides'
       end if
    end function why_no_crank
+
+   !> The joint that is the output where none is given: the first point of a single link, else the last moving joint.
+   pure integer function shown_joint(self) result(joint)
+      class(sketch_t), intent(in) :: self
+      integer :: j
+
+      joint = 1
+      do j = 1, size(self%joint_name)
+         if (.not. self%has_joint(frame_link, j)) joint = j
+      end do
+      do j = size(self%joint_name), 1, -1
+         if (.not. self%has_joint(frame_link, j) .and. size(self%links_of(j)) == 1) joint = j
+      end do
+   end function shown_joint
 
    !> True if the joint belongs to the link.
    pure logical function has_joint(self, link, joint)

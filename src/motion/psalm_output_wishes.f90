@@ -18,7 +18,8 @@ module psalm_output_wishes
    use psalm_rates, only: prepare_rates, differentiate, form_frames, is_dead
    use psalm_rows, only: rows_t, make_rows, clear_rows
    use psalm_sensitivity, only: sensitivity_t, wanted_outputs_t, prepare_sensitivity, find_jacobian, unit_of, clear_changes
-   use psalm_sketch, only: sketch_t, sketch_output_t, wish_column_t, output_ratio, columns_of, most_wished
+   use psalm_sketch, only: sketch_t, sketch_output_t, wish_column_t, output_ratio, columns_of, first_number, &
+                           most_wished
    use psalm_sketch_motion, only: locate_sketch, find_places, observe_sketch, find_rate_changes, find_own_rate_changes
    use psalm_sketch_outputs, only: names_of_numbers, values_of_outputs, change_of_values, name_room
    implicit none (type, external)
@@ -198,7 +199,7 @@ contains
       character(name_room), allocatable :: names(:)
       logical, allocatable :: turning(:)
       integer, parameter :: of_x = 1, of_y = 2  ! components
-      integer :: k, i
+      integer :: k
 
       columns = sketch%wish_columns()
       call names_of_numbers(sketch%outputs, names, turning)
@@ -207,7 +208,7 @@ contains
          associate (at => columns(k), output => sketch%outputs(columns(k)%output))
             if (at%component == of_y) cycle
             one%columns = [k]
-            one%number = at%component + sum([(columns_of(sketch%outputs(i)), i=1, at%output - 1)])
+            one%number = first_number(sketch%outputs, at%output) + at%component - 1
             one%order = at%order
             one%name = names(one%number)
             if (at%component == of_x .and. columns_of(output) > 1) then

@@ -10,7 +10,7 @@ module psalm_chain_scene
    use psalm_data_set, only: data_set_t
    use psalm_error, only: violation_t
    use psalm_kinds, only: wp, degrees_per_radian, full_turn
-   use psalm_markup, only: add_string, sentence_case
+   use psalm_markup, only: add_string
    use psalm_output_kind, only: motion_point, motion_angle
    use psalm_panels, only: add_study_panels, with_unit
    use psalm_parts, only: drawn_bar_t, edge_t, drawn_joint_t, drawn_slide_t, wheel_t, convex_hull
@@ -567,7 +567,7 @@ contains
             violation%first = k
             violation%last = last
             row%violations = [row%violations, violation]
-            call add_string(row%words, sentence_case(links_of(study%motion%group(k))//' a dead point on the way here'))
+            call add_string(row%words, links_of(study%motion%group(k))//' a dead point on the way here')
          end if
          k = last + 1
       end do
@@ -579,11 +579,11 @@ contains
          character(:), allocatable :: text
          integer :: l
 
-         text = 'does not close: there is'
+         text = 'Does not close: there is'
          if (group == 0) return
          associate (links => study%closure%groups(group)%links)
             if (size(links) == 0) return
-            text = trim(merge('link  ', 'links ', size(links) == 1))
+            text = trim(merge('Link  ', 'Links ', size(links) == 1))
             do l = 1, size(links)
                text = text//' '//trim(sketch%links(links(l))%name)
                if (l < size(links)) text = text//','

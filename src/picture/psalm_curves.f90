@@ -11,7 +11,6 @@ module psalm_curves
                          look_line, look_rings, look_steps, look_thin
    use psalm_scene, only: scene_t
    use psalm_source, only: line_t
-   use psalm_text, only: to_text
    use psalm_trace, only: position_row_t
    implicit none (type, external)
    private
@@ -234,7 +233,7 @@ contains
             if (scene%pairs(loop)%joint_type /= assur_rrr) cycle
             k = k + 1
             if (k <= most_lines) then
-               call add_line(plot, 'loop '//to_text(loop), look_line, k, sweep, scene%sweep%angle(loop, :), &
+               call add_line(plot, scene%pairs(loop)%name, look_line, k, sweep, scene%sweep%angle(loop, :), &
                              scene%sweep%sound(loop, :))
             else
                call add_line(plot, '', look_line, k, sweep, scene%sweep%angle(loop, :), scene%sweep%sound(loop, :))

@@ -47,6 +47,7 @@ module psalm_parts
 
    !> The undetermined arcs of a loop.
    type :: drawn_dyad_t
+      character(:), allocatable :: name       !! `loop 2`, or of a sketch `joints B, C, D`
       integer :: joint_type = 0               !! dyad, 1 to 8; 9: a larger group
       integer :: start = 0, shared = 0, finish = 0 !! joints S, common joint, E
       integer :: bars(2) = 0                  !! p and q

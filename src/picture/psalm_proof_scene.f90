@@ -7,9 +7,10 @@ module psalm_proof_scene
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
+   use psalm_group_words, only: the_group
    use psalm_kinds, only: wp
    use psalm_margin_list, only: name_of_clearance, name_of_limit
-   use psalm_mechanism, only: at_finish, pivot
+   use psalm_mechanism, only: mechanism_t, at_finish, pivot
    use psalm_output_kind, only: kind_of_output, motion_point
    use psalm_place, only: beside_t
    use psalm_proof, only: limit_t, piece_closes, piece_opens
@@ -18,7 +19,7 @@ module psalm_proof_scene
    use psalm_proof_ranges, only: extreme_x, extreme_y, extreme_output, extreme_distance
    use psalm_proof_study, only: proof_study_t, kept_t, study_proof, proof_wanted, no_proof
    use psalm_station, only: station_t, prepare_station, evaluate_station
-   use psalm_text, only: lower_case, to_text
+   use psalm_text, only: lower_case
    use psalm_shown_input, only: reference_input
    implicit none (type, external)
    private
@@ -92,9 +93,9 @@ contains
       call study_proof(set, problem, dimensions, proof_wanted(set, .false.), study)
       if (study%empty) return
       found = .true.
-      call add_limits(study, scene)
-      call add_extremes(study, scene)
-      call add_margins(study, scene)
+      call add_limits(problem%mechanism, study, scene)
+      call add_extremes(problem%mechanism, study, scene)
+      call add_margins(problem%mechanism, study, scene)
       call add_clearances(set, study, scene)
       call place_marks(set, problem, dimensions, study, scene)
 
@@ -173,7 +174,7 @@ contains
                call add_mark(scene, 'range', 'proven: closes from the drawing to '// &
                              end_in_words(place_on(proof, k, segment%reached, turns), way, turns))
                if (segment%complete) cycle
-               ends = lower_case(links_of_group(study, proof%group(k)))
+               ends = links_of_group(study, proof%group(k), small=.true.)
                if (segment%turns_back) then
                   call add_mark(scene, 'opens', 'proven: opens at '// &
                                 end_in_words(place_on(proof, k, segment%dead_high, turns), -way, turns)//', dead point of '//ends, &
@@ -219,7 +220,8 @@ contains
    end subroutine add_proof_of_poses
 
    !> Where it closes and where not.
-   subroutine add_limits(study, scene)
+   subroutine add_limits(mechanism, study, scene)
+      type(mechanism_t), intent(in) :: mechanism
       type(proof_study_t), intent(in) :: study
       type(proof_scene_t), intent(inout) :: scene
       integer :: i
@@ -261,7 +263,7 @@ contains
          type(limit_t), intent(in) :: limit
          character(:), allocatable :: words
 
-         words = 'loop '//to_text(limit%loop)//', '//lower_case(cause_words(limit%cause))
+         words = the_group(mechanism, limit%loop)//', '//lower_case(cause_words(limit%cause))
       end function why
 
       !> A bracket at an end of what closes is told by its neighbours.
@@ -301,7 +303,8 @@ contains
    end subroutine add_extremes_of
 
    !> Extremes and dead points.
-   subroutine add_extremes(study, scene)
+   subroutine add_extremes(mechanism, study, scene)
+      type(mechanism_t), intent(in) :: mechanism
       type(proof_study_t), intent(in) :: study
       type(proof_scene_t), intent(inout) :: scene
       character(:), allocatable :: name
@@ -311,7 +314,7 @@ contains
       do i = 1, size(study%extremes)
          associate (extreme => study%extremes(i))
             if (.not. extreme%found) cycle
-            name = lower_case(trim(extreme_name(extreme)))
+            name = extreme_name(mechanism, extreme, small=.true.)
             of_output = any(extreme%kind == [extreme_x, extreme_y, extreme_output, extreme_distance])
             call add_extremes_of(name, extreme%least_low, extreme%least_at, extreme%greatest_high, extreme%greatest_at, of_output, &
                                  scene)
@@ -319,7 +322,7 @@ contains
       end do
       do i = 1, size(study%movement%dead)
          associate (dead => study%movement%dead(i))
-            call add_dead_point(lower_case(quantity_name(dead)), dead, dead%kind == quantity_output, scene)
+            call add_dead_point(quantity_name(mechanism, dead, small=.true.), dead, dead%kind == quantity_output, scene)
          end associate
       end do
    end subroutine add_extremes
@@ -337,7 +340,8 @@ contains
    end subroutine add_dead_point
 
    !> How far the dyads stay inside their limits.
-   subroutine add_margins(study, scene)
+   subroutine add_margins(mechanism, study, scene)
+      type(mechanism_t), intent(in) :: mechanism
       type(proof_study_t), intent(in) :: study
       type(proof_scene_t), intent(inout) :: scene
       character(:), allocatable :: words
@@ -345,7 +349,7 @@ contains
 
       do i = 1, size(study%margins)
          associate (own => study%margins(i))
-            words = 'margin, '//lower_case(name_of_limit(own%margin, study%trmin_given))//': at least '// &
+            words = 'margin, '//name_of_limit(mechanism, own%margin, study%trmin_given, small=.true.)//': at least '// &
                     shown(own%low, -1)//', at '//short(own%margin%delt)
             if (own%is_broken) words = words//', violated'
             call add_mark(scene, 'extreme', words, own%margin%delt)
@@ -364,7 +368,7 @@ contains
       do i = 1, size(study%kept)
          associate (kept => study%kept(i), nearest => study%kept(i)%nearest)
             if (.not. nearest%found) cycle
-            words = 'clearance, '//name_of_clearance(set, kept%clearance, .true.)//': at least '// &
+            words = 'clearance, '//name_of_clearance(set, kept%clearance, small=.true.)//': at least '// &
                     shown(nearest%low, -1)//', at '//short(nearest%at)
             if (kept%clearance%asked > 0.0_wp) words = words//'; asked '//short(kept%clearance%asked)
             if (kept%is_broken) words = words//', broken'

@@ -10,6 +10,7 @@ module psalm_scene
    use psalm_error, only: problem_t, make_problem
    use psalm_force_model, only: forces_wanted
    use psalm_force_scene, only: force_scene_t, extent_of_weights, make_force_scene
+   use psalm_group_words, only: group_words
    use psalm_kinds, only: wp, full_turn
    use psalm_margin_list, only: describe_margin
    use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated
@@ -554,6 +555,7 @@ contains
       allocate (scene%pairs(mechanism%nloop))
       do loop = 1, mechanism%nloop
          associate (pair => scene%pairs(loop))
+            pair%name = group_words(mechanism, loop)
             pair%joint_type = mechanism%groups(loop)%kind
             ! of a larger group its first and its last arc
             associate (p => mechanism%arcs(mechanism%groups(loop)%members(1)), &

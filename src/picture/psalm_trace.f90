@@ -9,9 +9,10 @@ module psalm_trace
    use psalm_error, only: problem_t, motion_t, violation_t
    use psalm_finale, only: describe_violation
    use psalm_kinds, only: wp
-   use psalm_markup, only: strings_t, add_string, sentence_case
+   use psalm_markup, only: strings_t, add_string
    use psalm_parts, only: drawn_slide_t
    use psalm_sketch_motion, only: sketch_motion_t, find_places
+   use psalm_text, only: upper_case
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: arc_slide, at_finish, at_start
    implicit none (type, external)
@@ -55,6 +56,7 @@ contains
       logical, intent(in) :: prescribed         !! the positions are the user's own, with numbers he knows
       type(position_row_t), intent(out) :: row
       type(motion_t) :: motion, points
+      character(:), allocatable :: words
       integer :: block, offset, n, i, k, joints, loops
       integer, allocatable :: undetermined(:)   ! by position: a loop of whose dyad the outer joints coincide
 
@@ -83,7 +85,8 @@ contains
       row%violations = points%violations
       allocate (row%words(0))
       do i = 1, size(row%violations)
-         call add_string(row%words, sentence_case(describe_violation(whole, points, row%violations(i), prescribed, named=.false.)))
+         words = describe_violation(whole, points, row%violations(i), prescribed, small=.true.)
+         call add_string(row%words, upper_case(words(:1))//words(2:))
       end do
       joints = size(own%mechanism%points) + 1
       loops = own%mechanism%nloop

@@ -10,7 +10,8 @@ module psalm_proof_numbers
    use psalm_kinds, only: wp, degrees_per_radian
    use psalm_proof_tube, only: tube_t, point_majorant, travel_majorant, rates, size_of, rounding, outwards, degree
    use psalm_sketch, only: sketch_output_t, output_point, output_angle, output_distance, output_slide, output_between, &
-                           output_pose, output_ratio, output_x, output_y, columns_of, sketch_t, drive_slides, drive_stretches
+                           output_pose, output_ratio, output_x, output_y, columns_of, first_number, sketch_t, &
+                           drive_slides, drive_stretches
    implicit none (type, external)
    private
    public :: quadratic_t, find_numbers, rate_of_link, rate_of_slide, is_angle, has_rate, play_of_joint
@@ -98,11 +99,8 @@ contains
       integer :: first(size(outputs))
       integer :: k, n, numbers
 
-      numbers = 0
-      do k = 1, size(outputs)
-         first(k) = numbers + 1
-         numbers = numbers + columns_of(outputs(k))
-      end do
+      first = [(first_number(outputs, k), k=1, size(outputs))]
+      numbers = first_number(outputs, size(outputs) + 1) - 1
       allocate (values(numbers), speeds(numbers), at(numbers, 0:most_orders))
       call output_at(closure, tube%state, outputs, at)
       do k = 1, size(outputs)

@@ -2,7 +2,9 @@
 module psalm_adjustment_list
    use psalm_adjustment, only: adjustment_t
    use psalm_column_names, only: position_name
-   use psalm_parameters, only: name_of
+   use psalm_markup, only: strings_t
+   use psalm_parameters, only: name_of, words_of
+   use psalm_part_columns, only: add_words
    use psalm_tables, only: table_t, tables_t, table_of
    use psalm_text, only: text_t, general, to_text
    use psalm_tolerance, only: tolerance_t
@@ -64,18 +66,26 @@ contains
       type(adjustment_t), intent(in) :: list(:)
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
+      type(strings_t), allocatable :: names(:)
+      integer :: k
 
       table = table_of('adjustment', 'a row for each dimension as the adjustable one, those that leave least first')
       associate (variables => linear%variables(list%variable))
          call table%add('loop', variables%loop)
          call table%add('arc', variables%arc)
          call table%add('kind', variables%kind)
+         allocate (names(size(list)))
+         do k = 1, size(list)
+            names(k)%text = ''
+            if (len_trim(variables(k)%of) > 0) names(k)%text = words_of(variables(k))
+         end do
       end associate
       call table%add('travel_root_sum_square', list%travel)
       call table%add('travel_worst_case', list%most_travel)
       call table%add('left_root_sum_square', list%left)
       call table%add('left_worst_case', list%most_left)
       call table%add(position_name, list%at)
+      if (all([(len(names(k)%text) > 0, k=1, size(names))])) call add_words('dimension', names, table)
       call tables%put(table)
    end subroutine put_adjustments
 end module psalm_adjustment_list

@@ -5,6 +5,8 @@ module psalm_chain_proof_list
    use psalm_chain_study, only: chain_study_t
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
+   use psalm_markup, only: strings_t, add_string
+   use psalm_part_columns, only: add_words
    use psalm_proof_chain, only: output_range_t
    use psalm_proof_list, only: about_extremes, about_limits, list_dead_points, list_dwell, list_kept, list_range, &
                                put_dead_points, put_kept, same_quantity, shown, head_of_ranges, end_text, short
@@ -13,7 +15,7 @@ module psalm_chain_proof_list
    use psalm_sketch, only: drive_turns
    use psalm_sketch_outputs, only: name_room
    use psalm_tables, only: table_t, tables_t, table_of
-   use psalm_text, only: text_t, to_text, upper_case
+   use psalm_text, only: text_t, cased, to_text, upper_case
    implicit none (type, external)
    private
    public :: list_chain_proof, put_chain_proof, links_of_group, name_of_quantity, ratio_of
@@ -76,10 +78,10 @@ contains
          if (proof%segments(k)%complete) return
          if (proof%segments(k)%turns_back) then
             far = place_on(proof, k, proof%segments(k)%dead_high, turns)
-            call text%add('     DEAD POINT OF '//links_of_group(study, proof%group(k))//': THE INPUT GOES NO FURTHER THAN '// &
-                          trim(adjustl(end_text(far, -way, turns))))
+            call text%add('     DEAD POINT OF '//links_of_group(study, proof%group(k), .false.)// &
+                          ': THE INPUT GOES NO FURTHER THAN '//trim(adjustl(end_text(far, -way, turns))))
          else
-            call text%add('     UNDECIDED BEYOND IT: '//links_of_group(study, proof%group(k))//' AT OR NEAR A DEAD POINT')
+            call text%add('     UNDECIDED BEYOND IT: '//links_of_group(study, proof%group(k), .false.)//' AT OR NEAR A DEAD POINT')
          end if
       end subroutine list_segment
 
@@ -91,11 +93,11 @@ contains
          if (proof%segments(k)%turns_back) then
             call text%add('   DEAD POINT ON THE WAY TO POSITION '//to_text(proof%position(k))//', AFTER '// &
                           trim(adjustl(end_text(proof%segments(k)%dead_high, 1, .true.)))//' OF THE WAY AT MOST: '// &
-                          links_of_group(study, proof%group(k)))
+                          links_of_group(study, proof%group(k), .false.))
          else
             call text%add('   UNDECIDED ON THE WAY TO POSITION '//to_text(proof%position(k))//', AFTER '// &
                           trim(adjustl(end_text(proof%segments(k)%reached, -1, .true.)))//' OF THE WAY: '// &
-                          links_of_group(study, proof%group(k))//' AT OR NEAR A DEAD POINT')
+                          links_of_group(study, proof%group(k), .false.)//' AT OR NEAR A DEAD POINT')
          end if
       end subroutine list_line
    end subroutine list_chain_proof
@@ -202,17 +204,18 @@ contains
    end function first_turns
 
    !> The links of a group, in capitals.
-   pure function links_of_group(study, group) result(words)
+   pure function links_of_group(study, group, small) result(words)
       type(chain_study_t), intent(in) :: study
       integer, intent(in) :: group
+      logical, intent(in) :: small                 !! small letters, but for names
       character(:), allocatable :: words
       integer :: k
 
-      words = 'LINKS'
+      words = cased('LINKS', small)
       associate (links => study%closure%groups(group)%links)
-         if (size(links) == 1) words = 'LINK'
+         if (size(links) == 1) words = cased('LINK', small)
          do k = 1, size(links)
-            words = words//' '//upper_case(trim(study%closure%sketch%links(links(k))%name))
+            words = words//' '//trim(study%closure%sketch%links(links(k))%name)
             if (k < size(links)) words = words//','
          end do
       end associate
@@ -225,6 +228,7 @@ contains
       type(chain_proof_t), intent(in) :: proof
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
+      type(strings_t), allocatable :: names(:)
       character(word_room), allocatable :: kind(:), cause(:)
       real(wp), allocatable :: from(:), to(:)
       integer, allocatable :: group(:)
@@ -254,9 +258,20 @@ contains
       call table%add('to', to(:rows), input)
       call table%add('loop', group(:rows))
       call table%add('cause', cause(:rows))
+      allocate (names(rows))
+      do k = 1, rows
+         names(k)%text = ''
+         if (group(k) > 0) names(k)%text = links_of_group(study, group(k), small=.true.)
+      end do
+      call add_words('group', names, table)
+      deallocate (names)
       call tables%put(table)
       if (any(proof%ranges%bounded)) call put_ranges(title, study, proof, turns, tables)
-      call put_dead_points(title, proof%movement%dead, input, tables)
+      allocate (names(0))
+      do k = 1, size(proof%movement%dead)
+         call add_string(names, name_of_quantity(study, proof%movement%dead(k)))
+      end do
+      call put_dead_points(title, proof%movement%dead, names, input, tables)
       call put_kept(title, proof%kept, input, tables)
 
    contains

@@ -12,7 +12,7 @@ module psalm_chain_report
    use psalm_sketch, only: numbers_of => columns_of
    use psalm_sketch_outputs, only: name_room
    use psalm_sketch_study, only: sketch_study_t
-   use psalm_text, only: text_t, general, lower_case, to_text
+   use psalm_text, only: text_t, general, to_text
    implicit none (type, external)
    private
    public :: report_outputs, report_swept_outputs, several_outputs, range_lines, report_chain_proof, &
@@ -79,13 +79,12 @@ contains
       character(*), intent(in) :: where_words
       type(text_t), intent(inout) :: text
       character(*), parameter :: label = '  Output              '
-      logical, allocatable :: known(:)
+      real(wp) :: least, most
 
       if (.not. any(study%closed)) return
-      known = study%closed .and. study%values(n, 0, :) < huge(1.0_wp)
-      if (any(known)) then
-         call text%add(label//trim(study%names(n))//' '//number(minval(study%values(n, 0, :), mask=known))//' to '// &
-                       number(maxval(study%values(n, 0, :), mask=known))//where_words)
+      call study%find_range(n, least, most)
+      if (least <= most) then
+         call text%add(label//trim(study%names(n))//' '//number(least)//' to '//number(most)//where_words)
       else
          call text%add(label//trim(study%names(n))//' has no value: it is a ratio to what stands still')
       end if
@@ -166,7 +165,7 @@ contains
          if (set%limits%iproof <= 0) return
          call devices%note_violation()
          call devices%remark(set, 'IPROOF proves nothing where more constraints hold the links than are needed: '// &
-                             lower_case(links_of_group(study, proof%braced)))
+                             links_of_group(study, proof%braced, small=.true.))
          return
       end if
       if (proof%empty) then

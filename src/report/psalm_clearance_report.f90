@@ -5,6 +5,7 @@ module psalm_clearance_report
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_flypast_chart, only: chart_t
+   use psalm_group_words, only: the_group
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, pi
    use psalm_mechanism, only: mechanism_t
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
@@ -60,7 +61,7 @@ contains
       hindered = .true.
       if (study%load%trouble > 0) then
          words = 'the crank cannot make a full turn: the linkage does not close'
-         if (study%load%closes) words = 'loop '//to_text(study%load%loop)//' passes a dead point'
+         if (study%load%closes) words = the_group(mechanism, study%load%loop)//' passes a dead point'
          words = words//at_position(study%load%trouble)
       else if (study%load%loose > 0) then
          words = 'with joint '//mechanism%joints(study%joint)%name//' taken apart the links are not held'// &

@@ -24,7 +24,8 @@ contains
       character(:), allocatable :: words
       integer :: i, n
 
-      words = 'a link of practically no length (the longest arc is '// &
+      words = 'a link of practically no length (the longest '// &
+              trim(merge('length', 'arc   ', set%has_names()))//' is '// &
               trim(adjustl(general(maxval(dimensions%arcl), 'E')))//'): '
       do i = 1, min(size(doubts%short), most_named)
          n = doubts%short(i)

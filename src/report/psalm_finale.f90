@@ -19,7 +19,7 @@ module psalm_finale
    use psalm_plan, only: root_crank, root_frame
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
-   use psalm_text, only: text_t, fixed, general, to_text
+   use psalm_text, only: text_t, cased, fixed, general, to_text
    implicit none (type, external)
    private
    public :: list_results, arc_table, in_columns, list_reference, list_output_arc, describe_violation, &
@@ -43,7 +43,7 @@ contains
       call text%add(' '//set%title)
       call text%add()
       call list_sketch_notes(set, text)
-      if (allocated(problem%mechanism%ends)) then
+      if (problem%mechanism%has_joint_names()) then
          call list_by_joints(problem, dimensions, text)
       else
          call list_by_arcs(set, problem, dimensions, text)
@@ -65,10 +65,8 @@ contains
       call list_reference(problem%mechanism, dimensions%crnki, text)
       call text%add(' POLAR CO-ORDINATES (LENGTH, ANGLE) OF')
       call text%add(' INPUT PIVOT '//fixed(dimensions%origlk, column, 3)//fixed(dimensions%origng, column, 4, tie_away=.true.))
-      if (shows_output_link(problem)) then
-         call text%add(' OUTPUT LINK '//fixed(dimensions%outlk, column, 3)//fixed(dimensions%outang, column, 4, tie_away=.true.))
-         call list_output_arc(arrays_of(set), text)
-      end if
+      call text%add(' OUTPUT LINK '//fixed(dimensions%outlk, column, 3)//fixed(dimensions%outang, column, 4, tie_away=.true.))
+      call list_output_arc(arrays_of(set), text)
       call list_cartesian(set, problem, dimensions, text)
    end subroutine list_by_arcs
 
@@ -85,10 +83,10 @@ contains
          call text%add(' LENGTHS BETWEEN JOINTS')
          allocate (names(0))
          do n = 1, size(mechanism%arcs)
-            if (mechanism%slides(n) .or. .not. dimensions%arcl(n) > 0.0_wp) cycle
+            if (mechanism%slides(n) .or. .not. abs(dimensions%arcl(n)) > 0.0_wp) cycle
             call row(mechanism%length_called(n), dimensions%arcl(n))
          end do
-         if (dimensions%outlk > 0.0_wp .and. shows_output_link(problem) .and. len_trim(mechanism%outputs(1)%line(1)) > 0) &
+         if (abs(dimensions%outlk) > 0.0_wp .and. shows_output_link(problem) .and. len_trim(mechanism%outputs(1)%line(1)) > 0) &
             call row(mechanism%length_called(0), dimensions%outlk)
          call text%add(' ANGLES, DEGREES: OF A LINE FROM THE X AXIS, OR OF THE SECOND LINE FROM THE FIRST')
          deallocate (names)
@@ -98,8 +96,7 @@ contains
             if (follows(n)) cycle
             call row(mechanism%angle_called(n), dimensions%gama(n))
          end do
-         if (dimensions%outlk > 0.0_wp .and. shows_output_link(problem) .and. len_trim(mechanism%outputs(1)%line(1)) > 0) &
-            call row(mechanism%angle_called(0), dimensions%outang)
+         if (shows_output_angle()) call row(mechanism%angle_called(0), dimensions%outang)
          call list_reference(mechanism, dimensions%crnki, text)
          call unit_vector(dimensions%origng, c, s)
          call text%add(' ITS PIVOT (X,Y)')
@@ -129,6 +126,15 @@ contains
             if (all(ends(:, n) == ends([2, 1], arcs(n)%reference))) follows = abs(dimensions%gama(n) - half_turn) <= 0.0_wp
          end associate
       end function follows
+
+      !> True if the direction of the output is a dimension: to its point, or of a line that is not that of the arc it turns with.
+      pure logical function shows_output_angle()
+         associate (output => problem%mechanism%outputs(1), ends => problem%mechanism%ends)
+            shows_output_angle = shows_output_link(problem) .and. len_trim(output%line(1)) > 0
+            if (.not. shows_output_angle .or. output%arc == 0 .or. abs(dimensions%outlk) > 0.0_wp) return
+            shows_output_angle = .not. (all(ends(:, output%arc) == output%line) .or. all(ends([2, 1], output%arc) == output%line))
+         end associate
+      end function shows_output_angle
 
       !> A name and its value; a name that was there is skipped.
       subroutine row(name, value)
@@ -292,7 +298,6 @@ contains
       call text%add(' ARRAY OF LINK Y DIMENSIONS, YLINK')
       call column_heads('L', longest, text)
       call arc_table(y, .false., text)
-      if (.not. shows_output_link(problem)) return
       call text%add(' OUTPUT LINK (X,Y)')
       call unit_vector(dimensions%outang, c, s)
       call text%add(fixed(dimensions%outlk*c, column, 3)//fixed(dimensions%outlk*s, column, 3))
@@ -511,86 +516,92 @@ contains
       end associate
    end function names_of_group
 
-   !> A violation in words: loop, dyad, positions and by how much.
-   function describe_violation(problem, motion, violation, numbered, named) result(text)
+   !> A violation in words: loop, dyad, positions and by how much; in capitals or small letters, but for names.
+   function describe_violation(problem, motion, violation, numbered, small) result(text)
       type(problem_t), intent(in) :: problem
       type(motion_t), intent(in) :: motion
       type(violation_t), intent(in) :: violation
       logical, intent(in), optional :: numbered !! if false the positions have no numbers that a user knows; default true
-      logical, intent(in), optional :: named    !! if false the group has the number of its loop in a sketch, too; default true
+      logical, intent(in), optional :: small    !! in small letters but for names; default false
       character(:), allocatable :: text
       character(:), allocatable :: pair, p, q, group
       type(form_t) :: form
-      logical :: with_numbers
+      logical :: with_numbers, in_sentence
 
       with_numbers = .true.
       if (present(numbered)) with_numbers = numbered
-      group = group_heading(violation%loop, problem%mechanism)
-      if (present(named)) then
-         if (.not. named) group = group_heading(violation%loop)
-      end if
+      in_sentence = .false.
+      if (present(small)) in_sentence = small
+      group = group_heading(problem%mechanism, violation%loop, in_sentence)
       form = form_of(problem%mechanism%groups(violation%loop)%kind)
       if (.not. problem%mechanism%is_dyad(violation%loop)) then
-         text = group//', GROUP OF LINKS '//names_of_group(problem%mechanism, violation%loop)
-         if (with_numbers) text = text//', POSITION'//positions()
-         text = text//': IT CANNOT FOLLOW FROM THE DRAWING'
+         text = group//said(', GROUP OF LINKS ')//names_of_group(problem%mechanism, violation%loop)
+         if (with_numbers) text = text//positions()
+         text = text//said(': IT CANNOT FOLLOW FROM THE DRAWING')
          return
       end if
-      if (allocated(problem%mechanism%ends)) then
+      if (problem%mechanism%has_joint_names()) then
          p = name_of_member(1)
          q = name_of_member(2)
-         pair = 'LINKS '//p//' AND '//q
+         pair = said('LINKS ')//p//said(' AND ')//q
       else
          p = to_text(problem%mechanism%place(1, violation%loop))
          q = to_text(problem%mechanism%place(2, violation%loop))
-         pair = 'ARCS '//p//' AND '//q
+         pair = said('ARCS ')//p//said(' AND ')//q
       end if
-      text = group//', DYAD OF TYPE '//to_text(problem%mechanism%groups(violation%loop)%kind)// &
-             ' ('//pair//')'
-      if (with_numbers) text = text//', POSITION'//positions()
+      text = group//said(', DYAD OF TYPE ')//to_text(problem%mechanism%groups(violation%loop)%kind)//' ('//pair//')'
+      if (with_numbers) text = text//positions()
       text = text//': '
       select case (violation%kind)
       case (violation_too_short)
          if (.not. any(form%slides)) then
-            text = text//'BOTH LINKS ARE TOO SHORT BY '//amount()
+            text = text//said('BOTH LINKS ARE TOO SHORT BY ')//amount()
          else
-            text = text//'LINK '//either(form%slides(2))//' IS TOO SHORT BY '//amount()
+            text = text//said('LINK ')//either(form%slides(2))//said(' IS TOO SHORT BY ')//amount()
          end if
       case (violation_too_long)
          if (.not. any(form%slides)) then
-            text = text//'THE DIFFERENCE OF THE LINKS IS TOO GREAT BY '//amount()
+            text = text//said('THE DIFFERENCE OF THE LINKS IS TOO GREAT BY ')//amount()
          else
-            text = text//'GUIDE '//either(.not. form%slides(1))//' IS TOO LONG BY '//amount()
+            text = text//said('GUIDE ')//either(.not. form%slides(1))//said(' IS TOO LONG BY ')//amount()
          end if
       case (violation_undetermined)
-         text = text//'THE OUTER JOINTS COINCIDE, THE DIRECTION OF THE ARCS IS NOT DETERMINED'
+         text = text//said('THE OUTER JOINTS COINCIDE, THE DIRECTION OF THE ARCS IS NOT DETERMINED')
       case (violation_parallel)
-         text = text//'THE SLIDES ARE PARALLEL'
+         text = text//said('THE SLIDES ARE PARALLEL')
       case (violation_angle_small, violation_angle_large)
-         text = text//'TRANSMISSION ANGLE '//amount()//limit(problem%tangle)
+         text = text//said('TRANSMISSION ANGLE ')//amount()//limit(problem%tangle)
       case (violation_toggle)
          select case (problem%mechanism%groups(violation%loop)%kind)
          case (assur_rpr, assur_rpr_guide_first)
-            text = text//'GUIDE '//either(.not. form%slides(1))
+            text = text//said('GUIDE ')//either(.not. form%slides(1))
          case default
-            text = text//'LINK '//either(form%slides(2))
+            text = text//said('LINK ')//either(form%slides(2))
          end select
-         text = text//' CLOSES WITH '//amount()//' TO SPARE, LESS THAN TOGGLE '//trim(adjustl(general(problem%toggle)))
+         text = text//said(' CLOSES WITH ')//amount()//said(' TO SPARE, LESS THAN TOGGLE ')//trim(adjustl(general(problem%toggle)))
       case (violation_slides)
-         text = text//'ANGLE BETWEEN THE SLIDES '//amount()//limit(problem%slide_angle)
+         text = text//said('ANGLE BETWEEN THE SLIDES ')//amount()//limit(problem%slide_angle)
       end select
       if (violation%first /= violation%last .and. violation%kind /= violation_parallel .and. &
           violation%kind /= violation_undetermined) then
-         text = text//' AT WORST'
-         if (with_numbers) text = text//' (POSITION '//to_text(violation%worst)//')'
+         text = text//said(' AT WORST')
+         if (with_numbers) text = text//said(' (POSITION ')//to_text(violation%worst)//')'
       end if
       if (with_numbers) then
-         text = text//'; INPUT '//trim(adjustl(general(motion%input(violation%worst))))
+         text = text//said('; INPUT ')//trim(adjustl(general(motion%input(violation%worst))))
       else
-         text = text//' (INPUT '//trim(adjustl(general(motion%input(violation%worst))))//')'
+         text = text//said(' (INPUT ')//trim(adjustl(general(motion%input(violation%worst))))//')'
       end if
 
    contains
+
+      !> Words that are no names.
+      function said(words)
+         character(*), intent(in) :: words
+         character(len(words)) :: said
+
+         said = cased(words, in_sentence)
+      end function said
 
       !> The link that a member of the dyad is fixed in.
       function name_of_member(member) result(words)
@@ -614,8 +625,9 @@ contains
       function positions() result(words)
          character(:), allocatable :: words
 
-         words = ' '//to_text(violation%first)
-         if (violation%first /= violation%last) words = 'S'//words//' TO '//to_text(violation%last)
+         words = said(', POSITION ')//to_text(violation%first)
+         if (violation%first /= violation%last) words = said(', POSITIONS ')//to_text(violation%first)//said(' TO ')// &
+                                                        to_text(violation%last)
       end function positions
 
       !> The limit as it was given.
@@ -625,9 +637,9 @@ contains
 
          if (problem%trmin_given) then
             words = trim(adjustl(general(right_angle - deviation)))
-            words = ', OUTSIDE TRMIN '//words//' TO 180 - '//words
+            words = said(', OUTSIDE TRMIN ')//words//said(' TO 180 - ')//words
          else
-            words = ', OUTSIDE 90 +- '//trim(adjustl(general(deviation)))
+            words = said(', OUTSIDE 90 +- ')//trim(adjustl(general(deviation)))
          end if
       end function limit
 

@@ -3,7 +3,6 @@ module psalm_input_text
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: full_turn, wp
    use psalm_mechanism, only: mechanism_t
-   use psalm_shown_input, only: shows_crank
    use psalm_sketch, only: drive_turns
    use psalm_text, only: text_t, general, to_text, upper_case
    implicit none (type, external)

@@ -5,14 +5,14 @@ module psalm_margin_list
    use psalm_constraint_group, only: range_positions, range_inputs
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
-   use psalm_group_words, only: group_heading, group_words
+   use psalm_group_words, only: group_heading
    use psalm_kinds, only: wp
    use psalm_margins, only: margin_t, is_violated, margin_angle, margin_slides, margin_guide, margin_offset, &
                              margin_clearance, margin_bound, margin_group
    use psalm_mechanism, only: mechanism_t
    use psalm_place, only: beside_t
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
-   use psalm_text, only: text_t, general, lower_case, to_text
+   use psalm_text, only: text_t, cased, general, to_text
    use psalm_dimensions, only: dimensions_t
    use psalm_parameters, only: name_of, words_of
    use psalm_shown_input, only: input_at, input_in_turn
@@ -46,7 +46,7 @@ contains
       end select
       call text%add(' CONSTRAINT                                           MARGIN       AT INPUT')
       do i = 1, size(margins)
-         line = name_of_margin(set, problem, margins(i))
+         line = name_of_margin(set, problem, margins(i), small=.false.)
          line = ' '//line//repeat(' ', max(1, name_columns - len(line)))//general(margins(i)%margin)
          if (has_input(margins(i))) line = line//general(input_of(problem, dimensions, margins(i)))
          if (is_violated(margins(i))) line = line//'  VIOLATED'
@@ -60,11 +60,10 @@ contains
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(margin_t), intent(in) :: margin
-      logical, intent(in), optional :: small       !! small letters, but for names
+      logical, intent(in) :: small                 !! small letters, but for names
       character(:), allocatable :: text
 
-      text = name_of_margin(set, problem, margin)
-      if (present(small)) text = small_name(set, problem, margin)
+      text = name_of_margin(set, problem, margin, small)
       text = text//' by '//trim(adjustl(general(-margin%margin)))
       if (has_input(margin)) text = text//' at input '//trim(adjustl(general(input_of(problem, dimensions, margin))))
    end function describe_margin
@@ -84,34 +83,11 @@ contains
       input_of = input_in_turn(problem%mechanism, input_at(problem%mechanism, dimensions, margin%delt))
    end function input_of
 
-   !> The name of a margin in small letters; names of joints are as they are.
-   pure function small_name(set, problem, margin) result(name)
+   pure function name_of_margin(set, problem, margin, small) result(name)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(margin_t), intent(in) :: margin
-      character(:), allocatable :: name
-      character(:), allocatable :: whole, group
-      integer :: k
-
-      select case (margin%kind)
-      case (margin_angle, margin_slides, margin_guide, margin_offset, margin_group)
-         whole = name_of_margin(set, problem, margin)
-         group = group_heading(margin%which, problem%mechanism)
-         k = index(whole, group)
-         name = lower_case(whole(:k - 1))//group_words(problem%mechanism, margin%which)//lower_case(whole(k + len(group):))
-      case (margin_clearance)
-         name = name_of_margin(set, problem, margin, in_sentence=.true.)
-      case default
-         name = trim(merge('bound, ', 'length,', margin%kind == margin_bound))//' '// &
-                words_of(problem%parameters%variables(margin%which))
-      end select
-   end function small_name
-
-   pure function name_of_margin(set, problem, margin, in_sentence) result(name)
-      type(data_set_t), intent(in) :: set
-      type(problem_t), intent(in) :: problem
-      type(margin_t), intent(in) :: margin
-      logical, intent(in), optional :: in_sentence
+      logical, intent(in) :: small           !! small letters, but for names
       character(:), allocatable :: name
       type(clearance_t), allocatable :: clearances(:)
       integer, allocatable :: joints(:, :)
@@ -119,36 +95,53 @@ contains
 
       select case (margin%kind)
       case (margin_angle, margin_slides, margin_guide, margin_offset)
-         name = name_of_limit(margin, set%limits%trmin_given, problem%mechanism)
+         name = name_of_limit(problem%mechanism, margin, set%limits%trmin_given, small)
       case (margin_group)
-         name = group_heading(margin%which, problem%mechanism)//', DEAD POINT OF ITS GROUP (1 IS BEST)'
+         name = group_heading(problem%mechanism, margin%which, small)//cased(', DEAD POINT OF ITS GROUP (1 IS BEST)', small)
       case (margin_clearance)
          call list_clearances(set%constr, problem%mechanism, problem%given%outlk <= 0.0_wp, clearances, joints, &
                               beside)
-         name = name_of_clearance(set, clearances(margin%which), in_sentence)
+         name = name_of_clearance(set, clearances(margin%which), small)
       case (margin_bound)
-         name = 'BOUND, '//name_of(problem%parameters%variables(margin%which))
+         name = cased('BOUND, ', small)//variable_name()
       case default
-         name = 'LENGTH, '//name_of(problem%parameters%variables(margin%which))
+         name = cased('LENGTH, ', small)//variable_name()
       end select
+
+   contains
+
+      pure function variable_name() result(words)
+         character(:), allocatable :: words
+
+         associate (variable => problem%parameters%variables(margin%which))
+            if (small) then
+               words = words_of(variable)
+            else
+               words = name_of(variable)
+            end if
+         end associate
+      end function variable_name
    end function name_of_margin
 
    !> What a dyad is to keep.
-   pure function name_of_limit(margin, trmin_given, mechanism) result(name)
+   pure function name_of_limit(mechanism, margin, trmin_given, small) result(name)
+      type(mechanism_t), intent(in) :: mechanism
       type(margin_t), intent(in) :: margin
       logical, intent(in) :: trmin_given           !! the limit of angles is TRMIN
-      type(mechanism_t), intent(in), optional :: mechanism !! whose groups have names in a sketch
+      logical, intent(in) :: small                 !! small letters, but for names
       character(:), allocatable :: name
+      character(:), allocatable :: group
 
+      group = group_heading(mechanism, margin%which, small)
       select case (margin%kind)
       case (margin_angle)
-         name = 'TRANSMISSION ANGLE'//as_given()//', '//group_heading(margin%which, mechanism)//', DEGREES'
+         name = cased('TRANSMISSION ANGLE'//as_given()//', ', small)//group//cased(', DEGREES', small)
       case (margin_slides)
-         name = 'ANGLE BETWEEN THE SLIDES, '//group_heading(margin%which, mechanism)//', DEGREES'
+         name = cased('ANGLE BETWEEN THE SLIDES, ', small)//group//cased(', DEGREES', small)
       case (margin_guide)
-         name = 'GUIDE AND TOGGLE, '//group_heading(margin%which, mechanism)
+         name = cased('GUIDE AND TOGGLE, ', small)//group
       case default
-         name = 'OFFSET AND TOGGLE, '//group_heading(margin%which, mechanism)
+         name = cased('OFFSET AND TOGGLE, ', small)//group
       end select
 
    contains
@@ -162,29 +155,22 @@ contains
    end function name_of_limit
 
    !> What keeps apart from what.
-   pure function name_of_clearance(set, clearance, in_sentence) result(name)
+   pure function name_of_clearance(set, clearance, small) result(name)
       type(data_set_t), intent(in) :: set
       type(clearance_t), intent(in) :: clearance
-      logical, intent(in), optional :: in_sentence !! small letters, but for the names of joints
+      logical, intent(in) :: small                 !! small letters, but for the names of joints
       character(:), allocatable :: name
 
       if (clearance%region == 0) then
-         name = cased('LINKS ')//segment_name(clearance%segments(1))//cased(' AND ')//segment_name(clearance%segments(2))
+         name = cased('LINKS ', small)//segment_name(clearance%segments(1))//cased(' AND ', small)// &
+                segment_name(clearance%segments(2))
       else if (clearance%segments(1) > 0) then
-         name = cased('REGION ')//to_text(clearance%region)//cased(', LINK ')//segment_name(clearance%segments(1))
+         name = cased('REGION ', small)//to_text(clearance%region)//cased(', LINK ', small)//segment_name(clearance%segments(1))
       else
-         name = cased('REGION ')//to_text(clearance%region)//', '//joint_name()
+         name = cased('REGION ', small)//to_text(clearance%region)//', '//joint_name()
       end if
 
    contains
-
-      pure function cased(words) result(text)
-         character(*), intent(in) :: words
-         character(:), allocatable :: text
-
-         text = words
-         if (present(in_sentence)) text = lower_case(words)
-      end function cased
 
       !> Number of a segment, or its joints as the user calls them.
       pure function segment_name(number) result(words)
@@ -203,13 +189,13 @@ contains
 
          associate (region => clearance%shape)
             if (set%has_names()) then
-               words = cased('JOINT ')//trim(set%sketch%joint_name(region%joint))
+               words = cased('JOINT ', small)//trim(set%sketch%joint_name(region%joint))
             else if (region%loop == 0) then
-               words = cased('OUTPUT POINT')
+               words = cased('OUTPUT POINT', small)
             else if (region%arc == 0) then
-               words = cased('INPUT PIVOT')
+               words = cased('INPUT PIVOT', small)
             else
-               words = cased('FINISH OF ARC '//to_text(region%arc)//' IN LOOP '//to_text(region%loop))
+               words = cased('FINISH OF ARC '//to_text(region%arc)//' IN LOOP '//to_text(region%loop), small)
             end if
          end associate
       end function joint_name
@@ -228,7 +214,7 @@ contains
 
       allocate (names(size(margins)))
       do i = 1, size(margins)
-         names(i) = small_name(set, problem, margins(i))
+         names(i) = name_of_margin(set, problem, margins(i), small=.true.)
       end do
       table = table_of('constraints', 'a row for each constraint: its least margin, degrees or length', audience=for_programs)
       call table%add('constraint', names)

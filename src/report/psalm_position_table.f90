@@ -11,7 +11,7 @@ module psalm_position_table
    use psalm_kinds, only: wp
    use psalm_output_kind, only: motion_pose, most_rates
    use psalm_rate_study, only: rate_study_t, highest_order
-   use psalm_sketch, only: sketch_t, wish_column_t, columns_of
+   use psalm_sketch, only: sketch_t, wish_column_t, first_number
    use psalm_sketch_study, only: sketch_study_t
    use psalm_tables, only: table_t, tables_t, table_of, for_all, for_plots, for_programs
    use psalm_text, only: full_precision
@@ -21,6 +21,7 @@ module psalm_position_table
 
    character(*), parameter :: nl = new_line('a')
    character(*), parameter :: positions_block = 'positions'
+   character(1), parameter :: axes(2) = ['x', 'y']
    character(*), parameter :: about_positions = 'a row for each prescribed position'
 
 contains
@@ -262,19 +263,22 @@ contains
       call tables%put(table)
    end subroutine put_sketch
 
-   !> Desired values of the outputs of a sketch; of derivatives by the input the actual ones, too.
+   !> Desired values of the outputs of a sketch; of derivatives by the input the actual ones, too. Without outputs they are those of
+   !> the joint that is shown. Values are given for every position, whatever their weights; of derivatives those without a weight
+   !> are not.
    pure subroutine add_wishes(sketch, study, problem, table)
       type(sketch_t), intent(in) :: sketch
       type(sketch_study_t), intent(in) :: study      !! at a speed of 1, without acceleration
       type(problem_t), intent(in) :: problem
       type(table_t), intent(inout) :: table
       type(wish_column_t), allocatable :: columns(:)
-      integer :: k, c, order, n
+      integer :: k, c, order
+      logical :: every(problem%positions)
 
-      n = problem%positions
+      every = .true.
       if (problem%desired) then
          do c = 1, problem%output%kind%components
-            call add(table, c, 0, problem%wanted(:n, c), spread(.true., 1, n))
+            call add(table, c, 0, problem%wanted(:problem%positions, c), every)
          end do
          if (allocated(problem%rate_wanted)) then
             do order = 1, most_rates
@@ -289,8 +293,8 @@ contains
       columns = sketch%wish_columns()
       do k = 1, size(columns)
          associate (at => columns(k))
-            call add(table, at%component + sum([(columns_of(sketch%outputs(c)), c=1, at%output - 1)]), at%order, &
-                     problem%wish_values(:, k), problem%wish_weights(:, k) > 0.0_wp)
+            call add(table, first_number(sketch%outputs, at%output) + at%component - 1, at%order, problem%wish_values(:, k), &
+                     merge(every, problem%wish_weights(:, k) > 0.0_wp, at%order == 0))
          end associate
       end do
 
@@ -301,11 +305,22 @@ contains
          integer, intent(in) :: number, of_order
          real(wp), intent(in) :: values(:)           !! shape (positions)
          logical, intent(in) :: known(:)
-         character(:), allocatable :: name, unit
+         character(:), allocatable :: name, unit, per
+         real(wp) :: actual(size(values))
+         integer :: joint
 
-         name = by_input(trim(study%names(number)), of_order)
-         unit = number_unit(sketch%outputs, number, per_input(problem%mechanism%sliding_input), of_order)
-         if (of_order > 0) call into%add(name, study%values(number, of_order, :), unit, study%closed .and. .not. study%dead)
+         per = per_input(problem%mechanism%sliding_input)
+         if (size(sketch%outputs) > 0) then
+            name = by_input(study%names(number), of_order)
+            unit = number_unit(sketch%outputs, number, per, of_order)
+            actual = study%values(number, of_order, :)
+         else
+            joint = sketch%shown_joint()
+            name = by_input(joint_name(sketch%joint_name(joint), 0, axes(number)), of_order)
+            unit = rate_unit(.false., per, of_order)
+            actual = merge(study%joints(joint, of_order, :)%re, study%joints(joint, of_order, :)%im, number == 1)
+         end if
+         if (of_order > 0) call into%add(name, actual, unit, study%closed .and. .not. study%dead)
          call into%add(wished_name(name), values, unit, known)
       end subroutine add
    end subroutine add_wishes

@@ -7,7 +7,9 @@ module psalm_proof_list
    use psalm_group_words, only: arc_heading, group_heading
    use psalm_kinds, only: wp, dp
    use psalm_margin_list, only: name_of_clearance, name_of_limit
+   use psalm_markup, only: strings_t, add_string
    use psalm_margins, only: margin_angle, margin_guide, margin_slides
+   use psalm_part_columns, only: add_groups, add_words
    use psalm_proven_margins, only: proven_margin_t
    use psalm_proof, only: proof_t, limit_t, touch_exact, piece_closes, piece_opens, piece_undecided, cause_too_short, &
                           cause_difference, cause_guide, cause_link, cause_parallel
@@ -18,7 +20,7 @@ module psalm_proof_list
    use psalm_proof_study, only: proof_study_t, kept_t
    use psalm_summary_text, only: name_of_kind
    use psalm_tables, only: table_t, tables_t, table_of
-   use psalm_text, only: text_t, full_precision, general, to_text, upper_case
+   use psalm_text, only: text_t, cased, full_precision, general, to_text, upper_case
    implicit none (type, external)
    private
    public :: list_proof, put_proof, describe_proof, about_limits, about_extremes
@@ -67,7 +69,8 @@ contains
          end if
       end associate
       do i = 1, size(study%kinds)
-         call text%add('   '//group_heading(study%kinds(i)%loop, mechanism)//': '//upper_case(name_of_kind(study%kinds(i)%kind)))
+         call text%add('   '//group_heading(mechanism, study%kinds(i)%loop, .false.)//': '// &
+                       upper_case(name_of_kind(study%kinds(i)%kind)))
       end do
       call list_extremes(mechanism, study, text)
       call list_movement(mechanism, study, text)
@@ -89,7 +92,7 @@ contains
       call text%add('   MARGIN                                             AT LEAST             AT')
       do i = 1, size(study%margins)
          associate (own => study%margins(i))
-            name = name_of_limit(own%margin, study%trmin_given, mechanism)
+            name = name_of_limit(mechanism, own%margin, study%trmin_given, small=.false.)
             name = name//repeat(' ', max(0, limit_columns - len(name)))
             least = shown(own%low, -1)
             at = general(own%margin%delt)
@@ -130,7 +133,7 @@ contains
       do i = 1, size(kept_ones)
          associate (kept => kept_ones(i), nearest => kept_ones(i)%nearest)
             if (.not. nearest%found) cycle
-            name = name_of_clearance(set, kept%clearance)
+            name = name_of_clearance(set, kept%clearance, small=.false.)
             least = shown(nearest%low, -1)
             if (nearest%low <= -huge(1.0_wp)) least = 'NOT BOUNDED'
             at = general(nearest%at)
@@ -183,7 +186,8 @@ contains
       call text%add(head_of_ranges)
       do i = 1, size(study%extremes)
          associate (extreme => study%extremes(i))
-            if (extreme%found) call list_range(extreme_name(extreme, mechanism), [extreme%least_low, extreme%greatest_low], &
+            if (extreme%found) call list_range(extreme_name(mechanism, extreme, small=.false.), &
+                                               [extreme%least_low, extreme%greatest_low], &
                                                [extreme%least_high, extreme%greatest_high], &
                                                [extreme%least_at, extreme%greatest_at], text)
          end associate
@@ -218,29 +222,30 @@ contains
       end function is_wide
    end subroutine list_range
 
-   pure function extreme_name(extreme, mechanism) result(columns)
+   pure function extreme_name(mechanism, extreme, small) result(name)
+      type(mechanism_t), intent(in) :: mechanism
       type(proven_extreme_t), intent(in) :: extreme
-      type(mechanism_t), intent(in), optional :: mechanism !! whose groups have names in a sketch
-      character(:), allocatable :: columns
+      logical, intent(in) :: small                 !! small letters, but for names
+      character(:), allocatable :: name
 
       select case (extreme%kind)
       case (extreme_angle)
-         columns = 'TRANSMISSION ANGLE, '//group_heading(extreme%loop, mechanism)
+         name = cased('TRANSMISSION ANGLE, ', small)//group_heading(mechanism, extreme%loop, small)
       case (extreme_slide)
-         columns = arc_heading(extreme%loop, extreme%place, mechanism)
-         if (index(columns, 'SLIDE') /= 1) columns = 'SLIDE, '//columns
+         name = arc_heading(mechanism, extreme%loop, extreme%place, small)
+         if (index(name, cased('SLIDE', small)) /= 1) name = cased('SLIDE, ', small)//name
       case (extreme_x)
-         columns = 'OUTPUT POINT, X'
+         name = cased('OUTPUT POINT, X', small)
       case (extreme_y)
-         columns = 'OUTPUT POINT, Y'
+         name = cased('OUTPUT POINT, Y', small)
       case (extreme_output)
-         columns = 'OUTPUT ANGLE'
+         name = cased('OUTPUT ANGLE', small)
       case (extreme_distance)
-         columns = 'DISTANCE OF THE OUTPUT POINT'
+         name = cased('DISTANCE OF THE OUTPUT POINT', small)
       case (extreme_slides)
-         columns = 'ANGLE BETWEEN THE SLIDES, '//group_heading(extreme%loop, mechanism)
+         name = cased('ANGLE BETWEEN THE SLIDES, ', small)//group_heading(mechanism, extreme%loop, small)
       case default
-         columns = 'VELOCITY RATIO'
+         name = cased('VELOCITY RATIO', small)
       end select
    end function extreme_name
 
@@ -269,7 +274,8 @@ contains
             if (i < size(movement%dead)) then
                if (same_quantity(movement%dead(i), movement%dead(i + 1))) cycle
             end if
-            call list_dead_points(quantity_name(movement%dead(i), mechanism), movement%dead(first:i), study%proof%turns, text)
+            call list_dead_points(quantity_name(mechanism, movement%dead(i), small=.false.), movement%dead(first:i), &
+                                  study%proof%turns, text)
             first = i + 1
          end do
       end associate
@@ -324,16 +330,17 @@ contains
       call text%add(line)
    end subroutine list_dead_points
 
-   pure function quantity_name(dead, mechanism) result(name)
+   pure function quantity_name(mechanism, dead, small) result(name)
+      type(mechanism_t), intent(in) :: mechanism
       type(proven_dead_point_t), intent(in) :: dead
-      type(mechanism_t), intent(in), optional :: mechanism !! whose groups have names in a sketch
+      logical, intent(in) :: small                 !! small letters, but for names
       character(:), allocatable :: name
 
       if (dead%kind == quantity_output) then
-         name = 'THE OUTPUT'
+         name = cased('THE OUTPUT', small)
       else
-         name = arc_heading(dead%loop, dead%place, mechanism)//', '// &
-                trim(merge('ITS TURNING', 'ITS LENGTH ', dead%kind == quantity_turning))
+         name = arc_heading(mechanism, dead%loop, dead%place, small)// &
+                cased(', '//trim(merge('ITS TURNING', 'ITS LENGTH ', dead%kind == quantity_turning)), small)
       end if
    end function quantity_name
 
@@ -385,7 +392,7 @@ contains
             call text%add('   CLOSES '//end_text(limit%from, 1, proof%turns)//' TO '//end_text(limit%to, -1, proof%turns))
          case (piece_opens)
             call text%add('   OPENS  '//end_text(limit%from, 1, proof%turns)//' TO '//end_text(limit%to, -1, proof%turns)// &
-                          ': '//group_heading(limit%loop, mechanism)//', '//cause_words(limit%cause))
+                          ': '//group_heading(mechanism, limit%loop, .false.)//', '//cause_words(limit%cause))
          case (piece_undecided)
             if (is_end(proof, i) .and. limit%to - limit%from <= narrow*(proof%to - proof%from)) return
             call text%add('   UNDECIDED '//undecided_words(mechanism, proof, limit))
@@ -422,7 +429,7 @@ contains
          return
       end if
       if (limit%touch == touch_exact) words = words//'CHANGE POINT, '
-      words = words//group_heading(limit%loop, mechanism)
+      words = words//group_heading(mechanism, limit%loop, .false.)
       if (limit%touch == touch_exact) then
          words = words//', THE LINKS IN ONE LINE EXACTLY; THE ASSEMBLY IS NOT DETERMINED BEYOND IT'
          return
@@ -527,8 +534,9 @@ contains
    end function end_text
 
    !> Tables: every part of the range, the brackets too; extremes, dead points, margins, clearances.
-   subroutine put_proof(title, study, tables)
+   subroutine put_proof(title, mechanism, study, tables)
       character(*), intent(in) :: title
+      type(mechanism_t), intent(in) :: mechanism
       type(proof_study_t), intent(in) :: study
       type(tables_t), intent(inout) :: tables
       character(*), parameter :: kinds(3) = [character(9) :: 'closes', 'opens', 'undecided']
@@ -542,10 +550,11 @@ contains
          call table%add('to', limits%to, input_unit(.not. study%proof%turns))
          call table%add('loop', limits%loop)
          call table%add('cause', causes(limits%cause))
+         call add_groups(mechanism, limits%loop, table)
       end associate
       call tables%put(table)
-      call put_extremes(title, study, tables)
-      call put_margins(title, study, tables)
+      call put_extremes(title, mechanism, study, tables)
+      call put_margins(title, mechanism, study, tables)
       call put_kept(title, study%kept, input_unit(.not. study%proof%turns), tables)
    end subroutine put_proof
 
@@ -575,8 +584,9 @@ contains
    end subroutine put_kept
 
    !> Least margins of the dyads.
-   subroutine put_margins(title, study, tables)
+   subroutine put_margins(title, mechanism, study, tables)
       character(*), intent(in) :: title
+      type(mechanism_t), intent(in) :: mechanism
       type(proof_study_t), intent(in) :: study
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
@@ -590,6 +600,7 @@ contains
          call table%add('low', margins%low)
          call table%add('high', margins%high)
          call table%add('at', margins%margin%delt, input_unit(.not. study%proof%turns))
+         call add_groups(mechanism, margins%margin%which, table)
       end associate
       call tables%put(table)
 
@@ -613,13 +624,15 @@ contains
    end subroutine put_margins
 
    !> Extremes and dead points.
-   subroutine put_extremes(title, study, tables)
+   subroutine put_extremes(title, mechanism, study, tables)
       character(*), intent(in) :: title
+      type(mechanism_t), intent(in) :: mechanism
       type(proof_study_t), intent(in) :: study
       type(tables_t), intent(inout) :: tables
       character(*), parameter :: quantities(8) = [character(18) :: 'transmission_angle', 'slide', 'output_x', 'output_y', &
                                                   'output_angle', 'output_distance', 'velocity_ratio', 'angle_of_slides']
       type(table_t) :: table
+      type(strings_t), allocatable :: names(:)
       character(:), allocatable :: input
       integer :: i
 
@@ -636,15 +649,30 @@ contains
          call table%add('greatest_low', e%greatest_low)
          call table%add('greatest_high', e%greatest_high)
          call table%add('greatest_at', e%greatest_at, input)
+         if (mechanism%has_joint_names()) then
+            allocate (names(size(e)))
+            do i = 1, size(e)
+               names(i)%text = extreme_name(mechanism, e(i), small=.true.)
+            end do
+            call add_words('of', names, table)
+         end if
       end associate
       call tables%put(table)
-      call put_dead_points(title, study%movement%dead, input, tables)
+      if (allocated(names)) deallocate (names)
+      allocate (names(0))
+      if (mechanism%has_joint_names()) then
+         do i = 1, size(study%movement%dead)
+            call add_string(names, quantity_name(mechanism, study%movement%dead(i), small=.true.))
+         end do
+      end if
+      call put_dead_points(title, study%movement%dead, names, input, tables)
    end subroutine put_extremes
 
    !> Dead points.
-   subroutine put_dead_points(title, dead, input, tables)
+   subroutine put_dead_points(title, dead, names, input, tables)
       character(*), intent(in) :: title
       type(proven_dead_point_t), intent(in) :: dead(:)
+      type(strings_t), intent(in) :: names(:)  !! of a sketch what is at rest there, else none
       character(*), intent(in) :: input        !! its unit
       type(tables_t), intent(inout) :: tables
       character(*), parameter :: quantities(3) = [character(7) :: 'output', 'turning', 'sliding']
@@ -658,6 +686,7 @@ contains
       call table%add('low', dead%low, input)
       call table%add('high', dead%high, input)
       call table%add('reverses', dead%reverses)
+      if (size(names) > 0) call add_words('of', names, table)
       call tables%put(table)
    end subroutine put_dead_points
 end module psalm_proof_list

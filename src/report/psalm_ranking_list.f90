@@ -1,6 +1,6 @@
 !> The ranking of the linkages found in the listing: what makes them different, their margins, their quality and size.
 module psalm_ranking_list
-   use psalm_column_names, only: number_unit, output_unit, per_input
+   use psalm_column_names, only: output_unit
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
@@ -192,8 +192,9 @@ contains
             if (length > low*(1.0_wp + at_bound) .and. length < high*(1.0_wp - at_bound)) cycle
             if (len(words) > 0) words = words//', '
             words = words//words_of(problem%parameters%variables(v))//' ('//plain_number(length)
-            if (length > 0.0_wp .and. longest > length) words = words//', the longest arc is '//plain_number(longest/length)// &
-                                                                ' times as long'
+            if (length > 0.0_wp .and. longest > length) &
+               words = words//', the longest '//trim(merge('length', 'arc   ', set%has_names()))//' is '// &
+                       plain_number(longest/length)//' times as long'
             words = words//')'
          end associate
       end do
@@ -233,32 +234,19 @@ contains
       end select
    end function weighed
 
-   !> Unit of the errors of a linkage.
-   pure function error_unit(set, problem) result(unit)
-      type(data_set_t), intent(in) :: set
-      type(problem_t), intent(in) :: problem
-      character(:), allocatable :: unit
-      type(wish_group_t), allocatable :: groups(:)
-
-      unit = output_unit(problem%output%kind%angle == 1)
-      if (.not. problem%blank) return
-      groups = wish_groups(set%sketch)
-      associate (first => groups(first_wish(groups)))
-         unit = number_unit(set%sketch%outputs, first%number, per_input(problem%mechanism%sliding_input), first%order)
-      end associate
-   end function error_unit
-
    !> Tables for other programs: ranking, and the dimensions that vary of each linkage.
-   subroutine put_ranking(set, problem, found, ranked, tables)
-      type(data_set_t), intent(in) :: set
+   subroutine put_ranking(problem, found, ranked, tables)
       type(problem_t), intent(in) :: problem
       type(result_t), intent(in) :: found
       type(ranked_t), intent(in) :: ranked(:)            !! shape (linkages found)
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
       character(title_width), allocatable :: names(:)
+      character(:), allocatable :: unit     ! of errors
       integer :: i, v
 
+      unit = ''
+      if (size(ranked) > 0) unit = trim(ranked(1)%error_unit)
       table = table_of('ranking', 'a row for each linkage found, the best first', audience=for_programs)
       call table%add('rank', [(i, i=1, size(ranked))])
       call table%add('objective', found%best(:size(ranked))%objective)
@@ -267,8 +255,8 @@ contains
       call table%add('angle_margin', ranked%angle_margin, 'deg')
       call table%add('length_margin', ranked%length_margin, 'length')
       call table%add('longest_arc', ranked%longest_arc, 'length')
-      call table%add('rms_error', ranked%rms, error_unit(set, problem), ranked%compared)
-      call table%add('largest_error', ranked%largest, error_unit(set, problem), ranked%compared)
+      call table%add('rms_error', ranked%rms, unit, ranked%compared)
+      call table%add('largest_error', ranked%largest, unit, ranked%compared)
       call table%add('transmission', ranked%angle, 'deg', ranked%has_angle)
       call table%add('longest_to_shortest', ranked%ratio)
       call table%add('room_width', ranked%width, 'length')

@@ -166,7 +166,7 @@ contains
       if (dead == output_at_origin) then
          words = 'OUTPUT AT THE ORIGIN: RATES ARE NOT DEFINED'
       else
-         words = 'DEAD POINT OF '//group_heading(dead, mechanism)//': RATES ARE INFINITE'
+         words = 'DEAD POINT OF '//group_heading(mechanism, dead, .false.)//': RATES ARE INFINITE'
       end if
    end function dead_words
 end module psalm_rate_list

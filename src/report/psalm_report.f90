@@ -20,6 +20,7 @@ module psalm_report
    use psalm_machine_study, only: machine_study_t
    use psalm_margin_list, only: list_margins, put_margins, describe_margin
    use psalm_margins, only: is_violated
+   use psalm_group_words, only: the_group
    use psalm_mechanism, only: mechanism_t
    use psalm_method_group, only: default_niter
    use psalm_position_table, only: plot_positions, plot_wanted_rates, put_rates, positions_block
@@ -173,7 +174,7 @@ contains
 
       if (size(search%ranked) > 0) then
          call list_ranking(set, problem, search%found, search%ranked, devices%six)
-         call put_ranking(set, problem, search%found, search%ranked, devices%cases(devices%last_case()))
+         call put_ranking(problem, search%found, search%ranked, devices%cases(devices%last_case()))
       end if
       if (set%search%ranking /= ranking_none) call add_to_ranking(set, search%found, search%ranked, devices%ranking)
       if (set%search%ranking == ranking_shared) call add_share(set, search%found, devices%shares)
@@ -272,7 +273,8 @@ contains
       do i = 1, size(analysis%margins)
          if (.not. is_violated(analysis%margins(i))) cycle
          call devices%note_violation()
-         call devices%remark(set, 'violated: '//describe_margin(set, problem, analysis%dimensions, analysis%margins(i)))
+         call devices%remark(set, 'violated: '//describe_margin(set, problem, analysis%dimensions, analysis%margins(i), &
+                                                                      small=.false.))
       end do
    end subroutine report_margins
 
@@ -356,20 +358,19 @@ contains
       type(devices_t), intent(inout) :: devices
       type(sketch_study_t), intent(in), optional :: study !! of a sketch: all its outputs
 
-      call put_summary(summary, motion, set%has_stand_in(), devices%cases(devices%last_case()))
+      call put_summary(mechanism, summary, motion, set%has_stand_in(), devices%cases(devices%last_case()))
       if (present(study)) call put_output_ranges(study, devices%cases(devices%last_case()))
-      call put_wish_errors(set%sketch, summary, devices%cases(devices%last_case()))
+      call put_wish_errors(summary, devices%cases(devices%last_case()))
       if (devices%summarised == most_summarised) return
       devices%summarised = devices%summarised + 1
       if (present(study)) then
-         call write_summary(set%title, summary, devices%summary, zero_words(set), count(motion%closed), size(motion%closed), &
-                            coincident_words(), set%has_stand_in(), mechanism)
+         call write_summary(set%title, mechanism, summary, devices%summary, zero_words(set), count(motion%closed), &
+                            size(motion%closed), coincident_words(), set%has_stand_in())
          call range_lines(set, study, devices%summary)
       else
-         call write_summary(set%title, summary, devices%summary, zero_words(set), coincident=coincident_words(), &
-                            mechanism=mechanism)
+         call write_summary(set%title, mechanism, summary, devices%summary, zero_words(set), coincident=coincident_words())
       end if
-      call write_wish_errors(set%sketch, summary, devices%summary)
+      call write_wish_errors(summary, devices%summary)
       if (devices%summarised == most_summarised .and. set%limits%last == 0) &
          call devices%summary%add('Further cases of the file are not summarised')
 
@@ -379,7 +380,9 @@ contains
       function coincident_words() result(words)
          character(:), allocatable :: words
 
-         words = 'the outer joints of loop '//to_text(summary%undetermined_loop)
+         words = ''
+         if (summary%undetermined_loop == 0) return
+         words = 'the outer joints of '//the_group(mechanism, summary%undetermined_loop)
          if (any(summary%undetermined_joints == 0)) return
          associate (names => set%sketch%joint_name(summary%undetermined_joints))
             words = 'joints '//trim(names(1))//' and '//trim(names(2))
@@ -400,7 +403,7 @@ contains
          return
       end if
       call list_proof(set, mechanism, study, devices%six)
-      call put_proof(set%title, study, devices%cases(devices%last_case()))
+      call put_proof(set%title, mechanism, study, devices%cases(devices%last_case()))
       if (.not. study%is_violating()) return
       call devices%note_violation()
       if (study%is_open()) call devices%remark(set, describe_proof(study))
@@ -413,9 +416,9 @@ contains
    ! ---- tolerances --------------------------------------------------------------------------------------------------
 
    !> Bands of the output within the tolerances of the dimensions.
-   subroutine report_tolerances(set, sliding_input, result, devices)
+   subroutine report_tolerances(set, mechanism, result, devices)
       type(data_set_t), intent(in) :: set
-      logical, intent(in) :: sliding_input
+      type(mechanism_t), intent(in) :: mechanism
       type(tolerances_t), intent(in) :: result
       type(devices_t), intent(inout) :: devices
 
@@ -425,14 +428,14 @@ contains
       end if
       if (result%is_violating()) call devices%note_violation()
       if (.not. set%has_stand_in()) then
-         call list_tolerances(result%linear, result%sample, devices%six)
-         call put_tolerances(set%title, sliding_input, result%linear, result%sample, devices%cases(devices%last_case()))
+         call list_tolerances(mechanism, result%linear, result%sample, devices%six)
+         call put_tolerances(set%title, mechanism%sliding_input, result%linear, result%sample, devices%cases(devices%last_case()))
       end if
       if (several_outputs(set) .and. allocated(result%linear%bands)) then
          call list_output_bands(set%sketch, result%linear, result%sample, devices%six)
          call put_output_bands(set%sketch, result%linear, result%sample, devices%cases(devices%last_case()))
       end if
-      if (set%has_stand_in()) call list_sample(result%sample, devices%six)
+      if (set%has_stand_in()) call list_sample(mechanism, result%sample, devices%six)
       if (allocated(result%adjustments)) then
          call list_adjustments(result%linear, result%adjustments, set%toler%outtol, devices%six)
          call put_adjustments(result%linear, result%adjustments, devices%cases(devices%last_case()))

@@ -5,9 +5,11 @@ module psalm_steady_report
    use psalm_drive_group, only: hill_group_t, hill_of, drive_group_t, drive_of
    use psalm_estimate_study, only: verdict_redesign
    use psalm_hill, only: hill_t
+   use psalm_group_words, only: the_group
    use psalm_kinds, only: wp, full_turn
    use psalm_link_cycle, only: link_cycle_t
    use psalm_steady_study, only: steady_study_t
+   use psalm_mechanism, only: mechanism_t
    use psalm_text, only: general, lower_case, to_text
    use psalm_vibration_group, only: estimate_group_t, estimates_of, vibration_group_t, vibration_of
    use psalm_vibration_list, only: list_vibration, list_estimates, list_drive, list_hill, stability_words, link_words
@@ -22,8 +24,9 @@ module psalm_steady_report
 contains
 
    !> All that a case asks for: listing, device 9, remarks, exit status.
-   subroutine report_steady(set, study, devices)
+   subroutine report_steady(set, mechanism, study, devices)
       type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism   !! not used by Hill's equation alone, which has none
       type(steady_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
       type(hill_group_t) :: hill
@@ -39,7 +42,7 @@ contains
       call devices%six%add(' '//set%title)
       if (allocated(study%estimates)) then
          do k = 1, size(study%estimates)
-            if (stuck(set, study%estimates(k)%cycle, estimates%points, devices)) return
+            if (stuck(set, mechanism, study%estimates(k)%cycle, estimates%points, devices)) return
             if (study%estimates(k)%verdict /= verdict_redesign) cycle
             call devices%note_violation()
             call devices%remark(set, 'the link '//link_words(set, estimates%beams(k)%link, ' in loop ', 'of arc ')// &
@@ -51,7 +54,7 @@ contains
          call put_estimates(set, study%estimates, devices%cases(devices%last_case()))
       end if
       if (allocated(study%vibration)) then
-         if (stuck(set, study%vibration%cycle, vibration%points, devices)) return
+         if (stuck(set, mechanism, study%vibration%cycle, vibration%points, devices)) return
          call list_vibration(set, study%vibration, devices%six)
          call put_vibration(study%vibration, set%rates%speed, devices%cases(devices%last_case()))
          do k = 1, size(study%vibration%modes)
@@ -70,7 +73,7 @@ contains
          if (study%vibration%resolution > enough) call coarse('NVPNT', vibration%points)
       end if
       if (allocated(study%drive)) then
-         if (stuck(set, study%drive%turn, drive%points, devices)) return
+         if (stuck(set, mechanism, study%drive%turn, drive%points, devices)) return
          call list_drive(set, study%drive, devices%six)
          call put_drive(study%drive, devices%cases(devices%last_case()))
          if (study%drive%found) then
@@ -114,8 +117,9 @@ contains
    end subroutine remark_stability
 
    !> True if the crank cannot turn, which is told.
-   logical function stuck(set, cycle_of, points, devices)
+   logical function stuck(set, mechanism, cycle_of, points, devices)
       type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
       type(link_cycle_t), intent(in) :: cycle_of
       integer, intent(in) :: points
       type(devices_t), intent(inout) :: devices
@@ -124,7 +128,7 @@ contains
       stuck = cycle_of%trouble > 0
       if (.not. stuck) return
       words = 'the crank cannot make a full turn: the linkage does not close'
-      if (cycle_of%closes) words = 'loop '//to_text(cycle_of%loop)//' passes a dead point'
+      if (cycle_of%closes) words = the_group(mechanism, cycle_of%loop)//' passes a dead point'
       words = words//' at'//general(cycle_of%sense*full_turn*real(cycle_of%trouble - 1, wp)/real(points, wp))// &
               ' degrees after the reference'
       call devices%six%add(' NO STEADY STATE: '//words)

@@ -2,8 +2,8 @@
 !> arcs, and of how a search for it went; for other programs.
 module psalm_summary_table
    use psalm_analysis, only: arc_table_t
-   use psalm_column_names, only: closed_name, input_name, input_unit, number_unit, output_unit, per_input, per_time, &
-                                 position_name, rate_unit
+   use psalm_column_names, only: closed_name, input_name, input_unit, output_unit, per_input, per_time, position_name, &
+                                 rate_unit
    use psalm_dyad, only: violation_too_short, violation_too_long, violation_parallel, violation_angle_small, &
                          violation_angle_large, violation_undetermined, violation_slides
    use psalm_dimensions, only: dimensions_t
@@ -11,9 +11,9 @@ module psalm_summary_table
    use psalm_kinds, only: wp, degrees_per_radian
    use psalm_mechanism, only: mechanism_t
    use psalm_output_kind, only: motion_angle, motion_point, most_rates
+   use psalm_part_columns, only: add_groups, add_lines
    use psalm_rate_study, only: rate_study_t
    use psalm_search, only: result_t
-   use psalm_sketch, only: sketch_t
    use psalm_sketch_study, only: sketch_study_t
    use psalm_summary, only: summary_t, range_t
    use psalm_summary_text, only: name_of_kind
@@ -31,7 +31,8 @@ contains
    ! ---- the range of the input --------------------------------------------------------------------------------------
 
    !> Tables summary, closing, reversals, loop_kinds, and of wanted derivatives rate_errors.
-   pure subroutine put_summary(summary, motion, stands_in, tables)
+   pure subroutine put_summary(mechanism, summary, motion, stands_in, tables)
+      type(mechanism_t), intent(in) :: mechanism
       type(summary_t), intent(in) :: summary
       type(motion_t), intent(in) :: motion         !! at the prescribed positions
       logical, intent(in) :: stands_in             !! the output is that of a joint that stands in for it: it is not told
@@ -77,8 +78,8 @@ contains
       if (.not. stands_in) call add_output(summary, of_output, table)
       associate (known => [summary%compared > 0])
          call table%add('compared', [summary%compared])
-         call table%add('error_rms', [summary%rms], of_output, known)
-         call table%add('error_largest', [summary%largest], of_output, known)
+         call table%add('error_rms', [summary%rms], trim(summary%error_unit), known)
+         call table%add('error_largest', [summary%largest], trim(summary%error_unit), known)
          call table%add('error_largest_position', [summary%worst], known=known)
          call table%add('error_largest_at', [summary%worst_input], of_input, known)
       end associate
@@ -89,7 +90,7 @@ contains
          call table%add(input_name(), summary%reverses, of_input)
          call tables%put(table)
       end if
-      call put_kinds(summary, tables)
+      call put_kinds(mechanism, summary, tables)
       call put_rate_errors(summary, tables)
    end subroutine put_summary
 
@@ -123,7 +124,8 @@ contains
    end subroutine put_ranges
 
    !> What the loops are by the rule of Grashof.
-   pure subroutine put_kinds(summary, tables)
+   pure subroutine put_kinds(mechanism, summary, tables)
+      type(mechanism_t), intent(in) :: mechanism
       type(summary_t), intent(in) :: summary
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
@@ -137,6 +139,7 @@ contains
       table = table_of('loop_kinds', 'a row for each loop that is a four-bar or a slider-crank', audience=for_programs)
       call table%add('loop', summary%kinds%loop)
       call table%add('kind', names)
+      call add_groups(mechanism, summary%kinds%loop, table)
       call tables%put(table)
    end subroutine put_kinds
 
@@ -166,20 +169,18 @@ contains
    end subroutine put_rate_errors
 
    !> Table wish_errors: of each output with desired values.
-   pure subroutine put_wish_errors(sketch, summary, tables)
-      type(sketch_t), intent(in) :: sketch
+   pure subroutine put_wish_errors(summary, tables)
       type(summary_t), intent(in) :: summary
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
-      character(name_room), allocatable :: names(:), units(:)
+      character(name_room), allocatable :: names(:)
       integer :: k
 
       if (.not. allocated(summary%wishes)) return
       associate (of => summary%wishes)
-         allocate (names(size(of)), units(size(of)))
+         allocate (names(size(of)))
          do k = 1, size(of)
             names(k) = of(k)%name
-            units(k) = number_unit(sketch%outputs, of(k)%number, per_input(summary%sliding_input), of(k)%order)
          end do
          table = table_of('wish_errors', 'a row for each output with desired values', audience=for_programs)
          call table%add('output', names)
@@ -188,7 +189,7 @@ contains
          call table%add('largest', of%largest, known=of%compared > 0)
          call table%add('largest_position', of%worst, known=of%compared > 0)
          call table%add('largest_at', of%worst_input, input_unit(summary%sliding_input), of%compared > 0)
-         call table%add('unit', units)
+         call table%add('unit', of%unit)
       end associate
       call tables%put(table)
    end subroutine put_wish_errors
@@ -198,23 +199,17 @@ contains
       type(sketch_study_t), intent(in) :: study
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
-      logical, allocatable :: known(:)
-      real(wp), allocatable :: least(:), most(:)
+      real(wp) :: least(size(study%names)), most(size(study%names))
       integer :: n
 
-      allocate (known(size(study%names)), least(size(study%names)), most(size(study%names)))
       do n = 1, size(study%names)
-         associate (values => study%values(n, 0, :), at => study%closed .and. study%values(n, 0, :) < huge(1.0_wp))
-            known(n) = any(at)
-            least(n) = minval(values, mask=at)
-            most(n) = maxval(values, mask=at)
-         end associate
+         call study%find_range(n, least(n), most(n))
       end do
       table = table_of('output_ranges', 'a row for each number of the outputs, over the positions; units as of these', &
                        audience=for_programs)
       call table%add('output', study%names)
-      call table%add('least', least, known=known)
-      call table%add('most', most, known=known)
+      call table%add('least', least, known=least <= most)
+      call table%add('most', most, known=least <= most)
       call tables%put(table)
    end subroutine put_output_ranges
 
@@ -248,6 +243,7 @@ contains
          call table%add('worst', of%worst)
          call table%add('length', of%amount, 'length', length)
          call table%add('angle', of%amount, 'deg', angle)
+         call add_groups(problem%mechanism, of%loop, table)
          call tables%put(table)
       end associate
       if (size(motion%crossings) == 0) return
@@ -255,6 +251,7 @@ contains
                        audience=for_programs)
       call table%add('loop', motion%crossings%loop)
       call table%add(position_name, motion%crossings%position)
+      call add_groups(problem%mechanism, motion%crossings%loop, table)
       call tables%put(table)
    end subroutine put_violations
 
@@ -298,6 +295,7 @@ contains
       call table%add('arc', mechanism%arcs%place)
       call table%add('length', dimensions%arcl, 'length')
       call table%add('angle', dimensions%gama, 'deg')
+      call add_lines(mechanism, mechanism%arcs%loop, mechanism%arcs%place, table)
       call tables%put(table)
    end subroutine put_dimensions
 
@@ -321,6 +319,7 @@ contains
       call table%add('condition', [(spread(condition(k), 1, size(known, 1)), k=1, size(condition))])
       call add_column('length', arcs%length, 'length', known, table)
       call add_column('angle', arcs%angle, 'deg', known, table)
+      call add_lines(mechanism, mechanism%arcs%loop, mechanism%arcs%place, table, size(motion%input))
       call tables%put(table)
    end subroutine put_arcs
 
@@ -348,6 +347,7 @@ contains
             call add_column('angle'//trim(of_time(order)), scale*arcs%angle(order, :, :), rate_unit(.true., per_time(), order), &
                             spread(known, 1, size(mechanism%arcs)), table)
          end do
+         call add_lines(mechanism, mechanism%arcs%loop, mechanism%arcs%place, table, size(known))
          call tables%put(table)
          table = table_of('arc_joints', 'a row for each position and joint at the finish of an arc, rates by time', &
                           audience=for_programs)
@@ -358,6 +358,7 @@ contains
             call add_column(trim(of_joint(order))//'y', arcs%y(order, :, :), rate_unit(.false., per_time(), order), &
                             spread(known, 1, size(arcs%joint_arc)), table)
          end do
+         call add_lines(mechanism, mechanism%arcs(arcs%joint_arc)%loop, mechanism%arcs(arcs%joint_arc)%place, table, size(known))
          call tables%put(table)
       end associate
    end subroutine put_arc_rates

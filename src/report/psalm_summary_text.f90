@@ -1,11 +1,10 @@
 !> The summary of a run in words, for standard error: a title and at most fourteen lines a case.
 module psalm_summary_text
-   use psalm_column_names, only: number_unit, output_unit, per_input
-   use psalm_group_words, only: group_words
+   use psalm_column_names, only: output_unit
+   use psalm_group_words, only: group_words, the_group
    use psalm_kinds, only: wp, dp
    use psalm_mechanism, only: mechanism_t
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, most_rates
-   use psalm_sketch, only: sketch_t
    use psalm_summary, only: summary_t, range_t, loop_kind_t, kind_crank_rocker, kind_double_crank, kind_double_rocker, &
                             kind_rocker_crank, kind_triple_rocker, kind_change_point, kind_slider_turning
    use psalm_text, only: text_t, to_text
@@ -21,15 +20,15 @@ module psalm_summary_text
 contains
 
    !> Append the summary of a case.
-   subroutine write_summary(title, summary, text, zero, reached, positions, coincident, no_output, mechanism)
+   subroutine write_summary(title, mechanism, summary, text, zero, reached, positions, coincident, no_output)
       character(*), intent(in) :: title
+      type(mechanism_t), intent(in) :: mechanism
       type(summary_t), intent(in) :: summary
       type(text_t), intent(inout) :: text
       character(*), intent(in), optional :: zero           !! from where the inputs count; empty: as always
       character(*), intent(in), optional :: coincident     !! the joints that coincide where the linkage is undetermined
       logical, intent(in), optional :: no_output           !! leave the output and its dead points out: it is only a stand-in
       integer, intent(in), optional :: reached, positions  !! of a sketch: positions that are reached from the drawing, of so many
-      type(mechanism_t), intent(in), optional :: mechanism !! whose groups have names in a sketch
       character(*), parameter :: labels(most_rates) = [character(label_columns) :: 'First derivative', 'Second derivative']
       character(:), allocatable :: words
       logical :: outputs
@@ -52,7 +51,7 @@ contains
       if (summary%undetermined_loop > 0 .and. present(coincident)) call add_line('Undetermined', 'from input '// &
          plain_number(summary%undetermined%low)//' to '//plain_number(summary%undetermined%high)//': '//coincident//' coincide', &
                                                                                  text)
-      if (size(summary%kinds) > 0) call add_line('Kind', kind_words(summary%kinds, mechanism), text)
+      if (size(summary%kinds) > 0) call add_line('Kind', kind_words(mechanism, summary%kinds), text)
       if (summary%partial) call add_line('Prescribed', 'from input '//range_words(summary%prescribed)// &
                                          '; what follows is over this range', text)
       if (size(summary%closing) > 0 .or. summary%at_positions) then
@@ -86,10 +85,7 @@ contains
          integer, intent(in) :: loop
          character(:), allocatable :: words
 
-         words = 'in loop '//to_text(loop)
-         if (.not. present(mechanism)) return
-         words = group_words(mechanism, loop)
-         words = trim(merge('in             ', 'in the group of', index(words, 'loop ') == 1))//' '//words
+         words = 'in '//the_group(mechanism, loop)
       end function in_group
 
       !> Where something was found.
@@ -111,8 +107,7 @@ contains
    end subroutine write_summary
 
    !> Append the errors of the outputs of a sketch that have desired values of their own.
-   subroutine write_wish_errors(sketch, summary, text)
-      type(sketch_t), intent(in) :: sketch
+   subroutine write_wish_errors(summary, text)
       type(summary_t), intent(in) :: summary
       type(text_t), intent(inout) :: text
       character(:), allocatable :: unit
@@ -121,7 +116,7 @@ contains
       if (.not. allocated(summary%wishes)) return
       do k = 1, size(summary%wishes)
          associate (errors => summary%wishes(k))
-            unit = number_unit(sketch%outputs, errors%number, per_input(summary%sliding_input), errors%order)
+            unit = trim(errors%unit)
             if (unit == output_unit(.false.)) unit = 'length units'
             if (unit == output_unit(.true.)) unit = 'degrees'
             if (errors%compared == 0) then
@@ -182,16 +177,16 @@ contains
       end if
    end function closing_words
 
-   function kind_words(kinds, mechanism) result(words)
+   function kind_words(mechanism, kinds) result(words)
+      type(mechanism_t), intent(in) :: mechanism
       type(loop_kind_t), intent(in) :: kinds(:)
-      type(mechanism_t), intent(in), optional :: mechanism
       character(:), allocatable :: words
       integer :: i
 
       words = ''
       do i = 1, min(most_listed, size(kinds))
          if (i > 1) words = words//', '
-         if (has_names(mechanism)) then
+         if (mechanism%has_joint_names()) then
             words = words//name_of_kind(kinds(i)%kind)//' ('//group_words(mechanism, kinds(i)%loop)//')'
          else
             words = words//'loop '//to_text(kinds(i)%loop)//' '//name_of_kind(kinds(i)%kind)
@@ -199,13 +194,6 @@ contains
       end do
       words = words//and_more(size(kinds))
    end function kind_words
-
-   pure logical function has_names(mechanism)
-      type(mechanism_t), intent(in), optional :: mechanism
-
-      has_names = .false.
-      if (present(mechanism)) has_names = allocated(mechanism%ends)
-   end function has_names
 
    !> What a loop is, in words.
    pure function name_of_kind(kind) result(name)

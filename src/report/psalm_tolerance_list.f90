@@ -4,10 +4,12 @@ module psalm_tolerance_list
                                  plotted_output, position_name
    use psalm_elementary, only: hypotenuse
    use psalm_input_text, only: angle_text
+   use psalm_group_words, only: group_heading
    use psalm_kinds, only: wp
    use psalm_output_kind, only: output_kind_t
    use psalm_sketch, only: sketch_t
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
+   use psalm_mechanism, only: mechanism_t
    use psalm_text, only: text_t, general, to_text, upper_case
    use psalm_tolerance, only: tolerance_t, sample_t, names_of_tolerances
    use psalm_parameters, only: name_of, words_of
@@ -20,7 +22,8 @@ module psalm_tolerance_list
 contains
 
    !> Append the table of dimensions and the bands over the motion.
-   subroutine list_tolerances(linear, sample, text)
+   subroutine list_tolerances(mechanism, linear, sample, text)
+      type(mechanism_t), intent(in) :: mechanism
       type(tolerance_t), intent(in) :: linear
       type(sample_t), intent(in) :: sample
       type(text_t), intent(inout) :: text
@@ -68,11 +71,12 @@ contains
             call text%add(line)
          end do
       end do
-      call list_sample(sample, text)
+      call list_sample(mechanism, sample, text)
    end subroutine list_tolerances
 
    !> Append how many linkages the sample has, and which of them do not close.
-   subroutine list_sample(sample, text)
+   subroutine list_sample(mechanism, sample, text)
+      type(mechanism_t), intent(in) :: mechanism
       type(sample_t), intent(in) :: sample
       type(text_t), intent(inout) :: text
       integer :: i
@@ -80,7 +84,8 @@ contains
       if (sample%trials == 0) return
       call text%add(' LINKAGES OF THE SAMPLE '//to_text(sample%trials)//', OF WHICH DO NOT CLOSE '//to_text(sample%open))
       do i = 1, min(sample%open, size(sample%named))
-         call text%add('   LINKAGE '//to_text(sample%named(i))//', LOOP '//to_text(sample%loop(i)))
+         call text%add('   LINKAGE '//to_text(sample%named(i))//', '// &
+                       group_heading(mechanism, sample%loop(i), .false.))
       end do
       if (sample%open > size(sample%named)) call text%add('   AND '//to_text(sample%open - size(sample%named))//' MORE')
    end subroutine list_sample

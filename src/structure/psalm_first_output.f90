@@ -38,10 +38,10 @@ contains
          end if
          if (set%toler%adjusted) call set%origins%error(findings, 'TOLER', 'ADJUST', 'ADJUST restores the first output, which '// &
             trim(sketch%outputs(1)%name)//' cannot be here; put a point, angle, distance from the origin or slide first', 1)
-         loops%stand_in = trim(sketch%joint_name(default_joint(sketch)))
+         loops%stand_in = trim(sketch%joint_name(sketch%shown_joint()))
       end if
       shown%kind = output_point
-      shown%joints(1) = default_joint(sketch)
+      shown%joints(1) = sketch%shown_joint()
       call put_output(loops, state, sketch, shown, done)
    end subroutine fill_output
 
@@ -150,20 +150,6 @@ contains
          deallocate (method%rate_wanted, method%rate_weight)
       end associate
    end subroutine take_from_method
-
-   !> The joint that is shown of a sketch without outputs.
-   pure integer function default_joint(sketch) result(joint)
-      type(sketch_t), intent(in) :: sketch
-      integer :: j
-
-      joint = 1
-      do j = 1, size(sketch%joint_name)
-         if (.not. sketch%has_joint(frame_link, j)) joint = j
-      end do
-      do j = size(sketch%joint_name), 1, -1
-         if (.not. sketch%has_joint(frame_link, j) .and. size(sketch%links_of(j)) == 1) joint = j
-      end do
-   end function default_joint
 
    !> Describe an output by an arc. `done` is false for one that the arrays cannot tell.
    subroutine put_output(loops, state, sketch, output, done)

@@ -527,11 +527,11 @@ contains
             call add_line_point(closure, state, slide, position(slider, slide), tracing, loops)
             tracing%passes = tracing%passes + 1
             tracing%pass(:, tracing%passes) = [tracing%points - 1, tracing%points, merge(1, 0, drive == 1), &
-                                            merge(0, drive, drive == 1)]
+                                               merge(0, drive, drive == 1)]
             ! and back to the frame
             tracing%passes = tracing%passes + 1
             tracing%pass(:, tracing%passes) = [tracing%points, tracing%points - 1, merge(-1, 0, drive == 1), &
-                                                merge(0, -drive, drive == 1)]
+                                               merge(0, -drive, drive == 1)]
          end associate
       end subroutine place_slider
 

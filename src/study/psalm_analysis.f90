@@ -9,7 +9,7 @@ module psalm_analysis
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp, full_turn
    use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated
-   use psalm_summary, only: summary_t, summarise, summarise_wishes
+   use psalm_summary, only: summary_t, summarise
    use psalm_sweep, only: sweep_inputs
    use psalm_output_wishes, only: output_wishes_t, compare_with_wishes, sum_of_wish_errors
    use psalm_wanted_rates, only: add_rates_to_motion
@@ -120,8 +120,8 @@ contains
       end if
       if (wanted%summary) then
          allocate (analysis%summary)
-         call summarise(problem, dimensions, analysis%motion, analysis%summary)
-         if (allocated(analysis%wishes)) call summarise_wishes(set%sketch, analysis%wishes, analysis%motion, analysis%summary)
+         ! `wishes` are absent where they are not allocated
+         call summarise(set, problem, dimensions, analysis%motion, analysis%summary, analysis%wishes)
       end if
    end subroutine analyse
 

@@ -12,12 +12,11 @@ module psalm_ranking
    use psalm_margins, only: margin_t, inspector_t, inspect, margin_slides, margin_guide, margin_bound
    use psalm_mechanism, only: arc_crank, arc_determined, arc_link
    use psalm_output_kind, only: motion_point, motion_pose
-   use psalm_output_wishes, only: output_wishes_t, compare_with_wishes
    use psalm_search, only: found_t
    use psalm_search_group, only: pareto_largest, pareto_angle, pareto_ratio, pareto_room, pareto_band
    use psalm_sketch, only: columns_of
    use psalm_station, only: station_t, prepare_station, evaluate_station
-   use psalm_summary, only: summary_t, summarise, summarise_wishes
+   use psalm_summary, only: summary_t, summarise, unit_room
    use psalm_tolerance, only: deviating_t, tolerance_t, find_tolerances
    implicit none (type, external)
    private
@@ -31,7 +30,8 @@ module psalm_ranking
       real(wp) :: length_margin = 0.0_wp           !! least margin of a length; the longest arc if there is none
       real(wp) :: longest_arc = 0.0_wp
       logical :: compared = .false.                !! there are desired values, the linkage closes there
-      real(wp) :: rms = 0.0_wp, largest = 0.0_wp   !! errors, unit of the output
+      real(wp) :: rms = 0.0_wp, largest = 0.0_wp   !! errors
+      character(unit_room) :: error_unit = ''      !! of these
       logical :: has_angle = .false.
       real(wp) :: angle = right_angle              !! least transmission angle, degrees
       real(wp) :: ratio = 1.0_wp                   !! longest to shortest link
@@ -56,7 +56,6 @@ contains
       type(margin_t), allocatable :: margins(:)
       type(motion_t) :: motion
       type(summary_t) :: summary
-      class(output_wishes_t), allocatable :: wishes
 
       dimensions = problem%given
       call problem%parameters%apply(found%values, dimensions)
@@ -68,15 +67,11 @@ contains
       if (any(margins%kind >= margin_guide .and. margins%kind < margin_bound)) ranked%length_margin = &
          minval(margins%margin, mask=margins%kind >= margin_guide .and. margins%kind < margin_bound)
       call problem%analyse(dimensions, motion)
-      call summarise(problem, dimensions, motion, summary)
-      if (allocated(problem%wish_values)) then
-         allocate (wishes)
-         call compare_with_wishes(set, problem, dimensions, motion%closed, wishes)
-         call summarise_wishes(set%sketch, wishes, motion, summary)
-      end if
+      call summarise(set, problem, dimensions, motion, summary)
       ranked%compared = summary%compared > 0
       ranked%rms = summary%rms
       ranked%largest = summary%largest
+      ranked%error_unit = summary%error_unit
       ranked%has_angle = summary%angle_loop > 0
       ranked%angle = summary%angle
       ranked%turns = summary%everywhere .and. .not. summary%sliding_input

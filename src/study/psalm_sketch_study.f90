@@ -33,9 +33,23 @@ module psalm_sketch_study
       real(wp), allocatable :: conditions(:, :)     !! shape (outputs, positions): condition numbers, if asked for;
                                                     !! of a ratio huge
       complex(wp), allocatable :: joints(:, :, :)   !! shape (joints, 0:most_orders, positions): places and rates by time
+   contains
+      procedure :: find_range
    end type sketch_study_t
 
 contains
+
+   !> Least and greatest value of a number of the outputs at the positions where it has one; the least is greater if there is none.
+   pure subroutine find_range(self, number, least, most)
+      class(sketch_study_t), intent(in) :: self
+      integer, intent(in) :: number
+      real(wp), intent(out) :: least, most
+
+      associate (values => self%values(number, 0, :), known => self%closed .and. self%values(number, 0, :) < huge(1.0_wp))
+         least = minval(values, mask=known)
+         most = maxval(values, mask=known)
+      end associate
+   end subroutine find_range
 
    !> Where the joints are: those of the drawing, or of other dimensions.
    subroutine locate_as(set, mechanism, dimensions, changed, sketch)

@@ -1,4 +1,4 @@
-!> Descent of a four-bar that timings points: damped least squares over shape and inputs, the linear unknowns solved for after every
+!> Descent of a four-bar that passes points: damped least squares over shape and inputs, the linear unknowns solved for after every
 !> step; the inputs kept in order; the best timing of a curve.
 !>
 !> Sources: damping, Nielsen (1999); order, pooling of adjacent violators, Barlow et al. (1972); notation, `psalm_path_fit`.
@@ -316,7 +316,7 @@ contains
       end do
    end subroutine put_in_order
 
-   !> The best timing of a timing's curve: dynamic programming over places of the crank, begun where the curve comes nearest to the
+   !> The best timing of a linkage's curve: dynamic programming over places of the crank, begun where the curve comes nearest to the
    !> first point.
    subroutine retime(path, timing, room)
       type(fitted_path_t), intent(in) :: path

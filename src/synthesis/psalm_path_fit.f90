@@ -1,4 +1,4 @@
-!> A four-bar whose crank turns fully and whose coupler point timings points: its motion, its linear unknowns, its bounds.
+!> A four-bar whose crank turns fully and whose coupler point passes points: its motion, its linear unknowns, its bounds.
 !>
 !> In the complex plane, with the crank of length 1 and its angle t counted from the ground line,
 !>
@@ -48,7 +48,7 @@ module psalm_path_fit
                                                      !! to follower's pivot, -1 right
    end type fitted_path_t
 
-   !> A linkage that timings the points.
+   !> A linkage that passes the points.
    type :: path_timing_t
       integer :: way = 1                             !! which of several paths, in other directions or assemblies
       real(wp) :: g = 2.0_wp, sigma = 1.2_wp, q = 0.0_wp, side = 1.0_wp
@@ -71,10 +71,11 @@ module psalm_path_fit
       complex(wp), allocatable :: e_round(:), v_round(:), half_round(:) !! shape (places)
       real(wp), allocatable :: cost(:, :)            !! shape (2*places, n): the turn twice
       real(wp), allocatable :: least(:, :)           !! shape (places, n)
-      type(path_timing_t), allocatable :: batch(:)           !! shape (samples)
+      type(path_timing_t), allocatable :: batch(:)   !! shape (samples)
       real(wp), allocatable :: score(:)              !! shape (samples)
       type(path_timing_t) :: now, next, other, copy
    end type path_room_t
+
 contains
 
    !> Scale points and bounds, and make room.

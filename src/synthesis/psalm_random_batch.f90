@@ -1,4 +1,4 @@
-!> A batch of random linkages that timing points with free timing: short descents of the better ones, longer ones of the best.
+!> A batch of random linkages that pass points with free timing: short descents of the better ones, longer ones of the best.
 !>
 !> It serves linkages of any dyads whose place, size, direction and output point are solved for (`psalm_linear_unknowns`): only
 !> their proportions and the inputs are drawn. Strict halving of cheap descents does more than good first linkages. Batches are

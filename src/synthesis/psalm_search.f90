@@ -105,7 +105,7 @@ module psalm_search
       type(free_start_t), allocatable :: free_start(:) !! shape (2): the same
       real(wp) :: sense = 1.0_wp                  !! of DELT
       integer :: way = 1                          !! 1 if the input goes the way of DELT, 2 if the other way
-      logical :: batches = .false.                   !! starts are the best of batches of random linkages
+      logical :: batches = .false.                !! starts are the best of batches of random linkages
       logical :: hasty = .false.                  !! a start is a glance: little is drawn, nothing is searched to its end
       class(solver_t), allocatable :: solver
       type(stop_t) :: stop
@@ -401,7 +401,7 @@ contains
       if (set%search%solver%refines .and. .not. worker%free_start(1)%applies) call eliminate_linear(worker%merit)
       worker%dyads = dyads_of_variables(problem%mechanism, problem%parameters)
       worker%batches = allocated(worker%merit%linear) .and. worker%merit%free .and. worker%merit%ordered .and. &
-                    worker%merit%irange == range_turn
+                       worker%merit%irange == range_turn
       if (worker%merit%irange /= range_positions) call prepare_inspector(set, problem, .true., worker%inspector)
    end subroutine prepare_worker
 
@@ -749,7 +749,7 @@ contains
       call look_from_first_input(self)
       call self%random%use_stream(number)
       call draw_batch(self%problem, self%merit, self%timing, merge(2, 1, goes_either_way(self)), [self%sense, -self%sense], &
-                    self%solver, self%stop, self%set%method%istart + number, self%random, values, self%way, self%hasty)
+                      self%solver, self%stop, self%set%method%istart + number, self%random, values, self%way, self%hasty)
       if (self%hasty) then
          call weigh(self, values, candidate)
       else
@@ -771,7 +771,7 @@ contains
       candidate%jacobians = worker%merit%jacobians
    end subroutine put_down
 
-   !> The best linkage of a batch of random four-bars that timing the points; what is refined of them is decided later.
+   !> The best linkage of a batch of random four-bars that pass the points; what is refined of them is decided later.
    subroutine start_freely(self, number, candidate)
       class(worker_t), intent(inout) :: self
       integer, intent(in) :: number

@@ -5,16 +5,17 @@
 !> the steps are then found by looking ever more closely. That is a search, no proof.
 module psalm_summary
    use psalm_angles, only: arc_sine, nearest_difference
+   use psalm_column_names, only: number_unit, output_unit, per_input
+   use psalm_data_set, only: data_set_t
    use psalm_dyad_kind, only: assur_higher, assur_prr, assur_rrp, assur_rrr, form_of, form_t
    use psalm_elementary, only: hypotenuse
    use psalm_exact_sum, only: sign_of_sum
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp, full_turn, right_angle
    use psalm_output_kind, only: motion_point, motion_angle, motion_pose, most_rates
-   use psalm_output_wishes, only: output_wishes_t, wish_group_t, wish_groups, first_wish
+   use psalm_output_wishes, only: output_wishes_t, compare_with_wishes, wish_group_t, wish_groups, first_wish
    use psalm_plan, only: root_crank, root_frame
    use psalm_station, only: station_t, prepare_station, evaluate_station
-   use psalm_sketch, only: sketch_t
    use psalm_sketch_outputs, only: name_room
    use psalm_sweep, only: sweep_sense
    use psalm_dimensions, only: dimensions_t
@@ -22,9 +23,10 @@ module psalm_summary
    use psalm_shown_input, only: input_in_turn, reference_input
    implicit none (type, external)
    private
-   public :: summary_t, loop_kind_t, range_t, summarise, summarise_wishes, kinds_of, kind_of_four_bar
+   public :: summary_t, loop_kind_t, range_t, summarise, kinds_of, kind_of_four_bar
    public :: kind_none, kind_crank_rocker, kind_double_crank, kind_double_rocker, kind_rocker_crank, kind_triple_rocker, &
              kind_change_point, kind_slider_turning, kind_slider_swinging
+   public :: unit_room
 
    integer, parameter :: kind_none = 0
    integer, parameter :: kind_crank_rocker = 1    !! the crank turns fully, the follower swings
@@ -36,6 +38,7 @@ module psalm_summary
    integer, parameter :: kind_slider_turning = 7  !! slider-crank whose crank turns fully
    integer, parameter :: kind_slider_swinging = 8 !! slider-crank whose crank does not
 
+   integer, parameter :: unit_room = 20                !! characters of a unit
    integer, parameter :: steps = 720, steps_of_refinement = 16
    integer, parameter :: refinements = 10              !! closer looks: the last at 1e-11 of a step
    real(wp), parameter :: rounding = 8.0_wp*epsilon(1.0_wp)
@@ -72,6 +75,7 @@ module psalm_summary
       integer :: order = 0                            !! derivative
       integer :: compared = 0                         !! positions at which a value is wanted and exists
       real(wp) :: rms = 0.0_wp, largest = 0.0_wp      !! of points their distance; of angles degrees, their derivatives in radians
+      character(unit_room) :: unit = ''               !! of these
       integer :: worst = 0                            !! position of the largest
       real(wp) :: worst_input = 0.0_wp
    end type wish_errors_t
@@ -81,7 +85,7 @@ module psalm_summary
       integer :: motion = motion_point                !! MOTION: what the output is
       logical :: at_positions = .false.               !! of several drives: only the positions were looked at
       logical :: everywhere = .false.                 !! closes over the whole turn, or the whole range of a sliding input
-      type(range_t), allocatable :: closing(:)         !! inputs from .. to, in the direction of the sweep
+      type(range_t), allocatable :: closing(:)         !! inputs from .. to, as the input increases
       integer :: undetermined_loop = 0                !! loop of a dyad whose outer joints coincide over a range, 0: none
       integer :: undetermined_joints(2) = 0           !! of a sketch: these joints, 0: none
       type(range_t) :: undetermined                    !! the first such range of inputs
@@ -102,7 +106,8 @@ module psalm_summary
       type(range_t) :: output, output_y                !! range of the output; the second is y of MOTION 0
       real(wp), allocatable :: reverses(:)            !! inputs at which the output reverses
       integer :: compared = 0                         !! closed positions with desired values
-      real(wp) :: rms = 0.0_wp, largest = 0.0_wp      !! errors there, unit of the output
+      real(wp) :: rms = 0.0_wp, largest = 0.0_wp      !! errors there
+      character(unit_room) :: error_unit = ''         !! of these
       integer :: worst = 0                            !! position of the largest
       real(wp) :: worst_input = 0.0_wp
       type(wish_errors_t), allocatable :: wishes(:)   !! by output; not allocated: there are no desired values of such
@@ -112,8 +117,30 @@ module psalm_summary
 
 contains
 
-   !> Summary of a linkage. `motion` is what it does at the prescribed positions.
-   subroutine summarise(problem, dimensions, motion, summary)
+   !> Summary of a linkage. `motion` is what it does at the prescribed positions, `wishes` what it does there of the desired values
+   !> of further outputs; without these it is found here, if there are any.
+   subroutine summarise(set, problem, dimensions, motion, summary, wishes)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      type(motion_t), intent(in) :: motion
+      type(summary_t), intent(out) :: summary
+      class(output_wishes_t), intent(in), optional :: wishes    !! compared at the positions
+      class(output_wishes_t), allocatable :: own                ! large: it would fill a small stack
+
+      call summarise_range(problem, dimensions, motion, summary)
+      if (.not. allocated(problem%wish_values)) return
+      if (present(wishes)) then
+         call summarise_wishes(set, wishes, motion, summary)
+         return
+      end if
+      allocate (own)
+      call compare_with_wishes(set, problem, dimensions, motion%closed, own)
+      call summarise_wishes(set, own, motion, summary)
+   end subroutine summarise
+
+   !> The summary but for what is desired of further outputs.
+   subroutine summarise_range(problem, dimensions, motion, summary)
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(motion_t), intent(in) :: motion
@@ -222,7 +249,11 @@ contains
       pure real(wp) function closed_length(found)
          type(summary_t), intent(in) :: found
 
-         closed_length = sum(abs(found%closing%high - found%closing%low))
+         if (found%sliding_input) then
+            closed_length = sum(found%closing%high - found%closing%low)
+         else
+            closed_length = sum(modulo(found%closing%high - found%closing%low, full_turn))
+         end if
          if (found%everywhere) closed_length = huge(closed_length)
       end function closed_length
 
@@ -252,8 +283,13 @@ contains
          if (any(loops > 0)) call note_undetermined(fine, dimensions, loops, turn, found)
          call follow(fine, refinement, dimensions, turn, found)
          if (found%undetermined_loop > 0) call meet_ends(found)
+         if (row(2) >= row(1)) return
+         do i = 1, size(found%closing)
+            found%closing(i) = range_t(found%closing(i)%high, found%closing(i)%low)
+         end do
+         found%undetermined = range_t(found%undetermined%high, found%undetermined%low)
       end subroutine sweep
-   end subroutine summarise
+   end subroutine summarise_range
 
    !> See where it closes. Where the outer joints of a dyad coincide it does not: rounding would decide from step to step.
    subroutine look(station, dimensions, loops)
@@ -316,6 +352,7 @@ contains
       type(summary_t), intent(inout) :: summary
       real(wp), allocatable :: miss(:)
 
+      summary%error_unit = output_unit(summary%motion == motion_angle)
       summary%compared = count(motion%closed)
       if (.not. problem%desired) summary%compared = 0
       if (summary%compared == 0) return
@@ -331,8 +368,8 @@ contains
 
    !> Errors of the outputs of a sketch that have desired values of their own. Where there are no others those of the first of these
    !> are the errors of the linkage.
-   pure subroutine summarise_wishes(sketch, wishes, motion, summary)
-      type(sketch_t), intent(in) :: sketch
+   pure subroutine summarise_wishes(set, wishes, motion, summary)
+      type(data_set_t), intent(in) :: set
       class(output_wishes_t), intent(in) :: wishes    !! compared at the positions
       type(motion_t), intent(in) :: motion            !! at the same positions
       type(summary_t), intent(inout) :: summary
@@ -341,13 +378,14 @@ contains
       logical, allocatable :: counts(:)
       integer :: k, c
 
-      groups = wish_groups(sketch)
+      groups = wish_groups(set%sketch)
       allocate (summary%wishes(size(groups)))
       do k = 1, size(groups)
          associate (errors => summary%wishes(k), group => groups(k))
             errors%name = group%name
             errors%number = group%number
             errors%order = group%order
+            errors%unit = number_unit(set%sketch%outputs, group%number, per_input(summary%sliding_input), group%order)
             allocate (miss(size(wishes%miss, 1)), source=0.0_wp)
             allocate (counts(size(miss)), source=.false.)
             do c = 1, size(group%columns)
@@ -375,6 +413,7 @@ contains
          summary%compared = first%compared
          summary%rms = first%rms
          summary%largest = first%largest
+         summary%error_unit = first%unit
          summary%worst = first%worst
          summary%worst_input = first%worst_input
       end associate

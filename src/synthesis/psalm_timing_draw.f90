@@ -1,4 +1,4 @@
-!> Random inputs at which a linkage is to timing points in their order: even, by the chords, or in runs with jumps between them.
+!> Random inputs at which a linkage is to pass points in their order: even, by the chords, or in runs with jumps between them.
 module psalm_timing_draw
    use psalm_elementary, only: fractional_power
    use psalm_kinds, only: wp, full_turn

@@ -958,6 +958,7 @@ def differ_angle(a, b):
 
 
 ANGLES = ("angle", "between")
+HEAD, COLUMN = 9, 15      # characters of the list of all outputs: numbers of positions, each column
 
 
 def angular(sketch, column):
@@ -1119,22 +1120,43 @@ def compare_tables(case, output):
             for name, value in zip(named, printed):
                 if abs(value - nine[name]) > 6e-7*max(abs(value), 1e-30) and differ_angle(value, nine[name]) > 1e-4:
                     case.fault("listing", "row %d: %s is %r in the listing, %r on device 9" % (k + 1, name, value, nine[name]))
+    compare_list(case, output, dyads and len(sketch.outputs) == 1 and len([n for n in output.csv[0] if n.startswith("input")]) == 1)
+
+
+def compare_list(case, output, absent):
+    """The list of all outputs with CASE.csv, column by column; it is absent where the list of loops has everything."""
+    heading = next((k for k, text in enumerate(output.listing) if text.startswith(" POSITION ")), None)
+    if heading is None:
+        if not absent:
+            case.fault("listing", "no list of all outputs")
+        return
+    head = output.listing[heading][HEAD:].rstrip("\n")
+    heads = [head[k:k + COLUMN].strip() for k in range(0, len(head), COLUMN)]
+    inputs = [n for n in output.csv[0] if n == "input" or n.startswith("input.")]
+    outputs = [n for n in output.csv[0] if n.split(".")[0] in {o[0] for o in case.sketch.outputs} and n.split(".")[-1] != "desired"]
+    names = inputs + outputs
+    wanted = [("INPUT" if n in inputs else n.upper())[:COLUMN - 1] for n in names]
+    told = [h[:5] if n in inputs else h for h, n in zip(heads, names)]
+    if told != wanted or len(heads) != len(names):
+        case.fault("listing", "the list of all outputs has the columns %s for %s" % (heads, names))
+        return
+    for k, line in enumerate(output.csv):
+        text = output.listing[heading + 1 + k].rstrip("\n")
+        if text[:HEAD].strip() != str(k + 1):
+            case.fault("listing", "row %d is not in the list of all outputs" % (k + 1))
+            return
+        printed = [text[i:i + COLUMN].strip() for i in range(HEAD, len(text), COLUMN)]
+        if line["closed"] != 1.0:
+            names_here = inputs
         else:
-            try:
-                printed = [math.nan if w == "-" else float(w.replace("D", "E")) for w in lines[k]]
-            except (ValueError, IndexError):
-                case.fault("listing", "row %d is not in the listing" % (k + 1))
+            names_here = names
+            if len(printed) != len(names):
+                case.fault("listing", "row %d has %d columns in the list of all outputs" % (k + 1, len(printed)))
                 continue
-            # the input, and outputs by their names in the heading; what stands in the table as another quantity has another name there
-            told = {n.upper().replace(" ", "_"): line[n] for n in line}
-            heads = output.listing[heading].split()[3:]
-            if len(heads) == len(printed) - 2:
-                pairs = [("input", printed[1], nine["input"])] + [(n, v, told[n]) for n, v in zip(heads, printed[2:]) if n in told]
-            else:
-                pairs = [("input", printed[1], nine["input"])]
-            for name, value, wanted in pairs:
-                if not (abs(value - wanted) <= 6e-7*abs(value) + 1e-9 or math.isnan(value) and math.isnan(wanted)):
-                    case.fault("listing", "row %d: %s is %r in the listing, %r in the table" % (k + 1, name, value, wanted))
+        for name, value in zip(names_here, printed):
+            number = math.nan if value == "-" else float(value.replace("D", "E"))
+            if not (abs(number - line[name]) <= 6e-7*abs(number) + 1e-9 or math.isnan(number) and math.isnan(line[name])):
+                case.fault("listing", "row %d: %s is %r in the list of all outputs, %r in the table" % (k + 1, name, value, line[name]))
 
 
 def compare_rates(case, output):

@@ -84,7 +84,8 @@ def compare(program, case, *options):
         for name, heads, rows in device9(stem + ".dev9"):
             if not name or name == "outputs":
                 continue
-            if not any(n == name and [[as_csv(v) for v in row] for row in zip(*b["columns"].values())] == [
+            # words have no blanks there
+            if not any(n == name and [[as_csv(v).replace(" ", "-") for v in row] for row in zip(*b["columns"].values())] == [
                     [v if v != "NaN" else "" for v in row] for row in rows] for n, b in blocks):
                 check(law + "block %s of device 9 is that of JSON" % name, all(
                     not re.fullmatch(r"[-+.\dE]+", v) for row in rows[:1] for v in row) and any(n == name for n, _ in blocks), str(rows[:1]))
@@ -204,6 +205,50 @@ def one_numbers(directory, data):
     check("calm: no fault where it keeps its limits", blocks["judgement"]["columns"]["fails"] == [int("exceeds" in errors or "undercut" in errors)], errors)
 
 
+SKETCH = """A SKETCH
+ &CHAIN JNT='A','B','C','D','P', JX=0.0,30.0,110.0,120.0,60.0, JY=0.0,0.0,80.0,0.0,60.0,
+  LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P','C D' &END
+ &DRIVES DRIVE='A' &END
+"""
+WISHED = """ &METHOD NDES=3, DELT=0.0,10.0,20.0, DESX=60.0,58.0,55.0, DESY=60.0,62.0,64.0, YMULT=1.0,0.0,1.0 &END
+"""
+
+
+def numbers(block):
+    """The columns of a block as numbers."""
+    return {name: [float(v) if v is not None else math.nan for v in values] for name, values in block["columns"].items()}
+
+
+def wished(psalm):
+    """Desired values of a sketch, whether it has outputs or not: all of them, and errors in the unit of what is desired."""
+    for name, outputs, point in (("no outputs", "", "P"), ("a point", " &OUTPUTS OUTPUT='point P', ONAME='tip' &END\n", "tip")):
+        with open("wished.nml", "w", encoding="ascii") as file:
+            file.write(SKETCH + outputs + WISHED)
+        blocks = compare(psalm, os.path.abspath("wished.nml"))
+        columns = numbers(blocks["positions"])
+        check("desired, %s: every value" % name, [columns["%s.%s.desired" % (point, c)] for c in "xy"] == [[60.0, 58.0, 55.0], [60.0, 62.0, 64.0]], str(columns))
+        gaps = [math.hypot(*(columns["P." + c][k] - columns["%s.%s.desired" % (point, c)][k] for c in "xy")) for k in range(3)]
+        row = {n: v[0] for n, v in blocks["summary"]["columns"].items()}
+        check("desired, %s: errors" % name, near(row["error_largest"], max(gaps)) and int(row["error_largest_position"]) == 1 + gaps.index(max(gaps)), str(row))
+    with open("wished.nml", "w", encoding="ascii") as file:
+        file.write(SKETCH + """ &OUTPUTS OUTPUT='point P','angle rocker', ONAME='tip','swing', DES2=270.0,275.0 &END
+ &METHOD NDES=2, DELT=0.0,10.0 &END
+ &LIMITS TANGLE=1.0 &END
+""")
+    blocks = compare(psalm, os.path.abspath("wished.nml"))
+    columns = numbers(blocks["positions"])
+    check("desired angle: unit", blocks["summary"]["units"]["error_rms"] == "deg", str(blocks["summary"]["units"]))
+    check("desired angle: error", near(blocks["summary"]["columns"]["error_largest"][0], max(
+        abs((a - b + 180.0) % 360.0 - 180.0) for a, b in zip(columns["swing"], columns["swing.desired"]))), str(blocks["summary"]["columns"]))
+    check("violation: the group by its joints", set(blocks["violations"]["columns"]["group"]) == {"joints B, C, D"}, str(blocks["violations"]))
+    with open("angle.nml", "w", encoding="ascii") as file:
+        file.write(SKETCH + " &OUTPUTS OUTPUT='angle B P' &END\n &METHOD IKIN=3 &END\n")
+    dimensions = listing(psalm, "angle.nml")[0].split("ANGLES, DEGREES")[1].split("THE REFERENCE")[0]
+    found = re.search(r"^  B C B P +([-.0-9D+]+)$", dimensions, re.M)
+    turned = math.degrees(math.atan2(60.0, 30.0) - math.atan2(80.0, 80.0))
+    check("the angle of an output line is a dimension", found is not None and near(found.group(1).replace("D", "E"), turned), dimensions)
+
+
 def main(directory):
     directory = os.path.abspath(directory)
     psalm, kalm = os.path.join(directory, "psalm"), os.path.join(directory, "kalm")
@@ -212,6 +257,7 @@ def main(directory):
     with tempfile.TemporaryDirectory() as work:
         os.chdir(work)
         check("there are sketches", len(sketches) > 15)
+        wished(psalm)
         for case in sketches:
             stem = os.path.basename(case)[:-4]
             names = list(compare(psalm, case)["positions"]["columns"])

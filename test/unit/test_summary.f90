@@ -170,7 +170,7 @@ contains
       call t%close_to(summary%closing(1)%high, high, 1.0e-8_wp, 'double-rocker: second end')
       call t%close_to(summary%closing(2)%low, 360.0_wp - high, 1.0e-8_wp, 'double-rocker: third end')
       call t%close_to(summary%closing(2)%high, 360.0_wp - low, 1.0e-8_wp, 'double-rocker: fourth end')
-      call write_summary('TITLE', summary, text)
+      call write_summary('TITLE', mechanism_t(), summary, text)
       call t%is_true(index(text%content(), 'Closes              from input 17.') > 0, 'double-rocker: words', text%content())
       ! a gap of a hundredth of a degree between the steps is seen
       problem%given%arcl(1:4) = [40.0_wp, 120.0_wp, 80.0_wp, 160.0_wp + 1.0e-7_wp]

@@ -325,6 +325,9 @@ def test_letters(browser):
             beside = "(id) => { const e = document.getElementById(id); if (!e || e.hidden) return true;" \
                      " return e.getBoundingClientRect().top >= document.querySelector('canvas').getBoundingClientRect().bottom - 1; }"
             check(law + "words stand below the picture", all(one.ask("(%s)('%s')" % (beside, id_)) for id_ in ("alert", "captions")))
+            if width == 390:
+                tops = [one.ask("document.getElementById('%s').getBoundingClientRect().top" % id_) for id_ in ("controls", "curves")]
+                check(law + "the controls stand between picture and curves", tops[0] < tops[1], str(tops))
             one.context.close()
 
 

@@ -785,7 +785,7 @@ def test_awkward():
     case = page_data("names.html")[0]
     check("nasty names: page", "B&b" in json.dumps(case))
     check("margins that are proven stand on the page",
-          any(m["text"].startswith("margin, transmission angle, loop 1") for m in case["proof"]["marks"]))
+          any(m["text"].startswith("margin, transmission angle, joints B&b, C, D") for m in case["proof"]["marks"]))
 
     # the range of the inputs is kept where not all positions are drawn
     delt = ",\n".join("%g" % (0.01 * i) for i in range(2001)) + ",350.0"
