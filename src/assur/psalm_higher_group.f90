@@ -30,7 +30,7 @@ module psalm_higher_group
    integer, parameter :: most_steps = 20     !! of Newton's method
    integer, parameter :: highest_power = 64  !! of a direction: wheels with greater ratios are turned by angles
    real(wp), parameter :: whole = 64.0_wp*epsilon(1.0_wp) !! so far from a whole number, in parts of it, a ratio is one by rounding
-   real(wp), parameter :: rounding_of_factor = 2.0_wp !! epsilons: a product of two unit vectors, and its share of the square
+   real(wp), parameter :: rounding_of_factor = 2.0_wp !! in epsilons, of a product of two unit vectors, and its share of the square
 
    !> What Newton's method found at a position. Moves and corrections are the largest of all unknowns: radians, parts of the size.
    type :: correction_t

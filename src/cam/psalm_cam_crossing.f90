@@ -42,7 +42,7 @@ module psalm_cam_crossing
 
    type :: ways_t
       type(branch_t) :: branches(-most_branches:most_branches) !! 0: about the reference position; by rising input
-      type(branch_end_t) :: points(-most_branches - 1:most_branches) !! k: between the branches k and k + 1
+      type(branch_end_t) :: points(-most_branches - 1:most_branches) !! number k lies between the branches k and k + 1
       ! by segment of the law
       integer, allocatable :: on(:)                  !! its branch
       integer, allocatable :: begins(:), ends(:), rests(:) !! dead point at its beginning, at its end, where it rests; no_point

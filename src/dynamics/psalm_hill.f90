@@ -45,7 +45,7 @@ module psalm_hill
 
 contains
 
-   !> Errors: `grows_too_much` true if a turn cannot be followed; `converged` false if `tolerance` is not reached with the
+   !> Its errors: `grows_too_much` true if a turn cannot be followed; `converged` false if `tolerance` is not reached with the
    !> largest number of steps; `unique` false where a multiplier is 1 within the error (then there is no steady state, or none
    !> that is unique, and `y` is not allocated).
    pure function solve_hill(c1, c0, p, tolerance) result(hill)

@@ -16,7 +16,7 @@ module psalm_defects
    !> Of the linkages in the order in which they are ranked.
    character(*), parameter :: class_names(classes) = [character(24) :: 'no defect, turning crank', 'no defect, rocking crank', &
                                                       'defect of branch', 'defect of order', 'defect of circuit']
-   integer, parameter :: dimensions = 9              !! four-bar: two pivots, three lengths, the coupler point
+   integer, parameter :: dimensions = 9              !! of a four-bar: two pivots, three lengths, the coupler point
 
    !> A four-bar or slider-crank and its places at all points.
    type :: exact_linkage_t

@@ -93,7 +93,7 @@ contains
    !> Place of a turn of the floating link.
    elemental integer function t(self, partner, point)
       class(places_t), intent(in) :: self
-      integer, intent(in) :: partner, point          !! 0: the number, 1: its partner; from 1
+      integer, intent(in) :: partner, point          !! 0 for the number, 1 for its partner; from 1
 
       t = 2*self%n + partner*self%m + point
    end function t

@@ -61,7 +61,7 @@ module psalm_cam_data
       logical :: of_output = .true.            !! KOUT=1
       logical :: half = .false.                !! KHALF=1: SEGEND and the rest were given for half a turn
       logical :: through = .false.             !! KDEAD=1: a dead point at which the law has no acceleration is passed too
-      integer :: axis = 1                      !! KAXIS: component of the output
+      integer :: axis = 1                      !! item KAXIS: component of the output
       ! follower
       integer :: arc = 1, loop = 1             !! NFOLLK, NFOLLP
       logical :: from_start = .false.          !! NFOLLK < 0
@@ -85,16 +85,16 @@ module psalm_cam_data
       integer :: second_arc = 1, second_loop = 1 !! NFOL2K, NFOL2P
       logical :: second_from_start = .false.   !! NFOL2K < 0
       logical :: track = .false.               !! KTRACK
-      real(wp) :: clearance = 0.0_wp           !! CLEAR: of the roller in the track
+      real(wp) :: clearance = 0.0_wp           !! item CLEAR: of the roller in the track
       ! forces
       real(wp) :: speed = 0.0_wp               !! CAMRPM: of the cam, rev/min; 0: no forces
       real(wp) :: width = 0.0_wp               !! CAMWID: of the line of contact; 0: no stress
       real(wp) :: modulus(2) = steel_modulus, poisson(2) = steel_poisson !! CAMMOD (Pa), CAMNU: of cam and follower
       real(wp) :: stress = 0.0_wp              !! PHERTZ, Pa; 0: not limited
-      real(wp) :: friction = 0.0_wp            !! CAMMU: between cam and follower
+      real(wp) :: friction = 0.0_wp            !! item CAMMU: between cam and follower
       ! flexible drive
       real(wp) :: frequency = 0.0_wp           !! CAMFRQ: of what the cam drives, over the cam's speed; 0: rigid
-      real(wp) :: damping = 0.0_wp             !! CAMZET: part of the critical one
+      real(wp) :: damping = 0.0_wp             !! item CAMZET: part of the critical one
       ! limits
       real(wp) :: pressure_angle = 30.0_wp     !! ALFMAX
       logical :: rise_only = .false.           !! KALF=1: ALFMAX holds while the follower leaves the centre

@@ -48,7 +48,7 @@ module psalm_data_set
    character(*), parameter :: searching_program = 'psalm'
    character(*), parameter :: group_of_kinds = 'KINDS'
    integer, parameter :: title_columns = 72        !! of a title, at most
-   real(wp), parameter :: largest_machine = 20.0_wp !! metres: a larger one may have been drawn in millimetres
+   real(wp), parameter :: largest_machine = 20.0_wp !! metres; a larger one may have been drawn in millimetres
 
    !> Everything the user can say to `psalm`. Angles in degrees, lengths in the user's one unit.
    type :: data_set_t

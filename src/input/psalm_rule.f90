@@ -23,7 +23,7 @@ module psalm_rule
    type :: rule_t
       character(8) :: name                 !! in capitals; `#` at its end stands for a number
       integer :: kind                      !! `a_flag` ...
-      character(16) :: shape               !! blank: one value; `NMASS`: as many as that item says; `NLOOP*MAXARC`: rows of so
+      character(16) :: shape               !! blank for one value; `NMASS`: as many as that item says; `NLOOP*MAXARC`: rows of so
                                            !! many; `2`; `n`: as many as there are; `1 or NDES`
       character(20) :: unit                !! `length`: the user's; blank: none
       character(32) :: default             !! a value, the word `required`, or what takes its place in words; blank: none

@@ -32,7 +32,7 @@ module psalm_spring_design_group
       logical :: of_joint = .false.                 !! else the drive
       integer :: starts = 32                        !! NSSTRT
       integer :: seed = 1                           !! ISSEED
-      integer :: phases = 64                        !! NPHASE: of EXACT, in a turn
+      integer :: phases = 64                        !! item NPHASE: of EXACT, in a turn
       ! coils, of every spring; 0: not given
       real(wp) :: wire = 0.0_wp, coil = 0.0_wp      !! CWIRE, CDIAM: diameters, m
       real(wp) :: turns = 0.0_wp                    !! CTURNS

@@ -48,7 +48,7 @@ module psalm_mechanism
       logical :: same = .false.         !! same length and direction as its reference
       logical :: frame = .false.        !! belongs to the frame
       logical :: leads_nowhere = .false. !! from a joint of a sketch to the same joint
-      integer :: turn = 0               !! slides: +1 if 90 degrees anticlockwise from the guide's direction, -1 if clockwise; 0:
+      integer :: turn = 0               !! of slides +1 if 90 degrees anticlockwise from the guide's direction, -1 if clockwise; 0:
                                         !! turned from it by GAMA
       integer :: representative = 0     !! first arc identical with it (itself if none)
       logical :: reversed = .false.     !! traced against its representative

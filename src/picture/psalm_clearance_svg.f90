@@ -315,7 +315,7 @@ contains
    end function reach_of
 
    pure real(wp) function scaled(reach, h1)
-      real(wp), intent(in) :: reach, h1          !! reach: H1 of the outer ring
+      real(wp), intent(in) :: reach, h1          !! reach is H1 of the outer ring
 
       scaled = chart_radius*h1/reach
    end function scaled

@@ -123,14 +123,12 @@ contains
          state%input(:, 0) = segment%from + (segment%reached + r)*(segment%to - segment%from)
          call enclose(closure, state, segment%reached + r, r, next)
          if (next%holds) next%holds = joins(closure, before, end_of_before, next, -r)
-         if (.not. next%holds) then
-            r = 0.5_wp*r
-            if (r < least_r .or. tubes%count - first >= most_tubes) then
-               if (tubes%count > first) call turn_back(closure, before, end_of_before, segment)
-               return
-            end if
-            cycle
+         if (.not. next%holds) r = 0.5_wp*r
+         if (r < least_r .or. tubes%count - first >= most_tubes) then
+            if (tubes%count > first) call turn_back(closure, before, end_of_before, segment)
+            return
          end if
+         if (.not. next%holds) cycle
          call add_part(closure, outputs, number, segment%per, next, tubes)
          before = next
          end_of_before = r

@@ -553,7 +553,7 @@ contains
       end function point_on
 
       pure integer function link_at(i)
-         integer, intent(in) :: i                  !! 0: the known link before the chain
+         integer, intent(in) :: i                  !! 0 means the known link before the chain
 
          if (i == 0) then
             link_at = ear%first_link

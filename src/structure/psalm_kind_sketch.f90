@@ -13,7 +13,7 @@ module psalm_kind_sketch
    public :: draw_at_random, draw_neatly
 
    character(*), parameter :: letters = 'ABCDEFGHIJKLMNOQRSTUVWXYZ' ! P is the output
-   real(wp), parameter :: step_of_direction = 22.5_wp !! degrees: slides in neat drawings
+   real(wp), parameter :: step_of_direction = 22.5_wp !! degrees; slides in neat drawings
 
 contains
 

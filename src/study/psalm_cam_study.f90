@@ -98,9 +98,9 @@ contains
                      self%jammed .or. self%tight .or. self%loose
    end function is_violating
 
-   !> Errors: no cam, a law that cannot be made or whose velocity jumps, outputs out of reach, dead points, a linkage that does not
-   !> close, a roller's centre on the cam's axis or at rest on the cam, a face that turns with the cam, cams for drives that are not
-   !> there.
+   !> Its errors: no cam, a law that cannot be made or whose velocity jumps, outputs out of reach, dead points, a linkage that does
+   !> not close, a roller's centre on the cam's axis or at rest on the cam, a face that turns with the cam, cams for drives that
+   !> are not there.
    subroutine check_cam(set, cams, prepared, findings)
       type(data_set_t), intent(in) :: set
       type(cam_group_t), intent(in) :: cams(:)       !! CAM and CAM2

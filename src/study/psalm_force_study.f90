@@ -1,4 +1,4 @@
-!> Forces: drive, frame and joints over the positions of a case, and what a designer sizes bearings and drive by.
+!> Forces of drive, frame and joints over the positions of a case, and what a designer sizes bearings and drive by.
 !>
 !> Data in, results out. Source: Oldham (1977), 15.1; Haines (about 1982), chapter 9.
 module psalm_force_study
@@ -21,7 +21,7 @@ module psalm_force_study
 
    integer, parameter :: name_width = 40, part_width = 100
    real(wp), parameter :: nothing = 64.0_wp*epsilon(1.0_wp) !! part of the largest value: a mean or harmonic below it is rounding
-   real(wp), parameter :: even = 1.0e-9_wp     !! degrees: positions so near an even step divide the turn evenly
+   real(wp), parameter :: even = 1.0e-9_wp     !! degrees; positions so near an even step divide the turn evenly
 
    !> What a quantity does over all positions at which it is known.
    type :: sizing_t

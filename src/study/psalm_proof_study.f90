@@ -33,7 +33,7 @@ module psalm_proof_study
 
    integer, parameter :: no_proof = 0
    integer, parameter :: proof_of_turn = 1   !! IPROOF: over a full turn (a sliding input: over the range of the inputs)
-   integer, parameter :: proof_of_inputs = 2 !! IPROOF: over the range of the prescribed inputs
+   integer, parameter :: proof_of_inputs = 2 !! item IPROOF: over the range of the prescribed inputs
 
    integer, parameter :: steps_of_corner = 360     !! of the range, for an estimate
    real(wp), parameter :: part_of_longest = 0.1_wp !! of the longest arc: the largest deviation tried

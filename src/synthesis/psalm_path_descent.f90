@@ -17,7 +17,7 @@ module psalm_path_descent
    real(wp), parameter :: largest_g = 148.0_wp, largest_sigma = 1100.0_wp !! exp(5) and exp(7): the box is bounded
    real(wp), parameter :: nearest_g = 1.0e-6_wp      !! to 1, where ground and crank are equal
    real(wp), parameter :: least_sigma = 1.0_wp + 1.0e-7_wp, largest_q = 1.0_wp - 1.0e-7_wp !! the crank turns, rounding or not
-   real(wp), parameter :: together = 1.0e-9_wp       !! degrees: inputs so near are pooled
+   real(wp), parameter :: together = 1.0e-9_wp       !! degrees; inputs so near are pooled
 
 contains
 

@@ -44,7 +44,7 @@ module psalm_path_fit
       real(wp) :: weight_scale = 1.0_wp              !! what the weights were divided by
       real(wp) :: low(6) = 0.0_wp, high(6) = huge(1.0_wp) !! lengths: ground, crank, coupler, follower, coupler point, pivot
       real(wp) :: cosine = 1.0_wp                    !! of the least transmission angle; 1: any
-      real(wp) :: side = 1.0_wp                      !! assembly: +1 with the coupler's end left of the line from crank pin
+      real(wp) :: side = 1.0_wp                      !! the assembly, +1 with the coupler's end left of the line from crank pin
                                                      !! to follower's pivot, -1 right
    end type fitted_path_t
 

@@ -104,7 +104,7 @@ module psalm_search
       class(inspector_t), allocatable :: inspector
       type(free_start_t), allocatable :: free_start(:) !! shape (2): the same
       real(wp) :: sense = 1.0_wp                  !! of DELT
-      integer :: way = 1                          !! 1: the input goes the way of DELT, 2: the other way
+      integer :: way = 1                          !! 1 if the input goes the way of DELT, 2 if the other way
       logical :: batches = .false.                !! starts are the best of batches of random linkages
       logical :: hasty = .false.                  !! a start is a glance: little is drawn, nothing is searched to its end
       class(solver_t), allocatable :: solver
@@ -440,7 +440,7 @@ contains
    !> Let the input go that way from now on.
    pure subroutine go(worker, way)
       class(worker_t), intent(inout) :: worker
-      integer, intent(in) :: way                !! 1: the way of DELT, 2: the other
+      integer, intent(in) :: way                !! 1 for the way of DELT, 2 for the other
 
       worker%way = way
       worker%merit%sense = merge(worker%sense, -worker%sense, way == 1)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Mutation run: one token of the sources is changed at a time; do the tests notice?
 
-usage: mutate.py [--count N] [--seed S] [--room ROOM,...] [--report | --again] [--quick]
+usage: mutate.py [--count N] [--seed S] [--room ROOM,...] [--report | --again] [--quick [--near]]
 
 Each change is drawn at random over src/ and app/ (a change of a number a quarter as often as another), built, and put
 through the tests until one fails, first those that noticed most in the least time. Tests that never run the line (build/coverage/lines.json, made by
@@ -9,7 +9,8 @@ coverage.py) are left out. A change that does not compile, or leaves the optimis
 seed gives the same changes; --again puts those that were missed through the tests of today. Results go to
 build/mutate/seed-S.jsonl as they come, and a run that was stopped goes on there, on the same sources. The sources themselves are
 not touched. --quick builds once, less optimised and without the checks of the run-time library, and leaves out the parts of the tests
-that take longest: what it misses goes through --again. The last line is N noticed, N missed; the exit status is 1 if fewer than 90 per cent are noticed.
+that take longest: what it misses goes through --again. With --near a change is asked only of the tests that concern its source
+(CONCERNS), the quickest first. The last line is N noticed, N missed; the exit status is 1 if fewer than 90 per cent are noticed.
 """
 import argparse
 import glob
@@ -37,6 +38,16 @@ NEAR = {    # stages that --quick asks about changes of these sources only: they
     "summary: ": ("src/synthesis/psalm_summary", "src/report/psalm_summary", "src/study/"),
     "narrow places": ("src/assur/", "src/synthesis/"),
 }
+
+# Sources, and the stages that concern them, whole names; a source may have several. The references concern all.
+CONCERNS = [(re.compile(sources), re.compile(stages)) for sources, stages in (
+    (r"src/cam/|_cam|app/calm", r"test_cam|calm"),
+    (r"src/proof/|_proof|taylor", r"test_proof.*|test_clearance|proofs|laws|narrow places"),
+    (r"src/exact/|_exact|six_bar|app/psalm", r"test_exact|exact|six bars"),
+    (r"src/picture/|app/balm", MOST_PICTURES),
+    (r"_chain", r"test_chain.*|test_sketch.*|test_higher_groups|test_redraw|sketches|larger groups|outputs|sketch campaign|kinds"),
+    (r"src/report/|_report|_list|_summary", r"tables|programs: .*|summary: .*|manual|mistakes|next step|reading|test_library|test_summary|Python"),
+    (r"", r"references"))]
 
 TOKEN = re.compile(r"""(?P<text>'[^']*'|"[^"]*")|(?P<note>!.*)|(?P<dot>\.\w+\.)
                        |(?P<number>(?<![\w.])\d+(?:\.\d*)?(?:[ed][-+]?\d+)?(?:_\w+)?)
@@ -86,6 +97,10 @@ def is_far(stage, source):
     return any(stage.startswith(name) and not source.startswith(near) for name, near in NEAR.items())
 
 
+def concerns(stage, source):
+    return any(sources.search(source) and stages.fullmatch(stage) for sources, stages in CONCERNS)
+
+
 def first_failure(output):
     lines = output.strip().split("\n")
     return next((line for line in lines if line.startswith("FAILED")), lines[-1])[:200]
@@ -94,7 +109,8 @@ def first_failure(output):
 class Trial:
     """The copied tree with its builds, and what each stage takes on sound sources."""
 
-    def __init__(self, quick):
+    def __init__(self, options):
+        quick, self.near = options.quick, options.near
         self.tree = os.path.join(PLACE, "tree")
         workshop.copy_tree(self.tree)
         build = os.path.join(self.tree, "build")
@@ -108,6 +124,9 @@ class Trial:
         self.quick = quick
         if quick:
             self.stages = self.fewer_stages()
+        if self.near:
+            sources = [s for s in self.release.order if s.startswith(options.rooms)]
+            self.stages = [stage for stage in self.stages if any(concerns(stage.name, s) for s in sources)]
         self.builds = list(dict.fromkeys((self.release, self.debug, self.quad)))
         for build in self.builds:
             self.build_sound(build)
@@ -207,7 +226,7 @@ class Trial:
             for stage in sorted(self.stages, key=lambda s: -self.power(s.name)):
                 if ran is not None and stage.name in self.measured and stage.name not in ran:
                     continue
-                if self.quick and is_far(stage.name, source):
+                if self.quick and is_far(stage.name, source) or self.near and not concerns(stage.name, source):
                     continue
                 if "quad" in stage.needs and self.quad not in changed:
                     changed.append(self.quad)
@@ -233,6 +252,7 @@ def main():
     parser.add_argument("--report", action="store_true", help="print what the run so far has found, run nothing")
     parser.add_argument("--again", action="store_true", help="only what the run so far has missed, with the tests of today")
     parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--near", action="store_true")
     parser.add_argument("--nice", type=int, default=10)
     options = parser.parse_args()
     options.rooms = tuple(options.room.split(","))
@@ -265,7 +285,7 @@ def tell(entry):
 
 def again(options, results, done):
     """Changes that were missed, found by the text of their line; what is no longer there stays as it was."""
-    trial = Trial(options.quick)
+    trial = Trial(options)
     for entry in done:
         path = os.path.join(trial.tree, entry["file"])
         if entry["noticed"] != "" or not os.path.exists(path):
@@ -287,7 +307,7 @@ def again(options, results, done):
 
 
 def run(options, results, done):
-    trial = Trial(options.quick)
+    trial = Trial(options)
     generator = random.Random(options.seed)
     sources = [s for s in trial.release.order
                if s.endswith("90") and s.startswith(("src/", "app/")) and s.startswith(options.rooms)]

@@ -25,7 +25,7 @@ def run(text, place, code=0):
     """Listing, device 9 by blocks and the first table of a case."""
     with open(os.path.join(place, "case.nml"), "w", encoding="utf-8") as file:
         file.write(text)
-    done = subprocess.run([PSALM, "--quiet", "--json", "case.nml"], cwd=place, capture_output=True, text=True, check=False)
+    done = subprocess.run([PSALM, "--quiet", "--json", "case.nml"], cwd=place, capture_output=True, text=True, check=False, timeout=300)
     check("runs", done.returncode == code, (done.returncode, done.stderr, text))
     blocks = {}
     with open(os.path.join(place, "case.dev9"), encoding="utf-8") as file:
@@ -190,9 +190,21 @@ def ends_of_ways(place):
                   (first, near, far, last))
 
 
+def many_tubes(place):
+    """A way along which every tube holds, but is short, comes to an end: links of which the longest is a million times the shortest."""
+    with open(os.path.join(TOP, "data", "geared_five_bar.nml"), encoding="utf-8") as file:
+        text = re.sub(r" &(METHOD|LIMITS)\b.*?&END *\n", "", file.read(), flags=re.S)
+    text = text.replace("85.0,80.0", "85000000.0,80.0")
+    check("many tubes: the drawing is changed", "85000000.0" in text, text)
+    listing, _, _ = run(text + " &METHOD NDES=3, DELT=-30.0,0.0,30.0 &END\n &LIMITS IPROOF=2 &END\n", place, code=1)
+    check("many tubes: a part of the way is proven, the rest undecided", listing.count("CLOSES FROM THE DRAWING TO") == 2 and
+          listing.count("UNDECIDED BEYOND IT") == 2, listing)
+
+
 def main():
     with tempfile.TemporaryDirectory() as place:
         ends_of_ways(place)
+        many_tubes(place)
         dwells(place)
         time_ratio(place)
         brackets(place)

@@ -239,13 +239,17 @@ def stages(top, debug, release, quad):
     result += [Stage("Python", ["env", "PSALM_LIBRARY=" + release.library, "PYTHONPATH=python", python, "python/test_psalm.py", "data"])]
     if any(source.startswith("example/") for source in release.order):
         result += [Stage("examples", [os.path.join(test, "program", "library.sh"), release.bin, release.examples])]
-    for folder, names in (("law", ("laws", "proofs", "narrow_places", "slide_pairs", "sketches", "ssics", "bridge", "links")),
-                          ("program", ("mistakes", "manual", "tables")), ("published", ("muscle", "calm", "exact"))):
+    for folder, names in (("law", ("laws", "proofs", "narrow_places", "slide_pairs", "sketches", "ssics", "bridge", "links", "curves",
+                                   "kind_counts", "kind_search", "kinds", "larger_groups", "machines", "outputs",
+                                   "search_combinations", "allocation")),
+                          ("program", ("mistakes", "manual", "tables", "next_step", "reading")),
+                          ("published", ("muscle", "calm", "exact", "six_bars", "references")),
+                          ("campaign", ("sketch_campaign",))):
         result += [Stage(name.replace("_", " "), [python, os.path.join(test, folder, name + ".py"), release.bin]) for name in names]
-    for name, pattern in (("program/files", r"\b(?:for test in \()([\w, ]+)\)"), ("law/summary", r"\b(?:for part in \()([\w, ]+)\)")):
+    for name, pattern in (("program/files", r"\b(?:for test in \()([\w,\s]+)\)"), ("law/summary", r"\b(?:for part in \()([\w,\s]+)\)")):
         script = open(os.path.join(test, name + ".py"), encoding="utf-8").read()
         result += [Stage(os.path.basename(name) + ": " + part, [python, os.path.join(test, name + ".py"), release.bin, part])
-                   for part in re.search(pattern, script).group(1).split(", ")]
+                   for part in re.split(r",\s*", re.search(pattern, script).group(1))]
     result += [Stage("fuzz", [python, os.path.join(test, "campaign", "fuzz.py"), release.bin, "--count", "600"])]
     result += [Stage("processor", [os.path.join(test, "program", "processor.sh"), release.bin])]
     result += [Stage("hard cases", [os.path.join(test, "tools", "hard_cases.sh"), release.bin, quad.bin], ("release", "quad"))]
