@@ -44,7 +44,7 @@ def add_contents(app, name, source):
     if name == root_doc:
         source[0] += "\n" + "\n".join(contents(source[0], folder))
     elif name == "reference/items":
-        source[0] += "\n" + contents(source[0], folder)[0]
+        source[0] += "\n" + "\n".join(contents(source[0], folder))
 
 
 def setup(app):

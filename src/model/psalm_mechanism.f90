@@ -198,6 +198,7 @@ module psalm_mechanism
       procedure :: angle_on_body
       procedure :: slides
       procedure :: is_cylinder
+      procedure :: is_one_joint
       procedure :: line_called
       procedure :: has_joint_names
       procedure :: length_called
@@ -334,8 +335,19 @@ contains
          from = self%outputs(1)%arc
          words = trim(self%outputs(1)%line(1))//' '//trim(self%outputs(1)%line(2))
       end if
-      if (from > 0) words = self%line_called(from)//' '//words
+      if (from > 0) then
+         if (.not. self%is_one_joint(from)) words = self%line_called(from)//' '//words
+      end if
    end function angle_called
+
+   !> True if an arc of a sketch leads from a joint to itself: it closes a ring and is no dimension of a link.
+   pure logical function is_one_joint(self, n)
+      class(mechanism_t), intent(in) :: self
+      integer, intent(in) :: n          !! sequential number of the arc
+
+      is_one_joint = .false.
+      if (allocated(self%ends)) is_one_joint = self%ends(1, n) == self%ends(2, n)
+   end function is_one_joint
 
    !> True if an arc is a cylinder: its length is an input, its direction is found by its group.
    pure logical function is_cylinder(self, n)

@@ -64,7 +64,8 @@ contains
       self%variables = [self%variables, one]
    end subroutine vary
 
-   !> The length of an arc varies, and with it that of all arcs identical with it; an arc that slides has none of its own.
+   !> The length of an arc varies, and with it that of all arcs identical with it; an arc that slides has none of its own, nor has
+   !> one from a joint to itself.
    pure subroutine vary_length(self, mechanism, n)
       class(parameters_t), intent(inout) :: self
       type(mechanism_t), intent(in) :: mechanism
@@ -72,14 +73,14 @@ contains
       integer :: first
 
       first = mechanism%arcs(n)%representative
-      if (mechanism%slides(n) .or. self%length_variable(first) > 0) return
+      if (mechanism%slides(n) .or. mechanism%is_one_joint(n) .or. self%length_variable(first) > 0) return
       self%variables = [self%variables, variable_t(variable_length, mechanism%arcs(first)%loop, mechanism%arcs(first)%place, &
                                                     first, mechanism%length_called(first))]
       where (mechanism%arcs%representative == first) self%length_variable = size(self%variables)
    end subroutine vary_length
 
    !> The angle of a determined arc varies, and with it that of all arcs that take their direction from it. An arc that is
-   !> identical with another has none of its own.
+   !> identical with another has none of its own, nor has one from a joint to itself.
    pure subroutine vary_angle(self, mechanism, n)
       class(parameters_t), intent(inout) :: self
       type(mechanism_t), intent(in) :: mechanism
@@ -88,7 +89,7 @@ contains
 
       owner = mechanism%angle_owner(n)
       if (mechanism%arcs(owner)%kind /= arc_determined .or. self%angle_variable(owner) > 0) return
-      if (mechanism%arcs(owner)%representative /= owner) return
+      if (mechanism%arcs(owner)%representative /= owner .or. mechanism%is_one_joint(owner)) return
       self%variables = [self%variables, variable_t(variable_gama, mechanism%arcs(owner)%loop, mechanism%arcs(owner)%place, &
                                                     owner, mechanism%angle_called(owner))]
       do i = 1, size(mechanism%arcs)

@@ -120,7 +120,7 @@ contains
          integer, intent(in) :: n
 
          associate (arcs => problem%mechanism%arcs, ends => problem%mechanism%ends)
-            follows = ends(1, n) == ends(2, n)
+            follows = problem%mechanism%is_one_joint(n)
             if (follows .or. arcs(n)%reference == 0) return
             follows = abs(dimensions%gama(n)) <= 0.0_wp
             if (all(ends(:, n) == ends([2, 1], arcs(n)%reference))) follows = abs(dimensions%gama(n) - half_turn) <= 0.0_wp

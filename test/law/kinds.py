@@ -669,6 +669,7 @@ def has_effect(k, run):
         at = k.model(*values)["P"]
         yield "middle of the band at position %d" % (n + 1), near(complex(v[2], v[9]), at, 1e-8*abs(at)), (v[2], v[9], at)
         yield "sample and linear band at position %d" % (n + 1), all(0.65 < math.sqrt(3.0)*v[i + 6]/v[i + 2] < 1.4 for i in (2, 9)), v
+    yield "no length from a joint to itself", not re.search(r"^ LENGTH (\S+) \1 ", run.out, re.M), ""
     yield "effect of the length %s" % "".join(k.sought), any(near(e, most, 1e-4*most) for e in effects), (most, effects)
 
 
@@ -682,6 +683,35 @@ def adjustment(k):
 
 adjustment.figures = lambda k, run: run.block("adjustment")
 adjustment.close = 0.3
+
+
+BAND_COLUMNS = (3, 4, 5)        # of allocation_bands: band, used, price
+
+
+@study("the cheapest tolerances within a band (&ALLOC)")
+def allocation(k):
+    return item("ALLOC", "ALBAND=" + size(k, 0.5))
+
+
+allocation.figures = lambda k, run: run.block("allocation_bands", words=BAND_COLUMNS)
+
+
+def keeps_the_band(k, run):
+    """The deviation of the sought length alone, by differences, is within the band; the bands are used up to the bound of the cost."""
+    step, length, band = 1e-4, k.sought_length(), float(size(k, 0.5))
+    name = "OF ARC 3 IN LOOP 1" if k.arcs else "(?:%s %s|%s %s)" % (*k.sought, *k.sought[::-1])
+    found = [number(v) for v in re.findall(r"^ LENGTH %s +(\S+)" % name, run.out, re.M)]
+    yield "one tolerance of the length %s" % "".join(k.sought), len(found) == 1 and found[0] > 0.0, found
+    for n, values in enumerate(increments(k)):
+        change = (k.model(*values, scale=1.0 + step)["P"] - k.model(*values, scale=1.0 - step)["P"])/(2.0*step*length)
+        for part in (change.real, change.imag):
+            yield "band at position %d" % (n + 1), abs(part)*sum(found) < (1.0 + 1e-6)*band, (part, found, band)
+    bands, used, _ = zip(*zip(*[iter(run.block("allocation_bands", words=BAND_COLUMNS)["allocation_bands"])]*len(BAND_COLUMNS)))
+    yield "no band is left", all(u < (1.0 + 1e-9)*b for u, b in zip(used, bands)), max(used)
+    yield "a band is full", max(u/b for u, b in zip(used, bands)) > 1.0 - 1e-6, max(used)
+
+
+allocation.proven = keeps_the_band
 
 
 @study("an adjustable dimension (&SWEEP)")
