@@ -41,7 +41,7 @@ module psalm_six_bar_loops
 
 contains
 
-   !> Both problems, and one solution of the first.
+   !> Both problems, and one solution of the first; none if none could be drawn.
    subroutine begin_loops(problem, seed, loops, drawn)
       type(six_bar_problem_t), intent(in) :: problem
       integer, intent(in) :: seed
@@ -70,12 +70,8 @@ contains
          loops%data(1)%known(k) = gaussian(random)
          loops%data(1)%known(n + k) = conjg(loops%data(1)%known(k))
       end do
-      if (problem%arm > 0) then
-         call random%next(deviate)
-         loops%data(1)%square = cmplx(0.5_wp + deviate, 0.0_wp, wp)
-      end if
       call near_data(problem, loops%data(1), near_by, random, loops%data(2))
-      allocate (loops%second(2*n, 0))
+      allocate (loops%first(2*n, 0), loops%second(2*n, 0))
       do turn = 1, most_draws
          call draw_six_bar(problem, random, generic, x(:, 1), drawn)
          if (.not. drawn) cycle
@@ -83,8 +79,9 @@ contains
          drawn = arrived(1)
          if (drawn) exit
       end do
+      if (.not. drawn) return
       loops%first = reached
-      if (drawn) call add_to(loops%first, conjugates(problem, reached))
+      call add_to(loops%first, conjugates(problem, reached))
    end subroutine begin_loops
 
    !> One pass: all solutions known of one problem are followed to the other. With `expected` it is done when so many of the first

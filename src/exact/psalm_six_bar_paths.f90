@@ -10,4 +10,5 @@ module psalm_six_bar_paths
    integer, parameter :: cp = wp
 
    include 'six_bar_paths.inc'
+   include 'lane_elimination.inc'
 end module psalm_six_bar_paths

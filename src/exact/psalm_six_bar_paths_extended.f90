@@ -11,4 +11,5 @@ module psalm_six_bar_paths_extended
    integer, parameter :: cp = merge(wp, selected_real_kind(18), precision(1.0_wp) >= 18)
 
    include 'six_bar_paths.inc'
+   include 'lane_elimination.inc'
 end module psalm_six_bar_paths_extended

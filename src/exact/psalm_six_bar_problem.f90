@@ -1,4 +1,4 @@
-!> Six-bars that generate a function exactly: one system for Watt II, Stephenson III and Stephenson II.
+!> Six-bars that generate a function exactly: one system for Watt II and Stephenson III.
 !>
 !> Input and output turn by e and f, numbers of modulus 1, the floating link by t from the first point. It has two legs of constant
 !> length, of which z is the vector at a point:
@@ -7,7 +7,6 @@
 !> b, c and q that are not constant:
 !>    Watt II          p e - 1 + t q,          s f - 1 + t r           p q r s
 !>    Stephenson III   p e - 1 + t q,          p e + s f + c + t r     p q r s c
-!>    Stephenson II    p1 e + s f - 1 + t q1,  p2 e + s f - 1 + t q2   p1 q1 q2 s p2
 !> Sources: Plecnik and McCarthy (2016), Computational design of Stephenson II six-bar function generators for 11 accuracy points;
 !> Plecnik and McCarthy (2014) for Watt II.
 module psalm_six_bar_problem
@@ -17,15 +16,15 @@ module psalm_six_bar_problem
    implicit none (type, external)
    private
    public :: six_bar_problem_t, six_bar_data_t, make_six_bar_problem, data_of_angles, scale_data, scale_unknowns, draw_six_bar, &
-             near_data, unit_phase, watt_2, stephenson_3, stephenson_2, most_six_bar_points, most_unknowns, type_names, &
+             near_data, unit_phase, watt_2, stephenson_3, most_six_bar_points, most_unknowns, type_names, &
              at_p, at_q, at_r, at_s, at_c
 
-   integer, parameter :: watt_2 = 1, stephenson_3 = 2, stephenson_2 = 3
-   character(*), parameter :: type_names(3) = [character(14) :: 'Watt II', 'Stephenson III', 'Stephenson II']
+   integer, parameter :: watt_2 = 1, stephenson_3 = 2
+   character(*), parameter :: type_names(2) = [character(14) :: 'Watt II', 'Stephenson III']
    integer, parameter :: most_six_bar_points = 10    !! beyond the first
    integer, parameter :: most_unknowns = 5
    integer, parameter :: legs = 2
-   !> Places of the unknowns; of Stephenson II p, q, r are p1, q1, q2, and c is p2.
+   !> Places of the unknowns.
    integer, parameter :: at_p = 1, at_q = 2, at_r = 3, at_s = 4, at_c = 5
    integer, parameter :: newton_steps = 60           !! of a point that is drawn
    real(wp), parameter :: drawn_well = 1.0e-13_wp    !! largest correction left of it
@@ -39,9 +38,7 @@ module psalm_six_bar_problem
       integer :: c(legs) = 0                         !! likewise; 0: -1
       integer :: q(legs) = 0
       logical :: is_given(most_unknowns) = .false.   !! numbers that are given
-      integer :: arm = 0                             !! unknown whose modulus is given; 0: none
    contains
-      procedure :: conditions
       procedure :: key
    end type six_bar_problem_t
 
@@ -50,16 +47,14 @@ module psalm_six_bar_problem
       complex(wp) :: e0 = (1.0_wp, 0.0_wp), f0 = (1.0_wp, 0.0_wp) !! at the first point
       complex(wp) :: de(most_six_bar_points) = (0.0_wp, 0.0_wp), df(most_six_bar_points) = (0.0_wp, 0.0_wp) !! from there
       complex(wp) :: known(2*most_unknowns) = (0.0_wp, 0.0_wp) !! numbers that are given, partners behind all numbers
-      complex(wp) :: square = (1.0_wp, 0.0_wp)       !! of the modulus that is given
    end type six_bar_data_t
 
 contains
 
    !> A problem of a type: `points` beyond the first.
-   pure subroutine make_six_bar_problem(type, points, is_given, arm, problem)
+   pure subroutine make_six_bar_problem(type, points, is_given, problem)
       integer, intent(in) :: type, points
       logical, intent(in) :: is_given(most_unknowns)
-      integer, intent(in) :: arm                     !! unknown whose modulus is given, 0: none
       type(six_bar_problem_t), intent(out) :: problem
 
       problem%type = type
@@ -70,24 +65,13 @@ contains
       case (watt_2)
          problem%a = [at_p, 0]
          problem%b = [0, at_s]
-      case (stephenson_3)
+      case default
          problem%a = [at_p, at_p]
          problem%b = [0, at_s]
          problem%c = [0, at_c]
-      case default
-         problem%a = [at_p, at_c]
-         problem%b = [at_s, at_s]
       end select
       problem%is_given = is_given
-      problem%arm = arm
    end subroutine make_six_bar_problem
-
-   !> Conditions less real unknowns: 0 of a problem with finitely many solutions.
-   pure integer function conditions(self)
-      class(six_bar_problem_t), intent(in) :: self
-
-      conditions = self%points + 2*count(self%is_given(:self%unknowns)) + merge(1, 0, self%arm > 0) - 2*self%unknowns
-   end function conditions
 
    !> A word that tells problems with different start sets apart.
    pure function key(self) result(word)
@@ -101,15 +85,12 @@ contains
       select case (self%type)
       case (watt_2)
          word = 'watt2-'//number
-      case (stephenson_3)
-         word = 'stephenson3-'//number
       case default
-         word = 'stephenson2-'//number
+         word = 'stephenson3-'//number
       end select
       do k = 1, self%unknowns
          if (self%is_given(k)) word = word//'-'//names(k:k)
       end do
-      if (self%arm > 0) word = word//'-length-'//names(self%arm:self%arm)
    end function key
 
    !> The numbers of a real problem.
@@ -200,7 +181,6 @@ contains
       do j = 1, 2*problem%unknowns
          near%known(j) = data%known(j)*exp(deviation*gaussian(random))
       end do
-      near%square = data%square*exp(deviation*gaussian(random))
    end subroutine near_data
 
    !> A problem with one solution: numbers and turns are drawn, and e and f of each point solve its two equations.
@@ -261,7 +241,6 @@ contains
       do k = 1, n
          if (problem%is_given(k)) data%known([k, n + k]) = x([k, n + k])
       end do
-      if (problem%arm > 0) data%square = x(problem%arm)*x(n + problem%arm)
    end subroutine draw_six_bar
 
    !> An unknown or its partner (`behind` places on), or a constant where there is none.

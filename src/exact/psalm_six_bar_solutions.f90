@@ -30,7 +30,6 @@ module psalm_six_bar_solutions
       integer :: paths = 0, followed = 0             !! of the last pass
       integer :: lost_far = 0, lost_near = 0         !! of the last pass, paths that did not arrive: far away, at singular places
       integer :: mended = 0                          !! paths of all passes that extended precision has led to their end
-      integer :: merged = 0                          !! of the last pass, paths that end where others do
       integer :: steps = 0
       logical :: stopped = .false.
    contains
@@ -77,16 +76,13 @@ contains
             ends = starts
             call follow(problem, from, to, starts, usual_tolerance, ends, arrived, steps, stop, 0, n)
             found%steps = found%steps + steps
-            call check_stop()
+            if (present(stop)) found%stopped = stop%waiting()
             if (.not. found%stopped) call mend(problem, from, to, starts, ends, arrived, found, stop)
-            if (.not. found%stopped) call check_stop()
             found%passes = pass
             found%followed = merge(count(arrived), n, found%stopped)
             found%lost_far = count(.not. arrived .and. maxval(abs(ends), 1) > far_off)
             found%lost_near = count(.not. arrived) - found%lost_far
             ends = pack_columns(ends, arrived)
-            equal = first_equal(ends)
-            found%merged = count(equal /= [(i, i=1, size(equal))])
             allocate (all_of_them(size(ends, 1), size(found%ends, 2) + size(ends, 2)))
             all_of_them(:, :size(found%ends, 2)) = found%ends
             all_of_them(:, size(found%ends, 2) + 1:) = ends
@@ -100,10 +96,6 @@ contains
       end associate
 
    contains
-
-      subroutine check_stop()
-         if (present(stop)) found%stopped = stop%waiting()
-      end subroutine check_stop
 
       complex(wp) function turn(sign)
          real(wp), intent(in) :: sign

@@ -7,21 +7,25 @@ module psalm_six_bar_starts
    use psalm_kinds, only: wp
    use psalm_six_bar_loops, only: begin_loops, start_set_t, next_loop
    use psalm_six_bar_paths, only: polish
-   use psalm_six_bar_problem, only: six_bar_problem_t
+   use psalm_six_bar_problem, only: most_six_bar_points, most_unknowns, six_bar_problem_t
    use psalm_stop, only: stop_t
-   use psalm_system, only: make_directories, move_file, remove_file
+   use psalm_system, only: hash, make_directories, move_file, remove_file, stage
    implicit none (type, external)
    private
    public :: starts_of
 
-   integer(int64), parameter :: mark = 1936288882_int64, version = 1_int64
+   integer(int64), parameter :: mark = 1936288882_int64, version = 2_int64
+   integer(int64), parameter :: head(3) = [mark, version, int(digits(1.0_wp), int64)]
+   integer, parameter :: counters = 7                !! numbers behind the head
+   integer, parameter :: of_data = 2*(2 + 2*most_six_bar_points + 2*most_unknowns) !! complex numbers of both problems
+   integer, parameter :: bytes = storage_size(0_int64)/8, complex_bytes = storage_size((0.0_wp, 0.0_wp))/8
    integer, parameter :: checked = 10                !! solutions of a file that are polished
    real(wp), parameter :: sound = 1.0e-9_wp          !! largest first correction of these
    integer, parameter :: most_seeds = 3
 
 contains
 
-   !> The start set of a problem. `loops%done` is false if a stop came before it was made, or if `expected` were not found.
+   !> The start set of a problem: fewer solutions than `expected` if a stop came before it was made, or if no seed led to so many.
    subroutine starts_of(problem, expected, stop, loops)
       type(six_bar_problem_t), intent(in) :: problem
       integer, intent(in) :: expected                !! solutions of the kind
@@ -29,15 +33,18 @@ contains
       type(start_set_t), intent(out) :: loops
       character(:), allocatable :: file
       logical :: kept, stopped, drawn
-      integer :: seed
+      integer :: seed, first
 
       file = start_file(problem)
       call read_loops(file, problem, loops, kept)
+      first = 1
       if (kept) then
          if (loops%done .and. size(loops%first, 2) == expected) return
+         ! what a seed that failed has left is no reason to begin with it again
+         first = loops%seed + merge(1, 0, loops%done)
          kept = .not. loops%done
       end if
-      do seed = 1, most_seeds
+      do seed = first, first + most_seeds - 1
          if (.not. kept) then
             call begin_loops(problem, seed, loops, drawn)
             if (.not. drawn) cycle
@@ -77,29 +84,53 @@ contains
       if (length > 0) call get_environment_variable(name, value)
    end function variable
 
-   !> Write a state beside its place, then put it there. What cannot be written is made again next time.
+   !> Write a state under a name of its own, then put it in its place. What cannot be written is made again next time.
    subroutine write_loops(file, loops)
       character(*), intent(in) :: file
       type(start_set_t), intent(in) :: loops
-      integer :: unit, error
+      character(:), allocatable :: text, beside
+      integer :: at, error, i
 
       if (file == '') return
-      call make_directories(file(:index(file, '/', back=.true.) - 1), error)
-      open (newunit=unit, file=file//'.new', access='stream', form='unformatted', status='replace', action='write', iostat=error)
+      allocate (character(bytes*(size(head) + counters + 1) + complex_bytes* &
+                          (of_data + size(loops%first) + size(loops%second))) :: text, stat=error)
       if (error /= 0) return
-      write (unit, iostat=error) mark, version, int(storage_size(1.0_wp), int64), &
-         int([loops%seed, loops%passes, loops%idle, merge(1, 0, loops%done), size(loops%first, 1), size(loops%first, 2), &
-              size(loops%second, 2)], int64)
-      if (error == 0) write (unit, iostat=error) loops%data%e0, loops%data%f0, loops%data(1)%de, loops%data(2)%de, &
-         loops%data(1)%df, loops%data(2)%df, loops%data(1)%known, loops%data(2)%known, loops%data%square
-      if (error == 0) write (unit, iostat=error) loops%first, loops%second, sum_of(loops)
-      if (error == 0) then
-         close (unit, iostat=error)
-      else
-         close (unit, status='delete')
-      end if
-      if (error == 0) call move_file(file//'.new', file, error)
-      if (error /= 0) call remove_file(file//'.new')
+      at = 0
+      call put_integers([head, int([loops%seed, loops%passes, loops%idle, merge(1, 0, loops%done), size(loops%first, 1), &
+                                    size(loops%first, 2), size(loops%second, 2)], int64)])
+      do i = 1, size(loops%data)
+         associate (data => loops%data(i))
+            call put([data%e0, data%f0, data%de, data%df, data%known])
+         end associate
+      end do
+      do i = 1, size(loops%first, 2)
+         call put(loops%first(:, i))
+      end do
+      do i = 1, size(loops%second, 2)
+         call put(loops%second(:, i))
+      end do
+      call put_integers([sum_of(text(:at))])
+      call make_directories(file(:index(file, '/', back=.true.) - 1), error)
+      call stage(file, text, beside, error)
+      if (error /= 0) return
+      call move_file(beside, file, error)
+      if (error /= 0) call remove_file(beside)
+
+   contains
+
+      subroutine put_integers(numbers)
+         integer(int64), intent(in) :: numbers(:)
+
+         text(at + 1:at + bytes*size(numbers)) = transfer(numbers, repeat(' ', bytes*size(numbers)))
+         at = at + bytes*size(numbers)
+      end subroutine put_integers
+
+      subroutine put(numbers)
+         complex(wp), intent(in) :: numbers(:)
+
+         text(at + 1:at + complex_bytes*size(numbers)) = transfer(numbers, repeat(' ', complex_bytes*size(numbers)))
+         at = at + complex_bytes*size(numbers)
+      end subroutine put
    end subroutine write_loops
 
    !> Read a state; `kept` is false for a file that is not there, of another version, cut short or damaged.
@@ -108,45 +139,48 @@ contains
       type(six_bar_problem_t), intent(in) :: problem
       type(start_set_t), intent(out) :: loops
       logical, intent(out) :: kept
-      integer(int64) :: head(3), numbers(7)
-      complex(wp) :: total
-      integer :: unit, error
+      integer(int64) :: found(size(head)), numbers(counters), sum
+      character(:), allocatable :: text
+      integer :: unit, length, error, i
 
       kept = .false.
       allocate (loops%first(2*problem%unknowns, 0), loops%second(2*problem%unknowns, 0))
       if (file == '') return
       open (newunit=unit, file=file, access='stream', form='unformatted', status='old', action='read', iostat=error)
       if (error /= 0) return
-      loops%problem = problem
-      read (unit, iostat=error) head, numbers
+      inquire (unit=unit, size=length)
+      if (length < bytes*(size(head) + counters + 1)) error = 1
+      if (error == 0) allocate (character(length) :: text, stat=error)
+      if (error == 0) read (unit, iostat=error) text
+      if (error == 0) read (unit, pos=1, iostat=error) found, numbers
+      if (error == 0) read (unit, pos=length - bytes + 1, iostat=error) sum
       if (error == 0) then
-         if (any(head /= [mark, version, int(storage_size(1.0_wp), int64)]) .or. numbers(5) /= 2*problem%unknowns .or. &
-             any(numbers < 0) .or. any(numbers > huge(1))) error = 1
+         if (any(found /= head) .or. sum /= sum_of(text(:length - bytes)) .or. numbers(5) /= 2*problem%unknowns .or. &
+             numbers(6) < 1) error = 1
       end if
       if (error == 0) then
+         loops%problem = problem
          loops%seed = int(numbers(1))
          loops%passes = int(numbers(2))
          loops%idle = int(numbers(3))
          loops%done = numbers(4) == 1
-         read (unit, iostat=error) loops%data%e0, loops%data%f0, loops%data(1)%de, loops%data(2)%de, &
-            loops%data(1)%df, loops%data(2)%df, loops%data(1)%known, loops%data(2)%known, loops%data%square
-      end if
-      if (error == 0) then
          deallocate (loops%first, loops%second)
          allocate (loops%first(numbers(5), numbers(6)), stat=error)
          if (error == 0) allocate (loops%second(numbers(5), numbers(7)), stat=error)
       end if
-      if (error == 0) read (unit, iostat=error) loops%first, loops%second, total
+      if (error == 0) then
+         read (unit, pos=bytes*(size(head) + counters) + 1, iostat=error) (loops%data(i)%e0, loops%data(i)%f0, loops%data(i)%de, &
+            loops%data(i)%df, loops%data(i)%known, i=1, size(loops%data)), loops%first, loops%second
+      end if
       close (unit)
-      if (error == 0) kept = .not. abs(total - sum_of(loops)) > 0.0_wp .and. size(loops%first, 2) > 0
-      if (kept) kept = is_sound(loops)
+      if (error == 0) kept = is_sound(loops)
    end subroutine read_loops
 
-   !> What tells whether numbers were damaged.
-   pure complex(wp) function sum_of(loops)
-      type(start_set_t), intent(in) :: loops
+   !> What tells whether a file was damaged: a hash of all its bytes before it.
+   pure integer(int64) function sum_of(text)
+      character(*), intent(in) :: text
 
-      sum_of = sum(loops%first/(1.0_wp + abs(loops%first))) + sum(loops%second/(1.0_wp + abs(loops%second)))
+      sum_of = hash(mark, text)
    end function sum_of
 
    !> True if some of the solutions, spread over all, solve the problem.

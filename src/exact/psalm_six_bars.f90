@@ -46,7 +46,9 @@ module psalm_six_bars
    type :: six_bars_t
       integer :: drivers = 0                         !! looked at that close at all points
       integer :: linkages = 0                        !! closing links, all of them
-      integer :: sound = 0                           !! those that stay assembled on one branch over the range
+      integer :: too_long = 0                        !! of these those with a link that is too long: left out
+      integer :: sound = 0                           !! of the others those that stay assembled on one branch over the range
+      integer :: flat = 0                            !! of these those that do not transmit well enough: left out
       integer :: tried = 0, planned = 0              !! drivers of the grid
       logical :: stopped = .false.                   !! before all were tried
       type(six_bar_t), allocatable :: best(:)        !! ranked
@@ -92,11 +94,18 @@ contains
          if (closes) found%drivers = found%drivers + 1
          do k = 1, links_found
             found%linkages = found%linkages + 1
-            if (links(k)%longest > longest .or. min(abs(links(k)%output_pin), links(k)%link) < no_length) cycle
+            if (min(abs(links(k)%output_pin), links(k)%link) < no_length) cycle
+            if (links(k)%longest > longest) then
+               found%too_long = found%too_long + 1
+               cycle
+            end if
             call judge(wanted, phi, psi, links(k))
             if (links(k)%transmission <= 0.0_wp) cycle
             found%sound = found%sound + 1
-            if (links(k)%transmission < least_angle) cycle
+            if (links(k)%transmission < least_angle) then
+               found%flat = found%flat + 1
+               cycle
+            end if
             call keep(links(k), most, wanted%continuous, found%best)
          end do
       end do
@@ -192,11 +201,17 @@ contains
                one%second = second%list(m)
                if (one%driver%assembly == 0 .or. one%second%assembly == 0) cycle
                one%longest = maxval([one%driver%r2, one%driver%r3, one%driver%r4, one%second%r2, one%second%r3, one%second%r4])
-               if (one%longest > longest) cycle
+               if (one%longest > longest) then
+                  found%too_long = found%too_long + 1
+                  cycle
+               end if
                call judge(wanted, phi, psi, one)
                if (one%transmission <= 0.0_wp) cycle
                found%sound = found%sound + 1
-               if (one%transmission < least_angle) cycle
+               if (one%transmission < least_angle) then
+                  found%flat = found%flat + 1
+                  cycle
+               end if
                call keep(one, most, wanted%continuous, found%best)
             end do
          end do

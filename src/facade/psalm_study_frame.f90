@@ -147,7 +147,6 @@ contains
       type(problem_t), intent(in) :: problem
       type(motion_t), intent(in) :: motion
       type(findings_t), intent(inout) :: findings
-      character(:), allocatable :: words
       integer :: i
 
       do i = 1, size(motion%violations)

@@ -46,6 +46,7 @@ module psalm_data_set
    !> Groups that muscle writes itself, with what it found, and those that asked for it.
    character(name_length), parameter :: written_by_muscle(*) = [character(name_length) :: 'MASSES', 'SPRING', 'BALANC', 'SPRNGS']
    character(*), parameter :: searching_program = 'psalm'
+   character(*), parameter :: group_of_kinds = 'KINDS'
    integer, parameter :: title_columns = 72        !! of a title, at most
    real(wp), parameter :: largest_machine = 20.0_wp !! metres: a larger one may have been drawn in millimetres
 
@@ -89,6 +90,7 @@ module psalm_data_set
       procedure :: wants_search
       procedure :: place_of
       procedure :: gives
+      procedure :: redraw
    end type data_set_t
 
 contains
@@ -210,6 +212,32 @@ contains
       k = self%place_of(name)
       if (k > 0) gives = self%sections(k)%group%given
    end function gives
+
+   !> The same question asked of one sketch, not of kinds of them: a case without loops.
+   subroutine redraw(self, title, sketch, method, search, set)
+      class(data_set_t), intent(in) :: self
+      character(*), intent(in) :: title
+      type(sketch_t), intent(in) :: sketch
+      type(method_group_t), intent(in) :: method
+      type(search_group_t), intent(in) :: search
+      type(data_set_t), intent(out) :: set
+      integer :: k
+
+      select type (self)
+      type is (data_set_t)
+         set = self
+      end select
+      set%title = title
+      set%sketch = sketch
+      set%sketch%given = .true.
+      set%method = method
+      set%search = search
+      if (allocated(set%traced)) deallocate (set%traced)
+      if (allocated(set%search_in_poses)) deallocate (set%search_in_poses)
+      set%of_kinds = .false.
+      k = set%place_of(group_of_kinds)
+      if (k > 0) set%sections(k)%group%given = .false.
+   end subroutine redraw
 
    !> Read every case of a file, up to the one with LAST=1.
    !>

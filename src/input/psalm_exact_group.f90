@@ -256,6 +256,7 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       real(wp) :: phi(most_in_table), psi(most_in_table)
       integer :: n, last, i
+      character(6) :: item
 
       call group%get_word('FUNC', exact%function_name, findings)
       call take(group, 'FXLOW', exact%low, findings)
@@ -279,7 +280,13 @@ contains
       call take(group, 'PSI', psi, findings, last=last)
       exact%phi = phi(:n)
       exact%psi = psi(:n)
-      if (.not. exact%given .or. exact%kind /= kind_function) return
+      if (.not. exact%given) return
+      if (exact%kind /= kind_function) then
+         item = merge('NPOINT', 'CRANK ', group%given('NPOINT'))
+         if (group%given(trim(item))) call out_of(group, trim(item), &
+            "is for six-bars that generate a function: KIND='FUNCTION' with SIXBAR", findings)
+         return
+      end if
       if (exact%six_bar /= six_bar_none .and. (exact%slider .or. exact%minimax)) call out_of(group, 'SIXBAR', &
          'a six-bar here has no slider and meets points (MINIMAX=0)', findings)
       if (allocated(exact%function_name) .eqv. n > 0) then
@@ -340,6 +347,8 @@ contains
             group%given('NPOINT')), "is for six-bars: SIXBAR='WATT' or 'STEPHENSON'", findings)
          return
       end if
+      if (group%given('PHI0') .or. group%given('PSI0')) call out_of(group, merge('PHI0', 'PSI0', group%given('PHI0')), &
+         'is for four-bars and slider-cranks through three or four points; of a six-bar the zero lines are free', findings)
       if (entries > 0 .and. group%given('NPOINT')) call out_of(group, 'NPOINT', 'is for FUNC; a table has its own points', findings)
       points = merge(entries, exact%precision_points, entries > 0)
       item = trim(merge('PHI   ', 'NPOINT', entries > 0))
@@ -361,7 +370,16 @@ contains
             trim(merge('CRANK ', 'PIVOTS', exact%crank_pivot .and. .not. exact%follower_pivot)), &
             'seven points of a six-bar of Stephenson III need the third fixed pivot, PIVOTS=x,y, and the crank, CRANK=x,y', &
             findings)
-         if (any(is_missing(exact%crank)) .or. .not. exact%frame > 0.0_wp) return
+         if (.not. exact%frame > 0.0_wp) return
+         if (exact%crank_pivot) then
+            if (hypot(exact%pivots(1), exact%pivots(2)) < of_frame*exact%frame) call out_of(group, 'PIVOTS', &
+               'the third fixed pivot is at A, where the crank has its own; move it away', findings)
+            if (hypot(exact%pivots(1) - exact%frame, exact%pivots(2)) < of_frame*exact%frame) call out_of(group, 'PIVOTS', &
+               'the third fixed pivot is at B, FRAME from A, where the rocker has its own; move it away', findings)
+         end if
+         if (any(is_missing(exact%crank))) return
+         if (hypot(exact%crank(1), exact%crank(2)) < of_frame*exact%frame) call out_of(group, 'CRANK', &
+            'has no length: its pin is at A', findings)
          if (abs(hypot(exact%crank(1), exact%crank(2)) - exact%frame) < of_frame*exact%frame) call out_of(group, 'CRANK', &
             'is as long as the frame: kites and parallelograms, infinitely many, pass the points; change it a little', findings)
       end if

@@ -404,27 +404,32 @@ contains
       end if
    end function order_along
 
-   !> Lengths of bars; the barrel of each cylinder.
+   !> Lengths of bars; the barrel of each cylinder. Where no prescribed position is reached they are those of the sweep; 0 of a bar
+   !> that is reached nowhere.
    subroutine finish_bars(scene)
       type(scene_t), intent(inout) :: scene
+      real(wp) :: prescribed, swept
       integer :: b
 
       do b = 1, size(scene%bars)
          associate (bar => scene%bars(b))
-            bar%length = least_length(scene%prescribed, bar%start, bar%finish)
-            if (bar%cylinder) bar%barrel = barrel_part*min(bar%length, least_length(scene%sweep, bar%start, bar%finish))
+            prescribed = least_length(scene%prescribed, bar%start, bar%finish)
+            swept = least_length(scene%sweep, bar%start, bar%finish)
+            if (min(prescribed, swept) >= huge(1.0_wp)) cycle
+            bar%length = merge(prescribed, swept, prescribed < huge(1.0_wp))
+            if (bar%cylinder) bar%barrel = barrel_part*min(prescribed, swept)
          end associate
       end do
 
    contains
 
+      !> The largest number if none is known.
       pure real(wp) function least_length(row, a, b)
          type(position_row_t), intent(in) :: row
          integer, intent(in) :: a, b
 
          least_length = minval(hypot(row%x(a, :) - row%x(b, :), row%y(a, :) - row%y(b, :)), &
                                mask=row%known(a, :) .and. row%known(b, :))
-         if (least_length >= huge(1.0_wp)) least_length = 0.0_wp
       end function least_length
    end subroutine finish_bars
 

@@ -530,7 +530,14 @@ contains
             call devices%remark(set, 'no linkage was found so far')
             return
          else if (shown == 0) then
-            call devices%remark(set, 'no six-bar of this grid meets the points with this transmission angle')
+            if (found%sound > 0) then
+               call devices%remark(set, 'no six-bar of this grid is left: '//left_out(found%too_long, found%flat))
+            else if (found%too_long > 0) then
+               call devices%remark(set, 'no six-bar of this grid meets the points on one branch; not looked at: '// &
+                                   left_out(found%too_long, 0))
+            else
+               call devices%remark(set, 'no six-bar of this grid meets the points on one branch')
+            end if
             call devices%note_violation()
             return
          end if
@@ -558,7 +565,7 @@ contains
 
       associate (every => study%every, six => devices%six)
          call six%add('  '//trim(type_names(every%problem%type))//' through '//to_text(every%problem%points + 1)//' points')
-         if (study%stopped .and. study%paths == 0) then
+         if (study%stopped .and. study%paths == 0 .and. every%known < every%expected) then
             call six%add('  not complete: '//reason_of(study)//' while the start set was made, '//to_text(every%known)//' of '// &
                          to_text(every%expected)//' solutions known')
          else
@@ -587,7 +594,14 @@ contains
             call devices%remark(set, 'no linkage was found so far')
             return
          else if (shown == 0) then
-            call devices%remark(set, 'no six-bar meets the points on one branch with this transmission angle')
+            if (every%over_range > 0) then
+               call devices%remark(set, 'no six-bar that meets the points on one branch is left: '// &
+                                   left_out(every%too_long, every%flat))
+            else if (every%by_input > 0) then
+               call devices%remark(set, 'no six-bar that meets the points on one branch reaches both ends of the range')
+            else
+               call devices%remark(set, 'no six-bar meets the points on one branch')
+            end if
             call devices%note_violation()
             return
          end if
@@ -606,6 +620,17 @@ contains
       end associate
    end subroutine report_every_six_bar
 
+   !> What has removed six-bars.
+   pure function left_out(too_long, flat) result(text)
+      integer, intent(in) :: too_long, flat
+      character(:), allocatable :: text
+
+      text = ''
+      if (too_long > 0) text = to_text(too_long)//' with a link longer than RLONG'
+      if (too_long > 0 .and. flat > 0) text = text//', '
+      if (flat > 0) text = text//to_text(flat)//' with a transmission angle less than TRMIN'
+   end function left_out
+
    !> Ranked six-bars in the listing, as cases on device 7 and as a table.
    subroutine list_six_bars(set, study, transmission, longest, error, joints, devices, table, by_output)
       type(data_set_t), intent(in) :: set
@@ -622,11 +647,14 @@ contains
       shown = size(error)
       associate (six => devices%six)
          call six%add()
-         line = '  RANK   TRANSMISSION   LONGEST LINK     ERROR (DEG)'
+         line = '  RANK   TRANSMISSION   LONGEST LINK'
+         ! a table wants its entries only, and they are met
+         if (study%wanted%continuous) line = line//'     ERROR (DEG)'
          if (present(by_output)) line = line//'  DRIVEN AT'
          call six%add(line)
          do k = 1, shown
-            line = rank_column(k)//general(transmission(k))//general(longest(k))//' '//general(error(k)*degrees_per_radian)
+            line = rank_column(k)//general(transmission(k))//general(longest(k))
+            if (study%wanted%continuous) line = line//' '//general(error(k)*degrees_per_radian)
             if (present(by_output)) line = line//'  '//trim(merge('either', 'input ', by_output(k)))
             call six%add(line)
          end do
@@ -647,7 +675,7 @@ contains
       call table%add('rank', [(k, k=1, shown)])
       call table%add('transmission', transmission, 'deg')
       call table%add('longest', longest, 'length')
-      call table%add('error', error*degrees_per_radian, 'deg')
+      if (study%wanted%continuous) call table%add('error', error*degrees_per_radian, 'deg')
       do i = 3, size(joints, 1)
          call add_point(names(i), joints(i, :), table)
       end do

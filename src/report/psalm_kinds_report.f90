@@ -7,7 +7,7 @@ module psalm_kinds_report
    use psalm_kind_search, only: kind_study_t, kinds_exact, kinds_patient, kinds_all, kinds_time, kinds_request
    use psalm_kind_sketch, only: draw_neatly
    use psalm_kinds, only: wp
-   use psalm_sketch_text, only: write_sketch
+   use psalm_sketch_text, only: variant_t, variant_of, write_sketch
    use psalm_kinds_group, only: kinds_group_t, kinds_of, weighable
    use psalm_linkage_kinds, only: linkage_kind_t
    use psalm_tables, only: table_t, tables_t, table_of
@@ -27,7 +27,7 @@ contains
       type(data_set_t), intent(in) :: set
       type(linkage_kind_t), intent(in) :: kinds(:)
       type(devices_t), intent(inout) :: devices
-      class(data_set_t), allocatable :: drawn
+      type(variant_t) :: variant
       integer :: k
 
       call devices%six%add(' '//trim(set%title))
@@ -40,15 +40,14 @@ contains
                                  column(one%largest_group, 8)//'   '//padded(one%name)//words_of_joints(one))
          end associate
       end do
-      allocate (drawn, source=set)
-      drawn%of_kinds = .false.
-      drawn%method%ikin = atlas_step
-      drawn%others = ''
+      variant = variant_of(set)
+      variant%ikin = atlas_step
+      variant%with_others = .false.
       do k = 1, size(kinds)
-         drawn%title = trim(set%title)//': '//trim(kinds(k)%name)
-         call draw_neatly(kinds(k), output_of(set), drawn%sketch)
-         drawn%limits%last = merge(1, 0, k == size(kinds))
-         call write_sketch(drawn, devices%seven)
+         variant%title = trim(set%title)//': '//trim(kinds(k)%name)
+         call draw_neatly(kinds(k), output_of(set), variant%sketch)
+         variant%last = merge(1, 0, k == size(kinds))
+         call write_sketch(set, devices%seven, variant)
       end do
    end subroutine report_kinds
 

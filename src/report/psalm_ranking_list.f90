@@ -235,8 +235,7 @@ contains
    end function weighed
 
    !> Tables for other programs: ranking, and the dimensions that vary of each linkage.
-   subroutine put_ranking(set, problem, found, ranked, tables)
-      type(data_set_t), intent(in) :: set
+   subroutine put_ranking(problem, found, ranked, tables)
       type(problem_t), intent(in) :: problem
       type(result_t), intent(in) :: found
       type(ranked_t), intent(in) :: ranked(:)            !! shape (linkages found)

@@ -175,7 +175,7 @@ contains
 
       if (size(search%ranked) > 0) then
          call list_ranking(set, problem, search%found, search%ranked, devices%six)
-         call put_ranking(set, problem, search%found, search%ranked, devices%cases(devices%last_case()))
+         call put_ranking(problem, search%found, search%ranked, devices%cases(devices%last_case()))
       end if
       if (set%search%ranking /= ranking_none) call add_to_ranking(set, search%found, search%ranked, devices%ranking)
       if (set%search%ranking == ranking_shared) call add_share(set, search%found, devices%shares)

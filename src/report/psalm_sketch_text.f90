@@ -19,6 +19,7 @@ module psalm_sketch_text
    type :: variant_t
       character(:), allocatable :: title
       integer :: last = 1                   !! LAST
+      integer :: ikin = 0                   !! IKIN
       real(wp), allocatable :: delt(:)      !! DELT
       type(sketch_t) :: sketch              !! of a linkage that has one
       real(wp) :: from_drawing = 0.0_wp     !! its CRNKI
@@ -35,6 +36,7 @@ contains
 
       variant%title = set%title
       variant%last = set%limits%last
+      variant%ikin = set%method%ikin
       variant%delt = set%method%delt
       variant%sketch = set%sketch
       variant%from_drawing = set%method%crnki
@@ -111,8 +113,8 @@ contains
       end associate
       line = ' &METHOD'
       if (own%from_drawing /= 0.0_wp) line = line//' CRNKI='//full_precision(own%from_drawing)//','
-      if (set%method%ikin /= 0) then
-         call text%add(line//' IKIN='//to_text(set%method%ikin)//',')
+      if (own%ikin /= 0) then
+         call text%add(line//' IKIN='//to_text(own%ikin)//',')
       else if (any(own%sketch%drives%steps > 0)) then
          call text%add(line)
       else

@@ -154,8 +154,6 @@ contains
 
       if (set%constr%irange /= range_positions) call refuse('CONSTR', 'IRANGE', 'limits between the positions')
       if (set%method%ifree /= 0) call refuse('METHOD', 'IFREE', 'free timing')
-      if (set%limits%trmin_given) call refuse(trim(merge('CONSTR', 'LIMITS', set%constr%gives_angle)), 'TRMIN', &
-                                              'a least transmission angle')
 
    contains
 

@@ -7,8 +7,9 @@ module psalm_chain_synthesis
    use psalm_closure, only: closure_t, state_t, travel
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
+   use psalm_method_group, only: method_group_t
    use psalm_multistart, only: multistart_t, starter_t, candidate_t
-   use psalm_sketch, only: output_slide
+   use psalm_sketch, only: sketch_t, output_slide
    use psalm_sketch_assembly, only: assemble_sketch
    use psalm_solver, only: solver_t, ending_t, observer_t, stop_refused
    use psalm_solvers, only: new_solver
@@ -274,6 +275,8 @@ contains
       type(chain_problem_t), intent(in) :: problem
       real(wp), intent(in) :: x(:)
       type(data_set_t), intent(out) :: drawn
+      type(sketch_t) :: sketch
+      type(method_group_t) :: method
       type(chain_problem_t) :: at_drawing
       type(closure_t) :: closure
       type(chain_motion_t) :: motion
@@ -282,16 +285,16 @@ contains
       logical :: reached
       integer :: s
 
-      drawn = set
-      if (allocated(drawn%traced)) deallocate (drawn%traced)
-      if (allocated(drawn%search_in_poses)) deallocate (drawn%search_in_poses)
+      sketch = set%sketch
+      method = set%method
+      call set%redraw(set%title, sketch, method, set%search, drawn)
       at_drawing = problem
       if (allocated(at_drawing%inputs)) deallocate (at_drawing%inputs)
       allocate (at_drawing%inputs(size(set%sketch%drives), 1), source=0.0_wp)
       at_drawing%of_input = 0
       call at_drawing%find_motion(x, closure, motion, reached)
       if (.not. reached) return
-      associate (state => motion%states(1), sketch => drawn%sketch)
+      associate (state => motion%states(1))
          sketch%x = state%joint(:, 0)%re
          sketch%y = state%joint(:, 0)%im
          do s = 1, size(sketch%slides)
@@ -309,13 +312,14 @@ contains
                if (output%kind /= output_slide) cycle
                moved = real(travel(closure, state, output%slide, 0), wp)
                if (output%is_wished()) output%wishes(0)%values = output%wishes(0)%values - moved
-               if (s == 1 .and. set%method%desired) drawn%method%desang = set%method%desang - moved
+               if (s == 1 .and. set%method%desired) method%desang = set%method%desang - moved
             end associate
          end do
          ! the lengths are in the coordinates now
          deallocate (sketch%length_of, sketch%length, sketch%variations)
          allocate (sketch%length_of(2, 0), sketch%length(0), sketch%variations(0))
       end associate
-      if (problem%of_input > 0) drawn%method%crnki = x(problem%of_input)
+      if (problem%of_input > 0) method%crnki = x(problem%of_input)
+      call set%redraw(set%title, sketch, method, set%search, drawn)
    end subroutine draw_anew
 end module psalm_chain_synthesis

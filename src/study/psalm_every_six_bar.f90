@@ -35,15 +35,14 @@ module psalm_every_six_bar
    type :: six_bar_kind_t
       integer :: type, points
       logical :: is_given(most_unknowns)
-      integer :: arm
       integer :: solutions
    end type six_bar_kind_t
 
    logical, parameter :: y = .true., n = .false.
    !> Their numbers are computed by monodromy (psalm_six_bar_loops).
    type(six_bar_kind_t), parameter :: kinds(*) = [ &
-      six_bar_kind_t(watt_2, 8, [n, n, n, n, n], 0, 26370), &
-      six_bar_kind_t(stephenson_3, 6, [y, n, n, n, y], 0, 1286)]
+      six_bar_kind_t(watt_2, 8, [n, n, n, n, n], 26370), &
+      six_bar_kind_t(stephenson_3, 6, [y, n, n, n, y], 1286)]
 
 contains
 
@@ -54,7 +53,7 @@ contains
 
       solutions_of = 0
       do k = 1, size(kinds)
-         if (kinds(k)%type == problem%type .and. kinds(k)%points == problem%points .and. kinds(k)%arm == problem%arm .and. &
+         if (kinds(k)%type == problem%type .and. kinds(k)%points == problem%points .and. &
              all(kinds(k)%is_given .eqv. problem%is_given)) solutions_of = kinds(k)%solutions
       end do
    end function solutions_of
@@ -84,7 +83,6 @@ contains
          where (problem%is_given(:n)) every%data%known(:n) = given(:n)
          every%data%known(n + 1:2*n) = conjg(every%data%known(:n))
       end associate
-      if (problem%arm > 0) every%data%square = abs(given(problem%arm))**2
       call starts_of(problem, every%expected, stop, start)
       every%known = size(start%first, 2)
       allocate (every%best(0), every%real_ones(0), every%found%ends(2*problem%unknowns, 0))

@@ -844,8 +844,14 @@ contains
       character(:), allocatable :: item
       integer :: i, k
 
-      if (.not. exact%wants_every_six_bar()) return
+      if (exact%six_bar == six_bar_none) return
       call wanted_of(exact, wanted, phi, psi)
+      if (.not. maxval(angle_between(psi - psi(1))) > apart) then
+         call set%origins%error(findings, 'EXACT', trim(merge('FUNC', 'PSI ', wanted%continuous)), &
+                                'the output stands still, as far as whole turns do not count: no linkage is needed', 1)
+         return
+      end if
+      if (.not. exact%wants_every_six_bar()) return
       item = 'PHI'
       if (wanted%continuous) item = 'DPHI'
       do i = 2, size(phi)
@@ -959,7 +965,7 @@ contains
          given(at_c) = -cmplx(exact%pivots(1), exact%pivots(2), wp)/exact%frame
       end if
       call make_six_bar_problem(merge(watt_2, stephenson_3, exact%six_bar == six_bar_watt), size(study%phi) - 1, is_given, &
-                                0, problem)
+                                problem)
       call find_every_six_bar(problem, study%wanted, study%phi, study%psi, given, exact%least_transmission, exact%longest, &
                               study%every, stop)
       associate (found => study%every%found)
@@ -968,15 +974,15 @@ contains
          study%ends = size(found%ends, 2)
          study%paths = found%paths
          study%followed = found%followed
-         study%merged = found%merged
          study%passes = found%passes
          study%stopped = found%stopped
          study%real_ends = size(study%every%real_ones)
          study%complete = found%complete() .and. study%generic == study%expected
       end associate
       study%linkages = study%real_ends
-      if (.not. exact%certify .or. study%stopped .or. study%real_ends == 0) return
+      if (.not. exact%certify .or. study%stopped) return
       study%examined = .true.
+      if (study%real_ends == 0) return
       associate (every => study%every)
          call certify_six_bars(problem, every%data, study%phi, study%psi, every%found%ends(:, every%real_ones), study%certificate)
       end associate

@@ -18,9 +18,11 @@ module psalm_kind_search
    use psalm_kinds, only: wp
    use psalm_kinds_group, only: kinds_group_t, kinds_of
    use psalm_linkage_kinds, only: linkage_kind_t, wanted_kinds_t, find_kinds
+   use psalm_method_group, only: method_group_t
    use psalm_preparation, only: prepared_t, prepare
    use psalm_search, only: search_t
-   use psalm_search_group, only: ranking_common
+   use psalm_search_group, only: search_group_t, ranking_common
+   use psalm_sketch, only: sketch_t
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t
@@ -241,28 +243,28 @@ contains
       type(xoshiro_t), intent(inout) :: random
       type(assembly_in_search_t), intent(inout) :: one
       logical, intent(out) :: sound
-      class(data_set_t), allocatable :: drawn ! large
+      type(data_set_t), allocatable :: drawn ! large
+      type(method_group_t) :: method
+      type(search_group_t) :: search
+      type(sketch_t) :: sketch
       type(diagnostics_t) :: findings
       type(line_t) :: none(0)
-      integer :: k
 
-      allocate (one%set, one%prepared)
-      allocate (drawn, source=set)
-      drawn%of_kinds = .false.
-      drawn%title = trim(set%title)//': '//trim(kind%name)
-      k = drawn%place_of('KINDS')
-      drawn%sections(k)%group%given = .false.
-      drawn%method%nguess = 0
-      drawn%search%first = 2         ! the first start would be the drawing
-      drawn%search%ranking = ranking_common
-      drawn%search%maxtime = 0.0_wp  ! of all kinds together
-      call draw_at_random(kind, asked%output, centre, extent_of(set), random, drawn%sketch)
-      associate (whole => drawn%sketch, every => drawn%sketch%variations(1))
-         whole%given = .true.
+      allocate (one%set, one%prepared, drawn)
+      method = set%method
+      method%nguess = 0
+      search = set%search
+      search%first = 2              ! the first start would be the drawing
+      search%ranking = ranking_common
+      search%maxtime = 0.0_wp       ! of all kinds together
+      sketch = set%sketch
+      call draw_at_random(kind, asked%output, centre, extent_of(set), random, sketch)
+      associate (every => sketch%variations(1))
          every%bounded = .true.
          every%low(1) = merge(asked%low, usual_low*extent_of(set), asked%low > 0.0_wp)
          every%high(1) = merge(asked%high, usual_high*extent_of(set), asked%high > 0.0_wp)
       end associate
+      call set%redraw(trim(set%title)//': '//trim(kind%name), sketch, method, search, drawn)
       call resolve_drawn(drawn, one%set, findings)
       sound = .not. findings%failed()
       if (sound) sound = one%set%loops() > 0 .and. .not. allocated(one%set%search_in_poses)

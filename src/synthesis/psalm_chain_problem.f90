@@ -8,12 +8,12 @@ module psalm_chain_problem
    use psalm_angles, only: degrees_of, unit_vector
    use psalm_chain_motion, only: chain_motion_t, follow, differentiate, try_step, senses, easy, first_step, least_step
    use psalm_chain_outputs, only: output_at
-   use psalm_closure, only: closure_t, state_t, most_orders, matrix_of, place_points
+   use psalm_closure, only: closure_t, state_t, most_orders, matrix_of, place_points, row_pin
    use psalm_clearances, only: clearance_t, list_sketch_clearances, find_depth, points_of_clearance
    use psalm_data_set, only: data_set_t
    use psalm_dense, only: factors_t, factorise
    use psalm_error, only: desired_of
-   use psalm_kinds, only: wp, full_turn, half_turn, radians_per_degree, degrees_per_radian
+   use psalm_kinds, only: wp, full_turn, half_turn, right_angle, radians_per_degree, degrees_per_radian
    use psalm_merit, only: least_margin
    use psalm_nlp, only: plain_nlp_t
    use psalm_sketch, only: sketch_t, variation_t, columns_of, first_number, frame_link, most_wished, drive_turns, &
@@ -38,6 +38,11 @@ module psalm_chain_problem
       integer :: base(2) = 0                  !! joints of the line that this angle is counted from; 0: the x axis
    end type moved_t
 
+   !> Two links that are pinned to each other, and to others: their transmission angle is that between them.
+   type :: link_pair_t
+      integer :: inner = 0, outer(2) = 0      !! joints
+   end type link_pair_t
+
    type, extends(plain_nlp_t) :: chain_problem_t
       type(closure_t) :: drawn
       type(state_t) :: start                  !! at the drawing
@@ -54,6 +59,8 @@ module psalm_chain_problem
       integer :: highest = 0                  !! derivative that is prescribed
       type(clearance_t), allocatable :: clearances(:) !! their points are joints of the sketch
       real(wp), allocatable :: margin(:)      !! shape (groups): how far from a dead point each must keep
+      type(link_pair_t), allocatable :: pairs(:) !! whose transmission angle has a limit
+      real(wp) :: cosine = 1.0_wp             !! of the least transmission angle
    contains
       procedure :: residuals_at
       procedure :: constraints_at
@@ -104,7 +111,8 @@ contains
       call take_wishes(set, problem)
       call list_sketch_clearances(set%constr, set%sketch, problem%clearances)
       problem%margin = least_margin*margins_of(closure, start)
-      problem%inequalities = 1 + (size(problem%margin) + size(problem%clearances))*size(inputs, 2)
+      call list_pairs(set%limits%tangle)
+      problem%inequalities = 1 + (size(problem%margin) + size(problem%pairs) + size(problem%clearances))*size(inputs, 2)
       problem%has_gradient = .true.
       problem%is_sum_of_squares = .true.
       problem%scale = [(change_of(v), v=1, problem%core)]
@@ -112,6 +120,37 @@ contains
       problem%small = problem%floor
 
    contains
+
+      !> Dyads of two links and three pins, if TANGLE limits their transmission angle.
+      subroutine list_pairs(tangle)
+         real(wp), intent(in) :: tangle        !! degrees
+         type(link_pair_t) :: one
+         real(wp) :: cosine, sine
+         integer :: g, k, outer
+
+         allocate (problem%pairs(0))
+         if (tangle >= right_angle) return
+         call unit_vector(tangle, cosine, sine)
+         problem%cosine = sine
+         do g = 1, size(closure%groups)
+            associate (group => closure%groups(g))
+               if (size(group%links) /= 2 .or. size(group%rows) /= 3) cycle
+               if (any(group%rows%kind /= row_pin)) cycle
+               one = link_pair_t()
+               outer = 0
+               do k = 1, size(group%rows)
+                  if (any(group%rows(k)%links(1) == group%links) .and. any(group%rows(k)%links(2) == group%links)) then
+                     one%inner = group%rows(k)%which
+                  else
+                     outer = min(outer + 1, size(one%outer))
+                     one%outer(outer) = group%rows(k)%which
+                  end if
+               end do
+               if (one%inner == 0 .or. outer /= size(one%outer) .or. any(one%outer == one%inner)) cycle
+               problem%pairs = [problem%pairs, one]
+            end associate
+         end do
+      end subroutine list_pairs
 
       !> A change that is noticed.
       real(wp) function change_of(unknown)
@@ -679,7 +718,8 @@ contains
       end do
    end function margins_of
 
-   !> The first: that every position is reached; then at each position the margin of each group and each clearance.
+   !> The first: that every position is reached; then at each position the margin of each group, the transmission angle of each
+   !> link pair and each clearance.
    subroutine constraints_at(self, x, c, slopes)
       class(chain_problem_t), intent(in) :: self
       real(wp), intent(in) :: x(:)                   !! shape (core)
@@ -695,7 +735,7 @@ contains
       if (present(slopes)) slopes = 0.0_wp
       if (.not. reached) return
       c(1) = -self%drawn%size
-      n = size(self%margin) + size(self%clearances)
+      n = size(self%margin) + size(self%pairs) + size(self%clearances)
       do k = 1, size(self%inputs, 2)
          m = 1 + (k - 1)*n
          call values_of(self, closure, motion%states(k), c(m + 1:m + n))
@@ -711,11 +751,18 @@ contains
       class(chain_problem_t), intent(in) :: self
       type(closure_t), intent(in) :: closure
       type(state_t), intent(in) :: state
-      real(wp), intent(out) :: c(:)                  !! shape (groups + clearances)
+      real(wp), intent(out) :: c(:)                  !! shape (groups + link pairs + clearances)
       real(wp) :: at(2, points_of_clearance), unused(2, points_of_clearance)
-      integer :: n, k
+      complex(wp) :: side(2)
+      integer :: n, k, m
 
       c(:size(self%margin)) = self%drawn%size*(self%margin - margins_of(closure, state))
+      m = size(self%margin)
+      do n = 1, size(self%pairs)
+         side = state%joint(self%pairs(n)%outer, 0) - state%joint(self%pairs(n)%inner, 0)
+         c(m + n) = self%drawn%size*(abs(real(side(1)*conjg(side(2)), wp))/product(abs(side)) - self%cosine)
+      end do
+      m = m + size(self%pairs)
       do n = 1, size(self%clearances)
          do k = 1, points_of_clearance
             ! a region has two points only
@@ -723,7 +770,7 @@ contains
                at(:, k) = [joint%re, joint%im]
             end associate
          end do
-         call find_depth(self%clearances(n), at, c(size(self%margin) + n), unused)
+         call find_depth(self%clearances(n), at, c(m + n), unused)
       end do
    end subroutine values_of
 

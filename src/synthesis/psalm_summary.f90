@@ -85,7 +85,7 @@ module psalm_summary
       integer :: motion = motion_point                !! MOTION: what the output is
       logical :: at_positions = .false.               !! of several drives: only the positions were looked at
       logical :: everywhere = .false.                 !! closes over the whole turn, or the whole range of a sliding input
-      type(range_t), allocatable :: closing(:)         !! inputs from .. to, in the direction of the sweep
+      type(range_t), allocatable :: closing(:)         !! inputs from .. to, as the input increases
       integer :: undetermined_loop = 0                !! loop of a dyad whose outer joints coincide over a range, 0: none
       integer :: undetermined_joints(2) = 0           !! of a sketch: these joints, 0: none
       type(range_t) :: undetermined                    !! the first such range of inputs
@@ -249,7 +249,11 @@ contains
       pure real(wp) function closed_length(found)
          type(summary_t), intent(in) :: found
 
-         closed_length = sum(abs(found%closing%high - found%closing%low))
+         if (found%sliding_input) then
+            closed_length = sum(found%closing%high - found%closing%low)
+         else
+            closed_length = sum(modulo(found%closing%high - found%closing%low, full_turn))
+         end if
          if (found%everywhere) closed_length = huge(closed_length)
       end function closed_length
 
@@ -279,6 +283,11 @@ contains
          if (any(loops > 0)) call note_undetermined(fine, dimensions, loops, turn, found)
          call follow(fine, refinement, dimensions, turn, found)
          if (found%undetermined_loop > 0) call meet_ends(found)
+         if (row(2) >= row(1)) return
+         do i = 1, size(found%closing)
+            found%closing(i) = range_t(found%closing(i)%high, found%closing(i)%low)
+         end do
+         found%undetermined = range_t(found%undetermined%high, found%undetermined%low)
       end subroutine sweep
    end subroutine summarise_range
 

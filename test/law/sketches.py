@@ -337,6 +337,17 @@ def searched_in_poses(programs):
         error = sum((float(row[column]) - value)**2 for row, values in zip(rows, wanted)
                     for column, value in zip(("point_P.x", "point_P.y", "angle_P_Q"), values)) if closed else float("inf")
         yield "search in poses: the table has the error found", abs(error - best) < 1e-5 * best, (error, best)
+        inputs = [float(row["input"]) for row in rows]
+        low, high = (float(x) for x in (re.findall(r"Closes +from input (\S+) to (\S+) only", done.stderr) or [("nan", "nan")])[0])
+        yield ("search in poses: inputs that fall lie in a range that is listed as inputs rise",
+               all(0 <= (x - low) % 360 <= (high - low) % 360 for x in inputs), (low, high, inputs))
+        for item, least in (("TANGLE=50.0", 40), ("TRMIN=52.0", 52)):
+            done, _ = run_psalm(programs, folder, "limit", IN_POSES.rstrip() + "\n &LIMITS %s, LAST=1 &END\n" % item)
+            with open(os.path.join(folder, "limit.csv"), encoding="ascii") as file:
+                places = [[complex(float(row[j + ".x"]), float(row[j + ".y"])) for j in "BCD"] for row in csv.DictReader(file)]
+            angles = [abs(math.degrees(cmath.phase((b - c)/(d - c)))) for b, c, d in places]
+            yield ("search in poses: %s holds at every position" % item,
+                   done.returncode == 0 and len(angles) == 4 and all(least - 1e-4 < min(a, 180 - a) for a in angles), (angles, done.stderr))
 
 
 def grid_alone(programs):

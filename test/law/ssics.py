@@ -293,6 +293,15 @@ def blocks_and_curves(place):
     plots = curve_plots.plots_of(name)
     check([plot.name for plot in plots] == ["deflection by mode, m", "the bent link: deflection, m", "greatest deflection of mode 1, m",
                                             "first frequency/speed"], "four panels", [plot.name for plot in plots])
+    modes, bent = plots[:2]
+    at = lambda mode, angle: numpy.interp(angle, *zip(*modes.line("mode %d" % mode)))
+    length = 0.381
+    check(len(bent.lines) == 12 and abs(bent.last - length) < 1e-12, "the bent link: from pin to pin, twelve times a turn", bent.last)
+    for label, _, points in bent.lines:
+        shape = [sum(at(j, float(label.split()[0]))*math.sin(j*math.pi*x/length) for j in (1, 2)) for x, _ in points]
+        off = max(abs(v - w) for (_, v), w in zip(points, shape))
+        check(off < 2*modes.error() + bent.error() and abs(points[-1][0] - length) < 1e-3*length and len(points) == 49,
+              "the bent link: its modes together, " + label, off)
     drawn = plots[2].spans
     code, listing, error, blocks = run(data("rig_coupler.nml"), place)
     bands = [[float(word.replace("D", "E")) for word in line.split()] for line in listing.split(" MODE 1 GROWS AT SPEEDS")[1].split("\n")[1:3]]

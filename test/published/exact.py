@@ -18,19 +18,13 @@ from xml.etree import ElementTree
 import numpy as np
 
 TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+sys.path.insert(0, os.path.join(TOP, "test", "tools"))
+import tally
+from tally import check
+
 ALL = "--all" in sys.argv
 BIN = next((a for a in sys.argv[1:] if a != "--all"), os.path.join(TOP, "build", "local", "bin"))
 DATA = os.path.join(TOP, "data", "exact")
-passed = failed = 0
-
-
-def check(condition, law, got=""):
-    global passed, failed
-    if condition:
-        passed += 1
-    else:
-        failed += 1
-        print("FAILED: %s; got %s" % (law, got))
 
 
 def run(name, text, folder):
@@ -89,11 +83,11 @@ def meets(name, seven, folder, wanted, size, sound):
     with open(seven, encoding="utf-8") as file, open(path, "w", encoding="utf-8") as copy:
         copy.write(file.read())
     done = subprocess.run([os.path.join(BIN, "psalm"), path], capture_output=True, text=True, timeout=120)
-    check(done.returncode in (0, 1), name + ": device 7 is a file of cases", done.stderr[:200])
+    check(name + ": device 7 is a file of cases", done.returncode in (0, 1), done.stderr[:200])
     if done.returncode > 1:
         return
     blocks = blocks_of(os.path.join(folder, name + "_again.dev9"))
-    check(len(blocks) == len(sound), name + ": a block for every case", len(blocks))
+    check(name + ": a block for every case", len(blocks) == len(sound), len(blocks))
     worst = 0.0
     for block, whole in zip(blocks, sound):
         if not whole:
@@ -107,8 +101,8 @@ def meets(name, seven, folder, wanted, size, sound):
                     away -= block[0][2 + c] - wanted[0][c]
                     away = math.remainder(away, 360.0)*math.pi/180.0*size
                 worst = max(worst, abs(away)/size)
-        check(len(block) == len(wanted), name + ": as many positions as points", len(block))
-    check(worst < 1e-9, name + ": the analysis passes the points", worst)
+        check(name + ": as many positions as points", len(block) == len(wanted), len(block))
+    check(name + ": the analysis passes the points", worst < 1e-9, worst)
 
 
 FOUR_POINTS = """FOUR POINTS OF A FUNCTION AND A ZERO LINE
@@ -124,7 +118,7 @@ def six_bars_meet(name, seven, folder, rows):
         copy.write(file.read())
     done = subprocess.run([os.path.join(BIN, "psalm"), path], capture_output=True, text=True, timeout=120)
     angles = [float(v) for v in re.findall(r"Transmission angle +at least ([0-9.]+) degrees", done.stderr + done.stdout)]
-    check(len(angles) == len(rows) and all(r[1] - 0.3 < a < r[1] + 1e-3 for a, r in zip(angles, rows)), name + ": transmission angles",
+    check(name + ": transmission angles", len(angles) == len(rows) and all(r[1] - 0.3 < a < r[1] + 1e-3 for a, r in zip(angles, rows)),
           (angles, [r[1] for r in rows]))
     blocks = blocks_of(os.path.join(folder, name + "_again.dev9"))
     if name == "stephenson":
@@ -136,7 +130,7 @@ def six_bars_meet(name, seven, folder, rows):
     for block in blocks:
         for row, want in zip(block, wanted):
             worst = max(worst, abs(math.remainder(row[2] - block[0][2] - want, 360.0)) if row[1] == 1 else math.inf)
-    check(len(blocks) == len(rows) and worst < 1e-6, name + ": five points by the analysis", worst)
+    check(name + ": five points by the analysis", len(blocks) == len(rows) and worst < 1e-6, worst)
 
 
 def turns_meet(name, seven, folder, angles, sound, crank=-3):
@@ -153,7 +147,7 @@ def turns_meet(name, seven, folder, angles, sound, crank=-3):
         for arm, angle in zip(arms, angles):
             if whole:
                 worst = max(worst, abs(math.remainder(math.degrees(cmath.phase(arm/arms[0])) - angle + angles[0], 360.0)))
-    check(worst < 1e-7, name + ": the coupler has the wanted orientations", worst)
+    check(name + ": the coupler has the wanted orientations", worst < 1e-7, worst)
 
 
 def near(rows, wanted, columns):
@@ -174,7 +168,7 @@ def proven_closes(name, folder, rows):
     """What is proven of four-bars, by the distance of the crank's pin from the far pivot: they close throughout where they are said to,
     and not beyond; what has no defect is proven."""
     blocks = blocks_of(os.path.join(folder, name + ".dev9"))
-    check(len(blocks) == 2 and len(blocks[1]) > 0, name + ": a block of what is proven", len(blocks))
+    check(name + ": a block of what is proven", len(blocks) == 2 and len(blocks[1]) > 0, len(blocks))
     if len(blocks) < 2:
         return
     bars = list(joints_of(os.path.join(folder, name + ".dev7")))
@@ -185,11 +179,11 @@ def proven_closes(name, folder, rows):
 
         def closes(turn):
             return least <= abs(b - a - (c - a)*cmath.exp(1j*math.radians(turn))) <= most
-        check(all(closes(row[3] + (row[4] - row[3])*(k + 0.5)/1000) for k in range(1000)), name + ": closes where it is proven to", row)
-        check(row[1] == 1 or not (closes(row[3] - 1e-6) or closes(row[4] + 1e-6)), name + ": and not beyond", row)
-        check(row[2] == 0 or row[3] <= min(turns) and max(turns) <= row[4] or row[1] == 1, name + ": the positions lie within", (row, turns))
+        check(name + ": closes where it is proven to", all(closes(row[3] + (row[4] - row[3])*(k + 0.5)/1000) for k in range(1000)), row)
+        check(name + ": and not beyond", row[1] == 1 or not (closes(row[3] - 1e-6) or closes(row[4] + 1e-6)), row)
+        check(name + ": the positions lie within", row[2] == 0 or row[3] <= min(turns) and max(turns) <= row[4] or row[1] == 1, (row, turns))
     sound = [r[0] for r in rows if r[1] == r[2] == r[3] == 1]
-    check([r[0] for r in blocks[1] if r[2] == 1][:len(sound)] == sound, name + ": what has no defect is proven", (sound, blocks[1]))
+    check(name + ": what has no defect is proven", [r[0] for r in blocks[1] if r[2] == 1][:len(sound)] == sound, (sound, blocks[1]))
 
 
 def lines(folder):
@@ -197,7 +191,7 @@ def lines(folder):
     for name in ("line_four_poses", "block_three_poses"):
         status, listing, rows, seven, _ = run(name, read(name), folder)
         blocks = blocks_of(os.path.join(folder, name + ".dev9"))
-        check(status == 0 and len(blocks[0]) == len(blocks[-1]) == 3, name + ": three linkages", listing[:300])
+        check(name + ": three linkages", status == 0 and len(blocks[0]) == len(blocks[-1]) == 3, listing[:300])
         wanted = points_of(name)
         places = [complex(*p) for p in wanted]
         angles = [90.0, 76.5, 54.0, 3.0][:len(places)]
@@ -208,8 +202,8 @@ def lines(folder):
                 line = [(p + t*(d - places[0]))/b for p, t in zip(places, turns)]
             else:
                 line = [(b - p)/t/d for p, t in zip(places, turns)]
-            check(max(z.imag for z in line) - min(z.imag for z in line) < 1e-9*400, name + ": one line in all poses", line)
-        check(all((r[4] == 1) == (p[1] == 1) for r, p in zip(blocks[0], blocks[-1])), name + ": the crank turns where that is proven", blocks[-1])
+            check(name + ": one line in all poses", max(z.imag for z in line) - min(z.imag for z in line) < 1e-9*400, line)
+        check(name + ": the crank turns where that is proven", all((r[4] == 1) == (p[1] == 1) for r, p in zip(blocks[0], blocks[-1])), blocks[-1])
         meets(name, seven, folder, wanted, 400.0, [r[1] == r[3] == 1 for r in blocks[0]])
         turns_meet(name, seven, folder, angles, [r[1] == r[3] == 1 for r in blocks[0]], -3 if "line" in name else -2)
     # poses of a slider-crank and of a crank with a block: the known one is among the linkages of their five poses
@@ -226,14 +220,14 @@ def lines(folder):
         text = "POSES OF A SLIDE\n &EXACT KIND='MOTION', XP=%s,\n YP=%s,\n ANGP=%s, CERTIFY=1 &END\n" % tuple(",".join("%.17g" % v for v in l) for l in (
             [p.real for p, _, _ in poses], [p.imag for p, _, _ in poses], [math.degrees(cmath.phase(u)) for _, u, _ in poses]))
         status, listing, rows, seven, _ = run("slide", text, folder)
-        check("complete: 4 of 4 dyads distinct, certified but those with a pivot at infinity" in listing, "poses of a slide: verdict", listing)
+        check("poses of a slide: verdict", "complete: 4 of 4 dyads distinct, certified but those with a pivot at infinity" in listing, listing)
         c, u = poses[0][2], poses[0][1]
         if block:
             found = [r for r in rows if abs(complex(r[10], r[11]) - 2.5 - 0.3j) < 1e-9 and abs((complex(r[14], r[15])/u).imag) < 1e-9]
         else:
             found = [r for r in rows if abs(complex(r[14], r[15]) - c - 3*u) < 1e-9 and abs(r[11]) < 1e-9]
-        check(any(abs(complex(r[8], r[9])) < 1e-9 and abs(complex(r[12], r[13]) - c) < 1e-9 for r in found), "poses of a slide: the one they are of", rows)
-        check(len(found) == 3, "poses of a slide: with every dyad that turns", len(found))
+        check("poses of a slide: the one they are of", any(abs(complex(r[8], r[9])) < 1e-9 and abs(complex(r[12], r[13]) - c) < 1e-9 for r in found), rows)
+        check("poses of a slide: with every dyad that turns", len(found) == 3, len(found))
 
 
 def solve(rows, right):
@@ -269,31 +263,31 @@ def curves_drawn(folder):
     def off(z):
         terms = [c*v for c, v in zip(cubic, row_of(z))]
         return abs(sum(terms))/sum(map(abs, terms))
-    check(len(curve) > 200 and max(off(complex(r[2], r[3])) for r in curve) < 1e-9, "four poses: one circular cubic", len(curve))
+    check("four poses: one circular cubic", len(curve) > 200 and max(off(complex(r[2], r[3])) for r in curve) < 1e-9, len(curve))
     for i in range(4):
         for k in range(i):
             pole = (places[i]*turns[k] - places[k]*turns[i])/(turns[k] - turns[i])
-            check(off(pole) < 1e-9, "four poses: the pole of two of them is on it", (i, k, off(pole)))
+            check("four poses: the pole of two of them is on it", off(pole) < 1e-9, (i, k, off(pole)))
     worst = 0.0
     for r in curve:
         pin, pivot = (complex(r[4], r[5]) - places[0])/turns[0], complex(r[2], r[3])
         arms = [abs(p + t*pin - pivot) for p, t in zip(places, turns)]
         worst = max(worst, (max(arms) - min(arms))/max(arms))
-    check(worst < 1e-9, "four poses: pins on circles", worst)
+    check("four poses: pins on circles", worst < 1e-9, worst)
     if not os.path.exists(os.path.join(BIN, "balm")):
         return
     done = subprocess.run([os.path.join(BIN, "balm"), "--quiet", os.path.join(folder, "drawn.nml")], capture_output=True, text=True, timeout=60)
-    check(done.returncode == 0, "four poses: balm draws", done.stderr)
+    check("four poses: balm draws", done.returncode == 0, done.stderr)
     with open(os.path.join(folder, "drawn.svg"), encoding="utf-8") as file:
         picture = file.read()
     ElementTree.fromstring(picture)
     dots = [complex(float(x), -float(y)) for x, y in re.findall(r'class="dot" cx="([-0-9.]+)" cy="([-0-9.]+)"', picture)]
     scale = (places[3] - places[0])/(dots[3] - dots[0])
     drawn = [complex(float(x), -float(y)) for path in re.findall(r'class="centre" d="(M[^h"]+)"', picture) for x, y in re.findall(r"([-0-9.]+) ([-0-9.]+)", path)]
-    check(len(drawn) > 100 and max(off(places[0] + scale*(z - dots[0])) for z in drawn) < 2e-3, "four poses: the curve in the picture", len(drawn))
+    check("four poses: the curve in the picture", len(drawn) > 100 and max(off(places[0] + scale*(z - dots[0])) for z in drawn) < 2e-3, len(drawn))
     poles = [dots[0] + ((places[i]*turns[k] - places[k]*turns[i])/(turns[k] - turns[i]) - places[0])/scale for i in range(4) for k in range(i)]
     crosses = [complex(float(x) + 4, -float(y)) for x, y in re.findall(r'class="pole" d="M([-0-9.]+) ([-0-9.]+)h8', picture)]
-    check(len(crosses) > 4 and all(min(abs(z - p) for p in poles) < 0.3 for z in crosses if z.imag < -1), "four poses: the poles in the picture",
+    check("four poses: the poles in the picture", len(crosses) > 4 and all(min(abs(z - p) for p in poles) < 0.3 for z in crosses if z.imag < -1),
           (poles, crosses))
     # the best linkage's place on the map has its colour
     best = rows[0]
@@ -303,21 +297,21 @@ def curves_drawn(folder):
     runs = [tuple(map(int, m)) for path in re.findall(r'<path class="m%d" d="([^"]+)"' % wanted, picture) for m in re.findall(r"M(\d+) (\d+)h(\d+)v1", path)]
     for x, y in marks:
         column, row = (x - left)/cell, (y - top)/cell
-        check(any(r - 1 <= row <= r + 2 and c - 1 <= column <= c + n + 1 for c, r, n in runs), "four poses: the best pair on the map", (column, row, wanted))
-    check(len(marks) == 2, "four poses: two places of the best pair", marks)
+        check("four poses: the best pair on the map", any(r - 1 <= row <= r + 2 and c - 1 <= column <= c + n + 1 for c, r, n in runs), (column, row, wanted))
+    check("four poses: two places of the best pair", len(marks) == 2, marks)
     # other questions have no curves
     path = os.path.join(folder, "five.nml")
     with open(path, "w", encoding="utf-8") as file:
         file.write(read("five_poses"))
     done = subprocess.run([os.path.join(BIN, "balm"), path], capture_output=True, text=True, timeout=60)
-    check(done.returncode == 2 and "of &EXACT balm draws four poses" in done.stderr, "five poses: balm says what it draws", done.stderr)
+    check("five poses: balm says what it draws", done.returncode == 2 and "of &EXACT balm draws four poses" in done.stderr, done.stderr)
 
 
 def guided(folder):
     """Six-bars of a chain and two links: the links keep their lengths in all poses, by the poses alone; psalm's analysis comes to all
     poses where the six-bar is said to, and where not, it does not."""
     status, listing, rows, seven, _ = run("guided", read("guided_six_bar"), folder)
-    check(status == 0 and "27 six-bars, 3 of them" in listing and len(rows) == 5, "six-bars of a chain", listing[:300])
+    check("six-bars of a chain", status == 0 and "27 six-bars, 3 of them" in listing and len(rows) == 5, listing[:300])
     places = [complex(*p) for p in points_of("guided_six_bar")]
     turns = [cmath.exp(1j*math.radians(t - 90.0)) for t in (90.0, 76.5, 54.0, 31.0, 3.0)]
     a, b, c = -150 + 250j, -200 - 60j, 60 - 120j
@@ -342,16 +336,16 @@ def guided(folder):
             one, other = body[from1](g), body[to1](w)
             ends = body + [lambda z, o=one, e=(other - one)/(w - g): o + e*(z - g)]
             worst = max(worst, abs(abs(other - one) - abs(w - g)), abs(abs(ends[from2](h) - ends[to2](k)) - abs(h - k)))
-        check(worst < 1e-9*400, "six-bars of a chain: links keep their lengths", (worst, r[:8]))
+        check("six-bars of a chain: links keep their lengths", worst < 1e-9*400, (worst, r[:8]))
     again = seven.replace(".dev7", "_again.nml")
     with open(seven, encoding="utf-8") as file, open(again, "w", encoding="utf-8") as copy:
         copy.write(file.read())
     subprocess.run([os.path.join(BIN, "psalm"), again], capture_output=True, text=True, timeout=60)
     blocks = blocks_of(again.replace(".nml", ".dev9"))
-    check(len(blocks) == len(rows), "six-bars of a chain: a block for each", len(blocks))
+    check("six-bars of a chain: a block for each", len(blocks) == len(rows), len(blocks))
     for r, block in zip(rows, blocks):
         away = max(math.inf if q[1] != 1 else abs(complex(q[2], q[3]) - p) for q, p in zip(block, places))
-        check((away < 1e-9*400) == (r[1] == 1), "six-bars of a chain: the analysis comes to the poses, or not", (r[:2], away))
+        check("six-bars of a chain: the analysis comes to the poses, or not", (away < 1e-9*400) == (r[1] == 1), (r[:2], away))
 
 
 def guided_proofs(folder):
@@ -359,9 +353,9 @@ def guided_proofs(folder):
     text = read("guided_six_bar").replace("&EXACT", "&LIMITS IPROOF=1 &END\n &EXACT", 1)
     status, listing, _, seven, _ = run("proofs", text, folder)
     rows = blocks_of(seven.replace(".dev7", ".dev9"))[-1]
-    check([r[:3] for r in rows] == [[1, 0, 1], [2, 0, 1], [3, 0, 1]], "six-bars of a chain: three are proven", (status, rows))
-    check(all(r[3] < 0.0 and r[4] > 57.040902322597 for r in rows), "six-bars of a chain: the positions are in what closes", rows)
-    check(math.isnan(rows[0][5]) and rows[1][5] > 2.1, "six-bars of a chain: one is of a larger group", rows)
+    check("six-bars of a chain: three are proven", [r[:3] for r in rows] == [[1, 0, 1], [2, 0, 1], [3, 0, 1]], (status, rows))
+    check("six-bars of a chain: the positions are in what closes", all(r[3] < 0.0 and r[4] > 57.040902322597 for r in rows), rows)
+    check("six-bars of a chain: one is of a larger group", math.isnan(rows[0][5]) and rows[1][5] > 2.1, rows)
     with open(seven, encoding="utf-8") as file:
         cases = file.read().split("! rank ")[1:]
     for r, case in zip(rows, cases):
@@ -371,28 +365,28 @@ def guided_proofs(folder):
                 file.write(re.sub(r"NDES=5,\s+DELT=[^&]*", "NDES=3, DELT=0.0,%.12f,%.12f " % (inside, beyond), case.split("\n", 1)[1]).replace("LAST=0", "LAST=1"))
             subprocess.run([os.path.join(BIN, "psalm"), path], capture_output=True, text=True, timeout=60)
             closed = [q[1] for q in blocks_of(path.replace(".nml", ".dev9"))[0]]
-            check(closed == [1, 1, 0], "six-bars of a chain: the ends of what closes", (r, closed))
+            check("six-bars of a chain: the ends of what closes", closed == [1, 1, 0], (r, closed))
 
 
 def nine_points(folder):
     status, listing, rows, seven, _ = run("nine", read("nine_points"), folder)
-    check(status == 0 and "complete: 1442 of 1442 ends distinct, certified" in listing, "nine points: complete", listing[:300])
-    check("64 real, with their cognates 192 linkages" in listing, "nine points: real ones", listing[:400])
+    check("nine points: complete", status == 0 and "complete: 1442 of 1442 ends distinct, certified" in listing, listing[:300])
+    check("nine points: real ones", "64 real, with their cognates 192 linkages" in listing, listing[:400])
     proof = re.search(r"certified: (\d+) of 1442 exist, (\d+) apart from all others; 64 of 64 are real, (\d+) are not", listing)
-    check(bool(proof) and proof.groups() == ("1442", "1442", "1378"), "nine points: certificate", listing[:500])
+    check("nine points: certificate", bool(proof) and proof.groups() == ("1442", "1442", "1378"), listing[:500])
     # sum over the real triples of the three pivots, each of which stands in two cognates
     total = sum(complex(r[8], r[9]) + complex(r[10], r[11]) for r in rows)/2
-    check(abs(total - (221.48925182 + 53.18196833j)) < 3e-7, "nine points: sum of all pivots", total)
+    check("nine points: sum of all pivots", abs(total - (221.48925182 + 53.18196833j)) < 3e-7, total)
     # circuit and order belong to the curve: each verdict three times
     count = [0, 0]
     for r in rows:
         count[0] += r[1] == 1
         count[1] += r[1] == 1 and r[2] == 1
-    check(count == [3*30, 3*3], "nine points: circuits and orders, alike over the cognates", count)
+    check("nine points: circuits and orders, alike over the cognates", count == [3*30, 3*3], count)
     best = [r for r in rows if r[1] == r[2] == r[3] == r[4] == 1]
-    check(len(best) >= 1 and near(best, [1.341128943, .084540412, .704459402, .413897464], [10, 11, 8, 9])
-          or near(best, [1.341128943, .084540412, .704459402, .413897464], [8, 9, 10, 11]), "nine points: the one good family", best)
-    check(any(abs(r[5] - 12.06) < 0.005 for r in best), "nine points: its transmission angle", best)
+    check("nine points: the one good family", len(best) >= 1 and near(best, [1.341128943, .084540412, .704459402, .413897464], [10, 11, 8, 9])
+          or near(best, [1.341128943, .084540412, .704459402, .413897464], [8, 9, 10, 11]), best)
+    check("nine points: its transmission angle", any(abs(r[5] - 12.06) < 0.005 for r in best), best)
     meets("nine", seven, folder, points_of("nine_points"), 2.0, [r[1] == 1 and r[3] == 1 for r in rows])
     # the same points turned, mirrored, made small and in another order are the same problem
     x = [0.25, 0.52, 0.8, 1.2, 1.4, 1.1, 0.7, 0.2, 0.02]
@@ -403,11 +397,11 @@ def nine_points(folder):
     text = "AGAIN\n &EXACT XP=%s, YP=%s, NBEST=192 &END\n" % (",".join("%.17e" % p[i].real for i in order),
                                                              ",".join("%.17e" % p[i].imag for i in order))
     status, listing, others, _, _ = run("again", text, folder)
-    check("complete: 1442 of 1442" in listing and len(others) == 192, "nine points moved: complete", listing[:300])
+    check("nine points moved: complete", "complete: 1442 of 1442" in listing and len(others) == 192, listing[:300])
     given = sorted((complex(r[8], r[9]).real, complex(r[8], r[9]).imag) for r in rows)
     back = [((complex(r[8], r[9]) - 3e-6)/turn).conjugate() for r in others]
     pivots = [complex(r[8], r[9]) for r in rows] + [complex(r[10], r[11]) for r in rows]
-    check(bool(given) and all(min(abs(z - w) for w in pivots) < 1e-7*(1 + abs(z)) for z in back), "nine points moved: the same pivots",
+    check("nine points moved: the same pivots", bool(given) and all(min(abs(z - w) for w in pivots) < 1e-7*(1 + abs(z)) for z in back),
           max(min(abs(z - w) for w in pivots)/(1 + abs(z)) for z in back))
 
 
@@ -423,17 +417,17 @@ def symmetric_points(folder):
         status, listing, rows, _, errors = run(name, text, folder)
         words = re.search(r"; (\d+) of 1442 ends distinct, (\d+) at infinity, singular: (\d+), (\d+) end where others do", listing)
         count = [int(v) for v in words.groups()] if words else [0, 0, 0, 0]
-        check(count[0] + count[1] + count[3] == 1442 and count[1] == 24, name + ": every end is accounted for", listing[:300])
-        check(status == 1 and "not complete: infinitely many" in listing and "symmetric about a line" in errors,
-              name + ": infinitely many are told", (status, listing[:300], errors[:300]))
-        check(count[0] < 1442 and count[2] > 0, name + ": singular ends are recognised", count)
+        check(name + ": every end is accounted for", count[0] + count[1] + count[3] == 1442 and count[1] == 24, listing[:300])
+        check(name + ": infinitely many are told",
+              status == 1 and "not complete: infinitely many" in listing and "symmetric about a line" in errors, (status, listing[:300], errors[:300]))
+        check(name + ": singular ends are recognised", count[0] < 1442 and count[2] > 0, count)
         pivots.append([complex(r[8], r[9])/turn for r in rows] + [complex(r[10], r[11])/turn for r in rows])
         if name == "symmetric":
-            check(all(min(abs(z + w.conjugate()) for w in pivots[0]) < 1e-6*(1 + abs(z)) for z in pivots[0]),
-                  "symmetric points: with each linkage its mirror image")
+            check("symmetric points: with each linkage its mirror image",
+                  all(min(abs(z + w.conjugate()) for w in pivots[0]) < 1e-6*(1 + abs(z)) for z in pivots[0]))
     if ALL:
-        check(len(pivots[0]) > 0 and all(min(abs(z - w) for w in pivots[1]) < 1e-6*(1 + abs(z)) for z in pivots[0]) and
-              all(min(abs(z - w) for w in pivots[0]) < 1e-6*(1 + abs(z)) for z in pivots[1]), "symmetric points turned: the same pivots",
+        check("symmetric points turned: the same pivots", len(pivots[0]) > 0 and all(min(abs(z - w) for w in pivots[1]) < 1e-6*(1 + abs(z)) for z in pivots[0]) and
+              all(min(abs(z - w) for w in pivots[0]) < 1e-6*(1 + abs(z)) for z in pivots[1]),
               [len(p) for p in pivots])
     # some of the infinitely many, the axis as that of x: pivots a and d on it, joints p before and q behind the point
     turned = [z*-1j for z in points]
@@ -445,7 +439,7 @@ def symmetric_points(folder):
         for z in turned:
             b = directions(z, p, a, r)
             worst = max(worst, min(abs(abs(z + q*u - d)**2 - s) for u in b) if b else 9.9)
-        check(worst < 1e-9 and error < 1e-9, "a symmetric linkage passes all nine points, crank pivot at %g" % a, (worst, error))
+        check("a symmetric linkage passes all nine points, crank pivot at %g" % a, worst < 1e-9 and error < 1e-9, (worst, error))
 
 
 def directions(z, p, a, r):
@@ -488,85 +482,85 @@ def bounded(folder):
     text = read("nine_points").replace("CERTIFY=1", "TRMIN=10.0")
     _, listing, rows, _, _ = run("bounded", text, folder)
     left_out = re.search(r"(\d+) linkages left out", listing)
-    check(bool(left_out) and len(rows) + int(left_out[1]) == 192 and min(r[5] for r in rows) >= 10, "TRMIN of nine points", listing[:300])
+    check("TRMIN of nine points", bool(left_out) and len(rows) + int(left_out[1]) == 192 and min(r[5] for r in rows) >= 10, listing[:300])
     status, _, rows, seven, errors = run("bounded", text.replace("TRMIN=10.0", "TRMIN=85.0"), folder)
     with open(seven, encoding="utf-8") as file:
-        check(status == 1 and not rows and "&CHAIN" not in file.read() and "TRMIN" in errors, "nothing found: no results stay", rows)
+        check("nothing found: no results stay", status == 1 and not rows and "&CHAIN" not in file.read() and "TRMIN" in errors, rows)
     five = read("five_poses")
     lists = [run("turned", five.replace("ANGP=0.0,-95.0", "ANGP=0.0,%s" % angle), folder)[2] for angle in ("-95.0", "-3600095.0")]
-    check(len(lists[0]) == len(lists[1]) > 0 and all(near([a], b[8:16], list(range(8, 16))) for a, b in zip(*lists)), "whole turns of ANGP")
+    check("whole turns of ANGP", len(lists[0]) == len(lists[1]) > 0 and all(near([a], b[8:16], list(range(8, 16))) for a, b in zip(*lists)))
 
 
 def references(folder):
     status, listing, rows, seven, _ = run("poses", read("five_poses"), folder)
-    check(status == 0 and "complete: 4 of 4 dyads distinct" in listing and len(rows) == 6, "five poses: six four-bars", listing[:300])
+    check("five poses: six four-bars", status == 0 and "complete: 4 of 4 dyads distinct" in listing and len(rows) == 6, listing[:300])
     for pivot in [(-1.485859267, .236551638), (-2.311955925, .819092137), (-.962026827, .819210284), (-.013529843, 4.745083104)]:
-        check(sum(near([r], pivot, [8, 9]) or near([r], pivot, [10, 11]) for r in rows) == 3, "five poses: pivot %g" % pivot[0], rows)
+        check("five poses: pivot %g" % pivot[0], sum(near([r], pivot, [8, 9]) or near([r], pivot, [10, 11]) for r in rows) == 3, rows)
     meets("poses", seven, folder, points_of("five_poses"), 2.5, [r[1] == 1 and r[3] == 1 for r in rows])
     turns_meet("poses", seven, folder, [0.0, -95.0, 3.0, -88.0, 37.0], [r[1] == 1 and r[3] == 1 for r in rows])
 
     status, listing, rows, seven, _ = run("four", read("four_poses"), folder)
-    check(len(rows) == 5 and all(r[1] == r[2] == r[3] == 1 for r in rows), "four poses: five without a defect", listing[:300])
+    check("four poses: five without a defect", len(rows) == 5 and all(r[1] == r[2] == r[3] == 1 for r in rows), listing[:300])
     meets("four", seven, folder, points_of("four_poses"), 400.0, [True]*5)
     turns_meet("four", seven, folder, [90.0, 76.5, 54.0, 3.0], [True]*5)
 
     status, listing, rows, seven, _ = run("five", read("five_points_pivots"), folder)
-    check("complete: 33 of 36 ends distinct, certified, 3 at infinity" in listing and "15 real" in listing and "15 of 15 are real, 18 are not" in listing,
-          "five points and pivots (Morgan and Wampler)", listing[:300])
+    check("five points and pivots (Morgan and Wampler)",
+          "complete: 33 of 36 ends distinct, certified, 3 at infinity" in listing and "15 real" in listing and "15 of 15 are real, 18 are not" in listing, listing[:300])
     proven_closes("five", folder, rows)
     meets("five", seven, folder, points_of("five_points_pivots"), 1.5, [r[1] == 1 and r[3] == 1 for r in rows])
 
     status, listing, rows, seven, _ = run("timed", read("timed_points"), folder)
-    check("complete: 12 of 12 ends distinct, certified" in listing and "12 real" in listing, "five timed points: all real", listing[:300])
+    check("five timed points: all real", "complete: 12 of 12 ends distinct, certified" in listing and "12 real" in listing, listing[:300])
     cranks = [(.01469356, .458508323, -.319418084, -.961939549), (.517372882, .609137098, .50811034, .345204158),
               (.648897932, .16336679, .490987846, -.377654926), (1.252137896, -.815679837, .925546731, -1.354549502)]
     for crank in cranks:
-        check(sum(near([r], crank, [8, 9, 12, 13]) for r in rows) == 3, "five timed points: three followers of a crank", crank)
+        check("five timed points: three followers of a crank", sum(near([r], crank, [8, 9, 12, 13]) for r in rows) == 3, crank)
     for follower in [(1.029962376, -.055731876), (1.547027951, -2.050444959), (.616919052, .66744788)]:
-        check(any(near([r], cranks[0] + follower, [8, 9, 12, 13, 10, 11]) for r in rows), "five timed points: follower", follower)
-        check(sum(near([r], follower, [10, 11]) for r in rows) == 2, "five timed points: each follower with two cranks", follower)
+        check("five timed points: follower", any(near([r], cranks[0] + follower, [8, 9, 12, 13, 10, 11]) for r in rows), follower)
+        check("five timed points: each follower with two cranks", sum(near([r], follower, [10, 11]) for r in rows) == 2, follower)
     meets("timed", seven, folder, points_of("timed_points"), 1.6, [r[1] == 1 and r[3] == 1 for r in rows])
 
     status, listing, rows, seven, _ = run("mixed", read("poses_and_points"), folder)
-    check("complete: 60 of 60 ends distinct, certified" in listing and "32 real, 16 linkages" in listing, "four poses, two points", listing[:300])
+    check("four poses, two points", "complete: 60 of 60 ends distinct, certified" in listing and "32 real, 16 linkages" in listing, listing[:300])
     for bar in [(-3.25506353, 11.571450874, .008232213, .433895333), (-.351274657, 1.664669725, 1.473369911, 2.014370292)]:
-        check(near(rows, bar, [8, 9, 10, 11]) or near(rows, bar, [10, 11, 8, 9]), "four poses, two points: a four-bar", bar)
+        check("four poses, two points: a four-bar", near(rows, bar, [8, 9, 10, 11]) or near(rows, bar, [10, 11, 8, 9]), bar)
     meets("mixed", seven, folder, points_of("poses_and_points"), 2.0, [r[1] == 1 and r[3] == 1 for r in rows])
     turns_meet("mixed", seven, folder, [0.0, 20.0, -15.0, -40.0], [r[1] == 1 and r[3] == 1 for r in rows])
 
     status, listing, rows, seven, _ = run("slider", read("slider_poses"), folder)
-    check("complete: 42 of 42 ends distinct, certified" in listing and "16 of 16 are real, 26 are not" in listing, "slider-crank: complete", listing[:300])
+    check("slider-crank: complete", "complete: 42 of 42 ends distinct, certified" in listing and "16 of 16 are real, 26 are not" in listing, listing[:300])
     if rows:
         meets("slider", seven, folder, points_of("slider_poses"), 1.3, [r[1] == 1 and r[3] == 1 for r in rows])
 
     status, listing, rows, seven, _ = run("eight", read("eight_points_slider"), folder)
-    check("complete: 558 of 558 ends distinct, certified" in listing, "eight points by slider-cranks: complete", listing[:300])
+    check("eight points by slider-cranks: complete", "complete: 558 of 558 ends distinct, certified" in listing, listing[:300])
     # the one that the points are of, pin and line: crank 1 about 0, rod 2.7, line 0.35 above
     own = [r for r in rows if abs(complex(r[8], r[9])) < 1e-6 and abs(abs(complex(r[12], r[13])) - 1) < 1e-6 and abs(r[15] - 0.35) < 1e-6]
-    check(len(own) == 1 and own[0][1] == own[0][2] == own[0][3] == own[0][4] == 1, "eight points by slider-cranks: the one they are of", rows)
+    check("eight points by slider-cranks: the one they are of", len(own) == 1 and own[0][1] == own[0][2] == own[0][3] == own[0][4] == 1, rows)
     meets("eight", seven, folder, points_of("eight_points_slider"), 2.0, [r[1] == 1 and r[3] == 1 for r in rows])
 
     status, listing, rows, seven, _ = run("log", read("log10"), folder)
-    check(bool(rows) and abs(rows[0][1]/.00101822768 - 1) < 1e-6, "log10: least error", rows[:1])
+    check("log10: least error", bool(rows) and abs(rows[0][1]/.00101822768 - 1) < 1e-6, rows[:1])
     errors = generator_errors("log10", seven, rows, 60.0, 60.0, lambda place: math.log10(1.0 + place)/math.log10(2.0))
-    check(0.9*.00101822768 < errors <= .00101822768*(1 + 1e-6), "log10: error by the analysis", errors)
+    check("log10: error by the analysis", 0.9*.00101822768 < errors <= .00101822768*(1 + 1e-6), errors)
 
     status, listing, rows, seven, _ = run("inverse", read("inverse_slider"), folder)
-    check(bool(rows) and abs(rows[0][1]/.0216501 - 1) < 5e-6, "1/x by a slider-crank: least error", rows[:1])
+    check("1/x by a slider-crank: least error", bool(rows) and abs(rows[0][1]/.0216501 - 1) < 5e-6, rows[:1])
 
     for name in ("stephenson", "watt"):
         status, listing, rows, seven, _ = run(name, read(name), folder)
-        check(status == 0 and len(rows) == 5, name + ": five six-bars", listing[:300])
+        check(name + ": five six-bars", status == 0 and len(rows) == 5, listing[:300])
         if len(rows) == 5:
             six_bars_meet(name, seven, folder, rows)
 
     status, listing, rows, seven, _ = run("four", FOUR_POINTS, folder)
-    check("complete: 2 of 2 ends distinct" in listing and len(rows) == 2, "four points of a function: two linkages", listing)
+    check("four points of a function: two linkages", "complete: 2 of 2 ends distinct" in listing and len(rows) == 2, listing)
     if rows:
         meets("four", seven, folder, [(v,) for v in (0.0, 11.0, 24.0, 40.0)], 1.0, [r[1] != 0 for r in rows])
 
     status, listing, rows, seven, _ = run("points", read("function_points"), folder)
-    check("complete: 3 of 3 ends distinct, certified" in listing, "function points: verdict", listing)
+    check("function points: verdict", "complete: 3 of 3 ends distinct, certified" in listing, listing)
     if rows:
         meets("points", seven, folder, points_of("function_points"), 1.0, [r[1] != 0 for r in rows])
 
@@ -578,7 +572,7 @@ def generator_errors(name, seven, rows, swing_in, swing_out, wanted, places=None
     with open(seven, encoding="utf-8") as file, open(again, "w", encoding="utf-8") as copy:
         copy.write(file.read())
     done = subprocess.run([os.path.join(BIN, "psalm"), again], capture_output=True, text=True, timeout=60)
-    check(done.returncode in (0, 1), name + ": device 7 is a case", done.stderr)
+    check(name + ": device 7 is a case", done.returncode in (0, 1), done.stderr)
     block = blocks_of(again.replace(".nml", ".dev9"))[0]
     errors = []
     for row in block:
@@ -599,19 +593,23 @@ def functions(folder):
         text = "%s\n &EXACT KIND='FUNCTION', FUNC='%s', %sFXLOW=%g, FXHIGH=%g, DPHI=70.0, DPSI=50.0, MINIMAX=1, NBEST=1 &END\n" % (
             name, name, power, low, high)
         status, listing, rows, seven, words = run("function", text, folder)
-        check(status == 0 and len(rows) == 1, name + ": found", words)
+        check(name + ": found", status == 0 and len(rows) == 1, words)
         if rows:
             error = generator_errors(name, seven, rows, 70.0, 50.0,
                                      lambda place: (function(low + place*(high - low)) - function(low))/(function(high) - function(low)))
-            check(0.8*rows[0][1] < error <= rows[0][1]*(1 + 1e-6), name + ": error by the analysis", (error, rows[0][1]))
+            check(name + ": error by the analysis", 0.8*rows[0][1] < error <= rows[0][1]*(1 + 1e-6), (error, rows[0][1]))
     phi, psi = (0.0, 20.0, 40.0, 60.0, 80.0, 100.0), (0.0, 15.0, 35.0, 50.0, 70.0, 80.0)
     status, listing, rows, seven, words = run("table", "TABLE\n &EXACT KIND='FUNCTION', PHI=%s, PSI=%s, MINIMAX=1 &END\n" % (
         ",".join(map(str, phi)), ",".join(map(str, psi))), folder)
-    check(status == 0 and bool(rows), "table: found", words)
+    check("table: found", status == 0 and bool(rows), words)
     if rows:
         places = [p/100.0 for p in phi]
         error = generator_errors("table", seven, rows, 100.0, 80.0, lambda place: min(zip((abs(q - place) for q in places), psi))[1]/80.0, places)
-        check(abs(error/rows[0][1] - 1) < 1e-6, "table: error by the analysis", (error, rows[0][1]))
+        check("table: error by the analysis", abs(error/rows[0][1] - 1) < 1e-6, (error, rows[0][1]))
+
+
+# through seven points of a six-bar of Stephenson III
+SEVEN = "KIND='FUNCTION', SIXBAR='STEPHENSON', PHI=0,15,30,45,60,75,90, PSI=0,2,9,16,30,45,71, "
 
 
 def refused(folder):
@@ -630,6 +628,17 @@ def refused(folder):
         ("XP=0,1,2,3,4,5,6,7,8,9, YP=0,2,1,1,5,3,2,8,7,6, TIMP=0,10", 2, "a four-bar with points only"),
         ("KIND='MOTION', XP=0,1,2,3,4, YP=0,2,1,1,5, ANGP=5*10.0", 1, "degenerate"),
         ("KIND='FUNCTION', SIXBAR='WATT', PHI=0,10,20, PSI=0,5,12", 2, "a six-bar of Watt II is made for 5 points (a sample) or 9"),
+        (SEVEN + "PIVOTS=-1.4,-0.5, CRANK=0,0", 2, "has no length: its pin is at A"),
+        (SEVEN + "PIVOTS=0,0, CRANK=0.4,0.1", 2, "the third fixed pivot is at A"),
+        (SEVEN + "PIVOTS=1,0, CRANK=0.4,0.1", 2, "the third fixed pivot is at B"),
+        (SEVEN + "PIVOTS=-1.4,-0.5, CRANK=0.4,0.1, PHI0=10.0", 2, "of a six-bar the zero lines are free"),
+        (SEVEN + "PIVOTS=-1.4,-0.5, CRANK=0.4,0.1, PSI0=10.0", 2, "of a six-bar the zero lines are free"),
+        (SEVEN.replace("0,2,9,16,30,45,71", "7*20") + "PIVOTS=-1.4,-0.5, CRANK=0.4,0.1", 2, "the output stands still"),
+        ("KIND='FUNCTION', SIXBAR='STEPHENSON', PHI=0,10,20,30,40, PSI=5*10", 2, "the output stands still"),
+        ("KIND='FUNCTION', SIXBAR='WATT', FUNC='EXP', NPOINT=10", 2, "NPOINT"),
+        ("KIND='FUNCTION', SIXBAR='WATT', FUNC='EXP', NPOINT=4", 2, "NPOINT"),
+        ("KIND='MOTION', XP=0,1,2,3,4, YP=0,2,1,1,3, ANGP=0,10,30,40,50, NPOINT=5", 2, "is for six-bars that generate a function"),
+        ("XP=0,1,2,3,4,5,6,7,8, YP=0,2,1,1,5,3,2,8,7, CRANK=1,0", 2, "is for six-bars that generate a function"),
         ("KIND='FUNCTION', SIXBAR='JANSEN', PHI=0,10,20, PSI=0,5,12", 2, "must be 'STEPHENSON' or 'WATT'"),
         ("KIND='MOTION', XP=0,1,1,3,4, YP=0,2,2,1,5, ANGP=0,10,370,20,30", 2, "poses 2 and 3 are the same"),
         ("XP=0,1,2,3, YP=0,2,1,1", 2, "infinitely many pass; give more"),
@@ -655,20 +664,20 @@ def refused(folder):
     ]
     for text, wanted, words in cases:
         status, listing, _, _, errors = run("bad", "BAD INPUT\n &EXACT %s &END\n" % text, folder)
-        check(status in ([wanted] if wanted else [0, 1]) and (words is None or words in errors), "refused: " + text[:60], errors or listing)
+        check("refused: " + text[:60], status in ([wanted] if wanted else [0, 1]) and (words is None or words in errors), errors or listing)
 
 
 def symmetric_about_pivots(folder):
     """Points symmetric about the line of both pivots: each linkage whose coupler point is on the line of its joints and that meets half
     of them meets all, so there is a whole curve of linkages and no complete list. That is no success."""
     status, listing, _, _, errors = run("curve", "A CURVE OF LINKAGES\n &EXACT XP=-2,-1,0,1,2, YP=0,1,1.3,1,0, PIVOTS=0,-2,0,-3.5 &END\n", folder)
-    check(status == 1 and "not complete" in listing and "not complete" in errors, "an incomplete list ends with status 1", (status, listing[:300]))
+    check("an incomplete list ends with status 1", status == 1 and "not complete" in listing and "not complete" in errors, (status, listing[:300]))
     seven = "XP=-3,-2,-1,0.2,-1,-2,-3, YP=0.5,1.1,1.3,0,-1.3,-1.1,-0.5, PIVOTS=1.7,"
     slider = "SLIDER=1, XP=-3,-1.7,-0.6,-3,-1.7,-0.6, YP=0.5,1.1,1.3,-0.5,-1.1,-1.3, PIVOTS=1.7,"
     for text, told in ((seven + "0", True), (seven + "0.4", False), (slider + "0", True), (slider + "1E-3", False),
                        ("XP=-3,-1.7,-3.5,0.4,-1.1,-1.7,-3, YP=0.5,1.1,0,0,0,-1.1,-0.5, PIVOTS=1.7,0", False)):
         _, _, _, _, errors = run("axis", "AXIS\n &EXACT MAXTIME=0.01, %s &END\n" % text, folder)
-        check(("symmetric about a line: infinitely many" in errors) == told, "symmetric about a line: " + text, errors[:300])
+        check("symmetric about a line: " + text, ("symmetric about a line: infinitely many" in errors) == told, errors[:300])
 
 
 def progress(folder):
@@ -688,12 +697,12 @@ def progress(folder):
             if not more:
                 break
             shown += more
-        check(process.wait() == 0, "progress: exit status")
+        check("progress: exit status", process.wait() == 0)
     os.close(ours)
     counts = [int(n) for n in re.findall(rb"\rpath (\d+) of 1442", shown)]
-    check(len(counts) > 1 and counts == sorted(counts), "progress: paths are counted on a terminal", shown[:300])
+    check("progress: paths are counted on a terminal", len(counts) > 1 and counts == sorted(counts), shown[:300])
     _, _, _, _, errors = run("shown", read("nine_points"), folder)
-    check("path " not in errors, "no progress where there is no terminal", errors)
+    check("no progress where there is no terminal", "path " not in errors, errors)
 
 
 # paths that take seconds in quadruple precision
@@ -701,11 +710,11 @@ SLOW = "SLOW\n &EXACT KIND='PATH', SLIDER=1, XP=0,1,2E5,0.7,0.3,-0.2, YP=0,0.2,1
 
 
 def was_cut(name, status, listing, errors, folder, why):
-    check(status == 1, name + ": exit status 1", (status, errors))
-    check("not complete: stopped " + why in listing and "stopped " + why in errors, name + ": the verdict", listing[:300])
-    check("  complete" not in listing and "certified" not in listing, name + ": neither complete nor certified", listing[:300])
+    check(name + ": exit status 1", status == 1, (status, errors))
+    check(name + ": the verdict", "not complete: stopped " + why in listing and "stopped " + why in errors, listing[:300])
+    check(name + ": neither complete nor certified", "  complete" not in listing and "certified" not in listing, listing[:300])
     missing = [k for k in (7, 8, 9) if not os.path.exists(os.path.join(folder, "%s.dev%d" % (name, k)))]
-    check(not missing, name + ": the devices are written", missing)
+    check(name + ": the devices are written", not missing, missing)
 
 
 def stopped(folder):
@@ -716,17 +725,17 @@ def stopped(folder):
     _, whole, rows, _, _ = run("limited", limit(nine, 1e6), folder)
     took = time.monotonic() - began
     _, listing, again, _, _ = run("limited", nine, folder)
-    check(len(rows) > 0 and again == rows and [a for a in listing.splitlines() if "RUN" not in a] ==
-          [b for b in whole.splitlines() if "RUN" not in b], "MAXTIME that is not reached changes nothing")
+    check("MAXTIME that is not reached changes nothing", len(rows) > 0 and again == rows and [a for a in listing.splitlines() if "RUN" not in a] ==
+          [b for b in whole.splitlines() if "RUN" not in b])
     for name, part in (("cut0", 0.0), ("cut2", 0.2), ("cut4", 0.4)):
         status, listing, some, _, errors = run(name, limit(nine, max(part*took, 0.001)), folder)
         followed = re.search(r"stopped after MAXTIME, (\d+) of 1442 paths followed", listing)
         if part > 0.0 and status == 0:           # the computer was quicker this time
             continue
         was_cut(name, status, listing, errors, folder, "after MAXTIME")
-        check(bool(followed) and int(followed[1]) < 1442, "MAXTIME: paths are counted", listing[:300])
+        check("MAXTIME: paths are counted", bool(followed) and int(followed[1]) < 1442, listing[:300])
         # the last paths may lead to nothing real: then all linkages are there already
-        check(len(some) <= len(rows) and all(near(rows, row[8:16], range(8, 16)) for row in some), "MAXTIME: a part of the list", len(some))
+        check("MAXTIME: a part of the list", len(some) <= len(rows) and all(near(rows, row[8:16], range(8, 16)) for row in some), len(some))
     ten = "TEN\n &EXACT NSUB=100, MAXTIME=0.3, XP=7.03,6.77,5.91,4.93,4.38,3.76,3.76,3.8,5.07,6.41, " \
           "YP=5.99,5.66,5.15,4.78,4.54,4.34,3.84,3.34,2.91,3.6 &END\n"
     status, listing, _, _, errors = run("cut_ten", ten, folder)
@@ -739,7 +748,7 @@ def stopped(folder):
     proven = limit(nine.replace("&EXACT", "&LIMITS IPROOF=1 &END\n &EXACT", 1), 0.4*took)
     status, listing, some, _, errors = run("cut_proof", proven, folder)
     if status == 1 and some and "not complete" in listing:
-        check("nothing: not examined" in listing and "was not examined" in errors, "MAXTIME: motions that were not examined are reported", errors)
+        check("MAXTIME: motions that were not examined are reported", "nothing: not examined" in listing and "was not examined" in errors, errors)
     for number in (signal.SIGINT, signal.SIGTERM):
         path = os.path.join(folder, "killed.nml")
         for k in (7, 8, 9):
@@ -752,7 +761,7 @@ def stopped(folder):
             process.send_signal(number)
             began = time.monotonic()
             listing, errors = process.communicate(timeout=60)
-            check(time.monotonic() - began < 5.0, "a signal: it ends soon", time.monotonic() - began)
+            check("a signal: it ends soon", time.monotonic() - began < 5.0, time.monotonic() - began)
         was_cut("killed", process.returncode, listing, errors, folder, "by request")
 
 
@@ -764,16 +773,16 @@ def subsets(folder):
                                        (5.99, 5.66, 5.15, 4.78, 4.54, 4.34, 3.84, 3.34, 2.91, 3.6))]
     status, listing, rows, seven, _ = run("subsets", text, folder)
     found = [line.split() for line in listing.splitlines() if re.match(r" +\d+ +(yes|no) ", line)]
-    check(status == 0 and 1 <= len(found) <= 3 and len(rows) == len(found), "sets of nine points", listing[:400])
+    check("sets of nine points", status == 0 and 1 <= len(found) <= 3 and len(rows) == len(found), listing[:400])
     again = seven.replace(".dev7", "_again.nml")
     with open(seven, encoding="utf-8") as file, open(again, "w", encoding="utf-8") as copy:
         copy.write(file.read())
     subprocess.run([os.path.join(BIN, "psalm"), again], capture_output=True, text=True, timeout=60)
     blocks = [b for b in blocks_of(again.replace(".nml", ".dev9")) if len(b) == len(points)]
-    check(len(blocks) == len(found), "sets of nine points: a case for each", len(blocks))
+    check("sets of nine points: a case for each", len(blocks) == len(found), len(blocks))
     for words, block in zip(found, blocks):
         rms = math.sqrt(sum(abs(complex(q[2], q[3]) - p)**2 for q, p in zip(block, points))/len(points))
-        check(all(q[1] == 1 for q in block) and abs(rms - float(words[2])) < 1e-5*rms, "sets of nine points: the distance", (words, rms))
+        check("sets of nine points: the distance", all(q[1] == 1 for q in block) and abs(rms - float(words[2])) < 1e-5*rms, (words, rms))
 
 
 def others(folder):
@@ -784,7 +793,7 @@ def others(folder):
     with open(path, "w", encoding="utf-8") as file:
         file.write(read("five_poses"))
     done = subprocess.run([os.path.join(BIN, "kalm"), path], capture_output=True, text=True, timeout=60)
-    check(done.returncode == 2 and "cases of its device 7" in done.stderr, "kalm refuses &EXACT", done.stderr)
+    check("kalm refuses &EXACT", done.returncode == 2 and "cases of its device 7" in done.stderr, done.stderr)
 
 
 with tempfile.TemporaryDirectory() as where:
@@ -803,5 +812,4 @@ with tempfile.TemporaryDirectory() as where:
     stopped(where)
     subsets(where)
     others(where)
-print("%d passed, %d failed" % (passed, failed))
-sys.exit(failed > 0)
+sys.exit(tally.report())

@@ -8,6 +8,7 @@ import cmath
 import math
 import os
 import re
+import struct
 import subprocess
 import sys
 import tempfile
@@ -15,16 +16,9 @@ import tempfile
 TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 BIN = sys.argv[1] if len(sys.argv) > 1 else os.path.join(TOP, "build", "local", "bin")
 EVERYTHING = "all" in sys.argv[2:]
-passed = failed = 0
-
-
-def check(condition, law, got=""):
-    global passed, failed
-    if condition:
-        passed += 1
-    else:
-        failed += 1
-        print("FAILED: %s; got %s" % (law, got))
+sys.path.insert(0, os.path.join(TOP, "test", "tools"))
+import tally
+from tally import check
 
 
 def psalm(name, text, folder):
@@ -70,12 +64,12 @@ def meet(name, folder, wanted):
     """Every listed linkage turns its output as is wanted, by the suite's own analysis."""
     with open(os.path.join(folder, name + ".dev7"), encoding="utf-8") as file:
         status, _, errors = psalm(name + "_again", file.read(), folder)
-    check(status in (0, 1), name + ": device 7 is a file of cases", errors[:200])
+    check(name + ": device 7 is a file of cases", status in (0, 1), errors[:200])
     rows = positions_of(os.path.join(folder, name + "_again.dev9"))
     listed = table_of(os.path.join(folder, name + ".dev9"), "exact")
-    check(len(rows) == len(listed) > 0, name + ": a case for every linkage listed", (len(rows), len(listed)))
+    check(name + ": a case for every linkage listed", len(rows) == len(listed) > 0, (len(rows), len(listed)))
     worst = max((abs(math.remainder(a - r[0] - w + wanted[0], 360.0)) for r in rows for a, w in zip(r, wanted)), default=math.inf)
-    check(all(len(r) == len(wanted) for r in rows) and worst < math.degrees(1e-9), name + ": the analysis meets the points", worst)
+    check(name + ": the analysis meets the points", all(len(r) == len(wanted) for r in rows) and worst < math.degrees(1e-9), worst)
 
 
 def chebyshev(n):
@@ -107,6 +101,13 @@ def made(phis):
     return outputs, numbers
 
 
+def table(phis, outputs, p, c):
+    """A data set: Stephenson III through these angles, radians; crank and third pivot are given."""
+    degrees = [",".join("%.17g" % math.degrees(v) for v in angles) for angles in (phis, outputs)]
+    return ("TABLE\n &EXACT KIND='FUNCTION', SIXBAR='STEPHENSON', PHI=%s,\n  PSI=%s,\n"
+            "  PIVOTS=%r,%r, CRANK=%r,%r, TRMIN=0.0, NBEST=200 &END\n" % (*degrees, -c.real, -c.imag, p.real, p.imag))
+
+
 FUNCTION = """X**2
  &EXACT KIND='FUNCTION', SIXBAR='STEPHENSON', NPOINT=7, FUNC='POWER', FPOWER=2.0, FXLOW=0.0, FXHIGH=1.0, DPHI=90.0, DPSI=90.0,
   PIVOTS=-1.4,-0.5, CRANK=0.4,0.1, TRMIN=0.0, NBEST=100, CERTIFY=1 &END
@@ -121,61 +122,90 @@ WATT = """X**2
 """
 
 
+def left_out(folder):
+    """Limits that leave nothing are named with what they remove."""
+    status, _, errors = psalm("flat", SINE.replace("TRMIN=0.0", "TRMIN=89.0"), folder)
+    check("TRMIN leaves none", status == 1 and " with a transmission angle less than TRMIN" in errors and "RLONG" not in errors, errors)
+    status, _, errors = psalm("long", SINE.replace("TRMIN=0.0", "TRMIN=0.0, RLONG=1.01"), folder)
+    check("RLONG leaves none", status == 1 and " with a link longer than RLONG" in errors and "TRMIN" not in errors, errors)
+
+
+def cut_short(folder, kept):
+    """A study that MAXTIME ends; a start set that it ends is gone on with, unless its file is damaged."""
+
+    def known(seconds):
+        """Solutions known when it was stopped; -1: it was not."""
+        status, listing, _ = psalm("short", FUNCTION.replace("NBEST=100", "MAXTIME=%g" % seconds), folder)
+        found = re.search(r"while the start set was made, (\d+) of 1286 solutions known", listing)
+        return int(found[1]) if found else 1286 if status == 1 and "not complete: stopped after MAXTIME" in listing else -1
+
+    check("a start set that is kept is not said to be made", known(0.001) == 1286)
+    # behind the head of three numbers: seed, passes, idle passes, done, numbers of a solution, solutions
+    os.remove(kept)
+    seconds, passes, solutions = 0.05, 0, 0
+    while solutions <= 2 and seconds < 60.0:
+        before = passes
+        known(seconds)
+        if os.path.exists(kept):
+            with open(kept, "rb") as file:
+                state = file.read()
+            _, passes, _, done, _, solutions = struct.unpack("6q", state[24:72])
+        if passes == before:
+            seconds *= 1.5
+    check("a start set is kept while it is made", passes > 0 and not done and 2 < solutions < 1286, (passes, done, solutions))
+    check("a start set is gone on with", known(0.001) == solutions, solutions)
+    for name, place, change in (("one bit", len(state)//2//8*8, bytes([state[len(state)//2//8*8] ^ 1])),
+                                ("no number", len(state)//2//8*8, struct.pack("d", math.nan)),
+                                ("cut short", len(state) - 8, None)):
+        with open(kept, "wb") as file:
+            file.write(state[:place] + (change + state[place + len(change):] if change else b""))
+        check("a damaged start set is made anew: " + name, 0 < known(0.001) < solutions)
+
+
 def main():
     with tempfile.TemporaryDirectory() as folder:
         # counts of an independent program: doc/guide/exact.md
         for name, text, real, sound in (("square", FUNCTION, 172, 10), ("sine", SINE, 170, 6)):
             status, listing, errors = psalm(name, text, folder)
-            check(status == 0 and "complete: 1286 of 1286 ends distinct" in listing, name + ": all ends", listing + errors)
-            check("%d real; without a defect: %d driven at the input" % (real, sound) in listing, name + ": real ones", listing)
+            check(name + ": all ends", status == 0 and "complete: 1286 of 1286 ends distinct" in listing, listing + errors)
+            check(name + ": real ones", "%d real; without a defect: %d driven at the input" % (real, sound) in listing, listing)
             meet(name, folder, [90.0*x*x if name == "square" else 90.0*math.sin(math.pi/2*x) for x in chebyshev(7)])
             if name == "square":
-                check("certified: of 172 real ones 172 exist, 172 apart from all others, 172 are real" in listing, name + ": certificate", listing)
+                check(name + ": certificate", "certified: of 172 real ones 172 exist, 172 apart from all others, 172 are real" in listing, listing)
         kept = os.path.join(folder, "cache", "psalm", "stephenson3-07-p-c.start")
         size = os.path.getsize(kept) if os.path.exists(kept) else 0
-        check(size > 1286*10*16, "the start set is kept", size)
+        check("the start set is kept", size > 1286*10*16, size)
 
         phis = [math.radians(d) for d in (0.0, 17.0, 31.0, 50.0, 64.0, 83.0, 100.0)]
         outputs, numbers = made(phis)
         p, c = numbers[0], numbers[4]
-        table = "MADE\n &EXACT KIND='FUNCTION', SIXBAR='STEPHENSON', PHI=%s,\n  PSI=%s,\n  PIVOTS=%r,%r, CRANK=%r,%r, TRMIN=0.0, NBEST=200 &END\n" % (
-            ",".join("%.17g" % math.degrees(v) for v in phis), ",".join("%.17g" % math.degrees(v) for v in outputs), -c.real, -c.imag, p.real, p.imag)
-        status, listing, errors = psalm("made", table, folder)
-        check(status == 0 and "complete: 1286 of 1286" in listing, "made: all ends", listing + errors)
+        status, listing, errors = psalm("made", table(phis, outputs, p, c), folder)
+        check("made: all ends", status == 0 and "complete: 1286 of 1286" in listing, listing + errors)
         found = table_of(os.path.join(folder, "made.dev9"), "exact")
         away = min((max(abs(complex(row["number_%sx" % n], row["number_%sy" % n]) - own) for n, own in zip("pqrsc", numbers)) for row in found),
                    default=math.inf)
-        check(away < 1e-7, "made: the linkage that the points come from is listed", away)
+        check("made: the linkage that the points come from is listed", away < 1e-7, away)
         meet("made", folder, [math.degrees(v) for v in outputs])
 
         # other direction of both angles: the mirror image of every linkage
-        mirrored = table.replace("PHI=", "PHI=%s !" % ",".join("%.17g" % -math.degrees(v) for v in reversed(phis)), 1)
-        mirrored = re.sub(r" !0[^\n]*\n", ",\n", mirrored, count=1)
-        mirrored = re.sub(r"PSI=[^\n]*\n", "PSI=%s,\n" % ",".join("%.17g" % -math.degrees(v) for v in reversed(outputs)), mirrored)
-        mirrored = mirrored.replace("PIVOTS=%r,%r" % (-c.real, -c.imag), "PIVOTS=%r,%r" % (-c.real, c.imag))
-        mirrored = mirrored.replace("CRANK=%r,%r" % (p.real, p.imag), "CRANK=%r,%r" % (p.real, -p.imag))
-        status, listing, errors = psalm("mirrored", mirrored, folder)
+        status, listing, errors = psalm("mirrored", table([-v for v in reversed(phis)], [-v for v in reversed(outputs)],
+                                                         p.conjugate(), c.conjugate()), folder)
         other = table_of(os.path.join(folder, "mirrored.dev9"), "exact") if status == 0 else []
-        check(len(other) == len(found) and all(abs(a["longest"] - b["longest"]) < 1e-6 for a, b in zip(other, found)),
-              "both angles reversed: the same linkages mirrored", listing + errors)
-
-        with open(kept, "r+b") as file:
-            file.seek(size//2)
-            file.write(b"\0\1\2\3\4\5\6\7")
-        status, listing, _ = psalm("square", FUNCTION.replace("NBEST=100", "MAXTIME=0.1"), folder)
-        check(status == 1 and "stopped after MAXTIME while the start set was made" in listing, "a damaged start set is made anew", listing)
-
+        check("both angles reversed: the same linkages mirrored", len(other) == len(found) and
+              all(abs(a["longest"] - b["longest"]) < 1e-6 for a, b in zip(other, found)), listing + errors)
+        check("a table has no error between its entries", "ERROR" not in listing and "error" not in found[0], listing)
+        left_out(folder)
+        cut_short(folder, kept)
         status, listing, _ = psalm("cut", WATT.replace("NBEST=100", "MAXTIME=0.5"), folder)
-        check(status == 1 and "not complete: stopped after MAXTIME while the start set was made" in listing, "stopped early", listing)
+        check("stopped early", status == 1 and "not complete: stopped after MAXTIME while the start set was made" in listing, listing)
         if EVERYTHING:
             status, listing, errors = psalm("watt", WATT, folder)
-            check(status == 0 and "complete: 26370 of 26370 ends distinct" in listing, "watt: all ends", listing + errors)
-            check("1590 real; without a defect: 23 driven at the input" in listing, "watt: real ones", listing)
+            check("watt: all ends", status == 0 and "complete: 26370 of 26370 ends distinct" in listing, listing + errors)
+            check("watt: real ones", "1590 real; without a defect: 23 driven at the input" in listing, listing)
             meet("watt", folder, [90.0*x*x for x in chebyshev(9)])
             best = table_of(os.path.join(folder, "watt.dev9"), "exact")[0]["error"]
-            check(abs(best - 3.73e-5) < 1e-6, "watt: least error", best)
-    print("%d passed, %d failed" % (passed, failed))
-    return failed > 0
+            check("watt: least error", abs(best - 3.73e-5) < 1e-6, best)
+    return tally.report()
 
 
 if __name__ == "__main__":

@@ -118,7 +118,7 @@ contains
    subroutine incomplete()
       type(case_t) :: empty, some
       type(case_t), allocatable :: cases(:)
-      type(findings_t) :: findings
+      type(findings_t) :: findings, taken
       real(wp) :: none(0)
 
       call refused(empty, 'the case is empty', 'an empty case')
@@ -171,6 +171,15 @@ contains
       some = slider_crank()
       call some%vary(2, angles=[1])
       call refused(some, 'no loop 2', 'a variable of a loop that is not there')
+      some = slider_crank()
+      call some%set_angle(2, 1, 1.0_wp)
+      call some%set_length(1, 2, -1.0_wp)
+      call some%take_back(1, taken)
+      call t%equal_integer(taken%count, 1, 'one fault of two is taken back')
+      if (taken%count == 1) call t%is_true(index(taken%list(1)%render(), 'not negative') > 0, 'it is the second', &
+                                           taken%list(1)%render())
+      call t%equal_integer(some%faults_made(), 1, 'the first stays')
+      call refused(some, 'no arc 1 of loop 2', 'and is reported')
       call read_text('', cases, findings)
       call t%is_true(findings%failed() .and. size(cases) == 0, 'an empty text has no case')
       findings = findings_t()
@@ -517,12 +526,14 @@ contains
 
    !> A sketch made in memory is the one of its file, to the last bit; its columns have names.
    subroutine sketch_in_memory()
-      type(case_t) :: made, slide
+      type(case_t) :: made, slide, loaded
       type(case_t), allocatable :: read(:)
       type(analysis_t) :: one, other
       type(findings_t) :: findings
       type(report_t) :: report
       real(wp), allocatable :: x(:)
+      character(:), allocatable :: text
+      integer :: k
 
       made = four_bar()
       call read_file('data/sketch_four_bar.nml', read, findings)
@@ -551,6 +562,13 @@ contains
       if (findings%count > 0) return
       call t%close_to(maxval(abs(one%motion%actual(:, 1) - slide_of(one%motion%input))), 0.0_wp, 1.0e-9_wp, &
                       'its pin is where a right triangle has it')
+      ! the frame, which the case has by its fixed joints, is a link of &CHAIN alone
+      loaded = four_bar()
+      call loaded%set_item('LOADS', 'LNAME', 'rocker C')
+      text = loaded%text()
+      k = index(text, ' &LOADS')
+      call t%is_true(k > 0 .and. index(text(:k), "'frame'") > 0 .and. index(text(k:), "'frame'") == 0 .and. &
+                     index(text(k:), "'rocker C'") > 0, 'links of loads are those that were given', text)
       call made%add_joint('E F', 1.0_wp, 2.0_wp)
       call refused(made, 'one word', 'a joint of two words')
    end subroutine sketch_in_memory

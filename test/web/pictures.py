@@ -999,6 +999,22 @@ def test_rate_curves():
     check("links of a sketch have the user's names", {body.get("name") for body in case["bodies"]} == {"frame", "chainstay", "seatstay", "rocker"})
 
 
+def beyond_reach(text):
+    """Bars and cylinders of a sketch that reaches no prescribed position: lengths as in the sweep; 0 where that reaches none, too."""
+    name = changed_case("between.nml", text, "DELT=0.0,0.1,0.2,-0.1,0.0", "DELT=3.0,-3.0,3.0,-3.0,3.0")
+    code, _, errors = balm("--quiet", name)
+    scene = page_data("between.html")[0]
+    number = {joint["name"]: j for j, joint in enumerate(scene["joints"]) if joint["name"]}
+    bars = {(bar["from"], bar["to"]): bar for bar in scene["bars"]}
+    check("beyond reach: a link is as long as in the drawing", code == 1 and abs(bars[number["H"], number["J"]]["length"] - 0.5) < 1e-9, errors)
+    check("beyond reach: cylinders have barrels", all(0 < bar["barrel"] < bar["length"] for bar in scene["bars"] if "barrel" in bar) and
+          sum("barrel" in bar for bar in scene["bars"]) == 3)
+    changed_case("beyond.nml", text, "DELT=0.0,0.1,0.2,-0.1,0.0", "DELT=3.0,3.1,3.2,3.3,3.4")
+    code, _, errors = balm("--quiet", "beyond.nml")
+    check("beyond reach: nothing has a length", code == 1 and all(bar["length"] == bar.get("barrel", 0) == 0 for bar in page_data("beyond.html")[0]["bars"]),
+          errors)
+
+
 CHAINS = {"excavator": "B C,D F,G J", "scissors_lift": "P Q", "geared_five_bar": "", "landing_gear": "B L",
           "excavator_envelope": "B C,D F,G J"}  # sketches without loops of dyads, and their cylinders
 
@@ -1107,6 +1123,8 @@ def test_envelope():
     check("envelope: tips anywhere lie in it", len(tips) == 24 and all(any(inside(p, mesh) for mesh in meshes) for p in tips))
     edges = [e for e in ezdxf.readfile("excavator_envelope.dxf").modelspace() if e.dxf.layer == "ENVELOPE"]
     check("envelope: its edges in the DXF", len(edges) == 12 and {len(e.vertices) for e in edges} == {13, 9, 4}, str(len(edges)))
+    with open(os.path.join(DATA, "excavator.nml"), encoding="utf-8") as file:
+        beyond_reach(file.read())
     check("envelope: on the SVG", 'id="envelope"' in read("excavator_envelope.svg") and "stroke" in read("excavator_envelope.svg"))
     code, _, errors = balm("--quiet", changed_case("grid.nml", case, "NGRID=13,9,4,", "NGRID=13,1,4,"))
     check("envelope: a grid of one value is refused", code == 2 and "NGRID: drive D F needs 2 values or more" in errors, errors)
