@@ -70,7 +70,7 @@ balm.curves = (() => {
       put('position', { name: 'error (desired - actual)' + unit, size, zero: true, lines: [], points });
     }
     const named = s.angle.length <= 8;
-    const angle = (a, i) => ({ label: named ? (i ? '' : 'loop ') + a.loop : '', colour: linkColour(i),
+    const angle = (a, i) => ({ label: named ? a.name : '', colour: linkColour(i),
       values: a.values });
     if (s.angle.length) put('position', { name: 'transmission angle, degrees', fixed: [0, 180], limits: c.limits,
       lines: s.angle.map(angle) });

@@ -182,7 +182,7 @@ balm.scene = (() => {
       add('worst deviation' + which, worst);
     });
     for (const panel of c.panels) for (const one of panel.lines) add((panel.name + ' ' + one.label).trim(), one.values);
-    for (const a of s.angle) add('transmission angle of loop ' + a.loop, a.values);
+    for (const a of s.angle) add('transmission angle of ' + a.name, a.values);
     c.joints.forEach((joint, j) => {
       if (!joint.name) return;
       for (const key of ['x', 'y']) add(joint.name + '.' + key, typeof s[key][j] === 'number' ? Array(s.n).fill(s[key][j]) : s[key][j]);

@@ -485,7 +485,7 @@ module psalm_page_text
    '    });'//nl// &
    "    for (const panel of c.panels) for (const one of panel.lines) add((panel.name + ' ' + one.label).trim(), one.values)"// &
    ";"//nl// &
-   "    for (const a of s.angle) add('transmission angle of loop ' + a.loop, a.values);"//nl// &
+   "    for (const a of s.angle) add('transmission angle of ' + a.name, a.values);"//nl// &
    '    c.joints.forEach((joint, j) => {'//nl// &
    '      if (!joint.name) return;'//nl// &
    "      for (const key of ['x', 'y']) add(joint.name + '.' + key, typeof s[key][j] === 'number' ? Array(s.n).fill(s[key]["// &
@@ -1491,7 +1491,7 @@ module psalm_page_text
    "      put('position', { name: 'error (desired - actual)' + unit, size, zero: true, lines: [], points });"//nl// &
    '    }'//nl// &
    '    const named = s.angle.length <= 8;'//nl// &
-   "    const angle = (a, i) => ({ label: named ? (i ? '' : 'loop ') + a.loop : '', colour: linkColour(i),"//nl// &
+   "    const angle = (a, i) => ({ label: named ? a.name : '', colour: linkColour(i),"//nl// &
    '      values: a.values });'//nl// &
    "    if (s.angle.length) put('position', { name: 'transmission angle, degrees', fixed: [0, 180], limits: c.limits,"//nl// &
    '      lines: s.angle.map(angle) });'//nl// &

@@ -5,11 +5,11 @@ module psalm_sweep_group
    use psalm_group, only: group_t, out_of, required
    use psalm_kinds, only: wp
    use psalm_rule, only: rule_t, a_number, a_text, a_whole, a_word
-   use psalm_sketch, only: sketch_t
-   use psalm_sketch_names, only: meant
+   use psalm_sketch, only: sketch_t, variation_t, vary_angle, vary_length
    use psalm_status, only: diagnostics_t
    use psalm_take, only: take
-   use psalm_text, only: shortened, to_text
+   use psalm_text, only: to_text
+   use psalm_variation_items, only: read_dimension
    implicit none (type, external)
    private
    public :: sweep_items
@@ -22,7 +22,7 @@ module psalm_sweep_group
    type, extends(case_group_t) :: sweep_group_t
       integer :: what = swept_length         !! SWHAT: one of `swept_...`
       integer :: arc = 0, loop = 0           !! SWLINK, SWLOOP
-      integer :: joints(2) = 0               !! SWJNT, of a sketch: the ends of the length
+      type(variation_t) :: dimension         !! SWJNT, of a sketch: the length or angle
       real(wp) :: low = 0.0_wp, high = 0.0_wp !! SWLOW, SWHIGH
       integer :: settings = 5                !! NSWEEP
    contains
@@ -44,12 +44,12 @@ module psalm_sweep_group
       rule_t('SWLOOP', a_whole, '', '', '', '', &
              'the loop of that arc'), &
       rule_t('SWJNT', a_text, '1', '', '', '', &
-             'of a sketch, in place of these: the two joints of a length that is an arc of its loops '// &
-             '(device 8), `''D E''`')]
+             'of a sketch, in place of these: a length by its joints, `''D E''`, or the angle from one line of a link to '// &
+             'another, `''angle C D D E''`')]
 
 contains
 
-   !> Read the group. Errors: arcs and joints that are not there, two joints without a link in common, an empty range.
+   !> Read the group. Errors: arcs and joints that are not there, joints without a link in common, an empty range.
    subroutine read_sweep_group(group, ilink, sketch, sweep, findings)
       type(group_t), intent(inout) :: group
       integer, intent(in) :: ilink(:, :)     !! ILINK, shape (maxarc, nloop)
@@ -73,12 +73,12 @@ contains
       if (.not. sweep%given) return
       if (group%given('SWLOW') .and. group%given('SWHIGH') .and. .not. sweep%low < sweep%high) &
          call out_of(group, 'SWHIGH', 'must be above SWLOW', findings)
-      if (any(sweep%what == [swept_length, swept_outlk]) .and. group%given('SWLOW') .and. .not. sweep%low > 0.0_wp) &
-         call out_of(group, 'SWLOW', 'a length must be above 0', findings)
       if (sketch%given) then
          call of_sketch()
          return
       end if
+      if (any(sweep%what == [swept_length, swept_outlk]) .and. group%given('SWLOW') .and. .not. sweep%low > 0.0_wp) &
+         call out_of(group, 'SWLOW', 'a length must be above 0', findings)
       if (size(names) > 0) call out_of(group, 'SWJNT', 'joints have names in a sketch (&CHAIN) only; give SWLINK and SWLOOP', &
                                        findings)
       if (all(sweep%what /= [swept_length, swept_angle]) .or. reported > 0) return
@@ -93,39 +93,24 @@ contains
    contains
 
       subroutine of_sketch()
-         character(:), allocatable :: pair
-         integer :: blank, l
+         logical :: angle
 
          if (sweep%what /= swept_length .or. group%given('SWLINK') .or. group%given('SWLOOP')) then
-            call out_of(group, merge('SWLINK', 'SWHAT ', group%given('SWLINK')), 'of a sketch a length is swept, between two '// &
-                        "joints of a link: SWJNT='A B'", findings)
+            call out_of(group, merge('SWLINK', 'SWHAT ', group%given('SWLINK')), 'of a sketch a length or an angle is swept, '// &
+                        "by its joints: SWJNT='A B' or SWJNT='angle A B B C'", findings)
             return
          end if
          if (size(names) /= 1) then
-            call required(group, 'SWJNT', "the two joints of the length are expected, SWJNT='A B'")
+            call required(group, 'SWJNT', "the joints of the length or angle are expected, SWJNT='A B' or SWJNT='angle A B B C'")
             return
          end if
-         pair = trim(adjustl(names(1)))
-         blank = index(pair, ' ')
-         if (blank == 0) then
-            call out_of(group, 'SWJNT', "two joints are expected, as 'A B'; found '"//shortened(pair)//"'", findings)
-            return
-         end if
-         sweep%joints = [find(pair(:blank - 1)), find(trim(adjustl(pair(blank:))))]
-         if (any(sweep%joints == 0) .or. .not. sketch%valid) return
-         do l = 1, size(sketch%links)
-            if (sketch%has_joint(l, sweep%joints(1)) .and. sketch%has_joint(l, sweep%joints(2))) return
-         end do
-         call out_of(group, 'SWJNT', "joints '"//pair//"' belong to no link together", findings)
+         call read_dimension(group, 'SWJNT', 1, names(1), sketch, findings, sweep%dimension)
+         angle = sweep%dimension%kind == vary_angle
+         if (all(sweep%dimension%kind /= [0, vary_length, vary_angle])) call out_of(group, 'SWJNT', "'"//trim(adjustl(names(1)))// &
+            "': a length or an angle is swept, as 'A B' or 'angle A B B C'", findings)
+         if (group%given('SWLOW') .and. .not. (angle .or. sweep%low > 0.0_wp)) &
+            call out_of(group, 'SWLOW', 'a length must be above 0', findings)
       end subroutine of_sketch
-
-      integer function find(name)
-         character(*), intent(in) :: name
-
-         find = sketch%joint_called(name)
-         if (find == 0 .and. sketch%valid) call out_of(group, 'SWJNT', "no joint is called '"//shortened(name)//"'"// &
-                                                       meant(name, sketch%joint_name), findings)
-      end function find
    end subroutine read_sweep_group
 
    !> The group as the case has it.

@@ -115,7 +115,6 @@ module psalm_traced_loops
       type(travel_t), allocatable :: travels(:) !! by slide
       integer, allocatable :: line_senses(:) !! by slide: +1: its arc has the direction of its line, -1: the opposite one
       integer, allocatable :: pin_holders(:) !! by joint: the link that places it, whose force on others is listed
-      character(:), allocatable :: chosen   !! the loops in words
    contains
       procedure :: is_dyad
       procedure :: number_of

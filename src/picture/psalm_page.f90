@@ -396,7 +396,7 @@ contains
          if (scene%pairs(loop)%joint_type /= assur_rrr) cycle
          if (.not. first) call text%add_text(',')
          first = .false.
-         call text%add_text('{"loop":'//to_text(loop)//',"values":[')
+         call text%add_text('{"loop":'//to_text(loop)//',"name":'//json_text(scene%pairs(loop)%name)//',"values":[')
          do i = 1, row%n
             call text%add_text(comma(i)//number(row%angle(loop, i), row%valid(loop, i)))
          end do

@@ -545,6 +545,7 @@ contains
                   bar%loop = loop
                   bar%arc = a
                else
+                  if (mechanism%has_joint_names()) cycle      ! the same line
                   write (name, '("loop ",i0," arc ",i0)') loop, a
                   if (len(bar%others) > 0) bar%others = bar%others//', '
                   bar%others = bar%others//trim(name)

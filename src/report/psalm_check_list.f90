@@ -6,12 +6,14 @@ module psalm_check_list
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t
    use psalm_finale, only: arc_table, list_reference, list_output_arc
+   use psalm_group_words, only: arc_heading, group_heading
    use psalm_input_text, only: angle_text
    use psalm_kinds, only: wp
    use psalm_loop_arrays, only: loop_arrays_t, arrays_of
    use psalm_output_kind, only: output_kind_t, output_kind
    use psalm_rate_items, only: rate_row_t, wanted_rows
    use psalm_mechanism, only: mechanism_t, arc_crank, arc_determined, arc_slide
+   use psalm_sketch_text, only: write_sketch
    use psalm_text, only: text_t, fixed, general, to_text
    implicit none (type, external)
    private
@@ -19,13 +21,14 @@ module psalm_check_list
 
    integer, parameter :: column = 10      !! width of a dimension
    integer, parameter :: wide_column = 14 !! width of a co-ordinate
+   integer, parameter :: name_column = 30 !! of the name of a line
    integer, parameter :: per_row = 5      !! values in a row of positions
    real(wp), parameter :: link_mark = 1.0_wp    !! SLIDE and CONFIG: a link
    real(wp), parameter :: slide_mark = 1.57_wp  !! SLIDE and CONFIG: a slide (a right angle, radians)
 
 contains
 
-   !> Append the annotated input.
+   !> Append the annotated input: of a sketch the data set as it was read, of a linkage of loops its arrays.
    subroutine list_input(heading, set, problem, text)
       character(*), intent(in) :: heading    !! program and version
       type(data_set_t), intent(in) :: set
@@ -33,9 +36,13 @@ contains
       type(text_t), intent(inout) :: text
       type(loop_arrays_t) :: arrays
 
-      arrays = arrays_of(set)
       call text%add(heading)
       call text%add()
+      if (set%has_names()) then
+         call write_sketch(set, text)
+         return
+      end if
+      arrays = arrays_of(set)
       call text%add(' '//set%title)
       call text%add(' MOTION  NLOOP MAXARC ILKOUT INGOUT   ICRK   IORIG KTHETA  IPLOT')
       call text%add(integers([set%motion(), arrays%nloop, arrays%maxarc, arrays%ilkout, arrays%ingout, &
@@ -150,9 +157,15 @@ contains
       type(loop_arrays_t) :: arrays
       integer :: loop, which
 
+      call text%add()
+      if (set%has_names()) then
+         call list_groups(problem, text)
+         call text%add(' NUMBER OF OPTIMIZATION VARIABLES '//to_text(size(problem%parameters%variables)))
+         call list_controls(set, text)
+         return
+      end if
       arrays = arrays_of(set)
       associate (mechanism => problem%mechanism, parameters => problem%parameters)
-         call text%add()
          call text%add(' NUMBER OF ARCS IN EACH LOOP, LOOPL')
          call text%add(integers([mechanism%loops%arcs], 5))
          call text%add(' UNDETERMINED ARCS IN EACH LOOP, LARCX')
@@ -171,6 +184,33 @@ contains
       call list_controls(set, text)
       call list_pruned(problem, text)
    end subroutine list_setup
+
+   !> The groups of a sketch in the order in which they are solved.
+   subroutine list_groups(problem, text)
+      type(problem_t), intent(in) :: problem
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: line
+      integer :: k, m
+
+      associate (mechanism => problem%mechanism)
+         call text%add(' ASSUR GROUPS IN THE ORDER OF THEIR SOLUTION')
+         do k = 1, mechanism%nloop
+            line = '  '//group_heading(mechanism, k, small=.false.)//': '
+            if (mechanism%is_dyad(k)) then
+               line = line//'DYAD OF TYPE '//to_text(mechanism%groups(k)%kind)//', LINKS'
+            else
+               line = line//'LARGER GROUP, LINKS'
+            end if
+            associate (members => mechanism%groups(k)%members)
+               do m = 1, size(members)
+                  line = line//trim(merge(',', ' ', m > 1))//' '//mechanism%bodies(mechanism%arcs(members(m))%body)%name
+               end do
+            end associate
+            if (.not. problem%plan%solved(k)) line = line//'; THE OUTPUT DOES NOT DEPEND ON IT'
+            call text%add(line)
+         end do
+      end associate
+   end subroutine list_groups
 
    !> Which arcs hang on which and which are identical, by sequential numbers (loop-1)*MAXARC + arc.
    subroutine list_references(arrays, mechanism, text)
@@ -307,15 +347,26 @@ contains
       character(:), allocatable :: lengths, angles
 
       call text%add()
-      call text%add(' LENGTHS AND ANGLES OF ALL ARCS')
+      if (mechanism%has_joint_names()) then
+         call text%add(' LENGTHS AND ANGLES OF ALL LINES')
+      else
+         call text%add(' LENGTHS AND ANGLES OF ALL ARCS')
+      end if
       do k = 1, size(motion%input)
          call text%add()
          call text%add(' INPUT'//general(motion%input(k))//'  CONDITION NUMBER'//general(condition(k)))
          do loop = 1, mechanism%nloop
             if (loop == arcs%open(k)) then
-               call text%add(' LOOP '//to_text(loop)//' DOES NOT CLOSE')
-               if (loop < mechanism%nloop) call text%add(' THE LOOPS AFTER IT ARE NOT DETERMINED')
+               call text%add(' '//group_heading(mechanism, loop, small=.false.)//' '// &
+                             trim(merge('DO NOT MEET   ', 'DOES NOT CLOSE', mechanism%has_joint_names())))
+               if (loop < mechanism%nloop) &
+                  call text%add(' THE '//trim(merge('GROUPS', 'LOOPS ', mechanism%has_joint_names()))// &
+                                ' AFTER IT ARE NOT DETERMINED')
                exit
+            end if
+            if (mechanism%has_joint_names()) then
+               call line_rows(mechanism, arcs, k, loop, text)
+               cycle
             end if
             call arc_lines(mechanism, arcs, k, loop, lengths, angles)
             call text%add(lengths)
@@ -341,6 +392,24 @@ contains
       angles = second%content()
    end subroutine arc_lines
 
+   !> Lines of a sketch by their names, a row each.
+   subroutine line_rows(mechanism, arcs, k, loop, text)
+      type(mechanism_t), intent(in) :: mechanism
+      type(arc_table_t), intent(in) :: arcs
+      integer, intent(in) :: k, loop
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: name
+      integer :: a, n
+
+      do a = 1, mechanism%loops(loop)%arcs
+         n = mechanism%seq(loop, a)
+         if (mechanism%arcs(n)%representative /= n) cycle    ! reported before
+         name = arc_heading(mechanism, loop, a, small=.false.)
+         call text%add('  '//name//repeat(' ', max(1, name_column - len(name)))//general(arcs%length(n, k))// &
+                       angle_text(arcs%angle(n, k)))
+      end do
+   end subroutine line_rows
+
    !> Append where the joint of the two undetermined arcs of every loop is at the reference position.
    subroutine list_reference_joints(mechanism, warnings, text)
       type(mechanism_t), intent(in) :: mechanism
@@ -349,11 +418,22 @@ contains
       character(:), allocatable :: arcs
       integer :: loop
 
-      call text%add(' JOINT OF THE UNDETERMINED ARCS OF EACH LOOP AT THE REFERENCE INPUT (X,Y)')
+      if (mechanism%has_joint_names()) then
+         call text%add(' INNER JOINT OF EACH GROUP AT THE REFERENCE INPUT (X,Y)')
+      else
+         call text%add(' JOINT OF THE UNDETERMINED ARCS OF EACH LOOP AT THE REFERENCE INPUT (X,Y)')
+      end if
       do loop = 1, mechanism%nloop
          if (.not. warnings%closes(loop)) then
-            call text%add(' LOOP '//to_text(loop)//' DOES NOT CLOSE AT THE REFERENCE INPUT')
+            call text%add(' '//group_heading(mechanism, loop, small=.false.)//' '// &
+                          trim(merge('DO NOT MEET   ', 'DOES NOT CLOSE', mechanism%has_joint_names()))//' AT THE REFERENCE INPUT')
             return
+         end if
+         if (mechanism%has_joint_names()) then
+            call text%add(' '//group_heading(mechanism, loop, small=.false.)//'  '// &
+                           fixed(warnings%joint(1, loop), wide_column, 4)// &
+                          fixed(warnings%joint(2, loop), wide_column, 4))
+            cycle
          end if
          arcs = 'FINISH OF ARC '//to_text(mechanism%place(1, loop))
          if (mechanism%is_dyad(loop)) arcs = 'ARCS '//to_text(mechanism%place(1, loop))//' AND '// &

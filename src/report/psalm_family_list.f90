@@ -6,7 +6,7 @@ module psalm_family_list
    use psalm_family_study, only: family_t
    use psalm_kinds, only: wp
    use psalm_tables, only: table_t, tables_t, table_of
-   use psalm_text, only: text_t, general, lower_case, to_text, upper_case
+   use psalm_text, only: text_t, general, lower_case, to_text
    implicit none (type, external)
    private
    public :: report_family
@@ -24,13 +24,13 @@ contains
       integer :: k, open
 
       if (.not. found) then
-         call devices%remark(set, 'no family of curves: the dimension of &SWEEP cannot be set by itself: a sliding arc, or '// &
-                             'joints of a sketch that no arc of its loops joins (device 8 has the loops)')
+         call devices%remark(set, 'no family of curves: the dimension of &SWEEP cannot be set by itself: '// &
+                             'an arc that slides, or that is not there')
          call devices%note_violation()
          return
       end if
       call list_family(family, devices%six)
-      call put_family(family, devices%cases(devices%last_case()))
+      call put_family(set%has_names(), family, devices%cases(devices%last_case()))
       open = count([(.not. all(family%closed(:, k)), k=1, size(family%setting))])
       if (open == 0) return
       call devices%remark(set, 'the linkage does not close everywhere at '//to_text(open)//' of '// &
@@ -46,7 +46,7 @@ contains
       integer :: c, first, last, i, k
 
       call text%add()
-      call text%add(' FAMILY OF CURVES: THE OUTPUT FOR '//to_text(size(family%setting))//' SETTINGS OF '//upper_case(family%name))
+      call text%add(' FAMILY OF CURVES: THE OUTPUT FOR '//to_text(size(family%setting))//' SETTINGS OF '//family%name)
       do c = 1, size(family%numbers)
          do first = 1, size(family%setting), in_a_row
             last = min(first + in_a_row - 1, size(family%setting))
@@ -82,14 +82,19 @@ contains
    end subroutine list_family
 
    !> The table `sweep`.
-   subroutine put_family(family, tables)
+   subroutine put_family(named, family, tables)
+      logical, intent(in) :: named               !! the dimension is one of a sketch
       type(family_t), intent(in) :: family
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
+      character(:), allocatable :: name
       integer :: i, k, c
 
+      ! names of joints stay as they are
+      name = lower_case(family%name)
+      if (named) name = lower_case(family%name(:index(family%name, ' ')))//family%name(index(family%name, ' ') + 1:)
       associate (settings => size(family%setting), positions => size(family%input))
-         table = table_of('sweep', 'a row for each setting of '//lower_case(family%name)//' and position')
+         table = table_of('sweep', 'a row for each setting of '//name//' and position')
          call table%add('setting', [((family%setting(k), i=1, positions), k=1, settings)], input_unit(.not. family%sets_angle))
          call table%add(input_name(), [((family%input(i), i=1, positions), k=1, settings)], input_unit(family%slides))
          call table%add(closed_name, reshape(family%closed, [positions*settings]))

@@ -4,7 +4,7 @@ module psalm_rate_list
    use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t
    use psalm_finale, only: open_words
-   use psalm_group_words, only: group_heading, group_words
+   use psalm_group_words, only: arc_heading, group_heading, group_words
    use psalm_input_text, only: input_heading, input_text, list_sketch_notes
    use psalm_kinds, only: wp
    use psalm_output_kind, only: motion_point, motion_pose
@@ -26,7 +26,8 @@ contains
       integer :: k
 
       call text%add()
-      call text%add(' ALL ARCS: LENGTH AND ANGLE, THEIR FIRST AND SECOND DERIVATIVES BY TIME (RADIANS)')
+      call text%add(' ALL '//trim(merge('LINES', 'ARCS ', problem%mechanism%has_joint_names()))// &
+                    ': LENGTH AND ANGLE, THEIR FIRST AND SECOND DERIVATIVES BY TIME (RADIANS)')
       do k = 1, size(rates%dead)
          call text%add()
          call text%add(' INPUT'//general(rates%motion%input(k)))
@@ -46,27 +47,49 @@ contains
       integer, intent(in) :: k
       type(text_t), intent(inout) :: text
       character(:), allocatable :: name
+      integer, parameter :: name_columns = 20
+      logical :: named
       integer :: loop, a, n, joint
 
-      call text%add('  LOOP  ARC         LENGTH       VELOCITY   ACCELERATION          ANGLE       VELOCITY   ACCELERATION')
+      named = mechanism%has_joint_names()
+      name = '  LOOP  ARC'
+      if (named) name = '  LINE'//repeat(' ', name_columns - len('  LINE'))
+      call text%add(name//'         LENGTH       VELOCITY   ACCELERATION          ANGLE       VELOCITY   ACCELERATION')
       do loop = 1, mechanism%nloop
          do a = 1, mechanism%loops(loop)%arcs
             n = mechanism%seq(loop, a)
-            name = repeat(' ', 6 - len(to_text(loop)))//to_text(loop)//repeat(' ', 5 - len(to_text(a)))//to_text(a)
+            if (named) then
+               if (mechanism%arcs(n)%representative /= n) cycle   ! reported before
+               name = in_column('  '//arc_heading(mechanism, loop, a, small=.false.))
+            else
+               name = repeat(' ', 6 - len(to_text(loop)))//to_text(loop)//repeat(' ', 5 - len(to_text(a)))//to_text(a)
+            end if
             call text%add(name//three(arcs%length(:, n, k))//three(arcs%angle(:, n, k)))
          end do
       end do
-      call text%add('  JOINT AT THE END OF ARC     X              Y            VX             VY             AX             AY')
+      name = '  JOINT AT THE END OF ARC'
+      if (named) name = '  JOINT'//repeat(' ', len(name) - len('  JOINT'))
+      call text%add(name//'     X              Y            VX             VY             AX             AY')
       do joint = 1, size(arcs%joint_arc)
          associate (arc => mechanism%arcs(arcs%joint_arc(joint)))
             name = ' LOOP '//to_text(arc%loop)//' ARC '//to_text(arc%place)
+            if (named) name = '  '//trim(mechanism%ends(arcs%joint_end(joint), arcs%joint_arc(joint)))
          end associate
-         name = name//repeat(' ', max(1, 20 - len(name)))
+         name = in_column(name)
          do a = 0, 2
             name = name//general(arcs%x(a, joint, k))//general(arcs%y(a, joint, k))
          end do
          call text%add(name)
       end do
+
+   contains
+
+      pure function in_column(words) result(column)
+         character(*), intent(in) :: words
+         character(:), allocatable :: column
+
+         column = words//repeat(' ', max(1, name_columns - len(words)))
+      end function in_column
    end subroutine list_position
 
    pure function three(values) result(columns)

@@ -15,7 +15,8 @@ module psalm_report
    use psalm_force_report, only: report_forces
    use psalm_force_study, only: force_study_t
    use psalm_input_text, only: position_words, zero_words
-   use psalm_kinds, only: wp
+   use psalm_constraint_group, only: range_positions
+   use psalm_kinds, only: wp, right_angle
    use psalm_machine_list, only: list_machine, put_machine, cycle_words
    use psalm_machine_study, only: machine_study_t
    use psalm_margin_list, only: list_margins, put_margins, describe_margin
@@ -38,7 +39,7 @@ module psalm_report
    use psalm_summary, only: summary_t
    use psalm_summary_table, only: put_arcs, put_arc_rates, put_dimensions, put_output_ranges, put_simplex, put_starts, &
                                   put_summary, put_violations, put_wish_errors
-   use psalm_summary_text, only: write_summary, write_wish_errors
+   use psalm_summary_text, only: plain_number, write_summary, write_wish_errors
    use psalm_synthesis, only: synthesis_t, ended_infeasible, ended_small_objective, ended_iterations, ended_time, &
                               ended_on_request, ended_without_rates
    use psalm_text, only: text_t, general, lower_case, to_text
@@ -248,7 +249,6 @@ contains
       call put_violations(problem, analysis%motion, devices%cases(devices%last_case()))
       call list_setup(set, problem, devices%eight)
       if (len(set%skipped) > 0) call devices%eight%add(' GROUPS THAT PSALM DOES NOT READ: '//set%skipped)
-      if (allocated(set%traced)) call devices%eight%add_text(set%traced%chosen)
       call list_reference_joints(problem%mechanism, analysis%warnings, devices%eight)
       do i = 1, warnings%count
          call devices%eight%add(' '//warnings%list(i)%render())
@@ -361,6 +361,7 @@ contains
       call put_summary(mechanism, summary, motion, set%has_stand_in(), devices%cases(devices%last_case()))
       if (present(study)) call put_output_ranges(study, devices%cases(devices%last_case()))
       call put_wish_errors(summary, devices%cases(devices%last_case()))
+      call remark_between(set, summary, motion, devices)
       if (devices%summarised == most_summarised) return
       devices%summarised = devices%summarised + 1
       if (present(study)) then
@@ -389,6 +390,24 @@ contains
          end associate
       end function coincident_words
    end subroutine report_summary
+
+   !> A limit of the transmission angle that is kept at the positions and not between them.
+   subroutine remark_between(set, summary, motion, devices)
+      type(data_set_t), intent(in) :: set
+      type(summary_t), intent(in) :: summary
+      type(motion_t), intent(in) :: motion
+      type(devices_t), intent(inout) :: devices
+
+      if (.not. set%limits%tangle_given .or. set%constr%irange /= range_positions) return
+      if (summary%angle_loop == 0 .or. summary%at_positions .or. .not. all(motion%closed) .or. size(motion%violations) > 0) return
+      associate (least => right_angle - set%limits%tangle)
+         if (.not. summary%angle < least) return
+         call devices%remark(set, 'the transmission angle falls to '//plain_number(summary%angle)//' degrees between the '// &
+                             'positions, at input '//plain_number(summary%angle_input)//'; '// &
+                             trim(merge('TRMIN ', 'TANGLE', set%limits%trmin_given))//' keeps it above '// &
+                             plain_number(least)//' at the positions, with IRANGE in &CONSTR everywhere')
+      end associate
+   end subroutine remark_between
 
    !> What is proven of the motion over the range of the input: listing, device 9, remarks and exit status.
    subroutine report_proof(set, mechanism, study, devices)

@@ -9,9 +9,10 @@ module psalm_summary_table
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp, degrees_per_radian
+   use psalm_markup, only: strings_t
    use psalm_mechanism, only: mechanism_t
    use psalm_output_kind, only: motion_angle, motion_point, most_rates
-   use psalm_part_columns, only: add_groups, add_lines
+   use psalm_part_columns, only: add_groups, add_lines, add_words
    use psalm_rate_study, only: rate_study_t
    use psalm_search, only: result_t
    use psalm_sketch_study, only: sketch_study_t
@@ -330,6 +331,7 @@ contains
       type(tables_t), intent(inout) :: tables
       character(*), parameter :: of_time(0:2) = [character(2) :: '', '.v', '.a'], of_joint(0:2) = [character(1) :: '', 'v', 'a']
       type(table_t) :: table
+      type(strings_t), allocatable :: joints(:)   ! names
       logical, allocatable :: known(:)
       real(wp) :: scale
       integer :: n, order
@@ -358,7 +360,13 @@ contains
             call add_column(trim(of_joint(order))//'y', arcs%y(order, :, :), rate_unit(.false., per_time(), order), &
                             spread(known, 1, size(arcs%joint_arc)), table)
          end do
-         call add_lines(mechanism, mechanism%arcs(arcs%joint_arc)%loop, mechanism%arcs(arcs%joint_arc)%place, table, size(known))
+         if (mechanism%has_joint_names()) then
+            allocate (joints(size(arcs%joint_arc)))
+            do n = 1, size(joints)
+               joints(n)%text = trim(mechanism%ends(arcs%joint_end(n), arcs%joint_arc(n)))
+            end do
+            call add_words('joint', joints, table, size(known))
+         end if
          call tables%put(table)
       end associate
    end subroutine put_arc_rates

@@ -12,12 +12,11 @@ module psalm_sketch_case
    use psalm_kinds, only: wp
    use psalm_sketch, only: sketch_t, drive_turns
    use psalm_sketch_assembly, only: assemble_sketch, move_slides
-   use psalm_sketch_dimensions, only: fill_tolerances, fill_variables, take_dimensions
+   use psalm_sketch_dimensions, only: check_sweep, fill_tolerances, fill_variables, take_dimensions
    use psalm_sketch_loops, only: make_loops
    use psalm_sketch_places, only: fill_places, fill_regions
    use psalm_status, only: diagnostics_t
-   use psalm_text, only: text_t, to_text
-   use psalm_traced_loops, only: loops_t, traced_link, traced_slide, traced_crank, traced_actuator
+   use psalm_traced_loops, only: loops_t, traced_crank
    implicit none (type, external)
    private
    public :: resolve_sketch, refuse_in_poses
@@ -68,7 +67,6 @@ contains
       call move_slides(closure, state, set%sketch%slides)
       set%sketch%x = state%joint(:, 0)%re
       set%sketch%y = state%joint(:, 0)%im
-      loops%chosen = words_of(loops, closure%sketch)
       call warn_of_idle_angle(loops, set, findings)
       call take_dimensions(loops)
       call fill_places(closure, loops, state, set)
@@ -87,6 +85,7 @@ contains
       end if
       call fill_regions(loops, closure%sketch, set)
       call fill_tolerances(loops, closure%sketch, set, findings)
+      call check_sweep(loops, closure%sketch, set, findings)
       loops%crank = crank_direction(loops, set%sketch)
       allocate (set%traced)
       set%traced = loops
@@ -165,41 +164,4 @@ contains
                                 'links, for it varies '//set%search_in_poses//'; leave it out')
       end subroutine refuse
    end subroutine refuse_in_poses
-
-   !> The loops in words, arc by arc, for device 8.
-   function words_of(loops, sketch) result(words)
-      type(loops_t), intent(in) :: loops
-      type(sketch_t), intent(in) :: sketch
-      character(:), allocatable :: words
-      type(text_t) :: text
-      character(:), allocatable :: line
-      integer :: k
-
-      call text%add(' LOOPS CHOSEN FOR THE SKETCH, ARC BY ARC (A FOOT IS WHERE A GUIDE MEETS THE LINE OF A SLIDE)')
-      line = ''
-      do k = 1, size(loops%arcs)
-         associate (arc => loops%arcs(k))
-            if (arc%place == 1) line = '  LOOP '//to_text(arc%loop)//':'
-            line = line//' '//loops%point_name(sketch%joint_name, arc%ends(1))//' TO '// &
-                   loops%point_name(sketch%joint_name, arc%ends(2))//' ('//trim(sketch%links(arc%link)%name)
-            if (arc%cylinder) then
-               line = line//', STRETCHES'
-            else if (arc%kind == traced_slide .or. arc%kind == traced_actuator) then
-               line = line//', SLIDES'
-            end if
-            if (arc%kind == traced_link .or. arc%kind == traced_slide) line = line//merge(', +', ', -', arc%sign > 0)
-            line = line//')'
-            if (k < size(loops%arcs)) then
-               if (loops%arcs(k + 1)%loop == arc%loop) line = line//','
-            end if
-            if (len(line) > 100 .or. k == size(loops%arcs)) then
-               call text%add(line)
-               line = '        '
-            else if (loops%arcs(k + 1)%loop /= arc%loop) then
-               call text%add(line)
-            end if
-         end associate
-      end do
-      words = text%content()
-   end function words_of
 end module psalm_sketch_case

@@ -8,6 +8,8 @@ submodule(psalm_family_study) psalm_family_study_body
                                variable_origng, variable_crnki, variable_gama
    use psalm_sweep_group, only: sweep_group_t, sweep_of, swept_length, swept_angle, swept_outlk, swept_outang, swept_origlk, &
                                 swept_origng
+   use psalm_sketch, only: sketch_t, variation_t, vary_angle
+   use psalm_sketch_dimensions, only: locate_dimension, dimension_length, dimension_angle, dimension_outlk, dimension_outang
    use psalm_stop, only: is_to_end
    use psalm_sketch_study, only: sketch_study_t, study_sketch
    implicit none (type, external)
@@ -16,13 +18,15 @@ contains
 
    module procedure sets_one_of
       type(sweep_group_t) :: sweep
-      integer :: n
+      integer :: what, arc
+      real(wp) :: sense, zero
 
       sets_one_of = .false.
       if (.not. set%gives('SWEEP')) return
       sweep = sweep_of(set)
-      sets_one_of = any([(which(n) .and. (all(mechanism%arcs(n)%joints == sweep%joints) .or. &
-                                          all(mechanism%arcs(n)%joints == sweep%joints([2, 1]))), n=1, size(which))])
+      call locate_dimension(set%traced, sweep%dimension, what, arc, sense, zero)
+      if (what /= dimension_length) return
+      sets_one_of = any(which .and. mechanism%arcs%representative == mechanism%arcs(arc)%representative)
    end procedure sets_one_of
 
    module procedure find_family
@@ -33,41 +37,22 @@ contains
       type(motion_t) :: motion
       type(output_kind_t) :: kind
       logical :: by_name                               ! a sketch: all its outputs
-      integer :: k, c, n
+      real(wp) :: sense, zero                          ! from a setting to the value of the dimension
+      integer :: k, c
 
       sweep = sweep_of(set)
       parameters = no_parameters(mechanism)
-      select case (sweep%what)
-      case (swept_length)
-         n = 0
-         if (sweep%joints(1) > 0) then
-            n = arc_between(sweep, mechanism)
-         else if (sweep%arc <= mechanism%loops(sweep%loop)%arcs) then
-            n = mechanism%seq(sweep%loop, sweep%arc)
-         end if
-         if (n > 0) call parameters%vary_length(mechanism, n)
-         if (n == 0 .and. sweep%joints(1) > 0) then
-            if (is_output_line(set, sweep)) call parameters%vary(mechanism, variable_outlk)
-         end if
-      case (swept_angle)
-         if (sweep%arc <= mechanism%loops(sweep%loop)%arcs) &
-            call parameters%vary_angle(mechanism, mechanism%seq(sweep%loop, sweep%arc))
-      case (swept_outlk)
-         call parameters%vary(mechanism, variable_outlk)
-      case (swept_outang)
-         call parameters%vary(mechanism, variable_outang)
-      case (swept_origlk)
-         call parameters%vary(mechanism, variable_origlk)
-      case (swept_origng)
-         call parameters%vary(mechanism, variable_origng)
-      case default
-         call parameters%vary(mechanism, variable_crnki)
-      end select
+      sense = 1.0_wp
+      zero = 0.0_wp
+      if (set%has_names()) then
+         call vary_by_name(set, mechanism, sweep%dimension, parameters, sense, zero)
+      else
+         call vary_by_arc(mechanism, sweep, parameters)
+      end if
       found = size(parameters%variables) == 1
       if (.not. found) return
       family%name = name_of(parameters%variables(1))
-      if (sweep%joints(1) > 0) family%name = 'LENGTH '//trim(set%sketch%joint_name(sweep%joints(1)))//' '// &
-                                          trim(set%sketch%joint_name(sweep%joints(2)))
+      if (set%has_names()) family%name = named(set%sketch, sweep%dimension)
       family%setting = settings_of(sweep)
       allocate (problem)
       call new_problem(mechanism, dimensions, parameters, delt, mechanism%whole, problem, own_inputs_at(set, delt))
@@ -88,7 +73,7 @@ contains
          family%stopped = is_to_end(stop)
          if (family%stopped) exit
          changed = dimensions
-         call parameters%apply(family%setting(k:k), changed)
+         call parameters%apply([sense*family%setting(k) + zero], changed)
          call problem%analyse(changed, motion)
          family%closed(:, k) = motion%closed
          if (k == 1) family%input = motion%input
@@ -133,32 +118,68 @@ contains
       if (.not. set%has_stand_in()) family%actual(:, :size(motion%actual, 2), k) = motion%actual
    end subroutine take_outputs
 
-   !> True if the joints of a sketch are those between which OUTLK is measured.
-   pure logical function is_output_line(set, sweep)
+   !> Vary the length or angle of a sketch that SWJNT names; nothing if its loops do not have it. The value is that of the name
+   !> times `sense`, plus `zero` degrees.
+   subroutine vary_by_name(set, mechanism, dimension, parameters, sense, zero)
       type(data_set_t), intent(in) :: set
-      type(sweep_group_t), intent(in) :: sweep
-      integer :: line(2)
-
-      line = set%traced%output_line()
-      is_output_line = all(sweep%joints == line) .or. all(sweep%joints == line([2, 1]))
-   end function is_output_line
-
-   !> The arc of the loops that runs between the joints of a sketch; number 0: there is none.
-   pure integer function arc_between(sweep, mechanism) result(n)
-      type(sweep_group_t), intent(in) :: sweep
       type(mechanism_t), intent(in) :: mechanism
+      type(variation_t), intent(in) :: dimension
+      type(parameters_t), intent(inout) :: parameters
+      real(wp), intent(out) :: sense, zero
+      integer :: what, arc
+
+      call locate_dimension(set%traced, dimension, what, arc, sense, zero)
+      select case (what)
+      case (dimension_length)
+         call parameters%vary_length(mechanism, arc)
+      case (dimension_angle)
+         call parameters%vary_angle(mechanism, arc)
+      case (dimension_outlk)
+         call parameters%vary(mechanism, variable_outlk)
+      case (dimension_outang)
+         call parameters%vary(mechanism, variable_outang)
+      end select
+   end subroutine vary_by_name
+
+   !> Vary what SWHAT names of a linkage of loops; nothing if it is no dimension.
+   subroutine vary_by_arc(mechanism, sweep, parameters)
+      type(mechanism_t), intent(in) :: mechanism
+      type(sweep_group_t), intent(in) :: sweep
+      type(parameters_t), intent(inout) :: parameters
+
+      select case (sweep%what)
+      case (swept_length, swept_angle)
+         if (sweep%arc > mechanism%loops(sweep%loop)%arcs) return
+         associate (n => mechanism%seq(sweep%loop, sweep%arc))
+            if (sweep%what == swept_length) call parameters%vary_length(mechanism, n)
+            if (sweep%what == swept_angle) call parameters%vary_angle(mechanism, n)
+         end associate
+      case (swept_outlk)
+         call parameters%vary(mechanism, variable_outlk)
+      case (swept_outang)
+         call parameters%vary(mechanism, variable_outang)
+      case (swept_origlk)
+         call parameters%vary(mechanism, variable_origlk)
+      case (swept_origng)
+         call parameters%vary(mechanism, variable_origng)
+      case default
+         call parameters%vary(mechanism, variable_crnki)
+      end select
+   end subroutine vary_by_arc
+
+   !> `LENGTH D E`, `ANGLE C D D E`.
+   pure function named(sketch, dimension) result(name)
+      type(sketch_t), intent(in) :: sketch
+      type(variation_t), intent(in) :: dimension
+      character(:), allocatable :: name
       integer :: k
 
-      n = 0
-      do k = 1, size(mechanism%arcs)
-         associate (ends => mechanism%arcs(k)%joints)
-            if (all(ends == sweep%joints) .or. all(ends == sweep%joints(2:1:-1))) then
-               n = k
-               return
-            end if
-         end associate
+      name = 'LENGTH'
+      if (dimension%kind == vary_angle) name = 'ANGLE'
+      do k = 1, count(dimension%joints > 0)
+         name = name//' '//trim(sketch%joint_name(dimension%joints(k)))
       end do
-   end function arc_between
+   end function named
 
    pure function settings_of(sweep) result(setting)
       type(sweep_group_t), intent(in) :: sweep

@@ -8,6 +8,7 @@ module psalm_rate_study
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp, radians_per_degree
+   use psalm_mechanism, only: at_finish, at_start
    use psalm_observable, only: at_origin
    use psalm_output_kind, only: motion_distance
    use psalm_plan, only: step_point
@@ -24,7 +25,8 @@ module psalm_rate_study
    type :: arc_rates_t
       real(wp), allocatable :: length(:, :, :)   !! shape (0:2, arcs, positions): length, its first and second rate by time
       real(wp), allocatable :: angle(:, :, :)    !! the same shape: angle in radians and its rates
-      integer, allocatable :: joint_arc(:)       !! shape (joints): the joint is at the finish of this arc (sequential number)
+      integer, allocatable :: joint_arc(:)       !! shape (joints): the joint is at an end of this arc (sequential number),
+      integer, allocatable :: joint_end(:)       !! at this one: `at_start` or `at_finish`
       real(wp), allocatable :: x(:, :, :), y(:, :, :) !! shape (0:2, joints, positions): place, velocity, acceleration
    end type arc_rates_t
 
@@ -104,6 +106,7 @@ contains
 
       associate (n => size(problem%mechanism%arcs), positions => problem%positions, steps => problem%plan%steps)
          arcs%joint_arc = pack(steps%arc, steps%kind == step_point)
+         arcs%joint_end = pack(merge(at_finish, at_start, steps%sense > 0), steps%kind == step_point)
          allocate (arcs%length(0:2, n, positions), arcs%angle(0:2, n, positions), source=0.0_wp)
          allocate (arcs%x(0:2, size(arcs%joint_arc), positions), arcs%y(0:2, size(arcs%joint_arc), positions), source=0.0_wp)
       end associate

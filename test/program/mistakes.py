@@ -180,8 +180,8 @@ MISTAKES = [
     (FOUR_BAR, " &LIMITS", " &SWEEP SWLINK=2, SWLOOP=1, SWLOW=-1.0, SWHIGH=2.0 &END\n &LIMITS", "a length must be above 0"),
     (FOUR_BAR.replace("MAXARC=4, ILINK=1,-2,-3,4, ILOOP=1,0,0,1", "MAXARC=5, ILINK=1,-2,-3,4,0, ILOOP=1,0,0,1,0"), " &LIMITS",
      " &SWEEP SWLINK=5, SWLOOP=1, SWLOW=1.0, SWHIGH=2.0 &END\n &LIMITS", "loop 1 has no arc 5"),
-    (SKETCH, " &METHOD", " &SWEEP SWLOW=1.0, SWHIGH=2.0 &END\n &METHOD", "the two joints of the length are expected, SWJNT='A B'"),
-    (SKETCH, " &METHOD", " &SWEEP SWJNT='A', SWLOW=1.0, SWHIGH=2.0 &END\n &METHOD", "two joints are expected, as 'A B'; found 'A'"),
+    (SKETCH, " &METHOD", " &SWEEP SWLOW=1.0, SWHIGH=2.0 &END\n &METHOD", "the joints of the length or angle are expected, SWJNT='A B'"),
+    (SKETCH, " &METHOD", " &SWEEP SWJNT='A', SWLOW=1.0, SWHIGH=2.0 &END\n &METHOD", "'A' names 1 joints, not 2; there are 'A B', 'angle A B A C'"),
     # exact synthesis
     (PATH, "YP=0.0,0.5,0.4,0.1", "YP=0.0,0.5,0.4", "XP has 4 values, but YP has 3"),
     (PATH, "YP=0.0,0.5,0.4,0.1", "YP=0.0,,0.4,0.1", "&EXACT YP: point 2 has no value"),

@@ -241,6 +241,13 @@ def wished(psalm):
     check("desired angle: error", near(blocks["summary"]["columns"]["error_largest"][0], max(
         abs((a - b + 180.0) % 360.0 - 180.0) for a, b in zip(columns["swing"], columns["swing.desired"]))), str(blocks["summary"]["columns"]))
     check("violation: the group by its joints", set(blocks["violations"]["columns"]["group"]) == {"joints B, C, D"}, str(blocks["violations"]))
+    with open("all.nml", "w", encoding="ascii") as file:
+        file.write(SKETCH + " &OUTPUTS OUTPUT='point P' &END\n &METHOD IKIN=45 &END\n &LIMITS TANGLE=90.0, KTHETA=1 &END\n")
+    joints, places = ({name: numbers(block) if name == "positions" else block["columns"] for name, block in compare(
+        os.path.join(os.path.dirname(psalm), "kalm"), os.path.abspath("all.nml")).items()}[name] for name in ("arc_joints", "positions"))
+    for k, (joint, at) in enumerate(zip(joints["joint"], joints["position"])):
+        check("all joints: %s is where it is" % joint, all(near(joints[v][k], places["%s.%s" % (joint, v)][int(at) - 1]) for v in (
+            "x", "y", "vx", "vy", "ax", "ay")), str({v: joints[v][k] for v in ("x", "y", "vx", "vy")}))
     with open("angle.nml", "w", encoding="ascii") as file:
         file.write(SKETCH + " &OUTPUTS OUTPUT='angle B P' &END\n &METHOD IKIN=3 &END\n")
     dimensions = listing(psalm, "angle.nml")[0].split("ANGLES, DEGREES")[1].split("THE REFERENCE")[0]
