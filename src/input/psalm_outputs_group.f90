@@ -3,7 +3,7 @@ module psalm_outputs_group
    use psalm_group, only: group_t, out_of, required
    use psalm_rule, only: rule_t, a_number, a_text
    use psalm_sketch, only: sketch_t, sketch_output_t, position_of, sketch_name, output_point, output_angle, output_distance, &
-                           output_slide, output_between, output_pose, output_ratio, output_x, output_y
+                           output_slide, output_between, output_pose, output_ratio, output_x, output_y, columns_of
    use psalm_sketch_names, only: word_length, take_name, find_joints, meant, link_names, words_of, joined
    use psalm_status, only: diagnostics_t
    use psalm_text, only: lower_case, to_text
@@ -69,6 +69,9 @@ contains
             cycle
          end if
          call understand(sketch%outputs(i))
+         if (columns_of(sketch%outputs(i)) == 1 .or. sketch%joint_called(trim(sketch%outputs(i)%name)) == 0) cycle
+         call out_of(group, 'ONAME', "output '"//trim(sketch%outputs(i)%name)//"' would have the columns of the joint of that "// &
+                     'name; give it another', findings, i)
       end do
 
    contains

@@ -431,7 +431,7 @@ contains
          end if
          if (mechanism%has_joint_names()) then
             call text%add(' '//group_heading(mechanism, loop, small=.false.)//'  '// &
-                           fixed(warnings%joint(1, loop), wide_column, 4)// &
+                          fixed(warnings%joint(1, loop), wide_column, 4)// &
                           fixed(warnings%joint(2, loop), wide_column, 4))
             cycle
          end if

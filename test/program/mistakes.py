@@ -71,6 +71,7 @@ NAMED = "FUNCTION\n &EXACT KIND='FUNCTION', FUNC='POWER', FXLOW=1.0, FXHIGH=2.0,
 MISTAKES = [
     # outputs
     (SKETCH, "'point P'", "'point P','point P'", "&OUTPUTS OUTPUT: output 'point P' is given twice"),
+    (SKETCH, "'point P'", "'point P', ONAME='P'", "&OUTPUTS ONAME: output 'P' would have the columns of the joint of that name"),
     (SKETCH, "'point P'", "'point P',' '", "output 2 is empty"),
     (SKETCH, "'point P'", "'x P P'", "'x P P' names 2 joints; 1 are needed"),
     (SKETCH, "'point P'", "'point'", "names 0 joints; 1 are needed"),

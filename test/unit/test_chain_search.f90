@@ -199,7 +199,7 @@ contains
       write (wishes, '(8(f0.9,","))') study%values(:, 0, :)
       call read_one('EXCAVATOR'//nl//" &CHAIN JNT='A','B','C','D','E','F','G','H','I','J','K','T',"//nl// &
                     ' JX=0.0,0.5,2.6,2.9,5.2,4.6,5.0,6.0,6.6,6.3,5.9,7.1,'//rest//" &OUTPUTS OUTPUT='point T',"//nl// &
-                    ' DES1='//trim(wishes)//" &END &SEARCH SOLVER='LSQ' &END"//nl, set, findings)
+                    ' DES1='//trim(wishes)//" &END &SEARCH SOLVER='LSQ' &END &LIMITS TANGLE=90.0 &END"//nl, set, findings)
       call t%is_true(.not. findings%failed(), 'an excavator with desired places')
       call synthesise_chain(set, 1, stop, search, findings)
       call t%equal_integer(size(search%best), 1, 'the excavator: a linkage is found')
