@@ -442,7 +442,7 @@ def arcs(_):
     return item("LIMITS", "KTHETA=1")
 
 
-arcs.figures = lambda k, run: {"arcs": [number(w) for w in re.findall(r"\d\.\d+", run.file(".dev8").split("KTHETA=1")[-1])][:1]}
+arcs.figures = lambda k, run: {"arcs": [number(w) for w in re.findall(r"\n INPUT +-?\d\S*(?: .*)?\n(?:  LINE \S+ \S+)? +(-?\d\S*)", run.file(".dev8"))]}
 
 
 @study("every degree (IPLOT)")

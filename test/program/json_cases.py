@@ -93,7 +93,7 @@ def run(program, name, text, place):
 
 
 def numbers(text):
-    """Words of a device 7, which keeps groups of other programs as they were written: numbers by their values."""
+    """Words of devices 7 and 8, which keep groups as they were written: numbers by their values."""
     words = re.split(r"[\s,=]+", re.sub(r"\b(\d+)\*([^\s,]+)", lambda m: " ".join([m[2]] * int(m[1])), re.sub(r"\([\d,]+\)=", "=", text or "")))
     return [float(w.lower().replace("d", "e")) if re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)([ed][-+]?\d+)?", w, re.I) else w for w in words]
 
@@ -131,7 +131,7 @@ def all_data_sets(programs, place, schemas, quick):
             else:
                 where = r"(?<=: )(?:&(\w+) (\w+)|/(?:\d+/)?(\w+)/(\w+)(?:/\d+)*)(?=:)"
                 one[key], other[key] = (re.sub(where, r"\1\3 \2\4", which.get(key, "")) for which in (one, other))
-                same = one.get(key) == other.get(key) or (key.endswith(".dev7") and numbers(one.get(key)) == numbers(other.get(key)))
+                same = one.get(key) == other.get(key) or (key.endswith((".dev7", ".dev8")) and numbers(one.get(key)) == numbers(other.get(key)))
             check("%s: %s of JSON is that of NAMELIST" % (os.path.relpath(path, TOP), key), same,
                   "\n%.300s\n%.300s" % (one.get(key), other.get(key)) if not same else "")
     check("most data sets are turned", number > 40, number)
