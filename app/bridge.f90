@@ -11,14 +11,14 @@ program bridge
    use psalm_devices, only: devices_t, header_of
    use psalm_error, only: problem_t, make_problem
    use psalm_mark, only: mark_t
-   use psalm_preparation, only: capacity_t, prepared_t, prepare_loops
+   use psalm_preparation, only: memory_need_t, prepared_t, prepare_loops
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t
    use psalm_team, only: team_t
    use psalm_text, only: text_t
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
-   type(capacity_t), parameter :: capacity = capacity_t(position=1000, arc=400)
+   type(memory_need_t), parameter :: need = memory_need_t(position=1000, arc=400)
    ! saved: procedures that are handed on then need no code on the stack
    type(outputs_t), save :: outputs
    type(arguments_t), save :: arguments
@@ -74,7 +74,7 @@ contains
 
       associate (unused => file, also_unused => mark)
       end associate
-      call prepare_loops('bridge studies', capacity, set, prepared, findings, turning=.true.)
+      call prepare_loops('bridge studies', need, set, prepared, findings, turning=.true.)
       if (.not. findings%failed()) call check_clearance(set, clearance_of(set), prepared, findings)
    end subroutine prepare_clearance
 

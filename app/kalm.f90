@@ -14,7 +14,7 @@ program kalm
    use psalm_machine_study, only: machine_study_t, find_machine
    use psalm_mark, only: mark_t
    use psalm_position_table, only: put_sketch
-   use psalm_preparation, only: capacity_t, prepared_t, prepare
+   use psalm_preparation, only: memory_need_t, prepared_t, prepare
    use psalm_proof_study, only: proof_study_t, study_proof, proof_wanted, no_proof
    use psalm_rate_study, only: rate_study_t, find_rates
    use psalm_report, only: most_summarised, report_proof, report_rates, report_summary
@@ -26,7 +26,7 @@ program kalm
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
    integer, parameter :: accelerations = 2     ! orders of rates in the table
-   type(capacity_t), parameter :: capacity = capacity_t(position=1000, arc=400)
+   type(memory_need_t), parameter :: need = memory_need_t(position=1000, arc=400)
    ! saved: procedures that are handed on then need no code on the stack
    type(outputs_t), save :: outputs
    type(arguments_t), save :: arguments
@@ -64,7 +64,7 @@ contains
 
       associate (unused => file, also_unused => mark)
       end associate
-      if (.not. findings%failed()) call prepare(set, none, prepared, findings, capacity)
+      if (.not. findings%failed()) call prepare(set, none, prepared, findings, need)
    end subroutine prepare_rates
 
    subroutine run_case(number, set, prepared, devices, stopped)

@@ -9,12 +9,12 @@ program muscle
    use psalm_mark, only: mark_t
    use psalm_muscle_report, only: report_muscle
    use psalm_muscle_study, only: muscle_study_t, check_muscle, find_muscle
-   use psalm_preparation, only: capacity_t, prepared_t, prepare_loops
+   use psalm_preparation, only: memory_need_t, prepared_t, prepare_loops
    use psalm_status, only: diagnostics_t
    use psalm_system, only: finish_program
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
-   type(capacity_t), parameter :: capacity = capacity_t(position=4000, arc=1000)
+   type(memory_need_t), parameter :: need = memory_need_t(position=4000, arc=1000)
    ! saved: procedures that are handed on then need no code on the stack
    type(outputs_t), save :: outputs
    type(arguments_t), save :: arguments
@@ -50,7 +50,7 @@ contains
 
       associate (unused => file, also_unused => mark)
       end associate
-      call prepare_loops('muscle balances', capacity, set, prepared, findings)
+      call prepare_loops('muscle balances', need, set, prepared, findings)
       if (.not. findings%failed()) call check_muscle(set, prepared, findings)
    end subroutine prepare_muscle
 

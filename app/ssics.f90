@@ -9,7 +9,7 @@ program ssics
    use psalm_error, only: problem_t, make_problem
    use psalm_mark, only: mark_t
    use psalm_picture_files, only: write_pictures
-   use psalm_preparation, only: capacity_t, prepared_t, prepare_loops
+   use psalm_preparation, only: memory_need_t, prepared_t, prepare_loops
    use psalm_status, only: diagnostics_t
    use psalm_steady_report, only: report_steady
    use psalm_steady_study, only: steady_study_t, check_steady, find_steady
@@ -17,7 +17,7 @@ program ssics
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
    character(11), parameter :: of_curves = '.curves.svg'
-   type(capacity_t), parameter :: capacity = capacity_t(position=1000, arc=400)
+   type(memory_need_t), parameter :: need = memory_need_t(position=1000, arc=400)
    ! saved: procedures that are handed on then need no code on the stack
    type(outputs_t), save :: outputs
    type(arguments_t), save :: arguments
@@ -62,7 +62,7 @@ contains
       associate (unused => file, also_unused => mark)
       end associate
       if (set%loops() == 0) return ! Hill's equation alone
-      call prepare_loops('ssics studies', capacity, set, prepared, findings, turning=.true.)
+      call prepare_loops('ssics studies', need, set, prepared, findings, turning=.true.)
       if (.not. findings%failed()) call check_steady(set, prepared, findings)
    end subroutine prepare_steady
 

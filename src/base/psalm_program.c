@@ -8,7 +8,7 @@
 #include <strings.h>
 #include <unistd.h>
 
-enum { exit_trouble = 3 };                /* as in psalm_status.f90 */
+enum { exit_file_error = 3 };                /* as in psalm_status.f90 */
 enum { most_threads = 65536, least_stack_kb = 64, most_stack_digits = 9 }; /* of OpenMP's variables */
 
 __attribute__((visibility("hidden"))) extern volatile sig_atomic_t psalm_ended; /* psalm_border.c */
@@ -128,8 +128,8 @@ void psalm_set_aside(char *text, size_t room)
 
 static void tell_and_leave(const char *words, size_t count)
 {
-    if (write(STDERR_FILENO, words, count) < 0) _exit(exit_trouble);
-    _exit(exit_trouble);
+    if (write(STDERR_FILENO, words, count) < 0) _exit(exit_file_error);
+    _exit(exit_file_error);
 }
 
 /* The run-time libraries of Fortran and OpenMP leave with a status of their own when there is no memory or no thread. */

@@ -147,7 +147,7 @@ contains
    subroutine follow_contact(contact, from, inputs, lag, force, minima, loss, ok)
       type(followed_contact_t), intent(in) :: contact
       real(wp), intent(in) :: from                   !! where to begin, radians
-      integer, intent(in) :: inputs                  !! places reported, at equal steps from `from`
+      integer, intent(in) :: inputs                  !! places wanted, at equal steps from `from`
       real(wp), intent(out) :: lag(:), force(:)      !! shape (inputs): radians, within half a turn; N
       type(least_force_t), allocatable, intent(out) :: minima(:) !! of the force, in their order
       real(wp), intent(out) :: loss                  !! radians: where the force becomes negative first; negative: nowhere

@@ -146,7 +146,7 @@ contains
       type(tracked_t), intent(out) :: tracked
       real(wp), intent(in), optional :: largest_prediction !! error accepted; smaller is safer and slower
       type(stop_t), intent(in), optional :: stop     !! asked, and informed of the paths followed, before every step of the lanes
-      integer, intent(in) :: before, of              !! paths before these, and of all, for whoever is reported
+      integer, intent(in) :: before, of              !! paths before these, and of all, for whoever is informed
       type(work_t), allocatable :: work
       complex(wp), allocatable :: past(:, :, :), past_tangent(:, :, :), z(:, :), step(:, :), tangent(:, :)
       real(wp) :: past_t(lanes, remembered), t(lanes), h(lanes), aimed(lanes), e1(lanes), e2(lanes), accept_below

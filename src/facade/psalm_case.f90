@@ -10,7 +10,7 @@ module psalm_case
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp
    use psalm_namelist, only: case_text_t
-   use psalm_preparation, only: capacity_t, prepared_t
+   use psalm_preparation, only: memory_need_t, prepared_t
    use psalm_status, only: findings_t => diagnostics_t
    implicit none (type, external)
    private
@@ -334,7 +334,7 @@ module psalm_case
       end function text_of_case
 
       !> Data set and problem of a case; whatever is wrong is reported.
-      recursive module subroutine make_ready(case, set, prepared, problem, ready, findings, every_loop, capacity, reader, &
+      recursive module subroutine make_ready(case, set, prepared, problem, ready, findings, every_loop, need, reader, &
          does, turning)
          implicit none (type, external)
          type(case_t), intent(in) :: case
@@ -344,7 +344,7 @@ module psalm_case
          logical, intent(out) :: ready
          type(findings_t), intent(inout) :: findings
          logical, intent(in), optional :: every_loop         !! solve loops that the output does not depend on too
-         type(capacity_t), intent(in), optional :: capacity      !! for memory
+         type(memory_need_t), intent(in), optional :: need      !! for memory
          character(*), intent(in), optional :: reader        !! the program whose study it is; default psalm
          character(*), intent(in), optional :: does          !! what it does, for messages: 'bridge studies'
          logical, intent(in), optional :: turning            !! it needs a crank that turns
@@ -411,7 +411,7 @@ module psalm_case
          type(case_text_t), allocatable, intent(out) :: parts(:)
       end subroutine split_cases
 
-      !> One case as a text of its own: whether another follows is not reported.
+      !> One case as a text of its own: without LAST, which says whether another follows.
       module function text_of_parts(part) result(content)
          implicit none (type, external)
          type(case_text_t), intent(in) :: part

@@ -66,7 +66,7 @@ contains
 
    module procedure make_ready
       type(findings_t) :: own
-      type(capacity_t) :: memory
+      type(memory_need_t) :: memory
       character(:), allocatable :: work
       logical :: everywhere
 
@@ -79,7 +79,7 @@ contains
          if (set%loops() > 0) then
             work = 'the library studies'
             if (present(does)) work = does
-            if (present(capacity)) memory = capacity
+            if (present(need)) memory = need
             if (everywhere) memory%ktheta_only = .false.
             call prepare_loops(work, memory, set, prepared, own, turning)
             ready = prepared%ready

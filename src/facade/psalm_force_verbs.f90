@@ -13,7 +13,7 @@ module psalm_force_verbs
    use psalm_muscle_report, only: report_muscle
    use psalm_muscle_study, only: muscle_study_t, check_muscle, study_muscle => find_muscle
    use psalm_position_table, only: put_rates, put_sketch
-   use psalm_preparation, only: capacity_t
+   use psalm_preparation, only: memory_need_t
    use psalm_rate_study, only: rate_study_t, study_rates => find_rates
    use psalm_report, only: report_rates
    use psalm_sketch_study, only: sketch_study_t, study_sketch
@@ -21,14 +21,14 @@ module psalm_force_verbs
    use psalm_steady_report, only: report_steady
    use psalm_steady_study, only: steady_study_t, check_steady, study_steady => find_steady
    use psalm_stop, only: stop_t
-   use psalm_study_frame, only: frame_t, report_t, capacity_of_rates, warn, empty_motion
+   use psalm_study_frame, only: frame_t, report_t, need_of_rates, warn, empty_motion
    use psalm_text, only: text_t
    implicit none (type, external)
    private
    public :: find_rates, find_forces, find_machine, find_balance, find_springs, find_vibration, find_clearance
 
    integer, parameter :: accelerations = 2     !! orders of rates in tables
-   type(capacity_t), parameter :: capacity_of_muscle = capacity_t(position=4000, arc=1000)
+   type(memory_need_t), parameter :: need_of_muscle = memory_need_t(position=4000, arc=1000)
 
 contains
 
@@ -43,7 +43,7 @@ contains
 
       call empty_motion(rates%motion)
       allocate (rates%by_input(0, 0, 0), rates%by_time(0, 0, 0), rates%dead(0))
-      call frame%begin(case, findings, report, capacity=capacity_of_rates, reader='kalm')
+      call frame%begin(case, findings, report, need=need_of_rates, reader='kalm')
       if (.not. frame%ready) return
       call study_rates(frame%set, frame%problem, frame%problem%given, rates)
       call warn(frame%problem, rates%motion, findings)
@@ -67,7 +67,7 @@ contains
 
       allocate (forces%input(0), forces%table%value(0, 0))
       if (present(by_unit_mass)) allocate (by_unit_mass(0, 0, 0, 0))
-      call frame%begin(case, findings, report, capacity=capacity_of_rates, reader='kalm')
+      call frame%begin(case, findings, report, need=need_of_rates, reader='kalm')
       if (.not. frame%ready) return
       call study_forces(frame%set, frame%problem, frame%problem%given, forces, by_unit_mass)
       if (.not. forces%all_known()) call findings%warning('forces are not known at every position: the linkage does not '// &
@@ -88,7 +88,7 @@ contains
       type(rate_study_t), allocatable :: rates
       type(force_study_t), allocatable :: forces
 
-      call frame%begin(case, findings, report, 'MOTOR', capacity=capacity_of_rates, reader='kalm')
+      call frame%begin(case, findings, report, 'MOTOR', need=need_of_rates, reader='kalm')
       if (.not. frame%ready) return
       allocate (forces)
       call study_forces(frame%set, frame%problem, frame%problem%given, forces)
@@ -168,7 +168,7 @@ contains
       type(stop_t), intent(in), optional :: stop
       type(frame_t) :: frame
 
-      call frame%begin(case, findings, report, group, capacity=capacity_of_muscle, reader='muscle')
+      call frame%begin(case, findings, report, group, need=need_of_muscle, reader='muscle')
       if (.not. frame%ready) return
       call check_muscle(frame%set, frame%prepared, frame%noted)
       if (frame%fails(findings)) return
@@ -201,7 +201,7 @@ contains
          call frame%read(case, findings, report, reader='ssics')
          allocate (frame%prepared, frame%problem)
       else
-         call frame%begin(case, findings, report, capacity=capacity_of_rates, reader='ssics', does='ssics studies', turning=.true.)
+         call frame%begin(case, findings, report, need=need_of_rates, reader='ssics', does='ssics studies', turning=.true.)
          if (.not. frame%ready) return
          call check_steady(frame%set, frame%prepared, frame%noted)
          if (frame%fails(findings)) return
@@ -222,7 +222,7 @@ contains
       type(frame_t) :: frame
       type(text_t) :: picture
 
-      call frame%begin(case, findings, report, capacity=capacity_of_rates, reader='bridge', does='bridge studies', turning=.true.)
+      call frame%begin(case, findings, report, need=need_of_rates, reader='bridge', does='bridge studies', turning=.true.)
       if (.not. frame%ready) return
       call check_clearance(frame%set, clearance_of(frame%set), frame%prepared, frame%noted)
       if (frame%fails(findings)) return

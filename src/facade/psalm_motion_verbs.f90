@@ -17,7 +17,7 @@ module psalm_motion_verbs
    use psalm_margin_list, only: describe_margin
    use psalm_margins, only: is_violated
    use psalm_position_table, only: put_positions, put_sketch
-   use psalm_preparation, only: capacity_t, threads_for
+   use psalm_preparation, only: memory_need_t, threads_for
    use psalm_proof_study, only: proof_study_t, study_proof, proof_wanted, no_proof, proof_of_inputs
    use psalm_report, only: report_allocation, report_analysis, report_proof, report_summary, report_tolerances
    use psalm_sketch_study, only: sketch_study_t, study_sketch
@@ -31,7 +31,7 @@ module psalm_motion_verbs
    private
    public :: analyse, summarise, find_tolerances, find_allocation, find_family, proven_t, prove, find_assemblies
 
-   type(capacity_t), parameter :: capacity_of_psalm = capacity_t()
+   type(memory_need_t), parameter :: need_of_psalm = memory_need_t()
 
    !> What is proven of a motion.
    type :: proven_t
@@ -60,7 +60,7 @@ contains
       integer :: i
 
       if (present(wanted)) all_wanted = wanted
-      call frame%begin(case, findings, report, every_loop=all_wanted%arcs, capacity=capacity_of_psalm)
+      call frame%begin(case, findings, report, every_loop=all_wanted%arcs, need=need_of_psalm)
       call empty_motion(analysis%motion)
       if (.not. frame%ready) return
       short = .false.

@@ -20,7 +20,7 @@ module psalm_shape_verbs
    use psalm_source, only: line_t, split_lines
    use psalm_status, only: findings_t => diagnostics_t
    use psalm_stop, only: stop_t, is_to_end
-   use psalm_study_frame, only: frame_t, report_t, capacity_of_rates
+   use psalm_study_frame, only: frame_t, report_t, need_of_rates
    use psalm_text, only: text_t
    implicit none (type, external)
    private
@@ -49,7 +49,7 @@ contains
       integer :: k
 
       allocate (cams%parts(0))
-      call frame%begin(case, findings, report, capacity=capacity_of_rates, reader='calm')
+      call frame%begin(case, findings, report, need=need_of_rates, reader='calm')
       if (.not. frame%ready) return
       groups = cams_of(frame%set)
       call check_cam(frame%set, groups, frame%prepared, frame%noted)

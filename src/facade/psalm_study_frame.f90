@@ -11,16 +11,16 @@ module psalm_study_frame
    use psalm_error, only: motion_t, problem_t
    use psalm_finale, only: describe_violation
    use psalm_kinds, only: wp
-   use psalm_preparation, only: capacity_t, prepared_t
+   use psalm_preparation, only: memory_need_t, prepared_t
    use psalm_search_group, only: most_search_threads
    use psalm_status, only: findings_t => diagnostics_t, exit_violation
    use psalm_tables, only: table_t, tables_t, for_plots, tables_of
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: frame_t, report_t, column_named, capacity_of_rates, no_report, warn, empty_motion, threads_of, may_share
+   public :: frame_t, report_t, column_named, need_of_rates, no_report, warn, empty_motion, threads_of, may_share
 
-   type(capacity_t), parameter :: capacity_of_rates = capacity_t(position=1000, arc=400)
+   type(memory_need_t), parameter :: need_of_rates = memory_need_t(position=1000, arc=400)
 
    !> What the programs write for a case.
    type :: report_t
@@ -54,20 +54,20 @@ module psalm_study_frame
 contains
 
    !> Make a case ready: read, checked, its problem made. Errors: those of the case, and a group that is not there.
-   subroutine begin(self, case, findings, report, group, every_loop, capacity, reader, does, turning)
+   subroutine begin(self, case, findings, report, group, every_loop, need, reader, does, turning)
       class(frame_t), intent(inout) :: self
       type(case_t), intent(in) :: case
       type(findings_t), intent(inout) :: findings
       type(report_t), intent(inout), optional :: report   !! is empty then
       character(*), intent(in), optional :: group         !! that must be given
       logical, intent(in), optional :: every_loop         !! solve loops that the output does not depend on too
-      type(capacity_t), intent(in), optional :: capacity      !! for memory
+      type(memory_need_t), intent(in), optional :: need      !! for memory
       character(*), intent(in), optional :: reader        !! the program whose study it is; default psalm
       character(*), intent(in), optional :: does          !! what it does, for messages: 'bridge studies'
       logical, intent(in), optional :: turning            !! it needs a crank that turns
 
       if (present(report)) call no_report(report)
-      call make_ready(case, self%set, self%prepared, self%problem, self%ready, findings, every_loop, capacity, reader, does, &
+      call make_ready(case, self%set, self%prepared, self%problem, self%ready, findings, every_loop, need, reader, does, &
                       turning)
       if (self%ready) call take_up(self, findings, group)
    end subroutine begin

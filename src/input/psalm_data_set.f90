@@ -213,7 +213,7 @@ contains
       if (k > 0) gives = self%sections(k)%group%given
    end function gives
 
-   !> The same question asked of one sketch, not of kinds of them: a case without loops.
+   !> A case like this one with another sketch, whose loops are not traced yet, and without &KINDS.
    subroutine redraw(self, title, sketch, method, search, set)
       class(data_set_t), intent(in) :: self
       character(*), intent(in) :: title

@@ -16,6 +16,9 @@ module psalm_exact_group
 
    integer, parameter :: kind_path = 1, kind_motion = 2, kind_function = 3
    character(*), parameter :: exact_kinds(3) = [character(8) :: 'PATH', 'MOTION', 'FUNCTION']
+   !> Items that only KIND='FUNCTION' has.
+   character(*), parameter :: of_functions(*) = [character(6) :: 'FUNC', 'FXLOW', 'FXHIGH', 'FPOWER', 'DPHI', 'DPSI', 'PSI', &
+                                                 'PHI0', 'PSI0', 'SIXBAR', 'NPOINT', 'CRANK']
    character(*), parameter :: functions(*) = [character(7) :: 'LOG10', 'LN', 'EXP', 'SIN', 'COS', 'TAN', 'POWER']
    integer, parameter :: most_points = 60, most_exact_points = 9, most_in_table = 200, fewest_in_table = 3
    integer, parameter :: exact_in_table = 5          !! entries of a table that a linkage can meet exactly
@@ -256,7 +259,6 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       real(wp) :: phi(most_in_table), psi(most_in_table)
       integer :: n, last, i
-      character(6) :: item
 
       call group%get_word('FUNC', exact%function_name, findings)
       call take(group, 'FXLOW', exact%low, findings)
@@ -282,9 +284,10 @@ contains
       exact%psi = psi(:n)
       if (.not. exact%given) return
       if (exact%kind /= kind_function) then
-         item = merge('NPOINT', 'CRANK ', group%given('NPOINT'))
-         if (group%given(trim(item))) call out_of(group, trim(item), &
-            "is for six-bars that generate a function: KIND='FUNCTION' with SIXBAR", findings)
+         do i = 1, size(of_functions)
+            if (group%given(trim(of_functions(i)))) call out_of(group, trim(of_functions(i)), &
+               "is for linkages that generate a function: KIND='FUNCTION'", findings)
+         end do
          return
       end if
       if (exact%six_bar /= six_bar_none .and. (exact%slider .or. exact%minimax)) call out_of(group, 'SIXBAR', &

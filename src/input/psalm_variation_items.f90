@@ -83,7 +83,7 @@ contains
       words = words_of(text)
       one%kind = 0
       if (size(words) == 0) then
-         call out_of(group, item, 'variable '//to_text(which)//' is empty', findings, which)
+         call out_of(group, item, 'value '//to_text(which)//' is empty', findings, which)
          return
       end if
       one%kind = vary_length

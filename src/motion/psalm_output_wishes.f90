@@ -190,7 +190,7 @@ contains
       where (.not. wishes%exists) wishes%miss = 0.0_wp
    end subroutine compare_with_wishes
 
-   !> What errors are reported for, in the order of the columns. The angle of a pose is given by itself.
+   !> What errors are given of, in the order of the columns. The angle of a pose is given by itself.
    pure function wish_groups(sketch) result(groups)
       type(sketch_t), intent(in) :: sketch
       type(wish_group_t), allocatable :: groups(:)

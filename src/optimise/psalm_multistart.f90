@@ -125,7 +125,7 @@ contains
       type(stop_t), intent(in) :: stop                  !! asked before every start
       type(candidate_t), allocatable, intent(out) :: candidates(:) !! shape (supplied + starts)
       integer, allocatable, intent(out) :: best(:)
-      class(observer_t), intent(inout), optional :: observer !! reported by the first of the team
+      class(observer_t), intent(inout), optional :: observer !! informed by the first of the team
 
       call self%make_all(team, stop, candidates, best, observer)
       call self%finish(team, stop, candidates, best)
@@ -138,7 +138,7 @@ contains
       type(stop_t), intent(in) :: stop                  !! asked before every start
       type(candidate_t), allocatable, intent(out) :: candidates(:) !! shape (supplied + starts)
       integer, allocatable, intent(out) :: best(:)
-      class(observer_t), intent(inout), optional :: observer !! reported by the first of the team
+      class(observer_t), intent(inout), optional :: observer !! informed by the first of the team
       type(search_state_t) :: state
       real(wp), allocatable :: elite(:, :)
       integer :: t, i, round, rounds, before, until

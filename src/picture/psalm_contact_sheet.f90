@@ -21,7 +21,7 @@ module psalm_contact_sheet
 
 contains
 
-   !> Append the page. A case without a picture is reported by its title alone.
+   !> Append the page. Of a case without a picture only the title is shown.
    subroutine write_contact_sheet(titles, pictures, first_lines, lines, text)
       character(*), intent(in) :: titles(:)        !! shape (cases)
       character(*), intent(in) :: pictures(:)      !! shape (cases): names of the files, blank: none

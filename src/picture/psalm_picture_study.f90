@@ -11,7 +11,7 @@ module psalm_picture_study
    use psalm_kinds, only: wp
    use psalm_markup, only: strings_t, add_string
    use psalm_pole_scene, only: pole_scene_t, asks_for_poles, check_poles, make_pole_scene
-   use psalm_preparation, only: capacity_t, prepared_t, prepare
+   use psalm_preparation, only: memory_need_t, prepared_t, prepare
    use psalm_scene, only: scene_t, add_curves, make_scene, message_scene
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t, finding_t, level_error
@@ -22,7 +22,7 @@ module psalm_picture_study
    public :: pictured_t, make_scenes
 
    integer, parameter :: most_drawn = 2000 !! positions of a picture; more of them make one black band
-   type(capacity_t), parameter :: capacity = capacity_t(position=1000, arc=500, ktheta_only=.false.)
+   type(memory_need_t), parameter :: need = memory_need_t(position=1000, arc=500, ktheta_only=.false.)
 
    !> One case as it is to be drawn.
    type :: pictured_t
@@ -76,7 +76,7 @@ contains
             call make_chain_scene(sets(k), own, cases(k)%scene, chosen)
             cycle
          end if
-         call prepare(sets(k), none, prepared, noted, capacity)
+         call prepare(sets(k), none, prepared, noted, need)
          if (allocated(kept)) deallocate (kept)
          if (prepared%ready .and. sets(k)%method%ikin == 0 .and. sets(k)%method%ndes > most_drawn) &
             kept = positions_drawn(sets(k), noted)
@@ -177,7 +177,7 @@ contains
    !> are the range.
    function positions_drawn(set, findings) result(kept)
       type(data_set_t), intent(in) :: set
-      type(diagnostics_t), intent(inout) :: findings  !! reported that not all are drawn
+      type(diagnostics_t), intent(inout) :: findings  !! gets the remark that not all are drawn
       integer, allocatable :: kept(:)
       logical, allocatable :: keeps(:)
       integer :: step, i

@@ -266,7 +266,7 @@ contains
          words = the_group(mechanism, limit%loop)//', '//lower_case(cause_words(limit%cause))
       end function why
 
-      !> A bracket at an end of what closes is reported by its neighbours.
+      !> A bracket at an end of what closes is seen from its neighbours.
       logical function is_between_two_of_a_kind(i)
          integer, intent(in) :: i
 

@@ -124,7 +124,7 @@ contains
          call enclose(closure, state, segment%reached + r, r, next)
          if (next%holds) next%holds = joins(closure, before, end_of_before, next, -r)
          if (.not. next%holds) r = 0.5_wp*r
-         if (r < least_r .or. tubes%count - first >= most_tubes) then
+         if ((.not. next%holds .and. r < least_r) .or. tubes%count - first >= most_tubes) then
             if (tubes%count > first) call turn_back(closure, before, end_of_before, segment)
             return
          end if

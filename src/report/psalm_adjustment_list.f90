@@ -77,7 +77,7 @@ contains
          allocate (names(size(list)))
          do k = 1, size(list)
             names(k)%text = ''
-            if (len_trim(variables(k)%of) > 0) names(k)%text = words_of(variables(k))
+            names(k)%text = words_of(variables(k))
          end do
       end associate
       call table%add('travel_root_sum_square', list%travel)
@@ -85,7 +85,7 @@ contains
       call table%add('left_root_sum_square', list%left)
       call table%add('left_worst_case', list%most_left)
       call table%add(position_name, list%at)
-      if (all([(len(names(k)%text) > 0, k=1, size(names))])) call add_words('dimension', names, table)
+      call add_words('dimension', names, table)
       call tables%put(table)
    end subroutine put_adjustments
 end module psalm_adjustment_list

@@ -146,7 +146,7 @@ contains
       logical :: as_angles
       integer :: n, i, first
 
-      ! numbers of positions are reported like angles
+      ! numbers of positions are written like angles
       as_angles = turns .or. .not. proof%one_drive
       associate (movement => proof%movement, outputs => study%closure%sketch%outputs)
          do n = 1, size(movement%time_ratio)
@@ -203,7 +203,7 @@ contains
       first_turns = study%closure%sketch%drives(1)%kind == drive_turns
    end function first_turns
 
-   !> The links of a group, in capitals.
+   !> The links of a group: `LINKS B C, upper`.
    pure function links_of_group(study, group, small) result(words)
       type(chain_study_t), intent(in) :: study
       integer, intent(in) :: group

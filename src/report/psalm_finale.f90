@@ -566,7 +566,7 @@ contains
             text = text//said('GUIDE ')//either(.not. form%slides(1))//said(' IS TOO LONG BY ')//amount()
          end if
       case (violation_undetermined)
-         text = text//said('THE OUTER JOINTS COINCIDE, THE DIRECTION OF THE ARCS IS NOT DETERMINED')
+         text = text//said('THE OUTER JOINTS COINCIDE, THE DIRECTION OF THE LINKS IS NOT DETERMINED')
       case (violation_parallel)
          text = text//said('THE SLIDES ARE PARALLEL')
       case (violation_angle_small, violation_angle_large)

@@ -16,7 +16,8 @@ module psalm_report
    use psalm_force_study, only: force_study_t
    use psalm_input_text, only: position_words, zero_words
    use psalm_constraint_group, only: range_positions
-   use psalm_kinds, only: wp, right_angle
+   use psalm_dyad_kind, only: assur_rrr
+   use psalm_kinds, only: wp, full_turn, right_angle
    use psalm_machine_list, only: list_machine, put_machine, cycle_words
    use psalm_machine_study, only: machine_study_t
    use psalm_margin_list, only: list_margins, put_margins, describe_margin
@@ -54,6 +55,7 @@ module psalm_report
              report_violations, report_rates, report_summary, report_proof
    public :: most_summarised
 
+   real(wp), parameter :: rounding = 1.0e-9_wp  !! of the sum of the steps between positions
    integer, parameter :: most_summarised = 10 !! cases of a file whose summary is written
 
 contains
@@ -361,7 +363,7 @@ contains
       call put_summary(mechanism, summary, motion, set%has_stand_in(), devices%cases(devices%last_case()))
       if (present(study)) call put_output_ranges(study, devices%cases(devices%last_case()))
       call put_wish_errors(summary, devices%cases(devices%last_case()))
-      call remark_between(set, summary, motion, devices)
+      call remark_between(set, mechanism, summary, motion, devices)
       if (devices%summarised == most_summarised) return
       devices%summarised = devices%summarised + 1
       if (present(study)) then
@@ -391,21 +393,30 @@ contains
       end function coincident_words
    end subroutine report_summary
 
-   !> A limit of the transmission angle that is kept at the positions and not between them.
-   subroutine remark_between(set, summary, motion, devices)
+   !> A limit of the transmission angle that is kept at the positions and not between them. TANGLE limits pairs of links; the
+   !> angle of the summary is that between the positions if these go round, if the input slides, or if the linkage closes in part.
+   subroutine remark_between(set, mechanism, summary, motion, devices)
       type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
       type(summary_t), intent(in) :: summary
       type(motion_t), intent(in) :: motion
       type(devices_t), intent(inout) :: devices
+      character(:), allocatable :: words
+      integer :: n
 
       if (.not. set%limits%tangle_given .or. set%constr%irange /= range_positions) return
       if (summary%angle_loop == 0 .or. summary%at_positions .or. .not. all(motion%closed) .or. size(motion%violations) > 0) return
+      if (mechanism%groups(summary%angle_loop)%kind /= assur_rrr) return
+      n = size(motion%input)
+      if (.not. (summary%partial .or. summary%sliding_input)) then
+         if (real(n, wp)*(maxval(motion%input) - minval(motion%input)) < full_turn*real(n - 1, wp)*(1.0_wp - rounding)) return
+      end if
       associate (least => right_angle - set%limits%tangle)
          if (.not. summary%angle < least) return
-         call devices%remark(set, 'the transmission angle falls to '//plain_number(summary%angle)//' degrees between the '// &
-                             'positions, at input '//plain_number(summary%angle_input)//'; '// &
-                             trim(merge('TRMIN ', 'TANGLE', set%limits%trmin_given))//' keeps it above '// &
-                             plain_number(least)//' at the positions, with IRANGE in &CONSTR everywhere')
+         words = 'the transmission angle falls to '//plain_number(summary%angle)//' degrees between the '// &
+                 'positions, at input '//plain_number(summary%angle_input)//'; '// &
+                 trim(merge('TRMIN ', 'TANGLE', set%limits%trmin_given))//' keeps it above '//plain_number(least)//' at them'
+         call devices%remark(set, words)
       end associate
    end subroutine remark_between
 

@@ -3,8 +3,8 @@
 !>
 !> A chain of given links and freedom is built from rings by adding paths of links between two links that are there: every graph
 !> without a cut vertex is made so. No part of it may be stiff: k links have 3(k-1) - 2j >= 1 freedoms with the j joints between
-!> them. Isomorphs are reported by a canonical form: links are parted by what joints lead where until nothing more is distinguished;
-!> then one of the smallest part of several is singled out, each in turn, and the least form is taken.
+!> them. Isomorphs are recognised by a canonical form: links are parted by what joints lead where until nothing more can
+!> be distinguished; then one of the smallest part of several is singled out, each in turn, and the least form is taken.
 !>
 !> Sources: Whitney (1932) for the paths, McKay (1981) for the form, Mruthyunjaya (2003) for the numbers of chains.
 module psalm_chain_graphs

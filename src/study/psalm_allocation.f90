@@ -257,7 +257,8 @@ contains
          if (any(numbers == asked%outputs(i))) cycle
          list = ''
          do k = 1, size(numbers)
-            list = list//trim(merge(',', ' ', k > 1))//" '"//trim(numbers(k))//"'"
+            if (any(set%sketch%outputs%name == numbers(k) .and. set%sketch%outputs%kind == output_ratio)) cycle
+            list = list//trim(merge(',', ' ', len(list) > 0))//" '"//trim(numbers(k))//"'"
          end do
          call set%origins%error(findings, 'ALLOC', 'ALOUT', "no number of an output is called '"//trim(asked%outputs(i))// &
                                 "'; there are"//list, i)

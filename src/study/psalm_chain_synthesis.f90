@@ -287,13 +287,15 @@ contains
 
       sketch = set%sketch
       method = set%method
-      call set%redraw(set%title, sketch, method, set%search, drawn)
       at_drawing = problem
       if (allocated(at_drawing%inputs)) deallocate (at_drawing%inputs)
       allocate (at_drawing%inputs(size(set%sketch%drives), 1), source=0.0_wp)
       at_drawing%of_input = 0
       call at_drawing%find_motion(x, closure, motion, reached)
-      if (.not. reached) return
+      if (.not. reached) then
+         call set%redraw(set%title, sketch, method, set%search, drawn)
+         return
+      end if
       associate (state => motion%states(1))
          sketch%x = state%joint(:, 0)%re
          sketch%y = state%joint(:, 0)%im

@@ -18,15 +18,15 @@ contains
 
    module procedure sets_one_of
       type(sweep_group_t) :: sweep
-      integer :: what, arc
+      type(parameters_t) :: parameters
       real(wp) :: sense, zero
 
       sets_one_of = .false.
       if (.not. set%gives('SWEEP')) return
       sweep = sweep_of(set)
-      call locate_dimension(set%traced, sweep%dimension, what, arc, sense, zero)
-      if (what /= dimension_length) return
-      sets_one_of = any(which .and. mechanism%arcs%representative == mechanism%arcs(arc)%representative)
+      parameters = no_parameters(mechanism)
+      call vary_by_name(set, mechanism, sweep%dimension, parameters, sense, zero)
+      sets_one_of = any(which .and. (parameters%length_variable > 0 .or. parameters%angle_variable > 0))
    end procedure sets_one_of
 
    module procedure find_family
@@ -120,7 +120,7 @@ contains
 
    !> Vary the length or angle of a sketch that SWJNT names; nothing if its loops do not have it. The value is that of the name
    !> times `sense`, plus `zero` degrees.
-   subroutine vary_by_name(set, mechanism, dimension, parameters, sense, zero)
+   pure subroutine vary_by_name(set, mechanism, dimension, parameters, sense, zero)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
       type(variation_t), intent(in) :: dimension

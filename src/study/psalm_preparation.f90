@@ -24,17 +24,17 @@ module psalm_preparation
    use psalm_parameters, only: parameters_t
    implicit none (type, external)
    private
-   public :: capacity_t, prepared_t, prepare, prepare_loops, threads_for, threads_wanted
+   public :: memory_need_t, prepared_t, prepare, prepare_loops, threads_for, threads_wanted
 
    integer(int64), parameter :: megabyte = 1000000_int64
 
    !> Bytes that a program needs for each position: measured for psalm, estimated for kalm's
    !> arcs and for balm; texts take most of them.
-   type :: capacity_t
+   type :: memory_need_t
       integer :: position = 400        !! always
       integer :: arc = 120             !! more for each arc
       logical :: ktheta_only = .true.  !! arcs count with KTHETA=1 only
-   end type capacity_t
+   end type memory_need_t
 
    !> What SETUP made of a data set.
    type :: prepared_t
@@ -52,15 +52,15 @@ contains
    !> Make a case ready. Errors, all found before returning: those of the topology, memory that is not to be had, regions of joints
    !> that are not there, supplied vertices that cannot be read, masses and loads that are on no link. Without an error
    !> `prepared%ready` is true.
-   subroutine prepare(set, supplied, prepared, findings, capacity)
+   subroutine prepare(set, supplied, prepared, findings, need)
       type(data_set_t), intent(in) :: set
       type(line_t), intent(in) :: supplied(:)            !! device 4, empty if none
       type(prepared_t), intent(out) :: prepared
       type(diagnostics_t), intent(inout) :: findings
-      type(capacity_t), intent(in), optional :: capacity     !! for memory; that of psalm if absent
+      type(memory_need_t), intent(in), optional :: need     !! for memory; that of psalm if absent
       type(diagnostics_t) :: own
       type(force_model_t) :: model
-      type(capacity_t) :: each
+      type(memory_need_t) :: each
       integer(int64) :: bytes
 
       allocate (prepared%vertices(0, 0))
@@ -69,7 +69,7 @@ contains
       if (prepared%warnings%failed()) return
       own%file = set%file
       if (set%loops() == 0) return
-      if (present(capacity)) each = capacity
+      if (present(need)) each = need
       bytes = each%position
       if (set%limits%ktheta /= 0 .or. .not. each%ktheta_only) bytes = bytes + int(each%arc, int64)*size(prepared%mechanism%arcs)
       bytes = bytes*set%method%ndes
@@ -107,9 +107,9 @@ contains
    end subroutine prepare
 
    !> Prepare a case for a program that needs loops and makes no search.
-   subroutine prepare_loops(does, capacity, set, prepared, findings, turning)
+   subroutine prepare_loops(does, need, set, prepared, findings, turning)
       character(*), intent(in) :: does               !! what the program does: 'muscle balances'
-      type(capacity_t), intent(in) :: capacity           !! greatest numbers of positions and arcs
+      type(memory_need_t), intent(in) :: need           !! greatest numbers of positions and arcs
       type(data_set_t), intent(in) :: set
       class(prepared_t), intent(inout) :: prepared
       type(diagnostics_t), intent(inout) :: findings
@@ -124,7 +124,7 @@ contains
       if (len(why) > 0) then
          call findings%error(does//' linkages with a crank that turns; '//why, line=set%title_line, group='DRIVES')
       end if
-      if (.not. findings%failed()) call prepare(set, none, prepared, findings, capacity)
+      if (.not. findings%failed()) call prepare(set, none, prepared, findings, need)
    end subroutine prepare_loops
 
    !> What goes along one input.

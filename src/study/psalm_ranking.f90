@@ -16,7 +16,7 @@ module psalm_ranking
    use psalm_search_group, only: pareto_largest, pareto_angle, pareto_ratio, pareto_room, pareto_band
    use psalm_sketch, only: columns_of
    use psalm_samples, only: sample_set_t, prepare_samples, evaluate_samples
-   use psalm_summary, only: summary_t, summarise, unit_room
+   use psalm_summary, only: summary_t, summarise, unit_width
    use psalm_tolerance, only: deviating_t, tolerance_t, find_tolerances
    implicit none (type, external)
    private
@@ -31,7 +31,7 @@ module psalm_ranking
       real(wp) :: longest_arc = 0.0_wp
       logical :: compared = .false.                !! there are desired values, the linkage closes there
       real(wp) :: rms = 0.0_wp, largest = 0.0_wp   !! errors
-      character(unit_room) :: error_unit = ''      !! of these
+      character(unit_width) :: error_unit = ''      !! of these
       logical :: has_angle = .false.
       real(wp) :: angle = right_angle              !! least transmission angle, degrees
       real(wp) :: ratio = 1.0_wp                   !! longest to shortest link

@@ -15,7 +15,7 @@ module psalm_spring_study
    use psalm_place, only: place_t
    use psalm_spring_design_group, only: spring_design_group_t, spring_design_of
    use psalm_spring_exact, only: exact_spring_t, exact_task_t, prepare_exact, find_exact, columns_of_torque, exact_possible
-   use psalm_spring_load, only: spring_workspace_t, found_spring_t, load_with, criterion_of
+   use psalm_spring_load, only: spring_limits_t, found_spring_t, load_with, criterion_of
    use psalm_spring_search, only: spring_search_t, search_springs
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t
@@ -114,7 +114,7 @@ contains
       type(motion_t) :: motion
       type(force_table_t) :: table
       type(diagnostics_t) :: unused
-      type(spring_workspace_t), allocatable :: rooms(:)
+      type(spring_limits_t), allocatable :: rooms(:)
       type(found_spring_t), allocatable :: springs(:)
       integer, allocatable :: columns(:)
       integer :: k
@@ -171,7 +171,7 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
       integer, intent(in) :: columns(:)
-      type(spring_workspace_t), allocatable, intent(out) :: rooms(:)
+      type(spring_limits_t), allocatable, intent(out) :: rooms(:)
       type(body_motion_t) :: bodies
       type(location_t) :: location
       real(wp), allocatable :: slopes(:, :, :, :)
@@ -314,7 +314,7 @@ contains
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
-      type(spring_workspace_t), intent(in) :: rooms(:)
+      type(spring_limits_t), intent(in) :: rooms(:)
       type(found_spring_t), intent(in) :: springs(:)
       type(spring_study_t), intent(inout) :: study
       type(location_t) :: location, bare

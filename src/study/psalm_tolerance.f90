@@ -436,8 +436,8 @@ contains
       is_angle = is_angle(list)
    end subroutine dimensions_to_allot
 
-   !> Columns to which tolerances can be allotted: those that have one. The pivot of the input has two columns if either has a
-   !> tolerance. The joint that the output arc ends at has the tolerances of that arc.
+   !> Columns to which tolerances can be allotted: those that have one. The pivot of the input deviates by both its numbers if
+   !> either has a tolerance; the other is left out here. The joint that the output arc ends at has the tolerances of that arc.
    pure function allotted_columns(tolerance, listed, of_apart) result(list)
       real(wp), intent(in) :: tolerance(:)         !! of the variables
       integer, intent(in) :: listed                !! joint off the arcs that the output arc ends at; 0: none

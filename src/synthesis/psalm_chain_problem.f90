@@ -125,13 +125,12 @@ contains
       subroutine list_pairs(tangle)
          real(wp), intent(in) :: tangle        !! degrees
          type(link_pair_t) :: one
-         real(wp) :: cosine, sine
+         real(wp) :: unused
          integer :: g, k, outer
 
          allocate (problem%pairs(0))
          if (tangle >= right_angle) return
-         call unit_vector(tangle, cosine, sine)
-         problem%cosine = sine
+         call unit_vector(right_angle - tangle, problem%cosine, unused)
          do g = 1, size(closure%groups)
             associate (group => closure%groups(g))
                if (size(group%links) /= 2 .or. size(group%rows) /= 3) cycle
@@ -760,7 +759,7 @@ contains
       m = size(self%margin)
       do n = 1, size(self%pairs)
          side = state%joint(self%pairs(n)%outer, 0) - state%joint(self%pairs(n)%inner, 0)
-         c(m + n) = self%drawn%size*(abs(real(side(1)*conjg(side(2)), wp))/product(abs(side)) - self%cosine)
+         c(m + n) = self%drawn%size*(abs(real(side(1)*conjg(side(2)), wp))/max(product(abs(side)), tiny(1.0_wp)) - self%cosine)
       end do
       m = m + size(self%pairs)
       do n = 1, size(self%clearances)

@@ -338,7 +338,7 @@ contains
       end do
    end subroutine look_into_narrow_places
 
-   !> How near each dyad is to a dead point, from position `first` of a samples on: 0 at it. Shape (positions, nloop).
+   !> How near each dyad is to a dead point, from position `first` of a set of samples on: 0 at it. Shape (positions, nloop).
    !>
    !> Two links or a slide with its guide: the distance between the outer joints, for they swing round where these meet. Two
    !> slides: the sine between them, for they run far out. Link pairs, and link and slide: what is left of closing too.
@@ -460,7 +460,7 @@ contains
       call evaluate_samples(inspector%refinement, dimensions)
    end subroutine move_refinement
 
-   !> Margin of a constraint at position i of a samples.
+   !> Margin of a constraint at position i of a set of samples.
    pure real(wp) function margin_at(inspector, samples, i, margin) result(value)
       type(inspector_t), intent(in) :: inspector
       type(sample_set_t), intent(in) :: samples

@@ -54,7 +54,7 @@ module psalm_merit
       class(problem_t), allocatable :: final          !! with the user's limits: what counts in the end
       type(dimensions_t) :: dimensions
       real(wp), allocatable :: limit(:)              !! by loop: of abs(k)
-      type(clearance_t), allocatable :: clearances(:) !! their points are joints of that samples
+      type(clearance_t), allocatable :: clearances(:) !! their points are joints of `range`
       real(wp) :: size = 1.0_wp                      !! of the linkage: makes lengths comparable
       integer :: irange = range_positions
       logical :: free = .false.                      !! free timing
@@ -323,7 +323,7 @@ contains
          if (allocated(merit%wishes) .and. merit%free) call merit%wishes%problem%move_inputs(delt)
          if (order_weighs(merit)) merit%late = (merit%sense*(delt - cshift(delt, 1)) &
                                                 - [spread(0.0_wp, 1, size(delt) - 1), merit%span])/unit_of_input(merit)
-         ! the variables of `final` are the user's; those of a samples may have one more for the input
+         ! the variables of `final` are the user's; those of a set of samples may have one more for the input
          call merit%final%parameters%apply(values, merit%dimensions)
       end associate
    end subroutine put_in
@@ -607,7 +607,7 @@ contains
       end do
    end function product_of
 
-   !> Violations of closure, transmission angles, angles between slides and TOGGLE at the positions of a samples.
+   !> Violations of closure, transmission angles, angles between slides and TOGGLE at the positions of a set of samples.
    subroutine add_angles(samples, limit, positions, nvar, weight, equations)
       type(sample_set_t), intent(in) :: samples
       real(wp), intent(in) :: limit(:)               !! shape (loops)

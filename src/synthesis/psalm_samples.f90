@@ -45,7 +45,7 @@ module psalm_samples
 
 contains
 
-   !> Make a samples of a problem whose inputs and desired values are set.
+   !> Make a set of samples of a problem whose inputs and desired values are set.
    subroutine prepare_samples(problem, delt, timed, joints, derivatives, samples, beside)
       type(problem_t), intent(in) :: problem
       real(wp), intent(in) :: delt(:)            !! input increments; those of the problem where it has desired values

@@ -4,7 +4,7 @@ module psalm_spring_fit
    use psalm_least_squares, only: least_squares_t
    use psalm_nlp, only: plain_nlp_t
    use psalm_solver, only: ending_t
-   use psalm_spring_load, only: spring_workspace_t, found_spring_t, load_with, criterion_of, add_slopes, criterion_spread, &
+   use psalm_spring_load, only: spring_limits_t, found_spring_t, load_with, criterion_of, add_slopes, criterion_spread, &
                                 stiffest_in
    use psalm_stop, only: stop_t
    implicit none (type, external)
@@ -16,7 +16,7 @@ module psalm_spring_fit
    real(wp), parameter :: held = 0.0_wp            !! of unknowns that are given
 
    type, extends(plain_nlp_t) :: fit_t
-      type(spring_workspace_t), allocatable :: rooms(:)
+      type(spring_limits_t), allocatable :: rooms(:)
       real(wp), allocatable :: bare(:, :)          !! shape (positions, components)
       real(wp), allocatable :: stiff(:)            !! N/m: unit of S
       real(wp), allocatable :: length(:)           !! m: unit of L
@@ -32,7 +32,7 @@ contains
    !> Improve springs; `value` is the criterion at the end: `criterion_rms` or `criterion_spread`.
    subroutine fit_springs(bare, rooms, criterion, springs, value)
       real(wp), intent(in) :: bare(:, :)           !! shape (positions, components): the load without these springs
-      type(spring_workspace_t), intent(in) :: rooms(:)
+      type(spring_limits_t), intent(in) :: rooms(:)
       integer, intent(in) :: criterion
       type(found_spring_t), intent(inout) :: springs(:)
       real(wp), intent(out) :: value

@@ -7,7 +7,7 @@ module psalm_spring_load
    use psalm_spring_design_group, only: criterion_range, criterion_rms
    implicit none (type, external)
    private
-   public :: spring_workspace_t, found_spring_t, load_with, criterion_of, add_slopes, stiffest_in, criterion_spread
+   public :: spring_limits_t, found_spring_t, load_with, criterion_of, add_slopes, stiffest_in, criterion_spread
 
    real(wp), parameter :: stiffest_of_all = 1.0e3_wp !! bare loads over squares of reaches: no spring is stiffer without a limit
    integer, parameter :: criterion_spread = -1     !! RMS of the differences from the mean: smooth, on the way to the range
@@ -20,12 +20,12 @@ module psalm_spring_load
    end type spring_path_t
 
    !> Room for a spring.
-   type :: spring_workspace_t
+   type :: spring_limits_t
       type(spring_path_t) :: ends(2)
       real(wp) :: reach(2) = 0.0_wp                !! of the ends, m; 0: given
       real(wp) :: stiffest = 0.0_wp                !! N/m; 0: no limit
       real(wp) :: free(2) = 0.0_wp                 !! least and greatest free length, m
-   end type spring_workspace_t
+   end type spring_limits_t
 
    type :: found_spring_t
       real(wp) :: at(2, 2) = 0.0_wp                !! x, y of the ends, from where they are counted, in the axes of their links, m
@@ -55,7 +55,7 @@ contains
    !> The greatest stiffness of a spring, N/m: the user's, or one that depends on the bare load and the room, for without a limit
    !> the load is often least with an end that nearly coincides with a joint and a stiffness beyond all limits.
    pure real(wp) function stiffest_in(room, bare) result(stiffness)
-      type(spring_workspace_t), intent(in) :: room
+      type(spring_limits_t), intent(in) :: room
       real(wp), intent(in) :: bare(:, :)         !! shape (positions, components): the load without springs
       real(wp) :: length
 
@@ -69,7 +69,7 @@ contains
    !> The load with springs. Shape: (positions, components).
    pure function load_with(bare, rooms, springs) result(load)
       real(wp), intent(in) :: bare(:, :)
-      type(spring_workspace_t), intent(in) :: rooms(:)
+      type(spring_limits_t), intent(in) :: rooms(:)
       type(found_spring_t), intent(in) :: springs(:)
       real(wp), allocatable :: load(:, :)
       integer :: k
@@ -82,7 +82,7 @@ contains
 
    !> Load of one spring, and with `slopes` its derivatives by the unknowns, shape (positions, components, 6).
    pure subroutine add_spring(room, spring, load, slopes)
-      type(spring_workspace_t), intent(in) :: room
+      type(spring_limits_t), intent(in) :: room
       type(found_spring_t), intent(in) :: spring
       real(wp), intent(inout) :: load(:, :)
       real(wp), intent(out), optional :: slopes(:, :, :)
@@ -168,7 +168,7 @@ contains
 
    !> Derivatives alone.
    pure subroutine add_slopes(room, spring, slopes)
-      type(spring_workspace_t), intent(in) :: room
+      type(spring_limits_t), intent(in) :: room
       type(found_spring_t), intent(in) :: spring
       real(wp), intent(out) :: slopes(:, :, :)
       real(wp) :: load(size(slopes, 1), size(slopes, 2))

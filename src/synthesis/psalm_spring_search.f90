@@ -11,7 +11,7 @@ module psalm_spring_search
    use psalm_linear, only: triangle_of
    use psalm_spring_design_group, only: criterion_range, criterion_rms, criterion_peak
    use psalm_spring_fit, only: fit_springs
-   use psalm_spring_load, only: spring_workspace_t, found_spring_t, load_with, criterion_of, add_slopes, stiffest_in, &
+   use psalm_spring_load, only: spring_limits_t, found_spring_t, load_with, criterion_of, add_slopes, stiffest_in, &
                                 criterion_spread
    use psalm_stop, only: stop_t, is_to_end
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
@@ -50,7 +50,7 @@ contains
    !> never worse than the best of them.
    recursive subroutine search_springs(bare, rooms, criterion, starts, seed, search, stop)
       real(wp), intent(in) :: bare(:, :)           !! shape (positions, components): the load without these springs
-      type(spring_workspace_t), intent(in) :: rooms(:)
+      type(spring_limits_t), intent(in) :: rooms(:)
       integer, intent(in) :: criterion, starts, seed
       type(spring_search_t), intent(out) :: search
       type(stop_t), intent(in), optional :: stop   !! asked before each start: the best so far is there
@@ -153,7 +153,7 @@ contains
    !> A free length anywhere between its limits; stiffness comes with the first step.
    subroutine draw(random, room, spring)
       type(xoshiro_t), intent(inout) :: random
-      type(spring_workspace_t), intent(in) :: room
+      type(spring_limits_t), intent(in) :: room
       type(found_spring_t), intent(out) :: spring
       real(wp) :: draw_now
       integer :: e, c
@@ -177,7 +177,7 @@ contains
    !> A local optimum from a start. The first step gives the best stiffness for its places; `steps` limits their number.
    subroutine go_by_tangents(bare, rooms, criterion, begin, best, steps)
       real(wp), intent(in) :: bare(:, :)
-      type(spring_workspace_t), intent(in) :: rooms(:)
+      type(spring_limits_t), intent(in) :: rooms(:)
       integer, intent(in) :: criterion
       type(found_spring_t), intent(in) :: begin(:)
       type(spring_search_t), intent(out) :: best
@@ -221,7 +221,7 @@ contains
    !> The convex problem of one step: springs whose ends move at most `move` reaches.
    subroutine solve_step(bare, rooms, criterion, springs, move, result)
       real(wp), intent(in) :: bare(:, :)
-      type(spring_workspace_t), intent(in) :: rooms(:)
+      type(spring_limits_t), intent(in) :: rooms(:)
       integer, intent(in) :: criterion
       type(found_spring_t), intent(in) :: springs(:)
       real(wp), intent(in) :: move

@@ -26,7 +26,7 @@ module psalm_summary
    public :: summary_t, loop_kind_t, range_t, summarise, kinds_of, kind_of_four_bar
    public :: kind_none, kind_crank_rocker, kind_double_crank, kind_double_rocker, kind_rocker_crank, kind_triple_rocker, &
              kind_change_point, kind_slider_turning, kind_slider_swinging
-   public :: unit_room
+   public :: unit_width
 
    integer, parameter :: kind_none = 0
    integer, parameter :: kind_crank_rocker = 1    !! the crank turns fully, the follower swings
@@ -38,7 +38,7 @@ module psalm_summary
    integer, parameter :: kind_slider_turning = 7  !! slider-crank whose crank turns fully
    integer, parameter :: kind_slider_swinging = 8 !! slider-crank whose crank does not
 
-   integer, parameter :: unit_room = 20                !! characters of a unit
+   integer, parameter :: unit_width = 20                !! characters of a unit
    integer, parameter :: steps = 720, steps_of_refinement = 16
    integer, parameter :: refinements = 10              !! closer looks: the last at 1e-11 of a step
    real(wp), parameter :: rounding = 8.0_wp*epsilon(1.0_wp)
@@ -75,7 +75,7 @@ module psalm_summary
       integer :: order = 0                            !! derivative
       integer :: compared = 0                         !! positions at which a value is wanted and exists
       real(wp) :: rms = 0.0_wp, largest = 0.0_wp      !! of points their distance; of angles degrees, their derivatives in radians
-      character(unit_room) :: unit = ''               !! of these
+      character(unit_width) :: unit = ''               !! of these
       integer :: worst = 0                            !! position of the largest
       real(wp) :: worst_input = 0.0_wp
    end type wish_errors_t
@@ -107,7 +107,7 @@ module psalm_summary
       real(wp), allocatable :: reverses(:)            !! inputs at which the output reverses
       integer :: compared = 0                         !! closed positions with desired values
       real(wp) :: rms = 0.0_wp, largest = 0.0_wp      !! errors there
-      character(unit_room) :: error_unit = ''         !! of these
+      character(unit_width) :: error_unit = ''         !! of these
       integer :: worst = 0                            !! position of the largest
       real(wp) :: worst_input = 0.0_wp
       type(wish_errors_t), allocatable :: wishes(:)   !! by output; not allocated: there are no desired values of such

@@ -94,7 +94,7 @@ MISTAKES = [
     (GEARS, "GEARB='four'", "GEARB='one'", "a gear pair has three different links"),
     (GEARS, "GEARB='four'", "GEARB='three'", "link frame carries wheel three, but no joint pins them together"),
     # what varies
-    (SKETCH, "'C D' &END", "'C D', VARY='A B',' ' &END", "variable 2 is empty"),
+    (SKETCH, "'C D' &END", "'C D', VARY='A B',' ' &END", "value 2 is empty"),
     (SKETCH, "'C D' &END", "'C D', VARY='A' &END", "'A' names 1 joints, not 2; there are 'A B', 'angle A B A C', 'place D', 'input'"),
     (SKETCH, "'C D' &END", "'C D', VARY='place P' &END", "'place P': the joint is not on the frame"),
     (SKETCH, "'C D' &END", "'C D', VARY='A C' &END", "'A C': no link has all these joints"),
@@ -151,6 +151,7 @@ MISTAKES = [
     (FOUR_BAR, "TANGLE=90.0", "TRMIN=-1.0", "&LIMITS TRMIN: is the least transmission angle"),
     (FOUR_BAR, " &LIMITS TANGLE=90.0", " &CONSTR TRMIN=40.0 &END\n &LIMITS TRMIN=40.0", "&CONSTR TRMIN: is given in &LIMITS too"),
     (BRACED, " &METHOD", " &LIMITS TRMIN=40.0 &END\n &METHOD", "have no transmission angle"),
+    (BRACED, " &METHOD", " &SWEEP SWJNT='angle B C B F', SWLOW=1.0, SWHIGH=2.0 &END\n &METHOD", "meet with the lengths they have and no others"),
     (BRACED, " &METHOD", " &SWEEP SWJNT='A B', SWLOW=29.0, SWHIGH=31.0 &END\n &METHOD", "meet with the lengths they have and no others"),
     (BRACED, " &METHOD", " &CONSTR TRMIN=40.0 &END\n &METHOD", "&CONSTR TRMIN"),
     # desired values of outputs

@@ -669,7 +669,7 @@ fi
 fi
 
 if part interruption; then
-{ changed needle_search.nml 's/NITER=[0-9]*/NITER=200000000/' 's/FMIN=0.1/FMIN=0.0, SMALL=0.0/'; echo ' &SEARCH MAXTIME=0.2 &END'; } >deep.nml
+{ changed needle_search.nml 's/NITER=[0-9]*/NITER=200000000/' 's/FMIN=0.1/FMIN=0.0, SMALL=0.0/'; echo ' &SEARCH MAXTIME=2.0 &END'; } >deep.nml
 # the progress line on a terminal, where the machine lends one
 on_terminal() { python3 -c 'import os, pty, sys; sys.exit(os.waitstatus_to_exitcode(pty.spawn(sys.argv[1:])))' "$@"; }
 if python3 -c 'import pty; pty.openpty()' 2>/dev/null; then

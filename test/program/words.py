@@ -16,7 +16,7 @@ from tally import check, report  # noqa: E402
 WORDS = re.compile(r"\b(loops?|arcs?)\s+\d+", re.I)
 SLOW = {"door_five_poses", "dwell", "line6"}   # searches that take long
 ALWAYS = ("psalm", "kalm", "balm")
-WHERE = {"ssics": r"&(VIBR|ESTIM|DRIVE|HILL)\b", "bridge": r"&CLEAR\b", "muscle": r"&BALANC\b", "calm": r"&CAM\b"}
+WHERE = {"ssics": r"&(VIBR|ESTIM|DRIVEL|HILL)\b", "bridge": r"&CLEAR\b", "muscle": r"&BALANC\b", "calm": r"&CAM\b"}
 
 
 def without_program(page):

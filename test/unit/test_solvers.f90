@@ -265,7 +265,7 @@ contains
       call t%close_to(maxval(abs(x(:3) - [4.0_wp, 1.0_wp, 2.5_wp])), 0.0_wp, 1.0e-9_wp, 'the circle the points lie on')
    end subroutine elimination
 
-   !> Constraints that nothing obeys: what comes back violates them next to least, and is reported to violate them.
+   !> Constraints that nothing obeys: what comes back violates them next to least, and is marked as violating them.
    subroutine nothing_obeys()
       type(contradiction_t) :: problem
       type(ending_t) :: ending
@@ -311,7 +311,7 @@ contains
       end associate
    end subroutine evaluations
 
-   !> What an observer is reported: counts that grow, and in the end the objective of what is found.
+   !> What is reported to an observer: counts that grow, and in the end the objective of what is found.
    subroutine reports()
       type(rosenbrock_t) :: problem
       type(ending_t) :: ending

@@ -1,4 +1,4 @@
-!> An observer that remembers what it is reported, for the tests of the solvers; a problem that is nothing but a function.
+!> An observer that remembers what is reported to it, for the tests of the solvers; a problem that is nothing but a function.
 module watcher
    use psalm_kinds, only: wp
    use psalm_nlp, only: nlp_t
