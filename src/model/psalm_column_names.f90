@@ -17,7 +17,7 @@
 !> This module is the one place for these names and for those that device 9 keeps from the time when it was the only table.
 module psalm_column_names
    use psalm_output_kind, only: output_kind_t, kind_of_output, output_ratio
-   use psalm_sketch, only: sketch_t, sketch_output_t, columns_of, drive_turns
+   use psalm_sketch, only: sketch_t, sketch_output_t, first_number, drive_turns
    use psalm_text, only: to_text
    implicit none (type, external)
    private
@@ -185,16 +185,14 @@ contains
       character(*), intent(in) :: per          !! `per_time` or `per_input`
       integer, intent(in) :: order
       character(:), allocatable :: unit
-      integer :: k, first
+      integer :: k
 
-      first = 0
       do k = 1, size(outputs) - 1
-         if (first + columns_of(outputs(k)) >= number) exit
-         first = first + columns_of(outputs(k))
+         if (first_number(outputs, k + 1) > number) exit
       end do
       if (outputs(k)%kind /= output_ratio) then
-         associate (kind => kind_of_output(outputs(k)%kind))
-            unit = rate_unit(number - first == kind%angle, per, order)
+         associate (kind => kind_of_output(outputs(k)%kind), component => number - first_number(outputs, k) + 1)
+            unit = rate_unit(component == kind%angle, per, order)
          end associate
          return
       end if

@@ -11,6 +11,7 @@ module psalm_animation
    use psalm_svg, only: class_of, draw_still, write_chain_style, write_style
    use psalm_svg_frame, only: begin_svg, px => pixels
    use psalm_text, only: text_t
+   use psalm_trace, only: rail_ends
    use psalm_view, only: drawing_unit, change_unit
    implicit none (type, external)
    private
@@ -153,21 +154,16 @@ contains
       type(film_t), intent(in) :: film
       type(text_t), intent(inout) :: text
       type(text_t) :: values
-      real(wp) :: u(2), at(2)
+      real(wp) :: ends(2, 2)
       integer :: s, i
 
       do s = 1, size(scene%slides)
-         associate (slide => scene%slides(s), row => scene%sweep)
-            values = text_t()
-            do i = 1, size(film%frames)
-               associate (f => film%frames(i))
-                  u = slide%sense*[row%ux(s, f), row%uy(s, f)]
-                  at = [row%x(slide%guide, f), row%y(slide%guide, f)]
-                  call values%add_text(between(i)//'M'//pixels_of(film, at + slide%low*u)//'L'//pixels_of(film, at + slide%high*u))
-               end associate
-            end do
-            call add_moving('<path class="rail" stroke-width="1.5"', 'd', values%content(), film, text, '</path>')
-         end associate
+         values = text_t()
+         do i = 1, size(film%frames)
+            ends = rail_ends(scene%sweep, scene%slides, s, film%frames(i))
+            call values%add_text(between(i)//'M'//pixels_of(film, ends(:, 1))//'L'//pixels_of(film, ends(:, 2)))
+         end do
+         call add_moving('<path class="rail" stroke-width="1.5"', 'd', values%content(), film, text, '</path>')
       end do
    end subroutine draw_rails
 

@@ -7,6 +7,7 @@ module psalm_cam_page
    use psalm_cam_study, only: cam_study_t, role_cam, role_conjugate
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_markup, only: json_text, short_number, xml_text, comma, truth
+   use psalm_page_rows, only: integers
    use psalm_shared_text, only: title_mark, data_mark
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
@@ -69,7 +70,7 @@ contains
          call text%add_text('],"bodies":[')
          do j = 1, size(linkage%bodies)
             call text%add_text(comma(j)//'{"frame":'//truth(linkage%bodies(j)%frame)//',"hull":['// &
-                               list(linkage%bodies(j)%hull - 1)//']}')
+                               integers(linkage%bodies(j)%hull - 1)//']}')
          end do
          call text%add_text('],"rails":[')
          do j = 1, size(linkage%slides)
@@ -197,15 +198,4 @@ contains
 
       digits = short_number(value, digits_shown)
    end function number
-
-   pure function list(values) result(numbers)
-      integer, intent(in) :: values(:)
-      character(:), allocatable :: numbers
-      integer :: i
-
-      numbers = ''
-      do i = 1, size(values)
-         numbers = numbers//comma(i)//to_text(values(i))
-      end do
-   end function list
 end module psalm_cam_page

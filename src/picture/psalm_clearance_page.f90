@@ -3,6 +3,7 @@ module psalm_clearance_page
    use psalm_clearance_scene, only: clearance_scene_t
    use psalm_kinds, only: wp
    use psalm_markup, only: json_text, short_number
+   use psalm_page_rows, only: add_values
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
@@ -30,13 +31,9 @@ contains
       subroutine add_row(name, values)
          character(*), intent(in) :: name
          real(wp), intent(in) :: values(:)
-         integer :: i
 
          call text%add(',"'//name//'":[')
-         do i = 1, size(values)
-            if (i > 1) call text%add_text(',')
-            call text%add_text(short_number(values(i)))
-         end do
+         call add_values(values, text)
          call text%add_text(']')
       end subroutine add_row
    end subroutine write_clearance_data

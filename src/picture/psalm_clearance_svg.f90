@@ -5,7 +5,7 @@ module psalm_clearance_svg
    use psalm_flypast_chart, only: chart_t
    use psalm_kinds, only: wp, pi, full_turn, radians_per_degree
    use psalm_markup, only: short_number
-   use psalm_svg_panel, only: plot_panel_t, begin_picture, draw_axes, draw_curve, px, round_step
+   use psalm_svg_panel, only: plot_panel_t, begin_picture, draw_axes, draw_curve, px, round_step, style_of_areas
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
@@ -49,7 +49,6 @@ contains
       character(:), allocatable :: style
       character(*), parameter :: lights(*) = [character(7) :: '#fde7b0', '#fcc46c', '#f59e3f', '#e2701f', '#bd4312', '#7c2310']
       character(*), parameter :: darks(*) = [character(7) :: '#4a3413', '#714711', '#9c5d12', '#c9741a', '#ee9138', '#ffc480']
-      integer :: k
 
       if (dark) then
          style = '.ring{stroke:#566}.contact{stroke:#ff6b60}.loss,.passage,.terminal{stroke:none;fill:#ff6b60}'// &
@@ -60,11 +59,7 @@ contains
                  '.terminal{stroke:none;fill:#d3302f;fill-opacity:.3}.ring{stroke:#999;stroke-width:.7}'// &
                  '.here{fill:#0b57d0;stroke:#fff;stroke-width:1.5}'
       end if
-      do k = 1, size(lights)
-         style = style//'.i'//to_text(k)//'{stroke:none;fill:'
-         if (dark) style = style//darks(k)//'}'
-         if (.not. dark) style = style//lights(k)//'}'
-      end do
+      style = style//style_of_areas('i', merge(darks, lights, dark))
    end function own_style
 
    ! ---- curves over the turn ----------------------------------------------------------------------------------------

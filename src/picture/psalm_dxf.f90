@@ -11,7 +11,7 @@ module psalm_dxf
    use psalm_output_kind, only: motion_point, motion_angle
    use psalm_scene, only: scene_t
    use psalm_text, only: text_t, to_text, upper_case
-   use psalm_trace, only: position_row_t
+   use psalm_trace, only: position_row_t, rail_ends
    implicit none (type, external)
    private
    public :: write_dxf, write_flat_dxf
@@ -129,17 +129,14 @@ contains
 
       !> The rail of each slide.
       subroutine add_slides()
-         real(wp) :: x, y, ux, uy
+         real(wp) :: ends(2, 2)
          integer :: s
 
          do s = 1, size(scene%slides)
             associate (slide => scene%slides(s))
                if (.not. (row%known(slide%guide, at) .and. row%known(slide%block, at))) cycle
-               x = row%x(slide%guide, at)
-               y = row%y(slide%guide, at)
-               ux = slide%sense*row%ux(s, at)
-               uy = slide%sense*row%uy(s, at)
-               call drawing%line('SLIDES', x + slide%low*ux, y + slide%low*uy, x + slide%high*ux, y + slide%high*uy)
+               ends = rail_ends(row, scene%slides, s, at)
+               call drawing%line('SLIDES', ends(1, 1), ends(2, 1), ends(1, 2), ends(2, 2))
             end associate
          end do
       end subroutine add_slides
@@ -325,7 +322,7 @@ contains
 
       subroutine draw_link(b)
          integer, intent(in) :: b
-         real(wp) :: place(2), ends(2, 2), u(2)
+         real(wp) :: place(2), ends(2, 2)
          integer :: i, s
 
          associate (joints => scene%bodies(b)%joints, outline => outlines(b))
@@ -350,9 +347,9 @@ contains
             do s = 1, size(scene%slides)
                associate (slide => scene%slides(s))
                   if (scene%bars(slide%bar)%body /= b .or. .not. row%known(slide%guide, at)) cycle
-                  u = slide%sense*[row%ux(s, at), row%uy(s, at)]
-                  ends(:, 1) = turned(b, row%x(slide%guide, at) + slide%low*u(1), row%y(slide%guide, at) + slide%low*u(2))
-                  ends(:, 2) = turned(b, row%x(slide%guide, at) + slide%high*u(1), row%y(slide%guide, at) + slide%high*u(2))
+                  ends = rail_ends(row, scene%slides, s, at)
+                  ends(:, 1) = turned(b, ends(1, 1), ends(2, 1))
+                  ends(:, 2) = turned(b, ends(1, 2), ends(2, 2))
                   call drawing%line('SLIDES', ends(1, 1), ends(2, 1), ends(1, 2), ends(2, 2))
                end associate
             end do

@@ -3,7 +3,8 @@ module psalm_force_page
    use psalm_force_scene, only: force_scene_t, words_of_added
    use psalm_force_analysis, only: column_drive, column_fx, column_fy, column_moment
    use psalm_kinds, only: wp
-   use psalm_markup, only: json_text, short_number, short_or_null, comma, truth
+   use psalm_markup, only: json_text, short_number, comma, truth
+   use psalm_page_rows, only: add_values
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
@@ -87,12 +88,8 @@ contains
          integer :: i
 
          call text%add_text(',"'//name//'":[')
-         do i = 1, size(values)
-            if (i > 1) call text%add_text(',')
-            call text%add_text(short_or_null(values(i), forces%sweep%table%known(i)))
-         end do
+         call add_values(values, text, [(forces%sweep%table%known(i), i=1, size(values))])
          call text%add(']')
       end subroutine add_row
-
    end subroutine write_force_data
 end module psalm_force_page

@@ -7,7 +7,8 @@ module psalm_page
    use psalm_kinds, only: wp
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance
    use psalm_labels, only: place_labels
-   use psalm_markup, only: xml_text, json_text, number_or_null, short_number, short_or_null, strings_t, comma, truth
+   use psalm_markup, only: xml_text, json_text, short_number, strings_t, comma, truth
+   use psalm_page_rows, only: add_values, integers
    use psalm_page_text, only: page_text
    use psalm_panels, only: tolerance_band_t, panel_t
    use psalm_parts, only: drawn_bar_t, drawn_body_t
@@ -153,7 +154,7 @@ contains
       call text%add('],"bodies":[')
       do i = 1, size(scene%bodies)
          call text%add_text(comma(i)//'{"frame":'//truth(scene%bodies(i)%frame)//',"hull":'// &
-                            integers(scene%bodies(i)%hull - 1)//name_of(scene%bodies(i))//'}')
+                            '['//integers(scene%bodies(i)%hull - 1)//']'//name_of(scene%bodies(i))//'}')
       end do
       call text%add('],"slides":[')
       do i = 1, size(scene%slides)
@@ -265,16 +266,11 @@ contains
       subroutine add_both(prescribed, sweep, closing)
          real(wp), intent(in) :: prescribed(:), sweep(:)
          logical, intent(in) :: closing
-         integer :: k
 
          call text%add(',"prescribed":[')
-         do k = 1, size(prescribed)
-            call text%add_text(comma(k)//number_or_null(prescribed(k), scene%prescribed%closed(k) .or. .not. closing))
-         end do
+         call add_values(prescribed, text, scene%prescribed%closed .or. .not. closing, exact=.true.)
          call text%add('],"sweep":[')
-         do k = 1, size(sweep)
-            call text%add_text(comma(k)//short_or_null(sweep(k), scene%sweep%closed(k) .or. .not. closing))
-         end do
+         call add_values(sweep, text, scene%sweep%closed .or. .not. closing)
          call text%add(']}')
       end subroutine add_both
    end subroutine write_chain_parts
@@ -331,12 +327,9 @@ contains
       real(wp), intent(in) :: values(:)
       logical, intent(in) :: known(:)
       type(text_t), intent(inout) :: text
-      integer :: i
 
       call text%add_text('[')
-      do i = 1, size(values)
-         call text%add_text(comma(i)//short_or_null(values(i), known(i)))
-      end do
+      call add_values(values, text, known)
       call text%add(']')
    end subroutine write_known
 
@@ -397,9 +390,7 @@ contains
          if (.not. first) call text%add_text(',')
          first = .false.
          call text%add_text('{"loop":'//to_text(loop)//',"name":'//json_text(scene%pairs(loop)%name)//',"values":[')
-         do i = 1, row%n
-            call text%add_text(comma(i)//number(row%angle(loop, i), row%valid(loop, i)))
-         end do
+         call add_values(row%angle(loop, :), text, row%valid(loop, :), exact)
          call text%add(']}')
       end do
       call text%add('],"broken":[')
@@ -415,28 +406,13 @@ contains
 
    contains
 
-      pure function number(value, known) result(written)
-         real(wp), intent(in) :: value
-         logical, intent(in) :: known
-         character(:), allocatable :: written
-
-         if (exact .or. .not. known) then
-            written = number_or_null(value, known)
-         else
-            written = short_number(value)
-         end if
-      end function number
-
       subroutine add_numbers(name, values, known)
          character(*), intent(in) :: name
          real(wp), intent(in) :: values(:)
          logical, intent(in) :: known(:)
-         integer :: m
 
          call text%add(',"'//name//'":[')
-         do m = 1, size(values)
-            call text%add_text(comma(m)//number(values(m), known(m)))
-         end do
+         call add_values(values, text, known, exact)
          call text%add(']')
       end subroutine add_numbers
 
@@ -445,17 +421,14 @@ contains
          integer, intent(in) :: j
          real(wp), intent(in) :: values(:)
          logical, intent(in) :: known(:), still
-         integer :: m
 
          if (j > 1) call text%add(',')
          if (still .and. .not. exact) then
-            call text%add_text(number(values(1), known(1)))
+            call add_values(values(:1), text, known(:1))
             return
          end if
          call text%add_text('[')
-         do m = 1, size(values)
-            call text%add_text(comma(m)//number(values(m), known(m)))
-         end do
+         call add_values(values, text, known, exact)
          call text%add_text(']')
       end subroutine add_array
 
@@ -486,9 +459,7 @@ contains
       integer :: i
 
       call text%add_text(',"at":[')
-      do i = 1, scene%prescribed%n
-         call text%add_text(comma(i)//full_precision(place_on_sweep(scene, i)))
-      end do
+      call add_values([(place_on_sweep(scene, i), i=1, scene%prescribed%n)], text, exact=.true.)
       call text%add(']')
    end subroutine write_places
 
@@ -516,12 +487,9 @@ contains
 
       subroutine add_places(k)
          integer, intent(in) :: k
-         integer :: i
 
          call text%add_text('[')
-         do i = 1, row%n
-            call text%add_text(comma(i)//short_or_null(row%other(k, loop, i), row%other_known(loop, i)))
-         end do
+         call add_values(row%other(k, loop, :), text, row%other_known(loop, :))
          call text%add_text(']')
       end subroutine add_places
    end subroutine write_others
@@ -557,16 +525,4 @@ contains
          name = 'circle'
       end select
    end function region_name
-
-   pure function integers(values) result(text)
-      integer, intent(in) :: values(:)
-      character(:), allocatable :: text
-      integer :: i
-
-      text = '['
-      do i = 1, size(values)
-         text = text//comma(i)//to_text(values(i))
-      end do
-      text = text//']'
-   end function integers
 end module psalm_page

@@ -16,7 +16,6 @@ module psalm_panels
    use psalm_row_study, only: solved_row_t
    use psalm_sketch, only: columns_of, drive_turns, output_angle, output_between, output_ratio
    use psalm_sketch_study, only: sketch_study_t, study_sketch
-   use psalm_text, only: lower_case
    use psalm_tolerance, only: deviating_t, tolerance_t, find_tolerances
    implicit none (type, external)
    private
@@ -185,8 +184,7 @@ contains
       if (.not. found) return
       do c = 1, min(most_outputs, size(family%numbers))
          if (set%has_names()) then
-            call begin_panel(with_unit(trim(family%numbers(c))//' by '//lower_case(family%name(:index(family%name, ' ')))// &
-                                       family%name(index(family%name, ' ') + 1:), &
+            call begin_panel(with_unit(trim(family%numbers(c))//' by '//family%name_in_sentence(), &
                                        output_unit(family%angle(c))), group_position, &
                              merge(full_turn, size_of, family%angle(c)), panels)
          else

@@ -6,7 +6,7 @@ module psalm_pole_svg
    use psalm_markup, only: short_number
    use psalm_pole_curves, only: branches
    use psalm_pole_scene, only: pole_scene_t, poses_drawn, rays_drawn
-   use psalm_svg_panel, only: begin_picture, px
+   use psalm_svg_panel, only: begin_picture, px, style_of_areas
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
@@ -74,7 +74,6 @@ contains
                                                    '#a8500c', '#d9dde1']
       character(7), parameter :: darks(defect) = ['#183352', '#1f5187', '#3b86d4', '#9cceff', '#4d3310', '#80541a', '#c98125', &
                                                   '#ffc680', '#2b323a']
-      integer :: k
 
       if (dark) then
          style = 'line,rect.box{stroke:#e6ebf0}.box,.rule{stroke:#56636f}.centre{stroke:#7db4ff}.pin{stroke:#f0a070}'// &
@@ -87,11 +86,7 @@ contains
                  '.slide{stroke:#2e8540;stroke-dasharray:9 4}.joint{fill:#fff;stroke-width:1.4}.fixed{fill:#14202b}'// &
                  '.dot{fill:#14202b;stroke:none}.mark{stroke:#c62828;stroke-width:2.2}'
       end if
-      do k = 1, defect
-         style = style//'.m'//to_text(k)//'{stroke:none;fill:'
-         if (dark) style = style//darks(k)//'}'
-         if (.not. dark) style = style//lights(k)//'}'
-      end do
+      style = style//style_of_areas('m', merge(darks, lights, dark))
    end function own_style
 
    ! ---- the plane -----------------------------------------------------------------------------------------------------

@@ -9,10 +9,11 @@ module psalm_steady_curves
                          look_line, look_thin
    use psalm_steady_study, only: steady_study_t
    use psalm_text, only: to_text
+   use psalm_vibration_list, only: root_of
    use psalm_vibration_study, only: vibration_study_t
    implicit none (type, external)
    private
-   public :: make_steady_curves, shown_root, most_shown_modes
+   public :: make_steady_curves, most_shown_modes
 
    integer, parameter :: most_shown_modes = 4 !! curves of modes in one panel
    integer, parameter :: poses = 12           !! angles of the crank at which the link is drawn bent
@@ -37,13 +38,6 @@ contains
       call begin_turn("y of Hill's equation", full_turn, plots)
       call add_response('', 1, study%hill%hill, 1.0_wp, 1.0_wp, 1, plots(size(plots)))
    end subroutine make_steady_curves
-
-   !> Root with its sign, as the thesis's chart has it.
-   elemental real(wp) function shown_root(square)
-      real(wp), intent(in) :: square
-
-      shown_root = sign(sqrt(abs(square)), square)
-   end function shown_root
 
    subroutine add_vibration(study, plots)
       type(vibration_study_t), intent(in) :: study
@@ -113,11 +107,11 @@ contains
          ! it ends where its last boundaries are known for all e; below the boundary of p = 0 all is unstable
          plot%high = max(1.0_wp, study%ratio)
          do k = 1, size(chart)
-            plot%high = max(plot%high, shown_root(chart(k)%exact%high(last)))
+            plot%high = max(plot%high, root_of(chart(k)%exact%high(last)))
          end do
          do p = 0, last
-            low = [(shown_root(chart(k)%exact%low(p)), k=1, size(chart))]
-            high = [(shown_root(chart(k)%exact%high(p)), k=1, size(chart))]
+            low = [(root_of(chart(k)%exact%low(p)), k=1, size(chart))]
+            high = [(root_of(chart(k)%exact%high(p)), k=1, size(chart))]
             if (p == 0) low = min(0.0_wp, high)
             call add_line(plot, trim(merge('unstable', '        ', p == 0)), look_area, red, chart%e, low, other=high)
             if (p > 0) call add_line(plot, '', look_thin, red, chart%e, high)

@@ -18,7 +18,7 @@ module psalm_svg
    use psalm_svg_frame, only: begin_svg, px => pixels
    use psalm_svg_panel, only: colours => palette_size, light => palette_light, dark => palette_dark
    use psalm_text, only: text_t, full_precision, to_text
-   use psalm_trace, only: position_row_t
+   use psalm_trace, only: position_row_t, rail_ends
    use psalm_view, only: drawing_unit, change_unit, take_in_others
    implicit none (type, external)
    private
@@ -560,7 +560,7 @@ contains
       type(scene_t), intent(in) :: scene
       real(wp), intent(in) :: k
       type(text_t), intent(inout) :: text
-      real(wp) :: x, y, ux, uy
+      real(wp) :: ends(2, 2)
       integer :: s
 
       if (size(scene%slides) == 0) return
@@ -569,12 +569,9 @@ contains
          do s = 1, size(scene%slides)
             associate (slide => scene%slides(s))
                if (.not. (row%known(slide%guide, i) .and. row%known(slide%block, i))) cycle
-               x = row%x(slide%guide, i)
-               y = row%y(slide%guide, i)
-               ux = slide%sense*row%ux(s, i)
-               uy = slide%sense*row%uy(s, i)
-               call text%add('<path class="rail"'//name_of_bar(scene, slide%bar)//' d="M'// &
-                             pair(x + slide%low*ux, y + slide%low*uy)//'L'//pair(x + slide%high*ux, y + slide%high*uy)//'"/>')
+               ends = rail_ends(row, scene%slides, s, i)
+               call text%add('<path class="rail"'//name_of_bar(scene, slide%bar)//' d="M'//pair(ends(1, 1), ends(2, 1))//'L'// &
+                             pair(ends(1, 2), ends(2, 2))//'"/>')
             end associate
          end do
       end associate

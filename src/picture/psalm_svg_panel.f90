@@ -6,7 +6,7 @@ module psalm_svg_panel
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
-   public :: plot_panel_t, begin_picture, draw_axes, draw_curve, draw_level, px, round_step
+   public :: plot_panel_t, begin_picture, draw_axes, draw_curve, draw_level, px, round_step, style_of_areas
    public :: palette_light, palette_dark, palette_size, palette_style
 
    integer, parameter :: digits_for_people = 5
@@ -166,6 +166,19 @@ contains
 
       y = self%top + self%height*(self%high - value)/max(self%high - self%low, least_span)
    end function y_of
+
+   !> Style of areas: a class for each colour, `letter` and its number.
+   pure function style_of_areas(letter, colours) result(style)
+      character(1), intent(in) :: letter
+      character(*), intent(in) :: colours(:)
+      character(:), allocatable :: style
+      integer :: k
+
+      style = ''
+      do k = 1, size(colours)
+         style = style//'.'//letter//to_text(k)//'{stroke:none;fill:'//colours(k)//'}'
+      end do
+   end function style_of_areas
 
    !> The next 1, 2 or 5 times a power of ten, not below the value.
    pure real(wp) function round_step(value)

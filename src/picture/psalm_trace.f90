@@ -22,7 +22,7 @@ module psalm_trace
    use psalm_mechanism, only: arc_slide, at_finish, at_start
    implicit none (type, external)
    private
-   public :: position_row_t, trace_row, trace_points
+   public :: position_row_t, trace_row, trace_points, rail_ends
 
    !> A row of positions. Co-ordinates in machine axes; what is not known is 0 with `known` false.
    type :: position_row_t
@@ -50,6 +50,21 @@ module psalm_trace
    end type position_row_t
 
 contains
+
+   !> The ends of the rail of a slide: shape (x and y, ends).
+   pure function rail_ends(row, slides, slide, position) result(ends)
+      type(position_row_t), intent(in) :: row
+      type(drawn_slide_t), intent(in) :: slides(:)
+      integer, intent(in) :: slide, position
+      real(wp) :: ends(2, 2), from(2), along(2)
+
+      associate (one => slides(slide))
+         from = [row%x(one%guide, position), row%y(one%guide, position)]
+         along = one%sense*[row%ux(slide, position), row%uy(slide, position)]
+         ends(:, 1) = from + one%low*along
+         ends(:, 2) = from + one%high*along
+      end associate
+   end function rail_ends
 
    !> Joints, slides and outputs at the positions of a row.
    subroutine trace_row(solved, every_loop, dimensions, slides, output_slide, prescribed, row)

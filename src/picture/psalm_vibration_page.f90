@@ -2,8 +2,10 @@
 module psalm_vibration_page
    use psalm_kinds, only: wp
    use psalm_markup, only: number_or_null, short_number, comma
-   use psalm_steady_curves, only: shown_root, most_shown_modes
+   use psalm_page_rows, only: add_values
+   use psalm_steady_curves, only: most_shown_modes
    use psalm_text, only: text_t, to_text
+   use psalm_vibration_list, only: root_of
    use psalm_vibration_scene, only: vibration_scene_t
    implicit none (type, external)
    private
@@ -26,9 +28,7 @@ contains
                             short_number(study%ratio)//',"e":'//short_number(vibration%study%given_e)//',"modes":[')
          do j = 1, min(size(study%modes), most_shown_modes)
             call text%add_text(comma(j)//'[')
-            do k = 1, size(vibration%deflection, 1)
-               call text%add_text(comma(k)//short_number(vibration%deflection(k, j)))
-            end do
+            call add_values(vibration%deflection(:, j), text)
             call text%add(']')
          end do
          speeds = study%speeds%speed
@@ -47,8 +47,8 @@ contains
             call text%add_text(comma(k)//'{"e":'//short_number(study%chart(k)%e)//',"bounds":[')
             associate (b => study%chart(k)%exact)
                do p = 0, ubound(b%low, 1)
-                  call text%add_text(comma(p + 1)//'['//short_number(shown_root(b%low(p)))//','// &
-                                     short_number(shown_root(b%high(p)))//']')
+                  call text%add_text(comma(p + 1)//'['//short_number(root_of(b%low(p)))//','// &
+                                     short_number(root_of(b%high(p)))//']')
                end do
             end associate
             call text%add(']}')

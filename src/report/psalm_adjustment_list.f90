@@ -2,11 +2,12 @@
 module psalm_adjustment_list
    use psalm_adjustment, only: adjustment_t
    use psalm_column_names, only: position_name
+   use psalm_columns, only: left_column, right_column
    use psalm_markup, only: strings_t
    use psalm_parameters, only: name_of, words_of
    use psalm_part_columns, only: add_words
    use psalm_tables, only: table_t, tables_t, table_of
-   use psalm_text, only: text_t, general, to_text
+   use psalm_text, only: text_t, general
    use psalm_tolerance, only: tolerance_t
    use psalm_kinds, only: wp
    implicit none (type, external)
@@ -40,8 +41,8 @@ contains
       do k = 1, size(list)
          associate (one => list(k))
             line = ' '//name_of(linear%variables(one%variable))
-            line = line//repeat(' ', max(1, 30 - len(line)))//general(one%travel)//general(one%most_travel)//general(one%left)// &
-                   general(one%most_left)//repeat(' ', max(1, 10 - len(to_text(one%at))))//to_text(one%at)
+            line = left_column(line, 30)//general(one%travel)//general(one%most_travel)//general(one%left)// &
+                   general(one%most_left)//right_column(one%at, 10, 1)
             if (allowed > 0.0_wp) line = line//'  '//verdict(one%left, one%most_left)
          end associate
          call text%add(line)

@@ -3,6 +3,7 @@ module psalm_allocation_list
    use psalm_allocation, only: allocation_t, item_name, limit_largest, limit_least
    use psalm_allocation_group, only: rule_square, rule_worst, rule_yield
    use psalm_column_names, only: input_name, input_unit, position_name
+   use psalm_columns, only: left_column, right_column, in_words
    use psalm_kinds, only: wp
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_text, only: text_t, fixed, general, to_text, upper_case
@@ -31,17 +32,17 @@ contains
       case (rule_square)
          call text%add(' CHEAPEST TOLERANCES WITHIN THE BANDS: ROOT SUM SQUARE')
       case (rule_yield)
-         call text%add(' CHEAPEST TOLERANCES WITHIN THE BANDS: '//trim(adjustl(general(result%yield/percent)))// &
+         call text%add(' CHEAPEST TOLERANCES WITHIN THE BANDS: '//in_words(result%yield/percent)// &
                        ' PER CENT AT EACH POSITION')
       end select
       call text%add(' COST'//general(result%value)//'   LOWER BOUND'//general(result%bound)//'   DUALITY GAP'// &
                     general(result%value - result%bound))
       if (result%with_given) call text%add(' COST OF THE TOLERANCES OF TOLER'//general(result%cost_of_given)// &
-         ', WHICH TAKE UP AT MOST '//trim(adjustl(general(result%use_of_given/percent)))//' PER CENT OF A BAND')
+         ', WHICH TAKE UP AT MOST '//in_words(result%use_of_given/percent)//' PER CENT OF A BAND')
       call text%add(' DIMENSION                       TOLERANCE (+-)           COST  PER CENT  LIMIT    CLASS')
       do i = 1, size(result%names)
          line = ' '//trim(result%names(i))
-         line = line//repeat(' ', max(1, name_columns - len(line)))//general(result%tolerance(i))//general(result%cost(i))// &
+         line = left_column(line, name_columns)//general(result%tolerance(i))//general(result%cost(i))// &
                 fixed(result%cost(i)/result%value/percent, 10, 2)//'  '//limit_of(i)
          if (result%class(i) > 0) line = line//'  '//to_text(result%class(i))
          call text%add(trim(line))
@@ -55,8 +56,7 @@ contains
             if (band%used < (1.0_wp - full)*band%width) cycle
             n = n + 1
             line = ' '//upper_case(trim(result%numbers(band%number)))
-            line = line//repeat(' ', max(1, 17 - len(line)))
-            line = line//repeat(' ', max(0, 8 - len(to_text(band%position))))//to_text(band%position)// &
+            line = left_column(line, 17)//right_column(band%position, 8)// &
                    general(result%input(band%position))//general(band%width)//general(percent*band%price)
             call text%add(line)
          end associate
@@ -64,7 +64,7 @@ contains
       if (n == 0) call text%add(' NONE: EVERY TOLERANCE IS THE LARGEST')
       if (result%sample%trials == 0) return
       line = ' LINKAGES OF THE SAMPLE '//to_text(result%sample%trials)//', WITHIN ALL BANDS '//to_text(result%sample%kept)//' ('
-      line = line//trim(adjustl(general(real(result%sample%kept, wp)/real(result%sample%trials, wp)/percent)))//' PER CENT)'
+      line = line//in_words(real(result%sample%kept, wp)/real(result%sample%trials, wp)/percent)//' PER CENT)'
       call text%add(line//', THAT DO NOT CLOSE '//to_text(result%sample%open))
 
    contains
@@ -90,7 +90,7 @@ contains
       character(len(result%names)), allocatable :: names(:)
 
       table = table_of('allocation', 'a row for each dimension: its cheapest tolerance; cost '// &
-                       trim(adjustl(general(result%value)))//', at least '//trim(adjustl(general(result%bound))), &
+                       in_words(result%value)//', at least '//in_words(result%bound), &
                        audience=for_programs)
       names = result%names
       do i = 1, size(names)

@@ -4,6 +4,7 @@ module psalm_chain_report
    use psalm_chain_proof_list, only: list_chain_proof, put_chain_proof, links_of_group
    use psalm_chain_proof_study, only: chain_proof_t
    use psalm_chain_study, only: chain_study_t
+   use psalm_columns, only: in_words
    use psalm_constraint_group, only: range_positions
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
@@ -12,7 +13,7 @@ module psalm_chain_report
    use psalm_sketch, only: numbers_of => columns_of
    use psalm_sketch_outputs, only: name_length
    use psalm_sketch_study, only: sketch_study_t
-   use psalm_text, only: text_t, general, to_text
+   use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
    public :: report_outputs, report_swept_outputs, several_outputs, range_lines, report_chain_proof, &
@@ -84,7 +85,7 @@ contains
       if (.not. any(study%closed)) return
       call study%find_range(n, least, most)
       if (least <= most) then
-         call text%add(label//trim(study%names(n))//' '//number(least)//' to '//number(most)//where_words)
+         call text%add(label//trim(study%names(n))//' '//in_words(least)//' to '//in_words(most)//where_words)
       else
          call text%add(label//trim(study%names(n))//' has no value: it is a ratio to what stands still')
       end if
@@ -187,12 +188,5 @@ contains
       if (proof%misplaced > 0) call devices%remark(set, to_text(proof%misplaced)//' positions were found in another assembly '// &
                                                    'than the motion from the drawing leads to')
    end subroutine report_chain_proof
-
-   pure function number(value) result(text)
-      real(wp), intent(in) :: value
-      character(:), allocatable :: text
-
-      text = trim(adjustl(general(value, 'E')))
-   end function number
 
 end module psalm_chain_report

@@ -2,6 +2,7 @@
 module psalm_chain_search_list
    use psalm_chain_problem, only: unknown_name
    use psalm_chain_synthesis, only: chain_synthesis_t
+   use psalm_columns, only: in_words
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_kinds, only: wp
@@ -32,7 +33,7 @@ contains
          line = 'no linkage that obeys the constraints was found: '//line
          call devices%note_violation()
       else
-         line = line//'; best objective '//number(search%best(1)%objective)
+         line = line//'; best objective '//in_words(search%best(1)%objective)
       end if
       if (search%refused) line = trim(set%search%solver%name)//' does not work on this problem: '//line
       if (search%stopped) then
@@ -46,10 +47,10 @@ contains
       if (size(search%best) == 0) return
       call devices%six%add(' '//set%title)
       call devices%six%add()
-      if (search%first_feasible) call devices%six%add(' SUM OF SQUARES OF THE DRAWING '//number(search%first_objective))
+      if (search%first_feasible) call devices%six%add(' SUM OF SQUARES OF THE DRAWING '//in_words(search%first_objective))
       do k = 1, size(search%best)
          call devices%six%add(' LINKAGE '//to_text(k)//', START '//to_text(search%best(k)%start)//': SUM OF SQUARES '// &
-                              number(search%best(k)%objective))
+                              in_words(search%best(k)%objective))
          call devices%six%add('  VARIABLE                                        DRAWING          FOUND')
          do v = 1, size(search%best(k)%x)
             name = unknown_name(set%sketch, v)
@@ -60,13 +61,6 @@ contains
       call devices%six%add()
       call put_found(set, search, devices%cases(devices%last_case()))
    end subroutine report_chain_search
-
-   pure function number(value) result(text)
-      real(wp), intent(in) :: value
-      character(:), allocatable :: text
-
-      text = trim(adjustl(general(value, 'E')))
-   end function number
 
    !> Table search: how it went. The objective of a drawing that does not obey the constraints is not known.
    pure subroutine put_run(search, tables)

@@ -3,6 +3,7 @@
 !> Layout of Oldham (1977), figures 7.3 and C1.
 module psalm_check_list
    use psalm_analysis, only: arc_table_t, warnings_t
+   use psalm_columns, only: left_column, right_column, add_rows
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t
    use psalm_finale, only: arc_table, list_reference, list_output_arc
@@ -136,16 +137,8 @@ contains
 
       subroutine rows(values)
          real(wp), intent(in) :: values(:)
-         character(:), allocatable :: line
-         integer :: i, k
 
-         do i = 1, size(values), per_row
-            line = ''
-            do k = i, min(i + per_row - 1, size(values))
-               line = line//general(values(k))
-            end do
-            call text%add(line)
-         end do
+         call add_rows(values, per_row, '', text)
       end subroutine rows
    end subroutine list_positions
 
@@ -357,8 +350,7 @@ contains
          call text%add(' INPUT'//general(motion%input(k))//'  CONDITION NUMBER'//general(condition(k)))
          do loop = 1, mechanism%nloop
             if (loop == arcs%open(k)) then
-               call text%add(' '//group_heading(mechanism, loop, small=.false.)//' '// &
-                             trim(merge('DO NOT MEET   ', 'DOES NOT CLOSE', mechanism%has_joint_names())))
+               call text%add(open_group(mechanism, loop))
                if (loop < mechanism%nloop) &
                   call text%add(' THE '//trim(merge('GROUPS', 'LOOPS ', mechanism%has_joint_names()))// &
                                 ' AFTER IT ARE NOT DETERMINED')
@@ -405,7 +397,7 @@ contains
          n = mechanism%seq(loop, a)
          if (mechanism%arcs(n)%representative /= n) cycle    ! reported before
          name = arc_heading(mechanism, loop, a, small=.false.)
-         call text%add('  '//name//repeat(' ', max(1, name_column - len(name)))//general(arcs%length(n, k))// &
+         call text%add('  '//left_column(name, name_column)//general(arcs%length(n, k))// &
                        angle_text(arcs%angle(n, k)))
       end do
    end subroutine line_rows
@@ -425,8 +417,7 @@ contains
       end if
       do loop = 1, mechanism%nloop
          if (.not. warnings%closes(loop)) then
-            call text%add(' '//group_heading(mechanism, loop, small=.false.)//' '// &
-                          trim(merge('DO NOT MEET   ', 'DOES NOT CLOSE', mechanism%has_joint_names()))//' AT THE REFERENCE INPUT')
+            call text%add(open_group(mechanism, loop)//' AT THE REFERENCE INPUT')
             return
          end if
          if (mechanism%has_joint_names()) then
@@ -443,17 +434,26 @@ contains
       end do
    end subroutine list_reference_joints
 
+   !> The loop or group that does not close.
+   function open_group(mechanism, loop) result(words)
+      type(mechanism_t), intent(in) :: mechanism
+      integer, intent(in) :: loop
+      character(:), allocatable :: words
+
+      words = ' '//group_heading(mechanism, loop, small=.false.)//' '// &
+              trim(merge('DO NOT MEET   ', 'DOES NOT CLOSE', mechanism%has_joint_names()))
+   end function open_group
+
    ! ---- rows --------------------------------------------------------------------------------------------------------
 
    pure function integers(values, width) result(line)
       integer, intent(in) :: values(:), width
-      character(:), allocatable :: line, number
+      character(:), allocatable :: line
       type(text_t) :: row              ! grows in time linear in its length
       integer :: i
 
       do i = 1, size(values)
-         number = to_text(values(i))
-         call row%add_text(repeat(' ', max(1, width - len(number)))//number)
+         call row%add_text(right_column(values(i), width, 1))
       end do
       line = row%content()
    end function integers

@@ -1,5 +1,6 @@
 !> Exact linkages in words: listing, device 7 with a case for each, device 9 with the block exact.
 module psalm_exact_report
+   use psalm_columns, only: in_words
    use psalm_data_set, only: data_set_t, title_columns
    use psalm_defects, only: class_names, exact_linkage_t
    use psalm_devices, only: devices_t, header_of
@@ -439,7 +440,7 @@ contains
          associate (best => study%approximations(k))
             call devices%six%add(numbers_of(k, best%linkage, exact%frame)//general(best%error)//'     '// &
                                  merge('+', '-', best%sense > 0)//'  '//word(best%alternates, 10))
-            call devices%seven%add('! rank '//to_text(k)//': largest error '//trim(adjustl(general(best%error, 'E')))//' '//unit)
+            call devices%seven%add('! rank '//to_text(k)//': largest error '//in_words(best%error, 'E')//' '//unit)
             call write_case(set, study, k, merge(set%limits%last, 0, k == shown), devices%seven)
          end associate
       end do
@@ -500,7 +501,7 @@ contains
          end associate
          call devices%cases(devices%last_case())%put(table)
          do i = 1, shown
-            call devices%seven%add('! rank '//to_text(i)//': distance '//trim(adjustl(general(found%results(i)%after))))
+            call devices%seven%add('! rank '//to_text(i)//': distance '//in_words(found%results(i)%after))
             call write_case(set, study, i, merge(set%limits%last, 0, i == shown), devices%seven)
          end do
       end associate
@@ -667,7 +668,7 @@ contains
             end do
             call six%add(line)
             call devices%seven%add('! rank '//to_text(k)//': least transmission angle '// &
-                                   trim(adjustl(general(transmission(k))))//' degrees')
+                                   in_words(transmission(k))//' degrees')
             call write_case(set, study, k, merge(set%limits%last, 0, k == shown), devices%seven)
          end do
       end associate

@@ -94,7 +94,7 @@ contains
 
       ! names of joints stay as they are
       name = lower_case(family%name)
-      if (named) name = lower_case(family%name(:index(family%name, ' ')))//family%name(index(family%name, ' ') + 1:)
+      if (named) name = family%name_in_sentence()
       associate (settings => size(family%setting), positions => size(family%input))
          table = table_of('sweep', 'a row for each setting of '//name//' and position')
          call table%add('setting', [((family%setting(k), i=1, positions), k=1, settings)], input_unit(.not. family%sets_angle))

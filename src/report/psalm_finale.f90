@@ -4,6 +4,7 @@
 !> begins what that listing does not have.
 module psalm_finale
    use psalm_angles, only: unit_vector
+   use psalm_columns, only: left_column, in_words
    use psalm_data_set, only: data_set_t
    use psalm_dyad, only: violation_too_short, violation_too_long, violation_parallel, violation_angle_small, &
                          violation_angle_large, violation_undetermined, violation_slides, violation_toggle
@@ -160,7 +161,7 @@ contains
 
          format = format_of(.true., values)
          do k = 1, size(names)
-            call text%add('  '//names(k)%text//repeat(' ', max(1, name_columns - len(names(k)%text)))//figure(values(k), format))
+            call text%add('  '//left_column(names(k)%text, name_columns)//figure(values(k), format))
          end do
       end subroutine add_rows
    end subroutine list_by_joints
@@ -531,8 +532,8 @@ contains
       associate (i => crossing%position)
          text = 'the slides of '//group_words(problem%mechanism, crossing%loop)// &
                 ' are parallel between positions '//to_text(i)//' and '// &
-                to_text(i + 1)//' (inputs '//trim(adjustl(general(motion%input(i))))//' and '// &
-                trim(adjustl(general(motion%input(i + 1))))//'): the linkage cannot move from one to the other'
+                to_text(i + 1)//' (inputs '//in_words(motion%input(i))//' and '// &
+                in_words(motion%input(i + 1))//'): the linkage cannot move from one to the other'
       end associate
    end function describe_crossing
 
@@ -614,7 +615,7 @@ contains
          case default
             text = text//said('LINK ')//either(form%slides(2))
          end select
-         text = text//said(' CLOSES WITH ')//amount()//said(' TO SPARE, LESS THAN TOGGLE ')//trim(adjustl(general(problem%toggle)))
+         text = text//said(' CLOSES WITH ')//amount()//said(' TO SPARE, LESS THAN TOGGLE ')//in_words(problem%toggle)
       case (violation_slides)
          text = text//said('ANGLE BETWEEN THE SLIDES ')//amount()//limit(problem%slide_angle)
       end select
@@ -624,9 +625,9 @@ contains
          if (with_numbers) text = text//said(' (POSITION ')//to_text(violation%worst)//')'
       end if
       if (with_numbers) then
-         text = text//said('; INPUT ')//trim(adjustl(general(motion%input(violation%worst))))
+         text = text//said('; INPUT ')//in_words(motion%input(violation%worst))
       else
-         text = text//said(' (INPUT ')//trim(adjustl(general(motion%input(violation%worst))))//')'
+         text = text//said(' (INPUT ')//in_words(motion%input(violation%worst))//')'
       end if
 
    contains
@@ -672,17 +673,17 @@ contains
          character(:), allocatable :: words
 
          if (problem%trmin_given) then
-            words = trim(adjustl(general(right_angle - deviation)))
+            words = in_words(right_angle - deviation)
             words = said(', OUTSIDE TRMIN ')//words//said(' TO 180 - ')//words
          else
-            words = said(', OUTSIDE 90 +- ')//trim(adjustl(general(deviation)))
+            words = said(', OUTSIDE 90 +- ')//in_words(deviation)
          end if
       end function limit
 
       function amount() result(words)
          character(:), allocatable :: words
 
-         words = trim(adjustl(general(violation%amount)))
+         words = in_words(violation%amount)
       end function amount
    end function describe_violation
 end module psalm_finale

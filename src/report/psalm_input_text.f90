@@ -1,5 +1,6 @@
 !> The input in words: its heading, its numbers, from where that of a sketch counts.
 module psalm_input_text
+   use psalm_columns, only: in_words
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: full_turn, wp
    use psalm_mechanism, only: mechanism_t
@@ -58,7 +59,7 @@ contains
       real(wp), intent(in) :: input                !! as shown
       character(:), allocatable :: words
 
-      words = 'position '//to_text(position)//', input '//trim(adjustl(general(input)))
+      words = 'position '//to_text(position)//', input '//in_words(input)
    end function position_words
 
    !> From where the inputs of a sketch count; empty where nothing need be said.
@@ -71,7 +72,7 @@ contains
       words = 'count from the drawing'
       ! the crank of the drawing may change in a search
       if (set%wants_search() .or. set%traced%floating .or. set%sketch%drives(1)%kind /= drive_turns) return
-      words = words//', where the crank is at '//trim(adjustl(general(set%traced%crank)))//' degrees from the x axis'
+      words = words//', where the crank is at '//in_words(set%traced%crank)//' degrees from the x axis'
    end function zero_words
 
    !> Append to a listing what is special about a sketch: the zero of its input.

@@ -1,6 +1,7 @@
 !> Kinds of linkages in the listing: which there are, what a search found of each, the choice between the best.
 module psalm_kinds_report
    use psalm_chain_graphs, only: joint_none, joint_slide, joint_driven_pin, joint_driven_slide
+   use psalm_columns, only: right_column
    use psalm_data_set, only: data_set_t, title_columns
    use psalm_devices, only: devices_t
    use psalm_kind_choice, only: choice_t, unbeaten_choices, proven_unknown, proven_closes
@@ -36,8 +37,9 @@ contains
                            'LINK 1 IS THE FRAME; - A PIN, = A SLIDE, * THE DRIVE, P THE OUTPUT')
       do k = 1, size(kinds)
          associate (one => kinds(k))
-            call devices%six%add(rank_column(k)//column(one%graph%n, 8)//column(one%slides, 7)//column(one%groups, 7)// &
-                                 column(one%largest_group, 8)//'   '//padded(one%name)//words_of_joints(one))
+            call devices%six%add(rank_column(k)//right_column(one%graph%n, 8)//right_column(one%slides, 7)// &
+                                 right_column(one%groups, 7)//right_column(one%largest_group, 8)//'   '//padded(one%name)// &
+                                 words_of_joints(one))
          end associate
       end do
       variant = variant_of(set)
@@ -135,8 +137,9 @@ contains
          associate (one => study%looked(k))
             line = '              -'
             if (one%best < none_found) line = general(one%best)
-            call devices%six%add(rank_column(place)//line//column(study%kinds(k)%graph%n, 8)//column(study%kinds(k)%slides, 7)// &
-                                 column(one%assemblies, 11)//column(one%starts, 8)//column(one%hits, 6)//'   '// &
+            call devices%six%add(rank_column(place)//line//right_column(study%kinds(k)%graph%n, 8)// &
+                                 right_column(study%kinds(k)%slides, 7)// &
+                                 right_column(one%assemblies, 11)//right_column(one%starts, 8)//right_column(one%hits, 6)//'   '// &
                                  trim(study%kinds(k)%name)//trim(merge(' (ITS LOOPS COULD NOT BE TRACED)', repeat(' ', 32), &
                                                                        .not. one%drawn)))
          end associate
@@ -161,7 +164,7 @@ contains
             line = '              -'
             if (is%has_angle) line = general(is%angle)
             line = rank_column(k)//general(is%rms)//general(is%largest)//line//general(is%ratio)//general(is%width)// &
-                   general(is%height)//general(one%length)//column(one%links, 8)//column(one%joints, 7)//'   '
+                   general(is%height)//general(one%length)//right_column(one%links, 8)//right_column(one%joints, 7)//'   '
             if (is%sliding_input) then
                line = line//'    -     '
             else
@@ -265,13 +268,6 @@ contains
       unseen = count(study%looked%assemblies == 0)
       if (unseen > 0) words = words//'; '//to_text(unseen)//' kinds were not examined'
    end function what_more_would_bring
-
-   pure function column(number, width) result(text)
-      integer, intent(in) :: number, width
-      character(width) :: text
-
-      text = adjustr(repeat(' ', max(0, width - len(to_text(number))))//to_text(number))
-   end function column
 
    pure function padded(name) result(text)
       character(*), intent(in) :: name

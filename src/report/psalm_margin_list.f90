@@ -2,6 +2,7 @@
 module psalm_margin_list
    use psalm_clearances, only: clearance_t, list_clearances
    use psalm_column_names, only: input_unit
+   use psalm_columns, only: left_column, in_words
    use psalm_constraint_group, only: range_positions, range_inputs
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
@@ -47,7 +48,7 @@ contains
       call text%add(' CONSTRAINT                                           MARGIN       AT INPUT')
       do i = 1, size(margins)
          line = name_of_margin(set, problem, margins(i), small=.false.)
-         line = ' '//line//repeat(' ', max(1, name_columns - len(line)))//general(margins(i)%margin)
+         line = ' '//left_column(line, name_columns)//general(margins(i)%margin)
          if (has_input(margins(i))) line = line//general(input_of(problem, dimensions, margins(i)))
          if (is_violated(margins(i))) line = line//'  VIOLATED'
          call text%add(line)
@@ -64,8 +65,8 @@ contains
       character(:), allocatable :: text
 
       text = name_of_margin(set, problem, margin, small)
-      text = text//' by '//trim(adjustl(general(-margin%margin)))
-      if (has_input(margin)) text = text//' at input '//trim(adjustl(general(input_of(problem, dimensions, margin))))
+      text = text//' by '//in_words(-margin%margin)
+      if (has_input(margin)) text = text//' at input '//in_words(input_of(problem, dimensions, margin))
    end function describe_margin
 
    !> True if a margin is least at an input, false if it is the same at all of them.

@@ -3,6 +3,7 @@
 !> Ends are rounded inwards: what is printed stays true.
 module psalm_proof_list
    use psalm_column_names, only: input_unit
+   use psalm_columns, only: left_column, right_column, in_words
    use psalm_data_set, only: data_set_t
    use psalm_group_words, only: arc_heading, group_heading
    use psalm_kinds, only: wp, dp
@@ -93,7 +94,7 @@ contains
       do i = 1, size(study%margins)
          associate (own => study%margins(i))
             name = name_of_limit(mechanism, own%margin, study%trmin_given, small=.false.)
-            name = name//repeat(' ', max(0, limit_columns - len(name)))
+            name = left_column(name, limit_columns, 0)
             least = shown(own%low, -1)
             at = general(own%margin%delt)
             call text%add('   '//name//adjustr(least)//at//'  '//verdict(own))
@@ -172,7 +173,7 @@ contains
       call text%add('   PROVEN FOR DEVIATIONS OF ALL LENGTHS UP TO '//shown(study%tolerance, -1)// &
                     trim(merge(' (LARGER ONES NOT TRIED)', repeat(' ', 24), study%tolerance >= study%largest_tried)))
       if (study%worst_corner > 0.0_wp) call text%add('   THE WORST COMBINATION, TO FIRST ORDER, OPENS IT AT '// &
-                                                     trim(adjustl(general(study%worst_corner))))
+                                                     in_words(study%worst_corner))
    end subroutine list_tolerance
 
    !> Least and greatest values over what closes.
@@ -200,16 +201,14 @@ contains
       real(wp), intent(in) :: low(2), high(2)  !! brackets of the least, of the greatest value
       real(wp), intent(in) :: at(2)            !! inputs, or positions
       type(text_t), intent(inout) :: text
-      character(:), allocatable :: padded
       character(value_columns) :: least, greatest
       character(place_columns) :: places(2)
 
-      padded = name//repeat(' ', max(0, quantity_columns - len(name)))
       least = shown(low(1), -1)
       greatest = shown(high(2), 1)
       places(1) = general(at(1))
       places(2) = general(at(2))
-      call text%add('   '//padded//adjustr(least)//places(1)//adjustr(greatest)//places(2))
+      call text%add('   '//left_column(name, quantity_columns, 0)//adjustr(least)//places(1)//adjustr(greatest)//places(2))
       if (is_wide(low(1), high(1))) call text%add('     LEAST NOT ABOVE '//shown(high(1), 1))
       if (is_wide(low(2), high(2))) call text%add('     GREATEST NOT BELOW '//shown(low(2), -1))
 
@@ -495,7 +494,7 @@ contains
       real(wp), intent(in) :: value
       character(:), allocatable :: text
 
-      text = trim(adjustl(general(value)))
+      text = in_words(value)
       if (index(text, 'D') > 0 .or. index(text, '.') == 0) return
       do while (text(len(text):) == '0' .and. text(len(text) - 1:len(text) - 1) /= '.')
          text = text(:len(text) - 1)
@@ -529,8 +528,7 @@ contains
          read (digits, *) shown
          if (real(way, dp)*(shown - number) >= 0.0_dp) exit
       end do
-      text = trim(adjustl(digits))
-      text = repeat(' ', max(0, width - len(text)))//text
+      text = right_column(trim(adjustl(digits)), width)
    end function end_text
 
    !> Tables: every part of the range, the brackets too; extremes, dead points, margins, clearances.

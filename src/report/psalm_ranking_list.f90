@@ -1,6 +1,7 @@
 !> The ranking of the linkages found in the listing: what makes them different, their margins, their quality and size.
 module psalm_ranking_list
    use psalm_column_names, only: output_unit
+   use psalm_columns, only: right_column
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
@@ -119,10 +120,7 @@ contains
       type(data_set_t), intent(in) :: set
       type(result_t), intent(in) :: found
       type(text_t), intent(inout) :: shares
-      character(:), allocatable :: count
-
-      count = to_text(found%starts)
-      call shares%add(repeat(' ', max(1, 8 - len(count)))//count//'   '//trim(adjustl(set%title)))
+      call shares%add(right_column(found%starts, 8, 1)//'   '//trim(adjustl(set%title)))
    end subroutine add_share
 
    !> Append the ranking of several cases, the best first.

@@ -1,5 +1,6 @@
 !> Rates in the listing and on device 8.
 module psalm_rate_list
+   use psalm_columns, only: left_column
    use psalm_data_set, only: data_set_t
    use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t
@@ -67,7 +68,7 @@ contains
             n = mechanism%seq(loop, a)
             if (named) then
                if (mechanism%arcs(n)%representative /= n) cycle   ! reported before
-               name = in_column('  '//arc_heading(mechanism, loop, a, small=.false.))
+               name = left_column('  '//arc_heading(mechanism, loop, a, small=.false.), name_columns)
             else
                name = repeat(' ', 6 - len(to_text(loop)))//to_text(loop)//repeat(' ', 5 - len(to_text(a)))//to_text(a)
             end if
@@ -82,21 +83,12 @@ contains
             name = ' LOOP '//to_text(arc%loop)//' ARC '//to_text(arc%place)
             if (named) name = '  '//trim(mechanism%ends(arcs%joint_end(joint), arcs%joint_arc(joint)))
          end associate
-         name = in_column(name)
+         name = left_column(name, name_columns)
          do a = 0, 2
             name = name//figure(arcs%x(a, joint, k), of_joint(a))//figure(arcs%y(a, joint, k), of_joint(a))
          end do
          call text%add(name)
       end do
-
-   contains
-
-      pure function in_column(words) result(column)
-         character(*), intent(in) :: words
-         character(:), allocatable :: column
-
-         column = words//repeat(' ', max(1, name_columns - len(words)))
-      end function in_column
    end subroutine list_position
 
    pure function three(values, formats) result(columns)

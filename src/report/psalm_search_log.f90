@@ -1,5 +1,6 @@
 !> Devices 1 and 2: how a simplex was begun, how it went on, what became of each start of a search from many.
 module psalm_search_log
+   use psalm_columns, only: add_rows
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
    use psalm_search, only: start_record_t
@@ -94,26 +95,11 @@ contains
       end if
       if (state%iteration > 0 .and. mod(state%iteration, self%every_vertex) == 0) then
          call self%device1%add(' CO-ORDINATES OF THE BEST VERTEX')
-         call show_vertex(points(:, minloc(objectives, dim=1)), self%device1)
+         call add_rows(points(:, minloc(objectives, dim=1)), values_per_line, '     ', self%device1)
          call self%device1%add(' CO-ORDINATES OF THE WORST VERTEX')
-         call show_vertex(points(:, maxloc(objectives, dim=1)), self%device1)
+         call add_rows(points(:, maxloc(objectives, dim=1)), values_per_line, '     ', self%device1)
       end if
    end subroutine report
-
-   subroutine show_vertex(values, device)
-      real(wp), intent(in) :: values(:)
-      type(text_t), intent(inout) :: device
-      character(:), allocatable :: line
-      integer :: i, k
-
-      do i = 1, size(values), values_per_line
-         line = '     '
-         do k = i, min(i + values_per_line - 1, size(values))
-            line = line//general(values(k))
-         end do
-         call device%add(line)
-      end do
-   end subroutine show_vertex
 
    !> A line for each start.
    subroutine log_starts(starts, device1)

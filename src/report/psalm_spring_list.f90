@@ -1,5 +1,6 @@
 !> Springs that were found: in the listing, as tables and as the group SPRING.
 module psalm_spring_list
+   use psalm_columns, only: left_column, right_column
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
    use psalm_place, only: place_t
@@ -54,19 +55,19 @@ contains
                        to_text(study%search%ended_here)//' OF WHICH ENDED SO LOW')
       end if
       line = ' SPRING FROM ARC LOOP              X              Y TO ARC LOOP              X              Y'
-      if (set%has_names()) line = ' SPRING   '//padded('FROM')//'              X              Y   '//padded('TO')// &
-                                  '              X              Y'
+      if (set%has_names()) line = ' SPRING   '//left_column('FROM', place_columns, 0)//'              X              Y   '// &
+                                  left_column('TO', place_columns, 0)//'              X              Y'
       call text%add(line)
       do k = 1, size(study%springs)
          associate (of => study%springs(k))
-            call text%add(right(to_text(k), 7)//named(set, of%ends(1))//general(of%at(1, 1))//general(of%at(2, 1))// &
+            call text%add(right_column(k, 7)//named(set, of%ends(1))//general(of%at(1, 1))//general(of%at(2, 1))// &
                           named(set, of%ends(2))//general(of%at(1, 2))//general(of%at(2, 2)))
          end associate
       end do
       call text%add(' SPRING      STIFFNESS    FREE LENGTH       SHORTEST        LONGEST  GREATEST PULL')
       do k = 1, size(study%springs)
          associate (of => study%springs(k))
-            call text%add(right(to_text(k), 7)//general(of%stiffness)//general(of%free)//general(of%shortest)// &
+            call text%add(right_column(k, 7)//general(of%stiffness)//general(of%free)//general(of%shortest)// &
                           general(of%longest)//general(of%pull))
          end associate
       end do
@@ -75,26 +76,10 @@ contains
       call text%add(' SPRING          COILS     STRESS, PA    HELIX ANGLE')
       do k = 1, size(study%springs)
          associate (of => study%springs(k))
-            call text%add(right(to_text(k), 7)//general(of%coils)//general(of%stress)//general(of%helix))
+            call text%add(right_column(k, 7)//general(of%coils)//general(of%stress)//general(of%helix))
          end associate
       end do
    end subroutine list_springs
-
-   !> A text in the column of places, or wider.
-   pure function padded(text) result(column)
-      character(*), intent(in) :: text
-      character(:), allocatable :: column
-
-      column = text//repeat(' ', max(0, place_columns - len(text)))
-   end function padded
-
-   pure function right(text, columns) result(shifted)
-      character(*), intent(in) :: text
-      integer, intent(in) :: columns
-      character(:), allocatable :: shifted
-
-      shifted = repeat(' ', max(0, columns - len(text)))//text
-   end function right
 
    !> Where the end of a spring is counted from: an arc, or a link and its joints.
    pure function named(set, place) result(text)
@@ -103,10 +88,10 @@ contains
       character(:), allocatable :: text
 
       if (set%has_names()) then
-         text = '   '//padded(place_words(set, place))
+         text = '   '//left_column(place_words(set, place), place_columns, 0)
          return
       end if
-      text = right(to_text(merge(-place%arc, place%arc, place%from_start)), 7)//right(to_text(place%loop), 5)
+      text = right_column(merge(-place%arc, place%arc, place%from_start), 7)//right_column(place%loop, 5)
    end function named
 
    !> Tables: the springs found, the load before and after, the springs of all phases.

@@ -1,5 +1,6 @@
 !> Results of ssics become texts of the devices, remarks for standard error and the exit status. Nothing is computed here.
 module psalm_steady_report
+   use psalm_columns, only: in_words
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_drive_group, only: hill_group_t, hill_of, drive_group_t, drive_of
@@ -64,7 +65,7 @@ contains
             call devices%remark(set, 'mode '//to_text(k)//': the link '// &
                                 link_words(set, vibration%beam%link, ' in loop ', 'of arc ')//' buckles for a part of '// &
                                 'the turn, most at '// &
-                                trim(adjustl(general(study%vibration%modes(k)%least_at)))//' degrees after the reference')
+                                in_words(study%vibration%modes(k)%least_at)//' degrees after the reference')
          end do
          if (study%vibration%mixing > much_mixed) then
             call devices%remark(set, 'loads and springs on the link couple its modes: the deflection of a mode by itself is '// &

@@ -1,9 +1,10 @@
 !> Tables on device 9, which plotting programs read: blocks two blank lines apart (gnuplot's `index`), comment begins with `#`, one
 !> row a line, `NaN` for what is not known.
 module psalm_table_plot
+   use psalm_columns, only: in_words
    use psalm_tables, only: column_t, table_t, for_programs, kind_short, kind_word
    use psalm_table_field, only: add_number
-   use psalm_text, only: text_t, general
+   use psalm_text, only: text_t
    implicit none (type, external)
    private
    public :: write_plot_block
@@ -59,7 +60,7 @@ contains
          end do
          call text%add_text(word)
       else if (column%kind == kind_short) then
-         call text%add_text(trim(adjustl(general(column%values(row), 'E'))))
+         call text%add_text(in_words(column%values(row), 'E'))
       else
          call add_number(column, row, text)
       end if

@@ -2,6 +2,7 @@
 module psalm_tolerance_list
    use psalm_column_names, only: closed_name, input_name, input_unit, number_unit, output_name, output_unit, per_time, &
                                  plotted_output, position_name
+   use psalm_columns, only: left_column, in_words
    use psalm_elementary, only: hypotenuse
    use psalm_input_text, only: angle_text
    use psalm_group_words, only: group_heading
@@ -41,7 +42,7 @@ contains
          if (kind%components > 1) size_of = hypotenuse(linear%effect(:, v, 1), linear%effect(:, v, 2))
          worst = maxloc(size_of, dim=1)
          line = ' '//name_of(linear%variables(v))
-         line = line//repeat(' ', max(1, 30 - len(line)))//general(linear%tolerance(v))
+         line = left_column(line, 30)//general(linear%tolerance(v))
          if (kind%components > 1) then
             line = line//' '//general(size_of(worst))
          else
@@ -144,7 +145,7 @@ contains
                cycle
             end if
             line = ' '//upper_case(trim(bands%names(n)))//': THE LARGEST EFFECT, '
-            line = line//trim(adjustl(general(maxval(bands%effect(:, n)))))
+            line = line//in_words(maxval(bands%effect(:, n)))
             call text%add(line//', IS THAT OF '//trim(dimensions(maxloc(bands%effect(:, n), dim=1))))
             call text%add(head_of_bands(sample))
             do i = 1, size(bands%worst, 1)

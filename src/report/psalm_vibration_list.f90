@@ -90,12 +90,9 @@ contains
       if (size(study%speeds) > 0) then
          call text%add()
          call text%add(' MODE 1 OVER SPEEDS:      RAD/S            RPM     DEFLECTION')
-         do k = 1, size(study%speeds)
-            associate (row => study%speeds(k))
-               call text%add(repeat(' ', 18)//general(row%speed)//general(row%speed*rpm_per_speed)// &
-                             amplitude_text(row%known, row%stable .or. .not. row%grows, row%amplitude))
-            end associate
-         end do
+         associate (rows => study%speeds)
+            call list_speeds(rows%speed, rows%amplitude, rows%known, rows%stable .or. .not. rows%grows, text)
+         end associate
          call text%add(' LARGEST ERROR OF A DETERMINANT'//general(maxval(study%speeds%determinant_error)))
          call text%add()
          if (size(study%bands) == 0) then
@@ -198,8 +195,21 @@ contains
       end do
    end function gap_text
 
+   !> A row for each speed: rad/s, revolutions per minute, amplitude. All arguments have the shape (speeds).
+   subroutine list_speeds(speed, amplitude, known, settles, text)
+      real(wp), intent(in) :: speed(:), amplitude(:)
+      logical, intent(in) :: known(:), settles(:)
+      type(text_t), intent(inout) :: text
+      integer :: k
+
+      do k = 1, size(speed)
+         call text%add(repeat(' ', 18)//general(speed(k))//general(speed(k)*rpm_per_speed)// &
+                       amplitude_text(known(k), settles(k), amplitude(k)))
+      end do
+   end subroutine list_speeds
+
    !> Root with the sign, as the thesis's chart has it.
-   pure real(wp) function root_of(square)
+   elemental real(wp) function root_of(square)
       real(wp), intent(in) :: square
 
       root_of = sign(sqrt(abs(square)), square)
@@ -370,12 +380,9 @@ contains
       end if
       if (size(study%speeds) == 0) return
       call text%add(' OVER SPEEDS:             RAD/S            RPM          SWING')
-      do k = 1, size(study%speeds)
-         associate (row => study%speeds(k))
-            call text%add(repeat(' ', 18)//general(row%speed)//general(row%speed*rpm_per_speed)// &
-                          amplitude_text(row%known, row%stable .or. .not. row%grows, row%amplitude))
-         end associate
-      end do
+      associate (rows => study%speeds)
+         call list_speeds(rows%speed, rows%amplitude, rows%known, rows%stable .or. .not. rows%grows, text)
+      end associate
 
    contains
 

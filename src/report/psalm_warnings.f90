@@ -1,8 +1,9 @@
 !> Words on what is no violation and yet makes a result doubtful.
 module psalm_warnings
    use psalm_analysis, only: warnings_t
+   use psalm_columns, only: in_words
    use psalm_data_set, only: data_set_t
-   use psalm_text, only: general, to_text
+   use psalm_text, only: to_text
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
    use psalm_parameters, only: length_name
@@ -26,12 +27,12 @@ contains
 
       words = 'a link of practically no length (the longest '// &
               trim(merge('length', 'arc   ', set%has_names()))//' is '// &
-              trim(adjustl(general(maxval(dimensions%arcl), 'E')))//'): '
+              in_words(maxval(dimensions%arcl), 'E')//'): '
       do i = 1, min(size(warnings%short), most_named)
          n = warnings%short(i)
          if (i > 1) words = words//', '
          words = words//length_name(mechanism, n)// &
-                 ' is '//trim(adjustl(general(dimensions%arcl(n), 'E')))
+                 ' is '//in_words(dimensions%arcl(n), 'E')
       end do
       if (size(warnings%short) > most_named) words = words//' and '//to_text(size(warnings%short) - most_named)//' more'
       words = words//'; limit the lengths ('// &

@@ -1,6 +1,7 @@
 !> What further outputs of a sketch do, beside what is desired of them.
 module psalm_wish_list
    use psalm_column_names, only: position_name
+   use psalm_columns, only: in_words
    use psalm_kinds, only: wp
    use psalm_number_format, only: number_format_t, format_of, figure
    use psalm_output_wishes, only: output_wishes_t, sum_of_wish_errors
@@ -49,7 +50,7 @@ contains
          end do
       end do
       call text%add(trim(merge(' TOTAL ERROR                  ', ' THEIR PART OF THE TOTAL ERROR', alone))//' '// &
-                    trim(adjustl(general(sum_of_wish_errors(wishes)))))
+                    in_words(sum_of_wish_errors(wishes)))
    end subroutine list_output_wishes
 
    !> The table `wishes` for other programs: the same.

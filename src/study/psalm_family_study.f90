@@ -5,6 +5,7 @@ module psalm_family_study
    use psalm_kinds, only: wp
    use psalm_mechanism, only: mechanism_t
    use psalm_stop, only: stop_t
+   use psalm_text, only: lower_case
    implicit none (type, external)
    private
    public :: family_t, find_family, sets_one_of
@@ -23,6 +24,8 @@ module psalm_family_study
       logical :: stopped = .false.                    !! the host asked for the end: the settings so far
       logical, allocatable :: closed(:, :)            !! shape (positions, settings)
       real(wp), allocatable :: actual(:, :, :)        !! shape (positions, numbers, settings)
+   contains
+      procedure :: name_in_sentence
    end type family_t
 
    interface
@@ -47,4 +50,16 @@ module psalm_family_study
          logical, intent(in) :: which(:)                 !! shape (arcs)
       end function sets_one_of
    end interface
+
+contains
+
+   !> The dimension of a sketch as it stands in a sentence: names of joints stay as they are.
+   pure function name_in_sentence(self) result(name)
+      class(family_t), intent(in) :: self
+      character(:), allocatable :: name
+
+      associate (first => index(self%name, ' '))
+         name = lower_case(self%name(:first))//self%name(first + 1:)
+      end associate
+   end function name_in_sentence
 end module psalm_family_study
