@@ -301,12 +301,12 @@ contains
       end if
       if (set%toler%given) then
          allocate (tolerances)
-         call study_tolerances(set, problem%mechanism, dimensions, threads, stop, tolerances, delt)
+         call study_tolerances(set, problem%mechanism, dimensions, threads, stop, tolerances, delt, problem, analysis%motion)
          call report_tolerances(set, problem%mechanism, tolerances, devices)
       end if
       if (set%gives('ALLOC')) then
          allocate (allocation)
-         call study_allocation(set, problem%mechanism, dimensions, threads, stop, allocation, delt)
+         call study_allocation(set, problem%mechanism, dimensions, threads, stop, allocation, delt, problem, analysis%motion)
          call report_allocation(set, problem%mechanism%sliding_input, allocation, devices)
       end if
       if (set%gives('SWEEP')) call run_family(set, problem%mechanism, dimensions, devices)

@@ -23,10 +23,11 @@ contains
       is_known = .true.
       do i = 1, size(values)
          if (present(known)) is_known = known(i)
+         if (i > 1) call text%add_text(',')
          if (all_digits) then
-            call text%add_text(comma(i)//number_or_null(values(i), is_known))
+            call text%add_text(number_or_null(values(i), is_known))
          else
-            call text%add_text(comma(i)//short_or_null(values(i), is_known))
+            call text%add_text(short_or_null(values(i), is_known))
          end if
       end do
    end subroutine add_values

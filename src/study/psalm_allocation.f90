@@ -12,7 +12,7 @@ module psalm_allocation
    use psalm_column_names, only: output_name
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
-   use psalm_error, only: inputs_of
+   use psalm_error, only: problem_t, motion_t, inputs_of
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_mechanism, only: mechanism_t
    use psalm_output_kind, only: output_kind_t, output_kind
@@ -90,7 +90,7 @@ module psalm_allocation
 contains
 
    !> The cheapest tolerances of a linkage, and the sample of linkages within them if one is asked for.
-   subroutine study_allocation(set, mechanism, dimensions, threads, stop, result, delt)
+   subroutine study_allocation(set, mechanism, dimensions, threads, stop, result, delt, given, analysed)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions    !! the nominal linkage
@@ -98,6 +98,8 @@ contains
       type(stop_t), intent(in) :: stop                !! asked now and then by the sample
       type(allocation_t), intent(out) :: result
       real(wp), intent(in), optional :: delt(:)       !! increments of the input in place of those of the case
+      type(problem_t), intent(in), optional :: given  !! see `find_tolerances`
+      type(motion_t), intent(in), optional :: analysed
       type(allocation_group_t) :: asked
       type(deviating_t), allocatable :: deviating
       type(tolerance_t), allocatable :: linear
@@ -112,7 +114,8 @@ contains
       result%yield = asked%yield
       result%trials = asked%trials
       allocate (deviating, linear)
-      call find_tolerances(set, mechanism, dimensions, deviating, linear, result%closes, delt, of_lengths=1.0_wp)
+      call find_tolerances(set, mechanism, dimensions, deviating, linear, result%closes, delt, of_lengths=1.0_wp, given=given, &
+                           analysed=analysed)
       if (.not. result%closes) return
       call allowances_of(set, mechanism%sliding_input, deviating, linear, allowance)
       result%numbers = allowance%numbers

@@ -22,6 +22,7 @@ EXPECTED = {
     ("psalm", "jansen"): {"analysed": 2, "located": 1, "set up": 2},    # IPLOT asks for the sweep
     ("balm", "jansen"): {"analysed": 2, "located": 1, "set up": 2},
     ("kalm", "jansen"): {"analysed": 1, "located": 1, "set up": 2},
+    ("psalm", "cheapest_tolerances"): {"analysed": 1, "located": 4, "set up": 2},   # with dimensions that deviate
     ("psalm", "engine"): {"analysed": 2, "located": 0, "set up": 1},
     ("balm", "engine"): {"analysed": 2, "located": 0, "set up": 1},
     ("kalm", "four_bar_haines"): {"analysed": 1, "located": 0, "set up": 1},    # forces
