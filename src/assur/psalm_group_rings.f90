@@ -3,6 +3,7 @@
 !> `psalm_higher_group` solves it. Lengths are scaled as those of the linkage.
 module psalm_group_rings
    use psalm_kinds, only: wp
+   use psalm_wheel_kernels, only: ratio_series_t
    implicit none (type, external)
    private
    public :: higher_t, known_turn_t
@@ -38,6 +39,7 @@ module psalm_group_rings
       real(wp) :: drawn_angle = 0.0_wp              !! and where that points in the drawing, degrees
       real(wp) :: drawn(2) = 0.0_wp                 !! the direction in the drawing
       real(wp) :: now(3) = 0.0_wp                   !! direction and turn where the group stands
+      real(wp) :: drawn_turn = 0.0_wp               !! ties alone: the direction in the drawing, degrees
       real(wp) :: angle = 0.0_wp, turn = 0.0_wp     !! at the last position found of ties alone: of the direction, and from the
                                                     !! drawing, degrees
    end type known_turn_t
@@ -53,10 +55,13 @@ module psalm_group_rings
       integer, allocatable :: row_of_turn(:)        !! shape (unknowns): row of its turn, 0: no tie needs it
       type(turn_tie_t), allocatable :: ties(:)
       type(known_turn_t), allocatable :: known(:)
-      integer, allocatable :: powers(:, :)          !! shape (unknowns, known): ties alone, whose ratios are whole numbers: the turn
-                                                    !! of each unknown is a sum of so many times the known ones, and no turn needs
-                                                    !! to be known; else not allocated
-      real(wp) :: tie_measure = 0.0_wp              !! closure measure of ties alone: that of their matrix
+      ! ties alone that tell the turns of all unknowns; else not allocated
+      real(wp), allocatable :: by_known(:, :)       !! shape (unknowns, known): times a known turn that each of them takes
+      real(wp), allocatable :: by_tie(:, :)         !! shape (unknowns, ties): times the drive of a tie
+      type(ratio_series_t), allocatable :: series(:, :) !! shape (unknowns, known): of these times, if no drive takes part
+      integer, allocatable :: powers(:, :)          !! shape (unknowns, known): these times, if they are whole: no turn needs to be
+                                                    !! known then; else not allocated
+      real(wp) :: tie_measure = 0.0_wp              !! closure measure: that of their matrix
       real(wp), allocatable :: drawn_angle(:)       !! shape (unknowns): direction in the drawing, degrees; lengths: 0
       integer, allocatable :: ends(:, :)            !! shape (4, rings): rows of x and y of the points a ring leads from and to
       type(term_t), allocatable :: terms(:)

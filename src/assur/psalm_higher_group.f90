@@ -11,15 +11,16 @@ module psalm_higher_group
    use psalm_arc_kernels, only: difference
    use psalm_frames, only: frames_t, arc_rate, form_arc, rows_of_arc
    use psalm_group_rings, only: higher_t
-   use psalm_kinds, only: wp, degrees_per_radian
+   use psalm_kinds, only: wp, degrees_per_radian, pi, radians_per_degree
    use psalm_linear, only: reduce_real
    use psalm_rows, only: rows_t
+   use psalm_wheel_kernels, only: highest_at_once, make_series, turn_by_power
    implicit none (type, external)
    private
    public :: state_at, put_state, predict, correct, is_trusted
    public :: rows_of_higher, form_higher, differentiate_higher, solve_higher, is_dead_higher, bounds_higher
    public :: closure_of_higher, change_of_higher, gaps_of_ties, put_known_turns, keep_known_turns
-   public :: find_powers, multiply_directions, turns_by_ties
+   public :: find_turns, turn_wheel, keep_turns
    public :: dead_measure, correction_t
 
    real(wp), parameter :: dead_measure = 64.0_wp*epsilon(1.0_wp)**0.75_wp !! at and below it a group is at a dead point
@@ -247,14 +248,13 @@ contains
       end do
    end subroutine put_identity
 
-   !> Ties alone make linear equations of turns, always the same: their inverse, and the determinant over the lengths of columns.
-   pure subroutine turns_by_ties(higher, inverse, measure)
-      type(higher_t), intent(in) :: higher
-      real(wp), intent(out) :: inverse(:, :)       !! shape (unknowns, ties)
-      real(wp), intent(out) :: measure
-      real(wp) :: matrix(higher%equations, higher%unknowns), size_of, determinant
-      integer :: t, j
+   !> Ties alone make linear equations of turns, always the same: how the unknown ones follow from the known ones and the drives.
+   pure subroutine find_turns(higher)
+      type(higher_t), intent(inout) :: higher
+      real(wp) :: matrix(higher%equations, higher%unknowns), inverse(higher%equations, higher%equations), lengths, determinant
+      integer :: t, j, i
 
+      if (higher%equations /= higher%unknowns) return
       matrix = 0.0_wp
       do t = 1, size(higher%ties)
          associate (tie => higher%ties(t))
@@ -263,24 +263,15 @@ contains
             end do
          end associate
       end do
-      size_of = product(sum(matrix**2, dim=1))
+      lengths = product(sum(matrix**2, dim=1))
       call put_identity(inverse)
       call reduce_real(higher%equations, higher%unknowns, higher%equations, matrix, inverse, determinant)
-      measure = abs(determinant)/sqrt(size_of)
-   end subroutine turns_by_ties
-
-   !> Ties alone: whole numbers of the known turns that the unknown ones are sums of, if they are whole and no drive takes part.
-   pure subroutine find_powers(higher)
-      type(higher_t), intent(inout) :: higher
-      real(wp) :: inverse(higher%unknowns, size(higher%ties)), times(higher%unknowns, size(higher%known))
-      integer :: t, j, i
-
-      if (higher%equations /= higher%unknowns .or. any(higher%ties%drive > 0)) return
-      call turns_by_ties(higher, inverse, higher%tie_measure)
-      if (.not. higher%tie_measure > dead_measure) return
-      times = 0.0_wp
+      if (.not. abs(determinant) > dead_measure*sqrt(lengths)) return
+      higher%tie_measure = abs(determinant)/sqrt(lengths)
+      higher%by_tie = inverse
+      allocate (higher%by_known(higher%unknowns, size(higher%known)), source=0.0_wp)
       do t = 1, size(higher%ties)
-         associate (tie => higher%ties(t))
+         associate (tie => higher%ties(t), times => higher%by_known)
             do j = 1, size(tie%rows)
                if (tie%unknown(j) > 0 .or. tie%rows(j) == 0) cycle
                i = findloc(higher%known%row, tie%rows(j), dim=1)
@@ -288,50 +279,92 @@ contains
             end do
          end associate
       end do
-      if (any(abs(times) > real(highest_power, wp))) return
-      if (any(abs(times - anint(times)) > whole*max(abs(times), 1.0_wp))) return
-      higher%powers = nint(times)
-   end subroutine find_powers
+      if (any(higher%ties%drive > 0)) return
+      associate (times => higher%by_known)
+         allocate (higher%series(size(times, 1), size(times, 2)))
+         do i = 1, size(times, 2)
+            do j = 1, size(times, 1)
+               higher%series(j, i) = make_series(times(j, i))
+            end do
+         end do
+         if (any(abs(times) > real(highest_power, wp))) return
+         if (any(abs(times - anint(times)) > whole*max(abs(times), 1.0_wp))) return
+         higher%powers = nint(times)
+      end associate
+   end subroutine find_turns
 
-   !> Directions of wheels whose ratios are whole numbers: products of powers of known directions, each counted from the drawing.
-   pure subroutine multiply_directions(n, higher, known_x, known_y, j, x, y)
+   !> Directions of a wheel whose ratios are whole numbers: products of powers of known directions, each counted from the drawing.
+   pure subroutine turn_wheel(n, higher, j, store, stays)
       integer, intent(in) :: n, j                  !! positions, the unknown
       type(higher_t), intent(in) :: higher
-      real(wp), intent(in) :: known_x(:, :), known_y(:, :) !! shape (n, known): how far they have turned since the drawing
-      real(wp), intent(out) :: x(n), y(n)          !! its direction
+      type(rows_t), intent(inout) :: store
+      logical, intent(in), optional :: stays(n)    !! where it stands as drawn
+      integer :: k
+
+      if (.not. present(stays) .and. count(higher%powers(j, :) /= 0) == 1) then
+         k = findloc(higher%powers(j, :) /= 0, .true., dim=1)
+         if (abs(higher%powers(j, k)) <= highest_at_once) then
+            associate (known => higher%known(k), v => store%v)
+               call turn_by_power(n, v(1, known%root_x), v(1, known%root_y), known%drawn, higher%powers(j, k), &
+                                  higher%drawn(:2, j), v(1, higher%row(j)), v(1, higher%row_of_sine(j)))
+            end associate
+            return
+         end if
+      end if
+      call multiply_directions(n, higher, j, store, stays)
+   end subroutine turn_wheel
+
+   !> The same for any powers of any number of known directions.
+   pure subroutine multiply_directions(n, higher, j, store, stays)
+      integer, intent(in) :: n, j
+      type(higher_t), intent(in) :: higher
+      type(rows_t), intent(inout) :: store
+      logical, intent(in), optional :: stays(n)
       real(wp) :: ux(n), uy(n), t, sense
       integer :: i, k, power
 
-      x = higher%drawn(1, j)
-      y = higher%drawn(2, j)
-      do k = 1, size(higher%powers, 2)
-         power = abs(higher%powers(j, k))
-         sense = real(sign(1, higher%powers(j, k)), wp)
-         ux = known_x(:, k)
-         uy = sense*known_y(:, k)
-         do while (power > 0)
-            if (modulo(power, 2) == 1) then
+      associate (x => store%v(1:n, higher%row(j)), y => store%v(1:n, higher%row_of_sine(j)), v => store%v)
+         x = higher%drawn(1, j)
+         y = higher%drawn(2, j)
+         do k = 1, size(higher%powers, 2)
+            power = abs(higher%powers(j, k))
+            sense = real(sign(1, higher%powers(j, k)), wp)
+            associate (known => higher%known(k))
                do i = 1, n
-                  t = x(i)*ux(i) - y(i)*uy(i)
-                  y(i) = y(i)*ux(i) + x(i)*uy(i)
-                  x(i) = t
+                  ux(i) = v(i, known%root_x)*known%drawn(1) + v(i, known%root_y)*known%drawn(2)
+                  uy(i) = sense*(v(i, known%root_y)*known%drawn(1) - v(i, known%root_x)*known%drawn(2))
                end do
+            end associate
+            if (present(stays)) then
+               where (stays)
+                  ux = 1.0_wp
+                  uy = 0.0_wp
+               end where
             end if
-            power = power/2
-            if (power == 0) exit
-            do i = 1, n
-               t = (ux(i) - uy(i))*(ux(i) + uy(i))
-               uy(i) = 2.0_wp*ux(i)*uy(i)
-               ux(i) = t
+            do while (power > 0)
+               if (modulo(power, 2) == 1) then
+                  do i = 1, n
+                     t = x(i)*ux(i) - y(i)*uy(i)
+                     y(i) = y(i)*ux(i) + x(i)*uy(i)
+                     x(i) = t
+                  end do
+               end if
+               power = power/2
+               if (power == 0) exit
+               do i = 1, n
+                  t = (ux(i) - uy(i))*(ux(i) + uy(i))
+                  uy(i) = 2.0_wp*ux(i)*uy(i)
+                  ux(i) = t
+               end do
             end do
          end do
-      end do
-      ! what is left of the length of a direction grows with the power
-      do i = 1, n
-         t = 1.5_wp - 0.5_wp*(x(i)**2 + y(i)**2)
-         x(i) = x(i)*t
-         y(i) = y(i)*t
-      end do
+         ! what is left of the length of a direction grows with the power
+         do i = 1, n
+            t = 1.5_wp - 0.5_wp*(x(i)**2 + y(i)**2)
+            x(i) = x(i)*t
+            y(i) = y(i)*t
+         end do
+      end associate
    end subroutine multiply_directions
 
    !> Turns of the directions that are known at position i, each less than half a turn from where the group stands. `moved` is the
@@ -369,6 +402,33 @@ contains
          end associate
       end do
    end subroutine keep_known_turns
+
+   !> Note where a group stands at position i of a block.
+   !>
+   !> The rows of turns of ties alone may be out by less than half a turn there, and those of whole ratios by anything: of them the
+   !> whole turns count, the rest follows from the directions.
+   pure subroutine keep_turns(higher, store, i)
+      type(higher_t), intent(inout) :: higher
+      type(rows_t), intent(in) :: store
+      integer, intent(in) :: i
+      real(wp) :: turn
+      integer :: k, t
+
+      higher%now = state_at(higher, store, i)
+      call keep_known_turns(higher, store, i)
+      if (.not. allocated(higher%by_known)) return
+      higher%now(3, :) = 0.0_wp
+      do k = 1, size(higher%known)
+         associate (now => higher%known(k)%now, drawn => higher%known(k)%drawn)
+            turn = degrees_of(now(1)*drawn(1) + now(2)*drawn(2), now(2)*drawn(1) - now(1)*drawn(2))*radians_per_degree
+            now(3) = turn + 2.0_wp*pi*anint((now(3) - turn)/(2.0_wp*pi))
+            higher%now(3, :) = higher%now(3, :) + higher%by_known(:, k)*now(3)
+         end associate
+      end do
+      do t = 1, size(higher%ties)
+         if (higher%ties(t)%drive > 0) higher%now(3, :) = higher%now(3, :) + higher%by_tie(:, t)*store%v(i, higher%ties(t)%drive)
+      end do
+   end subroutine keep_turns
 
    ! ---- derivatives -------------------------------------------------------------------------------------------------
 

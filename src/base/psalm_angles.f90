@@ -94,11 +94,14 @@ contains
       integer, intent(in) :: n
       real(wp), intent(in) :: x(n), y(n)
       real(wp), intent(out) :: degrees(n)
-      real(wp) :: one(n), zero(n)
+      integer, parameter :: strip = 128         ! positions at a time
+      real(wp), parameter :: one(strip) = 1.0_wp, zero(strip) = 0.0_wp
+      integer :: first, last
 
-      one = 1.0_wp
-      zero = 0.0_wp
-      call angles_between(n, one, zero, 1.0_wp, 0.0_wp, x, y, degrees)
+      do first = 1, n, strip
+         last = min(n, first + strip - 1)
+         call angles_between(last - first + 1, one, zero, 1.0_wp, 0.0_wp, x(first:last), y(first:last), degrees(first:last))
+      end do
    end subroutine angles_of
 
    !> Angles from unit vectors (rx, ry), turned by a fixed angle, to unit vectors (wx, wy), -180 to 180 degrees, for many
@@ -113,8 +116,7 @@ contains
       real(wp), intent(out) :: degrees(n)
       real(wp), parameter :: quarter_pi = 45.0_wp*radians_per_degree
       real(wp), parameter :: tan_eighth = 0.41421356237309504880168872420969808_wp !! tan(pi/8)
-      real(wp) :: x, y, s, c, small, large, t, z, z2, z4, angle, top, bottom
-      logical :: steep, wide
+      real(wp) :: x, y, s, c, steep, wide, back, small, large, t, z, z2, z4, angle
       integer :: i
 
       if (precision(1.0_wp) > digits_of_fit) then
@@ -130,15 +132,14 @@ contains
          y = turn_x*ry(i) + turn_y*rx(i)
          s = wy(i)*x - wx(i)*y
          c = wx(i)*x + wy(i)*y
-         steep = abs(s) > abs(c)
-         small = merge(abs(c), abs(s), steep)
-         large = merge(abs(s), abs(c), steep)
+         ! choices are factors 0 and 1, which lose no digit: a condition would keep the loop out of vector registers
+         steep = 0.5_wp - sign(0.5_wp, abs(c) - abs(s))
+         small = steep*abs(c) + (1.0_wp - steep)*abs(s)
+         large = steep*abs(s) + (1.0_wp - steep)*abs(c)
          ! beyond 22.5 degrees the legs are turned by 45
-         wide = small > tan_eighth*large
-         top = merge(small - large, small, wide)
-         bottom = merge(large + small, large, wide)
+         wide = 0.5_wp - sign(0.5_wp, tan_eighth*large - small)
          ! a dyad that is open may have no direction
-         t = top/max(bottom, tiny(1.0_wp))
+         t = (small - wide*large)/(large + wide*small + tiny(1.0_wp))
          z = t*t
          ! in pairs (Estrin): short chains of operations
          z2 = z*z
@@ -146,9 +147,11 @@ contains
          angle = ((arc_tangent(0) + arc_tangent(1)*z) + (arc_tangent(2) + arc_tangent(3)*z)*z2) &
                  + ((arc_tangent(4) + arc_tangent(5)*z) + (arc_tangent(6) + arc_tangent(7)*z)*z2)*z4 &
                  + ((arc_tangent(8) + arc_tangent(9)*z) + (arc_tangent(10) + arc_tangent(11)*z)*z2)*(z4*z4)
-         angle = t*angle + merge(quarter_pi, 0.0_wp, wide)
-         angle = merge(2.0_wp*quarter_pi - angle, angle, steep)
-         angle = merge(4.0_wp*quarter_pi - angle, angle, c < 0.0_wp)
+         angle = t*angle + wide*quarter_pi
+         angle = steep*(2.0_wp*quarter_pi) + (1.0_wp - 2.0_wp*steep)*angle
+         ! a zero added: of none the sign is plus
+         back = 0.5_wp - sign(0.5_wp, c + 0.0_wp)
+         angle = back*(4.0_wp*quarter_pi) + (1.0_wp - 2.0_wp*back)*angle
          degrees(i) = sign(angle, s)*degrees_per_radian
       end do
    end subroutine angles_between
@@ -162,8 +165,7 @@ contains
       real(wp), intent(in) :: degrees(n)
       real(wp), intent(out) :: x(n), y(n)   !! cosines, sines
       real(wp), parameter :: shifter = 1.5_wp/epsilon(1.0_wp) !! whole numbers are the only ones beside it
-      real(wp) :: quarters, part, r, z, z2, z4, c, s
-      logical :: odd
+      real(wp) :: quarters, part, odd, turned, r, z, z2, z4, c, s
       integer :: i
 
       if (precision(1.0_wp) > digits_of_fit) then
@@ -185,10 +187,12 @@ contains
              + (((cosine_terms(4) + cosine_terms(5)*z) + (cosine_terms(6) + cosine_terms(7)*z)*z2) + cosine_terms(8)*z4)*z4
          ! the quarter of the turn: 0 to 3
          part = quarters - 4.0_wp*(((0.25_wp*quarters - 0.375_wp) + shifter) - shifter)
-         odd = part == 1.0_wp .or. part == 3.0_wp
+         ! signs and choices by factors: no condition
+         odd = abs(quarters - 2.0_wp*((0.5_wp*quarters + shifter) - shifter))
+         turned = 1.0_wp - part*(3.0_wp - part)
          ! a zero added takes the sign from another
-         x(i) = merge(-1.0_wp, 1.0_wp, part == 1.0_wp .or. part == 2.0_wp)*merge(s, c, odd) + 0.0_wp
-         y(i) = merge(-1.0_wp, 1.0_wp, part == 2.0_wp .or. part == 3.0_wp)*merge(c, s, odd) + 0.0_wp
+         x(i) = turned*(odd*s + (1.0_wp - odd)*c) + 0.0_wp
+         y(i) = (turned*(1.0_wp - 2.0_wp*odd))*(odd*c + (1.0_wp - odd)*s) + 0.0_wp
       end do
    end subroutine unit_vectors
 

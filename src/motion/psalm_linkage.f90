@@ -8,7 +8,7 @@ module psalm_linkage
    use psalm_assur, only: mark_unknowns, bind_dyad, solve_dyad, is_signed, makes_tip
    use psalm_dyad, only: dyad_t, tip_t
    use psalm_group_rings, only: higher_t, known_turn_t
-   use psalm_higher_group, only: find_powers
+   use psalm_higher_group, only: find_turns
    use psalm_kinds, only: wp, i8, degrees_per_radian, radians_per_degree, right_angle
    use psalm_plan, only: plan_t, step_point, step_dyad, root_crank
    use psalm_rows, only: rows_t, make_rows
@@ -16,7 +16,7 @@ module psalm_linkage
    use psalm_mechanism, only: mechanism_t, linkage_group_t, arc_slide
    implicit none (type, external)
    private
-   public :: linkage_t, bound_step_t, block_length, padded, solve_point, put_seconds, put_driven_lengths
+   public :: linkage_t, bound_step_t, block_length, padded, solve_point, put_seconds, put_driven_lengths, all_between
 
    integer, parameter :: block_length = 128 !! positions solved together: all arrays stay in first-level cache
    integer, parameter :: lane = 4           !! positions are padded to a multiple of this: no remainder loops
@@ -109,13 +109,14 @@ module psalm_linkage
 
    interface
       !> A larger group at the positions of a block, each from the one before; the first from the drawing.
-      pure module subroutine follow_group(self, k, n, path, more)
+      pure module subroutine follow_group(self, k, n, path, more, closed)
          implicit none (type, external)
          class(linkage_t), intent(inout) :: self
          integer, intent(in) :: k                !! its step
          integer, intent(in) :: n                !! positions
          real(wp), intent(in) :: path(n)         !! increments of the first input
          real(wp), intent(in), optional :: more(:, :, :) !! of the others, as `solve` has them
+         logical, intent(inout) :: closed        !! every group before closes at every position; afterwards this one, too
       end subroutine follow_group
    end interface
 
@@ -310,7 +311,7 @@ contains
          end associate
          call prepare_ties(mechanism%groups(loop), higher)
          higher%equations = 2*higher%rings + size(higher%ties)
-         if (higher%rings == 0) call find_powers(higher)
+         if (higher%rings == 0) call find_turns(higher)
          allocate (dyad%higher, source=higher)
       end subroutine prepare_higher
 
@@ -672,8 +673,10 @@ contains
       integer, intent(in), optional :: last_step !! solve the steps up to this one only; default all
       integer, intent(out), optional :: offending !! the first loop not accepted, 0: none
       integer :: k, last
+      logical :: closed                          !! the groups found before close everywhere: what is accepted does
 
       if (present(offending)) offending = 0
+      closed = .true.
       if (.not. self%sliding_input) then
          call turn_crank(n, first, second, self%crank_x, self%crank_y, &
                          self%store%v(1, self%root_x(root_crank)), self%store%v(1, self%root_y(root_crank)))
@@ -688,7 +691,7 @@ contains
       if (present(last_step)) last = last_step
       do k = 1, last
          if (allocated(self%steps(k)%dyad%higher)) then
-            call follow_group(self, k, n, path, more)
+            call follow_group(self, k, n, path, more, closed)
             if (.not. present(offending)) cycle
             if (self%all_accepted(n, self%steps(k)%loop)) cycle
             offending = self%steps(k)%loop
@@ -703,6 +706,7 @@ contains
                      return
                   end if
                else if (.not. all_between(self, n, step%loop, step%dyad%closes_low, step%dyad%closes_high)) then
+                  closed = .false.
                   call limit_dyad(n, step%dyad, self%store)
                end if
             else

@@ -5,8 +5,9 @@
 !> short a group stands at a dead point. What a turning input does not reach one way it may reach the other way round. Every block
 !> is followed from the drawing, so that its bits do not depend on the blocks before it.
 submodule(psalm_linkage) psalm_linkage_walk
-   use psalm_higher_group, only: correct, correction_t, dead_measure, is_trusted, keep_known_turns, multiply_directions, &
-                                 predict, put_known_turns, put_state, state_at, turns_by_ties
+   use psalm_higher_group, only: correct, correction_t, dead_measure, is_trusted, keep_known_turns, keep_turns, predict, &
+                                 put_known_turns, put_state, state_at, turn_wheel
+   use psalm_wheel_kernels, only: fill_pieces, piece, ratio_series_t, reach_long, reach_short, turn_from_middle
    use psalm_angles, only: angles_of, degrees_of, unit_vectors
    use psalm_kinds, only: full_turn, half_turn, radians_per_degree
    implicit none (type, external)
@@ -17,6 +18,8 @@ submodule(psalm_linkage) psalm_linkage_walk
    real(wp), parameter :: farthest_turn = 1.0_wp   !! radians that a link whose turn counts may turn in a step
    real(wp), parameter :: farthest_input = 45.0_wp !! degrees that the input may turn in such a step
    real(wp), parameter :: same_line = 1.0e-9_wp !! deviation of steps of several inputs in one direction, of their length
+   integer, parameter :: most_pieces = block_length/piece !! of a block of wheels
+   integer, parameter :: most_known = 4      !! known directions that wheels are turned by in pieces
    real(wp), parameter :: not_reached = -1.0_wp !! measure of a larger group that cannot be put together
 
    !> Where the walk along the positions of a block has come. Inputs: increments, shape (drives).
@@ -31,25 +34,42 @@ submodule(psalm_linkage) psalm_linkage_walk
 
 contains
 
-   pure module subroutine follow_group(self, k, n, path, more)
+   pure module subroutine follow_group(self, k, n, path, more, closed)
       class(linkage_t), intent(inout) :: self
       integer, intent(in) :: k
       integer, intent(in) :: n
       real(wp), intent(in) :: path(n)
       real(wp), intent(in), optional :: more(:, :, :)
+      logical, intent(inout) :: closed
+      integer :: first
+
+      first = 1
+      if (allocated(self%steps(k)%dyad%higher%powers)) then
+         call follow_wheels(self, k, n, closed)
+      else
+         if (self%steps(k)%dyad%higher%rings == 0) call follow_ties(self, k, n, path, closed, first)
+         if (first > n) return
+         call follow_path(self, k, n, path, first, more)
+         associate (dyad => self%steps(k)%dyad)
+            closed = closed .and. all_between(self, n, self%steps(k)%loop, dyad%closes_low, dyad%closes_high)
+         end associate
+      end if
+   end subroutine follow_group
+
+   !> Each position from the one before, the first from the drawing; what `first` is found before stays.
+   pure subroutine follow_path(self, k, n, path, first, more)
+      class(linkage_t), intent(inout) :: self
+      integer, intent(in) :: k
+      integer, intent(in) :: n
+      real(wp), intent(in) :: path(n)
+      integer, intent(inout) :: first           !! the first that is not found yet
+      real(wp), intent(in), optional :: more(:, :, :)
       type(walk_t) :: walk
       type(correction_t) :: found
       real(wp) :: inputs(1 + size(self%seconds))
-      integer :: i, first
+      integer :: i
       logical :: valid, reached
 
-      if (allocated(self%steps(k)%dyad%higher%powers)) then
-         call follow_wheels(self, k, n)
-         return
-      end if
-      first = 1
-      if (self%steps(k)%dyad%higher%rings == 0) call follow_ties(self, k, n, path, first)
-      if (first > n) return
       call start(self, k, walk, valid)
       do while (first <= n)
          i = first
@@ -72,47 +92,35 @@ contains
          ! the first position tells how often links have turned; turns at the others are sums
          if (i == 1 .and. reached .and. self%steps(k)%dyad%higher%rings == 0) then
             call note_turns(self%steps(k)%dyad%higher, path(1))
-            call follow_ties(self, k, n, path, first)
+            call follow_ties(self, k, n, path, all_close_before(self, k, n), first)
          end if
       end do
-   end subroutine follow_group
+   end subroutine follow_path
 
    !> Wheels whose ratios are whole numbers stand where their directions say, whatever way they came. Where a group before does not
    !> close they stand as drawn.
-   pure subroutine follow_wheels(self, k, n)
+   pure subroutine follow_wheels(self, k, n, closed)
       class(linkage_t), intent(inout) :: self
       integer, intent(in) :: k
       integer, intent(in) :: n
-      real(wp), dimension(n, size(self%steps(k)%dyad%higher%known)) :: turned_x, turned_y
-      logical :: valid
+      logical, intent(in) :: closed             !! every group before closes everywhere
+      logical :: stays(block_length)
       integer :: i, j
 
-      valid = .true.
-      do j = 1, k - 1
-         if (self%steps(j)%kind /= step_dyad) cycle
-         ! what is accepted closes
-         valid = valid .and. self%all_accepted(n, self%steps(j)%loop)
-      end do
-      associate (higher => self%steps(k)%dyad%higher, v => self%store%v)
-         do j = 1, size(higher%known)
-            associate (known => higher%known(j))
-               do i = 1, n
-                  turned_x(i, j) = v(i, known%root_x)*known%drawn(1) + v(i, known%root_y)*known%drawn(2)
-                  turned_y(i, j) = v(i, known%root_y)*known%drawn(1) - v(i, known%root_x)*known%drawn(2)
-               end do
-            end associate
-         end do
-         v(1:n, self%steps(k)%dyad%measure) = higher%tie_measure
-         if (.not. valid) then
-            do i = 1, n
-               if (closes_before(self, k, i)) cycle
-               turned_x(i, :) = 1.0_wp
-               turned_y(i, :) = 0.0_wp
-               v(i, self%steps(k)%dyad%measure) = not_reached - dead_measure
+      associate (higher => self%steps(k)%dyad%higher, measure => self%steps(k)%dyad%measure)
+         self%store%v(1:n, measure) = higher%tie_measure
+         if (closed) then
+            do j = 1, higher%unknowns
+               call turn_wheel(n, higher, j, self%store)
             end do
+            return
          end if
+         do i = 1, n
+            stays(i) = .not. closes_before(self, k, i)
+            if (stays(i)) self%store%v(i, measure) = not_reached - dead_measure
+         end do
          do j = 1, higher%unknowns
-            call multiply_directions(n, higher, turned_x, turned_y, j, v(1:n, higher%row(j)), v(1:n, higher%row_of_sine(j)))
+            call turn_wheel(n, higher, j, self%store, stays(:n))
          end do
       end associate
    end subroutine follow_wheels
@@ -120,63 +128,214 @@ contains
    !> Ties alone make linear equations: turns of wheels are sums of turns of links, which go on from the position found last, of the
    !> block before perhaps: only whole turns are taken from there, so that no digit depends on it. `first` is the next position that
    !> is not found: 1 where a link turns too far between two positions, or a group before does not close.
-   pure subroutine follow_ties(self, k, n, path, first)
+   pure subroutine follow_ties(self, k, n, path, closed, first)
       class(linkage_t), intent(inout) :: self
       integer, intent(in) :: k
       integer, intent(in) :: n
       real(wp), intent(in) :: path(n)
+      logical, intent(in) :: closed             !! every group before closes everywhere
       integer, intent(inout) :: first
-      real(wp) :: angle(n), turn(n), right(n, self%steps(k)%dyad%higher%unknowns)
-      real(wp) :: inverse(size(right, 2), size(right, 2)), measure
-      integer :: j, r, t
+      logical :: found
 
       associate (higher => self%steps(k)%dyad%higher)
-         if (.not. higher%follows .or. higher%equations /= higher%unknowns) return
-         higher%follows = self%sliding_input .or. .not. (abs(path(1) - higher%last) > farthest_input .or. &
-                                                         leaps(n, path, farthest_input))
-      end associate
-      do j = 1, k - 1
-         if (self%steps(j)%kind /= step_dyad) cycle
-         if (.not. self%all_accepted(n, self%steps(j)%loop)) self%steps(k)%dyad%higher%follows = .false.
-      end do
-      associate (higher => self%steps(k)%dyad%higher, v => self%store%v)
+         if (.not. (higher%follows .and. allocated(higher%by_known))) return
+         higher%follows = closed .and. (self%sliding_input .or. &
+                                        .not. (abs(path(1) - higher%last) > farthest_input .or. leaps(n, path, farthest_input)))
          if (.not. higher%follows) return
-         do j = 1, size(higher%known)
-            associate (known => higher%known(j))
-               call angles_of(n, v(1:n, known%root_x), v(1:n, known%root_y), angle)
-               call unwind(n, angle, degrees_of(known%drawn(1), known%drawn(2)), known, turn)
-               higher%follows = higher%follows .and. .not. (abs(turn(1) - known%turn) > farthest_turn*degrees_per_radian .or. &
-                                                            leaps(n, turn, farthest_turn*degrees_per_radian))
-               v(1:n, known%row) = turn*radians_per_degree
-               known%angle = angle(n)
-               known%turn = turn(n)
-            end associate
-         end do
+         call turn_in_pieces(n, higher, self%store, found)
+         if (.not. found) call turn_each(n, higher, self%store, higher%follows)
          if (.not. higher%follows) return
-         do t = 1, size(higher%ties)
-            associate (tie => higher%ties(t))
-               right(:, t) = 0.0_wp
-               if (tie%drive > 0) right(:, t) = v(1:n, tie%drive)
-               do j = 1, size(tie%rows)
-                  if (tie%unknown(j) == 0 .and. tie%rows(j) > 0) right(:, t) = right(:, t) - tie%factors(j)*v(1:n, tie%rows(j))
-               end do
-            end associate
-         end do
-         call turns_by_ties(higher, inverse, measure)
-         do j = 1, higher%unknowns
-            turn = 0.0_wp
-            do r = 1, size(inverse, 2)
-               turn = turn + inverse(j, r)*right(:, r)
-            end do
-            v(1:n, higher%row_of_turn(j)) = turn
-            angle = higher%drawn_angle(j) + turn*degrees_per_radian
-            call unit_vectors(n, angle, v(1:n, higher%row(j)), v(1:n, higher%row_of_sine(j)))
-         end do
-         v(1:n, self%steps(k)%dyad%measure) = measure
+         self%store%v(1:n, self%steps(k)%dyad%measure) = higher%tie_measure
          higher%last = path(n)
       end associate
       first = n + 1
    end subroutine follow_ties
+
+   !> Turns of known directions by their angles at every position, and what follows from them. `follows` is false where one turns
+   !> too far between two positions.
+   pure subroutine turn_each(n, higher, store, follows)
+      integer, intent(in) :: n
+      type(higher_t), intent(inout) :: higher
+      type(rows_t), intent(inout) :: store
+      logical, intent(out) :: follows
+      real(wp) :: angle(block_length), turn(block_length)
+      integer :: j, i, t
+
+      follows = .true.
+      associate (v => store%v)
+         do i = 1, size(higher%known)
+            associate (known => higher%known(i))
+               call angles_of(n, v(1:n, known%root_x), v(1:n, known%root_y), angle)
+               call unwind(n, angle, known, turn)
+               follows = follows .and. .not. (abs(turn(1) - known%turn) > farthest_turn*degrees_per_radian .or. &
+                                              leaps(n, turn, farthest_turn*degrees_per_radian))
+               v(1:n, known%row) = turn(:n)*radians_per_degree
+               known%angle = angle(n)
+               known%turn = turn(n)
+            end associate
+         end do
+         if (.not. follows) return
+         do j = 1, higher%unknowns
+            turn(:n) = 0.0_wp
+            do i = 1, size(higher%known)
+               turn(:n) = turn(:n) + higher%by_known(j, i)*v(1:n, higher%known(i)%row)
+            end do
+            do t = 1, size(higher%ties)
+               if (higher%ties(t)%drive > 0) turn(:n) = turn(:n) + higher%by_tie(j, t)*v(1:n, higher%ties(t)%drive)
+            end do
+            v(1:n, higher%row_of_turn(j)) = turn(:n)
+            angle(:n) = higher%drawn_angle(j) + turn(:n)*degrees_per_radian
+            call unit_vectors(n, angle, v(1:n, higher%row(j)), v(1:n, higher%row_of_sine(j)))
+         end do
+      end associate
+   end subroutine turn_each
+
+   !> The same by angles in the middle of pieces, and from there by series of the sine of the angle to the middle. The rows of turns
+   !> hold those of the middles. `found` is false where links turn too far in a piece, where drives take part, and where there are
+   !> more than a few known directions.
+   pure subroutine turn_in_pieces(n, higher, store, found)
+      integer, intent(in) :: n
+      type(higher_t), intent(inout) :: higher
+      type(rows_t), intent(inout) :: store
+      logical, intent(out) :: found
+      real(wp), parameter :: far = 0.5_wp*farthest_turn*degrees_per_radian !! from middle to middle: the ends are not twice as far
+      real(wp), dimension(most_pieces, most_known) :: x, y, angle, turn
+      real(wp), dimension(most_pieces) :: sum, angle_of_wheel, wx, wy
+      integer :: middle, i, j, p
+
+      found = .false.
+      if (.not. allocated(higher%series) .or. size(higher%known) > most_known) return
+      do i = 1, size(higher%known)
+         associate (known => higher%known(i))
+            do p = 1, most_pieces
+               middle = min(piece*(p - 1) + piece/2, n)    ! after the last one nothing changes
+               x(p, i) = store%v(middle, known%root_x)
+               y(p, i) = store%v(middle, known%root_y)
+            end do
+            call angles_of(most_pieces, x(:, i), y(:, i), angle(:, i))
+            call unwind(most_pieces, angle(:, i), known, turn(:, i))
+            if (abs(turn(1, i) - known%turn) > far .or. leaps(most_pieces, turn(:, i), far)) return
+         end associate
+      end do
+      do j = 1, higher%unknowns
+         sum = 0.0_wp
+         do i = 1, size(higher%known)
+            sum = sum + higher%by_known(j, i)*turn(:, i)
+         end do
+         angle_of_wheel = higher%drawn_angle(j) + sum
+         call unit_vectors(most_pieces, angle_of_wheel, wx, wy)
+         call turn_on(n, higher, j, x, y, turn, wx, wy, store, found)
+         if (.not. found) return
+         sum = sum*radians_per_degree
+         call fill_all(n, sum, store%v(1, higher%row_of_turn(j)))
+      end do
+      do i = 1, size(higher%known)
+         associate (known => higher%known(i))
+            sum = turn(:, i)*radians_per_degree
+            call fill_all(n, sum, store%v(1, known%row))
+            known%angle = angle(most_pieces, i)
+            known%turn = turn(most_pieces, i)
+         end associate
+      end do
+      found = .true.
+   end subroutine turn_in_pieces
+
+   !> The direction of a wheel in pieces from their middles on.
+   pure subroutine turn_on(n, higher, j, x, y, turn, wx, wy, store, found)
+      integer, intent(in) :: n, j               !! positions, the unknown
+      type(higher_t), intent(in) :: higher
+      real(wp), dimension(most_pieces, most_known), intent(in) :: x, y, turn !! known directions in the middles, degrees turned
+      real(wp), dimension(most_pieces), intent(in) :: wx, wy !! its direction in the middles
+      type(rows_t), intent(inout) :: store
+      logical, intent(out) :: found
+      real(wp) :: ux(block_length), uy(block_length), one(most_pieces), zero(most_pieces), farthest, t
+      integer :: i, l, reach
+      logical :: first
+
+      associate (row => higher%row(j), sine => higher%row_of_sine(j), v => store%v)
+         first = .true.
+         found = .true.
+         do i = 1, size(higher%known)
+            if (.not. abs(higher%by_known(j, i)) > 0.0_wp) cycle
+            associate (known => higher%known(i), series => higher%series(j, i))
+               farthest = 0.5_wp*radians_per_degree*maxval(abs(turn(2:, i) - turn(:most_pieces - 1, i)))
+               do reach = merge(reach_short, reach_long, farthest < series%farthest(reach_short)), reach_long
+                  if (first) then
+                     call turn_all(n, v(1, known%root_x), v(1, known%root_y), series, reach, x(1, i), y(1, i), wx, wy, &
+                                   v(1, row), v(1, sine), found)
+                  else
+                     one = 1.0_wp
+                     zero = 0.0_wp
+                     call turn_all(n, v(1, known%root_x), v(1, known%root_y), series, reach, x(1, i), y(1, i), one, zero, ux, uy, &
+                                   found)
+                  end if
+                  if (found) exit
+               end do
+            end associate
+            if (.not. found) return
+            if (.not. first) then
+               do l = 1, n
+                  t = v(l, row)*ux(l) - v(l, sine)*uy(l)
+                  v(l, sine) = v(l, sine)*ux(l) + v(l, row)*uy(l)
+                  v(l, row) = t
+               end do
+            end if
+            first = .false.
+         end do
+         if (.not. first) return
+         v(1:n, row) = wx(1)
+         v(1:n, sine) = wy(1)
+      end associate
+   end subroutine turn_on
+
+   !> Whole pieces, and what is left of the last one with its last position repeated.
+   pure subroutine turn_all(n, x, y, series, reach, mx, my, wx, wy, tx, ty, near)
+      integer, intent(in) :: n, reach
+      real(wp), intent(in) :: x(n), y(n)
+      type(ratio_series_t), intent(in) :: series
+      real(wp), intent(in) :: mx(*), my(*), wx(*), wy(*) !! by piece
+      real(wp), intent(inout) :: tx(n), ty(n)
+      logical, intent(out) :: near
+      real(wp), dimension(piece) :: lx, ly, ux, uy
+      integer :: pieces, done
+
+      pieces = n/piece
+      done = piece*pieces
+      call turn_from_middle(pieces, x, y, series, reach, mx, my, wx, wy, tx, ty, near)
+      if (done == n .or. .not. near) return
+      lx = x(n)
+      ly = y(n)
+      lx(:n - done) = x(done + 1:)
+      ly(:n - done) = y(done + 1:)
+      call turn_from_middle(1, lx, ly, series, reach, mx(pieces + 1), my(pieces + 1), wx(pieces + 1), wy(pieces + 1), ux, uy, near)
+      tx(done + 1:) = ux(:n - done)
+      ty(done + 1:) = uy(:n - done)
+   end subroutine turn_all
+
+   !> Every position gets the value of its piece.
+   pure subroutine fill_all(n, values, row)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: values(*)         !! by piece
+      real(wp), intent(inout) :: row(n)
+
+      call fill_pieces(n/piece, values, row)
+      if (modulo(n, piece) > 0) row(n - modulo(n, piece) + 1:) = values(n/piece + 1)
+   end subroutine fill_all
+
+   !> True if every group before a step closes at the first `n` positions of the block.
+   pure logical function all_close_before(self, k, n)
+      class(linkage_t), intent(in) :: self
+      integer, intent(in) :: k, n
+      integer :: j
+
+      all_close_before = .true.
+      do j = 1, k - 1
+         if (self%steps(j)%kind /= step_dyad) cycle
+         associate (dyad => self%steps(j)%dyad)
+            all_close_before = all_close_before .and. all_between(self, n, self%steps(j)%loop, dyad%closes_low, dyad%closes_high)
+         end associate
+      end do
+   end function all_close_before
 
    !> Where the known directions stand at the first position of a block.
    pure subroutine note_turns(higher, path)
@@ -186,6 +345,7 @@ contains
 
       do j = 1, size(higher%known)
          associate (known => higher%known(j))
+            known%drawn_turn = degrees_of(known%drawn(1), known%drawn(2))
             known%angle = degrees_of(known%now(1), known%now(2))
             known%turn = known%now(3)*degrees_per_radian
          end associate
@@ -195,21 +355,20 @@ contains
    end subroutine note_turns
 
    !> Turns since the drawing, without jumps, from directions of -180 to 180 degrees.
-   pure subroutine unwind(n, angle, drawn, known, turn)
+   pure subroutine unwind(n, angle, known, turn)
       integer, intent(in) :: n
       real(wp), intent(in) :: angle(n)
-      real(wp), intent(in) :: drawn                !! direction in the drawing
       type(known_turn_t), intent(in) :: known      !! as it stood before
       real(wp), intent(out) :: turn(n)
       real(wp) :: rounds
       integer :: i
 
-      rounds = anint((known%turn - (known%angle - drawn))/full_turn) - anint((angle(1) - known%angle)/full_turn)
-      turn = angle - drawn + rounds*full_turn
+      rounds = anint((known%turn - (known%angle - known%drawn_turn))/full_turn) - anint((angle(1) - known%angle)/full_turn)
+      turn = angle - known%drawn_turn + rounds*full_turn
       if (.not. leaps(n, angle, half_turn)) return
       do i = 2, n
          rounds = rounds - anint((angle(i) - angle(i - 1))/full_turn)
-         turn(i) = angle(i) - drawn + rounds*full_turn
+         turn(i) = angle(i) - known%drawn_turn + rounds*full_turn
       end do
    end subroutine unwind
 
@@ -405,10 +564,7 @@ contains
       end if
       do j = 1, k
          if (.not. allocated(self%steps(j)%dyad%higher)) cycle
-         associate (higher => self%steps(j)%dyad%higher)
-            higher%now = state_at(higher, self%store, walk%last)
-            call keep_known_turns(higher, self%store, walk%last)
-         end associate
+         call keep_turns(self%steps(j)%dyad%higher, self%store, walk%last)
       end do
    end subroutine go_back
 
