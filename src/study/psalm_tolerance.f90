@@ -253,7 +253,7 @@ contains
 
    contains
 
-      !> True if it has been analysed with these loops at these inputs. Angles with desired values are reported within half a turn of these.
+      !> True if it has been analysed with these loops at these inputs. Angles with desired values are within half a turn of them.
       logical function is_known()
          is_known = .false.
          if (.not. (present(given) .and. present(analysed))) return
