@@ -64,6 +64,7 @@ module psalm_sketch
       integer :: wheels(2) = 0
       integer :: carrier = 0
       real(wp) :: ratio = 0.0_wp            !! negative for an external pair
+      real(wp) :: teeth(2) = 0.0_wp         !! as written
    end type gear_t
 
    integer, parameter :: most_wished = 2     !! derivatives of an output that may be prescribed
