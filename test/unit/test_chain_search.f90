@@ -31,6 +31,7 @@ program test_chain_search
 
    call derivatives()
    call same_as_loops()
+   call timing_and_range()
    call regions()
    call floating_cylinder()
    call refused()
@@ -65,13 +66,14 @@ contains
       call read_one('DERIVATIVES'//nl//six_bar//" &END &DRIVES DRIVE='A' &END"//nl// &
                     " &OUTPUTS OUTPUT='point D','angle G D','distance B F','y E','ratio y_E distance_B_F',"//nl// &
                     ' DES1=6*0.0, DES2=3*0.0, DES3=3*1.0, DES5=3*0.0, DVEL1=6*1.0, DVEL2=3*0.1, DVEL3=3*0.0, DACC1=6*0.0,'//nl// &
-                    ' DACC2=3*0.0, DACC3=3*1.0, WVEL1=2.0 &END &METHOD NDES=3, DELT=-12.0,-15.0,-20.0 &END'//nl, set, findings)
+                    ' DACC2=3*0.0, DACC3=3*1.0, WVEL1=2.0 &END &METHOD NDES=3, DELT=-12.0,-15.0,-20.0, IFREE=1 &END'//nl// &
+                    " &SEARCH SOLVER='LSQ' &END &CONSTR IRANGE=1 &END"//nl, set, findings)
       call t%equal_integer(findings%count, 0, 'desired derivatives are read')
       if (findings%failed()) return
       call assemble_sketch(set, closure, state, valid, findings)
       call make_chain_problem(set, closure, state, inputs_of_drives(set, .true.), problem, failure, which)
       call t%equal_integer(which, 0, 'all variables vary')
-      call t%equal_integer(problem%core, 10, 'eight variables have ten unknowns')
+      call t%equal_integer(problem%core, 13, 'eight variables have ten unknowns, and three inputs follow')
       call t%equal_text(unknown_name(set%sketch, 7), 'direction of G', 'the second number of a place')
       allocate (r(problem%residuals), up(problem%residuals), down(problem%residuals), jacobian(problem%residuals, problem%core))
       x = problem%first*1.003_wp
@@ -91,7 +93,74 @@ contains
          worst = maxval(abs(slope - jacobian(:, v)))/max(1.0_wp, maxval(abs(jacobian(:, v))))
          call t%close_to(worst, 0.0_wp, 2.0e-6_wp, 'derivatives by '//unknown_name(set%sketch, v))
       end do
+      call slopes(problem, x)
    end subroutine derivatives
+
+   !> Slopes of constraints at the positions and over the range against central differences, where they were found.
+   subroutine slopes(problem, x)
+      type(chain_problem_t), intent(in) :: problem
+      real(wp), intent(in) :: x(:)
+      real(wp), parameter :: h = 1.0e-4_wp
+      real(wp) :: c(problem%inequalities), up(problem%inequalities), down(problem%inequalities)
+      real(wp) :: by(size(x), problem%inequalities), moved(size(x)), worst
+      integer :: v
+
+      call problem%constraints_at(x, c, by)
+      worst = 0.0_wp
+      do v = 1, size(x)
+         moved = x
+         moved(v) = x(v) + h
+         call problem%constraints_at(moved, up)
+         moved(v) = x(v) - h
+         call problem%constraints_at(moved, down)
+         worst = max(worst, maxval(abs((up - down)/(2.0_wp*h) - by(v, :)), mask=any(abs(by) > 0.0_wp, dim=1)))
+      end do
+      call t%is_true(count(any(abs(by) > 0.0_wp, dim=1)) > 3, 'constraints over the range have slopes')
+      call t%close_to(worst, 0.0_wp, 1.0e-5_wp, 'slopes of constraints')
+   end subroutine slopes
+
+   !> Free timing and constraints over a full turn: the same optimum by loops and in poses.
+   subroutine timing_and_range()
+      character(*), parameter :: sketch = " &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,33.0,90.0,20.0,"//nl// &
+         " JY=0.0,24.0,82.0,5.0,95.0, LNK='A D','A B','B C P','C D',"//nl// &
+         " VARY='A B','B C','C D','B P','angle B C B P','place D' &END"//nl//" &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='point P' &END"//nl
+      character(*), parameter :: points = ', NDES=8, DELT=0.0,45.0,90.0,135.0,180.0,225.0,270.0,315.0,'//nl// &
+         ' DESX=20.3,11.7,3.5,4.2,15.1,30.2,37.0,32.9, DESY=91.5,93.4,84.9,71.9,64.5,69.8,80.4,87.6 &END'//nl// &
+         " &SEARCH SOLVER='LSQ' &END"//nl
+      character(*), parameter :: asked(*) = [character(60) :: ' &METHOD IFREE=1', &
+                                             ' &CONSTR IRANGE=2, TRMIN=48. &END &METHOD IFREE=0', &
+                                             ' &CONSTR IRANGE=2, TRMIN=48. &END &METHOD IFREE=1', &
+                                             ' &CONSTR IRANGE=1, TRMIN=52. &END &METHOD IFREE=0']
+      type(data_set_t) :: set
+      type(diagnostics_t) :: findings
+      type(prepared_t) :: prepared
+      type(problem_t) :: problem
+      type(synthesis_t) :: by_loops
+      type(chain_synthesis_t) :: by_poses
+      type(dimensions_t) :: dimensions
+      type(line_t) :: none(0)
+      type(stop_t) :: stop
+      integer :: k
+
+      do k = 1, size(asked)
+         call read_one('BY LOOPS'//nl//sketch//trim(asked(k))//points, set, findings)
+         call t%equal_integer(findings%count, 0, 'read:'//trim(asked(k)))
+         call prepare(set, none, prepared, findings)
+         call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
+         dimensions = prepared%given
+         call synthesise(set, prepared%vertices, problem, 1, stop, dimensions, by_loops)
+         call read_in_poses('BY POSES'//nl//sketch//trim(asked(k))//points, set, findings)
+         call synthesise_chain(set, 1, stop, by_poses, findings)
+         call t%is_true(size(by_loops%found%best) > 0 .and. size(by_poses%best) > 0, 'both find a linkage:'//trim(asked(k)))
+         if (size(by_loops%found%best) == 0 .or. size(by_poses%best) == 0) cycle
+         call t%close_to(by_poses%best(1)%objective/by_loops%found%best(1)%objective, 1.0_wp, 1.0e-5_wp, &
+                         'the same optimum:'//trim(asked(k)))
+         if (index(asked(k), 'IFREE=1') == 0) cycle
+         call t%close_to(maxval(abs(by_poses%drawn%method%delt - by_loops%found%best(1)%delt)), 0.0_wp, 2.0e-2_wp, &
+                         'the same inputs:'//trim(asked(k)))
+         call t%equal_integer(by_poses%drawn%method%ifree, 0, 'which the case of the linkage found has')
+      end do
+   end subroutine timing_and_range
 
    !> A four-bar has loops and poses: what another one does is found again by either, the desired values being those of &METHOD or
    !> of &OUTPUTS.
