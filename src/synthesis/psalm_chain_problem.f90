@@ -671,8 +671,7 @@ contains
       delt = [(from + (to - from)*(real(i, wp)/real(steps, wp)), i=0, steps)]
    end function even_inputs
 
-   !> From one input to the next, in one step where that can be trusted. What stops on the way is as near the end of the motion as
-   !> can be told.
+   !> From one input to the next, in one step where that can be trusted. Where the motion ends on the way, `state` is near its end.
    subroutine go_on(closure, target, state, reached)
       type(closure_t), intent(in) :: closure
       real(wp), intent(in) :: target(:)         !! shape (drives): from the drawing

@@ -64,16 +64,17 @@ contains
       real(wp), intent(inout) :: least(:, :)      !! shape (steps, positions)
       real(wp), intent(out) :: total
       integer :: i, j, steps
-      real(wp) :: before
+      real(wp) :: before(size(cost, 1)), here
 
       steps = size(cost, 1)
+      before = 0.0_wp
       do i = 1, size(cost, 2)
+         here = huge(here)
          do j = 1, steps
-            before = 0.0_wp
-            if (i > 1) before = least(j, i - 1)
-            least(j, i) = before + cost(modulo(from + j - 2, steps) + 1, i)
-            if (j > 1) least(j, i) = min(least(j, i), least(j - 1, i))
+            here = min(before(j) + cost(modulo(from + j - 2, steps) + 1, i), here)
+            least(j, i) = here
          end do
+         before = least(:, i)
       end do
       total = least(steps, size(cost, 2))
    end subroutine try_from

@@ -123,14 +123,16 @@ contains
    subroutine timing_and_range()
       character(*), parameter :: sketch = " &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,33.0,90.0,20.0,"//nl// &
          " JY=0.0,24.0,82.0,5.0,95.0, LNK='A D','A B','B C P','C D',"//nl// &
-         " VARY='A B','B C','C D','B P','angle B C B P','place D' &END"//nl//" &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='point P' &END"//nl
-      character(*), parameter :: points = ', NDES=8, DELT=0.0,45.0,90.0,135.0,180.0,225.0,270.0,315.0,'//nl// &
-         ' DESX=20.3,11.7,3.5,4.2,15.1,30.2,37.0,32.9, DESY=91.5,93.4,84.9,71.9,64.5,69.8,80.4,87.6 &END'//nl// &
+         " VARY='A B','B C','C D','B P','angle B C B P','place D' &END"//nl// &
+         " &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='point P' &END"//nl
+      character(*), parameter :: points = ', NDES=12, DELT=0.,30.,60.,90.,120.,150.,180.,210.,240.,270.,300.,330.,'//nl// &
+         ' DESX=20.5,13.6591,5.9076,-2.213,-6.8939,-9.3947,-10.997,-8.1958,-1.4281,8.2893,19.6619,24.5661,'//nl// &
+         ' DESY=92.,85.8572,76.9971,67.5083,59.1688,53.2403,50.9029,53.7396,63.1528,77.147,88.7486,93.5215 &END'//nl// &
          " &SEARCH SOLVER='LSQ' &END"//nl
       character(*), parameter :: asked(*) = [character(60) :: ' &METHOD IFREE=1', &
-                                             ' &CONSTR IRANGE=2, TRMIN=48. &END &METHOD IFREE=0', &
-                                             ' &CONSTR IRANGE=2, TRMIN=48. &END &METHOD IFREE=1', &
-                                             ' &CONSTR IRANGE=1, TRMIN=52. &END &METHOD IFREE=0']
+                                             ' &CONSTR IRANGE=2, TRMIN=45. &END &METHOD IFREE=0', &
+                                             ' &CONSTR IRANGE=2, TRMIN=45. &END &METHOD IFREE=1', &
+                                             ' &CONSTR IRANGE=1, TRMIN=50. &END &METHOD IFREE=0']
       type(data_set_t) :: set
       type(diagnostics_t) :: findings
       type(prepared_t) :: prepared
