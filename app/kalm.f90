@@ -89,7 +89,7 @@ contains
       call find_rates(set, problem, prepared%given, rates)
       if (forces_wanted(set)) then
          allocate (forces)
-         call find_forces(set, problem, prepared%given, forces)
+         call find_forces(set, problem, prepared%given, forces, analysed=rates%motion)
          if (set%gives('MOTOR')) then
             allocate (machine)
             call find_machine(set, problem, forces%model, machine)

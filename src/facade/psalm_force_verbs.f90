@@ -69,12 +69,10 @@ contains
       if (present(by_unit_mass)) allocate (by_unit_mass(0, 0, 0, 0))
       call frame%begin(case, findings, report, need=need_of_rates, reader='kalm')
       if (.not. frame%ready) return
-      call study_forces(frame%set, frame%problem, frame%problem%given, forces, by_unit_mass)
+      call study_dynamics(frame, present(report), rates, forces, by_unit_mass)
       if (.not. forces%all_known()) call findings%warning('forces are not known at every position: the linkage does not '// &
                                                           'close, is at a dead point, or friction locks it')
       if (.not. present(report)) return
-      allocate (rates)
-      call study_rates(frame%set, frame%problem, frame%problem%given, rates)
       call report_dynamics(frame, rates, report, findings, brief, forces)
    end subroutine find_forces
 
@@ -91,13 +89,28 @@ contains
       call frame%begin(case, findings, report, 'MOTOR', need=need_of_rates, reader='kalm')
       if (.not. frame%ready) return
       allocate (forces)
-      call study_forces(frame%set, frame%problem, frame%problem%given, forces)
+      call study_dynamics(frame, present(report), rates, forces)
       call study_machine(frame%set, frame%problem, forces%model, machine)
       if (.not. present(report)) return
-      allocate (rates)
-      call study_rates(frame%set, frame%problem, frame%problem%given, rates)
       call report_dynamics(frame, rates, report, findings, .false., forces, machine)
    end subroutine find_machine
+
+   !> Forces, and rates if a report is to have them: what these have analysed serves the forces.
+   subroutine study_dynamics(frame, with_rates, rates, forces, by_unit_mass)
+      type(frame_t), intent(inout) :: frame
+      logical, intent(in) :: with_rates
+      type(rate_study_t), allocatable, intent(out) :: rates  !! not allocated without them
+      type(force_study_t), intent(inout) :: forces
+      real(wp), allocatable, intent(inout), optional :: by_unit_mass(:, :, :, :) !! see `find_forces`
+
+      if (with_rates) then
+         allocate (rates)
+         call study_rates(frame%set, frame%problem, frame%problem%given, rates)
+         call study_forces(frame%set, frame%problem, frame%problem%given, forces, by_unit_mass, analysed=rates%motion)
+      else
+         call study_forces(frame%set, frame%problem, frame%problem%given, forces, by_unit_mass)
+      end if
+   end subroutine study_dynamics
 
    !> What kalm writes.
    subroutine report_dynamics(frame, rates, report, findings, brief, forces, machine)

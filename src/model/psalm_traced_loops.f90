@@ -1,6 +1,7 @@
 !> The loops of a sketch as they are traced: arcs between points, joints first and then feet of slides.
 module psalm_traced_loops
    use psalm_kinds, only: wp
+   use psalm_moving_joints, only: sketch_motion_t
    use psalm_output_kind, only: motion_point
    use psalm_place, only: place_t, travel_t
    use psalm_text, only: to_text
@@ -115,9 +116,11 @@ module psalm_traced_loops
       type(travel_t), allocatable :: travels(:) !! by slide
       integer, allocatable :: line_senses(:) !! by slide: +1: its arc has the direction of its line, -1: the opposite one
       integer, allocatable :: pin_holders(:) !! by joint: the link that places it, whose force on others is listed
+      type(sketch_motion_t) :: moving       !! where the joints that move are to be found, as they were drawn
    contains
       procedure :: is_dyad
       procedure :: number_of
+      procedure :: begins
       procedure :: point_name
       procedure :: output_line
       procedure :: are_of_one_crank
@@ -142,6 +145,15 @@ contains
 
       number_of = findloc(self%arcs%loop == loop .and. self%arcs%place == place, .true., dim=1)
    end function number_of
+
+   !> True of the first arc of a loop, or of a ring of it.
+   pure logical function begins(self, arc)
+      class(loops_t), intent(in) :: self
+      integer, intent(in) :: arc              !! sequential number
+
+      begins = self%arcs(arc)%place == 1
+      if (.not. self%is_dyad(self%arcs(arc)%loop)) begins = any(self%rings%first == arc)
+   end function begins
 
    !> What a point is called: as its joint, or a foot of a slide by its number.
    pure function point_name(self, joints, point) result(name)

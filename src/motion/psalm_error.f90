@@ -22,7 +22,7 @@ module psalm_error
    use psalm_shown_input, only: crank_angle_at, input_at, shows_crank
    implicit none (type, external)
    private
-   public :: problem_t, motion_t, violation_t, crossing_t, make_problem, new_problem, inputs_of, own_inputs_of, &
+   public :: problem_t, motion_t, reach_t, violation_t, crossing_t, make_problem, new_problem, inputs_of, own_inputs_of, &
              own_inputs_at, desired_of
 
    !> Consecutive positions at which one dyad violates one limit.
@@ -40,9 +40,17 @@ module psalm_error
       integer :: position = 0
    end type crossing_t
 
+   !> How far a sketch goes from its drawing, forwards and backwards: as far as it was followed, or to where it ends.
+   type :: reach_t
+      logical :: known = .false.
+      real(wp) :: followed(2) = 0.0_wp             !! so far it was to go; degrees or length
+      real(wp) :: ends(2) = 0.0_wp                 !! so far it goes
+   end type reach_t
+
    !> What the linkage does at a row of input positions.
    type :: motion_t
-      logical, allocatable :: closed(:)            !! every loop the output depends on closes
+      logical, allocatable :: closed(:)            !! every loop that was solved closes
+      logical, allocatable :: output_known(:)      !! every loop that the output depends on closes; of a sketch all
       logical, allocatable :: beyond(:)            !! of a sketch: the links can be put together, but the linkage does not come
                                                    !! there from the drawing without passing a dead point: not `closed`
       real(wp), allocatable :: input(:)            !! as shown (`psalm_shown_input`): degrees or length
@@ -64,6 +72,7 @@ module psalm_error
       type(mechanism_t) :: mechanism
       type(parameters_t) :: parameters             !! dimensions that vary
       type(plan_t) :: plan
+      logical, allocatable :: asked(:)             !! by loop: the output depends on it; of a sketch all
       type(dimensions_t) :: given                  !! the user's linkage
       type(linkage_t) :: linkage                   !! bound to the last dimensions evaluated
       type(linkage_t), allocatable :: linkages(:)      !! one more linkage for each further thread
@@ -118,11 +127,12 @@ module psalm_error
 
    interface
       !> Positions that are not reached from the drawing: no longer `closed`, but `beyond`.
-      module subroutine leave_out_unreached(self, dimensions, motion)
+      module subroutine leave_out_unreached(self, dimensions, motion, reach)
          implicit none (type, external)
          class(problem_t), intent(in) :: self
          type(dimensions_t), intent(in) :: dimensions
          type(motion_t), intent(inout) :: motion
+         type(reach_t), intent(inout) :: reach
       end subroutine leave_out_unreached
    end interface
 
@@ -213,8 +223,21 @@ contains
       allocate (problem%side(mechanism%nloop), source=1.0_wp)
       problem%plan = make_plan(mechanism, problem%motion, everything=problem%every_loop .or. all_arcs, &
                                all_roots=all_arcs)
+      problem%asked = problem%plan%solved
+      if (all_arcs .and. .not. problem%every_loop) problem%asked = loops_of_output(mechanism, problem%motion)
       call problem%set_inputs(inputs, own)
    end subroutine fill_problem
+
+   !> By loop: the output depends on it.
+   function loops_of_output(mechanism, motion) result(needed)
+      type(mechanism_t), intent(in) :: mechanism
+      integer, intent(in) :: motion
+      logical, allocatable :: needed(:)
+      type(plan_t) :: plan
+
+      plan = make_plan(mechanism, motion, everything=.false., all_roots=.false.)
+      needed = plan%solved
+   end function loops_of_output
 
    !> Increments of the drives of a sketch after the first.
    pure function own_inputs_of(set) result(own)
@@ -286,12 +309,16 @@ contains
    end subroutine desired_of
 
    !> Make a plan that finds everything derivatives need; inputs and desired values are kept.
-   subroutine want_derivatives(self, everything, joints)
+   subroutine want_derivatives(self, everything, joints, with_point)
       class(problem_t), intent(inout) :: self
       logical, intent(in) :: everything     !! solve every loop, wanted or not
       integer, intent(in), optional :: joints(:, :) !! joints to be made, as `make_plan` has them
+      logical, intent(in), optional :: with_point !! make the point that the output arc begins at, whatever the output is
+      integer :: motion
 
-      self%plan = make_plan(self%mechanism, self%motion, everything .or. self%every_loop, .true., joints)
+      motion = self%motion
+      if (present(with_point)) motion = merge(motion_point, motion, with_point)
+      self%plan = make_plan(self%mechanism, motion, everything .or. self%every_loop, .true., joints)
       call self%linkage%prepare(self%mechanism, self%plan, self%tangle, self%slide_angle, self%spare, self%delt)
       call self%output%locate(self%motion, self%mechanism, self%plan, self%linkage)
       if (allocated(self%linkages)) call self%set_threads(size(self%linkages))
@@ -661,10 +688,12 @@ contains
    end subroutine measure_of
 
    !> The whole motion of a linkage: actual values, errors, and every violation of closure or transmission limits.
-   subroutine analyse(self, dimensions, motion)
+   subroutine analyse(self, dimensions, motion, reach)
       class(problem_t), intent(inout) :: self
       type(dimensions_t), intent(in) :: dimensions
       type(motion_t), intent(out) :: motion
+      type(reach_t), intent(inout), optional :: reach !! of this linkage, from an analysis at other inputs; or not known yet
+      type(reach_t) :: own
       integer :: block, offset, n, m, i, k, l, c, components, noted
       integer, allocatable :: open_violation(:)
       real(wp), allocatable :: sine(:)     !! by loop: between two slides, at the position before
@@ -673,7 +702,7 @@ contains
       n = self%positions
       noted = 0
       components = self%output%kind%components
-      allocate (motion%closed(n), source=.true.)
+      allocate (motion%closed(n), motion%output_known(n), source=.true.)
       allocate (motion%input(n), source=0.0_wp)
       allocate (motion%actual(n, components), motion%error(n, components), source=0.0_wp)
       allocate (motion%violations(0), motion%crossings(0))
@@ -691,7 +720,10 @@ contains
             if (self%linkage%all_accepted(m, l) .and. coincidence(self, l) < 0.0_wp) cycle
             do i = 1, n
                if (self%linkage%accepts(i, l) .and. .not. coincides(self, l, i)) cycle
-               if (.not. self%linkage%closes(i, l) .or. coincides(self, l, i)) motion%closed(offset + i) = .false.
+               if (.not. self%linkage%closes(i, l) .or. coincides(self, l, i)) then
+                  motion%closed(offset + i) = .false.
+                  if (self%asked(l)) motion%output_known(offset + i) = .false.
+               end if
                call note_violation(self, l, i, offset + i, open_violation(l), motion%violations, noted)
             end do
          end do
@@ -729,7 +761,12 @@ contains
          end do
       end do
       motion%violations = motion%violations(:noted)
-      if (self%followed) call leave_out_unreached(self, dimensions, motion)
+      if (.not. self%followed) return
+      if (present(reach)) then
+         call leave_out_unreached(self, dimensions, motion, reach)
+      else
+         call leave_out_unreached(self, dimensions, motion, own)
+      end if
    end subroutine analyse
 
    !> Enter a violation, or let the one of the position before go on.

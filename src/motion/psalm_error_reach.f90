@@ -22,27 +22,27 @@ submodule(psalm_error) psalm_error_reach
 
 contains
 
-   module subroutine leave_out_unreached(self, dimensions, motion)
+   module subroutine leave_out_unreached(self, dimensions, motion, reach)
       class(problem_t), intent(in) :: self
       type(dimensions_t), intent(in) :: dimensions
       type(motion_t), intent(inout) :: motion
-      type(scout_t) :: scout
+      type(reach_t), intent(inout) :: reach
+      class(problem_t), allocatable :: row
       real(wp) :: start
       integer :: k
 
       allocate (motion%beyond(size(motion%closed)), source=.false.)
       if (.not. any(motion%closed)) return
       start = dimensions%drawn - dimensions%crnki
-      allocate (scout%row, source=self)
-      if (allocated(scout%row%linkages)) deallocate (scout%row%linkages)
-      allocate (scout%refinement, source=scout%row)
       if (any(.not. self%mechanism%actuators(2:)%geared)) then
-         call find_other_sides(scout%row, dimensions, start, motion%beyond)
+         call copy_problem(self, row)
+         call find_other_sides(row, dimensions, start, motion%beyond)
       else
-         call find_ends(scout, dimensions, start, self%delt, motion%beyond)
+         call find_ends(self, dimensions, start, reach, motion%beyond)
       end if
       motion%beyond = motion%beyond .and. motion%closed
       motion%closed = motion%closed .and. .not. motion%beyond
+      motion%output_known = motion%output_known .and. .not. motion%beyond
       if (.not. self%desired .or. .not. any(motion%beyond)) return
       motion%total = 0.0_wp
       do k = 1, size(motion%closed)
@@ -50,37 +50,59 @@ contains
       end do
    end subroutine leave_out_unreached
 
+   !> The problem for one thread, to be given other inputs.
+   subroutine copy_problem(self, copy)
+      class(problem_t), intent(in) :: self
+      class(problem_t), allocatable, intent(out) :: copy
+
+      allocate (copy, source=self)
+      if (allocated(copy%linkages)) deallocate (copy%linkages)
+   end subroutine copy_problem
+
    !> Inputs beyond the ends of the way from the drawing.
-   subroutine find_ends(scout, dimensions, start, delt, beyond)
-      type(scout_t), intent(inout) :: scout
+   subroutine find_ends(self, dimensions, start, reach, beyond)
+      class(problem_t), intent(in) :: self
       type(dimensions_t), intent(in) :: dimensions
       real(wp), intent(in) :: start                  !! the input of the drawing
-      real(wp), intent(in) :: delt(:)                !! the others: shape (positions)
-      logical, intent(inout) :: beyond(:)            !! the same shape
-      real(wp) :: forwards, backwards, from_start, slack
+      type(reach_t), intent(inout) :: reach          !! is found if it is not known so far
+      logical, intent(inout) :: beyond(:)            !! shape (positions)
+      type(scout_t) :: scout
+      real(wp) :: to(2), from_start, slack
       logical :: repeats
       integer :: k
 
-      repeats = turn_repeats(scout%row)
+      repeats = turn_repeats(self)
       if (.not. repeats) then
-         slack = same_input*max(abs(maxval(delt) - start), abs(minval(delt) - start))
-         call follow(scout, dimensions, start, max(maxval(delt) - start, 0.0_wp), forwards)
-         call follow(scout, dimensions, start, min(minval(delt) - start, 0.0_wp), backwards)
+         associate (most => maxval(self%delt) - start, least => minval(self%delt) - start)
+            slack = same_input*max(abs(most), abs(least))
+            to = [max(most, 0.0_wp), min(least, 0.0_wp)]
+         end associate
       else
          slack = same_input*full_turn
-         call follow(scout, dimensions, start, full_turn, forwards)
-         if (forwards >= full_turn) return
-         call follow(scout, dimensions, start, forwards - full_turn, backwards)
+         to = [full_turn, -full_turn]
       end if
-      do k = 1, size(beyond)
-         from_start = delt(k) - start
-         if (.not. repeats) then
-            beyond(k) = from_start > forwards + slack .or. from_start < backwards - slack
-         else
-            from_start = modulo(from_start, full_turn)
-            beyond(k) = from_start > forwards + slack .and. from_start - full_turn < backwards - slack
-         end if
-      end do
+      if (.not. reach%known .or. any(abs(reach%followed - to) > 0.0_wp)) then
+         call copy_problem(self, scout%row)
+         allocate (scout%refinement, source=scout%row)
+         reach%known = .true.
+         reach%followed = to
+         call follow(scout, dimensions, start, to(1), reach%ends(1))
+         ! the other way round a turn it need not go farther than to where it ended
+         if (repeats) to(2) = reach%ends(1) - full_turn
+         call follow(scout, dimensions, start, to(2), reach%ends(2))
+      end if
+      if (repeats .and. reach%ends(1) >= full_turn) return
+      associate (forwards => reach%ends(1), backwards => reach%ends(2))
+         do k = 1, size(beyond)
+            from_start = self%delt(k) - start
+            if (.not. repeats) then
+               beyond(k) = from_start > forwards + slack .or. from_start < backwards - slack
+            else
+               from_start = modulo(from_start, full_turn)
+               beyond(k) = from_start > forwards + slack .and. from_start - full_turn < backwards - slack
+            end if
+         end do
+      end associate
    end subroutine find_ends
 
    !> A way through several inputs is not one of even steps of the first. Whatever way a linkage takes, it does not come to where

@@ -12,7 +12,7 @@ module psalm_loop_check
    use psalm_rates, only: rates_t, prepare_rates, differentiate, highest_order
    use psalm_setup, only: set_up
    use psalm_sketch, only: frame_link
-   use psalm_sketch_motion, only: sketch_motion_t, locate_sketch, observe_sketch
+   use psalm_sketch_motion, only: observe_sketch
    use psalm_status, only: diagnostics_t, level_error
    implicit none (type, external)
    private
@@ -32,7 +32,6 @@ contains
       type(diagnostics_t) :: findings
       class(problem_t), allocatable :: problem
       type(rates_t), allocatable :: rates
-      type(sketch_motion_t) :: sketch
       complex(wp), allocatable :: joint(:, :, :)
       real(wp), allocatable :: moved(:, :, :)
       real(wp) :: extent
@@ -56,19 +55,21 @@ contains
       ! with a phase the drawing is no position of the motion
       mechanism%actuators%phase = 0.0_wp
       call new_problem(mechanism, dimensions, parameters, [0.0_wp], .true., problem)
-      call locate_sketch(set, mechanism, sketch)
-      call problem%want_derivatives(.true., sketch%points)
-      call problem%bind(dimensions)
-      call problem%solve_block(1, offset, n)
-      call prepare_rates(problem, rates)
-      call differentiate(problem, rates, n, highest_order)
-      allocate (joint(size(sketch%drawn), 0:highest_order, n), moved(size(sketch%arcs), 0:highest_order, n))
-      call observe_sketch(sketch, problem, rates, n, 1.0_wp, 0.0_wp, joint, moved)
-      associate (x => [set%sketch%x, set%sketch%slides%x], y => [set%sketch%y, set%sketch%slides%y])
-         extent = max(maxval(x) - minval(x), maxval(y) - minval(y))
-         if (extent <= 0.0_wp) extent = max(maxval(abs(x)), maxval(abs(y)))
+      associate (sketch => set%traced%moving)
+         call problem%want_derivatives(.true., sketch%points)
+         call problem%bind(dimensions)
+         call problem%solve_block(1, offset, n)
+         call prepare_rates(problem, rates)
+         call differentiate(problem, rates, n, highest_order)
+         allocate (joint(size(sketch%drawn), 0:highest_order, n), moved(size(sketch%arcs), 0:highest_order, n))
+         call observe_sketch(sketch, problem, rates, n, 1.0_wp, 0.0_wp, joint, moved)
+         associate (x => [set%sketch%x, set%sketch%slides%x], y => [set%sketch%y, set%sketch%slides%y])
+            extent = max(maxval(x) - minval(x), maxval(y) - minval(y))
+            if (extent <= 0.0_wp) extent = max(maxval(abs(x)), maxval(abs(y)))
+         end associate
+         if (all(abs(joint(:, 0, 1) - sketch%drawn) <= one_place*extent) .and. &
+             all(abs(moved(:, 0, 1)) <= one_place*extent)) return
       end associate
-      if (all(abs(joint(:, 0, 1) - sketch%drawn) <= one_place*extent) .and. all(abs(moved(:, 0, 1)) <= one_place*extent)) return
       why = 'links whose loops do not give the drawing'
    end subroutine check_loops
 end module psalm_loop_check

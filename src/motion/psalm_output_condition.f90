@@ -8,7 +8,7 @@ module psalm_output_condition
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_sketch, only: sketch_output_t, output_point, output_angle, output_distance, output_slide, output_between, &
                            output_pose, output_ratio, output_x, output_y
-   use psalm_sketch_motion, only: sketch_motion_t
+   use psalm_moving_joints, only: sketch_motion_t
    implicit none (type, external)
    private
    public :: output_conditions

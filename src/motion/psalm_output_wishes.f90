@@ -9,6 +9,7 @@ module psalm_output_wishes
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
+   use psalm_joint_location, only: locate_sketch
    use psalm_kinds, only: wp, full_turn
    use psalm_linkage, only: padded
    use psalm_output_kind, only: most_rates
@@ -20,7 +21,7 @@ module psalm_output_wishes
    use psalm_sensitivity, only: sensitivity_t, wanted_outputs_t, prepare_sensitivity, find_jacobian, unit_of, clear_changes
    use psalm_sketch, only: sketch_t, sketch_output_t, wish_column_t, output_ratio, columns_of, first_number, &
                            most_wished
-   use psalm_sketch_motion, only: locate_sketch, find_places, observe_sketch, find_rate_changes, find_own_rate_changes
+   use psalm_sketch_motion, only: find_places, observe_sketch, find_rate_changes, find_own_rate_changes
    use psalm_sketch_outputs, only: names_of_numbers, values_of_outputs, change_of_values, name_length
    implicit none (type, external)
    private
@@ -75,7 +76,7 @@ contains
          wishes%problem%parameters%variables = [problem%parameters%variables, input]
       end if
       associate (wanted => wishes%wanted, n => problem%positions)
-         call locate_sketch(set, problem%mechanism, wanted%sketch, problem%given)
+         call locate_sketch(set, wanted%sketch, problem%given)
          call list_columns(set%sketch%outputs, set%sketch%wish_columns(), wishes)
          do k = 1, size(wanted%sketch%moving)
             if (wanted%sketch%moving(k)%joint == set%traced%output_joint .and. problem%given%outlk > 0.0_wp) wishes%shown = k

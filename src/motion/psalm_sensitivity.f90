@@ -12,6 +12,7 @@ module psalm_sensitivity
    use psalm_higher_group, only: change_of_higher, gaps_of_ties, solve_higher
    use psalm_kinds, only: wp, degrees_per_radian, radians_per_degree
    use psalm_linkage, only: padded, put_driven_lengths
+   use psalm_moving_joints, only: sketch_motion_t
    use psalm_place, only: beside_t
    use psalm_plan, only: step_point
    use psalm_rates, only: rates_t, prepare_rates, form_frames, highest_order
@@ -19,7 +20,7 @@ module psalm_sensitivity
    use psalm_dimensions, only: dimensions_t
    use psalm_parameters, only: variable_gama, variable_outlk, variable_outang, variable_origng, variable_crnki
    use psalm_sketch, only: sketch_output_t
-   use psalm_sketch_motion, only: sketch_motion_t, find_places, find_changes, find_own_changes
+   use psalm_sketch_motion, only: find_places, find_changes, find_own_changes
    use psalm_sketch_outputs, only: values_of_outputs
    implicit none (type, external)
    private

@@ -2,129 +2,18 @@
 !>
 !> A joint is a point of the plan, or fixed on a link at a distance from one; joints of the frame stand still.
 module psalm_sketch_motion
-   use psalm_angles, only: unit_vector
    use psalm_closure, only: most_orders
-   use psalm_data_set, only: data_set_t
-   use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, radians_per_degree
-   use psalm_mechanism, only: mechanism_t, ring_t
-   use psalm_place, only: place_t
+   use psalm_moving_joints, only: sketch_motion_t
    use psalm_rates, only: rates_t, derivatives_of, in_time
    use psalm_rows, only: rows_t
-   use psalm_sketch, only: frame_link, most_wished
+   use psalm_sketch, only: most_wished
    implicit none (type, external)
    private
-   public :: sketch_motion_t, locate_sketch, observe_sketch, find_places, find_changes, find_own_changes, &
-             find_rate_changes, find_own_rate_changes
-
-   !> A joint that moves.
-   type :: moving_t
-      integer :: joint = 0                  !! after the last joint of the sketch: points of its slides
-      integer :: arc = 0                    !! sequential number: its direction carries the offset
-      complex(wp) :: offset = (0.0_wp, 0.0_wp) !! from the point of the plan, in the axes of that arc, user's unit
-   end type moving_t
-
-   !> Where joints and slides of a sketch are to be found in the store.
-   type :: sketch_motion_t
-      complex(wp), allocatable :: drawn(:)  !! shape (joints), or joints and slides
-      type(moving_t), allocatable :: moving(:)
-      integer, allocatable :: points(:, :)  !! shape (2, moving joints): loop and arc, as `make_plan` has them
-      integer, allocatable :: arcs(:)       !! by slide: sequential number; 0: it has none
-      real(wp), allocatable :: sense(:), zero(:) !! by slide: travel = sense*length + zero
-   end type sketch_motion_t
+   public :: observe_sketch, find_places, find_changes, find_own_changes, find_rate_changes, find_own_rate_changes
 
 contains
-
-   !> Find joints and slides. The plan must then be made with `points`. Joints of the frame are where they were drawn; with
-   !> `dimensions` that are not, or not only, those of the drawing they are where these put them, and so is the first output.
-   subroutine locate_sketch(set, mechanism, sketch, dimensions, with_slides, with_links)
-      type(data_set_t), intent(in) :: set               !! a sketch with its loops
-      type(mechanism_t), intent(in) :: mechanism
-      type(sketch_motion_t), intent(out) :: sketch
-      type(dimensions_t), intent(in), optional :: dimensions
-      logical, intent(in), optional :: with_slides      !! after the joints come the points of slides, on their second links
-      logical, intent(in), optional :: with_links       !! in place of slides: where the axes of links without joints begin
-      type(place_t) :: place
-      integer :: j, k
-
-      sketch%drawn = cmplx(set%sketch%x, set%sketch%y, wp)
-      allocate (sketch%moving(0), sketch%points(2, 0))
-      do j = 1, size(set%traced%joint_places)
-         place = set%traced%joint_places(j)
-         if (place%link == frame_link .and. .not. present(dimensions)) cycle
-         if (present(dimensions)) call move_output(set, dimensions, j, place)
-         call add_moving(mechanism, j, place, sketch)
-      end do
-      if (present(with_slides)) then
-         if (with_slides) then
-            sketch%drawn = [sketch%drawn, cmplx(set%sketch%slides%x, set%sketch%slides%y, wp)]
-            do k = 1, size(set%traced%shoes)
-               call add_moving(mechanism, size(set%traced%joint_places) + k, set%traced%shoes(k), sketch)
-            end do
-         end if
-      end if
-      if (present(with_links)) then
-         if (with_links) then
-            associate (links => set%sketch%links)
-               sketch%drawn = [sketch%drawn, [((0.0_wp, 0.0_wp), k=1, size(links))]]
-               do k = 1, size(links)
-                  if (k == frame_link .or. size(links(k)%joints) > 0) cycle
-                  call add_moving(mechanism, size(set%traced%joint_places) + k, set%traced%link_places(k), sketch)
-               end do
-            end associate
-         end if
-      end if
-      allocate (sketch%arcs(size(set%traced%travels)), source=0)
-      do k = 1, size(set%traced%travels)
-         if (set%traced%travels(k)%arc > 0) sketch%arcs(k) = mechanism%seq(set%traced%travels(k)%loop, set%traced%travels(k)%arc)
-      end do
-      sketch%sense = set%traced%travels%sense
-      sketch%zero = set%traced%travels%zero
-   end subroutine locate_sketch
-
-   !> A joint at its place on an arc; one that is on none stands still.
-   subroutine add_moving(mechanism, joint, place, sketch)
-      type(mechanism_t), intent(in) :: mechanism
-      integer, intent(in) :: joint
-      type(place_t), intent(in) :: place
-      type(sketch_motion_t), intent(inout) :: sketch
-      type(moving_t) :: one
-      type(ring_t) :: ring
-      real(wp) :: c, s
-      integer :: arc
-
-      if (place%arc == 0) return
-      one%joint = joint
-      one%arc = mechanism%seq(place%loop, place%arc)
-      call unit_vector(place%turn + place%angle, c, s)
-      one%offset = place%distance*cmplx(c, s, wp)
-      arc = place%arc
-      if (place%from_start) then
-         ring = mechanism%ring_of(place%loop, one%arc)
-         arc = merge(0, arc - 1, one%arc == ring%first)
-      end if
-      sketch%moving = [sketch%moving, one]
-      sketch%points = reshape([sketch%points, place%loop, arc], [2, size(sketch%moving)])
-   end subroutine add_moving
-
-   !> The output of the loops, if it stands off the arcs, where OUTLK and OUTANG have it: a search may vary these.
-   subroutine move_output(set, dimensions, joint, place)
-      type(data_set_t), intent(in) :: set
-      type(dimensions_t), intent(in) :: dimensions
-      integer, intent(in) :: joint
-      type(place_t), intent(inout) :: place             !! of that joint
-
-      if (joint /= set%traced%output_joint .or. dimensions%outlk <= 0.0_wp) return
-      associate (arc => set%traced%arcs(set%traced%output_arc))
-         place%loop = arc%loop
-         place%arc = arc%place
-         place%from_start = set%traced%from_start
-      end associate
-      place%distance = dimensions%outlk
-      place%angle = dimensions%outang
-      place%turn = 0.0_wp
-   end subroutine move_output
 
    !> Joints and slides at the first `n` positions of the block just solved and differentiated.
    subroutine observe_sketch(sketch, problem, rates, n, speed, accel, joint, moved)

@@ -8,12 +8,14 @@ module psalm_sketch_redraw
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t, new_problem, own_inputs_of
+   use psalm_joint_location, only: locate_sketch
    use psalm_kinds, only: wp, full_turn
    use psalm_mechanism, only: mechanism_t
+   use psalm_moving_joints, only: sketch_motion_t
    use psalm_parameters, only: no_parameters
    use psalm_sketch, only: sketch_t, output_slide
    use psalm_sketch_assembly, only: assemble_sketch
-   use psalm_sketch_motion, only: sketch_motion_t, locate_sketch, find_places
+   use psalm_sketch_motion, only: find_places
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
@@ -48,7 +50,7 @@ contains
       allocate (problem)
       call new_problem(mechanism, dimensions, no_parameters(mechanism), candidates, .true., problem)
       call problem%set_inputs(candidates, own)
-      call locate_sketch(set, mechanism, motion, dimensions, with_slides=.true.)
+      call locate_sketch(set, motion, dimensions, with_slides=.true.)
       call problem%want_derivatives(.true., motion%points)
       call problem%bind(dimensions)
       tried = .false.

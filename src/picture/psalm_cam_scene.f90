@@ -9,6 +9,7 @@ module psalm_cam_scene
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp, full_turn, radians_per_degree
    use psalm_preparation, only: prepared_t
+   use psalm_row_study, only: row_study_t, study_rows
    use psalm_scene, only: scene_t, make_scene
    use psalm_status, only: finding_t
    use psalm_shown_input, only: reference_input
@@ -99,6 +100,7 @@ contains
       type(cam_study_t), intent(in) :: studies(:)
       type(cam_scene_t), intent(inout) :: scene
       type(finding_t) :: none(0)
+      type(row_study_t), allocatable :: study
       real(wp), allocatable :: inputs(:, :)
       integer :: k
 
@@ -110,8 +112,10 @@ contains
          end do
          call make_chain_scene(set, none, scene%linkage, inputs=inputs)
       else
-         call make_scene(set, prepared%mechanism, prepared%given, prepared%parameters, none, scene%linkage, &
+         allocate (study)
+         call study_rows(set, prepared%mechanism, prepared%given, prepared%parameters, study, &
                          delt=scene%parts(1)%states%q(0, :) - reference_input(prepared%mechanism, prepared%given))
+         call make_scene(set, study, .true., none, scene%linkage)
       end if
    end subroutine make_linkage
 

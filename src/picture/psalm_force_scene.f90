@@ -5,12 +5,13 @@ module psalm_force_scene
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_elementary, only: hypotenuse
-   use psalm_error, only: problem_t, motion_t
+   use psalm_error, only: problem_t
    use psalm_force_analysis, only: force_table_t, analyse_forces
    use psalm_force_model, only: force_model_t, make_force_model, vertices_of
    use psalm_force_trace, only: force_trace_t, trace_forces
    use psalm_kinds, only: wp
    use psalm_mechanism, only: body_frame
+   use psalm_row_study, only: row_study_t, solved_row_t
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
    implicit none (type, external)
@@ -38,29 +39,19 @@ module psalm_force_scene
 contains
 
    !> Forces of a case without faults, at its positions and over a sweep.
-   subroutine make_force_scene(set, given, dimensions, sweep, forces)
+   subroutine make_force_scene(set, study, forces)
       type(data_set_t), intent(in) :: set
-      type(problem_t), intent(in) :: given
-      type(dimensions_t), intent(in) :: dimensions
-      real(wp), intent(in) :: sweep(:)                 !! increments of the input
+      type(row_study_t), intent(in) :: study
       type(force_scene_t), intent(out) :: forces
       class(problem_t), allocatable :: problem          ! large: it would fill a small stack
       type(force_model_t) :: model
       type(diagnostics_t) :: unused
-      type(motion_t) :: motion
       integer :: j
       real(wp) :: mass, inertia
 
-      allocate (problem, source=given)
-      call make_force_model(set, problem%mechanism, dimensions, model, unused)
-      call problem%want_derivatives(.true., vertices_of(problem%mechanism))
-      call problem%analyse(dimensions, motion)
-      call trace_forces(problem, model, set%pace(), set%change_of_pace(), motion%closed, motion%input, &
-                        set%masses%added, forces%prescribed)
-      call problem%set_inputs(sweep)
-      call problem%analyse(dimensions, motion)
-      call trace_forces(problem, model, set%pace(), set%change_of_pace(), motion%closed, motion%input, &
-                        set%masses%added, forces%sweep)
+      call make_force_model(set, study%problem%mechanism, study%dimensions, model, unused)
+      call trace_row_forces(study%prescribed, forces%prescribed)
+      call trace_row_forces(study%sweep, forces%sweep)
       allocate (forces%joints(size(problem%mechanism%joints)))
       do j = 1, size(forces%joints)
          forces%joints(j) = problem%mechanism%joints(j)%name
@@ -84,9 +75,26 @@ contains
       end do
       forces%springs_added = set%springs%added
       if (set%masses%added + set%springs%added == 0) return
-      call make_force_model(set, problem%mechanism, dimensions, model, unused, without_added=.true.)
+      call make_force_model(set, problem%mechanism, study%dimensions, model, unused, without_added=.true.)
       allocate (forces%bare)
-      call analyse_forces(problem, model, set%pace(), set%change_of_pace(), motion%closed, motion%input, forces%bare)
+      associate (motion => study%sweep%motion)
+         call analyse_forces(problem, model, set%pace(), set%change_of_pace(), motion%closed, motion%input, forces%bare)
+      end associate
+
+   contains
+
+      !> Forces at a row; `problem` is that of the row then.
+      subroutine trace_row_forces(row, trace)
+         type(solved_row_t), intent(in) :: row
+         type(force_trace_t), intent(out) :: trace
+
+         if (allocated(problem)) deallocate (problem)
+         allocate (problem, source=row%problem)
+         call problem%want_derivatives(.true., vertices_of(problem%mechanism))
+         call problem%bind(study%dimensions)
+         call trace_forces(problem, model, set%pace(), set%change_of_pace(), row%motion%closed, row%motion%input, &
+                           set%masses%added, trace)
+      end subroutine trace_row_forces
    end subroutine make_force_scene
 
    !> Corners of what counterweights and springs take over the prescribed positions.

@@ -5,15 +5,15 @@
 module psalm_panels
    use psalm_column_names, only: number_unit, output_unit, per_time, rate_unit
    use psalm_data_set, only: data_set_t
-   use psalm_error, only: problem_t, motion_t, make_problem
+   use psalm_error, only: problem_t
    use psalm_family_study, only: family_t, find_family
    use psalm_kinds, only: wp, full_turn
    use psalm_markup, only: sentence_case, short_number
    use psalm_mechanism, only: mechanism_t
    use psalm_dimensions, only: dimensions_t
    use psalm_output_kind, only: output_kind_t, motion_angle, motion_distance, motion_point, motion_pose
-   use psalm_parameters, only: no_parameters
    use psalm_rate_study, only: rate_study_t, find_rates
+   use psalm_row_study, only: solved_row_t
    use psalm_sketch, only: columns_of, drive_turns, output_angle, output_between, output_ratio
    use psalm_sketch_study, only: sketch_study_t, study_sketch
    use psalm_text, only: lower_case
@@ -58,18 +58,20 @@ module psalm_panels
 contains
 
    !> Velocity and acceleration of the output of a linkage of dyads, by time, for the speed of the group RATES (1 without it).
-   subroutine add_rate_panels(set, problem, dimensions, size_of, panels)
+   subroutine add_rate_panels(set, row, dimensions, size_of, panels)
       type(data_set_t), intent(in) :: set
-      type(problem_t), intent(inout) :: problem    !! its inputs are the sweep
+      type(solved_row_t), intent(in) :: row        !! the sweep
       type(dimensions_t), intent(in) :: dimensions
       real(wp), intent(in) :: size_of              !! of the linkage
       type(panel_t), allocatable, intent(inout) :: panels(:)
+      class(problem_t), allocatable :: problem     ! large: it would fill a small stack
       type(rate_study_t), allocatable :: rates
       logical, allocatable :: known(:)
       integer :: order, n
 
       allocate (rates)
-      call find_rates(set, problem, dimensions, rates, every_arc=.false.)
+      allocate (problem, source=row%problem)
+      call find_rates(set, problem, dimensions, rates, every_arc=.false., motion=row%motion)
       known = rates%motion%closed .and. rates%dead == 0
       do order = 1, 2
          select case (problem%motion)
@@ -107,22 +109,15 @@ contains
    end subroutine add_rate_panels
 
    !> All outputs of a sketch of dyads but the first, if the scene has it, and rates of all, over the sweep.
-   subroutine add_sketch_panels(set, mechanism, dimensions, delt, size_of, panels)
+   subroutine add_sketch_panels(set, row, dimensions, size_of, panels)
       type(data_set_t), intent(in) :: set
-      type(mechanism_t), intent(in) :: mechanism
+      type(solved_row_t), intent(in) :: row        !! the sweep
       type(dimensions_t), intent(in) :: dimensions
-      real(wp), intent(in) :: delt(:)              !! increments of the sweep
       real(wp), intent(in) :: size_of              !! of the linkage
       type(panel_t), allocatable, intent(inout) :: panels(:)
-      class(problem_t), allocatable :: problem     ! large: it would fill a small stack
       type(sketch_study_t) :: study
-      type(motion_t) :: motion
 
-      allocate (problem)
-      call make_problem(set, mechanism, dimensions, no_parameters(mechanism), problem)
-      call problem%set_inputs(delt)
-      call problem%analyse(dimensions, motion)
-      call study_sketch(set, problem, dimensions, motion%closed, set%pace(), set%change_of_pace(), study)
+      call study_sketch(set, row%problem, dimensions, row%motion%closed, set%pace(), set%change_of_pace(), study)
       call add_study_panels(set, study, merge(1, 2, set%has_stand_in()), size_of, panels)
    end subroutine add_sketch_panels
 

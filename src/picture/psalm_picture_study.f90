@@ -12,6 +12,7 @@ module psalm_picture_study
    use psalm_markup, only: strings_t, add_string
    use psalm_pole_scene, only: pole_scene_t, asks_for_poles, check_poles, make_pole_scene
    use psalm_preparation, only: memory_need_t, prepared_t, prepare
+   use psalm_row_study, only: row_study_t, study_rows
    use psalm_scene, only: scene_t, add_curves, make_scene, message_scene
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t, finding_t, level_error
@@ -44,6 +45,7 @@ contains
       type(diagnostics_t) :: noted
       type(line_t) :: none(0)
       class(prepared_t), allocatable :: prepared
+      class(row_study_t), allocatable :: study
       real(wp), allocatable :: chosen             ! not allocated: absent where it is an argument, as is `kept`
       integer, allocatable :: kept(:)
       integer :: k
@@ -84,8 +86,11 @@ contains
          call findings%append(noted)
          if (prepared%ready) then
             associate (each => sets(k), scene => cases(k)%scene)
-               call make_scene(each, prepared%mechanism, prepared%given, prepared%parameters, own, scene, chosen, kept=kept)
-               if (scene%valid) call add_curves(each, prepared%mechanism, prepared%given, prepared%parameters, scene)
+               if (allocated(study)) deallocate (study)
+               allocate (study)
+               call study_rows(each, prepared%mechanism, prepared%given, prepared%parameters, study, chosen, kept=kept)
+               call make_scene(each, study, .false., own, scene)
+               if (scene%valid) call add_curves(each, study, scene)
                if (each%is_drawn() .and. scene%valid .and. (cases(k)%dxf%flat .or. cases(k)%dxf%width > 0.0_wp)) then
                   allocate (cases(k)%parts)
                   call make_chain_scene(each, own, cases(k)%parts, chosen)

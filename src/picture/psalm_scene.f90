@@ -7,7 +7,7 @@ module psalm_scene
    use psalm_constraint_group, only: region_t
    use psalm_data_set, only: data_set_t
    use psalm_dyad_kind, only: direction_known, form_of, form_t
-   use psalm_error, only: problem_t, make_problem
+   use psalm_error, only: problem_t
    use psalm_force_model, only: forces_wanted
    use psalm_force_scene, only: force_scene_t, extent_of_weights, make_force_scene
    use psalm_group_words, only: group_words
@@ -20,13 +20,12 @@ module psalm_scene
    use psalm_parts, only: drawn_joint_t, drawn_bar_t, drawn_body_t, drawn_slide_t, drawn_dyad_t, wheel_t, output_curve_t, &
                           drive_part_t, edge_t, find_slides, convex_hull
    use psalm_sketch, only: output_point, output_pose, output_x, output_y
-   use psalm_sketch_motion, only: sketch_motion_t, locate_sketch
    use psalm_proof_scene, only: proof_scene_t, make_proof_scene
+   use psalm_row_study, only: row_study_t
    use psalm_status, only: finding_t, level_error
-   use psalm_sweep, only: sweep_inputs, sweep_sense
+   use psalm_sweep, only: sweep_sense
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t, at_finish, at_start, body_frame, joint_revolute
-   use psalm_parameters, only: parameters_t
    use psalm_trace, only: position_row_t, trace_row, trace_points
    use psalm_vibration_scene, only: vibration_scene_t
    implicit none (type, external)
@@ -123,34 +122,23 @@ contains
    end subroutine message_scene
 
    !> The scene of a case. Errors among its findings make it a scene of messages (`scene%valid` is false).
-   subroutine make_scene(set, mechanism, dimensions, parameters, findings, scene, chosen, delt, kept)
+   subroutine make_scene(set, study, bare, findings, scene)
       type(data_set_t), intent(in) :: set
-      type(mechanism_t), intent(in) :: mechanism
-      type(dimensions_t), intent(in) :: dimensions
-      type(parameters_t), intent(in) :: parameters
+      type(row_study_t), intent(inout) :: study    !! of its linkage
+      logical, intent(in) :: bare                  !! the linkage alone, without wishes, forces and forbidden regions
       type(finding_t), intent(in) :: findings(:)   !! of this case, SETUP's included
       type(scene_t), intent(out) :: scene
-      real(wp), intent(in), optional :: chosen     !! increment of the input at one more position, for DXF
-      real(wp), intent(in), optional :: delt(:)    !! increments in place of those of the case: the bare linkage, without
-                                                   !! wishes, forces and forbidden regions
-      integer, intent(in), optional :: kept(:)     !! numbers of the prescribed positions that are drawn; all if absent
-      class(problem_t), allocatable :: own, whole   ! large: they would fill a small stack
-      type(sketch_motion_t) :: sketch
       type(side_point_t), allocatable :: sides(:)
       integer, allocatable :: place(:)
       integer :: side
-      logical :: proven
+      logical :: proven, everything
 
       call message_scene(set, findings, scene)
       if (size(scene%errors) > 0) return
-      allocate (own)
       scene%valid = .true.
       deallocate (scene%joints, scene%bars, scene%bodies, scene%pairs)
       ! a pose is drawn as its point
       scene%motion = merge(motion_point, set%motion(), set%motion() == motion_pose)
-      scene%sliding = mechanism%sliding_input
-      if (mechanism%from_drawing) &
-         scene%input_label = trim(merge('input length  ', 'input, degrees', scene%sliding))//' from the drawing'
       if (set%has_names()) then
          if (size(set%sketch%outputs) > 0) scene%output_label = trim(set%sketch%outputs(1)%name)
          if (set%has_stand_in()) scene%output_label = 'joint '//set%traced%stand_in
@@ -158,88 +146,71 @@ contains
       scene%everywhere = set%limits%ktheta /= 0
       scene%tangle = set%limits%tangle
       if (allocated(set%constr%regions)) scene%regions = set%constr%regions
-      scene%loops = mechanism%nloop
-      call begin(own)
-      scene%desired = own%desired
-      scene%sense = sweep_sense(own)
-      whole = own
-      whole%motion = motion_point
-      whole%desired = .false.
-      call whole%want_derivatives(.true.)
-      call find_slides(mechanism, whole%plan, scene%slides)
-      if (scene%motion == motion_slide) call find_output_slide(mechanism, scene)
-      call trace_row(own, whole, dimensions, scene%slides, scene%output_slide, .true., scene%prescribed)
-      if (set%constr%given .and. .not. present(delt)) call check_constraints(set, own, dimensions, scene)
-      if (forces_wanted(set) .and. .not. present(delt)) then
-         allocate (scene%forces)
-         call make_force_scene(set, own, dimensions, sweep_inputs(own), scene%forces)
-      end if
-      call own%set_inputs(sweep_inputs(own))
-      call whole%set_inputs(own%delt)
-      call trace_row(own, whole, dimensions, scene%slides, scene%output_slide, .false., scene%sweep)
-      if (present(chosen)) call trace_chosen(chosen, own, whole, dimensions, scene)
-      call find_sides(set, mechanism, dimensions, sketch, sides)
-      if (size(sides) > 0) then
-         call trace_points(own, dimensions, sketch, sides%joint, scene%prescribed)
-         call trace_points(own, dimensions, sketch, sides%joint, scene%sweep)
-         if (present(chosen)) call trace_points(own, dimensions, sketch, sides%joint, scene%chosen)
-      end if
-      call merge_joints(scene, size(mechanism%points) + 1, place)
-      scene%drawn = place
-      call make_bars(mechanism, dimensions, place, sides, scene)
-      call name_joints(set, mechanism, place, scene)
-      do side = 1, size(sides)
-         scene%joints(place(size(mechanism%points) + 1 + side))%name = trim(set%sketch%joint_name(sides(side)%joint))
-      end do
-      scene%reference = minloc(abs(scene%prescribed%delt), dim=1)
-      call make_bodies(mechanism, set%has_names(), sides, scene)
-      call choose_view(scene, maxval(dimensions%arcl))
-      call find_rails(scene)
-      call find_others(scene, scene%prescribed)
-      call find_others(scene, scene%sweep)
-      scene%pointer = dimensions%outlk
-      if (scene%output == scene%output_base) scene%pointer = pointer_part*norm2(scene%high - scene%low)
-      call find_wishes(scene, scene%prescribed)
-      call find_wishes(scene, scene%sweep)
-      call widen_view(scene)
-      call begin(own)
-      allocate (scene%proof)
-      call make_proof_scene(set, own, dimensions, scene%drawn, scene%output, scene%proof, proven)
-      if (.not. proven) deallocate (scene%proof)
-
-   contains
-
-      !> At the prescribed positions that are drawn.
-      subroutine begin(own)
-         class(problem_t), intent(inout) :: own
-
-         select type (own)
-         type is (problem_t)
-            call make_problem(set, mechanism, dimensions, parameters, own)
-         end select
-         if (present(kept)) call own%keep_positions(kept)
-         if (present(delt)) call own%set_inputs(delt)
-      end subroutine begin
+      associate (own => study%problem, dimensions => study%dimensions, mechanism => study%problem%mechanism)
+         scene%sliding = mechanism%sliding_input
+         if (mechanism%from_drawing) &
+            scene%input_label = trim(merge('input length  ', 'input, degrees', scene%sliding))//' from the drawing'
+         scene%loops = mechanism%nloop
+         scene%desired = own%desired
+         scene%sense = sweep_sense(own)
+         everything = all(own%plan%solved)
+         call find_slides(mechanism, study%prescribed%problem%plan, scene%slides)
+         if (scene%motion == motion_slide) call find_output_slide(mechanism, scene)
+         call trace_row(study%prescribed, everything, dimensions, scene%slides, scene%output_slide, .true., scene%prescribed)
+         if (set%constr%given .and. .not. bare) call check_constraints(set, own, dimensions, scene)
+         if (forces_wanted(set) .and. .not. bare) then
+            allocate (scene%forces)
+            call make_force_scene(set, study, scene%forces)
+         end if
+         call trace_row(study%sweep, everything, dimensions, scene%slides, scene%output_slide, .false., scene%sweep)
+         if (allocated(study%chosen)) &
+            call trace_row(study%chosen, everything, dimensions, scene%slides, scene%output_slide, .false., scene%chosen)
+         call find_sides(set, mechanism, sides)
+         if (size(sides) > 0) then
+            call trace_points(study%prescribed, dimensions, set%traced%moving, sides%joint, scene%prescribed)
+            call trace_points(study%sweep, dimensions, set%traced%moving, sides%joint, scene%sweep)
+            if (allocated(study%chosen)) &
+               call trace_points(study%chosen, dimensions, set%traced%moving, sides%joint, scene%chosen)
+         end if
+         call merge_joints(scene, size(mechanism%points) + 1, place)
+         scene%drawn = place
+         call make_bars(mechanism, dimensions, place, sides, scene)
+         call name_joints(set, mechanism, place, scene)
+         do side = 1, size(sides)
+            scene%joints(place(size(mechanism%points) + 1 + side))%name = trim(set%sketch%joint_name(sides(side)%joint))
+         end do
+         scene%reference = minloc(abs(scene%prescribed%delt), dim=1)
+         call make_bodies(mechanism, set%has_names(), sides, scene)
+         call choose_view(scene, maxval(dimensions%arcl))
+         call find_rails(scene)
+         call find_others(scene, scene%prescribed)
+         call find_others(scene, scene%sweep)
+         scene%pointer = dimensions%outlk
+         if (scene%output == scene%output_base) scene%pointer = pointer_part*norm2(scene%high - scene%low)
+         call find_wishes(scene, scene%prescribed)
+         call find_wishes(scene, scene%sweep)
+         call widen_view(scene)
+         allocate (scene%proof)
+         call make_proof_scene(set, own, dimensions, scene%drawn, scene%output, scene%proof, proven)
+         if (.not. proven) deallocate (scene%proof)
+      end associate
    end subroutine make_scene
 
    !> Points of links off the arcs that are not the output point, which is drawn already.
-   subroutine find_sides(set, mechanism, dimensions, sketch, sides)
+   pure subroutine find_sides(set, mechanism, sides)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
-      type(dimensions_t), intent(in) :: dimensions
-      type(sketch_motion_t), intent(out) :: sketch
       type(side_point_t), allocatable, intent(out) :: sides(:)
-      integer :: k, end
+      integer :: joint, arc, end
 
       allocate (sides(0))
       if (.not. allocated(set%traced)) return
-      call locate_sketch(set, mechanism, sketch, dimensions)
-      do k = 1, size(sketch%moving)
-         associate (one => sketch%moving(k))
-            if (.not. abs(one%offset) > 0.0_wp .or. one%joint == output_joint(set)) cycle
-            end = merge(at_start, at_finish, set%traced%joint_places(one%joint)%from_start)
-            sides = [sides, side_point_t(one%joint, mechanism%body_at(one%arc, end), mechanism%arcs(one%arc)%ends(end), &
-                                         abs(one%offset))]
+      do joint = 1, size(set%traced%joint_places)
+         associate (place => set%traced%joint_places(joint))
+            if (place%arc == 0 .or. .not. place%distance > 0.0_wp .or. joint == output_joint(set)) cycle
+            arc = mechanism%seq(place%loop, place%arc)
+            end = merge(at_start, at_finish, place%from_start)
+            sides = [sides, side_point_t(joint, mechanism%body_at(arc, end), mechanism%arcs(arc)%ends(end), place%distance)]
          end associate
       end do
    end subroutine find_sides
@@ -258,46 +229,28 @@ contains
       end if
    end function output_joint
 
-   !> One more position, by its increment.
-   subroutine trace_chosen(increment, own, whole, dimensions, scene)
-      real(wp), intent(in) :: increment
-      type(problem_t), intent(in) :: own, whole   !! with the inputs of the sweep
-      type(dimensions_t), intent(in) :: dimensions
-      type(scene_t), intent(inout) :: scene
-      class(problem_t), allocatable :: one, every  ! large: they would fill a small stack
-
-      allocate (one, source=own)
-      allocate (every, source=whole)
-      call one%set_inputs([increment])
-      call every%set_inputs([increment])
-      call trace_row(one, every, dimensions, scene%slides, scene%output_slide, .false., scene%chosen)
-   end subroutine trace_chosen
-
    !> Rates of the output, further outputs of a sketch, bands of tolerance, a family of curves, over the sweep of a valid scene.
-   subroutine add_curves(set, mechanism, dimensions, parameters, scene)
+   subroutine add_curves(set, study, scene)
       type(data_set_t), intent(in) :: set
-      type(mechanism_t), intent(in) :: mechanism
-      type(dimensions_t), intent(in) :: dimensions
-      type(parameters_t), intent(in) :: parameters
+      type(row_study_t), intent(in) :: study
       type(scene_t), intent(inout) :: scene
-      class(problem_t), allocatable :: own     ! large: it would fill a small stack
       type(tolerance_band_t), allocatable :: band
       real(wp) :: size_of
       logical :: found
 
       size_of = maxval(scene%high - scene%low)
       allocate (band)
-      call find_band(set, mechanism, dimensions, scene%sweep%delt, scene%sweep%closed, band, found)
-      if (found) call move_alloc(band, scene%band)
-      if (set%has_names()) then
-         call add_sketch_panels(set, mechanism, dimensions, scene%sweep%delt, size_of, scene%panels)
-      else
-         allocate (own)
-         call make_problem(set, mechanism, dimensions, parameters, own)
-         call own%set_inputs(scene%sweep%delt)
-         call add_rate_panels(set, own, dimensions, size_of, scene%panels)
-      end if
-      if (set%gives('SWEEP')) call add_family_panels(set, mechanism, dimensions, scene%sweep%delt, size_of, scene%panels)
+      associate (mechanism => study%problem%mechanism)
+         call find_band(set, mechanism, study%dimensions, scene%sweep%delt, scene%sweep%closed, band, found)
+         if (found) call move_alloc(band, scene%band)
+         if (set%has_names()) then
+            call add_sketch_panels(set, study%sweep, study%dimensions, size_of, scene%panels)
+         else
+            call add_rate_panels(set, study%sweep, study%dimensions, size_of, scene%panels)
+         end if
+         if (set%gives('SWEEP')) &
+            call add_family_panels(set, mechanism, study%dimensions, scene%sweep%delt, size_of, scene%panels)
+      end associate
    end subroutine add_curves
 
    !> Where a prescribed position lies on the sweep, counted in its positions from 0.

@@ -1,17 +1,22 @@
 !> A row of positions as pictures show them: joints, slides, output, what does not close, in machine axes.
 !>
-!> Every loop is solved, wanted by the output or not. What is the output's own (actual, error, closed) comes from the very
-!> problem that `psalm` solves, so that pictures and device 9 agree to the last digit.
+!> Every loop is solved, wanted by the output or not. What is the output's own (actual, error, closed) is what `psalm` has, so that
+!> pictures and device 9 agree to the last digit.
 module psalm_trace
    use psalm_angles, only: degrees_of
    use psalm_dyad_kind, only: assur_rrr, direction_known, form_of, form_t
    use psalm_elementary, only: hypotenuse
-   use psalm_error, only: problem_t, motion_t, violation_t
+   use psalm_error, only: problem_t, violation_t
    use psalm_finale, only: describe_violation
    use psalm_kinds, only: wp
+   use psalm_linkage, only: padded
    use psalm_markup, only: strings_t, add_string
+   use psalm_moving_joints, only: sketch_motion_t
+   use psalm_observable, only: observable_t
+   use psalm_output_kind, only: motion_point
    use psalm_parts, only: drawn_slide_t
-   use psalm_sketch_motion, only: sketch_motion_t, find_places
+   use psalm_row_study, only: solved_row_t
+   use psalm_sketch_motion, only: find_places
    use psalm_text, only: upper_case
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: arc_slide, at_finish, at_start
@@ -46,28 +51,28 @@ module psalm_trace
 
 contains
 
-   !> Joints, slides and outputs at the positions of the two problems.
-   subroutine trace_row(own, whole, dimensions, slides, output_slide, prescribed, row)
-      type(problem_t), intent(inout) :: own     !! as `psalm` solves it
-      type(problem_t), intent(inout) :: whole   !! every loop; its output is the output point
+   !> Joints, slides and outputs at the positions of a row.
+   subroutine trace_row(solved, every_loop, dimensions, slides, output_slide, prescribed, row)
+      type(solved_row_t), intent(inout) :: solved
+      logical, intent(in) :: every_loop         !! they all are the output's
       type(dimensions_t), intent(in) :: dimensions
       type(drawn_slide_t), intent(in) :: slides(:)    !! joints by numbers of the mechanism's points
       integer, intent(in) :: output_slide       !! MOTION 3: the slide whose length is the output, else 0
       logical, intent(in) :: prescribed         !! the positions are the user's own, with numbers he knows
       type(position_row_t), intent(out) :: row
-      type(motion_t) :: motion, points
+      type(observable_t) :: output_point
+      real(wp), allocatable :: points(:, :)   ! shape (2, positions): the output point
       character(:), allocatable :: words
       integer :: block, offset, n, i, k, joints, loops
       integer, allocatable :: undetermined(:)   ! by position: a loop of whose dyad the outer joints coincide
 
-      call own%analyse(dimensions, motion)
-      row%n = own%positions
-      row%violated = size(motion%violations) > 0
-      row%delt = own%delt
-      row%input = motion%input
-      row%closed = motion%closed
-      if (allocated(motion%beyond)) row%beyond = motion%beyond
-      associate (y => size(motion%actual, 2))
+      associate (own => solved%problem, motion => solved%motion, y => size(solved%motion%actual, 2))
+         row%n = own%positions
+         row%violated = any([(own%asked(motion%violations(i)%loop) .or. every_loop, i=1, size(motion%violations))])
+         row%delt = own%delt
+         row%input = motion%input
+         row%closed = merge(motion%closed, motion%output_known, every_loop)
+         if (allocated(motion%beyond)) row%beyond = motion%beyond
          row%actual = motion%actual(:, 1)
          row%error = motion%error(:, 1)
          row%actual_y = spread(0.0_wp, 1, row%n)
@@ -79,37 +84,40 @@ contains
             row%error_y = motion%error(:, 2)
             if (own%desired) row%wanted_y = own%wanted(:row%n, 2)
          end if
+         allocate (row%violations(size(motion%violations)))
+         row%violations = motion%violations
+         allocate (row%words(0))
+         do i = 1, size(row%violations)
+            words = describe_violation(own, motion, row%violations(i), prescribed, small=.true.)
+            call add_string(row%words, upper_case(words(:1))//words(2:))
+         end do
+         joints = size(own%mechanism%points) + 1
+         loops = own%mechanism%nloop
+         call output_point%locate(motion_point, own%mechanism, own%plan, own%linkage)
+         call output_point%bind(dimensions, own%linkage)
       end associate
-      call whole%analyse(dimensions, points)
-      allocate (row%violations(size(points%violations)))
-      row%violations = points%violations
-      allocate (row%words(0))
-      do i = 1, size(row%violations)
-         words = describe_violation(whole, points, row%violations(i), prescribed, small=.true.)
-         call add_string(row%words, upper_case(words(:1))//words(2:))
-      end do
-      joints = size(own%mechanism%points) + 1
-      loops = own%mechanism%nloop
       allocate (row%x(joints, row%n), row%y(joints, row%n), source=0.0_wp)
       allocate (row%known(joints, row%n), row%valid(loops, row%n), row%broken(loops, row%n), source=.false.)
       allocate (row%ux(size(slides), row%n), row%uy(size(slides), row%n), source=0.0_wp)
       allocate (row%tip(4, loops, row%n), row%angle(loops, row%n), source=0.0_wp)
-      allocate (undetermined(row%n))
-      call whole%find_undetermined(undetermined)
-      do block = 1, whole%blocks()
-         call whole%solve_block(block, offset, n)
+      allocate (undetermined(row%n), points(2, row%n))
+      call solved%problem%find_undetermined(undetermined)
+      do block = 1, solved%problem%blocks()
+         call solved%problem%solve_block(block, offset, n)
+         call output_point%observe(padded(n), solved%problem%linkage)
          do i = 1, n
-            call place_joints(whole, slides, i, offset + i, undetermined(offset + i), row)
+            call place_joints(solved%problem, slides, i, offset + i, undetermined(offset + i), row)
+            points(:, offset + i) = [(output_point%actual(k, i, solved%problem%linkage), k=1, 2)]
          end do
       end do
       do k = 1, row%n
-         call place_output(own, slides, output_slide, points, k, row)
+         call place_output(solved%problem, slides, output_slide, points(:, k), k, row)
       end do
    end subroutine trace_row
 
    !> Further points of a sketch, after the joints of a row; known where all loops close.
-   subroutine trace_points(problem, dimensions, sketch, joints, row)
-      type(problem_t), intent(in) :: problem
+   subroutine trace_points(solved, dimensions, sketch, joints, row)
+      type(solved_row_t), intent(in) :: solved
       type(dimensions_t), intent(in) :: dimensions
       type(sketch_motion_t), intent(in) :: sketch
       integer, intent(in) :: joints(:)          !! numbers of the sketch
@@ -126,9 +134,7 @@ contains
       x(:before, :) = row%x
       y(:before, :) = row%y
       known(:before, :) = row%known
-      allocate (own, source=problem)
-      if (allocated(own%linkages)) deallocate (own%linkages)
-      call own%set_inputs(row%delt)
+      allocate (own, source=solved%problem)
       call own%want_derivatives(.true., sketch%points)
       call own%bind(dimensions)
       allocate (places(size(sketch%drawn), own%linkage%room), moved(size(sketch%arcs), own%linkage%room))
@@ -274,11 +280,11 @@ contains
    end function transmission_angle
 
    !> The output point is the last joint of the row; with MOTION 3 it is the block on the sliding arc.
-   subroutine place_output(own, slides, output_slide, points, k, row)
+   subroutine place_output(own, slides, output_slide, point, k, row)
       type(problem_t), intent(in) :: own
       type(drawn_slide_t), intent(in) :: slides(:)
       integer, intent(in) :: output_slide
-      type(motion_t), intent(in) :: points    !! of the problem whose output is the output point
+      real(wp), intent(in) :: point(2)        !! the output point
       integer, intent(in) :: k
       type(position_row_t), intent(inout) :: row
       integer :: j, base
@@ -296,8 +302,8 @@ contains
          row%known(j, k) = row%known(base, k) .and. is_known(own, output%arc, 0, row%valid(:, k))
       end associate
       if (.not. row%known(j, k)) return
-      row%x(j, k) = points%actual(k, 1)
-      row%y(j, k) = points%actual(k, 2)
+      row%x(j, k) = point(1)
+      row%y(j, k) = point(2)
       if (own%output%kind%components == 1 .or. .not. row%closed(k)) return
       row%x(j, k) = row%actual(k)
       row%y(j, k) = row%actual_y(k)

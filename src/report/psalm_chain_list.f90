@@ -2,7 +2,8 @@
 module psalm_chain_list
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
-   use psalm_text, only: text_t, general, to_text, upper_case
+   use psalm_number_format, only: number_format_t, format_of, figure
+   use psalm_text, only: text_t, to_text, upper_case
    implicit none (type, external)
    private
    public :: list_rows
@@ -20,8 +21,16 @@ contains
       real(wp), intent(in) :: values(:, :)     !! shape (numbers, positions)
       type(text_t), intent(inout) :: text
       logical, intent(in), optional :: beyond(:) !! shape (positions)
+      type(number_format_t) :: of_inputs(size(inputs, 1)), of_values(size(names))
       character(:), allocatable :: line
       integer :: k, d
+
+      do d = 1, size(inputs, 1)
+         of_inputs(d) = format_of(.true., inputs(d, :))
+      end do
+      do d = 1, size(names)
+         of_values(d) = format_of(.true., values(d, :), closed)
+      end do
 
       line = ' POSITION'
       do d = 1, size(inputs, 1)
@@ -34,11 +43,11 @@ contains
       do k = 1, size(closed)
          line = repeat(' ', 9 - len(to_text(k)))//to_text(k)
          do d = 1, size(inputs, 1)
-            line = line//general(inputs(d, k), 'E')
+            line = line//figure(inputs(d, k), of_inputs(d))
          end do
          if (closed(k)) then
             do d = 1, size(names)
-               if (values(d, k) < huge(1.0_wp)) line = line//general(values(d, k), 'E')
+               if (values(d, k) < huge(1.0_wp)) line = line//figure(values(d, k), of_values(d))
                if (values(d, k) >= huge(1.0_wp)) line = line//repeat(' ', column - 1)//'-'
             end do
          else if (present(beyond)) then

@@ -5,6 +5,7 @@ module psalm_chain_search_list
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_kinds, only: wp
+   use psalm_number_format, only: number_format_t, format_of, figure
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_text, only: general, to_text
    implicit none (type, external)
@@ -22,6 +23,7 @@ contains
       type(devices_t), intent(inout) :: devices
       character(:), allocatable :: line
       character(name_length) :: name
+      type(number_format_t) :: format
       integer :: k, v
 
       line = to_text(search%starts)//' starts, '//to_text(search%feasible)//' led to a linkage, '//to_text(search%evaluations)// &
@@ -51,7 +53,8 @@ contains
          call devices%six%add('  VARIABLE                                        DRAWING          FOUND')
          do v = 1, search%problem%variables
             name = unknown_name(set%sketch, v)
-            call devices%six%add('  '//name//general(search%problem%first(v), 'E')//general(search%best(k)%x(v), 'E'))
+            format = format_of(.true., [search%problem%first(v), search%best(k)%x(v)])
+            call devices%six%add('  '//name//figure(search%problem%first(v), format)//figure(search%best(k)%x(v), format))
          end do
       end do
       call devices%six%add()

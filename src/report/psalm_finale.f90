@@ -14,6 +14,7 @@ module psalm_finale
    use psalm_loop_arrays, only: loop_arrays_t, arrays_of
    use psalm_kinds, only: wp, right_angle, half_turn
    use psalm_markup, only: strings_t, add_string
+   use psalm_number_format, only: number_format_t, format_of, figure
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_pose, most_rates
    use psalm_parameters, only: variable_outlk, variable_outang
    use psalm_plan, only: root_crank, root_frame
@@ -76,31 +77,36 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(text_t), intent(inout) :: text
       type(strings_t), allocatable :: names(:)
+      real(wp), allocatable :: values(:)
+      type(number_format_t) :: format
       real(wp) :: c, s
       integer :: n
 
       associate (mechanism => problem%mechanism)
          call text%add(' LENGTHS BETWEEN JOINTS')
-         allocate (names(0))
+         allocate (names(0), values(0))
          do n = 1, size(mechanism%arcs)
             if (mechanism%slides(n) .or. .not. abs(dimensions%arcl(n)) > 0.0_wp) cycle
-            call row(mechanism%length_called(n), dimensions%arcl(n))
+            call take(mechanism%length_called(n), dimensions%arcl(n))
          end do
          if (abs(dimensions%outlk) > 0.0_wp .and. shows_output_link(problem) .and. len_trim(mechanism%outputs(1)%line(1)) > 0) &
-            call row(mechanism%length_called(0), dimensions%outlk)
+            call take(mechanism%length_called(0), dimensions%outlk)
+         call add_rows()
          call text%add(' ANGLES, DEGREES: OF A LINE FROM THE X AXIS, OR OF THE SECOND LINE FROM THE FIRST')
-         deallocate (names)
-         allocate (names(0))
+         deallocate (names, values)
+         allocate (names(0), values(0))
          do n = 1, size(mechanism%arcs)
             if (is_found(n)) cycle
             if (follows(n)) cycle
-            call row(mechanism%angle_called(n), dimensions%gama(n))
+            call take(mechanism%angle_called(n), dimensions%gama(n))
          end do
-         if (shows_output_angle()) call row(mechanism%angle_called(0), dimensions%outang)
+         if (shows_output_angle()) call take(mechanism%angle_called(0), dimensions%outang)
+         call add_rows()
          call list_reference(mechanism, dimensions%crnki, text)
          call unit_vector(dimensions%origng, c, s)
          call text%add(' ITS PIVOT (X,Y)')
-         call text%add(general(dimensions%origlk*c)//general(dimensions%origlk*s))
+         format = format_of(.true., dimensions%origlk*[c, s])
+         call text%add(figure(dimensions%origlk*c, format)//figure(dimensions%origlk*s, format))
       end associate
 
    contains
@@ -137,7 +143,7 @@ contains
       end function shows_output_angle
 
       !> A name and its value; a name that was there is skipped.
-      subroutine row(name, value)
+      subroutine take(name, value)
          character(*), intent(in) :: name
          real(wp), intent(in) :: value
          integer :: k
@@ -146,8 +152,17 @@ contains
             if (names(k)%text == name) return
          end do
          call add_string(names, name)
-         call text%add('  '//name//repeat(' ', max(1, name_columns - len(name)))//general(value))
-      end subroutine row
+         values = [values, value]
+      end subroutine take
+
+      subroutine add_rows()
+         integer :: k
+
+         format = format_of(.true., values)
+         do k = 1, size(names)
+            call text%add('  '//names(k)%text//repeat(' ', max(1, name_columns - len(names(k)%text)))//figure(values(k), format))
+         end do
+      end subroutine add_rows
    end subroutine list_by_joints
 
    !> True if the output link is that of the output, or its dimensions vary.
@@ -339,36 +354,48 @@ contains
       type(motion_t), intent(in) :: motion
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
+      type(number_format_t) :: of_input, of_crank
+      type(number_format_t), dimension(size(motion%actual, 2)) :: of_wanted, of_actual, of_error
       logical :: in_turn
       integer :: i, c
 
       if (problem%mechanism%outputs(1)%stands_in) return
+      associate (named => problem%mechanism%has_joint_names())
+         of_input = format_of(named, motion%input)
+         if (allocated(motion%crank)) of_crank = format_of(named, motion%crank)
+         do c = 1, size(of_actual)
+            of_actual(c) = format_of(named, motion%actual(:, c), motion%closed)
+            if (.not. problem%desired) cycle
+            of_wanted(c) = format_of(named, problem%wanted(:size(motion%input), c))
+            of_error(c) = format_of(named, motion%error(:, c), motion%closed)
+         end do
+      end associate
       call text%add()
       line = motion_headings(problem)
       if (allocated(motion%crank)) line = line//crank_heading
       call text%add(line)
       do i = 1, size(motion%input)
-         line = input_text(problem%mechanism, motion%input(i))
+         line = input_text(problem%mechanism, motion%input(i), of_input)
          if (problem%desired) then
             do c = 1, size(motion%actual, 2)
-               line = line//general(problem%wanted(i, c))
+               line = line//figure(problem%wanted(i, c), of_wanted(c))
             end do
          end if
          if (motion%closed(i)) then
             do c = 1, size(motion%actual, 2)
                in_turn = c == problem%output%kind%angle .and. .not. problem%desired
                if (in_turn) then
-                  line = line//angle_text(motion%actual(i, c))
+                  line = line//angle_text(motion%actual(i, c), of_actual(c))
                else
-                  line = line//general(motion%actual(i, c))
+                  line = line//figure(motion%actual(i, c), of_actual(c))
                end if
             end do
             if (problem%desired) then
                do c = 1, size(motion%actual, 2)
-                  line = line//general(motion%error(i, c))
+                  line = line//figure(motion%error(i, c), of_error(c))
                end do
             end if
-            if (allocated(motion%crank)) line = line//angle_text(motion%crank(i))
+            if (allocated(motion%crank)) line = line//angle_text(motion%crank(i), of_crank)
          else
             line = line//open_words(motion, i)
          end if
@@ -428,11 +455,20 @@ contains
       character(*), parameter :: names(most_rates) = [character(6) :: 'FIRST', 'SECOND']
       character(*), parameter :: blank = repeat(' ', 14)//'-'
       character(:), allocatable :: line
-      integer :: order, i, c
+      type(number_format_t) :: of_input
+      type(number_format_t), dimension(size(motion%actual, 2)) :: of_wanted, of_actual, of_error
+      integer :: order, i, c, n
 
+      n = size(motion%input)
+      of_input = format_of(problem%mechanism%has_joint_names(), motion%input)
       do order = 1, most_rates
-         associate (wanted => problem%rate_weight(:, :, order) > 0.0_wp)
+         associate (wanted => problem%rate_weight(:, :, order) > 0.0_wp, named => problem%mechanism%has_joint_names())
             if (.not. any(wanted)) cycle
+            do c = 1, size(of_actual)
+               of_wanted(c) = format_of(named, problem%rate_wanted(:n, c, order), wanted(:n, c))
+               of_actual(c) = format_of(named, motion%rates(:, c, order), motion%closed .and. motion%has_rates)
+               of_error(c) = format_of(named, motion%rate_error(:, c, order), motion%closed .and. motion%has_rates)
+            end do
             line = ' '//trim(names(order))//' DERIVATIVES BY THE INPUT'
             line = line//', PER '//trim(merge('UNIT OF LENGTH', 'RADIAN        ', problem%mechanism%sliding_input))
             if (order == 2) line = line//' SQUARED'
@@ -443,9 +479,9 @@ contains
             line = line//headings('DESIRED')//headings(' ACTUAL')//headings('  ERROR')
             call text%add(line)
             do i = 1, size(motion%input)
-               line = input_text(problem%mechanism, motion%input(i))
+               line = input_text(problem%mechanism, motion%input(i), of_input)
                do c = 1, size(wanted, 2)
-                  line = line//merge(general(problem%rate_wanted(i, c, order)), blank, wanted(i, c))
+                  line = line//merge(figure(problem%rate_wanted(i, c, order), of_wanted(c)), blank, wanted(i, c))
                end do
                if (.not. motion%closed(i)) then
                   line = line//open_words(motion, i)
@@ -453,10 +489,10 @@ contains
                   line = line//'   DEAD POINT'
                else
                   do c = 1, size(wanted, 2)
-                     line = line//general(motion%rates(i, c, order))
+                     line = line//figure(motion%rates(i, c, order), of_actual(c))
                   end do
                   do c = 1, size(wanted, 2)
-                     line = line//merge(general(motion%rate_error(i, c, order)), blank, wanted(i, c))
+                     line = line//merge(figure(motion%rate_error(i, c, order), of_error(c)), blank, wanted(i, c))
                   end do
                end if
                call text%add(line)

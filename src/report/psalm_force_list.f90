@@ -6,6 +6,7 @@ module psalm_force_list
    use psalm_force_analysis, only: column_of_joint, column_drive, column_fx, column_fy, column_moment
    use psalm_force_study, only: force_study_t
    use psalm_kinds, only: wp
+   use psalm_number_format, only: number_format_t, format_of, figure
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_text, only: text_t, general, to_text, upper_case
    implicit none (type, external)
@@ -22,8 +23,22 @@ contains
       type(force_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
+      type(number_format_t) :: of_input, of_power, of_energy, of_about, of_loss
+      type(number_format_t) :: of_column(size(study%table%value, 2))   ! drives, frame, joints
+      logical :: known(size(study%input))
       integer :: k, d
 
+      known = [(study%table%known(k), k=1, size(known))]
+      associate (named => study%mechanism%has_joint_names())
+         of_input = format_of(named, study%input)
+         do d = 1, size(of_column)
+            of_column(d) = format_of(named, study%table%value(:, d), known)
+         end do
+         of_power = format_of(named, study%drive_power, known)
+         of_energy = format_of(named, study%table%kinetic, known)
+         if (set%masses%about_given) of_about = format_of(named, study%about, known)
+         if (set%friction%given) of_loss = format_of(named, study%table%loss, known)
+      end associate
       associate (sliding => study%drive_slides(1))
          call text%add()
          call text%add(' FORCES: NEWTONS, NEWTON METRES, WATTS, JOULES; ONE UNIT OF LENGTH IS'//general(set%masses%metre)// &
@@ -42,24 +57,27 @@ contains
          end do
          call text%add(line)
          do k = 1, size(study%input)
-            line = merge(general(study%input(k)), angle_text(study%input(k)), sliding .or. study%mechanism%from_drawing)
-            if (.not. study%table%known(k)) then
+            line = merge(figure(study%input(k), of_input), angle_text(study%input(k), of_input), &
+                         sliding .or. study%mechanism%from_drawing)
+            if (.not. known(k)) then
                call text%add(line//'   '//upper_case(failure_at(study, k)))
                cycle
             end if
             associate (v => study%table%value)
-               line = line//general(v(k, column_drive))//general(v(k, column_fx))//general(v(k, column_fy))// &
-                      general(v(k, column_moment))//general(study%drive_power(k))//general(study%table%kinetic(k))
+               do d = 1, column_moment
+                  line = line//figure(v(k, d), of_column(d))
+               end do
+               line = line//figure(study%drive_power(k), of_power)//figure(study%table%kinetic(k), of_energy)
+               if (set%masses%about_given) line = line//' '//figure(study%about(k), of_about)
+               if (set%friction%given) line = line//figure(study%table%loss(k), of_loss)
+               do d = 2, size(study%drives)
+                  line = line//figure(v(k, column_of_drive(study, d)), of_column(column_of_drive(study, d)))
+               end do
             end associate
-            if (set%masses%about_given) line = line//' '//general(study%about(k))
-            if (set%friction%given) line = line//general(study%table%loss(k))
-            do d = 2, size(study%drives)
-               line = line//general(study%table%value(k, column_of_drive(study, d)))
-            end do
             call text%add(line)
          end do
          if (set%masses%about_given) call text%add(' P IS'//general(set%masses%about(1))//general(set%masses%about(2)))
-         if (any([(study%table%known(k), k=1, size(study%input))])) call list_sizing(study, text)
+         if (any(known)) call list_sizing(study, text)
          if (size(study%harmonics) > 0) call list_harmonics(study, text)
       end associate
    end subroutine list_forces
@@ -100,29 +118,38 @@ contains
    subroutine list_sizing(study, text)
       type(force_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
+      type(number_format_t) :: of_row, of_input
       integer :: k
 
       call text%add()
       call text%add(' FOR SIZING                   PEAK    AT THE INPUT            RMS           MEAN')
-      do k = 1, size(study%sizing)
-         associate (of => study%sizing(k))
-            call text%add(' '//named(of%name)//general(of%peak)//' '//general(of%at)//general(of%rms)//general(of%mean))
-         end associate
-      end do
+      associate (by_joints => study%mechanism%has_joint_names())
+         of_input = format_of(by_joints, study%sizing%at)
+         do k = 1, size(study%sizing)
+            associate (of => study%sizing(k))
+               of_row = format_of(by_joints, [of%peak, of%rms, of%mean])
+               call text%add(' '//named(of%name)//figure(of%peak, of_row)//' '//figure(of%at, of_input)// &
+                             figure(of%rms, of_row)//figure(of%mean, of_row))
+            end associate
+         end do
+      end associate
    end subroutine list_sizing
 
    subroutine list_harmonics(study, text)
       type(force_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
+      type(number_format_t) :: of_amplitude, of_phase
       integer :: k, order
 
       call text%add()
       call text%add(' HARMONICS: AMPLITUDE*COS(ORDER*INPUT - PHASE), PHASE IN DEGREES')
       do k = 1, size(study%harmonics)
          associate (of => study%harmonics(k))
+            of_amplitude = format_of(study%mechanism%has_joint_names(), of%amplitude)
+            of_phase = format_of(study%mechanism%has_joint_names(), of%phase)
             do order = 0, ubound(of%amplitude, 1)
                call text%add(' '//named(of%name)//'ORDER'//repeat(' ', 5 - len(to_text(order)))//to_text(order)// &
-                             general(of%amplitude(order))//general(of%phase(order)))
+                             figure(of%amplitude(order), of_amplitude)//figure(of%phase(order), of_phase))
             end do
          end associate
       end do
@@ -139,9 +166,11 @@ contains
    subroutine list_joint_forces(study, text)
       type(force_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
+      type(number_format_t) :: of_input, of_forces
       integer :: k, j
 
       call text%add()
+      of_input = format_of(study%mechanism%has_joint_names(), study%input)
       if (study%mechanism%from_drawing) then
          call text%add(' FORCES IN THE JOINTS, NEWTONS AND NEWTON METRES: OF THE LINK PLACED FIRST ON THE OTHER, OF A SLIDE OF ITS')
          call text%add(' FIRST LINK ON ITS SECOND; FX AND FY IN MACHINE AXES, OF A SLIDE N ACROSS ITS LINE AND COUPLE M ABOUT THE')
@@ -153,16 +182,18 @@ contains
       end if
       do k = 1, size(study%input)
          call text%add()
-         call text%add(' INPUT'//general(study%input(k)))
+         call text%add(' INPUT'//figure(study%input(k), of_input))
          if (.not. study%table%known(k)) then
             call text%add(' '//upper_case(failure_at(study, k)))
             cycle
          end if
+         of_forces = format_of(study%mechanism%has_joint_names(), &
+                               study%table%value(k, [(column_of_joint(j), column_of_joint(j) + 1, j=1, size(study%joints))]))
          do j = 1, size(study%joints)
             associate (joint => study%joints(j), c => column_of_joint(j))
                call text%add('  '//named(joint%name)//trim(merge('N, M   ', 'FX, FY ', joint%slides))// &
-                             repeat(' ', merge(2, 0, joint%slides))//general(study%table%value(k, c))// &
-                             general(study%table%value(k, c + 1)))
+                             repeat(' ', merge(2, 0, joint%slides))//figure(study%table%value(k, c), of_forces)// &
+                             figure(study%table%value(k, c + 1), of_forces))
             end associate
          end do
       end do
@@ -172,14 +203,24 @@ contains
    subroutine list_shares(study, text)
       type(force_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
-      real(wp) :: rest(4)
-      integer :: k, source
+      real(wp) :: rest(column_moment)
+      type(number_format_t) :: of_input, of_column(column_moment)
+      logical :: known(size(study%input))
+      integer :: k, source, c, s
+
+      known = [(study%table%known(k), k=1, size(known))]
+      associate (by_joints => study%mechanism%has_joint_names(), sources => size(study%sources))
+         of_input = format_of(by_joints, study%input)
+         do c = 1, column_moment
+            of_column(c) = format_of(by_joints, [(study%shares(:, c, s), s=1, sources)], [(known, s=1, sources)])
+         end do
+      end associate
 
       call text%add()
       call text%add(' SHARES OF THE SOURCES              DRIVE       FRAME FX       FRAME FY   FRAME MOMENT')
       do k = 1, size(study%input)
-         call text%add(' INPUT'//general(study%input(k)))
-         if (.not. study%table%known(k)) then
+         call text%add(' INPUT'//figure(study%input(k), of_input))
+         if (.not. known(k)) then
             call text%add('  '//upper_case(failure_at(study, k)))
             cycle
          end if
@@ -187,7 +228,7 @@ contains
             call text%add('  '//named(study%sources(source))//four(study%shares(k, :, source)))
          end do
          if (.not. study%rubs) cycle
-         rest = study%table%value(k, :4) - sum(study%shares(k, :4, :), dim=2)
+         rest = study%table%value(k, :column_moment) - sum(study%shares(k, :column_moment, :), dim=2)
          call text%add('  '//named('FRICTION')//four(rest))
       end do
 
@@ -197,8 +238,10 @@ contains
          real(wp), intent(in) :: values(:)
          character(:), allocatable :: line
 
-         line = general(values(column_drive))//general(values(column_fx))//general(values(column_fy))// &
-                general(values(column_moment))
+         line = ''
+         do c = 1, column_moment
+            line = line//figure(values(c), of_column(c))
+         end do
       end function four
    end subroutine list_shares
 

@@ -4,6 +4,7 @@ module psalm_input_text
    use psalm_kinds, only: full_turn, wp
    use psalm_mechanism, only: mechanism_t
    use psalm_sketch, only: drive_turns
+   use psalm_number_format, only: number_format_t, figure
    use psalm_text, only: text_t, general, to_text, upper_case
    implicit none (type, external)
    private
@@ -25,26 +26,30 @@ contains
    end function input_heading
 
    !> An input in its column.
-   pure function input_text(mechanism, input) result(text)
+   pure function input_text(mechanism, input, format) result(text)
       type(mechanism_t), intent(in) :: mechanism
       real(wp), intent(in) :: input                !! as shown
-      character(:), allocatable :: text
+      type(number_format_t), intent(in) :: format  !! of the column
+      character(15) :: text
 
       if (mechanism%sliding_input .or. mechanism%from_drawing) then
-         text = general(input)
+         text = figure(input, format)
       else
-         text = angle_text(input)
+         text = angle_text(input, format)
       end if
    end function input_text
 
    !> An angle of 0 to 360 degrees; what would print as 360.0000 prints as zero.
-   pure function angle_text(degrees) result(text)
+   pure function angle_text(degrees, format) result(text)
       real(wp), intent(in) :: degrees
+      type(number_format_t), intent(in), optional :: format !! of the column; default seven digits
       character(15) :: text
+      type(number_format_t) :: as
 
-      text = general(degrees)
+      if (present(format)) as = format
+      text = figure(degrees, as)
       if (degrees < nearly_full) return
-      if (text == general(full_turn)) text = general(0.0_wp)
+      if (text == figure(full_turn, as)) text = figure(0.0_wp, as)
    end function angle_text
 
    !> A position and its input for a message.

@@ -7,6 +7,7 @@ module psalm_rate_list
    use psalm_group_words, only: arc_heading, group_heading, group_words
    use psalm_input_text, only: input_heading, input_text, list_sketch_notes
    use psalm_kinds, only: wp
+   use psalm_number_format, only: number_format_t, format_of, figure
    use psalm_output_kind, only: motion_point, motion_pose
    use psalm_rate_study, only: rate_study_t, arc_rates_t, output_at_origin
    use psalm_text, only: text_t, general, to_text
@@ -48,10 +49,16 @@ contains
       type(text_t), intent(inout) :: text
       character(:), allocatable :: name
       integer, parameter :: name_columns = 20
+      type(number_format_t) :: of_length(3), of_angle(3), of_joint(0:2) ! by order; x and y alike
       logical :: named
       integer :: loop, a, n, joint
 
       named = mechanism%has_joint_names()
+      do a = 1, 3
+         of_length(a) = format_of(named, arcs%length(a, :, k))
+         of_angle(a) = format_of(named, arcs%angle(a, :, k))
+         of_joint(a - 1) = format_of(named, [arcs%x(a - 1, :, k), arcs%y(a - 1, :, k)])
+      end do
       name = '  LOOP  ARC'
       if (named) name = '  LINE'//repeat(' ', name_columns - len('  LINE'))
       call text%add(name//'         LENGTH       VELOCITY   ACCELERATION          ANGLE       VELOCITY   ACCELERATION')
@@ -64,7 +71,7 @@ contains
             else
                name = repeat(' ', 6 - len(to_text(loop)))//to_text(loop)//repeat(' ', 5 - len(to_text(a)))//to_text(a)
             end if
-            call text%add(name//three(arcs%length(:, n, k))//three(arcs%angle(:, n, k)))
+            call text%add(name//three(arcs%length(:, n, k), of_length)//three(arcs%angle(:, n, k), of_angle))
          end do
       end do
       name = '  JOINT AT THE END OF ARC'
@@ -77,7 +84,7 @@ contains
          end associate
          name = in_column(name)
          do a = 0, 2
-            name = name//general(arcs%x(a, joint, k))//general(arcs%y(a, joint, k))
+            name = name//figure(arcs%x(a, joint, k), of_joint(a))//figure(arcs%y(a, joint, k), of_joint(a))
          end do
          call text%add(name)
       end do
@@ -92,11 +99,12 @@ contains
       end function in_column
    end subroutine list_position
 
-   pure function three(values) result(columns)
+   pure function three(values, formats) result(columns)
       real(wp), intent(in) :: values(3)
+      type(number_format_t), intent(in) :: formats(3)
       character(:), allocatable :: columns
 
-      columns = general(values(1))//general(values(2))//general(values(3))
+      columns = figure(values(1), formats(1))//figure(values(2), formats(2))//figure(values(3), formats(3))
    end function three
 
    !> The listing: displacement, velocity, acceleration by time, velocity ratio and mechanical advantage.
@@ -106,6 +114,9 @@ contains
       type(rate_study_t), intent(in) :: rates
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line, name
+      type(number_format_t) :: of_input, of_speed, of_ratio
+      type(number_format_t) :: of_actual(size(rates%motion%actual, 2)), of_rates(3, size(rates%motion%actual, 2))
+      logical :: live(size(rates%dead))
       integer :: k, c, order
 
       call text%add(' '//set%title)
@@ -135,28 +146,40 @@ contains
          line = line//'         OUTPUT       VELOCITY   ACCELERATION           JERK VELOCITY RATIO MECH.ADVANTAGE'
       end if
       call text%add(line)
+      live = rates%motion%closed .and. rates%dead == 0
+      associate (named => problem%mechanism%has_joint_names(), by_time => rates%by_time)
+         of_input = format_of(named, rates%motion%input)
+         do c = 1, size(of_actual)
+            of_actual(c) = format_of(named, rates%motion%actual(:, c), rates%motion%closed)
+            do order = 1, 3
+               of_rates(order, c) = format_of(named, by_time(order, c, :), live)
+            end do
+         end do
+         if (size(of_actual) > 1) of_speed = format_of(named, hypotenuse(by_time(1, 1, :), by_time(1, 2, :)), live)
+         if (size(of_actual) == 1) of_ratio = format_of(named, rates%by_input(1, 1, :), live)
+      end associate
       do k = 1, size(rates%motion%input)
-         line = input_text(problem%mechanism, rates%motion%input(k))
+         line = input_text(problem%mechanism, rates%motion%input(k), of_input)
          if (.not. rates%motion%closed(k)) then
             line = line//open_words(rates%motion, k)
          else if (rates%dead(k) /= 0) then
             do c = 1, size(rates%motion%actual, 2)
-               line = line//general(rates%motion%actual(k, c))
+               line = line//figure(rates%motion%actual(k, c), of_actual(c))
             end do
             line = line//'   '//dead_words(problem%mechanism, rates%dead(k))
          else if (size(rates%motion%actual, 2) > 1) then
             do c = 1, size(rates%motion%actual, 2)
-               line = line//general(rates%motion%actual(k, c))
+               line = line//figure(rates%motion%actual(k, c), of_actual(c))
             end do
             do order = 1, 2
                do c = 1, size(rates%motion%actual, 2)
-                  line = line//general(rates%by_time(order, c, k))
+                  line = line//figure(rates%by_time(order, c, k), of_rates(order, c))
                end do
             end do
-            line = line//general(hypotenuse(rates%by_time(1, 1, k), rates%by_time(1, 2, k)))
+            line = line//figure(hypotenuse(rates%by_time(1, 1, k), rates%by_time(1, 2, k)), of_speed)
          else
-            line = line//general(rates%motion%actual(k, 1))//general(rates%by_time(1, 1, k))//general(rates%by_time(2, 1, k))// &
-                   general(rates%by_time(3, 1, k))//general(rates%by_input(1, 1, k))
+            line = line//figure(rates%motion%actual(k, 1), of_actual(1))//three(rates%by_time(1:3, 1, k), of_rates(:, 1))// &
+                   figure(rates%by_input(1, 1, k), of_ratio)
             if (abs(rates%by_input(1, 1, k)) > tiny(1.0_wp)**0.5_wp) then
                line = line//general(1.0_wp/rates%by_input(1, 1, k))
             else

@@ -2,6 +2,7 @@
 module psalm_wish_list
    use psalm_column_names, only: position_name
    use psalm_kinds, only: wp
+   use psalm_number_format, only: number_format_t, format_of, figure
    use psalm_output_wishes, only: output_wishes_t, sum_of_wish_errors
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_text, only: text_t, general, upper_case
@@ -20,6 +21,7 @@ contains
       type(text_t), intent(inout) :: text
       character(name_columns) :: name
       character(9) :: position
+      type(number_format_t) :: of_desired, of_actual, of_error
       integer :: k, i
 
       call text%add()
@@ -27,14 +29,21 @@ contains
       call text%add('  OUTPUT                         POSITION        DESIRED         ACTUAL          ERROR')
       do k = 1, size(wishes%miss, 2)
          name = upper_case(trim(wishes%names(k)))
+         associate (desired => wishes%problem%wish_values(:size(wishes%miss, 1), k), miss => wishes%miss(:, k), &
+                    weighs => wishes%problem%wish_weights(:size(wishes%miss, 1), k) > 0.0_wp)
+            of_desired = format_of(.true., desired, weighs)
+            of_actual = format_of(.true., desired + miss, weighs .and. wishes%exists(:, k))
+            of_error = format_of(.true., miss, weighs .and. wishes%exists(:, k))
+         end associate
          do i = 1, size(wishes%miss, 1)
             if (.not. wishes%problem%wish_weights(i, k) > 0.0_wp) cycle
             write (position, '(i9)') i
             if (wishes%exists(i, k)) then
-               call text%add('  '//name//position//general(wishes%problem%wish_values(i, k))// &
-                             general(wishes%problem%wish_values(i, k) + wishes%miss(i, k))//general(-wishes%miss(i, k)))
+               call text%add('  '//name//position//figure(wishes%problem%wish_values(i, k), of_desired)// &
+                             figure(wishes%problem%wish_values(i, k) + wishes%miss(i, k), of_actual)// &
+                             figure(-wishes%miss(i, k), of_error))
             else
-               call text%add('  '//name//position//general(wishes%problem%wish_values(i, k))// &
+               call text%add('  '//name//position//figure(wishes%problem%wish_values(i, k), of_desired)// &
                              trim(merge('   DOES NOT EXIST', '   DOES NOT CLOSE', wishes%rate(k))))
             end if
          end do

@@ -8,7 +8,9 @@ module psalm_sketch_case
    use psalm_data_set, only: data_set_t
    use psalm_first_output, only: fill_output, take_wishes, wants_poses, wants_travel
    use psalm_frame_places, only: part_frame_arcs
+   use psalm_joint_location, only: locate_sketch
    use psalm_kinds, only: wp
+   use psalm_moving_joints, only: sketch_motion_t
    use psalm_sketch, only: sketch_t, drive_turns
    use psalm_sketch_assembly, only: assemble_sketch, move_slides
    use psalm_sketch_dimensions, only: check_sweep, fill_tolerances, fill_variables, take_dimensions
@@ -38,6 +40,7 @@ contains
       type(closure_t) :: closure
       type(state_t) :: state
       type(loops_t) :: loops
+      type(sketch_motion_t) :: moving
       type(diagnostics_t) :: of_search
       logical :: closes, given
 
@@ -88,6 +91,8 @@ contains
       loops%crank = crank_direction(loops, set%sketch)
       allocate (set%traced)
       set%traced = loops
+      call locate_sketch(set, moving)
+      set%traced%moving = moving
    end subroutine resolve_sketch
 
    !> Direction of the crank in the drawing, whatever joint its loop goes through: from its drive to the joint that it shares with

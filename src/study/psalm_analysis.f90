@@ -6,7 +6,7 @@ module psalm_analysis
    use psalm_condition, only: condition_t, prepare_condition, condition_at
    use psalm_data_set, only: data_set_t
    use psalm_dyad_kind, only: assur_rpr, assur_rpr_guide_first
-   use psalm_error, only: problem_t, motion_t
+   use psalm_error, only: problem_t, motion_t, reach_t
    use psalm_kinds, only: wp, full_turn
    use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated
    use psalm_summary, only: summary_t, summarise
@@ -86,9 +86,10 @@ contains
       type(analysis_t), intent(out) :: analysis
       class(inspector_t), allocatable :: inspector
       class(problem_t), allocatable :: fine    ! large: it would fill a small stack
+      type(reach_t) :: reach
 
       analysis%dimensions = dimensions
-      call problem%analyse(dimensions, analysis%motion)
+      call problem%analyse(dimensions, analysis%motion, reach)
       if (allocated(problem%rate_wanted)) call add_rates_to_motion(problem, dimensions, analysis%motion)
       if (allocated(problem%wish_values)) then
          allocate (analysis%wishes)
@@ -109,7 +110,7 @@ contains
          allocate (analysis%sweep)
          allocate (fine, source=problem)
          call fine%set_inputs(sweep_inputs(problem))
-         call fine%analyse(dimensions, analysis%sweep)
+         call fine%analyse(dimensions, analysis%sweep, reach)
          if (wanted%conditions) analysis%sweep_condition = conditions(fine)
       end if
       if (wanted%warnings) then

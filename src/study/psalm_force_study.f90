@@ -75,14 +75,16 @@ contains
    end function all_known
 
    !> Forces of a case that the preparation found no fault with. All loops are solved, whatever the given problem solves.
-   subroutine find_forces(set, given, dimensions, study, by_unit_mass)
+   subroutine find_forces(set, given, dimensions, study, by_unit_mass, analysed)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       type(force_study_t), intent(out) :: study
       real(wp), allocatable, intent(inout), optional :: by_unit_mass(:, :, :, :) !! see `loads_of_unit_masses`
+      type(motion_t), intent(in), optional :: analysed !! what `given` does, if that is known
       class(problem_t), allocatable :: problem      ! large: it would fill a small stack
       type(motion_t) :: motion
+      logical :: every_loop
       type(diagnostics_t) :: unused
       real(wp) :: rate
       integer :: k, column
@@ -106,7 +108,14 @@ contains
          study%parts(k) = 'loop '//to_text(k)
       end do
       call problem%want_derivatives(.true., vertices_of(study%mechanism))
-      call problem%analyse(dimensions, motion)
+      every_loop = .false.
+      if (present(analysed)) every_loop = all(given%plan%solved)
+      if (every_loop) then
+         motion = analysed
+         call problem%bind(dimensions)
+      else
+         call problem%analyse(dimensions, motion)
+      end if
       study%input = motion%input
       call analyse_forces(problem, study%model, set%pace(), set%change_of_pace(), motion%closed, motion%input, study%table)
       allocate (study%drive_power(size(study%input)), source=0.0_wp)

@@ -6,13 +6,15 @@ module psalm_link_poses
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: motion_t, problem_t, new_problem
+   use psalm_joint_location, only: locate_sketch
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_mechanism, only: body_frame, mechanism_t
+   use psalm_moving_joints, only: sketch_motion_t
    use psalm_parameters, only: no_parameters, parameters_t
    use psalm_rates, only: derivatives_of, differentiate, in_time, prepare_rates, rates_t
    use psalm_setup, only: set_up
    use psalm_sketch, only: frame_link
-   use psalm_sketch_motion, only: locate_sketch, observe_sketch, sketch_motion_t
+   use psalm_sketch_motion, only: observe_sketch
    use psalm_sketch_study, only: sketch_study_t, study_sketch
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
@@ -96,7 +98,7 @@ contains
       do l = 1, size(axis)
          axis(l) = axis_of(problem%mechanism, l)
       end do
-      call locate_sketch(set, problem%mechanism, bare, with_links=.true.)
+      call locate_sketch(set, bare, with_links=.true.)
       call problem%want_derivatives(.true., bare%points)
       call problem%bind(dimensions)
       allocate (rates, origin(size(bare%drawn), 0:most_orders, problem%linkage%room), &

@@ -45,12 +45,13 @@ module psalm_rate_study
 contains
 
    !> Rates of a linkage. `problem` finds derivatives afterwards and is bound to the linkage.
-   subroutine find_rates(set, problem, dimensions, rates, every_arc)
+   subroutine find_rates(set, problem, dimensions, rates, every_arc, motion)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(inout) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(rate_study_t), intent(out) :: rates
       logical, intent(in), optional :: every_arc !! and not the output alone; without it as KTHETA says
+      type(motion_t), intent(in), optional :: motion !! of these positions, if they have been analysed
       type(rates_t), allocatable :: of_block
       logical :: everywhere
       integer :: block, offset, n, i, k, c, loop
@@ -59,7 +60,13 @@ contains
       everywhere = set%limits%ktheta /= 0
       if (present(every_arc)) everywhere = every_arc
       call problem%want_derivatives(everywhere)
-      call problem%analyse(dimensions, rates%motion)
+      if (present(motion)) then
+         rates%motion = motion
+         rates%motion%closed = motion%output_known
+         call problem%bind(dimensions)
+      else
+         call problem%analyse(dimensions, rates%motion)
+      end if
       associate (m => problem%positions, components => problem%output%kind%components)
          allocate (rates%by_input(highest_order, components, m))
          allocate (rates%by_time(highest_order, components, m))

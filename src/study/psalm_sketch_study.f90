@@ -5,12 +5,13 @@ module psalm_sketch_study
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
+   use psalm_joint_location, only: locate_sketch
    use psalm_kinds, only: wp
-   use psalm_mechanism, only: mechanism_t
+   use psalm_moving_joints, only: sketch_motion_t
    use psalm_output_condition, only: output_conditions
    use psalm_rates, only: rates_t, prepare_rates, differentiate, is_dead
    use psalm_sketch, only: columns_of, output_ratio
-   use psalm_sketch_motion, only: sketch_motion_t, find_places, locate_sketch, observe_sketch
+   use psalm_sketch_motion, only: find_places, observe_sketch
    use psalm_sketch_outputs, only: names_of_numbers, values_of_outputs, unwrap, name_length
    use psalm_shown_input, only: crank_angle_at, input_at, shows_crank
    use psalm_sweep, only: sweep_inputs
@@ -51,10 +52,9 @@ contains
       end associate
    end subroutine find_range
 
-   !> Where the joints are: those of the drawing, or of other dimensions.
-   subroutine locate_as(set, mechanism, dimensions, changed, sketch)
+   !> Where the joints are: those of the drawing, which were found with its loops, or of other dimensions.
+   subroutine locate_as(set, dimensions, changed, sketch)
       type(data_set_t), intent(in) :: set
-      type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       logical, intent(in), optional :: changed          !! the dimensions are not those of the drawing
       type(sketch_motion_t), intent(out) :: sketch
@@ -63,9 +63,9 @@ contains
       anew = .false.
       if (present(changed)) anew = changed
       if (anew) then
-         call locate_sketch(set, mechanism, sketch, dimensions)
+         call locate_sketch(set, sketch, dimensions)
       else
-         call locate_sketch(set, mechanism, sketch)
+         sketch = set%traced%moving
       end if
    end subroutine locate_as
 
@@ -86,7 +86,7 @@ contains
 
       allocate (own, source=problem)
       if (allocated(own%linkages)) deallocate (own%linkages)
-      call locate_as(set, own%mechanism, dimensions, changed, sketch)
+      call locate_as(set, dimensions, changed, sketch)
       call own%want_derivatives(.true., sketch%points)
       call own%bind(dimensions)
       call prepare_condition(own%linkage, condition)
@@ -139,7 +139,7 @@ contains
 
       allocate (own, source=problem)
       if (allocated(own%linkages)) deallocate (own%linkages)
-      call locate_as(set, own%mechanism, dimensions, changed, sketch)
+      call locate_as(set, dimensions, changed, sketch)
       call own%want_derivatives(.true., sketch%points)
       call own%bind(dimensions)
       allocate (rates)

@@ -13,13 +13,15 @@ module psalm_tolerance
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t, inputs_of, new_problem, own_inputs_at
    use psalm_stop, only: stop_t
+   use psalm_joint_location, only: locate_sketch
    use psalm_kinds, only: wp
    use psalm_linkage, only: padded
+   use psalm_moving_joints, only: sketch_motion_t
    use psalm_output_kind, only: output_kind_t
    use psalm_rates, only: form_frames, is_dead
    use psalm_sensitivity, only: sensitivity_t, wanted_outputs_t, prepare_sensitivity, find_jacobian
    use psalm_sketch, only: sketch_t, sketch_output_t, output_angle, output_pose, output_ratio, columns_of
-   use psalm_sketch_motion, only: sketch_motion_t, find_places, locate_sketch
+   use psalm_sketch_motion, only: find_places
    use psalm_sketch_outputs, only: names_of_numbers, name_length, values_of_outputs
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
@@ -201,7 +203,7 @@ contains
       by_name = size(set%sketch%outputs) > 0
       if (by_name) then
          allocate (wanted)
-         call locate_sketch(set, mechanism, wanted%sketch, dimensions)
+         call locate_sketch(set, wanted%sketch, dimensions)
          wanted%outputs = set%sketch%outputs
          call deviating%problem%want_derivatives(.true., wanted%sketch%points)
       else
@@ -425,7 +427,7 @@ contains
       parameters = deviating_dimensions(set, toler, mechanism)
       allocate (apart(0))
       if (size(set%sketch%outputs) > 0) then
-         call locate_sketch(set, mechanism, sketch, dimensions)
+         call locate_sketch(set, sketch, dimensions)
          apart = pack(sketch%moving%joint, abs(sketch%moving%offset) > 0.0_wp)
       end if
       list = allotted_columns([(tolerance_of(set, toler, parameters%variables(v)), v=1, size(parameters%variables))], &

@@ -1113,14 +1113,21 @@ def compare_tables(case, output):
                 if not abs(gap) < EPSILON*(10.0 + norm)*MULTIPLE*SIZE:
                     case.fault("device 9", "row %d: %s is %r on device 9, %r in the table" % (k + 1, column, nine[name], line[column]))
             try:
-                printed = [float(w.replace("D", "E")) for w in lines[k][1:1 + len(named)]]
+                words = lines[k][1:1 + len(named)]
+                printed = [float(w) for w in words]
             except (ValueError, IndexError):
                 case.fault("listing", "row %d is not in the listing" % (k + 1))
                 continue
-            for name, value in zip(named, printed):
-                if abs(value - nine[name]) > 6e-7*max(abs(value), 1e-30) and differ_angle(value, nine[name]) > 1e-4:
+            for name, value, word in zip(named, printed, words):
+                if abs(value - nine[name]) > half_unit(word) and differ_angle(value, nine[name]) > 1e-4:
                     case.fault("listing", "row %d: %s is %r in the listing, %r on device 9" % (k + 1, name, value, nine[name]))
     compare_list(case, output, dyads and len(sketch.outputs) == 1 and len([n for n in output.csv[0] if n.startswith("input")]) == 1)
+
+
+def half_unit(word):
+    """Half a unit of the last digit of a number, as it is written, and a little more."""
+    digits, _, power = word.partition("E")
+    return 0.501*10.0**(int(power or 0) - len(digits.partition(".")[2]))
 
 
 def compare_list(case, output, absent):
@@ -1154,8 +1161,8 @@ def compare_list(case, output, absent):
                 case.fault("listing", "row %d has %d columns in the list of all outputs" % (k + 1, len(printed)))
                 continue
         for name, value in zip(names_here, printed):
-            number = math.nan if value == "-" else float(value.replace("D", "E"))
-            if not (abs(number - line[name]) <= 6e-7*abs(number) + 1e-9 or math.isnan(number) and math.isnan(line[name])):
+            number = math.nan if value == "-" else float(value)
+            if not (abs(number - line[name]) <= half_unit(value) or math.isnan(number) and math.isnan(line[name])):
                 case.fault("listing", "row %d: %s is %r in the list of all outputs, %r in the table" % (k + 1, name, value, line[name]))
 
 

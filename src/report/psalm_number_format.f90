@@ -1,0 +1,171 @@
+!> Numbers in the columns of a listing. A linkage of loops has those of the published listings, seven digits each. A sketch has as
+!> many decimals as its column needs, all the same, and no digit that rounding has made: the largest number of the column has seven
+!> digits, and what every number of the column has as zeros at its end is left out. Columns of very large or very small numbers are
+!> in engineering notation.
+module psalm_number_format
+   use, intrinsic :: iso_fortran_env, only: int64
+   use psalm_kinds, only: dp, wp
+   use psalm_text, only: general, to_text
+   implicit none (type, external)
+   private
+   public :: number_format_t, format_of, figure
+
+   integer, parameter :: seven_digits = -1        !! each number by itself, as the published listings
+   integer, parameter :: engineering = -2         !! a multiple of three as exponent
+   integer, parameter :: figures = 7              !! digits of the largest number of a column
+   integer, parameter :: largest_exponent = 6, least_exponent = -4   !! of the largest number of a column without exponents
+   integer, parameter :: width = 15               !! of a number, as that of `general`
+
+   !> How the numbers of a column are written.
+   type :: number_format_t
+      private
+      integer :: decimals = seven_digits          !! after the point, or one of the ways above
+   end type number_format_t
+
+contains
+
+   !> The format of a column of a sketch with these numbers, or of loops.
+   pure type(number_format_t) function format_of(named, values, known) result(format)
+      logical, intent(in) :: named                !! joints have names: a sketch
+      real(wp), intent(in) :: values(:)           !! shape (rows)
+      logical, intent(in), optional :: known(:)   !! shape (rows): others are not written
+      real(wp) :: largest, scaled
+      integer :: k, d, most
+
+      if (.not. named) return
+      format%decimals = 1
+      largest = 0.0_wp
+      do k = 1, size(values)
+         if (counts(k)) largest = max(largest, abs(values(k)))
+      end do
+      if (.not. largest > 0.0_wp) return
+      d = exponent_of(largest)
+      if (d > largest_exponent .or. d < least_exponent) then
+         format%decimals = engineering
+         return
+      end if
+      most = max(1, figures - 1 - d)
+      k = 1
+      do while (k <= size(values) .and. format%decimals < most)
+         scaled = 0.0_wp
+         if (counts(k)) scaled = abs(values(k))*10.0_wp**format%decimals
+         if (abs(scaled - anint(scaled)) < 0.5_wp*10.0_wp**(format%decimals - most)) then   ! zeros follow
+            k = k + 1
+         else
+            format%decimals = format%decimals + 1
+         end if
+      end do
+
+   contains
+
+      pure logical function counts(row)
+         integer, intent(in) :: row
+
+         counts = abs(values(row)) < huge(1.0_wp)
+         if (present(known)) counts = counts .and. known(row)
+      end function counts
+   end function format_of
+
+   !> A number in its column of 15 characters; `error` is a bound of its error: digits that it leaves open are blank.
+   pure function figure(value, format, error) result(text)
+      real(wp), intent(in) :: value
+      type(number_format_t), intent(in) :: format
+      real(wp), intent(in), optional :: error
+      character(width) :: text
+      integer :: kept
+
+      select case (format%decimals)
+      case (seven_digits)
+         text = general(value)
+      case (engineering)
+         text = in_engineering(value)
+      case default
+         kept = format%decimals
+         if (present(error)) kept = supported(error, kept)
+         text = in_fixed(value, kept)
+         text = text(1 + format%decimals - kept:)     ! the points stand below each other
+      end select
+   end function figure
+
+   !> Decimals of which the last is not smaller than the error.
+   pure integer function supported(error, decimals) result(kept)
+      real(wp), intent(in) :: error
+      integer, intent(in) :: decimals
+
+      kept = decimals
+      do while (kept > 0)
+         if (10.0_wp**(-kept) >= error) exit
+         kept = kept - 1
+      end do
+   end function supported
+
+   !> Power of ten of the first digit.
+   pure integer function exponent_of(value)
+      real(wp), intent(in) :: value               !! above 0
+
+      exponent_of = floor(log10(value))
+   end function exponent_of
+
+   !> Fixed-point notation; zero has no sign.
+   pure function in_fixed(value, decimals) result(text)
+      real(wp), intent(in) :: value
+      integer, intent(in) :: decimals
+      character(width) :: text
+      character(12) :: layout
+      real(wp), parameter :: most = 1.0e11_wp     ! a larger number, scaled, has no exact neighbours
+      real(wp), parameter :: tie = 1.0e-4_wp      ! many times the error of the scaled number
+      real(wp) :: scaled
+      integer(int64) :: whole
+      integer :: k, at
+
+      scaled = abs(value)*10.0_wp**decimals
+      if (scaled < most) then
+         whole = nint(scaled, int64)
+         if (abs(abs(scaled - real(whole, wp)) - 0.5_wp) > tie) then
+            text = ' '
+            at = width
+            do k = 1, max(decimals + 1, 1)
+               if (k == decimals + 1) then
+                  text(at:at) = '.'
+                  at = at - 1
+               end if
+               text(at:at) = achar(iachar('0') + int(mod(whole, 10_int64)))
+               whole = whole/10_int64
+               at = at - 1
+            end do
+            do while (whole > 0)
+               text(at:at) = achar(iachar('0') + int(mod(whole, 10_int64)))
+               whole = whole/10_int64
+               at = at - 1
+            end do
+            if (value < 0.0_wp .and. scaled >= 0.5_wp) text(at:at) = '-'
+            return
+         end if
+      end if
+      write (layout, '("(f",i0,".",i0,")")') width, decimals
+      write (text, layout) real(value, dp)
+      if (text(1:1) == '*') text = in_engineering(value)
+      if (verify(trim(adjustl(text)), '-0.') == 0 .and. index(text, '-') > 0) text(index(text, '-'):index(text, '-')) = ' '
+   end function in_fixed
+
+   !> Seven digits and an exponent that is a multiple of three.
+   pure function in_engineering(value) result(text)
+      real(wp), intent(in) :: value
+      character(width) :: text
+      character(14) :: buffer
+      integer :: power, before
+
+      if (abs(value) <= 0.0_wp) then
+         text = '            0.0'
+         return
+      end if
+      write (buffer, '(es14.6e3)') real(value, dp)
+      read (buffer(11:14), '(i4)') power
+      before = modulo(power, 3)
+      buffer(3:3 + before) = buffer(4:3 + before)//'.'    ! the point is moved to the right
+      power = power - before
+      text = trim(adjustl(buffer(:9)))//'E'//merge('-', '+', power < 0)//repeat('0', max(0, 2 - len(to_text(abs(power)))))// &
+             to_text(abs(power))
+      text = adjustr(text)
+   end function in_engineering
+end module psalm_number_format

@@ -1,0 +1,77 @@
+!> A linkage solved at what a picture shows: the prescribed positions, a sweep between and beyond them, one position more.
+!>
+!> Each row of inputs is analysed once, with every loop, whether the output needs it or not. Scenes, forces, rates and curves take
+!> the result as an argument.
+module psalm_row_study
+   use psalm_data_set, only: data_set_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_error, only: problem_t, motion_t, reach_t, make_problem
+   use psalm_kinds, only: wp
+   use psalm_mechanism, only: mechanism_t
+   use psalm_parameters, only: parameters_t
+   use psalm_sweep, only: sweep_inputs
+   implicit none (type, external)
+   private
+   public :: solved_row_t, row_study_t, study_rows
+
+   !> A row of inputs.
+   type :: solved_row_t
+      class(problem_t), allocatable :: problem  !! bound; its plan has every loop and the point that the output arc begins at
+      class(motion_t), allocatable :: motion
+   end type solved_row_t
+
+   !> All rows of a linkage.
+   type :: row_study_t
+      type(dimensions_t) :: dimensions
+      class(problem_t), allocatable :: problem  !! at the prescribed positions, as `psalm` solves it
+      type(solved_row_t) :: prescribed, sweep
+      type(solved_row_t), allocatable :: chosen !! one more position, if asked for
+      type(reach_t) :: reach                    !! of a sketch: how far it goes from its drawing
+   end type row_study_t
+
+contains
+
+   !> Solve a linkage at all rows.
+   subroutine study_rows(set, mechanism, dimensions, parameters, study, chosen, delt, kept)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      type(parameters_t), intent(in) :: parameters
+      type(row_study_t), intent(out) :: study
+      real(wp), intent(in), optional :: chosen  !! increment of the input at one more position
+      real(wp), intent(in), optional :: delt(:) !! increments in place of those of the case
+      integer, intent(in), optional :: kept(:)  !! numbers of the prescribed positions that are solved; all if absent
+
+      study%dimensions = dimensions
+      allocate (study%problem)
+      call make_problem(set, mechanism, dimensions, parameters, study%problem)
+      if (present(kept)) call study%problem%keep_positions(kept)
+      if (present(delt)) call study%problem%set_inputs(delt)
+      allocate (study%prescribed%problem, source=study%problem)
+      call study%prescribed%problem%want_derivatives(.true., with_point=.true.)
+      call analyse_row(study, study%prescribed)
+      call solve_row(study, sweep_inputs(study%problem), study%sweep)
+      if (.not. present(chosen)) return
+      allocate (study%chosen)
+      call solve_row(study, [chosen], study%chosen)
+   end subroutine study_rows
+
+   !> The linkage of the prescribed positions at other inputs.
+   subroutine solve_row(study, delt, row)
+      type(row_study_t), intent(inout) :: study
+      real(wp), intent(in) :: delt(:)           !! increments
+      type(solved_row_t), intent(inout) :: row
+
+      allocate (row%problem, source=study%prescribed%problem)
+      call row%problem%set_inputs(delt)
+      call analyse_row(study, row)
+   end subroutine solve_row
+
+   subroutine analyse_row(study, row)
+      type(row_study_t), intent(inout) :: study
+      type(solved_row_t), intent(inout) :: row
+
+      allocate (row%motion)
+      call row%problem%analyse(study%dimensions, row%motion, study%reach)
+   end subroutine analyse_row
+end module psalm_row_study

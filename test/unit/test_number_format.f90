@@ -1,0 +1,69 @@
+!> Columns of numbers in the listings of sketches.
+program test_number_format
+   use check, only: checks_t
+   use psalm_kinds, only: wp
+   use psalm_number_format, only: number_format_t, figure, format_of
+   use psalm_text, only: general
+   implicit none (type, external)
+   type(checks_t) :: t
+
+   call columns()
+   call errors()
+   call against_internal_files()
+   call t%report()
+
+contains
+
+   subroutine columns()
+      type(number_format_t) :: format
+
+      format = format_of(.true., [0.0_wp, 10.0_wp, 350.0_wp])
+      call t%equal_text(figure(350.0_wp, format), '          350.0', 'zeros that all numbers have are left out, but one')
+      call t%equal_text(figure(0.0_wp, format), '            0.0', 'zero')
+      format = format_of(.true., [12.5_wp, 0.12345678_wp])
+      call t%equal_text(figure(12.5_wp, format), '       12.50000', 'the largest has seven digits')
+      call t%equal_text(figure(0.12345678_wp, format), '        0.12346', 'the others as many decimals')
+      call t%equal_text(figure(-1.0e-9_wp, format), '        0.00000', 'what rounds to zero has no sign')
+      call t%equal_text(figure(-9.999996_wp, format), '      -10.00000', 'a digit more by rounding')
+      format = format_of(.true., [0.5_wp, 1.0e30_wp], known=[.true., .false.])
+      call t%equal_text(figure(0.5_wp, format), '            0.5', 'what is not known does not count')
+      format = format_of(.true., [0.5_wp, huge(1.0_wp)])
+      call t%equal_text(figure(0.5_wp, format), '            0.5', 'nor does what has no value')
+      format = format_of(.true., [1234567890.0_wp])
+      call t%equal_text(figure(1234567890.0_wp, format), '   1.234568E+09', 'large: engineering notation')
+      call t%equal_text(figure(-12345.678_wp, format), '  -12.34568E+03', 'two digits before the point')
+      format = format_of(.true., [-2.5e-8_wp])
+      call t%equal_text(figure(-2.5e-8_wp, format), '  -25.00000E-09', 'small: engineering notation')
+      call t%equal_text(figure(3.0e-101_wp, format), '  30.00000E-102', 'an exponent of three digits')
+      call t%equal_text(figure(0.0_wp, format), '            0.0', 'zero among them')
+      format = format_of(.false., [0.0_wp, 10.0_wp])
+      call t%equal_text(figure(10.0_wp, format), general(10.0_wp), 'loops: as the published listings')
+   end subroutine columns
+
+   !> Digits that an error leaves open are blank, points stay below each other.
+   subroutine errors()
+      type(number_format_t) :: format
+
+      format = format_of(.true., [-43.160112_wp])
+      call t%equal_text(figure(-43.160112_wp, format, 1.0e-9_wp), '      -43.16011', 'a small error')
+      call t%equal_text(figure(-43.160112_wp, format, 2.0e-4_wp), '      -43.160  ', 'two digits are open')
+      call t%equal_text(figure(-43.160112_wp, format, 0.9_wp), '      -43.     ', 'all decimals are open')
+   end subroutine errors
+
+   !> The same digits as the run-time library's.
+   subroutine against_internal_files()
+      type(number_format_t) :: format
+      character(15) :: text
+      real(wp) :: x
+      integer :: k, bad
+
+      bad = 0
+      do k = 1, 20000
+         x = 1000.0_wp*sin(real(k, wp))
+         format = format_of(.true., [x, 999.1234_wp])
+         write (text, '(f15.4)') x
+         if (text /= figure(x, format)) bad = bad + 1
+      end do
+      call t%equal_integer(bad, 0, 'digits as the run-time library rounds them')
+   end subroutine against_internal_files
+end program test_number_format
