@@ -17,7 +17,7 @@ module psalm_finale
    use psalm_markup, only: strings_t, add_string
    use psalm_number_format, only: number_format_t, format_of, figure, rounding_error
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_pose, most_rates
-   use psalm_parameters, only: variable_outlk, variable_outang
+   use psalm_parameters, only: variable_aside, variable_aside_angle, variable_outlk, variable_outang
    use psalm_plan, only: root_crank, root_frame
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
@@ -94,6 +94,7 @@ contains
          end do
          if (abs(dimensions%outlk) > 0.0_wp .and. shows_output_link(problem) .and. len_trim(mechanism%outputs(1)%line(1)) > 0) &
             call take(mechanism%length_called(0), dimensions%outlk)
+         call take_aside(variable_aside)
          call add_rows()
          call text%add(' ANGLES, DEGREES: OF A LINE FROM THE X AXIS, OR OF THE SECOND LINE FROM THE FIRST')
          deallocate (names, values)
@@ -104,6 +105,7 @@ contains
             call take(mechanism%angle_called(n), dimensions%gama(n))
          end do
          if (shows_output_angle()) call take(mechanism%angle_called(0), dimensions%outang)
+         call take_aside(variable_aside_angle)
          call add_rows()
          call list_reference(mechanism, dimensions%crnki, text)
          call unit_vector(dimensions%origng, c, s)
@@ -157,6 +159,20 @@ contains
          call add_string(names, name)
          values = [values, value]
       end subroutine take
+
+      !> What varies of joints off the arcs.
+      subroutine take_aside(kind)
+         integer, intent(in) :: kind
+         integer :: v
+
+         do v = 1, size(problem%parameters%variables)
+            associate (variable => problem%parameters%variables(v))
+               if (variable%kind /= kind) cycle
+               call take(trim(variable%of), merge(dimensions%aside_length(variable%n), dimensions%aside_angle(variable%n), &
+                                                  kind == variable_aside))
+            end associate
+         end do
+      end subroutine take_aside
 
       subroutine add_rows()
          integer :: k

@@ -47,7 +47,7 @@ POSES = """FOUR-BAR THROUGH FOUR POSES
 """
 PLACE = """FOUR-BAR WHOSE PIVOT MOVES
  &CHAIN JNT='A','B','C','D','P','Q', JX=20,10,80,100,60,70, JY=5,50,75,5,115,135,
-  LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P Q','C D', VARY='place A','B Q','angle B C B Q' &END
+  LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P Q','C D', VARY='place A','B Q','angle B P B Q' &END
  &DRIVES DRIVE='A' &END
  &OUTPUTS OUTPUT='point P','angle P Q', DES1=45,113,63,115,80,112,95,105, DES2=60,50,40,30 &END
  &METHOD NDES=4, VAR=0.99, DELT=0,-15,-30,-45 &END
@@ -163,7 +163,15 @@ def drawn_whole(programs, work, head):
             file.write(case(head, (output,), "&METHOD IKIN=30", "&LIMITS TANGLE=89.0"))
         subprocess.run([os.path.join(programs, "balm"), "--quiet", path], capture_output=True, text=True, check=False)
         with open(os.path.join(work, "drawn.svg"), encoding="utf-8") as file:
-            letters = set(re.findall(r'data-joint="([^"]+)"', file.read()))
+            svg = file.read()
+        letters = set(re.findall(r'data-joint="([^"]+)"', svg))
+        check("%s first: it is the output that is named" % output, "output: %s;" % output.replace(" ", "_") in svg
+              or "output: %s;" % output in svg, re.findall("output: [^;<]*", svg))
+        star = re.search(r'id="star"[^>]*translate\(([^)]+)\)', svg)
+        at = dict(re.findall(r'data-joint="([^"]+)" transform="translate\(([^)]+)\)', svg))
+        own = [word for word in output.split() if word in at]
+        check("%s first: it is drawn at a joint of its own" % output, not own or output.startswith("angle") or
+              star is not None and star[1] in [at[word] for word in own], (star and star[1], at))
         with open(os.path.join(work, "drawn.dxf"), encoding="ascii") as file:
             seen.append((letters, set(re.findall(r"^LINK_.*", file.read(), re.M))))
         names = set(re.findall("'([^']+)'", re.search(r"JNT=(.*?), JX", head)[1]))
