@@ -55,11 +55,15 @@ contains
       if (unknowns*size(joints) + count(joints%drive > 0) + size(couples) /= size(matrix, 2)) return
       do i = 1, n
          matrix = 0.0_wp
-         ! moments count as forces at the distance of the farthest joint
-         size_of = tiny(1.0_wp)**0.5_wp
+         ! moments count as forces at the distance of the farthest joint or centre of a wheel
+         size_of = 0.0_wp
          do j = 1, size(joints)
             size_of = max(size_of, abs(store%v(i, joints(j)%x)), abs(store%v(i, joints(j)%y)))
          end do
+         do j = 1, size(couples)
+            if (couples(j)%centres(1) > 0) size_of = max(size_of, maxval(abs(store%v(i, couples(j)%centres))))
+         end do
+         if (.not. size_of > 0.0_wp) size_of = 1.0_wp    ! one pin, at the origin
          do b = 1, size(wrenches)
             row = equations*(b - 1)
             right(row + 1:row + equations, 1) = -w%v(i, wrenches(b):wrenches(b) + equations - 1)

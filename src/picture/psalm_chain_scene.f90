@@ -60,7 +60,7 @@ contains
       call choose_output(set%sketch, own, scene)
       call trace_chain(set%sketch, own, feet, scene, scene%prescribed)
       call trace_chain(set%sketch, sweep, feet, scene, scene%sweep)
-      if (present(chosen)) call trace_chosen(set, chosen, feet, scene)
+      if (present(chosen)) call trace_chosen(set, own, chosen, feet, scene)
       call tell_open(set%sketch, own, scene%prescribed)
       call tell_open(set%sketch, sweep, scene%sweep)
       scene%prescribed%violated = .not. all(scene%prescribed%closed)
@@ -77,15 +77,16 @@ contains
    end subroutine make_chain_scene
 
    !> One more position, by its increment.
-   subroutine trace_chosen(set, increment, feet, scene)
+   subroutine trace_chosen(set, own, increment, feet, scene)
       type(data_set_t), intent(in) :: set
+      type(chain_study_t), intent(in) :: own
       real(wp), intent(in) :: increment
       type(foot_t), intent(in) :: feet(:)
       type(scene_t), intent(inout) :: scene
       type(chain_study_t), allocatable :: study
 
       allocate (study)
-      call study_chain(set, 1.0_wp, 0.0_wp, study, inputs_at(set, [increment]))
+      call study_chain(set, 1.0_wp, 0.0_wp, study, inputs_at(set, [increment]), other=own)
       call trace_chain(set%sketch, study, feet, scene, scene%chosen)
    end subroutine trace_chosen
 
@@ -119,7 +120,7 @@ contains
             scene%sliding = .not. came_back()
             if (.not. scene%sliding) then
                ! the last position is the first again
-               call run([(own%inputs(1, 1) + scene%sense*real(i, wp), i=0, nint(full_turn) - 1)])
+               call sweep%leave_last_out()
                scene%prescribed%input = modulo(own%inputs(1, :), full_turn)
                scene%sweep%delt = sweep%inputs(1, :)
                scene%sweep%input = sweep%inputs(1, :)
@@ -164,7 +165,7 @@ contains
          end do
          if (allocated(sweep)) deallocate (sweep)
          allocate (sweep)
-         call study_chain(set, set%rates%speed, set%rates%accel, sweep, inputs, by_loops=.true.)
+         call study_chain(set, set%rates%speed, set%rates%accel, sweep, inputs, by_loops=.true., other=own)
       end subroutine run
 
       !> True if a whole turn closes everywhere and ends where it began.

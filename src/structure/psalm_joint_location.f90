@@ -10,18 +10,17 @@ module psalm_joint_location
    use psalm_traced_loops, only: loops_t
    implicit none (type, external)
    private
-   public :: locate_sketch
+   public :: locate_sketch, add_link_axes
 
 contains
 
    !> Find joints and slides. The plan must then be made with `points`. Joints of the frame are where they were drawn; with
    !> `dimensions` that are not, or not only, those of the drawing they are where these put them, and so is the first output.
-   subroutine locate_sketch(set, sketch, dimensions, with_slides, with_links)
+   subroutine locate_sketch(set, sketch, dimensions, with_slides)
       type(data_set_t), intent(in) :: set               !! a sketch with its loops
       type(sketch_motion_t), intent(out) :: sketch
       type(dimensions_t), intent(in), optional :: dimensions
       logical, intent(in), optional :: with_slides      !! after the joints come the points of slides, on their second links
-      logical, intent(in), optional :: with_links       !! in place of slides: where the axes of links without joints begin
       type(place_t) :: place
       integer :: j, k
 
@@ -41,17 +40,6 @@ contains
             end do
          end if
       end if
-      if (present(with_links)) then
-         if (with_links) then
-            associate (links => set%sketch%links)
-               sketch%drawn = [sketch%drawn, [((0.0_wp, 0.0_wp), k=1, size(links))]]
-               do k = 1, size(links)
-                  if (k == frame_link .or. size(links(k)%joints) > 0) cycle
-                  call add_moving(set%traced, size(set%traced%joint_places) + k, set%traced%link_places(k), sketch)
-               end do
-            end associate
-         end if
-      end if
       allocate (sketch%arcs(size(set%traced%travels)), source=0)
       do k = 1, size(set%traced%travels)
          if (set%traced%travels(k)%arc > 0) sketch%arcs(k) = &
@@ -60,6 +48,21 @@ contains
       sketch%sense = set%traced%travels%sense
       sketch%zero = set%traced%travels%zero
    end subroutine locate_sketch
+
+   !> After the joints: where the axes of links without joints begin; of others 0.
+   subroutine add_link_axes(set, sketch)
+      type(data_set_t), intent(in) :: set               !! a sketch with its loops
+      type(sketch_motion_t), intent(inout) :: sketch    !! its joints
+      integer :: k
+
+      associate (links => set%sketch%links)
+         sketch%drawn = [sketch%drawn, [((0.0_wp, 0.0_wp), k=1, size(links))]]
+         do k = 1, size(links)
+            if (k == frame_link .or. size(links(k)%joints) > 0) cycle
+            call add_moving(set%traced, size(set%traced%joint_places) + k, set%traced%link_places(k), sketch)
+         end do
+      end associate
+   end subroutine add_link_axes
 
    !> A joint at its place on an arc; one that is on none stands still.
    subroutine add_moving(traced, joint, place, sketch)

@@ -5,7 +5,7 @@ module psalm_chain_study
    use psalm_closure, only: closure_t, state_t, most_orders
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp, full_turn, radians_per_degree
-   use psalm_link_poses, only: find_poses
+   use psalm_link_poses, only: find_poses, looped_t, make_looped
    use psalm_sketch, only: drive_turns, output_ratio, columns_of
    use psalm_sketch_assembly, only: assemble_sketch
    use psalm_sketch_outputs, only: names_of_numbers, unwrap
@@ -21,26 +21,37 @@ module psalm_chain_study
       type(closure_t) :: closure
       type(state_t) :: start                        !! at the drawing
       type(chain_motion_t) :: motion
+      class(looped_t), allocatable :: looped        !! if the poses are taken from its loops
+   contains
+      procedure :: leave_last_out
    end type chain_study_t
 
 contains
 
    !> Positions, rates by time and outputs. `speed` and `accel` are those of the first drive; the others follow by their ratio or
    !> have their own.
-   subroutine study_chain(set, speed, accel, study, inputs, by_loops)
+   subroutine study_chain(set, speed, accel, study, inputs, by_loops, other)
       type(data_set_t), intent(in) :: set
       real(wp), intent(in) :: speed, accel          !! radians or length a second
       type(chain_study_t), intent(out) :: study
       real(wp), intent(in), optional :: inputs(:, :) !! shape (drives, positions): degrees or length from the drawing, in place of
                                                     !! those of the case
       logical, intent(in), optional :: by_loops     !! take the poses from its loops, if there are: for pictures
+      type(chain_study_t), intent(in), optional :: other !! of the same sketch at other inputs
       type(diagnostics_t) :: findings
       real(wp), allocatable :: angles(:, :), rate(:, :, :)
       real(wp) :: unit
       integer :: k, d, n, numbers, positions
       logical :: looped
 
-      call assemble_sketch(set, study%closure, study%start, study%valid, findings)
+      if (present(other)) then
+         study%closure = other%closure
+         study%start = other%start
+         study%valid = other%valid
+         if (allocated(other%looped)) allocate (study%looped, source=other%looped)
+      else
+         call assemble_sketch(set, study%closure, study%start, study%valid, findings)
+      end if
       if (.not. study%valid) return
       associate (drives => set%sketch%drives, outputs => set%sketch%outputs)
          if (present(inputs)) then
@@ -67,10 +78,15 @@ contains
          looped = .false.
          if (present(by_loops)) looped = by_loops .and. allocated(set%traced)
          if (looped) then
+            if (.not. allocated(study%looped)) then
+               allocate (study%looped)
+               call make_looped(set, study%looped)
+            end if
             if (set%counts_time()) then
-               call find_poses(set, study%closure, study%inputs, set%pace(), set%change_of_pace(), study, study%motion)
+               call find_poses(set, study%closure, study%inputs, set%pace(), set%change_of_pace(), study%looped, study, &
+                               study%motion)
             else
-               call find_poses(set, study%closure, study%inputs, speed, accel, study, study%motion)
+               call find_poses(set, study%closure, study%inputs, speed, accel, study%looped, study, study%motion)
             end if
             do k = 1, positions
                allocate (study%motion%states(k)%input(size(drives), 0:most_orders))
@@ -107,6 +123,24 @@ contains
          end do
       end associate
    end subroutine study_chain
+
+   !> Leave the last position out.
+   subroutine leave_last_out(self)
+      class(chain_study_t), intent(inout) :: self
+
+      associate (n => size(self%closed) - 1)
+         self%inputs = self%inputs(:, :n)
+         self%closed = self%closed(:n)
+         self%dead = self%dead(:n)
+         self%values = self%values(:, :, :n)
+         self%by_drive = self%by_drive(:, :, :n)
+         self%joints = self%joints(:, :, :n)
+         self%motion%closed = self%motion%closed(:n)
+         self%motion%dead = self%motion%dead(:n)
+         self%motion%group = self%motion%group(:n)
+         self%motion%states = self%motion%states(:n)
+      end associate
+   end subroutine leave_last_out
 
    !> What each drive does by itself: derivatives of all outputs by every one, radians for degrees.
    subroutine find_changes(study)

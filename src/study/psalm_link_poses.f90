@@ -1,51 +1,69 @@
 !> Poses of all links of a sketch from its loops, at any inputs of its drives: what pictures draw, with rates by time.
 module psalm_link_poses
-   use psalm_angles, only: degrees_of, unit_vector
    use psalm_chain_motion, only: chain_motion_t
-   use psalm_closure, only: closure_t, most_orders, state_t
+   use psalm_closure, only: closure_t, most_orders
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
-   use psalm_error, only: motion_t, problem_t, new_problem
-   use psalm_joint_location, only: locate_sketch
-   use psalm_kinds, only: wp, radians_per_degree
+   use psalm_error, only: motion_t, problem_t, reach_t, new_problem
+   use psalm_joint_location, only: add_link_axes
+   use psalm_kinds, only: wp
    use psalm_mechanism, only: body_frame, mechanism_t
-   use psalm_moving_joints, only: sketch_motion_t
    use psalm_parameters, only: no_parameters, parameters_t
-   use psalm_rates, only: derivatives_of, differentiate, in_time, prepare_rates, rates_t
    use psalm_setup, only: set_up
-   use psalm_sketch, only: frame_link
-   use psalm_sketch_motion, only: observe_sketch
-   use psalm_sketch_study, only: sketch_study_t, study_sketch
+   use psalm_sketch_study, only: link_poses_t, sketch_study_t, study_sketch
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
-   public :: find_poses
+   public :: looped_t, make_looped, find_poses
+
+   !> A sketch with its loops, ready to be solved at any inputs.
+   type :: looped_t
+      type(mechanism_t) :: mechanism
+      type(dimensions_t) :: dimensions
+      type(link_poses_t) :: links                   !! parts and axes, no poses
+      type(reach_t) :: reach                        !! how far it goes from its drawing
+   end type looped_t
 
 contains
 
+   !> Set a sketch up.
+   subroutine make_looped(set, looped)
+      type(data_set_t), intent(in) :: set               !! a sketch with its loops
+      type(looped_t), intent(out) :: looped
+      class(parameters_t), allocatable :: parameters    ! large: they would fill a small stack
+      type(diagnostics_t) :: findings
+      integer :: l
+
+      allocate (parameters)
+      call set_up(set, looped%mechanism, looped%dimensions, parameters, findings)
+      looped%links%parts = set%traced%moving
+      call add_link_axes(set, looped%links%parts)
+      looped%links%axis = [(axis_of(looped%mechanism, l), l=1, size(set%sketch%links))]
+   end subroutine make_looped
+
    !> All that a sketch does at inputs of its drives, and where its links are.
-   subroutine find_poses(set, closure, inputs, speed, accel, study, motion)
+   subroutine find_poses(set, closure, inputs, speed, accel, looped, study, motion)
       type(data_set_t), intent(in) :: set               !! a sketch with its loops
       type(closure_t), intent(in) :: closure            !! its parts
       real(wp), intent(in) :: inputs(:, :)              !! shape (drives, positions): degrees or length, from the drawing
       real(wp), intent(in) :: speed, accel              !! of the first drive: radians or length a second
+      type(looped_t), intent(inout) :: looped
       class(sketch_study_t), intent(inout) :: study
       type(chain_motion_t), intent(out) :: motion
-      class(mechanism_t), allocatable :: mechanism       ! large, as those below: they would fill a small stack
-      class(dimensions_t), allocatable :: dimensions
-      class(parameters_t), allocatable :: parameters
-      type(diagnostics_t) :: findings
-      class(problem_t), allocatable :: problem
+      class(problem_t), allocatable :: problem          ! large, as those below: they would fill a small stack
       class(motion_t), allocatable :: found
       class(sketch_study_t), allocatable :: outputs
+      class(link_poses_t), allocatable :: poses
       integer :: k
 
-      allocate (mechanism, dimensions, parameters, problem, found, outputs)
-      call set_up(set, mechanism, dimensions, parameters, findings)
-      call new_problem(mechanism, dimensions, no_parameters(mechanism), inputs(1, :) - (dimensions%crnki - dimensions%drawn), &
-                       .true., problem, transpose(inputs(2:, :)))
-      call problem%analyse(dimensions, found)
-      call study_sketch(set, problem, dimensions, found%closed, speed, accel, outputs)
+      allocate (problem, found, outputs)
+      allocate (poses, source=looped%links)
+      associate (dimensions => looped%dimensions)
+         call new_problem(looped%mechanism, dimensions, no_parameters(looped%mechanism), &
+                          inputs(1, :) - (dimensions%crnki - dimensions%drawn), .true., problem, transpose(inputs(2:, :)))
+         call problem%analyse(dimensions, found, looped%reach)
+         call study_sketch(set, problem, dimensions, found%closed, speed, accel, outputs, poses=poses)
+      end associate
       study%inputs = inputs
       study%closed = outputs%closed
       study%dead = outputs%dead
@@ -65,7 +83,13 @@ contains
                motion%group(violation%first:violation%last) = group_of(violation%loop)
          end associate
       end do
-      call find_states(set, problem, dimensions, speed, accel, study%joints, motion%states)
+      do k = 1, size(motion%states)
+         associate (state => motion%states(k))
+            allocate (state%t(size(poses%axis), 0:most_orders), source=poses%t(:, :, k))
+            allocate (state%phi(size(poses%axis), 0:most_orders), source=poses%phi(:, :, k))
+            allocate (state%joint(size(study%joints, 1), 0:most_orders), source=study%joints(:, :, k))
+         end associate
+      end do
 
    contains
 
@@ -74,63 +98,11 @@ contains
          integer, intent(in) :: loop
 
          group_of = 0
-         associate (members => mechanism%groups(loop)%members)
-            if (size(members) > 0) group_of = closure%order%of_link(mechanism%arcs(members(1))%link)
+         associate (members => looped%mechanism%groups(loop)%members)
+            if (size(members) > 0) group_of = closure%order%of_link(looped%mechanism%arcs(members(1))%link)
          end associate
       end function group_of
    end subroutine find_poses
-
-   !> Places and turns of the links at every position, with their rates by time. Turns are between half a turn and its opposite.
-   subroutine find_states(set, problem, dimensions, speed, accel, joints, states)
-      type(data_set_t), intent(in) :: set
-      class(problem_t), intent(inout) :: problem
-      type(dimensions_t), intent(in) :: dimensions
-      real(wp), intent(in) :: speed, accel
-      complex(wp), intent(in) :: joints(:, 0:, :)       !! shape (joints, 0:most_orders, positions)
-      type(state_t), intent(inout) :: states(:)         !! shape (positions)
-      type(sketch_motion_t) :: bare                     !! where links without joints begin
-      type(rates_t), allocatable :: rates               ! large
-      complex(wp), allocatable :: origin(:, :, :)
-      real(wp), allocatable :: moved(:, :, :)
-      real(wp) :: x, y, c, s, length
-      integer :: axis(size(set%sketch%links)), block, offset, n, i, k, l, root
-
-      do l = 1, size(axis)
-         axis(l) = axis_of(problem%mechanism, l)
-      end do
-      call locate_sketch(set, bare, with_links=.true.)
-      call problem%want_derivatives(.true., bare%points)
-      call problem%bind(dimensions)
-      allocate (rates, origin(size(bare%drawn), 0:most_orders, problem%linkage%room), &
-                moved(size(bare%arcs), 0:most_orders, problem%linkage%room))
-      call prepare_rates(problem, rates)
-      do block = 1, problem%blocks()
-         call problem%solve_block(block, offset, n)
-         call differentiate(problem, rates, n, most_orders)
-         call observe_sketch(bare, problem, rates, n, speed, accel, origin(:, :, :n), moved(:, :, :n))
-         do i = 1, n
-            k = offset + i
-            associate (state => states(k))
-               allocate (state%t(size(axis), 0:most_orders), source=(0.0_wp, 0.0_wp))
-               allocate (state%phi(size(axis), 0:most_orders), source=0.0_wp)
-               allocate (state%joint(size(joints, 1), 0:most_orders), source=joints(:, :, k))
-               do l = 1, size(axis)
-                  if (l == frame_link) cycle
-                  associate (of => set%sketch%links(l)%joints)
-                     if (size(of) > 0) state%t(l, :) = joints(of(1), :, k)
-                     if (size(of) == 0) state%t(l, :) = origin(size(set%sketch%joint_name) + l, :, i)
-                  end associate
-                  if (axis(l) == 0) cycle
-                  root = problem%plan%root(axis(l))
-                  call problem%linkage%arc_at(problem%plan, axis(l), i, x, y, length)
-                  call unit_vector(set%traced%arcs(axis(l))%direction, c, s)
-                  state%phi(l, 0) = degrees_of(x*c + y*s, y*c - x*s)*radians_per_degree
-                  state%phi(l, 1:) = in_time(derivatives_of(rates, problem%linkage%root_x(root), i), speed, accel)
-               end do
-            end associate
-         end do
-      end do
-   end subroutine find_states
 
    !> An arc that turns as a link does; 0: none.
    pure integer function axis_of(mechanism, link) result(axis)

@@ -1,23 +1,24 @@
 !> All outputs and joints of a sketch at the positions of a case; of one that has loops they are found by these, block by block.
 module psalm_sketch_study
+   use psalm_angles, only: degrees_of, unit_vector
    use psalm_condition, only: condition_t, condition_at, prepare_condition
    use psalm_closure, only: most_orders
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
    use psalm_joint_location, only: locate_sketch
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: wp, radians_per_degree
    use psalm_moving_joints, only: sketch_motion_t
    use psalm_output_condition, only: output_conditions
-   use psalm_rates, only: rates_t, prepare_rates, differentiate, is_dead
-   use psalm_sketch, only: columns_of, output_ratio
+   use psalm_rates, only: rates_t, prepare_rates, derivatives_of, differentiate, in_time, is_dead
+   use psalm_sketch, only: columns_of, frame_link, output_ratio
    use psalm_sketch_motion, only: find_places, observe_sketch
    use psalm_sketch_outputs, only: names_of_numbers, values_of_outputs, unwrap, name_length
    use psalm_shown_input, only: crank_angle_at, input_at, shows_crank
    use psalm_sweep, only: sweep_inputs
    implicit none (type, external)
    private
-   public :: sketch_study_t, study_sketch, study_sweep, study_conditions
+   public :: sketch_study_t, link_poses_t, study_sketch, study_sweep, study_conditions
 
    !> What a sketch does.
    type :: sketch_study_t
@@ -37,6 +38,14 @@ module psalm_sketch_study
    contains
       procedure :: find_range
    end type sketch_study_t
+
+   !> Places and turns of links with their rates by time, where they are wanted besides.
+   type :: link_poses_t
+      type(sketch_motion_t) :: parts                !! where joints are, and after them the axes of links without joints begin
+      integer, allocatable :: axis(:)               !! by link: an arc that turns as it does; 0: none
+      complex(wp), allocatable :: t(:, :, :)        !! shape (links, 0:most_orders, positions)
+      real(wp), allocatable :: phi(:, :, :)         !! the same shape; turns between half a turn and its opposite, radians
+   end type link_poses_t
 
 contains
 
@@ -121,7 +130,7 @@ contains
    end subroutine study_sweep
 
    !> Outputs and joints at the positions of a problem, with their rates by time.
-   subroutine study_sketch(set, problem, dimensions, closed, speed, accel, study, changed)
+   subroutine study_sketch(set, problem, dimensions, closed, speed, accel, study, changed, poses)
       type(data_set_t), intent(in) :: set               !! a sketch with its loops
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
@@ -129,17 +138,24 @@ contains
       real(wp), intent(in) :: speed, accel              !! of the input: radians or length a second
       type(sketch_study_t), intent(out) :: study
       logical, intent(in), optional :: changed          !! the dimensions are not those of the drawing
+      type(link_poses_t), intent(inout), optional :: poses !! with its parts and axes
       class(problem_t), allocatable :: own              ! large, as the rates are: they would fill a small stack
       type(rates_t), allocatable :: rates
       type(sketch_motion_t) :: sketch
       real(wp), allocatable :: moved(:, :, :)
-      complex(wp), allocatable :: alone(:, :, :)
+      complex(wp), allocatable :: places(:, :, :), alone(:, :, :)
       real(wp) :: largest(2)
       integer :: block, offset, n, i, k, loop
 
       allocate (own, source=problem)
       if (allocated(own%linkages)) deallocate (own%linkages)
-      call locate_as(set, dimensions, changed, sketch)
+      if (present(poses)) then
+         sketch = poses%parts
+         allocate (poses%t(size(poses%axis), 0:most_orders, size(closed)), source=(0.0_wp, 0.0_wp))
+         allocate (poses%phi(size(poses%axis), 0:most_orders, size(closed)), source=0.0_wp)
+      else
+         call locate_as(set, dimensions, changed, sketch)
+      end if
       call own%want_derivatives(.true., sketch%points)
       call own%bind(dimensions)
       allocate (rates)
@@ -163,25 +179,27 @@ contains
          allocate (study%joints(size(set%sketch%joint_name), 0:most_orders, positions), source=(0.0_wp, 0.0_wp))
          allocate (moved(size(set%sketch%slides), 0:most_orders, own%linkage%room))
          allocate (study%by_drive(size(study%names), size(study%inputs, 1), positions), source=0.0_wp)
-         allocate (alone(size(study%joints, 1), 0:most_orders, own%linkage%room))
+         associate (shape => [size(sketch%drawn), own%linkage%room])
+            allocate (places(shape(1), 0:most_orders, shape(2)), alone(shape(1), 0:most_orders, shape(2)))
+         end associate
          do block = 1, own%blocks()
             call own%solve_block(block, offset, n)
             call differentiate(own, rates, n, most_orders)
-            associate (joints => study%joints(:, :, offset + 1:offset + n))
-               call observe_sketch(sketch, own, rates, n, speed, accel, joints, moved(:, :, :n))
-               do i = 1, n
-                  k = offset + i
-                  if (.not. closed(k)) cycle
-                  do loop = 1, own%mechanism%nloop
-                     study%dead(k) = study%dead(k) .or. is_dead(own, rates, loop, i)
-                  end do
-                  largest = [fastest_turn(i), max(maxval(abs(study%joints(:, 1, k))), maxval(abs(moved(:, 1, i))))]
-                  call values_of_outputs(outputs, study%joints(:, :, k), moved(:, :, i), largest, study%values(:, :, k))
-                  where (study%values(:, 0, k) >= huge(1.0_wp)) study%values(:, 1, k) = huge(1.0_wp)
-                  where (study%values(:, 0, k) >= huge(1.0_wp)) study%values(:, 2, k) = huge(1.0_wp)
-                  where (study%values(:, 0, k) >= huge(1.0_wp)) study%values(:, 3, k) = huge(1.0_wp)
+            call observe_sketch(sketch, own, rates, n, speed, accel, places(:, :, :n), moved(:, :, :n))
+            study%joints(:, :, offset + 1:offset + n) = places(:size(study%joints, 1), :, :n)
+            do i = 1, n
+               k = offset + i
+               if (present(poses)) call take_poses()
+               if (.not. closed(k)) cycle
+               do loop = 1, own%mechanism%nloop
+                  study%dead(k) = study%dead(k) .or. is_dead(own, rates, loop, i)
                end do
-            end associate
+               largest = [fastest_turn(i), max(maxval(abs(study%joints(:, 1, k))), maxval(abs(moved(:, 1, i))))]
+               call values_of_outputs(outputs, study%joints(:, :, k), moved(:, :, i), largest, study%values(:, :, k))
+               where (study%values(:, 0, k) >= huge(1.0_wp)) study%values(:, 1, k) = huge(1.0_wp)
+               where (study%values(:, 0, k) >= huge(1.0_wp)) study%values(:, 2, k) = huge(1.0_wp)
+               where (study%values(:, 0, k) >= huge(1.0_wp)) study%values(:, 3, k) = huge(1.0_wp)
+            end do
             if (size(study%inputs, 1) > 1) call move_one_by_one()
          end do
          if (.not. all(closed)) return
@@ -204,7 +222,7 @@ contains
                k = offset + i
                if (.not. closed(k) .or. study%dead(k)) cycle
                largest = 1.0_wp
-               call values_of_outputs(set%sketch%outputs, alone(:, :, i), moved(:, :, i), largest, values)
+               call values_of_outputs(set%sketch%outputs, alone(:size(study%joints, 1), :, i), moved(:, :, i), largest, values)
                study%by_drive(:, d, k) = values(:, 1)
             end do
          end do
@@ -215,6 +233,29 @@ contains
             if (set%sketch%outputs(o)%kind == output_ratio) study%by_drive(number, :, :) = huge(1.0_wp)
          end do
       end subroutine move_one_by_one
+
+      !> Poses of the links at position `i` of the block, k of all.
+      subroutine take_poses()
+         real(wp) :: x, y, c, s, length
+         integer :: l, arc
+
+         do l = 1, size(poses%axis)
+            if (l == frame_link) cycle
+            associate (of => set%sketch%links(l)%joints)
+               if (size(of) > 0) then
+                  poses%t(l, :, k) = places(of(1), :, i)
+               else
+                  poses%t(l, :, k) = places(size(study%joints, 1) + l, :, i)
+               end if
+            end associate
+            arc = poses%axis(l)
+            if (arc == 0) cycle
+            call own%linkage%arc_at(own%plan, arc, i, x, y, length)
+            call unit_vector(set%traced%arcs(arc)%direction, c, s)
+            poses%phi(l, 0, k) = degrees_of(x*c + y*s, y*c - x*s)*radians_per_degree
+            poses%phi(l, 1:, k) = in_time(derivatives_of(rates, own%linkage%root_x(own%plan%root(arc)), i), speed, accel)
+         end do
+      end subroutine take_poses
 
       !> The largest rate of any direction by time at a position of the block.
       pure real(wp) function fastest_turn(at)
