@@ -374,7 +374,6 @@ contains
       stopped = asked_to_end()
       if (.not. findings%failed()) then
          call report_chain_search(set, search, devices)
-         if (size(search%best) == 0) return
          allocate (found)
          call resolve_drawn(search%drawn, found, findings)
          if (.not. findings%failed()) call prepare(found, none, prepared, findings)

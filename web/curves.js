@@ -41,7 +41,7 @@ balm.curves = (() => {
   function allPanels(c) {
     const { pens, linkColour } = balm.drawing, s = c.sweep, p = c.prescribed, list = [];
     const size = c.motion === 'angle' ? 360 : c.size, called = c.outputLabel || 'the output';
-    const unit = c.motion === 'angle' ? ', degrees' : ', length';
+    const unit = c.motion === 'number' ? '' : c.motion === 'angle' ? ', degrees' : ', length';
     const put = (group, panel) => list.push({ group, points: [], ...panel });
     const marks = (values) => Array.from(values, (v, i) => [c.at[i], v]);
     const output = (name, actual, desired, band) => put('position', { name, size, band,
@@ -59,7 +59,7 @@ balm.curves = (() => {
     } else if (c.motion === 'point') {
       output('x of ' + called + ', length', 'actual', 'desired', c.band?.[0]);
       output('y of ' + called + ', length', 'actual_y', 'desired_y', c.band?.[1]);
-    } else {
+    } else if (c.motion !== 'number') { // the panels have it
       output((c.outputLabel || OUTPUT[c.motion]) + unit, 'actual', 'desired', c.band?.[0]);
     }
     further('position');

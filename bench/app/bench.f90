@@ -9,7 +9,7 @@
 !>                                     needle | us of an objective | us of a Jacobian | gradient / objective
 !>        bench forces [short]         linkage | dyads | positions | ns per dyad and position: motion | forces after it;
 !>                                     short: the fewest positions only
-!>        bench groups FOLDER          linkage | groups | positions | ns per position: larger groups, gears, cylinders; FOLDER: data
+!>        bench groups FOLDER [short]  linkage | groups | positions | ns per position: larger groups, gears, cylinders; FOLDER: data
 !>        bench evaluate20, evaluate10240   ten evaluations of the needle linkage, for counting instructions
 !>        bench objective              positions | microseconds per evaluation | ns per dyad and position
 program bench
@@ -37,7 +37,7 @@ program bench
    case ('forces')
       call measure_forces(file == 'short')
    case ('groups')
-      call measure_groups(trim(file))
+      call measure_groups(trim(file), label == 'short')
    case ('evaluate20')
       call evaluate_needle(20)
    case ('evaluate10240')

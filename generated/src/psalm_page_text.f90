@@ -1461,7 +1461,7 @@ module psalm_page_text
    '  function allPanels(c) {'//nl// &
    '    const { pens, linkColour } = balm.drawing, s = c.sweep, p = c.prescribed, list = [];'//nl// &
    "    const size = c.motion === 'angle' ? 360 : c.size, called = c.outputLabel || 'the output';"//nl// &
-   "    const unit = c.motion === 'angle' ? ', degrees' : ', length';"//nl// &
+   "    const unit = c.motion === 'number' ? '' : c.motion === 'angle' ? ', degrees' : ', length';"//nl// &
    '    const put = (group, panel) => list.push({ group, points: [], ...panel });'//nl// &
    '    const marks = (values) => Array.from(values, (v, i) => [c.at[i], v]);'//nl// &
    "    const output = (name, actual, desired, band) => put('position', { name, size, band,"//nl// &
@@ -1480,7 +1480,7 @@ module psalm_page_text
    "    } else if (c.motion === 'point') {"//nl// &
    "      output('x of ' + called + ', length', 'actual', 'desired', c.band?.[0]);"//nl// &
    "      output('y of ' + called + ', length', 'actual_y', 'desired_y', c.band?.[1]);"//nl// &
-   '    } else {'//nl// &
+   "    } else if (c.motion !== 'number') { // the panels have it"//nl// &
    "      output((c.outputLabel || OUTPUT[c.motion]) + unit, 'actual', 'desired', c.band?.[0]);"//nl// &
    '    }'//nl// &
    "    further('position');"//nl// &

@@ -17,7 +17,7 @@ module psalm_higher_group
    use psalm_wheel_kernels, only: highest_at_once, make_series, turn_by_power
    implicit none (type, external)
    private
-   public :: state_at, put_state, predict, correct, is_trusted
+   public :: keep_state, put_state, predict, correct, is_trusted
    public :: rows_of_higher, form_higher, differentiate_higher, solve_higher, is_dead_higher, bounds_higher
    public :: closure_of_higher, change_of_higher, gaps_of_ties, put_known_turns, keep_known_turns
    public :: find_turns, turn_wheel, keep_turns
@@ -29,6 +29,7 @@ module psalm_higher_group
    real(wp), parameter :: nearest = 0.1_wp   !! likewise: a first correction below it that the second confirms is believed
    real(wp), parameter :: fits = 1.0e-9_wp   !! parts of the size: so far links that brace each other may be from meeting
    integer, parameter :: most_steps = 20     !! of Newton's method
+   integer, parameter :: most_small = 12     !! equations and unknowns of groups that need no memory of their own
    integer, parameter :: highest_power = 64  !! of a direction: wheels with greater ratios are turned by angles
    real(wp), parameter :: whole = 64.0_wp*epsilon(1.0_wp) !! so far from a whole number, in parts of it, a ratio is one by rounding
    real(wp), parameter :: rounding_of_factor = 2.0_wp !! in epsilons, of a product of two unit vectors, and its share of the square
@@ -43,65 +44,69 @@ module psalm_higher_group
 
 contains
 
-   !> The unknowns at a position of a block: cosine and sine, or length and 0. Shape (3, unknowns); of a direction its turn, too.
-   pure function state_at(higher, store, i) result(state)
-      type(higher_t), intent(in) :: higher
+   !> Note the unknowns at a position of a block: cosine and sine, or length and 0; of a direction its turn, too.
+   pure subroutine keep_state(higher, store, i)
+      type(higher_t), intent(inout) :: higher
       type(rows_t), intent(in) :: store
       integer, intent(in) :: i
-      real(wp) :: state(3, higher%unknowns)
       integer :: j
 
       do j = 1, higher%unknowns
-         state(1, j) = store%v(i, higher%row(j))
-         state(2:, j) = 0.0_wp
-         if (higher%row_of_sine(j) > 0) state(2, j) = store%v(i, higher%row_of_sine(j))
-         if (higher%row_of_turn(j) > 0) state(3, j) = store%v(i, higher%row_of_turn(j))
+         associate (state => higher%now(:, j))
+            state(1) = store%v(i, higher%row(j))
+            state(2:) = 0.0_wp
+            if (higher%row_of_sine(j) > 0) state(2) = store%v(i, higher%row_of_sine(j))
+            if (higher%row_of_turn(j) > 0) state(3) = store%v(i, higher%row_of_turn(j))
+         end associate
       end do
-   end function state_at
+   end subroutine keep_state
 
-   pure subroutine put_state(higher, state, store, i)
+   !> Put the unknowns back where the group stands.
+   pure subroutine put_state(higher, store, i)
       type(higher_t), intent(in) :: higher
-      real(wp), intent(in) :: state(:, :)          !! shape (3, unknowns)
       type(rows_t), intent(inout) :: store
       integer, intent(in) :: i
       integer :: j
 
       do j = 1, higher%unknowns
-         store%v(i, higher%row(j)) = state(1, j)
-         if (higher%row_of_sine(j) > 0) store%v(i, higher%row_of_sine(j)) = state(2, j)
-         if (higher%row_of_turn(j) > 0) store%v(i, higher%row_of_turn(j)) = state(3, j)
+         store%v(i, higher%row(j)) = higher%now(1, j)
+         if (higher%row_of_sine(j) > 0) store%v(i, higher%row_of_sine(j)) = higher%now(2, j)
+         if (higher%row_of_turn(j) > 0) store%v(i, higher%row_of_turn(j)) = higher%now(3, j)
       end do
    end subroutine put_state
 
-   !> Go on as from `before` to `now`, `ratio` times as far.
-   pure subroutine predict(higher, before, now, ratio, next, moved)
+   !> Go on as from where the group stood before to where it stands, `ratio` times as far.
+   pure subroutine predict(higher, ratio, store, i, moved)
       type(higher_t), intent(in) :: higher
-      real(wp), intent(in) :: before(:, :), now(:, :) !! shape (3, unknowns)
       real(wp), intent(in) :: ratio
-      real(wp), intent(out) :: next(:, :)          !! shape (3, unknowns)
+      type(rows_t), intent(inout) :: store
+      integer, intent(in) :: i
       real(wp), intent(out) :: moved               !! largest change
-      real(wp) :: cosine, sine, half
+      real(wp) :: cosine, sine, half, turn, vector(2)
       integer :: j
 
       moved = 0.0_wp
-      do j = 1, higher%unknowns
-         next(3, j) = now(3, j)
-         if (higher%row_of_turn(j) > 0) then
-            next(3, j) = now(3, j) + ratio*(now(3, j) - before(3, j))
-            call unit_vector(higher%drawn_angle(j) + next(3, j)*degrees_per_radian, next(1, j), next(2, j))
-            moved = max(moved, abs(next(3, j) - now(3, j)))
-         else if (higher%row_of_sine(j) > 0) then
-            cosine = now(1, j)*before(1, j) + now(2, j)*before(2, j)
-            sine = now(2, j)*before(1, j) - now(1, j)*before(2, j)
-            half = ratio*sine/(1.0_wp + max(cosine, 0.0_wp))
-            next(:2, j) = turned(now(:2, j), half)
-            moved = max(moved, 2.0_wp*abs(half))
-         else
-            next(1, j) = now(1, j) + ratio*(now(1, j) - before(1, j))
-            next(2, j) = 0.0_wp
-            moved = max(moved, abs(next(1, j) - now(1, j))/max(higher%size, abs(now(1, j))))
-         end if
-      end do
+      associate (now => higher%now, before => higher%before, v => store%v)
+         do j = 1, higher%unknowns
+            if (higher%row_of_turn(j) > 0) then
+               turn = now(3, j) + ratio*(now(3, j) - before(3, j))
+               v(i, higher%row_of_turn(j)) = turn
+               call unit_vector(higher%drawn_angle(j) + turn*degrees_per_radian, v(i, higher%row(j)), v(i, higher%row_of_sine(j)))
+               moved = max(moved, abs(turn - now(3, j)))
+            else if (higher%row_of_sine(j) > 0) then
+               cosine = now(1, j)*before(1, j) + now(2, j)*before(2, j)
+               sine = now(2, j)*before(1, j) - now(1, j)*before(2, j)
+               half = ratio*sine/(1.0_wp + max(cosine, 0.0_wp))
+               vector = turned(now(1:2, j), half)
+               v(i, higher%row(j)) = vector(1)
+               v(i, higher%row_of_sine(j)) = vector(2)
+               moved = max(moved, 2.0_wp*abs(half))
+            else
+               v(i, higher%row(j)) = now(1, j) + ratio*(now(1, j) - before(1, j))
+               moved = max(moved, abs(v(i, higher%row(j)) - now(1, j))/max(higher%size, abs(now(1, j))))
+            end if
+         end do
+      end associate
    end subroutine predict
 
    !> A unit vector turned by twice the angle whose tangent is `half`; its length is put right to first order.
@@ -122,23 +127,47 @@ contains
       type(rows_t), intent(inout) :: store
       integer, intent(in) :: i
       type(correction_t), intent(inout) :: result  !! `moved` is kept
-      real(wp) :: matrix(higher%equations, higher%unknowns), right(higher%equations, 1), vector(2)
+      real(wp) :: room(most_small*(most_small + 1))
+      real(wp), allocatable :: large(:)
+
+      associate (m => higher%equations, n => higher%unknowns)
+         if (m == 4 .and. n == 4) then
+            ! loops of known length
+            call correct_with(higher, store, i, result, 4, 4, room, room(17))
+         else if (max(m, n) <= most_small) then
+            call correct_with(higher, store, i, result, m, n, room, room(m*n + 1))
+         else
+            allocate (large(m*(n + 1)))
+            call correct_with(higher, store, i, result, m, n, large, large(m*n + 1))
+         end if
+      end associate
+   end subroutine correct
+
+   !> The same with room for matrix and right side: nothing is allocated.
+   pure subroutine correct_with(higher, store, i, result, m, n, matrix, right)
+      type(higher_t), intent(in) :: higher
+      type(rows_t), intent(inout) :: store
+      integer, intent(in) :: i
+      type(correction_t), intent(inout) :: result
+      integer, intent(in) :: m, n                  !! equations, unknowns
+      real(wp), intent(inout) :: matrix(m, n), right(m, 1)
+      real(wp) :: vector(2)
       real(wp) :: largest, before, product, determinant, scaling
       integer :: step, j
 
       result%converged = .false.
       before = huge(1.0_wp)
       do step = 1, most_steps
-         call equations(higher, store, i, matrix, right(:, 1))
+         call equations(higher, store, i, m, n, matrix, right)
          product = 1.0_wp
-         do j = 1, higher%unknowns
+         do j = 1, n
             product = product*sum(matrix(:, j)**2)
          end do
-         call reduce_real(higher%equations, higher%unknowns, 1, matrix, right, determinant)
+         call reduce_real(m, n, 1, matrix, right, determinant)
          if (.not. abs(determinant) > 0.0_wp) return
          result%determinant = determinant/sqrt(product)
          largest = 0.0_wp
-         do j = 1, higher%unknowns
+         do j = 1, n
             ! a length that runs far out is changed by a part of itself
             scaling = 1.0_wp
             if (higher%row_of_sine(j) == 0) scaling = higher%size/max(higher%size, abs(store%v(i, higher%row(j))))
@@ -147,7 +176,7 @@ contains
          if (.not. largest < huge(1.0_wp)) return
          if (step == 1) result%first = largest
          if (step == 2) result%second = largest
-         do j = 1, higher%unknowns
+         do j = 1, n
             if (higher%row_of_turn(j) > 0) then
                associate (turn => store%v(i, higher%row_of_turn(j)))
                   turn = turn + right(j, 1)
@@ -166,16 +195,16 @@ contains
          ! the error goes like the square of the correction, over the measure
          if (largest**2 <= epsilon(1.0_wp)*abs(result%determinant) .or. &
              (largest < sqrt(epsilon(1.0_wp)) .and. largest > 0.5_wp*before)) then
-            result%converged = higher%equations == higher%unknowns
+            result%converged = m == n
             if (result%converged) return
-            call equations(higher, store, i, matrix, right(:, 1))
+            call equations(higher, store, i, m, n, matrix, right)
             result%converged = maxval(abs(right)) <= fits
             return
          end if
          if (step > 2 .and. largest > before) return
          before = largest
       end do
-   end subroutine correct
+   end subroutine correct_with
 
    !> True if what Newton's method found is the continuation of the position before.
    pure logical function is_trusted(result, sense)
@@ -190,11 +219,12 @@ contains
    end function is_trusted
 
    !> Matrix and right side of the correction at position i, lengths in parts of the group's size.
-   pure subroutine equations(higher, store, i, matrix, right)
+   pure subroutine equations(higher, store, i, m, n, matrix, right)
       type(higher_t), intent(in) :: higher
       type(rows_t), intent(in) :: store
       integer, intent(in) :: i
-      real(wp), intent(out) :: matrix(:, :), right(:) !! shape (equations, unknowns), (equations)
+      integer, intent(in) :: m, n                  !! equations, unknowns
+      real(wp), intent(out) :: matrix(m, n), right(m)
       real(wp) :: x, y, length, back
       integer :: k, r, j
 
@@ -414,7 +444,7 @@ contains
       real(wp) :: turn
       integer :: k, t
 
-      higher%now = state_at(higher, store, i)
+      call keep_state(higher, store, i)
       call keep_known_turns(higher, store, i)
       if (.not. allocated(higher%by_known)) return
       higher%now(3, :) = 0.0_wp
@@ -470,7 +500,7 @@ contains
          end associate
       end do
       do i = 1, n
-         call equations(higher, store, i, matrix, inverse(:, 1))
+         call equations(higher, store, i, higher%equations, higher%unknowns, matrix, inverse(:, 1))
          product = 1.0_wp
          do j = 1, higher%unknowns
             product = product*sum(matrix(:, j)**2)
@@ -589,7 +619,7 @@ contains
       do i = 1, n
          k(i) = 1.0_wp - store%v(i, measure)
          if (store%v(i, measure) <= 0.0_wp) cycle
-         call equations(higher, store, i, matrix, right(:, 1))
+         call equations(higher, store, i, higher%equations, higher%unknowns, matrix, right(:, 1))
          product = 1.0_wp
          do j = 1, higher%unknowns
             product = product*sum(matrix(:, j)**2)
@@ -614,7 +644,7 @@ contains
       integer :: i, j, k, r
 
       do i = 1, n
-         call equations(higher, store, i, matrix, inverse(:, 1))
+         call equations(higher, store, i, higher%equations, higher%unknowns, matrix, inverse(:, 1))
          change = 0.0_wp
          do k = 1, size(higher%terms)
             associate (term => higher%terms(k))
@@ -674,7 +704,7 @@ contains
                   gap(higher%equations), length, determinant
       integer :: j, k, r
 
-      call equations(higher, store, i, matrix, gap)
+      call equations(higher, store, i, higher%equations, higher%unknowns, matrix, gap)
       call put_identity(inverse)
       call reduce_real(higher%equations, higher%unknowns, higher%equations, matrix, inverse, determinant)
       if (.not. abs(determinant) > 0.0_wp) inverse = worst

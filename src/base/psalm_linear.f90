@@ -157,6 +157,63 @@ contains
       real(wp), intent(inout) :: matrix(n, n)        !! destroyed
       real(wp), intent(inout) :: right(n, columns)
       real(wp), intent(out) :: determinant
+
+      if (n == 4 .and. columns == 1) then
+         call eliminate_four(matrix, right, determinant)
+      else
+         call eliminate_any(n, columns, matrix, right, determinant)
+      end if
+   end subroutine eliminate_real
+
+   !> Four equations, as a group of four links has: columns are as long as a vector register. The same operations in the same order;
+   !> rows that are done lose nothing.
+   pure subroutine eliminate_four(matrix, right, determinant)
+      real(wp), intent(inout) :: matrix(4, 4), right(4)
+      real(wp), intent(out) :: determinant
+      real(wp), parameter :: below(4, 4) = reshape([0, 1, 1, 1, 0, 0, 1, 1, 0, 0, 0, 1, 0, 0, 0, 0], [4, 4]) !! rows not done
+      real(wp) :: a(4, 5), lost(4), swap, inverse(4)
+      integer :: i, k, c, p
+
+      a(:, :4) = matrix
+      a(:, 5) = right
+      determinant = 1.0_wp
+      do k = 1, 4
+         p = k
+         do i = k + 1, 4
+            if (abs(a(i, k)) > abs(a(p, k))) p = i
+         end do
+         determinant = determinant*a(p, k)
+         if (.not. abs(a(p, k)) > tiny(1.0_wp)) then
+            determinant = 0.0_wp
+            return
+         end if
+         if (p /= k) then
+            determinant = -determinant
+            do c = k, 5
+               swap = a(k, c)
+               a(k, c) = a(p, c)
+               a(p, c) = swap
+            end do
+         end if
+         inverse(k) = 1.0_wp/a(k, k)
+         lost = (a(:, k)*inverse(k))*below(:, k)
+         do c = k + 1, 5
+            a(:, c) = a(:, c) - lost*a(k, c)
+         end do
+      end do
+      do k = 4, 1, -1
+         a(k, 5) = a(k, 5)*inverse(k)
+         do i = 1, k - 1
+            a(i, 5) = a(i, 5) - a(i, k)*a(k, 5)
+         end do
+      end do
+      right = a(:, 5)
+   end subroutine eliminate_four
+
+   pure subroutine eliminate_any(n, columns, matrix, right, determinant)
+      integer, intent(in) :: n, columns
+      real(wp), intent(inout) :: matrix(n, n), right(n, columns)
+      real(wp), intent(out) :: determinant
       real(wp) :: swap, factor, inverse
       integer :: i, k, c, p
 
@@ -210,7 +267,7 @@ contains
             end do
          end do
       end do
-   end subroutine eliminate_real
+   end subroutine eliminate_any
 
    !> The same for m equations with n <= m unknowns: where there are more, what makes the sum of the squares of what is left least,
    !> by Householder's reflections, and for the determinant the root of that of matrix'matrix. The first n rows of `right` get the

@@ -132,13 +132,13 @@ contains
       deallocate (synthesis%found%best)
       allocate (synthesis%found%best(size(search%best)))
       do i = 1, size(search%best)
-         synthesis%found%best(i)%values = search%best(i)%x
+         synthesis%found%best(i)%values = search%best(i)%x(:search%problem%variables)
+         synthesis%found%best(i)%delt = search%problem%increments(search%best(i)%x)
          synthesis%found%best(i)%objective = search%best(i)%objective
          synthesis%found%best(i)%start = search%best(i)%start
       end do
       call report_chain_search(set, search, devices)
       call put_found(synthesis, devices%cases(1))
-      if (size(search%best) == 0) return
       allocate (found, prepared, problem)
       call resolve_drawn(search%drawn, found, findings)
       if (findings%failed()) return

@@ -512,8 +512,9 @@ contains
       set%limits%trmin_given = limits%given('TRMIN') .or. constr%given('TRMIN')
       if (limits%given('TRMIN') .and. constr%given('TRMIN')) call out_of(constr, 'TRMIN', 'is given in &LIMITS too; '// &
                                                                         'leave one of the two out', findings)
+      ! of several drives there is no way between the positions
       if (set%limits%trmin_given .and. set%constr%irange == range_positions .and. set%method%ikin == 0 .and. &
-          varies(set)) then
+          varies(set) .and. count(.not. set%sketch%drives%geared) <= 1) then
          call findings%warning('TRMIN holds at the prescribed positions only; with IRANGE=1 or 2 of &CONSTR it holds between '// &
                                'them, too', line=max(limits%item_line('TRMIN'), constr%item_line('TRMIN')), &
                                group=trim(merge('LIMITS', 'CONSTR', limits%given('TRMIN'))), item='TRMIN')

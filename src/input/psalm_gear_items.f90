@@ -46,6 +46,7 @@ contains
                cycle
             end if
             gear%ratio = -teeth_a(i)/teeth_b(i)
+            gear%teeth = [teeth_a(i), teeth_b(i)]
             if (any(gear%wheels == 0) .or. gear%carrier == 0) cycle
             if (gear%wheels(1) == gear%wheels(2) .or. any(gear%wheels == gear%carrier)) then
                call out_of(group, 'GEARB', 'a gear pair has three different links: two wheels and the carrier of both', &

@@ -44,8 +44,8 @@ module psalm_sweep_group
       rule_t('SWLOOP', a_whole, '', '', '', '', &
              'the loop of that arc'), &
       rule_t('SWJNT', a_text, '1', '', '', '', &
-             'of a sketch, in place of these: a length by its joints, `''D E''`, or the angle from one line of a link to '// &
-             'another, `''angle C D D E''`')]
+             'of a sketch, in place of SWHAT, SWLINK and SWLOOP: a length by its joints, `''D E''`, or the angle from one line '// &
+             'of a link to another, `''angle C D D E''`')]
 
 contains
 

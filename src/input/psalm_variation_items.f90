@@ -74,7 +74,7 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       type(variation_t), intent(inout) :: one !! kind 0: it is empty
       character(word_length), allocatable :: words(:)
-      character(:), allocatable :: whose
+      character(:), allocatable :: whose, offered
       integer, allocatable :: joints(:)
       integer :: wanted
       logical :: valid
@@ -109,8 +109,10 @@ contains
       call find_joints(group, item, which, joined(words(2:)), whose, sketch, findings, joints, valid)
       if (.not. valid) return
       if (size(joints) /= wanted) then
-         call out_of(group, item, whose//' names '//to_text(size(joints))//' joints, not '//to_text(wanted)// &
-                     "; there are 'A B', 'angle A B A C', 'place D', 'input', 'all'", findings, which)
+         offered = "'A B' and 'angle A B A C'"
+         if (item == 'VARY') offered = "'A B', 'angle A B A C', 'place D', 'input', 'all'"
+         call out_of(group, item, whose//' names '//to_text(size(joints))//' joint'//trim(merge(' ', 's', size(joints) == 1))// &
+                     ', not '//to_text(wanted)//'; there are '//offered, findings, which)
          return
       end if
       one%joints(:wanted) = joints

@@ -11,9 +11,11 @@ module psalm_parameters
    private
    public :: variable_t, parameters_t, no_parameters, name_of, words_of, length_name
    public :: variable_length, variable_outlk, variable_origlk, variable_gama, variable_outang, variable_origng, variable_crnki
+   public :: variable_aside, variable_aside_angle
 
    integer, parameter :: variable_length = 1, variable_outlk = 2, variable_origlk = 3, variable_gama = 4
    integer, parameter :: variable_outang = 5, variable_origng = 6, variable_crnki = 7
+   integer, parameter :: variable_aside = 8, variable_aside_angle = 9 !! of a joint off the arcs: from the end of one
 
    integer, parameter :: name_length = 4*sketch_name + 3 !! of the joints of two lines
 
@@ -21,7 +23,7 @@ module psalm_parameters
    type :: variable_t
       integer :: kind = 0             !! one of `variable_...`
       integer :: loop = 0, arc = 0    !! of a length or an angle: the arc, by its number in its loop
-      integer :: n = 0                !! the same arc's number in the mechanism
+      integer :: n = 0                !! the same arc's number in the mechanism; of a joint off the arcs its number in the sketch
       character(name_length) :: of = '' !! the joints that it is between, of a sketch
    end type variable_t
 
@@ -32,6 +34,7 @@ module psalm_parameters
       logical, allocatable :: takes_angle(:)        !! by arc: it has a GAMA of its own, which `apply` sets
    contains
       procedure :: vary
+      procedure :: vary_aside
       procedure :: vary_length
       procedure :: vary_angle
       procedure :: first_values
@@ -63,6 +66,29 @@ contains
       if (kind == variable_outang) one%of = mechanism%angle_called(0)
       self%variables = [self%variables, one]
    end subroutine vary
+
+   !> The distance of a joint off the arcs from the end of one varies, or the angle of that line from the arc.
+   pure subroutine vary_aside(self, mechanism, kind, joint, arc, from_start, name)
+      class(parameters_t), intent(inout) :: self
+      type(mechanism_t), intent(in) :: mechanism
+      integer, intent(in) :: kind        !! `variable_aside` or `variable_aside_angle`
+      integer, intent(in) :: joint       !! of the sketch
+      integer, intent(in) :: arc         !! sequential number of the arc
+      logical, intent(in) :: from_start  !! of the arc, else from its finish
+      character(*), intent(in) :: name   !! of the joint
+      type(variable_t) :: one
+      character(sketch_name) :: ends(2)
+
+      one = variable_t(kind, mechanism%arcs(arc)%loop, mechanism%arcs(arc)%place, joint)
+      ends = [character(sketch_name) :: mechanism%ends(merge(1, 2, from_start), arc), name]
+      if (kind == variable_aside) then
+         if (ends(1) > ends(2)) ends = ends([2, 1])
+         one%of = trim(ends(1))//' '//trim(ends(2))
+      else
+         one%of = mechanism%line_called(arc)//' '//trim(ends(1))//' '//trim(ends(2))
+      end if
+      self%variables = [self%variables, one]
+   end subroutine vary_aside
 
    !> The length of an arc varies, and with it that of all arcs identical with it; an arc that slides has none of its own, nor has
    !> one from a joint to itself.
@@ -120,6 +146,10 @@ contains
                values(i) = dimensions%arcl(v%n)
             case (variable_gama)
                values(i) = dimensions%gama(v%n)
+            case (variable_aside)
+               values(i) = dimensions%aside_length(v%n)
+            case (variable_aside_angle)
+               values(i) = dimensions%aside_angle(v%n)
             case (variable_outlk)
                values(i) = dimensions%outlk
             case (variable_outang)
@@ -144,6 +174,10 @@ contains
 
       do i = 1, size(self%variables)
          select case (self%variables(i)%kind)
+         case (variable_aside)
+            dimensions%aside_length(self%variables(i)%n) = values(i)
+         case (variable_aside_angle)
+            dimensions%aside_angle(self%variables(i)%n) = values(i)
          case (variable_outlk)
             dimensions%outlk = values(i)
          case (variable_outang)
@@ -188,7 +222,8 @@ contains
       character(:), allocatable :: name
 
       if (len_trim(variable%of) > 0) then
-         name = trim(merge('ANGLE ', 'LENGTH', any(variable%kind == [variable_gama, variable_outang])))//' '//trim(variable%of)
+         name = trim(merge('ANGLE ', 'LENGTH', any(variable%kind == [variable_gama, variable_outang, &
+                                                                variable_aside_angle])))//' '//trim(variable%of)
          return
       end if
       select case (variable%kind)

@@ -26,6 +26,7 @@ module psalm_place
       integer :: arc = 0                   !! sequential number of the arc; 0: the frame's axes
       real(wp) :: distance = 0.0_wp        !! user's length; 0: the joint is the point
       real(wp) :: angle = 0.0_wp           !! of the line from the arc's direction, degrees
+      integer :: joint = 0                 !! of the sketch
    end type beside_t
 
    !> How far the second link of a slide has moved against the first: sense times the length of an arc, plus the zero.

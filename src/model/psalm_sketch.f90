@@ -64,6 +64,7 @@ module psalm_sketch
       integer :: wheels(2) = 0
       integer :: carrier = 0
       real(wp) :: ratio = 0.0_wp            !! negative for an external pair
+      real(wp) :: teeth(2) = 0.0_wp         !! as written
    end type gear_t
 
    integer, parameter :: most_wished = 2     !! derivatives of an output that may be prescribed
@@ -85,6 +86,7 @@ module psalm_sketch
       type(wish_t) :: wishes(0:most_wished) !! by order of the derivative
    contains
       procedure :: is_wished
+      procedure :: drawn_joint
    end type sketch_output_t
 
    !> One number that is wanted: of an output, of its numbers, a derivative by the first drive's input.
@@ -169,6 +171,25 @@ contains
          first_number = first_number + columns_of(outputs(k))
       end do
    end function first_number
+
+   !> The joint at which an output is drawn: a point, the end of an angle's line, of other numbers one of their joints. 0: there is
+   !> none, as of a slide or of a ratio.
+   pure integer function drawn_joint(self) result(joint)
+      class(sketch_output_t), intent(in) :: self
+
+      select case (self%kind)
+      case (output_point, output_pose)
+         joint = self%joints(1)
+      case (output_angle)
+         joint = self%joints(2)
+      case (output_between)
+         joint = self%joints(4)
+      case (output_slide, output_ratio)
+         joint = 0
+      case default
+         joint = merge(self%joints(2), self%joints(1), self%joints(2) > 0)
+      end select
+   end function drawn_joint
 
    !> True if values are prescribed.
    pure logical function is_wished(self)

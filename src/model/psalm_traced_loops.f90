@@ -109,6 +109,7 @@ module psalm_traced_loops
       character(:), allocatable :: stand_in !! the joint that the listing shows for want of the first output; not allocated: none
       ! what varies besides lengths and angles of arcs
       logical :: outlk_varies = .false., outang_varies = .false., pivot_varies = .false., input_varies = .false.
+      logical, allocatable :: aside_varies(:, :) !! shape (2, joints): of joints off the arcs distance and angle from one of them
       ! where the loops have the parts of the sketch
       type(place_t), allocatable :: link_places(:) !! by link: its first joint, the line to its second one
       type(place_t), allocatable :: joint_places(:) !! by joint; no arc: fixed
@@ -198,6 +199,7 @@ contains
       self%arcs%angle_varies = .false.
       self%outlk_varies = .false.
       self%outang_varies = .false.
+      if (allocated(self%aside_varies)) self%aside_varies = .false.
       self%pivot_varies = .false.
       self%input_varies = .false.
    end subroutine hold_all

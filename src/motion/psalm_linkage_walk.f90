@@ -5,8 +5,8 @@
 !> short a group stands at a dead point. What a turning input does not reach one way it may reach the other way round. Every block
 !> is followed from the drawing, so that its bits do not depend on the blocks before it.
 submodule(psalm_linkage) psalm_linkage_walk
-   use psalm_higher_group, only: correct, correction_t, dead_measure, is_trusted, keep_known_turns, keep_turns, predict, &
-                                 put_known_turns, put_state, state_at, turn_wheel
+   use psalm_higher_group, only: correct, correction_t, dead_measure, is_trusted, keep_known_turns, keep_turns, keep_state, &
+                                 predict, put_known_turns, put_state, turn_wheel
    use psalm_wheel_kernels, only: fill_pieces, piece, ratio_series_t, reach_long, reach_short, turn_from_middle
    use psalm_angles, only: angles_of, degrees_of, unit_vectors
    use psalm_kinds, only: full_turn, half_turn, radians_per_degree
@@ -85,7 +85,7 @@ contains
             if (reached) then
                measure = abs(found%determinant)
             else
-               call put_state(higher, higher%now, self%store, i)
+               call put_state(higher, self%store, i)
                measure = not_reached*(1.0_wp - walk%way) - dead_measure
             end if
          end associate
@@ -420,27 +420,26 @@ contains
       type(walk_t), intent(inout) :: walk
       type(correction_t), intent(out) :: found
       logical, intent(out) :: reached
-      real(wp) :: target(size(inputs)), offset
+      real(wp) :: offset, other(1)
       logical :: valid
 
-      target = inputs
       reached = .false.
-      if (is_open(walk, target)) then
+      if (is_open(walk, inputs)) then
          ! from the drawing where that is nearer: the shorter the way, the fewer places to go astray
-         if (abs(walk%offset) > 0.0_wp .or. is_nearer_to_drawing(self, walk, target)) call start(self, k, walk, valid)
+         if (abs(walk%offset) > 0.0_wp .or. is_nearer_to_drawing(self, walk, inputs)) call start(self, k, walk, valid)
          walk%offset = 0.0_wp
-         call step_to(self, k, i, target, walk, found, reached)
-         if (.not. reached) call walk_to(self, k, i, target, walk, found, reached)
+         call step_to(self, k, i, inputs, walk, found, reached)
+         if (.not. reached) call walk_to(self, k, i, inputs, walk, found, reached)
       end if
       ! wheels stand elsewhere after a turn
       if (reached .or. self%sliding_input .or. self%tied .or. size(inputs) > 1) return
       offset = -sign(full_turn, inputs(1) - self%drawn)
-      target(1) = inputs(1) + offset
-      if (.not. is_open(walk, target)) return
+      other = inputs(1) + offset
+      if (.not. is_open(walk, other)) return
       if (abs(walk%offset - offset) > 0.0_wp) call start(self, k, walk, valid)
       walk%offset = offset
-      call step_to(self, k, i, target, walk, found, reached)
-      if (.not. reached) call walk_to(self, k, i, target, walk, found, reached)
+      call step_to(self, k, i, other, walk, found, reached)
+      if (.not. reached) call walk_to(self, k, i, other, walk, found, reached)
    end subroutine reach
 
    !> True if the drawing is nearer to a target than where the walk stands.
@@ -448,9 +447,18 @@ contains
       class(linkage_t), intent(in) :: self
       type(walk_t), intent(in) :: walk
       real(wp), intent(in) :: target(:)
+      real(wp) :: from_drawing, from_here
+      integer :: d
 
-      is_nearer_to_drawing = walk%last > 0 .and. &
-                             sum((target - [self%drawn, self%seconds%drawn])**2) < sum((target - walk%here)**2)
+      is_nearer_to_drawing = .false.
+      if (walk%last == 0) return
+      from_drawing = (target(1) - self%drawn)**2
+      from_here = (target(1) - walk%here(1))**2
+      do d = 2, size(target)
+         from_drawing = from_drawing + (target(d) - self%seconds(d - 1)%drawn)**2
+         from_here = from_here + (target(d) - walk%here(d))**2
+      end do
+      is_nearer_to_drawing = from_drawing < from_here
    end function is_nearer_to_drawing
 
    !> False where the walk is known to end before.
@@ -470,7 +478,7 @@ contains
       type(walk_t), intent(inout) :: walk
       type(correction_t), intent(inout) :: found
       logical, intent(out) :: reached
-      real(wp) :: next(3, self%steps(k)%dyad%higher%unknowns), ratio, turned
+      real(wp) :: ratio, turned
       logical :: ahead
 
       reached = .false.
@@ -481,18 +489,19 @@ contains
             call put_known_turns(higher, self%store, i, turned)
             if (turned > farthest_turn) return
          end if
-         next = higher%now
          found%moved = 0.0_wp
-         if (walk%known) then
-            call look_ahead(walk, target, ahead, ratio)
-            if (ahead) call predict(higher, higher%before, higher%now, ratio, next, found%moved)
+         ahead = walk%known
+         if (ahead) call look_ahead(walk, target, ahead, ratio)
+         if (ahead) then
+            call predict(higher, ratio, self%store, i, found%moved)
+         else
+            call put_state(higher, self%store, i)
          end if
-         call put_state(higher, next, self%store, i)
          call correct(higher, self%store, i, found)
          reached = is_trusted(found, higher%sense)
          if (.not. reached) return
          higher%before = higher%now
-         higher%now = state_at(higher, self%store, i)
+         call keep_state(higher, self%store, i)
          call keep_known_turns(higher, self%store, i)
       end associate
       walk%before = walk%here
@@ -507,12 +516,25 @@ contains
       real(wp), intent(in) :: target(:)
       logical, intent(out) :: ahead
       real(wp), intent(out) :: ratio
-      real(wp) :: step(size(target)), next(size(target))
+      real(wp) :: across, along, off, farthest, step, next
+      integer :: d
 
-      step = walk%here - walk%before
-      next = target - walk%here
-      ratio = sum(step*next)/sum(step**2)
-      ahead = maxval(abs(next - ratio*step)) <= same_line*maxval(abs(next))
+      across = 0.0_wp
+      along = 0.0_wp
+      do d = 1, size(target)
+         step = walk%here(d) - walk%before(d)
+         across = across + step*(target(d) - walk%here(d))
+         along = along + step**2
+      end do
+      ratio = across/along
+      off = 0.0_wp
+      farthest = 0.0_wp
+      do d = 1, size(target)
+         next = target(d) - walk%here(d)
+         off = max(off, abs(next - ratio*(walk%here(d) - walk%before(d))))
+         farthest = max(farthest, abs(next))
+      end do
+      ahead = off <= same_line*farthest
    end subroutine look_ahead
 
    !> In steps between the positions.
@@ -531,10 +553,10 @@ contains
          ! the rows of the block may differ by rounding from those between
          associate (higher => self%steps(k)%dyad%higher)
             call put_known_turns(higher, self%store, i, turned)
-            call put_state(higher, higher%now, self%store, i)
+            call put_state(higher, self%store, i)
             call correct(higher, self%store, i, found)
             reached = found%converged .and. abs(found%determinant) > dead_measure
-            higher%now = state_at(higher, self%store, i)
+            call keep_state(higher, self%store, i)
             call keep_known_turns(higher, self%store, i)
          end associate
          walk%here = target
@@ -644,7 +666,7 @@ contains
       do j = 1, k
          if (.not. allocated(self%steps(j)%dyad%higher)) cycle
          associate (higher => self%steps(j)%dyad%higher)
-            higher%now = state_at(higher, self%between, 1)
+            call keep_state(higher, self%between, 1)
             call keep_known_turns(higher, self%between, 1)
          end associate
       end do
@@ -683,7 +705,7 @@ contains
       real(wp) :: turned
 
       call put_known_turns(higher, between, 1, turned)
-      call put_state(higher, higher%now, between, 1)
+      call put_state(higher, between, 1)
       call correct(higher, between, 1, found)
       if (trusting) then
          valid = is_trusted(found, higher%sense) .and. turned < farthest_turn

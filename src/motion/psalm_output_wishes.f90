@@ -13,7 +13,7 @@ module psalm_output_wishes
    use psalm_kinds, only: wp, full_turn
    use psalm_linkage, only: padded
    use psalm_output_kind, only: most_rates
-   use psalm_parameters, only: variable_t, variable_crnki, variable_outang, variable_outlk
+   use psalm_parameters, only: variable_t, variable_aside, variable_aside_angle, variable_crnki, variable_outang, variable_outlk
    use psalm_closure, only: most_orders
    use psalm_rate_changes, only: change_rates
    use psalm_rates, only: prepare_rates, differentiate, form_frames, is_dead
@@ -28,6 +28,7 @@ module psalm_output_wishes
    public :: output_wishes_t, prepare_output_wishes, find_output_wishes, differentiate_output_wishes, sum_of_wish_errors, &
              compare_with_wishes, wish_group_t, wish_groups, first_wish
 
+   integer, parameter :: of_one_joint(*) = [variable_outlk, variable_outang, variable_aside, variable_aside_angle] !! kinds
    character(*), parameter :: of_order(0:most_wished) = [character(6) :: '', ' (VEL)', ' (ACC)'] !! after the items that want them
 
    !> Numbers whose errors are given as one: x and y of a point, else one number.
@@ -161,11 +162,12 @@ contains
          wishes%by = wishes%wanted%change(:, :nvar, wishes%number)
          do v = 1, nvar
             associate (kind => wishes%problem%parameters%variables(v)%kind)
-               if (kind /= variable_outlk .and. kind /= variable_outang) cycle
+               if (all(kind /= of_one_joint)) cycle
                wishes%by(:, v, :) = 0.0_wp
-               k = findloc(wishes%wanted%apart, wishes%shown, dim=1)
-               if (wishes%shown == 0 .or. k == 0) cycle
-               wishes%by(:, v, :) = wishes%wanted%change(:, nvar + 2*k - merge(1, 0, kind == variable_outlk), wishes%number)
+               k = findloc(wishes%wanted%apart, moved_by(wishes, v), dim=1)
+               if (moved_by(wishes, v) == 0 .or. k == 0) cycle
+               wishes%by(:, v, :) = wishes%wanted%change(:, nvar + 2*k - merge(1, 0, any(kind == [variable_outlk, &
+                                                                                      variable_aside])), wishes%number)
             end associate
          end do
       end if
@@ -173,6 +175,18 @@ contains
          where (.not. wishes%exists) wishes%by(:, v, :) = 0.0_wp
       end do
    end subroutine differentiate_output_wishes
+
+   !> Which of the joints that move off the arcs has the distance or angle that a variable of one joint is; 0: none.
+   pure integer function moved_by(wishes, v) result(moving)
+      type(output_wishes_t), intent(in) :: wishes
+      integer, intent(in) :: v                      !! variable, one of `of_one_joint`
+
+      moving = wishes%shown
+      associate (variable => wishes%problem%parameters%variables(v))
+         if (any(variable%kind == [variable_aside, variable_aside_angle])) &
+            moving = findloc(wishes%wanted%sketch%moving%joint, variable%n, dim=1)
+      end associate
+   end function moved_by
 
    !> What a linkage does of what is desired at the positions that it comes to; elsewhere nothing is compared.
    subroutine compare_with_wishes(set, problem, dimensions, closed, wishes)
@@ -331,16 +345,17 @@ contains
       real(wp), intent(out) :: moved(:, 0:, :)       !! shape (slides, 0:most_wished, n)
       complex(wp) :: along(0:most_wished), across(0:most_wished)
       real(wp) :: x, y
-      integer :: i, order
+      integer :: i, k, order
 
       associate (problem => wishes%problem, kind => wishes%problem%parameters%variables(v)%kind, sketch => wishes%wanted%sketch)
-         if (kind == variable_outlk .or. kind == variable_outang) then
+         if (any(kind == of_one_joint)) then
             joint = (0.0_wp, 0.0_wp)
             moved = 0.0_wp
-            if (wishes%shown == 0) return
+            k = moved_by(wishes, v)
+            if (k == 0) return
             do i = 1, n
-               call find_own_rate_changes(sketch, problem, wishes%work%rates, wishes%shown, i, along, across)
-               joint(sketch%moving(wishes%shown)%joint, :, i) = merge(along, across, kind == variable_outlk)
+               call find_own_rate_changes(sketch, problem, wishes%work%rates, k, i, along, across)
+               joint(sketch%moving(k)%joint, :, i) = merge(along, across, any(kind == [variable_outlk, variable_aside]))
             end do
             return
          end if
@@ -375,12 +390,22 @@ contains
       end do
    end subroutine note_changes
 
-   !> The joint that is the first output moves with OUTLK and OUTANG.
+   !> The joint that is the first output moves with OUTLK and OUTANG, others off the arcs with what varies of them.
    subroutine place_first_output(wishes, dimensions)
       type(output_wishes_t), intent(inout) :: wishes
       type(dimensions_t), intent(in) :: dimensions
       real(wp) :: c, s
+      integer :: v
 
+      associate (moving => wishes%wanted%sketch%moving)
+         do v = 1, size(wishes%problem%parameters%variables)
+            associate (variable => wishes%problem%parameters%variables(v))
+               if (all(variable%kind /= [variable_aside, variable_aside_angle]) .or. moved_by(wishes, v) == 0) cycle
+               call unit_vector(dimensions%aside_angle(variable%n), c, s)
+               moving(moved_by(wishes, v))%offset = dimensions%aside_length(variable%n)*cmplx(c, s, wp)
+            end associate
+         end do
+      end associate
       if (wishes%shown == 0) return
       call unit_vector(dimensions%outang, c, s)
       wishes%wanted%sketch%moving(wishes%shown)%offset = dimensions%outlk*cmplx(c, s, wp)

@@ -18,7 +18,8 @@ module psalm_sensitivity
    use psalm_rates, only: rates_t, prepare_rates, form_frames, highest_order
    use psalm_rows, only: rows_t, clear_rows
    use psalm_dimensions, only: dimensions_t
-   use psalm_parameters, only: variable_gama, variable_outlk, variable_outang, variable_origng, variable_crnki
+   use psalm_parameters, only: variable_gama, variable_outlk, variable_outang, variable_origng, variable_crnki, variable_aside, &
+                               variable_aside_angle
    use psalm_sketch, only: sketch_output_t
    use psalm_sketch_motion, only: find_places, find_changes, find_own_changes
    use psalm_sketch_outputs, only: values_of_outputs
@@ -273,7 +274,7 @@ contains
       integer :: i
 
       associate (kind => problem%parameters%variables(v)%kind)
-         if (kind == variable_outlk .or. kind == variable_outang) return
+         if (any(kind == [variable_outlk, variable_outang, variable_aside, variable_aside_angle])) return
          call problem%output%change_of_origin(kind, x, y)
       end associate
       call find_changes(wanted%sketch, problem, work%rates%d(1), work%turn(:, v), cmplx(x, y, wp), unit_of(problem, v), n, &
@@ -321,6 +322,19 @@ contains
                dp(i, :, j) = dp(i, :, j) + [moves%re, moves%im]
             end do
          end associate
+         ! its own distance and angle
+         associate (variable => problem%parameters%variables(v))
+            if (all(variable%kind /= [variable_aside, variable_aside_angle]) .or. variable%n /= beside(j)%joint) cycle
+            do i = 1, n
+               moves = problem%line_beside(beside(j), i)
+               if (variable%kind == variable_aside) then
+                  moves = moves/abs(moves)
+               else
+                  moves = moves*cmplx(0.0_wp, unit_of(problem, v), wp)
+               end if
+               dp(i, :, j) = dp(i, :, j) + [moves%re, moves%im]
+            end do
+         end associate
       end do
    end subroutine change_of_joints
 
@@ -331,7 +345,7 @@ contains
 
       unit = 1.0_wp
       select case (problem%parameters%variables(v)%kind)
-      case (variable_gama, variable_outang, variable_origng)
+      case (variable_gama, variable_outang, variable_origng, variable_aside_angle)
          unit = radians_per_degree
       case (variable_crnki)
          if (.not. problem%linkage%sliding_input) unit = radians_per_degree

@@ -8,7 +8,7 @@ module psalm_animation
    use psalm_kinds, only: wp, full_turn
    use psalm_markup, only: short_number
    use psalm_scene, only: scene_t
-   use psalm_svg, only: class_of, draw_still, write_chain_style, write_style
+   use psalm_svg, only: class_of, draw_still, write_style
    use psalm_svg_frame, only: begin_svg, px => pixels
    use psalm_text, only: text_t
    use psalm_trace, only: rail_ends
@@ -53,8 +53,7 @@ contains
       end associate
       call choose_frames(scene, film)
       call begin_svg(scene%title, width, height, text)
-      call write_style(.false., .false., text)
-      if (allocated(scene%drives)) call write_chain_style(text)
+      call write_style(scene, .false., text)
       call text%add('<rect class="paper" width="'//px(width)//'" height="'//px(height)//'"/>')
       call text%add('<g transform="matrix('//short_number(film%k)//' 0 0 '//short_number(-film%k)//' '//short_number(film%ox)// &
                     ' '//short_number(film%oy)//')">')

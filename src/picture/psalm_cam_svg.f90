@@ -19,14 +19,11 @@ module psalm_cam_svg
                                             'output, third derivative']
    real(wp), parameter :: tick = 90.0_wp       !! degrees of the cam between marks
    integer, parameter :: panels = 6
-   character(*), parameter :: light = &
-      'path,circle{vector-effect:non-scaling-stroke}.profile{stroke-width:2.2;fill:#b5541c;fill-opacity:.14}'// &
-      '.wall{stroke-width:2.2}.pitch{stroke:#8893a0;stroke-dasharray:6 4}.cutter{stroke:#2e8540;stroke-width:.8}'// &
-      '.follower{stroke:#0b57d0;stroke-width:1.8}.shaft{stroke:#c62828}.bar{stroke:#7d8994;stroke-width:2.2}'// &
-      '.joint{fill:#fff;stroke-width:1.2}'
-   character(*), parameter :: dark = &
-      '.profile{fill:#f0a070}.pitch{stroke:#6b7681}.cutter{stroke:#7ccf8a}.follower{stroke:#7db4ff}.shaft{stroke:#ff6b60}'// &
-      '.bar{stroke:#8793a0}.joint{fill:#14191f}'
+   character(*), parameter :: own_style = &
+      'path,circle{vector-effect:non-scaling-stroke}.profile{stroke-width:2.2;fill:$link1;fill-opacity:.14}'// &
+      '.wall{stroke-width:2.2}.pitch{stroke:$ghost;stroke-dasharray:6 4}.cutter{stroke:$link2;stroke-width:.8}'// &
+      '.follower{stroke:$accent;stroke-width:1.8}.shaft{stroke:$actual}.bar{stroke:$frame;stroke-width:2.2}'// &
+      '.joint{fill:$paper;stroke-width:1.2}'
 
 contains
 
@@ -46,7 +43,7 @@ contains
       shown = scale*size_of_scene(2) + 2.0_wp*margin
       reach = maxval(abs(studies(1)%points%profile))
       height = header + shown + real(panels, wp)*(panel_height + gap)*real(count(studies%part%role == role_cam), wp) + margin
-      call begin_picture(title, width, height, light, dark, text)
+      call begin_picture(title, width, height, own_style, text)
       call text%add('<g transform="translate('//px(0.5_wp*width)//' '//px(header + 0.5_wp*shown)//') scale('// &
                     short_number(scale)//' '//short_number(-scale)//') translate('//short_number(-middle%re)//' '// &
                     short_number(-middle%im)//')">')

@@ -5,7 +5,8 @@ module psalm_clearance_svg
    use psalm_flypast_chart, only: chart_t
    use psalm_kinds, only: wp, pi, full_turn, radians_per_degree
    use psalm_markup, only: short_number
-   use psalm_svg_panel, only: plot_panel_t, begin_picture, draw_axes, draw_curve, px, round_step, style_of_areas
+   use psalm_svg_panel, only: plot_panel_t, begin_picture, draw_axes, draw_curve, px, round_step
+   use psalm_svg_theme, only: style_of_areas
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
@@ -31,7 +32,7 @@ contains
       charts = 0
       if (allocated(study%chart%h3)) charts = size(study%chart%h3)
       height = header + 2.0_wp*(panel_height + gap) + gap + real(charts, wp)*chart_height + footer
-      call begin_picture(title, width, height, own_style(.false.), own_style(.true.), text)
+      call begin_picture(title, width, height, own_style(), text)
       top = header + 0.6_wp*gap
       call draw_forces(study, top, text)
       call draw_lag(study, top + panel_height + gap, text)
@@ -44,22 +45,16 @@ contains
    end subroutine write_clearance_svg
 
    !> What this picture has besides the style of all.
-   pure function own_style(dark) result(style)
-      logical, intent(in) :: dark
+   pure function own_style() result(style)
       character(:), allocatable :: style
       character(*), parameter :: lights(*) = [character(7) :: '#fde7b0', '#fcc46c', '#f59e3f', '#e2701f', '#bd4312', '#7c2310']
       character(*), parameter :: darks(*) = [character(7) :: '#4a3413', '#714711', '#9c5d12', '#c9741a', '#ee9138', '#ffc480']
 
-      if (dark) then
-         style = '.ring{stroke:#566}.contact{stroke:#ff6b60}.loss,.passage,.terminal{stroke:none;fill:#ff6b60}'// &
-                 '.here{fill:#7db4ff;stroke:#14191f}'
-      else
-         style = '.contact{stroke:#c62828;stroke-width:1.4}.after{stroke-width:1;stroke-dasharray:4 3}'// &
-                 '.loss{stroke:none;fill:#c62828}.passage{stroke:none;fill:#d3302f;fill-opacity:.75}'// &
-                 '.terminal{stroke:none;fill:#d3302f;fill-opacity:.3}.ring{stroke:#999;stroke-width:.7}'// &
-                 '.here{fill:#0b57d0;stroke:#fff;stroke-width:1.5}'
-      end if
-      style = style//style_of_areas('i', merge(darks, lights, dark))
+      style = '.contact{stroke:$actual;stroke-width:1.4}.after{stroke-width:1;stroke-dasharray:4 3}'// &
+              '.loss{stroke:none;fill:$actual}.passage{stroke:none;fill:$bad;fill-opacity:.75}'// &
+              '.terminal{stroke:none;fill:$bad;fill-opacity:.3}.ring{stroke:$ghost;stroke-width:.7}'// &
+              '.here{fill:$accent;stroke:$paper;stroke-width:1.5}'
+      style = style//style_of_areas('i', lights, darks)
    end function own_style
 
    ! ---- curves over the turn ----------------------------------------------------------------------------------------

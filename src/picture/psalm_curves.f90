@@ -9,7 +9,7 @@ module psalm_curves
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance
    use psalm_plot, only: plot_t, begin_plot, add_line, add_span, look_area, look_dashed, look_dots, look_dotted, look_joined, &
                          look_line, look_rings, look_steps, look_thin
-   use psalm_scene, only: scene_t
+   use psalm_scene, only: scene_t, motion_number
    use psalm_source, only: line_t
    use psalm_trace, only: position_row_t
    implicit none (type, external)
@@ -44,7 +44,8 @@ contains
       call take_rows(scene, own, sweep)
       if (allocated(scene%curves)) then
          call add_outputs(scene, own%x, sweep%x, like, plots)
-      else
+      else if (scene%motion /= motion_number) then
+         ! the panels have it otherwise
          call add_output(scene, own, sweep, like, plots)
       end if
       if (scene%desired) call add_errors(scene, own%x, like, plots)
@@ -255,8 +256,10 @@ contains
 
       associate (band => scene%band)
          if (.not. any(band%known)) return
-         call begin_plot('deviation within tolerances, '// &
-                         trim(merge('degrees', 'length ', scene%motion == motion_angle)), like, plots)
+         label = ', length'
+         if (scene%motion == motion_angle) label = ', degrees'
+         if (scene%motion == motion_number) label = ' of '//called(scene)
+         call begin_plot('deviation within tolerances'//label, like, plots)
          plots(size(plots))%from_zero = .true.
          do c = 1, min(2, band%components)
             label = ''

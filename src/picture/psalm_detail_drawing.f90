@@ -16,19 +16,13 @@ module psalm_detail_drawing
    real(wp), parameter :: head = 7.0_wp                 !! of an arrow, pixels
    real(wp), parameter :: most = 1.2_wp                 !! longest arrow of the contact over that of the largest load
 
-contains
-
    !> What these drawings need besides the style of the linkage.
-   pure function detail_style(dark) result(style)
-      logical, intent(in) :: dark
-      character(:), allocatable :: style
+   character(*), parameter :: detail_style = &
+      '.straight{fill:none;stroke:$ink}.hole{fill:none;stroke:$ink;stroke-width:2.2}.pin{fill:#c88c00;fill-opacity:.16;'// &
+      'stroke:$frame}.pin.lost{fill:#d3302f;stroke:$bad}.bearing{fill:none;stroke:$accent;stroke-width:2}'// &
+      '.contact{fill:none;stroke:$actual;stroke-width:2}'
 
-      style = '.straight{fill:none;stroke:#14202b}.hole{fill:none;stroke:#14202b;stroke-width:2.2}.pin{fill:#c88c00;'// &
-              'fill-opacity:.16;stroke:#7d8994}.pin.lost{fill:#d3302f;stroke:#d3302f}.bearing{fill:none;stroke:#0b57d0;'// &
-              'stroke-width:2}.contact{fill:none;stroke:#c62828;stroke-width:2}'
-      if (dark) style = '.straight,.hole{stroke:#e6ebf0}.pin{stroke:#8793a0}.pin.lost{stroke:#ff6b60}'// &
-                        '.bearing{stroke:#7db4ff}.contact{stroke:#ff6b60}'
-   end function detail_style
+contains
 
    !> The vibrating link at a prescribed position, machine co-ordinates: a path from its first end to the other.
    function bent_path(scene, position) result(path)

@@ -268,7 +268,15 @@ contains
       if (.not. found) return
       kind = linear%kind
       band%components = kind%components
-      allocate (band%square(size(delt), kind%components), band%worst(size(delt), kind%components), source=0.0_wp)
+      if (set%has_stand_in()) then
+         ! of the first output itself
+         found = linear%bands%known(1)
+         if (.not. found) return
+         band%components = min(2, columns_of(set%sketch%outputs(1)))
+         linear%square = linear%bands%square(:, :band%components)
+         linear%worst = linear%bands%worst(:, :band%components)
+      end if
+      allocate (band%square(size(delt), band%components), band%worst(size(delt), band%components), source=0.0_wp)
       allocate (band%known(size(delt)), source=.false.)
       band%square(at, :) = linear%square
       band%worst(at, :) = linear%worst

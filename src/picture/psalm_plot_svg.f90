@@ -6,7 +6,8 @@ module psalm_plot_svg
    use psalm_plot, only: plot_t, plot_line_t, values_seen, look_area, look_dashed, look_dots, look_dotted, look_joined, look_line, &
                          look_rings, look_steps, look_thin
    use psalm_svg_frame, only: pixels
-   use psalm_svg_panel, only: plot_panel_t, begin_picture, draw_axes, palette_style, palette_size, px, round_step
+   use psalm_svg_panel, only: plot_panel_t, begin_picture, draw_axes, px, round_step
+   use psalm_svg_theme, only: palette_size, palette_style
    use psalm_text, only: text_t, full_precision, number_or_nan, to_text
    implicit none (type, external)
    private
@@ -23,7 +24,7 @@ module psalm_plot_svg
    real(wp), parameter :: ticks = 8.0_wp
    character(*), parameter :: own = '.dots{stroke-width:4.5;stroke-linecap:round}.thin{stroke-width:1}'// &
                               '.dashed{stroke-dasharray:6 4;stroke-width:1.3}.dotted{stroke-dasharray:2 4;stroke-width:1.3}'// &
-                              '.line{stroke-width:1.6}.area{fill-opacity:.22;stroke:none}.span{fill:#d3302f;fill-opacity:.13}'
+                              '.line{stroke-width:1.6}.area{fill-opacity:.22;stroke:none}.span{fill:$bad;fill-opacity:.13}'
 
 contains
 
@@ -39,7 +40,7 @@ contains
       do p = 1, size(plots)
          top = top + head + row_height*real(rows_of_legend(plots(p)), wp) + panel_height + foot
       end do
-      call begin_picture(title, width, top, own//palette_style(.false.), palette_style(.true.), text)
+      call begin_picture(title, width, top, own//palette_style(), text)
       top = header
       do p = 1, size(plots)
          call draw_plot(plots(p), p, top, text)

@@ -6,7 +6,8 @@ module psalm_pole_svg
    use psalm_markup, only: short_number
    use psalm_pole_curves, only: branches
    use psalm_pole_scene, only: pole_scene_t, poses_drawn, rays_drawn
-   use psalm_svg_panel, only: begin_picture, px, style_of_areas
+   use psalm_svg_panel, only: begin_picture, px
+   use psalm_svg_theme, only: style_of_areas
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
@@ -39,7 +40,7 @@ contains
       width = 2.0_wp*margin + plane + gap + map_size
       if (.not. scene%has_map) width = narrow
       height = header + plane + footer
-      call begin_picture(scene%title, width, height, own_style(.false.), own_style(.true.), text)
+      call begin_picture(scene%title, width, height, own_style(), text)
       call text%add('<text class="small" x="28" y="56">'//subtitle(scene)//'</text>')
       call choose_view(scene, view)
       call draw_plane(scene, view, text)
@@ -67,26 +68,19 @@ contains
    end function subtitle
 
    !> What this picture has besides the style of all.
-   pure function own_style(dark) result(style)
-      logical, intent(in) :: dark
+   pure function own_style() result(style)
       character(:), allocatable :: style
       character(7), parameter :: lights(defect) = ['#cfe3fb', '#8fbdf2', '#3f86d8', '#0a4aa0', '#fde3c0', '#f8bd77', '#e5862b', &
                                                    '#a8500c', '#d9dde1']
       character(7), parameter :: darks(defect) = ['#183352', '#1f5187', '#3b86d4', '#9cceff', '#4d3310', '#80541a', '#c98125', &
                                                   '#ffc680', '#2b323a']
 
-      if (dark) then
-         style = 'line,rect.box{stroke:#e6ebf0}.box,.rule{stroke:#56636f}.centre{stroke:#7db4ff}.pin{stroke:#f0a070}'// &
-                 '.pole{stroke:#8893a0}.link{stroke:#7ccf8a;fill:#7ccf8a}.slide{stroke:#7ccf8a}.joint{fill:#14191f}'// &
-                 '.fixed,.dot{fill:#e6ebf0}.dot{stroke:none}.mark{stroke:#ff6b60}'
-      else
-         style = 'line,rect.box{fill:none;stroke:#14202b}.box,.rule{stroke:#9aa5b0}.centre{stroke:#0b57d0;stroke-width:1.8}'// &
-                 '.pin{stroke:#b5541c;stroke-width:1.8;stroke-dasharray:6 3}.pole{stroke:#56636f}.pose{stroke-width:1.6}'// &
-                 '.link{stroke:#2e8540;stroke-width:5;stroke-linecap:round;stroke-opacity:.55;fill:#2e8540;fill-opacity:.16}'// &
-                 '.slide{stroke:#2e8540;stroke-dasharray:9 4}.joint{fill:#fff;stroke-width:1.4}.fixed{fill:#14202b}'// &
-                 '.dot{fill:#14202b;stroke:none}.mark{stroke:#c62828;stroke-width:2.2}'
-      end if
-      style = style//style_of_areas('m', merge(darks, lights, dark))
+      style = 'line,rect.box{fill:none;stroke:$ink}.box,.rule{stroke:$ghost}.centre{stroke:$accent;stroke-width:1.8}'// &
+              '.pin{stroke:$link1;stroke-width:1.8;stroke-dasharray:6 3}.pole{stroke:$soft}.pose{stroke-width:1.6}'// &
+              '.link{stroke:$link2;stroke-width:5;stroke-linecap:round;stroke-opacity:.55;fill:$link2;fill-opacity:.16}'// &
+              '.slide{stroke:$link2;stroke-dasharray:9 4}.joint{fill:$paper;stroke-width:1.4}.fixed{fill:$ink}'// &
+              '.dot{fill:$ink;stroke:none}.mark{stroke:$actual;stroke-width:2.2}'
+      style = style//style_of_areas('m', lights, darks)
    end function own_style
 
    ! ---- the plane -----------------------------------------------------------------------------------------------------

@@ -208,6 +208,7 @@ contains
          end associate
       end do
       call list_clearances(set%constr, problem%mechanism, dimensions%outlk <= 0.0_wp, clearances, joints, beside)
+      call dimensions%put_aside(beside)
       if (size(clearances) == size(proof%kept) .and. proof%one_drive) then
          none%kept = proof%kept
          ! their points are those of the loops here
@@ -394,6 +395,7 @@ contains
       integer :: i, j, k, tightest
 
       call list_clearances(set%constr, problem%mechanism, dimensions%outlk <= 0.0_wp, clearances, joints, beside)
+      call dimensions%put_aside(beside)
       allocate (plain, source=problem)
       allocate (samples)
       plain%motion = motion_point

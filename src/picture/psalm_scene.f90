@@ -19,9 +19,10 @@ module psalm_scene
    use psalm_panels, only: panel_t, tolerance_band_t, add_family_panels, add_rate_panels, add_sketch_panels, find_band
    use psalm_parts, only: drawn_joint_t, drawn_bar_t, drawn_body_t, drawn_slide_t, drawn_dyad_t, wheel_t, output_curve_t, &
                           drive_part_t, edge_t, find_slides, convex_hull
-   use psalm_sketch, only: output_point, output_pose, output_x, output_y
+   use psalm_sketch, only: output_point, output_pose, output_ratio, output_x, output_y
+   use psalm_sketch_study, only: sketch_study_t, study_sketch
    use psalm_proof_scene, only: proof_scene_t, make_proof_scene
-   use psalm_row_study, only: row_study_t
+   use psalm_row_study, only: row_study_t, solved_row_t
    use psalm_status, only: finding_t, level_error
    use psalm_sweep, only: sweep_sense
    use psalm_dimensions, only: dimensions_t
@@ -141,7 +142,6 @@ contains
       scene%motion = merge(motion_point, set%motion(), set%motion() == motion_pose)
       if (set%has_names()) then
          if (size(set%sketch%outputs) > 0) scene%output_label = trim(set%sketch%outputs(1)%name)
-         if (set%has_stand_in()) scene%output_label = 'joint '//set%traced%stand_in
       end if
       scene%everywhere = set%limits%ktheta /= 0
       scene%tangle = set%limits%tangle
@@ -185,6 +185,7 @@ contains
          call find_rails(scene)
          call find_others(scene, scene%prescribed)
          call find_others(scene, scene%sweep)
+         if (set%has_stand_in()) call show_own_output(set, study, scene)
          scene%pointer = dimensions%outlk
          if (scene%output == scene%output_base) scene%pointer = pointer_part*norm2(scene%high - scene%low)
          call find_wishes(scene, scene%prescribed)
@@ -195,6 +196,39 @@ contains
          if (.not. proven) deallocate (scene%proof)
       end associate
    end subroutine make_scene
+
+   !> The first output of a sketch where another joint stands in for it in the loops: a number, drawn at one of its joints.
+   subroutine show_own_output(set, study, scene)
+      type(data_set_t), intent(in) :: set
+      type(row_study_t), intent(in) :: study
+      type(scene_t), intent(inout) :: scene
+      integer :: j, k
+
+      scene%motion = motion_number
+      if (any(set%sketch%outputs(1)%kind == [output_point, output_pose])) scene%motion = motion_point
+      j = set%sketch%outputs(1)%drawn_joint()
+      if (set%sketch%outputs(1)%kind == output_ratio) j = set%sketch%outputs(set%sketch%outputs(1)%outputs(1))%drawn_joint()
+      if (j > 0) j = findloc([(scene%joints(k)%name == trim(set%sketch%joint_name(j)), k=1, size(scene%joints))], .true., dim=1)
+      if (j > 0) scene%output = j
+      scene%output_base = scene%output
+      call take_number(study%prescribed, scene%prescribed)
+      call take_number(study%sweep, scene%sweep)
+      if (allocated(study%chosen)) call take_number(study%chosen, scene%chosen)
+
+   contains
+
+      !> Its values at the positions of a row.
+      subroutine take_number(solved, row)
+         type(solved_row_t), intent(in) :: solved
+         type(position_row_t), intent(inout) :: row
+         type(sketch_study_t), allocatable :: own
+
+         allocate (own)
+         call study_sketch(set, solved%problem, study%dimensions, solved%motion%closed, 1.0_wp, 0.0_wp, own)
+         row%actual = own%values(1, 0, :)
+         row%actual_y = merge(own%values(min(2, size(own%values, 1)), 0, :), 0.0_wp, scene%motion == motion_point)
+      end subroutine take_number
+   end subroutine show_own_output
 
    !> Points of links off the arcs that are not the output point, which is drawn already.
    pure subroutine find_sides(set, mechanism, sides)

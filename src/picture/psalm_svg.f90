@@ -16,13 +16,13 @@ module psalm_svg
    use psalm_proof_scene, only: near_t
    use psalm_scene, only: scene_t, motion_number
    use psalm_svg_frame, only: begin_svg, px => pixels
-   use psalm_svg_panel, only: colours => palette_size, light => palette_light, dark => palette_dark
+   use psalm_svg_theme, only: base_style, palette_size, palette_style, style_element
    use psalm_text, only: text_t, full_precision, to_text
    use psalm_trace, only: position_row_t, rail_ends
    use psalm_view, only: drawing_unit, change_unit, take_in_others
    implicit none (type, external)
    private
-   public :: write_svg, class_of, draw_still, write_chain_style, write_style
+   public :: write_svg, class_of, draw_still, write_style
 
    real(wp), parameter :: width = 960.0_wp, tallest = 660.0_wp, margin = 52.0_wp, header = 72.0_wp !! sizes, pixels
    real(wp), parameter :: line_height = 17.0_wp
@@ -71,10 +71,7 @@ contains
       if (allocated(scene%clearance)) below = below + height_of_pin
       height = foot + below + line_height*real(size(lines), wp) + 14.0_wp
       call begin_svg(scene%title, width, height, text)
-      call write_style(allocated(scene%forces), allocated(scene%proof), text)
-      if (allocated(scene%drives)) call write_chain_style(text)
-      if (allocated(scene%vibration) .or. allocated(scene%clearance)) call text%add( &
-         '<style>'//detail_style(.false.)//'@media screen and (prefers-color-scheme:dark){'//detail_style(.true.)//'}</style>')
+      call write_style(scene, .true., text)
       call text%add('<rect class="paper" width="'//px(width)//'" height="'//px(height)//'"/>')
       call text%add('<text class="head" x="28" y="36">'//xml_text(trim(scene%title))//'</text>')
       if (scene%valid) then
@@ -104,67 +101,52 @@ contains
       if (unit /= 1.0_wp) attribute = ' data-unit="'//number(unit)//'"'
    end function data_unit
 
-   subroutine write_style(forces, proof, text)
-      logical, intent(in) :: forces            !! there are forces to draw
-      logical, intent(in) :: proof             !! something is proven, or links have a width
+   !> The style of all pictures, that of linkages, and those of what the scene has besides; the symbols of joints.
+   subroutine write_style(scene, studied, text)
+      type(scene_t), intent(in) :: scene
+      logical, intent(in) :: studied           !! what was found by studies is drawn, too
       type(text_t), intent(inout) :: text
-      character(*), parameter :: fine = '.rail,.ghost,.broken{fill:none}.bar,.trace,.every,.path,.rail,.ghost'// &
-         '{fill:none;stroke-linecap:round;stroke-linejoin:round}'
+      character(*), parameter :: of_linkage = &
+         '.head{font-size:20px}.sub,.key{font-size:12.5px;fill:$soft}.letter{font-size:15px;font-style:italic;'// &
+         'text-anchor:middle}.symbol{fill:$paper;stroke:$ink}.broken{fill:none}.bar,.trace,.every,.path,.rail,'// &
+         '.ghost{fill:none;stroke-linecap:round;stroke-linejoin:round}.frame,.rail{stroke:$frame}.trace{stroke:$soft}'// &
+         '.plate{fill-opacity:.16;stroke-linejoin:round}.region{fill:#d3302f;fill-opacity:.09;stroke:#d3302f}.inside{fill:none}'// &
+         '.broken{stroke:$bad}.actual{fill:$actual;stroke:$actual}.path{stroke:$actual}.desired{fill:none;stroke:$desired}'// &
+         '.axis{stroke:$ink;fill:none}.actual.direction,.desired.direction{fill:none}'
+      ! what is proven, or links that have a width
+      character(*), parameter :: of_proof = &
+         '.wide{stroke:#7d8994;stroke-opacity:.28;stroke-linecap:round;fill:none}.near{fill:none;stroke-linecap:round}'// &
+         '.near .body{stroke:$warn;stroke-opacity:.25}.near .way{stroke:$warn}.proof{fill:none;stroke:$accent}'// &
+         '.proof.opens{stroke:$bad}.proof.dead{stroke:$warn}'
+      character(*), parameter :: of_forces = &
+         '.mass circle{fill:$paper;stroke:$ink}.mass path{fill:$ink}.weight{fill:#5b6770;fill-opacity:.3;stroke:$soft}'// &
+         '.spring{fill:none;stroke:$warn;stroke-linejoin:round}.load{fill:none;stroke:$good;stroke-linecap:round}'// &
+         '.polar{fill:none;stroke:$accent;stroke-width:1.3}.now{fill:$actual}'
+      ! cylinders, gear wheels and what is reached
+      character(*), parameter :: of_chains = &
+         '.barrel{fill:none;stroke-linecap:butt;stroke-opacity:.55}.wheel{fill:none}.outline{fill:$good;stroke:$good;'// &
+         'stroke-linejoin:round}.reach{fill:$good;fill-opacity:.12}.net{fill:none;stroke:$good;stroke-opacity:.35}'// &
+         '#envelope .paper{stroke:$paper}'
+      character(:), allocatable :: rules
       integer :: i
 
-      call text%add('<style>')
-      ! in a narrower window the picture shrinks; width and height above are its size elsewhere
-      call text%add('svg{max-width:100%;height:auto}')
-      call text%add('text{font-family:"DejaVu Sans",Verdana,Arial,sans-serif;font-size:13px;fill:#14202b}'// &
-                    '.head{font-size:20px;font-weight:bold}.sub,.key{font-size:12.5px;fill:#45525e}.letter{font-size:15px;'// &
-                    'font-style:italic;text-anchor:middle}.error{fill:#b3261e}.warning{fill:#8a5a00}')
-      call text%add('.paper{fill:#fff}.symbol{fill:#fff;stroke:#14202b}'//fine//'.bar{stroke:#14202b}.frame{stroke:#7d8994}'// &
-                    '.trace{stroke:#566370}'// &
-                    '.plate{fill-opacity:.16;stroke-linejoin:round}.rail{stroke:#7d8994}'// &
-                    '.region{fill:#d3302f;fill-opacity:.09;stroke:#d3302f}.inside{fill:none}'// &
-                    '.ghost{stroke:#9aa4ad}.broken{stroke:#d3302f}.actual{fill:#c62828;stroke:#c62828}.path{stroke:#c62828}'// &
-                    '.desired{fill:none;stroke:#0b57d0}.axis{stroke:#14202b;fill:none}.direction{fill:none}')
-      if (proof) call text%add('.wide{stroke:#7d8994;stroke-opacity:.28;stroke-linecap:round;fill:none}'// &
-                           '.near{fill:none;stroke-linecap:round}'// &
-                    '.near .body{stroke:#8a5a00;stroke-opacity:.25}.near .way{stroke:#8a5a00}'// &
-                    '.proof{fill:none;stroke:#0b57d0}.proof.opens{stroke:#d3302f}.proof.dead{stroke:#8a5a00}')
-      if (forces) call text%add('.mass circle{fill:#fff;stroke:#14202b}.mass path{fill:#14202b}'// &
-                                '.weight{fill:#5b6770;fill-opacity:.3;stroke:#37424b}'// &
-                                '.spring{fill:none;stroke:#8a5a00;stroke-linejoin:round}'// &
-                                '.load{fill:none;stroke:#0b7d4f;stroke-linecap:round}'// &
-                                '.polar{fill:none;stroke:#0b57d0;stroke-width:1.3}.now{fill:#c62828}')
-      do i = 1, colours
-         call text%add('.c'//to_text(i)//'{stroke:'//light(i)//'}.plate.c'//to_text(i)//'{fill:'//light(i)//'}')
+      rules = base_style//of_linkage
+      if (allocated(scene%drives)) rules = rules//of_chains
+      if (studied) then
+         if (allocated(scene%proof)) rules = rules//of_proof
+         if (allocated(scene%forces)) rules = rules//of_forces
+         if (allocated(scene%vibration) .or. allocated(scene%clearance)) rules = rules//detail_style
+      end if
+      rules = rules//palette_style()
+      do i = 1, palette_size
+         rules = rules//'.plate.c'//to_text(i)//'{fill:$link'//to_text(i - 1)//'}'
       end do
-      call text%add('@media screen and (prefers-color-scheme:dark){text{fill:#e6ebf0}.sub,.key{fill:#aab6c1}'// &
-                    '.error{fill:#ff8a80}'// &
-                    '.warning{fill:#f0c060}.paper{fill:#14191f}.symbol{fill:#14191f;stroke:#e6ebf0}.bar{stroke:#e6ebf0}'// &
-                    '.frame,.rail{stroke:#8793a0}.trace{stroke:#9fb0bf}.ghost{stroke:#6b7681}.broken{stroke:#ff6b60}'// &
-                    '.actual{fill:#ff6b60;stroke:#ff6b60}.path{stroke:#ff6b60}.desired{stroke:#7db4ff}.axis{stroke:#e6ebf0}')
-      if (forces) call text%add('.mass circle{fill:#14191f;stroke:#e6ebf0}.mass path{fill:#e6ebf0}.weight{stroke:#aab6c1}'// &
-                                '.spring{stroke:#f0c060}.load{stroke:#7ccf8a}.polar{stroke:#7db4ff}.now{fill:#ff6b60}')
-      if (proof) call text%add('.near .body,.near .way,.proof.dead{stroke:#f0c060}.proof{stroke:#7db4ff}'// &
-                               '.proof.opens{stroke:#ff6b60}')
-      do i = 1, colours
-         call text%add('.c'//to_text(i)//'{stroke:'//dark(i)//'}.plate.c'//to_text(i)//'{fill:'//dark(i)//'}')
-      end do
-      call text%add('.actual.direction{fill:none}}.actual.direction,.desired.direction{fill:none}</style>')
+      call text%add(style_element(rules))
       call text%add('<defs><circle id="revolute" r="5"/><path id="ground" d="M0 0L-9.5-16.5H9.5Z"/><path id="prismatic" '// &
                     'd="M0 0L-9 9.5H9ZM0 0L-9-9.5H9Z"/><path id="star" d="M0 10L2.25 3.09 9.51 3.09 3.63-1.18 5.88-8.09 0-3.82'// &
                     '-5.88-8.09-3.63-1.18-9.51 3.09-2.25 3.09Z"/><path id="diamond" d="M0 7L6 0 0-7-6 0Z"/><path id="cross" '// &
                     'd="M-9 0H9M0-9V9"/></defs>')
    end subroutine write_style
-
-   !> Cylinders, gear wheels and what is reached.
-   subroutine write_chain_style(text)
-      type(text_t), intent(inout) :: text
-
-      call text%add('<style>.barrel{fill:none;stroke-linecap:butt;stroke-opacity:.55}.wheel{fill:none}'// &
-                    '.outline{fill:#2e8540;stroke:#2e8540;stroke-linejoin:round}.reach{fill:#2e8540;fill-opacity:.12}'// &
-                    '.net{fill:none;stroke:#2e8540;stroke-opacity:.35}#envelope .paper{stroke:#fff}')
-      call text%add('@media screen and (prefers-color-scheme:dark){#envelope .paper{stroke:#14191f}'// &
-                    '.outline{fill:#7ccf8a;stroke:#7ccf8a}.reach{fill:#7ccf8a}.net{stroke:#7ccf8a}}</style>')
-   end subroutine write_chain_style
 
    function subtitle(scene) result(line)
       type(scene_t), intent(in) :: scene
@@ -531,7 +513,7 @@ contains
       if (scene%bodies(body)%frame) then
          name = 'frame'
       else
-         name = 'c'//to_text(modulo(body - 1, colours) + 1)
+         name = 'c'//to_text(modulo(body - 1, palette_size) + 1)
       end if
    end function class_of
 

@@ -3,11 +3,11 @@ module psalm_svg_panel
    use psalm_kinds, only: wp
    use psalm_markup, only: xml_text, short_number
    use psalm_svg_frame, only: begin_svg
-   use psalm_text, only: text_t, to_text
+   use psalm_svg_theme, only: base_style, style_element
+   use psalm_text, only: text_t
    implicit none (type, external)
    private
-   public :: plot_panel_t, begin_picture, draw_axes, draw_curve, draw_level, px, round_step, style_of_areas
-   public :: palette_light, palette_dark, palette_size, palette_style
+   public :: plot_panel_t, begin_picture, draw_axes, draw_curve, draw_level, px, round_step
 
    integer, parameter :: digits_for_people = 5
    integer, parameter :: rows = 6                   !! lines across a panel at most, but for one
@@ -15,23 +15,11 @@ module psalm_svg_panel
    real(wp), parameter :: tick_height = 14.0_wp     !! pixels from the panel to its numbers below
    real(wp), parameter :: least_span = tiny(1.0_wp)*1.0e10_wp
 
-   !> Colours of links and lines, used in turn.
-   integer, parameter :: palette_size = 8
-   character(7), parameter :: palette_light(palette_size) = &
-                              ['#1f6fb5', '#b5541c', '#2e8540', '#7b3fa0', '#a8740a', '#b0305f', '#16808a', '#5a6b1c']
-   character(7), parameter :: palette_dark(palette_size) = &
-                              ['#6db6f2', '#f0a070', '#7ccf8a', '#c79be6', '#e3bb5a', '#f08bb0', '#63cbd4', '#b9cc6a']
-
-   ! classes of every picture with panels: head, small, middle, right; paper, frame, zero, curve, limit
-   character(*), parameter :: light = &
-      'svg{max-width:100%;height:auto}text{font:13px "DejaVu Sans",Verdana,Arial,sans-serif;fill:#14202b}'// &
-      '.head{font-size:18px;font-weight:bold}.small{font-size:11.5px;fill:#56636f}.middle{text-anchor:middle}'// &
-      '.right{text-anchor:end}path,circle{fill:none;stroke:#14202b;stroke-linejoin:round}.frame{stroke:#c9d1d8}'// &
-      '.zero{stroke:#8893a0;stroke-dasharray:3 3}.curve{stroke:#0b57d0;stroke-width:1.5}'// &
-      '.limit{stroke:#c62828;stroke-dasharray:4 4}.paper{fill:#fff}'
-   character(*), parameter :: dark = &
-      '.paper{fill:#14191f}text{fill:#e6ebf0}.small{fill:#aab6c1}path,circle{stroke:#e6ebf0}.frame{stroke:#36404a}'// &
-      '.zero{stroke:#6b7681}.curve{stroke:#7db4ff}.limit{stroke:#ff6b60}'
+   !> Classes of every picture with panels besides: middle, right; frame, zero, curve, limit.
+   character(*), parameter :: panel_style = &
+      '.middle{text-anchor:middle}.right{text-anchor:end}path,circle{fill:none;stroke:$ink;stroke-linejoin:round}'// &
+      '.frame{stroke:$line}.zero{stroke:$ghost;stroke-dasharray:3 3}.curve{stroke:$accent;stroke-width:1.5}'// &
+      '.limit{stroke:$actual;stroke-dasharray:4 4}'
 
    !> A rectangle of the picture and the values at its sides.
    type :: plot_panel_t
@@ -46,39 +34,17 @@ module psalm_svg_panel
 contains
 
    !> The heading of an SVG, its style, paper and title. What a picture has besides comes as its own style.
-   subroutine begin_picture(title, width, height, own_light, own_dark, text)
+   subroutine begin_picture(title, width, height, own, text)
       character(*), intent(in) :: title
       real(wp), intent(in) :: width, height            !! pixels
-      character(*), intent(in) :: own_light, own_dark  !! style
+      character(*), intent(in) :: own                  !! rules with names of colours
       type(text_t), intent(inout) :: text
 
       call begin_svg(title, width, height, text)
-      call text%add('<style>'//light//own_light//'@media screen and (prefers-color-scheme:dark){'//dark//own_dark//'}</style>')
+      call text%add(style_element(base_style//panel_style//own))
       call text%add('<rect class="paper" width="'//px(width)//'" height="'//px(height)//'"/>')
       call text%add('<text class="head" x="28" y="34">'//xml_text(trim(title))//'</text>')
    end subroutine begin_picture
-
-   !> Style of lines (c) and areas (f) in the colours of the palette, of limits c0 and f0.
-   pure function palette_style(dark_screen) result(style)
-      logical, intent(in) :: dark_screen
-      character(:), allocatable :: style
-      integer :: i
-
-      style = of(0, merge('#ff6b60', '#c62828', dark_screen))
-      do i = 1, palette_size
-         style = style//of(i, merge(palette_dark(i), palette_light(i), dark_screen))
-      end do
-
-   contains
-
-      pure function of(number, colour) result(rules)
-         integer, intent(in) :: number
-         character(7), intent(in) :: colour
-         character(:), allocatable :: rules
-
-         rules = '.c'//to_text(number)//'{stroke:'//colour//'}.f'//to_text(number)//'{fill:'//colour//'}'
-      end function of
-   end function palette_style
 
    !> Name and unit above the panel, lines and numbers at round values; below, numbers at every tick of the input.
    subroutine draw_axes(panel, name, tick, text, below, name_at, logarithmic)
@@ -166,19 +132,6 @@ contains
 
       y = self%top + self%height*(self%high - value)/max(self%high - self%low, least_span)
    end function y_of
-
-   !> Style of areas: a class for each colour, `letter` and its number.
-   pure function style_of_areas(letter, colours) result(style)
-      character(1), intent(in) :: letter
-      character(*), intent(in) :: colours(:)
-      character(:), allocatable :: style
-      integer :: k
-
-      style = ''
-      do k = 1, size(colours)
-         style = style//'.'//letter//to_text(k)//'{stroke:none;fill:'//colours(k)//'}'
-      end do
-   end function style_of_areas
 
    !> The next 1, 2 or 5 times a power of ten, not below the value.
    pure real(wp) function round_step(value)

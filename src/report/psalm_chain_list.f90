@@ -13,7 +13,7 @@ module psalm_chain_list
 contains
 
    !> Inputs and outputs at every position; what is not closed may close elsewhere than where the linkage comes (`beyond`).
-   subroutine list_rows(set, inputs, closed, names, values, text, beyond)
+   subroutine list_rows(set, inputs, closed, names, values, text, beyond, errors)
       type(data_set_t), intent(in) :: set
       real(wp), intent(in) :: inputs(:, :)     !! shape (drives, positions)
       logical, intent(in) :: closed(:)         !! shape (positions)
@@ -21,6 +21,7 @@ contains
       real(wp), intent(in) :: values(:, :)     !! shape (numbers, positions)
       type(text_t), intent(inout) :: text
       logical, intent(in), optional :: beyond(:) !! shape (positions)
+      real(wp), intent(in), optional :: errors(:, :) !! shape of `values`: bounds of what rounding makes; 0: not known
       type(number_format_t) :: of_inputs(size(inputs, 1)), of_values(size(names))
       character(:), allocatable :: line
       integer :: k, d
@@ -47,8 +48,13 @@ contains
          end do
          if (closed(k)) then
             do d = 1, size(names)
-               if (values(d, k) < huge(1.0_wp)) line = line//figure(values(d, k), of_values(d))
-               if (values(d, k) >= huge(1.0_wp)) line = line//repeat(' ', column - 1)//'-'
+               if (.not. values(d, k) < huge(1.0_wp)) then
+                  line = line//repeat(' ', column - 1)//'-'
+               else if (present(errors)) then
+                  line = line//figure(values(d, k), of_values(d), errors(d, k))
+               else
+                  line = line//figure(values(d, k), of_values(d))
+               end if
             end do
          else if (present(beyond)) then
             line = line//trim(merge('   NOT REACHED   ', '   DOES NOT CLOSE', beyond(k)))

@@ -8,9 +8,11 @@ module psalm_chain_report
    use psalm_constraint_group, only: range_positions
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: degrees_per_radian, wp
+   use psalm_number_format, only: rounding_error
    use psalm_position_table, only: plot_sketch
-   use psalm_sketch, only: numbers_of => columns_of
+   use psalm_sketch, only: numbers_of => columns_of, sketch_output_t, output_angle, output_between, output_distance, output_point, &
+                           output_pose, output_x, output_y
    use psalm_sketch_outputs, only: name_length
    use psalm_sketch_study, only: sketch_study_t
    use psalm_text, only: text_t, to_text
@@ -32,13 +34,15 @@ contains
       type(devices_t), intent(inout) :: devices
       character(name_length), allocatable :: names(:)
       real(wp), allocatable :: values(:, :)
+      real(wp), allocatable :: errors(:, :)   ! not allocated: an absent argument
 
       ! the inputs of several drives are reported there, too
       if (.not. (several_outputs(set) .or. size(set%sketch%drives) > 1)) return
       call columns_of(study, orders, names, values)
+      if (allocated(study%conditions)) call find_errors(set%sketch%outputs, study, orders, errors)
       call devices%six%add()
       call devices%six%add(' ALL OUTPUTS, INPUTS FROM THE DRAWING')
-      call list_rows(set, study%inputs, study%closed, names, values, devices%six, beyond)
+      call list_rows(set, study%inputs, study%closed, names, values, devices%six, beyond, errors)
       call plot_sketch('outputs', set%sketch, study, orders, devices%cases(devices%last_case()))
    end subroutine report_outputs
 
@@ -114,6 +118,35 @@ contains
          end do
       end do
    end subroutine columns_of
+
+   !> Bounds of what rounding makes of the values of `columns_of`; 0 where there is none, and for rates.
+   subroutine find_errors(outputs, study, orders, errors)
+      type(sketch_output_t), intent(in) :: outputs(:)
+      class(sketch_study_t), intent(in) :: study       !! with condition numbers
+      integer, intent(in) :: orders
+      real(wp), allocatable, intent(out) :: errors(:, :) !! shape (columns, positions)
+      integer :: k, c, number
+
+      allocate (errors(size(study%names)*(orders + 1), size(study%inputs, 2)), source=0.0_wp)
+      number = 0
+      do k = 1, size(outputs)
+         do c = 1, numbers_of(outputs(k))
+            number = number + 1
+            associate (row => errors((number - 1)*(orders + 1) + 1, :), condition => study%conditions(k, :), &
+                       value => study%values(number, 0, :))
+               select case (outputs(k)%kind)
+               case (output_angle, output_between)
+                  row = rounding_error(condition, degrees_per_radian)
+               case (output_point, output_x, output_y, output_pose)
+                  row = rounding_error(condition, abs(study%joints(outputs(k)%joints(1), 0, :)))
+                  if (c > 2) row = rounding_error(condition, degrees_per_radian)
+               case (output_distance)
+                  row = rounding_error(condition, value)
+               end select
+            end associate
+         end do
+      end do
+   end subroutine find_errors
 
    !> Positions at which the loops close but which the linkage does not come to from the drawing.
    subroutine report_unreached(set, beyond, devices)

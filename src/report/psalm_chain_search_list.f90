@@ -52,7 +52,7 @@ contains
          call devices%six%add(' LINKAGE '//to_text(k)//', START '//to_text(search%best(k)%start)//': SUM OF SQUARES '// &
                               in_words(search%best(k)%objective))
          call devices%six%add('  VARIABLE                                        DRAWING          FOUND')
-         do v = 1, size(search%best(k)%x)
+         do v = 1, search%problem%variables
             name = unknown_name(set%sketch, v)
             format = format_of(.true., [search%problem%first(v), search%best(k)%x(v)])
             call devices%six%add('  '//name//figure(search%problem%first(v), format)//figure(search%best(k)%x(v), format))
@@ -91,7 +91,7 @@ contains
       character(name_length), allocatable :: names(:)
       integer :: k, v
 
-      associate (best => search%best, n => size(search%best(1)%x))
+      associate (best => search%best, n => search%problem%variables)
          table = table_of('ranking', 'a row for each linkage found, the best first', audience=for_programs)
          call table%add('rank', [(k, k=1, size(best))])
          call table%add('objective', best%objective)
@@ -105,7 +105,7 @@ contains
                           audience=for_programs)
          call table%add('rank', [((k, v=1, n), k=1, size(best))])
          call table%add('dimension', names)
-         call table%add('value', [(best(k)%x, k=1, size(best))])
+         call table%add('value', [(best(k)%x(:n), k=1, size(best))])
          call table%add('drawing', [(search%problem%first(:n), k=1, size(best))])
       end associate
       call tables%put(table)

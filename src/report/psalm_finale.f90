@@ -9,15 +9,16 @@ module psalm_finale
    use psalm_dyad, only: violation_too_short, violation_too_long, violation_parallel, violation_angle_small, &
                          violation_angle_large, violation_undetermined, violation_slides, violation_toggle
    use psalm_dyad_kind, only: assur_rpr, assur_rpr_guide_first, form_of, form_t
+   use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t, motion_t, violation_t, crossing_t
    use psalm_group_words, only: group_heading, group_words
    use psalm_input_text, only: angle_text, crank_heading, input_heading, input_text, list_sketch_notes
    use psalm_loop_arrays, only: loop_arrays_t, arrays_of
-   use psalm_kinds, only: wp, right_angle, half_turn
+   use psalm_kinds, only: wp, right_angle, half_turn, degrees_per_radian
    use psalm_markup, only: strings_t, add_string
-   use psalm_number_format, only: number_format_t, format_of, figure
+   use psalm_number_format, only: number_format_t, format_of, figure, rounding_error
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_pose, most_rates
-   use psalm_parameters, only: variable_outlk, variable_outang
+   use psalm_parameters, only: variable_aside, variable_aside_angle, variable_outlk, variable_outang
    use psalm_plan, only: root_crank, root_frame
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
@@ -34,13 +35,15 @@ module psalm_finale
 contains
 
    !> Append the whole listing. `problem` is bound to `dimensions`. What else belongs to the case may be added before `mark_beyond`.
-   subroutine list_results(set, problem, dimensions, motion, text, published)
+   subroutine list_results(set, problem, dimensions, motion, text, published, condition)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(motion_t), intent(in) :: motion
       type(text_t), intent(inout) :: text
       integer, intent(out) :: published      !! length of `text` up to where the published listing ends
+      real(wp), intent(in), optional :: condition(:) !! shape (positions): numbers of the first output; then digits of a sketch
+                                             !! that rounding leaves open are blank
 
       call text%add(' '//set%title)
       call text%add()
@@ -50,7 +53,7 @@ contains
       else
          call list_by_arcs(set, problem, dimensions, text)
       end if
-      call list_motion(problem, motion, text)
+      call list_motion(problem, motion, text, condition)
       published = text%length
       if (allocated(motion%rates)) call list_wanted_rates(problem, motion, text)
       call list_violations(problem, motion, text)
@@ -92,6 +95,7 @@ contains
          end do
          if (abs(dimensions%outlk) > 0.0_wp .and. shows_output_link(problem) .and. len_trim(mechanism%outputs(1)%line(1)) > 0) &
             call take(mechanism%length_called(0), dimensions%outlk)
+         call take_aside(variable_aside)
          call add_rows()
          call text%add(' ANGLES, DEGREES: OF A LINE FROM THE X AXIS, OR OF THE SECOND LINE FROM THE FIRST')
          deallocate (names, values)
@@ -102,6 +106,7 @@ contains
             call take(mechanism%angle_called(n), dimensions%gama(n))
          end do
          if (shows_output_angle()) call take(mechanism%angle_called(0), dimensions%outang)
+         call take_aside(variable_aside_angle)
          call add_rows()
          call list_reference(mechanism, dimensions%crnki, text)
          call unit_vector(dimensions%origng, c, s)
@@ -155,6 +160,20 @@ contains
          call add_string(names, name)
          values = [values, value]
       end subroutine take
+
+      !> What varies of joints off the arcs.
+      subroutine take_aside(kind)
+         integer, intent(in) :: kind
+         integer :: v
+
+         do v = 1, size(problem%parameters%variables)
+            associate (variable => problem%parameters%variables(v))
+               if (variable%kind /= kind) cycle
+               call take(trim(variable%of), merge(dimensions%aside_length(variable%n), dimensions%aside_angle(variable%n), &
+                                                  kind == variable_aside))
+            end associate
+         end do
+      end subroutine take_aside
 
       subroutine add_rows()
          integer :: k
@@ -350,11 +369,13 @@ contains
    end function motion_headings
 
    !> Desired, actual and error at every position, and their sum of squares.
-   subroutine list_motion(problem, motion, text)
+   subroutine list_motion(problem, motion, text, condition)
       type(problem_t), intent(in) :: problem
       type(motion_t), intent(in) :: motion
       type(text_t), intent(inout) :: text
+      real(wp), intent(in), optional :: condition(:) !! as `list_results` has it
       character(:), allocatable :: line
+      real(wp) :: errors(size(motion%actual, 2))
       type(number_format_t) :: of_input, of_crank
       type(number_format_t), dimension(size(motion%actual, 2)) :: of_wanted, of_actual, of_error
       logical :: in_turn
@@ -383,17 +404,19 @@ contains
             end do
          end if
          if (motion%closed(i)) then
+            errors = 0.0_wp
+            if (present(condition)) errors = rounding_error(condition(i), what_it_is_of(i))
             do c = 1, size(motion%actual, 2)
                in_turn = c == problem%output%kind%angle .and. .not. problem%desired
                if (in_turn) then
-                  line = line//angle_text(motion%actual(i, c), of_actual(c))
+                  line = line//angle_text(motion%actual(i, c), of_actual(c), errors(c))
                else
-                  line = line//figure(motion%actual(i, c), of_actual(c))
+                  line = line//figure(motion%actual(i, c), of_actual(c), errors(c))
                end if
             end do
             if (problem%desired) then
                do c = 1, size(motion%actual, 2)
-                  line = line//figure(motion%error(i, c), of_error(c))
+                  line = line//figure(motion%error(i, c), of_error(c), errors(c))
                end do
             end if
             if (allocated(motion%crank)) line = line//angle_text(motion%crank(i), of_crank)
@@ -414,6 +437,16 @@ contains
       end if
 
    contains
+
+      !> What the condition number of a position is relative to: of points their distance from the origin, of angles a radian.
+      pure function what_it_is_of(position) result(sizes)
+         integer, intent(in) :: position
+         real(wp) :: sizes(size(motion%actual, 2))
+
+         sizes = motion%actual(position, :)
+         if (size(sizes) > 1) sizes(:2) = hypotenuse(motion%actual(position, 1), motion%actual(position, 2))
+         if (problem%output%kind%angle > 0) sizes(problem%output%kind%angle) = degrees_per_radian
+      end function what_it_is_of
 
       !> True if a derivative that is wanted does not exist.
       pure logical function is_partial()

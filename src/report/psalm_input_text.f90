@@ -41,16 +41,17 @@ contains
    end function input_text
 
    !> An angle of 0 to 360 degrees; what would print as 360.0000 prints as zero.
-   pure function angle_text(degrees, format) result(text)
+   pure function angle_text(degrees, format, error) result(text)
       real(wp), intent(in) :: degrees
       type(number_format_t), intent(in), optional :: format !! of the column; default seven digits
+      real(wp), intent(in), optional :: error               !! a bound of what rounding makes
       character(15) :: text
       type(number_format_t) :: as
 
       if (present(format)) as = format
-      text = figure(degrees, as)
+      text = figure(degrees, as, error)
       if (degrees < nearly_full) return
-      if (text == figure(full_turn, as)) text = figure(0.0_wp, as)
+      if (text == figure(full_turn, as, error)) text = figure(0.0_wp, as)
    end function angle_text
 
    !> A position and its input for a message.

@@ -8,13 +8,15 @@ module psalm_number_format
    use psalm_text, only: general, to_text
    implicit none (type, external)
    private
-   public :: number_format_t, format_of, figure
+   public :: number_format_t, format_of, figure, rounding_error
 
    integer, parameter :: seven_digits = -1        !! each number by itself, as the published listings
    integer, parameter :: engineering = -2         !! a multiple of three as exponent
    integer, parameter :: figures = 7              !! digits of the largest number of a column
    integer, parameter :: largest_exponent = 6, least_exponent = -4   !! of the largest number of a column without exponents
    integer, parameter :: width = 15               !! of a number, as that of `general`
+   real(wp), parameter :: of_condition = 16.0_wp*epsilon(1.0_wp) !! largest error over condition number that was measured
+                                                                 !! (doc/measured/accuracy.md)
 
    !> How the numbers of a column are written.
    type :: number_format_t
@@ -86,6 +88,14 @@ contains
          text = text(1 + format%decimals - kept:)     ! the points stand below each other
       end select
    end function figure
+
+   !> Bound of what rounding makes of a number with a condition number.
+   elemental real(wp) function rounding_error(condition, size_of)
+      real(wp), intent(in) :: condition
+      real(wp), intent(in) :: size_of             !! what the condition number is relative to
+
+      rounding_error = of_condition*condition*abs(size_of)
+   end function rounding_error
 
    !> Decimals of which the last is not smaller than the error.
    pure integer function supported(error, decimals) result(kept)

@@ -241,9 +241,11 @@ contains
       type(analysis_t), intent(in) :: analysis
       type(diagnostics_t), intent(in) :: warnings        !! of SETUP
       type(devices_t), intent(inout) :: devices
+      real(wp), allocatable :: condition(:)   ! not allocated: an absent argument
       integer :: i
 
-      call list_results(set, problem, analysis%dimensions, analysis%motion, devices%six, devices%published)
+      if (set%limits%icond /= 0) condition = analysis%condition
+      call list_results(set, problem, analysis%dimensions, analysis%motion, devices%six, devices%published, condition)
       if (allocated(analysis%wishes)) then
          call list_output_wishes(analysis%wishes, problem%blank, devices%six)
          call put_output_wishes(analysis%wishes, devices%cases(devices%last_case()))

@@ -198,8 +198,8 @@ contains
                end do
                call text%add(line)
             end do
-            call numbers('GTA=', [(-gears(i)%ratio, i=1, size(gears))])
-            call numbers('GTB=', [(1.0_wp, i=1, size(gears))])
+            call numbers('GTA=', [(gears(i)%teeth(1), i=1, size(gears))])
+            call numbers('GTB=', [(gears(i)%teeth(2), i=1, size(gears))])
          end associate
       end subroutine write_gears
 
@@ -210,18 +210,20 @@ contains
                call word(quoted(trim(drives(i)%name)))
             end do
             call text%add(line)
-            line = '  DBASE='
-            do i = 1, size(drives)
-               if (drives(i)%base > 0) call word(quoted(trim(own%sketch%links(drives(i)%base)%name)))
-               if (drives(i)%base == 0) call word('')
-            end do
-            call text%add(line)
-            line = '  DLINK='
-            do i = 1, size(drives)
-               if (drives(i)%base > 0) call word(quoted(trim(own%sketch%links(drives(i)%link)%name)))
-               if (drives(i)%base == 0) call word('')
-            end do
-            call text%add(line)
+            if (any(drives%base > 0)) then
+               line = '  DBASE='
+               do i = 1, size(drives)
+                  if (drives(i)%base > 0) call word(quoted(trim(own%sketch%links(drives(i)%base)%name)))
+                  if (drives(i)%base == 0) call word('')
+               end do
+               call text%add(line)
+               line = '  DLINK='
+               do i = 1, size(drives)
+                  if (drives(i)%base > 0) call word(quoted(trim(own%sketch%links(drives(i)%link)%name)))
+                  if (drives(i)%base == 0) call word('')
+               end do
+               call text%add(line)
+            end if
             if (any(drives%geared)) then
                call numbers('RATIO=', [(merge(drives(i)%ratio, 0.0_wp, drives(i)%geared), i=1, size(drives))])
                call numbers('PHASE=', [(drives(i)%phase, i=1, size(drives))])

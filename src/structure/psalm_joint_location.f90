@@ -29,7 +29,14 @@ contains
       do j = 1, size(set%traced%joint_places)
          place = set%traced%joint_places(j)
          if (place%link == frame_link .and. .not. present(dimensions)) cycle
-         if (present(dimensions)) call move_output(set, dimensions, j, place)
+         if (present(dimensions)) then
+            if (place%arc > 0) then
+               place%distance = dimensions%aside_length(j)
+               place%angle = dimensions%aside_angle(j)
+               place%turn = 0.0_wp
+            end if
+            call move_output(set, dimensions, j, place)
+         end if
          call add_moving(set%traced, j, place, sketch)
       end do
       if (present(with_slides)) then

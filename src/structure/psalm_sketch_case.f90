@@ -5,7 +5,6 @@
 module psalm_sketch_case
    use psalm_angles, only: degrees_of, within_turn
    use psalm_closure, only: closure_t, state_t
-   use psalm_constraint_group, only: range_positions
    use psalm_data_set, only: data_set_t
    use psalm_first_output, only: fill_output, take_wishes, wants_poses, wants_travel
    use psalm_frame_places, only: part_frame_arcs
@@ -21,7 +20,7 @@ module psalm_sketch_case
    use psalm_traced_loops, only: loops_t, traced_crank
    implicit none (type, external)
    private
-   public :: resolve_sketch, refuse_in_poses
+   public :: resolve_sketch
 
    character(*), parameter :: no_dimension = 'dimensions that its loops do not have'
 
@@ -80,7 +79,7 @@ contains
       else
          call fill_output(loops, state, closure%sketch, set, findings)
          call fill_variables(loops, closure%sketch, set, of_search)
-         if (of_search%failed() .and. present(in_poses) .and. (set%sketch%has_wishes() .or. loops%are_beyond_arrays())) then
+         if (of_search%failed() .and. present(in_poses)) then
             in_poses = no_dimension
             return
          end if
@@ -151,22 +150,4 @@ contains
       if (set%limits%trmin_given .or. .not. set%limits%tangle_given) return
       call set%origins%warning(findings, 'LIMITS', 'TANGLE', why)
    end subroutine warn_of_idle_angle
-
-   !> What a search in poses cannot do.
-   subroutine refuse_in_poses(set, findings)
-      type(data_set_t), intent(in) :: set
-      type(diagnostics_t), intent(inout) :: findings
-
-      if (set%constr%irange /= range_positions) call refuse('CONSTR', 'IRANGE', 'limits between the positions')
-      if (set%method%ifree /= 0) call refuse('METHOD', 'IFREE', 'free timing')
-
-   contains
-
-      subroutine refuse(group, item, what)
-         character(*), intent(in) :: group, item, what
-
-         call set%origins%error(findings, group, item, what//' is for searches by loops; this one is made in the poses of the '// &
-                                'links, for it varies '//set%search_in_poses//'; leave it out')
-      end subroutine refuse
-   end subroutine refuse_in_poses
 end module psalm_sketch_case

@@ -4,11 +4,11 @@ module psalm_sketch_dimensions
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp, full_turn, half_turn
    use psalm_output_kind, only: motion_point, motion_distance, motion_pose
-   use psalm_sketch, only: sketch_t, variation_t, vary_length, vary_angle, vary_place, vary_input, vary_all
+   use psalm_sketch, only: sketch_t, variation_t, frame_link, vary_length, vary_angle, vary_place, vary_input, vary_all
    use psalm_status, only: diagnostics_t
    use psalm_sweep_group, only: sweep_group_t, sweep_of
    use psalm_text, only: to_text
-   use psalm_traced_loops, only: loops_t, traced_determined, traced_link, traced_slide, traced_crank, traced_actuator, &
+   use psalm_traced_loops, only: loops_t, arc_with, traced_determined, traced_link, traced_slide, traced_crank, traced_actuator, &
                                  traced_frame
    implicit none (type, external)
    private
@@ -60,10 +60,13 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       integer, parameter :: of_outlk = 1, of_origlk = 2, of_outang = 3, of_origng = 4, of_input = 5
       real(wp), allocatable :: low_length(:), high_length(:), low_angle(:), high_angle(:) !! by arc
+      real(wp), allocatable :: low_aside(:, :), high_aside(:, :) !! by joint: distance and angle of those off the arcs
       real(wp) :: low(of_input), high(of_input)
       integer :: k, n
 
       if (size(sketch%variations) == 0) return
+      allocate (loops%aside_varies(2, size(sketch%joint_name)), source=.false.)
+      allocate (low_aside(2, size(sketch%joint_name)), high_aside(2, size(sketch%joint_name)), source=0.0_wp)
       allocate (low_length(size(loops%arcs)), high_length(size(loops%arcs)), low_angle(size(loops%arcs)), &
                 high_angle(size(loops%arcs)), source=0.0_wp)
       low = 0.0_wp
@@ -78,10 +81,16 @@ contains
       do n = 1, size(loops%arcs)
          if (loops%arcs(n)%length_varies) call bound(low_length(n), high_length(n))
       end do
+      do n = 1, size(low_aside, 2)
+         if (loops%aside_varies(1, n)) call bound(low_aside(1, n), high_aside(1, n))
+      end do
       if (loops%outlk_varies) call bound(low(of_outlk), high(of_outlk))
       if (loops%pivot_varies) call bound(low(of_origlk), high(of_origlk))
       do n = 1, size(loops%arcs)
          if (loops%arcs(n)%angle_varies) call bound(low_angle(n), high_angle(n))
+      end do
+      do n = 1, size(low_aside, 2)
+         if (loops%aside_varies(2, n)) call bound(low_aside(2, n), high_aside(2, n))
       end do
       if (loops%outang_varies) call bound(low(of_outang), high(of_outang))
       if (loops%pivot_varies) call bound(low(of_origng), high(of_origng))
@@ -135,7 +144,7 @@ contains
             bounds = [minval(bounds), maxval(bounds)]
             select case (what)
             case (dimension_none)
-               call missing(which, dimension_words(sketch, one))
+               call place_aside(one, which)
             case (dimension_outlk)
                loops%outlk_varies = .true.
                low(of_outlk) = bounds(1)
@@ -155,6 +164,36 @@ contains
             end select
          end select
       end subroutine place_variation
+
+      !> A joint off the arcs: its distance from the end of an arc of its link, or the angle of that line from the arc.
+      subroutine place_aside(one, which)
+         type(variation_t), intent(in) :: one
+         integer, intent(in) :: which
+         integer :: joint, base, arc, part
+         logical :: from_start, found
+         real(wp) :: zero, bounds(2)
+
+         part = merge(1, 2, one%kind == vary_length)
+         call find_aside(loops, sketch, one, joint, base, arc, found)
+         if (found) call rebase(loops, joint, base, arc, from_start, found)
+         if (.not. found) then
+            call missing(which, dimension_words(sketch, one))
+            return
+         end if
+         loops%aside_varies(part, joint) = .true.
+         zero = 0.0_wp
+         if (one%kind == vary_angle) then
+            ! given from the first line to the second, counted from the direction of the arc to the line from its end
+            if (loops%arcs(arc)%ends(1) /= one%joints(1)) zero = half_turn
+            if (one%joints(3) == joint) zero = zero + half_turn
+         end if
+         bounds = [one%low(1), one%high(1)] + zero
+         associate (angle => loops%joint_places(joint)%angle)
+            if (one%bounded .and. part == 2) angle = angle + full_turn*anint((0.5_wp*sum(bounds) - angle)/full_turn)
+         end associate
+         low_aside(part, joint) = bounds(1)
+         high_aside(part, joint) = bounds(2)
+      end subroutine place_aside
 
       !> All lengths and angles of arcs that are not zero, or another's, or the input; the output point on its link; the place
       !> of the whole; the reference input, unless timing is free.
@@ -206,6 +245,88 @@ contains
          call set%origins%error(findings, 'CHAIN', 'VARY', what//none_such(loops, sketch), which)
       end subroutine missing
    end subroutine fill_variables
+
+   !> The joint off the arcs that a length or an angle is of, what it is counted from, and the arc of an angle (0: any). Not
+   !> found: the output of the loops, whose own dimensions these are; joints whose line leads to no arc.
+   pure subroutine find_aside(loops, sketch, one, joint, base, arc, found)
+      type(loops_t), intent(in) :: loops
+      type(sketch_t), intent(in) :: sketch
+      type(variation_t), intent(in) :: one  !! `vary_length` or `vary_angle`
+      integer, intent(out) :: joint, base, arc
+      logical, intent(out) :: found
+      integer :: line(2)
+      logical :: forward
+
+      arc = 0
+      line = one%joints(1:2)
+      found = .true.
+      if (one%kind == vary_angle) then
+         line = one%joints(3:4)
+         call find_arc(loops, one%joints(1), one%joints(2), arc, forward)
+         found = arc > 0
+      end if
+      joint = line(2)
+      base = line(1)
+      if (.not. is_aside(joint)) then
+         joint = line(1)
+         base = line(2)
+      end if
+      found = found .and. is_aside(joint)
+      if (found .and. arc > 0) found = any(loops%arcs(arc)%ends == base) .and. loops%on(joint, loops%arcs(arc)%link)
+
+   contains
+
+      pure logical function is_aside(joint)
+         integer, intent(in) :: joint
+
+         associate (place => loops%joint_places(joint))
+            is_aside = place%arc > 0 .and. place%distance > 0.0_wp .and. joint /= loops%output_joint .and. &
+                       size(sketch%links_of(joint)) == 1 .and. .not. sketch%has_joint(frame_link, joint)
+         end associate
+      end function is_aside
+   end subroutine find_aside
+
+   !> Let a joint off the arcs be counted from an end of an arc of its link, and from the direction of that arc, unless one of its
+   !> dimensions varies already that is counted otherwise.
+   pure subroutine rebase(loops, joint, base, arc, from_start, found)
+      type(loops_t), intent(inout) :: loops
+      integer, intent(in) :: joint, base
+      integer, intent(inout) :: arc         !! 0: any that ends there
+      logical, intent(out) :: from_start
+      logical, intent(out) :: found
+      integer :: now, link
+      logical :: counted
+      complex(wp) :: z
+
+      associate (place => loops%joint_places(joint))
+         now = loops%number_of(place%loop, place%arc)
+         counted = any(loops%aside_varies(:, joint))
+         if (counted) then
+            from_start = place%from_start
+            found = loops%arcs(now)%ends(merge(1, 2, from_start)) == base .and. (arc == 0 .or. arc == now .or. &
+                                                                                   .not. loops%aside_varies(2, joint))
+            if (.not. found) return
+            if (arc == 0) arc = now
+         else
+            found = .true.
+         end if
+         link = place%link
+         if (arc == 0) then
+            call arc_with(loops, link, base, arc, from_start)
+            found = arc > 0
+            if (.not. found) return
+         else
+            from_start = loops%arcs(arc)%ends(1) == base
+         end if
+         z = loops%point(joint) - loops%point(base)
+         place%loop = loops%arcs(arc)%loop
+         place%arc = loops%arcs(arc)%place
+         place%from_start = from_start
+         place%distance = abs(z)
+         place%turn = 0.0_wp
+         place%angle = quadrant_angle(degrees_of(z%re, z%im) - loops%arcs(arc)%direction)
+      end associate
+   end subroutine rebase
 
    !> Tolerances that single dimensions have by their names, for the arcs of the loops; those of arcs that repeat them, too.
    subroutine fill_tolerances(loops, sketch, set, findings)

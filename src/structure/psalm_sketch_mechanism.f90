@@ -65,6 +65,8 @@ contains
       dimensions%crnki = traced%input
       dimensions%drawn = traced%input
       dimensions%anchor = traced%anchor
+      dimensions%aside_length = traced%joint_places%distance
+      dimensions%aside_angle = traced%joint_places%turn + traced%joint_places%angle
    end function traced_dimensions
 
    pure subroutine take_arc(traced, n, mechanism)

@@ -4,7 +4,7 @@ module psalm_variables
    use psalm_loop_messages, only: arc_warning, place_of
    use psalm_mechanism, only: mechanism_t, arc_determined
    use psalm_parameters, only: parameters_t, no_parameters, variable_crnki, variable_origlk, variable_origng, &
-                               variable_outang, variable_outlk
+                               variable_outang, variable_outlk, variable_aside, variable_aside_angle
    use psalm_status, only: diagnostics_t
    use psalm_traced_loops, only: loops_t
    implicit none (type, external)
@@ -22,7 +22,7 @@ contains
       integer :: loop, a
 
       parameters = no_parameters(mechanism)
-      if (allocated(set%traced) .and. set%method%ikin == 0) call take_traced(set%traced, mechanism, parameters)
+      if (allocated(set%traced) .and. set%method%ikin == 0) call take_traced(set, mechanism, parameters)
       if (set%method%ikin /= 0 .or. size(set%method%iva) == 0) return
       do loop = 1, set%links%nloop
          do a = 1, set%links%maxarc
@@ -42,23 +42,44 @@ contains
    end subroutine find_variables
 
    !> What varies of the loops of a sketch, in the same order.
-   subroutine take_traced(traced, mechanism, parameters)
-      type(loops_t), intent(in) :: traced
+   subroutine take_traced(set, mechanism, parameters)
+      type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
       type(parameters_t), intent(inout) :: parameters
       integer :: n
 
-      do n = 1, size(traced%arcs)
-         if (traced%arcs(n)%length_varies) call parameters%vary_length(mechanism, n)
-      end do
-      if (traced%outlk_varies) call parameters%vary(mechanism, variable_outlk)
-      if (traced%pivot_varies) call parameters%vary(mechanism, variable_origlk)
-      do n = 1, size(traced%arcs)
-         if (traced%arcs(n)%angle_varies) call parameters%vary_angle(mechanism, n)
-      end do
-      if (traced%outang_varies) call parameters%vary(mechanism, variable_outang)
-      if (traced%pivot_varies) call parameters%vary(mechanism, variable_origng)
-      if (traced%input_varies) call parameters%vary(mechanism, variable_crnki)
+      associate (traced => set%traced)
+         do n = 1, size(traced%arcs)
+            if (traced%arcs(n)%length_varies) call parameters%vary_length(mechanism, n)
+         end do
+         call take_aside(variable_aside)
+         if (traced%outlk_varies) call parameters%vary(mechanism, variable_outlk)
+         if (traced%pivot_varies) call parameters%vary(mechanism, variable_origlk)
+         do n = 1, size(traced%arcs)
+            if (traced%arcs(n)%angle_varies) call parameters%vary_angle(mechanism, n)
+         end do
+         call take_aside(variable_aside_angle)
+         if (traced%outang_varies) call parameters%vary(mechanism, variable_outang)
+         if (traced%pivot_varies) call parameters%vary(mechanism, variable_origng)
+         if (traced%input_varies) call parameters%vary(mechanism, variable_crnki)
+      end associate
+
+   contains
+
+      !> Distances, or angles, of joints off the arcs.
+      subroutine take_aside(kind)
+         integer, intent(in) :: kind
+         integer :: joint
+
+         if (.not. allocated(set%traced%aside_varies)) return
+         do joint = 1, size(set%traced%aside_varies, 2)
+            if (.not. set%traced%aside_varies(merge(1, 2, kind == variable_aside), joint)) cycle
+            associate (place => set%traced%joint_places(joint))
+               call parameters%vary_aside(mechanism, kind, joint, set%traced%number_of(place%loop, place%arc), place%from_start, &
+                                          trim(set%sketch%joint_name(joint)))
+            end associate
+         end do
+      end subroutine take_aside
    end subroutine take_traced
 
    subroutine let_length_vary(set, mechanism, loop, a, parameters, findings)

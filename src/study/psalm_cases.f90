@@ -6,7 +6,7 @@ module psalm_cases
    use psalm_loop_check, only: check_loops
    use psalm_loop_forces, only: asks_for_forces, loops_carry_forces
    use psalm_mark, only: mark_t
-   use psalm_sketch_case, only: refuse_in_poses, resolve_sketch
+   use psalm_sketch_case, only: resolve_sketch
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
@@ -95,7 +95,6 @@ contains
          call begin(own)
          call resolve_sketch(as_read, set, own, as_given=.true.)
          set%search_in_poses = in_poses
-         if (set%wants_search()) call refuse_in_poses(set, findings)
          ! what loops cannot do for the drawing may be no failure for the linkage found
          if (reader == 'psalm') own = diagnostics_t()
       end if

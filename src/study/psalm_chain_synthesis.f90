@@ -1,20 +1,24 @@
 !> The search for better dimensions of a sketch in the poses of its links, from many starts, and the sketch that came of it.
 module psalm_chain_synthesis
-   use psalm_angles, only: unit_vector
+   use psalm_angles, only: nearest_difference, unit_vector
    use psalm_chain_problem, only: chain_problem_t, make_chain_problem
    use psalm_chain_motion, only: chain_motion_t
    use psalm_chain_study, only: inputs_of_drives
-   use psalm_closure, only: closure_t, state_t, travel
+   use psalm_closure, only: closure_t, state_t, most_orders, travel
+   use psalm_constraint_group, only: range_positions
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
    use psalm_method_group, only: method_group_t
    use psalm_multistart, only: multistart_t, starter_t, candidate_t
-   use psalm_sketch, only: sketch_t, output_slide
+   use psalm_merit, only: extra_positions
+   use psalm_search_group, only: order_either
+   use psalm_sketch, only: sketch_t, drive_turns, output_slide
    use psalm_sketch_assembly, only: assemble_sketch
    use psalm_solver, only: solver_t, ending_t, observer_t, stop_refused
    use psalm_solvers, only: new_solver
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t
+   use psalm_timing_order, only: choose_inputs, inputs_of_path, steps_of_path
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    private
@@ -26,10 +30,13 @@ module psalm_chain_synthesis
    real(wp), parameter :: same_place = 1.0e-4_wp !! of the linkage's size: joints no farther apart are at one place
    real(wp), parameter :: ridge = 1.0e-2_wp      !! relative rise of the objective that parts two valleys
    integer, parameter :: steps_between = 8       !! in which the way from one linkage to another is looked at
+   integer, parameter :: most_returns = 4        !! times a search goes back to work: on a timing, or on what an inspection found
+   real(wp), parameter :: worth_it = 1.0e-6_wp   !! relative gain for which another timing is tried
+   real(wp), parameter :: never = 1.0e30_wp      !! cost of an input that is not reached
 
    !> A linkage found.
    type :: chain_found_t
-      real(wp), allocatable :: x(:)              !! shape (unknowns)
+      real(wp), allocatable :: x(:)              !! shape (unknowns): dimensions, then inputs of free timing
       real(wp) :: objective = 0.0_wp
       integer :: start = 0                       !! number of the start that led to it
    end type chain_found_t
@@ -44,7 +51,8 @@ module psalm_chain_synthesis
       integer :: evaluations = 0
       logical :: refused = .false.               !! the solver does not work on this problem
       logical :: stopped = .false.               !! before all starts were made
-      class(data_set_t), allocatable :: drawn    !! a case of the best linkage: drawn anew, without loops, nothing varying
+      class(data_set_t), allocatable :: drawn    !! a case of the best linkage, or of the given one if none was found: drawn anew,
+                                                 !! without loops, nothing varying
    end type chain_synthesis_t
 
    type, extends(starter_t) :: chain_starter_t
@@ -54,6 +62,9 @@ module psalm_chain_synthesis
       type(stop_t) :: stop
       type(xoshiro_t) :: random
       integer :: most = 0                        !! evaluations of a start
+      logical :: either_way = .false.            !! points in their order may be visited with the input going either way
+      real(wp) :: sense = 1.0_wp                 !! of DELT
+      logical :: turns = .true.                  !! the input does
    contains
       procedure :: start
       procedure :: are_one
@@ -118,6 +129,12 @@ contains
          rules%absolute(i) = set%search%differ*degrees_per_radian
          rules%period(i) = full_turn
       end do
+      ! inputs tell no two linkages apart, nor with free timing where they count from
+      associate (variables => result%problem%variables, of_input => result%problem%of_input)
+         rules%compared(variables + 1:) = .false.
+         rules%absolute(variables + 1:) = huge(1.0_wp)
+         if (result%problem%free .and. of_input > 0) rules%absolute(of_input) = huge(1.0_wp)
+      end associate
       allocate (team(min(max(1, threads), rules%starts)))
       do i = 1, size(team)
          call prepare_starter(set, result%problem, ending, team(i))
@@ -135,9 +152,12 @@ contains
          result%best(i)%objective = candidates(best(i))%objective
          result%best(i)%start = rules%number_of(best(i))
       end do
-      if (size(best) == 0) return
       allocate (result%drawn)
-      call draw_anew(set, result%problem, result%best(1)%x, result%drawn)
+      if (size(best) > 0) then
+         call draw_anew(set, result%problem, result%best(1)%x, result%drawn)
+      else
+         call draw_anew(set, result%problem, result%problem%first, result%drawn)
+      end if
    end subroutine synthesise_chain
 
    subroutine prepare_starter(set, problem, stop, starter)
@@ -151,10 +171,15 @@ contains
       starter%problem = problem
       starter%stop = stop
       starter%most = set%search%maxeval
+      starter%either_way = problem%ordered .and. set%search%order == order_either
+      starter%sense = problem%sense
+      starter%turns = set%sketch%drives(1)%kind == drive_turns
       call new_solver(set%search%solver, starter%solver)
       call starter%random%seed(set%method%istart, purpose_starts)
       allocate (starter%low(problem%core), starter%high(problem%core))
-      do v = 1, problem%core
+      starter%low = problem%first
+      starter%high = problem%first
+      do v = 1, problem%variables
          reach = set%method%var*abs(problem%first(v))
          if (.not. any(problem%moved%of_length == v)) reach = set%method%var*right_angle
          starter%low(v) = max(problem%low(v), problem%first(v) - reach)
@@ -175,6 +200,14 @@ contains
       logical :: reached(2)
       integer :: v, step
 
+      if (self%either_way) then
+         if (abs(way_of(self, a%x) - way_of(self, b%x)) > 0.0_wp) then
+            are_one = .false.
+            return
+         end if
+         self%problem%sense = way_of(self, a%x)
+      end if
+      call self%problem%set_range(a%x)
       call find_joints(a%x, first, reached(1))
       call find_joints(b%x, second, reached(2))
       are_one = .false.
@@ -185,6 +218,11 @@ contains
          if (.not. any(self%problem%moved%of_angle == v)) cycle
          other(v) = other(v) + full_turn*anint((a%x(v) - other(v))/full_turn)
       end do
+      if (self%problem%free .and. self%turns) then
+         associate (n => self%problem%variables)
+            other(n + 1:) = other(n + 1:) + full_turn*anint((reference_of(a%x) - reference_of(other))/full_turn)
+         end associate
+      end if
       do step = 1, steps_between - 1
          call self%problem%measure(a%x + (other - a%x)*(real(step, wp)/real(steps_between, wp)), objective, violation)
          if (.not. objective + max(objective, self%problem%small)*violation <= &
@@ -205,7 +243,23 @@ contains
          call self%problem%find_motion(x, closure, motion, reached)
          if (reached) joints = motion%states(1)%joint(:, 0)
       end subroutine find_joints
+
+      !> The first input, from the drawing.
+      pure real(wp) function reference_of(x)
+         real(wp), intent(in) :: x(:)
+
+         reference_of = x(self%problem%variables + 1)
+         if (self%problem%of_input > 0) reference_of = reference_of + x(self%problem%of_input)
+      end function reference_of
    end function are_one
+
+   !> Which way free inputs go.
+   pure real(wp) function way_of(self, x) result(sense)
+      class(chain_starter_t), intent(in) :: self
+      real(wp), intent(in) :: x(:)               !! unknowns
+
+      sense = sign(1.0_wp, x(size(x)) - x(self%problem%variables + 1))
+   end function way_of
 
    !> One start: the drawing, or a linkage drawn at random within the bounds, or within VAR of the drawing.
    subroutine start(self, number, elite, candidate)
@@ -219,16 +273,22 @@ contains
 
       associate (unused => elite)
       end associate
+      self%problem%sense = self%sense
+      if (self%either_way .and. number > 1 .and. mod(number/2, 2) == 1) self%problem%sense = -self%sense
+      call self%problem%set_range(self%problem%first)
       candidate%x = min(max(self%problem%first, self%problem%low), self%problem%high)
       if (number > 1) then
          call self%random%use_stream(number)
-         do v = 1, size(candidate%x)
+         do v = 1, self%problem%variables
             call self%random%next(deviate)
             candidate%x(v) = self%low(v) + deviate*(self%high(v) - self%low(v))
          end do
-         ! nearer to the drawing until it closes
+         ! nearer to the drawing until it closes; the drawing itself may not obey between the positions
          drawn = min(max(self%problem%first, self%problem%low), self%problem%high)
+         self%problem%looks_between = .false.
          call self%problem%settle(candidate%x, objective, feasible, towards=drawn)
+         self%problem%looks_between = .true.
+         if (self%problem%free) call retime(self, candidate%x)
       end if
       call improve(self, rough, number, candidate)
    end subroutine start
@@ -240,6 +300,9 @@ contains
       type(candidate_t) :: finer
 
       finer = candidate
+      self%problem%sense = self%sense
+      if (self%either_way) self%problem%sense = way_of(self, candidate%x)
+      call self%problem%set_range(candidate%x)
       call improve(self, merge(fine, settling, thorough), 1, finer)
       candidate%evaluations = candidate%evaluations + finer%evaluations
       candidate%jacobians = candidate%jacobians + finer%jacobians
@@ -248,26 +311,109 @@ contains
       candidate%objective = finer%objective
    end subroutine refine
 
+   !> Improve, look for a better timing, inspect the range of the input; go back to work on what is found.
    subroutine improve(self, least_gain, number, candidate)
       class(chain_starter_t), intent(inout) :: self
       real(wp), intent(in) :: least_gain
       integer, intent(in) :: number
       type(candidate_t), intent(inout) :: candidate
-      type(ending_t) :: ending
+      real(wp), allocatable :: x(:), violated(:), extra(:)
+      real(wp) :: objective
+      logical :: feasible, refused
+      integer :: round
 
       self%problem%evaluations = 0
       self%problem%jacobians = 0
-      self%solver%most_evaluations = self%most
-      self%solver%least_gain = least_gain
-      self%solver%seed = number
-      call self%solver%minimise(self%problem, candidate%x, self%stop, ending)
+      call run_solver(candidate%x, candidate%objective, candidate%feasible, candidate%refused)
+      if (self%problem%free) then
+         do round = 1, most_returns
+            x = candidate%x
+            call retime(self, x)
+            call run_solver(x, objective, feasible, refused)
+            if (.not. feasible) exit
+            if (candidate%feasible .and. objective >= candidate%objective*(1.0_wp - worth_it)) exit
+            candidate%x = x
+            candidate%objective = objective
+            candidate%feasible = .true.
+         end do
+      end if
+      if (self%problem%irange /= range_positions .and. candidate%feasible) then
+         allocate (extra(0))
+         candidate%feasible = .false.
+         do round = 1, most_returns
+            ! with free timing the range has moved with the inputs
+            call self%problem%set_range(candidate%x, extra)
+            call self%problem%find_violations(candidate%x, violated)
+            candidate%feasible = size(violated) == 0
+            if (candidate%feasible .or. size(extra) >= extra_positions) exit
+            extra = [extra, violated]
+            call self%problem%set_range(candidate%x, extra)
+            call run_solver(candidate%x, candidate%objective, feasible, refused)
+            if (.not. feasible) exit
+         end do
+      end if
       call self%problem%settle_signs(candidate%x)
-      candidate%objective = ending%objective
-      candidate%feasible = ending%feasible
-      candidate%refused = ending%reason == stop_refused .and. number == 1
       candidate%evaluations = self%problem%evaluations
       candidate%jacobians = self%problem%jacobians
+
+   contains
+
+      subroutine run_solver(x, objective, feasible, refused)
+         real(wp), intent(inout) :: x(:)
+         real(wp), intent(out) :: objective
+         logical, intent(out) :: feasible, refused
+         type(ending_t) :: ending
+
+         self%solver%most_evaluations = 0
+         if (self%most > 0) self%solver%most_evaluations = max(1, self%most - self%problem%evaluations)
+         self%solver%least_gain = least_gain
+         self%solver%seed = number
+         call self%solver%minimise(self%problem, x, self%stop, ending)
+         objective = ending%objective
+         feasible = ending%feasible
+         refused = ending%reason == stop_refused .and. number == 1
+      end subroutine run_solver
    end subroutine improve
+
+   !> Give a linkage the inputs that fit it best, seen over the whole range.
+   subroutine retime(self, x)
+      class(chain_starter_t), intent(inout) :: self
+      real(wp), intent(inout) :: x(:)
+      real(wp) :: inputs(steps_of_path), cost(steps_of_path, size(self%problem%inputs, 2)), best
+      real(wp) :: values(size(self%problem%wanted, 1), 0:most_orders, steps_of_path)
+      logical :: known(steps_of_path)
+      integer :: k, n, order, i
+
+      associate (problem => self%problem)
+         inputs = inputs_of_path(problem%delt, problem%sense, self%turns)
+         call problem%find_path(x, inputs, values, known)
+         if (.not. any(known)) return
+         cost = 0.0_wp
+         do k = 1, size(cost, 2)
+            do order = 0, ubound(problem%weight, 2)
+               do n = 1, size(values, 1)
+                  if (problem%weight(n, order, k) <= 0.0_wp) cycle
+                  do i = 1, steps_of_path
+                     cost(i, k) = cost(i, k) + problem%weight(n, order, k)*miss(values(n, order, i), problem%wanted(n, order, k), &
+                                                                          order == 0 .and. problem%angle(n))**2
+                  end do
+               end do
+            end do
+            where (.not. known) cost(:, k) = never
+         end do
+         call choose_inputs(inputs, cost, self%turns, problem%ordered, problem%sense, x(problem%variables + 1:), best)
+      end associate
+
+   contains
+
+      pure real(wp) function miss(value, wanted, is_angle)
+         real(wp), intent(in) :: value, wanted
+         logical, intent(in) :: is_angle
+
+         miss = value - wanted
+         if (is_angle) miss = nearest_difference(value, wanted)
+      end function miss
+   end subroutine retime
 
    !> The data set with the joints and slides where the linkage found has them, its drives as in the drawing.
    subroutine draw_anew(set, problem, x, drawn)
@@ -289,9 +435,13 @@ contains
       method = set%method
       at_drawing = problem
       if (allocated(at_drawing%inputs)) deallocate (at_drawing%inputs)
+      at_drawing%delt = [0.0_wp]
       allocate (at_drawing%inputs(size(set%sketch%drives), 1), source=0.0_wp)
       at_drawing%of_input = 0
+      at_drawing%free = .false.
       call at_drawing%find_motion(x, closure, motion, reached)
+      deallocate (sketch%variations)
+      allocate (sketch%variations(0))
       if (.not. reached) then
          call set%redraw(set%title, sketch, method, set%search, drawn)
          return
@@ -318,10 +468,14 @@ contains
             end associate
          end do
          ! the lengths are in the coordinates now
-         deallocate (sketch%length_of, sketch%length, sketch%variations)
-         allocate (sketch%length_of(2, 0), sketch%length(0), sketch%variations(0))
+         deallocate (sketch%length_of, sketch%length)
+         allocate (sketch%length_of(2, 0), sketch%length(0))
       end associate
       if (problem%of_input > 0) method%crnki = x(problem%of_input)
+      if (problem%free) then
+         method%delt = problem%increments(x)
+         method%ifree = 0
+      end if
       call set%redraw(set%title, sketch, method, set%search, drawn)
    end subroutine draw_anew
 end module psalm_chain_synthesis

@@ -101,6 +101,7 @@ contains
       integer :: i
 
       call list_clearances(set%constr, problem%mechanism, dimensions%outlk <= 0.0_wp, clearances, joints, beside)
+      call dimensions%put_aside(beside)
       ! asked for at the prescribed positions only, and no proof either
       if (set%constr%irange == range_positions .and. set%limits%iproof == proof_by_default) deallocate (clearances, joints)
       if (.not. allocated(clearances)) then

@@ -4,18 +4,23 @@
 !> (an angle), or, on the frame, both. To new dimensions the assembly of the drawing is followed as it is to new inputs, by
 !> prediction and correction in steps that halve themselves. Derivatives by a dimension are rates while it alone changes; those
 !> of rates by the input follow from rates along sums of both (polarisation of the second and third derivative).
+!>
+!> With free timing (IFREE) the input of every position is one more unknown. With IRANGE constraints hold over the range of the
+!> first drive too, which is followed from the drawing in either direction.
 module psalm_chain_problem
    use psalm_angles, only: degrees_of, unit_vector
-   use psalm_chain_motion, only: chain_motion_t, follow, differentiate, try_step, senses, easy, first_step, least_step
+   use psalm_chain_motion, only: chain_motion_t, advance, follow, differentiate, try_step, senses, easy, first_step, least_step
    use psalm_chain_outputs, only: output_at
    use psalm_closure, only: closure_t, state_t, most_orders, matrix_of, place_points, row_pin
    use psalm_clearances, only: clearance_t, list_sketch_clearances, find_depth, points_of_clearance
+   use psalm_constraint_group, only: range_positions, range_turn
    use psalm_data_set, only: data_set_t
    use psalm_dense, only: factors_t, factorise
    use psalm_error, only: desired_of
    use psalm_kinds, only: wp, full_turn, half_turn, right_angle, radians_per_degree, degrees_per_radian
-   use psalm_merit, only: least_margin
+   use psalm_merit, only: extra_positions, least_margin, put_in_order
    use psalm_nlp, only: plain_nlp_t
+   use psalm_search_group, only: order_free
    use psalm_sketch, only: sketch_t, variation_t, columns_of, first_number, frame_link, most_wished, drive_turns, &
                            output_angle, output_between, output_pose, output_ratio, vary_angle, vary_input, vary_length, vary_place
    use psalm_text, only: to_text
@@ -27,6 +32,13 @@ module psalm_chain_problem
    real(wp), parameter :: rounding = 1.0e-9_wp !! of the drawing's size: deviations that are none
    real(wp), parameter :: far = 1.0e4_wp      !! of the drawing's size: the residual of a position that cannot be reached
    integer, parameter :: absolute = 0         !! in place of an anchor: the machine origin
+   integer, parameter :: range_steps = 60     !! in which a search looks at the range of the input: 6 degrees of a turn
+   integer, parameter :: fine_steps = 720     !! in which what it found is inspected
+   real(wp), parameter :: inside = 0.1_wp     !! of the drawing's size: of constraints kept by more than that over the range no
+                                              !! slopes are found
+   real(wp), parameter :: slack = 1.0e-7_wp   !! of the drawing's size: so far inside their limits constraints over the range are
+                                              !! aimed, since between its steps they may be a little less
+   integer, parameter :: of_whole = 2         !! constraints of the whole motion: its positions and its range are reached
 
    !> A joint that moves in the axes of its link: from an anchor by a length in a direction.
    type :: moved_t
@@ -47,6 +59,7 @@ module psalm_chain_problem
       type(closure_t) :: drawn
       type(state_t) :: start                  !! at the drawing
       type(moved_t), allocatable :: moved(:)
+      integer :: variables = 0                !! of the core unknowns: the dimensions; with free timing inputs follow
       real(wp), allocatable :: first(:)       !! shape (core): values of the drawing; angles in degrees
       integer :: of_input = 0                 !! unknown that is the reference input; 0: fixed
       real(wp), allocatable :: inputs(:, :)   !! shape (drives, positions): radians or length, from the drawing
@@ -61,7 +74,20 @@ module psalm_chain_problem
       real(wp), allocatable :: margin(:)      !! shape (groups): how far from a dead point each must keep
       type(link_pair_t), allocatable :: pairs(:) !! whose transmission angle has a limit
       real(wp) :: cosine = 1.0_wp             !! of the least transmission angle
+      real(wp), allocatable :: delt(:)        !! shape (positions): increments of the first drive, degrees or length
+      logical :: free = .false.               !! the inputs of the positions are unknowns
+      logical :: ordered = .false.            !! they follow each other
+      real(wp) :: sense = 1.0_wp              !! in this direction
+      real(wp) :: span = huge(1.0_wp)         !! most between the first and the last
+      integer :: irange = range_positions     !! IRANGE
+      real(wp), allocatable :: between(:)     !! shape (any): increments over the range at which constraints hold too
+      logical :: looks_between = .true.       !! they count
    contains
+      procedure :: project
+      procedure :: increments
+      procedure :: set_range
+      procedure :: find_violations
+      procedure :: find_path
       procedure :: residuals_at
       procedure :: constraints_at
       procedure :: find_motion
@@ -107,12 +133,16 @@ contains
             return
          end if
       end do
+      problem%variables = size(problem%first)
+      call take_timing()
       problem%core = size(problem%first)
       call take_wishes(set, problem)
       call list_sketch_clearances(set%constr, set%sketch, problem%clearances)
       problem%margin = least_margin*margins_of(closure, start)
       call list_pairs(set%limits%tangle)
-      problem%inequalities = 1 + (size(problem%margin) + size(problem%pairs) + size(problem%clearances))*size(inputs, 2)
+      call problem%set_range(problem%first)
+      problem%inequalities = of_whole + size(inputs, 2) &
+                             + at_a_position(problem)*(size(inputs, 2) + size(problem%between))
       problem%has_gradient = .true.
       problem%is_sum_of_squares = .true.
       problem%scale = [(change_of(v), v=1, problem%core)]
@@ -120,6 +150,24 @@ contains
       problem%small = problem%floor
 
    contains
+
+      !> What is asked of the inputs; with free timing they are unknowns.
+      subroutine take_timing()
+         integer :: n
+
+         n = size(inputs, 2)
+         allocate (problem%delt(n), source=0.0_wp)
+         if (set%method%ikin == 0) problem%delt = set%method%delt
+         problem%irange = set%constr%irange
+         problem%free = set%method%ifree /= 0
+         problem%ordered = problem%free .and. set%search%order /= order_free
+         if (n > 1) problem%sense = sign(1.0_wp, problem%delt(2) - problem%delt(1))
+         if (set%sketch%drives(1)%kind == drive_turns) problem%span = full_turn
+         if (.not. problem%free) return
+         problem%first = [problem%first, problem%delt]
+         problem%low = [problem%low, spread(-huge(1.0_wp), 1, n)]
+         problem%high = [problem%high, spread(huge(1.0_wp), 1, n)]
+      end subroutine take_timing
 
       !> Dyads of two links and three pins, if TANGLE limits their transmission angle.
       subroutine list_pairs(tangle)
@@ -158,7 +206,8 @@ contains
 
          change_of = degrees
          if (any(problem%moved%of_length == unknown)) change_of = part*closure%size
-         if (unknown == problem%of_input .and. problem%unit_of_input == 1.0_wp) change_of = part*closure%size
+         if ((unknown == problem%of_input .or. unknown > problem%variables) .and. problem%unit_of_input == 1.0_wp) &
+            change_of = part*closure%size
       end function change_of
 
       subroutine add_unknown(value, low, high, bounded, number)
@@ -517,35 +566,200 @@ contains
    ! ---- motion ------------------------------------------------------------------------------------------------------
 
    !> Everything at all positions with the dimensions x; `reached` is false where the drawing's assembly ends on the way.
-   subroutine find_motion(self, x, closure, motion, reached)
+   subroutine find_motion(self, x, closure, motion, reached, drawing)
       class(chain_problem_t), intent(in) :: self
       real(wp), intent(in) :: x(:)              !! shape (core)
       type(closure_t), intent(out) :: closure
       type(chain_motion_t), intent(out) :: motion
       logical, intent(out) :: reached
+      type(state_t), intent(out), optional :: drawing !! at the input of the drawing
       type(state_t) :: state
-      real(wp) :: rate(size(self%inputs, 1), most_orders, size(self%inputs, 2)), inputs(size(self%inputs, 1), size(self%inputs, 2))
+      real(wp) :: rate(size(self%inputs, 1), most_orders, size(self%inputs, 2))
       integer :: d
 
       closure = self%drawn
       state = self%start
       call change_dimensions(self, x, closure, state, reached)
+      if (present(drawing)) drawing = state
       if (.not. reached) return
-      inputs = self%inputs
-      if (self%of_input > 0) then
-         associate (shift => (x(self%of_input) - self%first(self%of_input))*self%unit_of_input)
-            do d = 1, size(inputs, 1)
-               inputs(d, :) = inputs(d, :) + self%speed(d)*shift
-            end do
-         end associate
-      end if
       rate = 0.0_wp
-      do d = 1, size(inputs, 1)
+      do d = 1, size(self%inputs, 1)
          rate(d, 1, :) = self%speed(d)
       end do
-      call follow(closure, state, inputs, rate, motion)
+      call follow(closure, state, inputs_at_positions(self, x), rate, motion)
       reached = all(motion%closed) .and. .not. any(motion%dead)
    end subroutine find_motion
+
+   !> Increments of the first drive at the positions: those given, or unknowns. Shape (positions).
+   pure function increments(self, x) result(delt)
+      class(chain_problem_t), intent(in) :: self
+      real(wp), intent(in) :: x(:)              !! shape (core)
+      real(wp), allocatable :: delt(:)
+
+      delt = self%delt
+      if (self%free) delt = x(self%variables + 1:)
+   end function increments
+
+   !> Inputs of all drives at the positions, from the drawing.
+   pure function inputs_at_positions(self, x) result(inputs)
+      class(chain_problem_t), intent(in) :: self
+      real(wp), intent(in) :: x(:)              !! shape (core)
+      real(wp) :: inputs(size(self%inputs, 1), size(self%inputs, 2))
+      integer :: d
+
+      if (self%free) then
+         inputs = inputs_at(self, x, self%increments(x))
+         return
+      end if
+      do d = 1, size(inputs, 1)
+         inputs(d, :) = self%inputs(d, :) + self%speed(d)*shift_of(self, x)*self%unit_of_input
+      end do
+   end function inputs_at_positions
+
+   !> Inputs of all drives, from the drawing, at increments of the first one, to which all others are geared.
+   pure function inputs_at(self, x, delt) result(inputs)
+      class(chain_problem_t), intent(in) :: self
+      real(wp), intent(in) :: x(:)              !! shape (core)
+      real(wp), intent(in) :: delt(:)
+      real(wp) :: inputs(size(self%inputs, 1), size(delt))
+      integer :: d
+
+      do d = 1, size(inputs, 1)
+         inputs(d, :) = self%inputs(d, 1) + self%speed(d)*((delt - self%delt(1) + shift_of(self, x))*self%unit_of_input)
+      end do
+   end function inputs_at
+
+   !> How far the reference input is from that of the drawing, degrees or length.
+   pure real(wp) function shift_of(self, x) result(shift)
+      class(chain_problem_t), intent(in) :: self
+      real(wp), intent(in) :: x(:)              !! shape (core)
+
+      shift = 0.0_wp
+      if (self%of_input > 0) shift = x(self%of_input) - self%first(self%of_input)
+   end function shift_of
+
+   !> Constraints hold over the range of the inputs of x, and at further ones.
+   subroutine set_range(self, x, extra)
+      class(chain_problem_t), intent(inout) :: self
+      real(wp), intent(in) :: x(:)              !! shape (core)
+      real(wp), intent(in), optional :: extra(:) !! shape (at most extra_positions): increments
+      integer :: n
+
+      if (allocated(self%between)) deallocate (self%between)
+      if (self%irange == range_positions) then
+         allocate (self%between(0))
+         return
+      end if
+      self%between = [even_inputs(self, x, range_steps), spread(minval(self%increments(x)), 1, extra_positions)]
+      if (.not. present(extra)) return
+      n = min(size(extra), extra_positions)
+      self%between(range_steps + 2:range_steps + 1 + n) = extra(:n)
+   end subroutine set_range
+
+   !> Increments of the first drive in even steps over the range that IRANGE asks for, ends included; by itself that of the inputs.
+   pure function even_inputs(self, x, steps) result(delt)
+      class(chain_problem_t), intent(in) :: self
+      real(wp), intent(in) :: x(:)              !! shape (core)
+      integer, intent(in) :: steps
+      real(wp) :: delt(steps + 1)
+      real(wp) :: from, to
+      integer :: i
+
+      from = minval(self%increments(x))
+      to = maxval(self%increments(x))
+      if (self%irange == range_turn .and. self%span < huge(1.0_wp)) to = from + self%span
+      delt = [(from + (to - from)*(real(i, wp)/real(steps, wp)), i=0, steps)]
+   end function even_inputs
+
+   !> From one input to the next, in one step where that can be trusted. Where the motion ends on the way, `state` is near its end.
+   subroutine go_on(closure, target, state, reached)
+      type(closure_t), intent(in) :: closure
+      real(wp), intent(in) :: target(:)         !! shape (drives): from the drawing
+      type(state_t), intent(inout) :: state
+      logical, intent(out) :: reached
+      type(state_t) :: next
+      real(wp) :: from(size(target)), sense(size(closure%groups)), sense_next(size(closure%groups)), worst
+      logical :: dead
+      integer :: group
+
+      reached = all(abs(target - state%input(:, 0)) <= 0.0_wp)
+      if (reached) return
+      from = state%input(:, 0)
+      state%input(:, 1) = target - from
+      state%input(:, 2:) = 0.0_wp
+      call differentiate(closure, 2, state, dead)
+      if (.not. dead) then
+         call senses(closure, state, sense)
+         next = state
+         call try_step(closure, from, target, 0.0_wp, 1.0_wp, next, sense, sense_next, worst, reached, group)
+         if (reached) then
+            state = next
+            call place_points(closure, state, 0)
+            return
+         end if
+      end if
+      call advance(closure, target, state, reached, group)
+   end subroutine go_on
+
+   !> All numbers of the outputs at increments of the first drive.
+   subroutine find_path(self, x, delt, values, known)
+      class(chain_problem_t), intent(in) :: self
+      real(wp), intent(in) :: x(:)              !! shape (core)
+      real(wp), intent(in) :: delt(:)
+      real(wp), intent(out) :: values(:, 0:, :) !! shape (numbers, 0:most_orders, size of delt); rates are by the first drive
+      logical, intent(out) :: known(:)          !! shape of delt: it is reached from the drawing
+      type(closure_t) :: closure
+      type(state_t) :: drawing, states(size(delt))
+      logical :: dead
+      integer :: k
+
+      values = 0.0_wp
+      known = .false.
+      closure = self%drawn
+      drawing = self%start
+      call change_dimensions(self, x, closure, drawing, known(1))
+      if (.not. known(1)) return
+      call find_between(self, x, closure, drawing, delt, states, known)
+      do k = 1, size(delt)
+         if (.not. known(k)) cycle
+         states(k)%input(:, 1:) = 0.0_wp
+         states(k)%input(:, 1) = self%speed
+         call differentiate(closure, most_orders, states(k), dead)
+         known(k) = .not. dead
+         call output_at(closure, states(k), self%drawn%sketch%outputs, values(:, :, k))
+      end do
+   end subroutine find_path
+
+   !> Follow the drawing upwards and downwards to increments of the first drive. Where it does not get there, `states` are those
+   !> where it stopped.
+   subroutine find_between(self, x, closure, drawing, delt, states, reached)
+      class(chain_problem_t), intent(in) :: self
+      real(wp), intent(in) :: x(:)              !! shape (core)
+      type(closure_t), intent(in) :: closure    !! with the dimensions x
+      type(state_t), intent(in) :: drawing      !! at the input of the drawing
+      real(wp), intent(in) :: delt(:)
+      type(state_t), intent(out) :: states(:)   !! shape of delt
+      logical, intent(out) :: reached(:)        !! shape of delt
+      real(wp) :: inputs(size(self%inputs, 1), size(delt))
+      logical :: waiting(size(delt)), going
+      type(state_t) :: state
+      integer :: side, k
+
+      inputs = inputs_at(self, x, delt)
+      reached = .false.
+      do side = -1, 1, 2
+         state = drawing
+         going = .true.
+         waiting = merge(inputs(1, :) >= 0.0_wp, inputs(1, :) < 0.0_wp, side == 1)
+         do while (any(waiting))
+            k = minloc(side*inputs(1, :), dim=1, mask=waiting)
+            waiting(k) = .false.
+            if (going) call go_on(closure, inputs(:, k), state, going)
+            states(k) = state
+            reached(k) = going
+         end do
+      end do
+   end subroutine find_between
 
    !> Follow the drawing's assembly to new dimensions.
    subroutine change_dimensions(self, x, closure, state, reached)
@@ -612,7 +826,7 @@ contains
       by = 0.0_wp
       need = self%highest + 1
       if (any(self%ratio)) need = max(need, 2)
-      do v = 1, self%core
+      do v = 1, self%variables
          call along(v, 1.0_wp, 0.0_wp, need, alone)
          by(:, 0, v) = alone(:, 1)
          if (need > 1) then
@@ -693,11 +907,38 @@ contains
                miss = values(n, order) - self%wanted(n, order, k)
                if (order == 0 .and. self%angle(n)) miss = miss - full_turn*anint(miss/full_turn)
                r(m) = root*miss
-               if (present(jacobian)) jacobian(m, :) = root*by(n, order, :)
+               if (.not. present(jacobian)) cycle
+               jacobian(m, :) = root*by(n, order, :)
+               if (self%free) jacobian(m, self%variables + k) = root*by_input(self, values, n, order)
             end do
          end do
       end do
    end subroutine residuals_at
+
+   !> Derivative of a number's value, or of its derivative by the first drive, by the increment of that drive.
+   pure real(wp) function by_input(self, values, n, order) result(slope)
+      class(chain_problem_t), intent(in) :: self
+      real(wp), intent(in) :: values(:, 0:)          !! shape (numbers, 0:most_orders): as `find_values` has them
+      integer, intent(in) :: n, order
+
+      slope = values(n, order + 1)
+      if (self%ratio(n)) then
+         slope = 0.0_wp
+         associate (a => self%ratio_of(1, n), b => self%ratio_of(2, n))
+            if (order == 0 .and. values(n, 0) < huge(1.0_wp)) slope = (values(a, 2) - values(n, 0)*values(b, 2))/values(b, 1)
+         end associate
+      end if
+      slope = slope*self%unit_of_input
+      if (order == 0 .and. self%angle(n)) slope = slope*degrees_per_radian
+   end function by_input
+
+   !> Inputs that must follow each other are put in order.
+   subroutine project(self, x)
+      class(chain_problem_t), intent(in) :: self
+      real(wp), intent(inout) :: x(:)                !! shape (core)
+
+      if (self%ordered) call put_in_order(x(self%variables + 1:), self%sense, self%span)
+   end subroutine project
 
    !> Distance of each group from a dead point: its determinant against the product of the norms of its columns, 0 to 1.
    function margins_of(closure, state) result(margins)
@@ -717,8 +958,8 @@ contains
       end do
    end function margins_of
 
-   !> The first: that every position is reached; then at each position the margin of each group, the transmission angle of each
-   !> link pair and each clearance.
+   !> The first two: that every position is reached, and the range. Then the order of free inputs; then at each position, and at
+   !> inputs over the range, the margin of each group, the transmission angle of each link pair and each clearance.
    subroutine constraints_at(self, x, c, slopes)
       class(chain_problem_t), intent(in) :: self
       real(wp), intent(in) :: x(:)                   !! shape (core)
@@ -726,24 +967,139 @@ contains
       real(wp), intent(out), optional :: slopes(:, :) !! shape (core, inequalities)
       type(closure_t) :: closure
       type(chain_motion_t) :: motion
+      type(state_t) :: drawing
+      type(state_t), allocatable :: states(:)
+      logical, allocatable :: known(:)
       integer :: k, n, m, v
       logical :: reached
 
-      call self%find_motion(x, closure, motion, reached)
+      call self%find_motion(x, closure, motion, reached, drawing)
       c = self%drawn%size
       if (present(slopes)) slopes = 0.0_wp
       if (.not. reached) return
-      c(1) = -self%drawn%size
-      n = size(self%margin) + size(self%pairs) + size(self%clearances)
+      c(:of_whole) = -self%drawn%size
+      n = at_a_position(self)
+      m = of_whole
+      call keep_order()
       do k = 1, size(self%inputs, 2)
-         m = 1 + (k - 1)*n
          call values_of(self, closure, motion%states(k), c(m + 1:m + n))
-         if (.not. present(slopes)) cycle
-         do v = 1, self%core
-            call slopes_of(self, x, v, closure, motion%states(k), slopes(v, m + 1:m + n))
-         end do
+         if (present(slopes)) then
+            do v = 1, self%variables
+               call slopes_of(self, x, v, closure, motion%states(k), slopes(v, m + 1:m + n))
+            end do
+            if (self%free) call slopes_of(self, x, self%variables + k, closure, motion%states(k), &
+                                          slopes(self%variables + k, m + 1:m + n))
+         end if
+         m = m + n
       end do
+      if (size(self%between) == 0) return
+      if (.not. self%looks_between) then
+         c(m + 1:) = -self%drawn%size
+         return
+      end if
+      allocate (states(size(self%between)), known(size(self%between)))
+      call find_between(self, x, closure, drawing, self%between, states, known)
+      if (.not. all(known)) c(of_whole) = self%drawn%size*real(count(.not. known), wp)/real(size(known), wp)
+      do k = 1, size(states)
+         call values_of(self, closure, states(k), c(m + 1:m + n))
+         c(m + 1:m + n) = c(m + 1:m + n) + slack*self%drawn%size
+         if (present(slopes) .and. any(c(m + 1:m + n) > -inside*self%drawn%size)) then
+            do v = 1, self%variables
+               call slopes_of(self, x, v, closure, states(k), slopes(v, m + 1:m + n))
+            end do
+         end if
+         m = m + n
+      end do
+
+   contains
+
+      !> Inputs never go back; a solver that projects keeps them in order by itself.
+      subroutine keep_order()
+         real(wp), allocatable :: delt(:)
+         real(wp) :: unit
+
+         delt = self%increments(x)
+         associate (positions => size(delt))
+            c(m + 1:m + positions) = -self%drawn%size
+            if (self%ordered .and. .not. self%projects) then
+               unit = self%sense*self%unit_of_input
+               if (self%span < huge(1.0_wp)) unit = unit*self%drawn%size
+               c(m + 1:m + positions) = unit*(delt - cshift(delt, 1))
+               if (self%span < huge(1.0_wp)) then
+                  c(m + positions) = c(m + positions) - abs(unit)*self%span
+               else
+                  c(m + positions) = -self%drawn%size
+               end if
+               if (present(slopes)) then
+                  do k = 1, positions
+                     if (k == positions .and. self%span >= huge(1.0_wp)) exit
+                     slopes(self%variables + k, m + k) = unit
+                     slopes(self%variables + 1 + modulo(k, positions), m + k) = -unit
+                  end do
+               end if
+            end if
+            m = m + positions
+         end associate
+      end subroutine keep_order
    end subroutine constraints_at
+
+   !> Constraints of one position.
+   pure integer function at_a_position(self)
+      class(chain_problem_t), intent(in) :: self
+
+      at_a_position = size(self%margin) + size(self%pairs) + size(self%clearances)
+   end function at_a_position
+
+   !> Inspect the range more finely than a search does: increments where constraints are violated, the worst of each. Between two
+   !> steps a parabola tells; a range that is not reached is violated where that is known first.
+   subroutine find_violations(self, x, delt)
+      class(chain_problem_t), intent(in) :: self
+      real(wp), intent(in) :: x(:)                   !! shape (core)
+      real(wp), allocatable, intent(out) :: delt(:)
+      type(closure_t) :: closure
+      type(chain_motion_t) :: motion
+      type(state_t) :: drawing, states(fine_steps + 1)
+      real(wp) :: inputs(fine_steps + 1), c(at_a_position(self), fine_steps + 1), bend, worst, where_worst, top, at
+      logical :: reached, known(fine_steps + 1)
+      integer :: k, r
+
+      allocate (delt(0))
+      if (self%irange == range_positions) return
+      call self%find_motion(x, closure, motion, reached, drawing)
+      if (.not. reached) then
+         delt = [self%delt(1)]
+         return
+      end if
+      inputs = even_inputs(self, x, fine_steps)
+      call find_between(self, x, closure, drawing, inputs, states, known)
+      if (.not. all(known)) then
+         delt = [inputs(findloc(known, .false., dim=1))]
+         return
+      end if
+      do k = 1, size(states)
+         call values_of(self, closure, states(k), c(:, k))
+      end do
+      do r = 1, size(c, 1)
+         worst = 0.0_wp
+         where_worst = inputs(1)
+         do k = 1, size(states)
+            associate (before => c(r, max(k - 1, 1)), here => c(r, k), after => c(r, min(k + 1, size(states))))
+               if (here < max(before, after)) cycle
+               top = here
+               at = inputs(k)
+               bend = 2.0_wp*here - before - after
+               if (bend > 0.0_wp .and. k > 1 .and. k < size(states)) then
+                  top = here + (after - before)**2/(8.0_wp*bend)
+                  at = at + 0.5_wp*(after - before)/bend*(inputs(2) - inputs(1))
+               end if
+               if (top <= worst) cycle
+               worst = top
+               where_worst = at
+            end associate
+         end do
+         if (worst > 0.0_wp) delt = [delt, where_worst]
+      end do
+   end subroutine find_violations
 
    !> Constraints of one position.
    subroutine values_of(self, closure, state, c)
@@ -790,7 +1146,7 @@ contains
       moving%input(:, 1:) = 0.0_wp
       rate = 0.0_wp
       rate(v) = 1.0_wp
-      if (v == self%of_input) moving%input(:, 1) = self%unit_of_input*self%speed
+      if (v == self%of_input .or. v > self%variables) moving%input(:, 1) = self%unit_of_input*self%speed
       call self%dimensioned(x, closure, rate)
       call differentiate(closure, 1, moving, dead)
       deallocate (closure%point_rate)

@@ -128,7 +128,7 @@ contains
       finish = arc
       if (place%link > 0 .and. place%arc == 0) from = beside_t(0, place%distance, place%angle)
       if (place%arc > 0) then
-         from = beside_t(mechanism%seq(loop, place%arc), place%distance, place%turn + place%angle)
+         from = beside_t(mechanism%seq(loop, place%arc), place%distance, place%turn + place%angle, place%joint)
          if (place%from_start) then
             ring = mechanism%ring_of(loop, from%arc)
             finish = merge(0, arc - 1, from%arc == ring%first)
@@ -136,6 +136,7 @@ contains
       end if
       do number = 1, size(joints, 2)
          if (joints(1, number) == loop .and. joints(2, number) == finish .and. beside(number)%arc == from%arc .and. &
+             beside(number)%joint == from%joint .and. &
              abs(beside(number)%distance - from%distance) <= 0.0_wp .and. &
              abs(beside(number)%angle - from%angle) <= 0.0_wp) return
       end do

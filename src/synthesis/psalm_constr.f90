@@ -11,7 +11,7 @@ module psalm_constr
    use psalm_kinds, only: wp
    use psalm_nlp, only: nlp_t, repair_count_t, quarter, most_moves
    use psalm_dimensions, only: dimensions_t
-   use psalm_parameters, only: variable_length, variable_outlk
+   use psalm_parameters, only: variable_aside, variable_length, variable_outlk
    use psalm_output_wishes, only: output_wishes_t, prepare_output_wishes, find_output_wishes, sum_of_wish_errors
    use psalm_wanted_rates, only: wanted_rates_t, prepare_wanted_rates, find_wanted_rates, sum_of_rate_errors, all_rates_exist
    implicit none (type, external)
@@ -59,7 +59,8 @@ contains
          constraints%high = set%limits%ophigh(:nvar)
       end if
       constraints%positive = problem%parameters%variables%kind == variable_length .or. &
-                             problem%parameters%variables%kind == variable_outlk
+                             problem%parameters%variables%kind == variable_outlk .or. &
+                             problem%parameters%variables%kind == variable_aside
       constraints%step_in = set%limits%stepin
       constraints%dimensions = problem%given
       allocate (constraints%reach(problem%positions), source=0.0_wp)

@@ -5,7 +5,8 @@
 !> (1977), section 9.1.4, has it.
 module psalm_dyad_groups
    use psalm_mechanism, only: mechanism_t
-   use psalm_parameters, only: parameters_t, variable_length, variable_gama, variable_outlk, variable_outang
+   use psalm_parameters, only: parameters_t, variable_aside, variable_aside_angle, variable_length, variable_gama, variable_outlk, &
+                               variable_outang
    implicit none (type, external)
    private
    public :: dyads_of_variables
@@ -22,7 +23,7 @@ contains
 
       do v = 1, size(loops)
          select case (parameters%variables(v)%kind)
-         case (variable_length, variable_gama)
+         case (variable_length, variable_gama, variable_aside, variable_aside_angle)
             loops(v) = parameters%variables(v)%loop
          case (variable_outlk, variable_outang)
             loops(v) = mechanism%arcs(mechanism%outputs(1)%arc)%loop

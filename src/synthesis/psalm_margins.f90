@@ -19,7 +19,7 @@ module psalm_margins
    use psalm_rrp, only: link_of
    use psalm_samples, only: sample_set_t, prepare_samples, evaluate_samples
    use psalm_dimensions, only: dimensions_t
-   use psalm_parameters, only: variable_length, variable_outlk
+   use psalm_parameters, only: variable_aside, variable_length, variable_outlk
    implicit none (type, external)
    private
    public :: margin_t, inspector_t, prepare_inspector, inspect, is_violated
@@ -225,7 +225,8 @@ contains
 
       associate (parameters => inspector%fine%problem%parameters)
          values = parameters%first_values(dimensions)
-         is_length = parameters%variables%kind == variable_length .or. parameters%variables%kind == variable_outlk
+         is_length = parameters%variables%kind == variable_length .or. parameters%variables%kind == variable_outlk .or. &
+                     parameters%variables%kind == variable_aside
       end associate
       if (size(values) == 0) return
       margin%unit = min(inspector%size, maxval(dimensions%arcl))

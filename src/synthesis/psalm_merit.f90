@@ -25,7 +25,7 @@ module psalm_merit
    use psalm_wanted_rates, only: wanted_rates_t, prepare_wanted_rates, find_wanted_rates, differentiate_wanted_rates, &
                                  sum_of_rate_errors, all_rates_exist
    use psalm_dimensions, only: dimensions_t
-   use psalm_parameters, only: variable_length, variable_outlk
+   use psalm_parameters, only: variable_aside, variable_length, variable_outlk
    implicit none (type, external)
    private
    public :: merit_t, prepare_merit, eliminate_linear, hold, let_go, put_in_order
@@ -150,7 +150,8 @@ contains
          merit%high = set%limits%ophigh(:nvar) - min(set%limits%stepin, 0.25_wp*(set%limits%ophigh(:nvar) - &
                                                             set%limits%oplow(:nvar)))
       end if
-      where (problem%parameters%variables%kind == variable_length .or. problem%parameters%variables%kind == variable_outlk)
+      where (problem%parameters%variables%kind == variable_length .or. problem%parameters%variables%kind == variable_outlk .or. &
+             problem%parameters%variables%kind == variable_aside)
          merit%low = max(merit%low, least_length*abs(first))
          merit%high = min(merit%high, max(longest, maxval(abs(first))/merit%size)*merit%size)
       end where

@@ -8,7 +8,7 @@ module psalm_random_batch
    use psalm_mechanism, only: arc_crank
    use psalm_merit, only: merit_t
    use psalm_error, only: problem_t
-   use psalm_parameters, only: variable_length, variable_outlk, variable_origlk, variable_crnki
+   use psalm_parameters, only: variable_aside, variable_length, variable_outlk, variable_origlk, variable_crnki
    use psalm_path_fit, only: square
    use psalm_solver, only: solver_t, ending_t
    use psalm_samples, only: evaluate_samples
@@ -159,6 +159,8 @@ contains
                case (variable_length)
                   trial(v) = merit%linear%path%size*draw_ratio(random, longest)
                   if (problem%mechanism%arcs(variable%n)%kind == arc_crank) trial(v) = of_crank*trial(v)
+               case (variable_aside)
+                  trial(v) = values(v)
                case (variable_outlk)
                   trial(v) = merit%linear%path%size
                case (variable_origlk)

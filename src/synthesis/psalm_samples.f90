@@ -11,7 +11,7 @@ module psalm_samples
    use psalm_linkage, only: padded
    use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian, block_constraints
    use psalm_dimensions, only: dimensions_t
-   use psalm_parameters, only: variable_t, variable_length, variable_outlk, variable_origlk, variable_crnki
+   use psalm_parameters, only: variable_t, variable_aside, variable_length, variable_outlk, variable_origlk, variable_crnki
    use psalm_place, only: beside_t
    implicit none (type, external)
    private
@@ -132,6 +132,7 @@ contains
       integer :: block, offset, n, m, i, loop, j
 
       samples%solved = .false.
+      call dimensions%put_aside(samples%beside)
       associate (problem => samples%problem)
          call problem%bind(dimensions)
          do block = 1, problem%blocks()
@@ -257,7 +258,7 @@ contains
          end if
          associate (kind => samples%problem%parameters%variables(v)%kind)
             step = small_change*degrees_per_radian
-            if (kind == variable_length .or. kind == variable_outlk .or. kind == variable_origlk) step = small_change*reach
+            if (any(kind == [variable_length, variable_outlk, variable_origlk, variable_aside])) step = small_change*reach
             if (kind == variable_crnki .and. samples%problem%mechanism%sliding_input) step = small_change*reach
             changed_values = values
             changed_values(v) = values(v) + step

@@ -25,7 +25,7 @@ module psalm_search
    use psalm_stop, only: stop_t
    use psalm_timing, only: timing_t, prepare_timing, find_timing
    use psalm_parameters, only: variable_length, variable_outlk, variable_origlk, variable_crnki, variable_gama, &
-                               variable_outang, variable_origng
+                               variable_outang, variable_origng, variable_aside, variable_aside_angle
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    private
@@ -356,7 +356,7 @@ contains
       allocate (rules%absolute(merit%core + merit%local), source=huge(1.0_wp))
       do v = 1, merit%core
          associate (kind => problem%parameters%variables(v)%kind)
-            if (any(kind == [variable_length, variable_outlk, variable_origlk]) .or. &
+            if (any(kind == [variable_length, variable_outlk, variable_origlk, variable_aside]) .or. &
                 (kind == variable_crnki .and. problem%mechanism%sliding_input)) then
                rules%relative(v) = set%search%differ
                rules%absolute(v) = set%search%differ*negligible*merit%size
@@ -556,7 +556,7 @@ contains
          other = b%x
          do v = 1, merit%core
             select case (self%problem%parameters%variables(v)%kind)
-            case (variable_gama, variable_outang, variable_origng)
+            case (variable_gama, variable_outang, variable_origng, variable_aside_angle)
                other(v) = other(v) + full_turn*anint((a%x(v) - other(v))/full_turn)
             end select
          end do
@@ -818,7 +818,7 @@ contains
          deviate = 0.0_wp
          if (abs(high(v) - low(v)) > 0.0_wp) deviate = 2.0_wp*(values(v) - low(v))/(high(v) - low(v)) - 1.0_wp
          select case (problem%parameters%variables(v)%kind)
-         case (variable_length, variable_outlk, variable_origlk)
+         case (variable_length, variable_outlk, variable_origlk, variable_aside)
             reach = abs(best(v))
          case default
             reach = right_angle
@@ -859,6 +859,7 @@ contains
       if (worker%set%limits%limval /= 0 .and. .not. allocated(worker%merit%linear)) return
       associate (kind => worker%problem%parameters%variables%kind)
          turns = kind == variable_gama .or. kind == variable_outang .or. kind == variable_origng .or. &
+                 kind == variable_aside_angle .or. &
                  (kind == variable_crnki .and. .not. worker%problem%mechanism%sliding_input)
       end associate
       near = values - full_turn*anint((values - worker%first)/full_turn)
@@ -1031,7 +1032,8 @@ contains
       type(problem_t), intent(in) :: problem
       logical, allocatable :: lengths(:)
 
-      lengths = problem%parameters%variables%kind == variable_length .or. problem%parameters%variables%kind == variable_outlk
+      lengths = problem%parameters%variables%kind == variable_length .or. problem%parameters%variables%kind == variable_outlk .or. &
+                problem%parameters%variables%kind == variable_aside
       if (.not. any(lengths)) lengths = .true.
    end function is_length
 end module psalm_search

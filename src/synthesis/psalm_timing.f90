@@ -4,23 +4,21 @@
 module psalm_timing
    use psalm_angles, only: nearest_difference
    use psalm_error, only: problem_t
-   use psalm_kinds, only: wp, full_turn
+   use psalm_kinds, only: wp
    use psalm_merit, only: merit_t
    use psalm_samples, only: sample_set_t, prepare_samples, evaluate_samples
+   use psalm_timing_order, only: choose_inputs, inputs_of_path, steps_of_path
    implicit none (type, external)
    private
    public :: timing_t, prepare_timing, find_timing
 
-   integer, parameter :: steps = 120              !! of the range: 3 degrees each
-   integer, parameter :: starts = 60              !! where an ordered timing may begin
    real(wp), parameter :: never = 1.0e30_wp       !! cost of a position that does not close
 
    type :: timing_t
       class(sample_set_t), allocatable :: path
-      real(wp), allocatable :: inputs(:)          !! shape (steps)
-      real(wp), allocatable :: cost(:, :)         !! shape (steps, positions): weighted squared distance
-      real(wp), allocatable :: least(:, :)        !! shape (steps, positions): of timings that end here or before
-      integer, allocatable :: like(:)             !! shape (steps): the first step with all pairs of slides on the same sides
+      real(wp), allocatable :: inputs(:)          !! shape (steps_of_path)
+      real(wp), allocatable :: cost(:, :)         !! shape (steps_of_path, positions): weighted squared distance
+      integer, allocatable :: like(:)             !! shape (steps_of_path): the first step with all slides on the same sides
    end type timing_t
 
 contains
@@ -30,18 +28,12 @@ contains
       type(problem_t), intent(in) :: problem
       type(merit_t), intent(in) :: merit
       type(timing_t), intent(out) :: timing
-      real(wp) :: from, to
-      integer :: i
 
-      from = merit%sense*minval(merit%sense*problem%delt)
-      to = from + merit%sense*full_turn
-      if (problem%mechanism%sliding_input) to = merit%sense*maxval(merit%sense*problem%delt)
-      timing%inputs = [(from + (to - from)*(real(i, wp)/real(merge(steps - 1, steps, problem%mechanism%sliding_input), wp)), &
-                        i=0, steps - 1)]
+      timing%inputs = inputs_of_path(problem%delt, merit%sense, .not. problem%mechanism%sliding_input)
       allocate (timing%path)
       call prepare_samples(problem, timing%inputs, .false., reshape([integer ::], [2, 0]), .false., timing%path)
-      allocate (timing%cost(steps, problem%positions), timing%least(steps, problem%positions), source=0.0_wp)
-      allocate (timing%like(steps), source=1)
+      allocate (timing%cost(steps_of_path, problem%positions), source=0.0_wp)
+      allocate (timing%like(steps_of_path), source=1)
    end subroutine prepare_timing
 
    !> The timing that fits the merit's linkage (`merit%dimensions`) best, at the steps of the range.
@@ -57,7 +49,7 @@ contains
       call evaluate_samples(timing%path, merit%dimensions)
       call find_paths(timing)
       best = huge(best)
-      do i = 1, steps
+      do i = 1, steps_of_path
          if (timing%like(i) /= i) cycle
          call time_path(timing, merit, i, trial, total)
          if (i > 1 .and. total >= best) cycle
@@ -74,7 +66,7 @@ contains
       timing%like = 1
       associate (pairs => timing%path%problem%linkage%two_slides .and. timing%path%problem%linkage%step_of_loop > 0)
          if (.not. any(pairs)) return
-         do i = 2, steps
+         do i = 2, steps_of_path
             do j = 1, i
                if (all((timing%path%k(j, :) < 1.0_wp .eqv. timing%path%k(i, :) < 1.0_wp) .or. .not. pairs)) exit
             end do
@@ -90,8 +82,7 @@ contains
       integer, intent(in) :: path                 !! its first step
       real(wp), intent(out) :: delt(:)            !! shape (positions)
       real(wp), intent(out) :: best
-      integer :: i, c, from, best_from
-      real(wp) :: total
+      integer :: i, c
 
       associate (problem => merit%main%problem, out => timing%path%out)
          do i = 1, size(delt)
@@ -106,61 +97,8 @@ contains
             end do
             where (.not. timing%path%closed .or. timing%like /= path) timing%cost(:, i) = timing%cost(:, i) + never
          end do
-         if (.not. merit%ordered) then
-            delt = timing%inputs(minloc(timing%cost, dim=1))
-            best = sum(minval(timing%cost, dim=1))
-            return
-         end if
-         best = huge(best)
-         best_from = 1
-         do from = 1, merge(1, steps, problem%mechanism%sliding_input), steps/starts
-            call try_from(timing, from, total)
-            if (total < best) then
-               best = total
-               best_from = from
-            end if
-         end do
-         call try_from(timing, best_from, total)
-         call trace_back(timing, best_from, merit%sense, delt)
+         call choose_inputs(timing%inputs, timing%cost, .not. problem%mechanism%sliding_input, merit%ordered, merit%sense, delt, &
+                            best)
       end associate
    end subroutine time_path
-
-   !> Least cost of passing all points in order that begins at step `from` or after.
-   subroutine try_from(timing, from, total)
-      type(timing_t), intent(inout) :: timing
-      integer, intent(in) :: from
-      real(wp), intent(out) :: total
-      integer :: i, j
-      real(wp) :: before
-
-      do i = 1, size(timing%cost, 2)
-         do j = 1, steps
-            before = 0.0_wp
-            if (i > 1) before = timing%least(j, i - 1)
-            timing%least(j, i) = before + timing%cost(modulo(from + j - 2, steps) + 1, i)
-            if (j > 1) timing%least(j, i) = min(timing%least(j, i), timing%least(j - 1, i))
-         end do
-      end do
-      total = timing%least(steps, size(timing%cost, 2))
-   end subroutine try_from
-
-   !> The timing itself.
-   pure subroutine trace_back(timing, from, sense, delt)
-      type(timing_t), intent(in) :: timing
-      integer, intent(in) :: from
-      real(wp), intent(in) :: sense
-      real(wp), intent(out) :: delt(:)
-      integer :: i, j, place
-
-      j = steps
-      do i = size(delt), 1, -1
-         do while (j > 1)
-            if (timing%least(j - 1, i) > timing%least(j, i)) exit
-            j = j - 1
-         end do
-         place = modulo(from + j - 2, steps) + 1
-         delt(i) = timing%inputs(place)
-         if (place < from) delt(i) = delt(i) + sense*full_turn
-      end do
-   end subroutine trace_back
 end module psalm_timing

@@ -47,7 +47,7 @@ POSES = """FOUR-BAR THROUGH FOUR POSES
 """
 PLACE = """FOUR-BAR WHOSE PIVOT MOVES
  &CHAIN JNT='A','B','C','D','P','Q', JX=20,10,80,100,60,70, JY=5,50,75,5,115,135,
-  LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P Q','C D', VARY='place A','B Q','angle B C B Q' &END
+  LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P Q','C D', VARY='place A','B Q','angle B P B Q' &END
  &DRIVES DRIVE='A' &END
  &OUTPUTS OUTPUT='point P','angle P Q', DES1=45,113,63,115,80,112,95,105, DES2=60,50,40,30 &END
  &METHOD NDES=4, VAR=0.99, DELT=0,-15,-30,-45 &END
@@ -163,7 +163,15 @@ def drawn_whole(programs, work, head):
             file.write(case(head, (output,), "&METHOD IKIN=30", "&LIMITS TANGLE=89.0"))
         subprocess.run([os.path.join(programs, "balm"), "--quiet", path], capture_output=True, text=True, check=False)
         with open(os.path.join(work, "drawn.svg"), encoding="utf-8") as file:
-            letters = set(re.findall(r'data-joint="([^"]+)"', file.read()))
+            svg = file.read()
+        letters = set(re.findall(r'data-joint="([^"]+)"', svg))
+        check("%s first: it is the output that is named" % output, "output: %s;" % output.replace(" ", "_") in svg
+              or "output: %s;" % output in svg, re.findall("output: [^;<]*", svg))
+        star = re.search(r'id="star"[^>]*translate\(([^)]+)\)', svg)
+        at = dict(re.findall(r'data-joint="([^"]+)" transform="translate\(([^)]+)\)', svg))
+        own = [word for word in output.split() if word in at]
+        check("%s first: it is drawn at a joint of its own" % output, not own or output.startswith("angle") or
+              star is not None and star[1] in [at[word] for word in own], (star and star[1], at))
         with open(os.path.join(work, "drawn.dxf"), encoding="ascii") as file:
             seen.append((letters, set(re.findall(r"^LINK_.*", file.read(), re.M))))
         names = set(re.findall("'([^']+)'", re.search(r"JNT=(.*?), JX", head)[1]))
@@ -264,12 +272,43 @@ def one_linkage_one_name(programs, work):
     check("the pivot is told in one way", all(far(one, seen[0]) < 1e-2 for one in seen), seen)
 
 
+STRETCHED = """A DYAD THAT IS STRETCHED MORE AND MORE
+ &CHAIN JNT='A','B','C','D', JX=0.0,10.0,35.0,40.0, JY=0.0,0.0,20.0,0.0,
+  LNK='A D','A B','B C','C D', LENP='B C','C D', LENV=30.0,20.0 &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point C','angle B C' &END
+ &METHOD NDES=6, DELT=0.0,90.0,179.9,179.999,179.99999,179.9999999 &END
+ &LIMITS ICOND=1 &END
+"""
+
+
+def open_digits(programs, work):
+    """The listing prints no digit of an output that the bound of its error leaves open; without ICOND it prints all."""
+    for name, cut in (("ICOND=1", True), ("ICOND=0", False)):
+        run = Run(programs, work, STRETCHED.replace("ICOND=1", name))
+        lines = run.listing.split("\n")
+        head = next(k for k, text in enumerate(lines) if "ACTUAL X" in text)
+        rows = [text.split()[1:3] for text in lines[head + 1:head + 1 + len(run.table)]]
+        decimals = [[len(word.partition(".")[2]) for word in row] for row in rows]
+        check(name + ": without an error all digits", decimals[0] == decimals[1] == [5, 5], rows)
+        if not cut:
+            check(name + ": all digits in every row", all(row == [5, 5] for row in decimals), rows)
+            continue
+        for row, shown in zip(run.table, decimals):
+            bound = 16*2.0**-52*float(row["point_C.condition"])*math.hypot(float(row["point_C.x"]), float(row["point_C.y"]))
+            for places in shown:
+                check("digits shown are known", places == 0 or 10.0**-places >= bound, (places, bound))
+                check("digits known are shown", places == 5 or 10.0**-(places + 1) < bound, (places, bound))
+        check("the last row has fewer digits", decimals[-1] != [5, 5], rows)
+
+
 def main():
     programs = os.path.abspath(sys.argv[1])
     with tempfile.TemporaryDirectory() as work:
         wished_poses(programs, work)
         no_other_joint(programs, work)
         one_linkage_one_name(programs, work)
+        open_digits(programs, work)
         for head in (FOUR_BAR, SIX_BAR):
             groups = ("&METHOD IKIN=30", "&LIMITS TANGLE=89.0, IPLOT=1, ICOND=1", "&TOLER TOLLEN=0.002, TOLANG=0.002, NTRIAL=20000")
             outputs, numbers = OUTPUTS, NUMBERS

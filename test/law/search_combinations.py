@@ -27,15 +27,18 @@ SIX_BAR = """SIX-BAR
 VARY = ", VARY='A B','B C','C D','P Q','Q E'"
 ASIDE = (0.5, -0.3)                                  # of the points desired from those passed
 ROWS = {"simplex of the thesis (without `&SEARCH`)": ("SIMPLEX", ", NITER=60"), "`SOLVER='LSQ'`": ("LSQ", ""),
-        "an algorithm of NLopt": ("LD_SLSQP", "")}
+        "an algorithm of NLopt": ("LD_SLSQP", ""), "`SOLVER='LSQ'`, in the poses of the links": ("LSQ", ""),
+        "an algorithm of NLopt, in the poses of the links": ("LD_SLSQP", "")}
+IN_POSES = ",'C P'"                                  # VARY has this too: it is no dimension of the loops
 SHORT = ", MAXEVAL=40"
 # what a column adds to &METHOD, to &SEARCH, and as a group
 COLUMNS = {"`IFREE=1`": (", IFREE=1", "", ""), "`IRANGE=1`": ("", "", " &CONSTR IRANGE=1 &END\n"), "`IRANGE=2`": ("", "", " &CONSTR IRANGE=2 &END\n"),
-           "regions": ("", "", " &CONSTR RKIND=1, RPLACE=-100.,-100.,300.,300., RJNT='Q' &END\n"),
+           "regions": ("", "", " &CONSTR RKIND=-1, RPLACE=-100.,-100.,300.,300., RJNT='Q' &END\n"),
            "widths": ("", "", " &CONSTR SJNT='A B','P Q', SWIDTH=4.,4. &END\n"),
            "derivatives": (", DVELX=6*-30., DVELY=6*1., WVELX=6*0.01", "", ""), "`NFEW`": ("", ", NFEW=3", ""), "`IDYAD=1`": ("", ", IDYAD=1", "")}
 # what psalm says when it refuses, by the number of the reason; 2 and 4 are no refusals
-REASONS = {"1": "needs the group &SEARCH with another SOLVER", "3": "the simplex makes one search", "5": "is for SOLVER="}
+REASONS = {"1": "needs the group &SEARCH with another SOLVER", "3": "the simplex makes one search", "5": "is for SOLVER=",
+           "6": "is for linkages that are traced in loops"}
 CHECKED, TIMED = "2", "4"
 
 
@@ -69,7 +72,8 @@ def main():
             solver, more = ROWS[row]
             method, own, groups = (list(parts) for parts in zip(*[COLUMNS[column] for column in columns]))
             short = "" if solver == "SIMPLEX" else SHORT
-            return run(SIX_BAR % (VARY, desired + more + "".join(method)) + " &SEARCH SOLVER='%s'%s%s &END\n" % (solver, short, "".join(own))
+            vary = VARY + IN_POSES if "poses" in row else VARY
+            return run(SIX_BAR % (vary, desired + more + "".join(method)) + " &SEARCH SOLVER='%s'%s%s &END\n" % (solver, short, "".join(own))
                        + "".join(groups))
 
         for row, fields in rows.items():
@@ -77,6 +81,8 @@ def main():
                 done, where = search(row, column), row + ", " + column
                 if field in ("+", CHECKED, TIMED):
                     check(where + ": a linkage", done.returncode in (0, 1) and "TOTAL ERROR" in done.stdout, done.stderr[-300:])
+                    if "poses" in row:            # those by loops say how many Jacobians they formed
+                        check(where + ": made there", "evaluations" in done.stderr and "Jacobians" not in done.stderr, done.stderr[-300:])
                 if field == CHECKED:
                     check(where + ": margins are listed", "MARGINS" in done.stdout, done.stdout[-300:])
                 if field == TIMED:

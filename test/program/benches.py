@@ -149,13 +149,14 @@ def runs(work, programs):
     data = os.path.join(top, "data")
     dump = os.path.join(work, "dump")
     tasks = [[programs["bench"], "objective"], [programs["bench"], "pruning"], [programs["bench"], "forces", "short"],
-             [programs["bench"], "groups", data],
+             [programs["bench"], "groups", data, "short"],
              [programs["bench"], "evaluate20"], [programs["account"], "scaling", data, "short"], [programs["account"], "first", data],
              [programs["cams"], "cost", os.path.join(data, "calm", "translating_roller.nml")],
              [programs["cams"], "disc", os.path.join(data, "dyad1_crank_rocker.nml")],
              [programs["dynamics"], "chart", os.path.join(data, "rig_coupler.nml")],
              [programs["paths"], os.path.join(data, "paths", "ten10.nml")],
              [programs["rivals"], "0.1", os.path.join(data, "paths", "ten10.nml"), "1.0"],
+             [os.path.join(bench, "speed.py"), os.path.abspath(sys.argv[1]), programs["bench"], "--short"],
              [programs["exact"], "short"], [os.path.join(work, "limit"), "dump", "auto", "180", dump],
              [os.path.join(work, "naive"), "dump", "one_loop", "180", dump]]
     for task in tasks:

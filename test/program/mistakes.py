@@ -95,10 +95,10 @@ MISTAKES = [
     (GEARS, "GEARB='four'", "GEARB='three'", "link frame carries wheel three, but no joint pins them together"),
     # what varies
     (SKETCH, "'C D' &END", "'C D', VARY='A B',' ' &END", "value 2 is empty"),
-    (SKETCH, "'C D' &END", "'C D', VARY='A' &END", "'A' names 1 joints, not 2; there are 'A B', 'angle A B A C', 'place D', 'input'"),
+    (SKETCH, "'C D' &END", "'C D', VARY='A' &END", "'A' names 1 joint, not 2; there are 'A B', 'angle A B A C', 'place D', 'input'"),
     (SKETCH, "'C D' &END", "'C D', VARY='place P' &END", "'place P': the joint is not on the frame"),
     (SKETCH, "'C D' &END", "'C D', VARY='A C' &END", "'A C': no link has all these joints"),
-    (DYADS, "'K L' &END", "'K L', VARY='C P' &END", "the length C P is no dimension of the loops; there are the lengths A B, B C, C D, D A, B P, P E, E F, F A, "
+    (DYADS, " &METHOD", " &TOLER TOLNAM='C P', TOLVAL=0.1 &END\n &METHOD", "the length C P is no dimension of the loops; there are the lengths A B, B C, C D, D A, B P, P E, E F, F A, "
      "P G, G H, H A, P K and 2 more, and the angles between them"),
     (SKETCH, "'C D' &END", "'C D', VARY='A B', VLOW=2.0, VHIGH=1.0 &END", "the lower bound of 'A B' is above its upper bound"),
     (SKETCH, "'C D' &END", "'C D', VARY='place D', VLOW=2.0, VHIGH=3.0 &END", "2 values each (a place has two, x and y); found 1 and 1"),
@@ -183,7 +183,7 @@ MISTAKES = [
     (FOUR_BAR.replace("MAXARC=4, ILINK=1,-2,-3,4, ILOOP=1,0,0,1", "MAXARC=5, ILINK=1,-2,-3,4,0, ILOOP=1,0,0,1,0"), " &LIMITS",
      " &SWEEP SWLINK=5, SWLOOP=1, SWLOW=1.0, SWHIGH=2.0 &END\n &LIMITS", "loop 1 has no arc 5"),
     (SKETCH, " &METHOD", " &SWEEP SWLOW=1.0, SWHIGH=2.0 &END\n &METHOD", "the joints of the length or angle are expected, SWJNT='A B'"),
-    (SKETCH, " &METHOD", " &SWEEP SWJNT='A', SWLOW=1.0, SWHIGH=2.0 &END\n &METHOD", "'A' names 1 joints, not 2; there are 'A B', 'angle A B A C'"),
+    (SKETCH, " &METHOD", " &SWEEP SWJNT='A', SWLOW=1.0, SWHIGH=2.0 &END\n &METHOD", "'A' names 1 joint, not 2; there are 'A B' and 'angle A B A C'"),
     # exact synthesis
     (PATH, "YP=0.0,0.5,0.4,0.1", "YP=0.0,0.5,0.4", "XP has 4 values, but YP has 3"),
     (PATH, "YP=0.0,0.5,0.4,0.1", "YP=0.0,,0.4,0.1", "&EXACT YP: point 2 has no value"),

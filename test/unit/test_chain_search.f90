@@ -6,11 +6,16 @@ program test_chain_search
    use psalm_chain_problem, only: chain_problem_t, make_chain_problem, unknown_name
    use psalm_chain_study, only: chain_study_t, study_chain, inputs_of_drives
    use psalm_chain_synthesis, only: chain_synthesis_t, synthesise_chain
+   use psalm_clearances, only: clearance_t, list_clearances
    use psalm_closure, only: closure_t, state_t
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, make_problem
    use psalm_kinds, only: wp
+   use psalm_output_wishes, only: output_wishes_t, prepare_output_wishes, find_output_wishes, differentiate_output_wishes
+   use psalm_parameters, only: variable_aside, variable_aside_angle, words_of
+   use psalm_place, only: beside_t
    use psalm_preparation, only: prepared_t, prepare
+   use psalm_samples, only: sample_set_t, prepare_samples, evaluate_samples, linearise_samples
    use psalm_sketch_assembly, only: assemble_sketch
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t
@@ -31,6 +36,8 @@ program test_chain_search
 
    call derivatives()
    call same_as_loops()
+   call timing_and_range()
+   call off_the_arcs()
    call regions()
    call floating_cylinder()
    call refused()
@@ -65,13 +72,14 @@ contains
       call read_one('DERIVATIVES'//nl//six_bar//" &END &DRIVES DRIVE='A' &END"//nl// &
                     " &OUTPUTS OUTPUT='point D','angle G D','distance B F','y E','ratio y_E distance_B_F',"//nl// &
                     ' DES1=6*0.0, DES2=3*0.0, DES3=3*1.0, DES5=3*0.0, DVEL1=6*1.0, DVEL2=3*0.1, DVEL3=3*0.0, DACC1=6*0.0,'//nl// &
-                    ' DACC2=3*0.0, DACC3=3*1.0, WVEL1=2.0 &END &METHOD NDES=3, DELT=-12.0,-15.0,-20.0 &END'//nl, set, findings)
+                    ' DACC2=3*0.0, DACC3=3*1.0, WVEL1=2.0 &END &METHOD NDES=3, DELT=-12.0,-15.0,-20.0, IFREE=1 &END'//nl// &
+                    " &SEARCH SOLVER='LSQ' &END &CONSTR IRANGE=1 &END"//nl, set, findings)
       call t%equal_integer(findings%count, 0, 'desired derivatives are read')
       if (findings%failed()) return
       call assemble_sketch(set, closure, state, valid, findings)
       call make_chain_problem(set, closure, state, inputs_of_drives(set, .true.), problem, failure, which)
       call t%equal_integer(which, 0, 'all variables vary')
-      call t%equal_integer(problem%core, 10, 'eight variables have ten unknowns')
+      call t%equal_integer(problem%core, 13, 'eight variables have ten unknowns, and three inputs follow')
       call t%equal_text(unknown_name(set%sketch, 7), 'direction of G', 'the second number of a place')
       allocate (r(problem%residuals), up(problem%residuals), down(problem%residuals), jacobian(problem%residuals, problem%core))
       x = problem%first*1.003_wp
@@ -91,7 +99,76 @@ contains
          worst = maxval(abs(slope - jacobian(:, v)))/max(1.0_wp, maxval(abs(jacobian(:, v))))
          call t%close_to(worst, 0.0_wp, 2.0e-6_wp, 'derivatives by '//unknown_name(set%sketch, v))
       end do
+      call slopes(problem, x)
    end subroutine derivatives
+
+   !> Slopes of constraints at the positions and over the range against central differences, where they were found.
+   subroutine slopes(problem, x)
+      type(chain_problem_t), intent(in) :: problem
+      real(wp), intent(in) :: x(:)
+      real(wp), parameter :: h = 1.0e-4_wp
+      real(wp) :: c(problem%inequalities), up(problem%inequalities), down(problem%inequalities)
+      real(wp) :: by(size(x), problem%inequalities), moved(size(x)), worst
+      integer :: v
+
+      call problem%constraints_at(x, c, by)
+      worst = 0.0_wp
+      do v = 1, size(x)
+         moved = x
+         moved(v) = x(v) + h
+         call problem%constraints_at(moved, up)
+         moved(v) = x(v) - h
+         call problem%constraints_at(moved, down)
+         worst = max(worst, maxval(abs((up - down)/(2.0_wp*h) - by(v, :)), mask=any(abs(by) > 0.0_wp, dim=1)))
+      end do
+      call t%is_true(count(any(abs(by) > 0.0_wp, dim=1)) > 3, 'constraints over the range have slopes')
+      call t%close_to(worst, 0.0_wp, 1.0e-5_wp, 'slopes of constraints')
+   end subroutine slopes
+
+   !> Free timing and constraints over a full turn: the same optimum by loops and in poses.
+   subroutine timing_and_range()
+      character(*), parameter :: sketch = " &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,33.0,90.0,20.0,"//nl// &
+         " JY=0.0,24.0,82.0,5.0,95.0, LNK='A D','A B','B C P','C D',"//nl// &
+         " VARY='A B','B C','C D','B P','angle B C B P','place D' &END"//nl// &
+         " &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='point P' &END"//nl
+      character(*), parameter :: points = ', NDES=12, DELT=0.,30.,60.,90.,120.,150.,180.,210.,240.,270.,300.,330.,'//nl// &
+         ' DESX=20.5,13.6591,5.9076,-2.213,-6.8939,-9.3947,-10.997,-8.1958,-1.4281,8.2893,19.6619,24.5661,'//nl// &
+         ' DESY=92.,85.8572,76.9971,67.5083,59.1688,53.2403,50.9029,53.7396,63.1528,77.147,88.7486,93.5215 &END'//nl// &
+         " &SEARCH SOLVER='LSQ' &END"//nl
+      character(*), parameter :: asked(*) = [character(60) :: ' &METHOD IFREE=1', &
+                                             ' &CONSTR IRANGE=2, TRMIN=45. &END &METHOD IFREE=0', &
+                                             ' &CONSTR IRANGE=2, TRMIN=45. &END &METHOD IFREE=1', &
+                                             ' &CONSTR IRANGE=1, TRMIN=50. &END &METHOD IFREE=0']
+      type(data_set_t) :: set
+      type(diagnostics_t) :: findings
+      type(prepared_t) :: prepared
+      type(problem_t) :: problem
+      type(synthesis_t) :: by_loops
+      type(chain_synthesis_t) :: by_poses
+      type(dimensions_t) :: dimensions
+      type(line_t) :: none(0)
+      type(stop_t) :: stop
+      integer :: k
+
+      do k = 1, size(asked)
+         call read_one('BY LOOPS'//nl//sketch//trim(asked(k))//points, set, findings)
+         call t%equal_integer(findings%count, 0, 'read:'//trim(asked(k)))
+         call prepare(set, none, prepared, findings)
+         call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
+         dimensions = prepared%given
+         call synthesise(set, prepared%vertices, problem, 1, stop, dimensions, by_loops)
+         call read_in_poses('BY POSES'//nl//sketch//trim(asked(k))//points, set, findings)
+         call synthesise_chain(set, 1, stop, by_poses, findings)
+         call t%is_true(size(by_loops%found%best) > 0 .and. size(by_poses%best) > 0, 'both find a linkage:'//trim(asked(k)))
+         if (size(by_loops%found%best) == 0 .or. size(by_poses%best) == 0) cycle
+         call t%close_to(by_poses%best(1)%objective/by_loops%found%best(1)%objective, 1.0_wp, 1.0e-5_wp, &
+                         'the same optimum:'//trim(asked(k)))
+         if (index(asked(k), 'IFREE=1') == 0) cycle
+         call t%close_to(maxval(abs(by_poses%drawn%method%delt - by_loops%found%best(1)%delt)), 0.0_wp, 2.0e-2_wp, &
+                         'the same inputs:'//trim(asked(k)))
+         call t%equal_integer(by_poses%drawn%method%ifree, 0, 'which the case of the linkage found has')
+      end do
+   end subroutine timing_and_range
 
    !> A four-bar has loops and poses: what another one does is found again by either, the desired values being those of &METHOD or
    !> of &OUTPUTS.
@@ -138,6 +215,104 @@ contains
       call t%close_to(maxval(abs(study%values(:, 0, :) - other%values(:, 0, :))), 0.0_wp, 1.0e-4_wp, &
                       'the sketch drawn anew does what the other one does')
    end subroutine same_as_loops
+
+   !> A joint off the arcs: its distance and angle vary by loops. Derivatives against differences, and either route finds the
+   !> same optimum.
+   subroutine off_the_arcs()
+      character(*), parameter :: links = " LNK='A D','A B','B C P Q','C D'", &
+         method = ' &METHOD NDES=6, DELT=0.,20.,40.,60.,80.,100. &END'//nl//" &SEARCH SOLVER='LSQ' &END"//nl
+      type(data_set_t) :: set
+      type(diagnostics_t) :: findings
+      type(prepared_t) :: prepared
+      type(problem_t) :: problem
+      type(synthesis_t) :: by_loops
+      type(chain_synthesis_t) :: by_poses
+      type(chain_study_t) :: other
+      type(dimensions_t) :: dimensions
+      type(line_t) :: none(0)
+      type(stop_t) :: stop
+      character(:), allocatable :: text
+      character(400) :: p, q
+
+      call read_one('THE OTHER'//nl//" &CHAIN JNT='A','B','C','D','P','Q', JX=0.,-4.,34.,91.,21.,46.,"//nl// &
+                    ' JY=0.,29.,80.,5.,92.,101.,'//links//" &END &DRIVES DRIVE='A' &END"//nl// &
+                    " &OUTPUTS OUTPUT='point P','point Q' &END"//nl//method, set, findings)
+      call study_chain(set, 1.0_wp, 0.0_wp, other)
+      write (p, '(12(f0.8,","))') other%values(1:2, 0, :)
+      write (q, '(12(f0.8,","))') other%values(3:4, 0, :)
+      text = " &CHAIN JNT='A','B','C','D','P','Q', JX=0.,-4.,33.,90.,20.,45., JY=0.,31.,82.,5.,95.,103.,"//links//','//nl// &
+             " VARY='A B','B C','C D','B P','angle B C B P','B Q','angle C B B Q','place D' &END &DRIVES DRIVE='A' &END"//nl// &
+             " &OUTPUTS OUTPUT='point P','point Q', DES1="//trim(p)//nl//' DES2='//trim(q)//nl//' &END'//nl//method//limits
+      call read_one('BY LOOPS'//nl//text, set, findings)
+      call t%is_true(.not. findings%failed() .and. .not. allocated(set%search_in_poses), 'off the arcs: by loops')
+      if (findings%failed()) return
+      call prepare(set, none, prepared, findings)
+      call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
+      associate (variables => problem%parameters%variables)
+         call t%equal_integer(count(variables%kind == variable_aside), 1, 'a distance off the arcs')
+         call t%equal_integer(count(variables%kind == variable_aside_angle), 1, 'and an angle')
+         call t%equal_text(words_of(variables(findloc(variables%kind, variable_aside, dim=1))), 'length B Q', 'their names')
+      end associate
+      dimensions = prepared%given
+      call synthesise(set, prepared%vertices, problem, 1, stop, dimensions, by_loops)
+      call read_in_poses('BY POSES'//nl//text, set, findings)
+      call synthesise_chain(set, 1, stop, by_poses, findings)
+      call t%is_true(size(by_loops%found%best) > 0 .and. size(by_poses%best) > 0, 'off the arcs: both find a linkage')
+      if (size(by_loops%found%best) == 0 .or. size(by_poses%best) == 0) return
+      call t%close_to(by_poses%best(1)%objective/by_loops%found%best(1)%objective, 1.0_wp, 1.0e-4_wp, &
+                      'off the arcs: the same optimum')
+      call t%is_true(by_loops%found%best(1)%objective < 1.0e-2_wp*by_poses%first_objective, 'which is better than the drawing')
+      ! the angle of 'B Q' is given from C B, half a turn from where the other is counted
+      call read_one('CHANGES'//nl//text(:index(text, ' DES1') - 1)//' DES1=12*50., DES2=12*60., DVEL2=12*10. &END'//nl//method// &
+                    " &CONSTR RKIND=3, RPLACE=0.,0.,1.,0., RJNT='Q' &END"//nl, set, findings)
+      call prepare(set, none, prepared, findings)
+      call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
+      call compare_changes(set, problem)
+   end subroutine off_the_arcs
+
+   !> Changes of desired outputs, of their rates and of the joint of a region against central differences.
+   subroutine compare_changes(set, problem)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      real(wp), parameter :: h = 1.0e-5_wp
+      type(output_wishes_t), allocatable :: wishes
+      type(sample_set_t), allocatable :: samples
+      type(clearance_t), allocatable :: clearances(:)
+      type(beside_t), allocatable :: beside(:)
+      type(dimensions_t) :: dimensions
+      integer, allocatable :: joints(:, :)
+      real(wp), allocatable :: by(:, :, :), up(:, :), joint_by(:, :, :, :), joint_up(:, :, :), values(:), moved(:)
+      integer :: v
+
+      allocate (wishes, samples)
+      call prepare_output_wishes(set, problem, .false., .true., wishes)
+      call list_clearances(set%constr, problem%mechanism, problem%given%outlk <= 0.0_wp, clearances, joints, beside)
+      call t%equal_integer(size(joints, 2), 1, 'one joint has a region')
+      call prepare_samples(problem, problem%delt, .false., joints, .true., samples, beside)
+      dimensions = problem%given
+      values = problem%parameters%first_values(dimensions)
+      call differentiate_output_wishes(wishes, dimensions)
+      call linearise_samples(samples, dimensions)
+      by = wishes%by
+      joint_by = samples%djoints
+      do v = 1, size(values)
+         moved = values
+         moved(v) = values(v) + h
+         call problem%parameters%apply(moved, dimensions)
+         call find_output_wishes(wishes, dimensions)
+         call evaluate_samples(samples, dimensions)
+         up = wishes%miss
+         joint_up = samples%joints
+         moved(v) = values(v) - h
+         call problem%parameters%apply(moved, dimensions)
+         call find_output_wishes(wishes, dimensions)
+         call evaluate_samples(samples, dimensions)
+         call t%close_to(maxval(abs((up - wishes%miss)/(2.0_wp*h) - by(:, v, :))), 0.0_wp, 1.0e-6_wp, &
+                         'outputs by '//words_of(problem%parameters%variables(v)))
+         call t%close_to(maxval(abs((joint_up - samples%joints)/(2.0_wp*h) - joint_by(:, :, :, v))), 0.0_wp, 1.0e-6_wp, &
+                         'the joint of a region by '//words_of(problem%parameters%variables(v)))
+      end do
+   end subroutine compare_changes
 
    !> A region is kept by the search.
    subroutine regions()

@@ -5,6 +5,7 @@ usage: test/web/pictures.py PROGRAM_DIRECTORY [SCREENSHOT_DIRECTORY | --only PAR
 Readers are independent of balm: XML and JSON of Python, ezdxf, chromium.
 """
 import csv
+import glob
 import json
 import math
 import os
@@ -894,6 +895,25 @@ def at(row, axis, joint, i):
     return row[axis][joint][i] if isinstance(row[axis][joint], list) else row[axis][joint]
 
 
+def test_colours():
+    """One table of colours: the SVG's is that of the pages, in light and dark."""
+    source = read(os.path.join(TOP, "src", "picture", "psalm_svg_theme.f90"))
+    page = read(os.path.join(TOP, "web", "colours.css"))
+    light, dark = page.split("@media", 1)
+    ours = re.findall(r"colour_t\('(\w+)', \['(#\w+)', '(#\w+)'\]\)", source)
+    check("colours: the SVG has a table", len(ours) >= 20, ours)
+    for name, on_light, on_dark in ours:
+        for screen, colour in ((light, on_light), (dark, on_dark)):
+            found = re.search(r"--%s: (#\w+);" % name, screen).group(1)
+            found = found if len(found) == 7 else "#" + "".join(2*c for c in found[1:])
+            check("colours: %s is that of the pages" % name, found == colour, (found, colour))
+    pictures = sorted(glob.glob("*.svg"))
+    check("colours: there are pictures", len(pictures) > 5, pictures)
+    for name in pictures:
+        style = "".join(re.findall(r"<style>(.*?)</style>", read(name)))
+        check(name + ": every colour of its style is known", style and not re.search(r"\$|:[;}]", style), style)
+
+
 def test_embedded():
     """The page of balm is put together from web/ and its scenes; the sample in web/ is what balm writes."""
     for name in ("needle", "textile", "needle_lsq", "sign", "nasty"):
@@ -1154,6 +1174,7 @@ PARTS = {
     "findings": test_findings,
     "awkward": test_awkward,
     "curves": test_curves,
+    "colours": test_colours,
     "embedded": test_embedded,
     "short_messages": test_messages_are_short,
     "flat_curves": test_flat_curves,
