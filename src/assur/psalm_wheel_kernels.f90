@@ -55,6 +55,7 @@ contains
             end do
             if (left <= nothing) exit
             sine = shorter*sine
+            if (sine < epsilon(1.0_wp)) exit      ! a ratio that no series is for: nothing is near
          end do
          series%farthest(reach) = sine
          series%least_cosine(reach) = sqrt((1.0_wp - sine)*(1.0_wp + sine))

@@ -526,6 +526,9 @@ contains
          across = across + step*(target(d) - walk%here(d))
          along = along + step**2
       end do
+      ratio = 0.0_wp
+      ahead = along > 0.0_wp                ! else steps so short that their squares are nothing
+      if (.not. ahead) return
       ratio = across/along
       off = 0.0_wp
       farthest = 0.0_wp

@@ -18,8 +18,8 @@ module psalm_detail_drawing
 
    !> What these drawings need besides the style of the linkage.
    character(*), parameter :: detail_style = &
-      '.straight{fill:none;stroke:$ink}.hole{fill:none;stroke:$ink;stroke-width:2.2}.pin{fill:#c88c00;fill-opacity:.16;'// &
-      'stroke:$frame}.pin.lost{fill:#d3302f;stroke:$bad}.bearing{fill:none;stroke:$accent;stroke-width:2}'// &
+      '.straight{fill:none;stroke:$ink}.hole{fill:none;stroke:$ink;stroke-width:2.2}.pin{fill:$warn;fill-opacity:.16;'// &
+      'stroke:$frame}.pin.lost{fill:$bad;stroke:$bad}.bearing{fill:none;stroke:$accent;stroke-width:2}'// &
       '.contact{fill:none;stroke:$actual;stroke-width:2}'
 
 contains

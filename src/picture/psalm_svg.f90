@@ -110,16 +110,16 @@ contains
          '.head{font-size:20px}.sub,.key{font-size:12.5px;fill:$soft}.letter{font-size:15px;font-style:italic;'// &
          'text-anchor:middle}.symbol{fill:$paper;stroke:$ink}.broken{fill:none}.bar,.trace,.every,.path,.rail,'// &
          '.ghost{fill:none;stroke-linecap:round;stroke-linejoin:round}.frame,.rail{stroke:$frame}.trace{stroke:$soft}'// &
-         '.plate{fill-opacity:.16;stroke-linejoin:round}.region{fill:#d3302f;fill-opacity:.09;stroke:#d3302f}.inside{fill:none}'// &
+         '.plate{fill-opacity:.16;stroke-linejoin:round}.region{fill:$bad;fill-opacity:.09;stroke:$bad}.inside{fill:none}'// &
          '.broken{stroke:$bad}.actual{fill:$actual;stroke:$actual}.path{stroke:$actual}.desired{fill:none;stroke:$desired}'// &
          '.axis{stroke:$ink;fill:none}.actual.direction,.desired.direction{fill:none}'
       ! what is proven, or links that have a width
       character(*), parameter :: of_proof = &
-         '.wide{stroke:#7d8994;stroke-opacity:.28;stroke-linecap:round;fill:none}.near{fill:none;stroke-linecap:round}'// &
+         '.wide{stroke:$frame;stroke-opacity:.28;stroke-linecap:round;fill:none}.near{fill:none;stroke-linecap:round}'// &
          '.near .body{stroke:$warn;stroke-opacity:.25}.near .way{stroke:$warn}.proof{fill:none;stroke:$accent}'// &
          '.proof.opens{stroke:$bad}.proof.dead{stroke:$warn}'
       character(*), parameter :: of_forces = &
-         '.mass circle{fill:$paper;stroke:$ink}.mass path{fill:$ink}.weight{fill:#5b6770;fill-opacity:.3;stroke:$soft}'// &
+         '.mass circle{fill:$paper;stroke:$ink}.mass path{fill:$ink}.weight{fill:$soft;fill-opacity:.3;stroke:$soft}'// &
          '.spring{fill:none;stroke:$warn;stroke-linejoin:round}.load{fill:none;stroke:$good;stroke-linecap:round}'// &
          '.polar{fill:none;stroke:$accent;stroke-width:1.3}.now{fill:$actual}'
       ! cylinders, gear wheels and what is reached

@@ -30,7 +30,8 @@ contains
          of_inputs(d) = format_of(.true., inputs(d, :))
       end do
       do d = 1, size(names)
-         of_values(d) = format_of(.true., values(d, :), closed)
+         of_values(d) = format_of(.true., values(d, :), closed, pack(values, spread(alike(d), 2, size(closed)) .and. &
+                                                                               spread(closed, 1, size(names))))
       end do
 
       line = ' POSITION'
@@ -63,6 +64,28 @@ contains
          end if
          call text%add(line)
       end do
+
+   contains
+
+      !> Which columns are of the kind of one: values, velocities or accelerations, by the ends of their names.
+      pure function alike(column) result(same)
+         integer, intent(in) :: column
+         logical :: same(size(names))
+         integer :: i
+
+         same = [(rate_of(names(i)) == rate_of(names(column)), i=1, size(names))]
+      end function alike
+
+      pure character(1) function rate_of(name)
+         character(*), intent(in) :: name
+
+         rate_of = ' '
+         associate (n => len_trim(name))
+            if (n > 2) then
+               if (any(name(n - 1:n) == ['.v', '.a'])) rate_of = name(n:n)
+            end if
+         end associate
+      end function rate_of
    end subroutine list_rows
 
    !> A name in capitals at the right of its column.

@@ -12,7 +12,7 @@ module psalm_chain_report
    use psalm_number_format, only: rounding_error
    use psalm_position_table, only: plot_sketch
    use psalm_sketch, only: numbers_of => columns_of, sketch_output_t, output_angle, output_between, output_distance, output_point, &
-                           output_pose, output_x, output_y
+                           output_pose, output_slide, output_x, output_y
    use psalm_sketch_outputs, only: name_length
    use psalm_sketch_study, only: sketch_study_t
    use psalm_text, only: text_t, to_text
@@ -89,7 +89,7 @@ contains
       if (.not. any(study%closed)) return
       call study%find_range(n, least, most)
       if (least <= most) then
-         call text%add(label//trim(study%names(n))//' '//in_words(least)//' to '//in_words(most)//where_words)
+         call text%add(label//trim(study%names(n))//' '//in_words(least, 'E')//' to '//in_words(most, 'E')//where_words)
       else
          call text%add(label//trim(study%names(n))//' has no value: it is a ratio to what stands still')
       end if
@@ -140,8 +140,9 @@ contains
                case (output_point, output_x, output_y, output_pose)
                   row = rounding_error(condition, abs(study%joints(outputs(k)%joints(1), 0, :)))
                   if (c > 2) row = rounding_error(condition, degrees_per_radian)
-               case (output_distance)
-                  row = rounding_error(condition, value)
+               case (output_distance, output_slide)
+                  ! of a slide the number is relative to the travel from its zero, which the greatest is not less than
+                  row = rounding_error(condition, merge(maxval(abs(value)), value, outputs(k)%kind == output_slide))
                end select
             end associate
          end do

@@ -33,7 +33,7 @@ contains
          line = 'no linkage that obeys the constraints was found: '//line
          call devices%note_violation()
       else
-         line = line//'; best objective '//in_words(search%best(1)%objective)
+         line = line//'; best objective '//in_words(search%best(1)%objective, 'E')
       end if
       if (search%refused) line = trim(set%search%solver%name)//' does not work on this problem: '//line
       if (search%stopped) then
@@ -47,10 +47,10 @@ contains
       if (size(search%best) == 0) return
       call devices%six%add(' '//set%title)
       call devices%six%add()
-      if (search%first_feasible) call devices%six%add(' SUM OF SQUARES OF THE DRAWING '//in_words(search%first_objective))
+      if (search%first_feasible) call devices%six%add(' SUM OF SQUARES OF THE DRAWING '//in_words(search%first_objective, 'E'))
       do k = 1, size(search%best)
          call devices%six%add(' LINKAGE '//to_text(k)//', START '//to_text(search%best(k)%start)//': SUM OF SQUARES '// &
-                              in_words(search%best(k)%objective))
+                              in_words(search%best(k)%objective, 'E'))
          call devices%six%add('  VARIABLE                                        DRAWING          FOUND')
          do v = 1, search%problem%variables
             name = unknown_name(set%sketch, v)

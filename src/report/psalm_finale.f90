@@ -386,7 +386,7 @@ contains
          of_input = format_of(named, motion%input)
          if (allocated(motion%crank)) of_crank = format_of(named, motion%crank)
          do c = 1, size(of_actual)
-            of_actual(c) = format_of(named, motion%actual(:, c), motion%closed)
+            of_actual(c) = format_of(named, motion%actual(:, c), motion%closed, among(c))
             if (.not. problem%desired) cycle
             of_wanted(c) = format_of(named, problem%wanted(:size(motion%input), c))
             of_error(c) = format_of(named, motion%error(:, c), motion%closed)
@@ -437,6 +437,15 @@ contains
       end if
 
    contains
+
+      !> Numbers of the kind of a component: a radian, or the lengths of the linkage.
+      pure function among(component) result(numbers)
+         integer, intent(in) :: component
+         real(wp), allocatable :: numbers(:)
+
+         numbers = problem%given%arcl
+         if (component == problem%output%kind%angle) numbers = [degrees_per_radian]
+      end function among
 
       !> What the condition number of a position is relative to: of points their distance from the origin, of angles a radian.
       pure function what_it_is_of(position) result(sizes)

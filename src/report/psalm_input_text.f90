@@ -51,7 +51,7 @@ contains
       if (present(format)) as = format
       text = figure(degrees, as, error)
       if (degrees < nearly_full) return
-      if (text == figure(full_turn, as, error)) text = figure(0.0_wp, as)
+      if (text == figure(full_turn, as, error)) text = figure(0.0_wp, as, error)
    end function angle_text
 
    !> A position and its input for a message.

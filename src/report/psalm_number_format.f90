@@ -1,5 +1,5 @@
 !> Numbers in the columns of a listing. A linkage of loops has those of the published listings, seven digits each. A sketch has as
-!> many decimals as its column needs, all the same, and no digit that rounding has made: the largest number of the column has seven
+!> many decimals as its column needs, all the same: the largest number of the column has seven
 !> digits, and what every number of the column has as zeros at its end is left out. Columns of very large or very small numbers are
 !> in engineering notation.
 module psalm_number_format
@@ -14,6 +14,7 @@ module psalm_number_format
    integer, parameter :: engineering = -2         !! a multiple of three as exponent
    integer, parameter :: figures = 7              !! digits of the largest number of a column
    integer, parameter :: largest_exponent = 6, least_exponent = -4   !! of the largest number of a column without exponents
+   real(wp), parameter :: negligible = 1.0e-12_wp !! part of numbers of the same kind that rounding may make
    integer, parameter :: width = 15               !! of a number, as that of `general`
    real(wp), parameter :: of_condition = 16.0_wp*epsilon(1.0_wp) !! largest error over condition number that was measured
                                                                  !! (doc/measured/accuracy.md)
@@ -27,10 +28,11 @@ module psalm_number_format
 contains
 
    !> The format of a column of a sketch with these numbers, or of loops.
-   pure type(number_format_t) function format_of(named, values, known) result(format)
+   pure type(number_format_t) function format_of(named, values, known, among) result(format)
       logical, intent(in) :: named                !! joints have names: a sketch
       real(wp), intent(in) :: values(:)           !! shape (rows)
       logical, intent(in), optional :: known(:)   !! shape (rows): others are not written
+      real(wp), intent(in), optional :: among(:)  !! numbers of the same kind: a column that is negligible beside them is zero
       real(wp) :: largest, scaled
       integer :: k, d, most
 
@@ -41,6 +43,9 @@ contains
          if (counts(k)) largest = max(largest, abs(values(k)))
       end do
       if (.not. largest > 0.0_wp) return
+      if (present(among)) then
+         if (largest <= negligible*maxval(abs(among), mask=abs(among) < huge(1.0_wp))) return
+      end if
       d = exponent_of(largest)
       if (d > largest_exponent .or. d < least_exponent) then
          format%decimals = engineering
@@ -85,7 +90,7 @@ contains
          kept = format%decimals
          if (present(error)) kept = supported(error, kept)
          text = in_fixed(value, kept)
-         text = text(1 + format%decimals - kept:)     ! the points stand below each other
+         if (index(text, 'E') == 0) text = text(1 + format%decimals - kept:)     ! the points stand below each other
       end select
    end function figure
 

@@ -142,9 +142,10 @@ contains
       associate (named => problem%mechanism%has_joint_names(), by_time => rates%by_time)
          of_input = format_of(named, rates%motion%input)
          do c = 1, size(of_actual)
-            of_actual(c) = format_of(named, rates%motion%actual(:, c), rates%motion%closed)
+            of_actual(c) = format_of(named, rates%motion%actual(:, c), rates%motion%closed, problem%given%arcl)
             do order = 1, 3
-               of_rates(order, c) = format_of(named, by_time(order, c, :), live)
+               of_rates(order, c) = format_of(named, by_time(order, c, :), live, &
+                                              pack(by_time(order, :, :), spread(live, 1, size(of_actual))))
             end do
          end do
          if (size(of_actual) > 1) of_speed = format_of(named, hypotenuse(by_time(1, 1, :), by_time(1, 2, :)), live)

@@ -18,7 +18,7 @@ module psalm_chain_synthesis
    use psalm_solvers, only: new_solver
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t
-   use psalm_timing_order, only: choose_inputs, inputs_of_path, steps_of_path
+   use psalm_timing_order, only: choose_inputs, inputs_of_path, never, steps_of_path
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    private
@@ -32,7 +32,6 @@ module psalm_chain_synthesis
    integer, parameter :: steps_between = 8       !! in which the way from one linkage to another is looked at
    integer, parameter :: most_returns = 4        !! times a search goes back to work: on a timing, or on what an inspection found
    real(wp), parameter :: worth_it = 1.0e-6_wp   !! relative gain for which another timing is tried
-   real(wp), parameter :: never = 1.0e30_wp      !! cost of an input that is not reached
 
    !> A linkage found.
    type :: chain_found_t
@@ -283,7 +282,7 @@ contains
             call self%random%next(deviate)
             candidate%x(v) = self%low(v) + deviate*(self%high(v) - self%low(v))
          end do
-         ! nearer to the drawing until it closes; the drawing itself may not obey between the positions
+         ! nearer to the drawing until it closes; the drawing itself may not obey between the positions, nor go this way
          drawn = min(max(self%problem%first, self%problem%low), self%problem%high)
          self%problem%looks_between = .false.
          call self%problem%settle(candidate%x, objective, feasible, towards=drawn)
@@ -340,12 +339,12 @@ contains
       if (self%problem%irange /= range_positions .and. candidate%feasible) then
          allocate (extra(0))
          candidate%feasible = .false.
-         do round = 1, most_returns
+         do round = 1, most_returns + 1         ! the last looks at what the solver found at last
             ! with free timing the range has moved with the inputs
             call self%problem%set_range(candidate%x, extra)
             call self%problem%find_violations(candidate%x, violated)
             candidate%feasible = size(violated) == 0
-            if (candidate%feasible .or. size(extra) >= extra_positions) exit
+            if (candidate%feasible .or. round > most_returns .or. size(extra) >= extra_positions) exit
             extra = [extra, violated]
             call self%problem%set_range(candidate%x, extra)
             call run_solver(candidate%x, candidate%objective, feasible, refused)
@@ -394,12 +393,14 @@ contains
                do n = 1, size(values, 1)
                   if (problem%weight(n, order, k) <= 0.0_wp) cycle
                   do i = 1, steps_of_path
-                     cost(i, k) = cost(i, k) + problem%weight(n, order, k)*miss(values(n, order, i), problem%wanted(n, order, k), &
-                                                                          order == 0 .and. problem%angle(n))**2
+                     ! a ratio may have no value
+                     cost(i, k) = cost(i, k) + problem%weight(n, order, k)* &
+                                  min(abs(miss(values(n, order, i), problem%wanted(n, order, k), &
+                                               order == 0 .and. problem%angle(n))), sqrt(never))**2
                   end do
                end do
             end do
-            where (.not. known) cost(:, k) = never
+            where (.not. known .or. .not. cost(:, k) < never) cost(:, k) = never
          end do
          call choose_inputs(inputs, cost, self%turns, problem%ordered, problem%sense, x(problem%variables + 1:), best)
       end associate

@@ -62,7 +62,7 @@ contains
       call problem%want_derivatives(everywhere)
       if (present(motion)) then
          rates%motion = motion
-         rates%motion%closed = motion%output_known
+         if (.not. everywhere) rates%motion%closed = motion%output_known
          call problem%bind(dimensions)
       else
          call problem%analyse(dimensions, rates%motion)

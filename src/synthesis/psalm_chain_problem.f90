@@ -81,7 +81,7 @@ module psalm_chain_problem
       real(wp) :: span = huge(1.0_wp)         !! most between the first and the last
       integer :: irange = range_positions     !! IRANGE
       real(wp), allocatable :: between(:)     !! shape (any): increments over the range at which constraints hold too
-      logical :: looks_between = .true.       !! they count
+      logical :: looks_between = .true.       !! they count, and the order of free inputs
    contains
       procedure :: project
       procedure :: increments
@@ -1021,7 +1021,7 @@ contains
          delt = self%increments(x)
          associate (positions => size(delt))
             c(m + 1:m + positions) = -self%drawn%size
-            if (self%ordered .and. .not. self%projects) then
+            if (self%ordered .and. self%looks_between .and. .not. self%projects) then
                unit = self%sense*self%unit_of_input
                if (self%span < huge(1.0_wp)) unit = unit*self%drawn%size
                c(m + 1:m + positions) = unit*(delt - cshift(delt, 1))
@@ -1033,8 +1033,12 @@ contains
                if (present(slopes)) then
                   do k = 1, positions
                      if (k == positions .and. self%span >= huge(1.0_wp)) exit
-                     slopes(self%variables + k, m + k) = unit
-                     slopes(self%variables + 1 + modulo(k, positions), m + k) = -unit
+                     ! of a single position both are one
+                     associate (own => slopes(self%variables + k, m + k), &
+                                next => slopes(self%variables + 1 + modulo(k, positions), m + k))
+                        own = own + unit
+                        next = next - unit
+                     end associate
                   end do
                end if
             end if

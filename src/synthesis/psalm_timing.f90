@@ -7,12 +7,10 @@ module psalm_timing
    use psalm_kinds, only: wp
    use psalm_merit, only: merit_t
    use psalm_samples, only: sample_set_t, prepare_samples, evaluate_samples
-   use psalm_timing_order, only: choose_inputs, inputs_of_path, steps_of_path
+   use psalm_timing_order, only: choose_inputs, inputs_of_path, never, steps_of_path
    implicit none (type, external)
    private
    public :: timing_t, prepare_timing, find_timing
-
-   real(wp), parameter :: never = 1.0e30_wp       !! cost of a position that does not close
 
    type :: timing_t
       class(sample_set_t), allocatable :: path

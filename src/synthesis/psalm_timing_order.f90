@@ -3,9 +3,10 @@ module psalm_timing_order
    use psalm_kinds, only: wp, full_turn
    implicit none (type, external)
    private
-   public :: choose_inputs, steps_of_path, inputs_of_path
+   public :: choose_inputs, steps_of_path, inputs_of_path, never
 
    integer, parameter :: steps_of_path = 120      !! of the range: 3 degrees each of a turn
+   real(wp), parameter :: never = 1.0e30_wp       !! cost of an input that is not reached
    integer, parameter :: starts = 60              !! where an ordered timing may begin
 
 contains

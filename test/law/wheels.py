@@ -102,7 +102,8 @@ def follows_its_teeth(place, teeth):
 
 def leads_to_a_group(teeth):
     what = "six-bar behind a wheel %g:%g" % teeth
-    _, fine = run(six_bar(teeth, [float(i) for i in range(361)]))
+    status, fine = run(six_bar(teeth, [float(i) for i in range(361)]))
+    check(what + ": steps of a degree", status in (0, 1) and len(fine) == 361, status)
     for step in (15.0, 30.0, 45.0):
         _, part = run(six_bar(teeth, [step*i for i in range(int(360/step) + 1)]))
         closed = sum(row["closed"] == "1" for row in part.values())

@@ -36,6 +36,7 @@ def run(programs, program, case, expected):
     path = os.path.join(os.path.realpath(programs), program)
     symbols = symbols_of(path)
     addresses = {what: symbols[name] for what, name in COUNTED.items() if name in symbols}
+    check("%s has the procedures that are counted" % program, len(addresses) == len(COUNTED), sorted(addresses))
     shutil.copy(os.path.join(TOP, "data", case + ".nml"), ".")
     calls, status = count_calls([path, case + ".nml"], addresses)
     check("%s %s ends well" % (program, case), status == 0, status)

@@ -5,6 +5,7 @@ Needs Linux on x86-64 that lets a process trace its child.
 import ctypes
 import os
 import platform
+import shutil
 import signal
 import struct
 import subprocess
@@ -22,6 +23,8 @@ def why_not():
     """Why calls cannot be counted on this machine; empty: they can."""
     if platform.system() != "Linux" or platform.machine() != "x86_64":
         return "calls are counted on Linux for x86-64 only"
+    if shutil.which("nm") is None:
+        return "there is no nm, which lists the symbols of a program"
     try:
         count_calls(["/bin/true"], {})
     except OSError as error:
@@ -60,6 +63,7 @@ def count_calls(command, addresses):
             nothing = os.open(os.devnull, os.O_RDWR)
             for stream in range(3):
                 os.dup2(nothing, stream)
+            os.environ["OMP_NUM_THREADS"] = "1"      # breakpoints are those of the first thread
             ptrace(TRACEME, 0)
             os.execv(command[0], command)
         finally:

@@ -36,6 +36,10 @@ contains
       call t%equal_text(figure(-2.5e-8_wp, format), '  -25.00000E-09', 'small: engineering notation')
       call t%equal_text(figure(3.0e-101_wp, format), '  30.00000E-102', 'an exponent of three digits')
       call t%equal_text(figure(0.0_wp, format), '            0.0', 'zero among them')
+      format = format_of(.true., [-1.4e-14_wp, 0.0_wp], among=[40.0_wp])
+      call t%equal_text(figure(-1.4e-14_wp, format), '            0.0', 'what rounding makes beside lengths of 40')
+      format = format_of(.true., [1.4e-6_wp], among=[40.0_wp])
+      call t%equal_text(figure(1.4e-6_wp, format), '   1.400000E-06', 'a small number is not taken for it')
       format = format_of(.false., [0.0_wp, 10.0_wp])
       call t%equal_text(figure(10.0_wp, format), general(10.0_wp), 'loops: as the published listings')
    end subroutine columns
