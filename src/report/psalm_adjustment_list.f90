@@ -77,7 +77,6 @@ contains
          call table%add('kind', variables%kind)
          allocate (names(size(list)))
          do k = 1, size(list)
-            names(k)%text = ''
             names(k)%text = words_of(variables(k))
          end do
       end associate

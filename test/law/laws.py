@@ -52,10 +52,10 @@ def without(text, item):
 
 
 def block(device, name):
-    """Columns of a named block of device 9."""
+    """Columns of a named block of device 9; words stay words."""
     text = read(device).split("# block %s\n" % name)[1].split("\n\n")[0].splitlines()
     names = text[0].split()[1:]
-    values = [list(map(float, line.split())) for line in text[1:] if line.strip()]
+    values = [[float(word) if re.fullmatch(r"[-+.\dE]+|NaN", word) else word for word in line.split()] for line in text[1:] if line.strip()]
     return {n: [row[i] for row in values] for i, n in enumerate(names)}
 
 
