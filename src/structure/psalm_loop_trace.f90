@@ -34,11 +34,12 @@ contains
       type(tracing_t), intent(inout) :: tracing
       type(loops_t), intent(inout) :: loops
       logical, intent(out) :: valid
-      type(tracing_t) :: tracings(2)
-      type(loops_t) :: tried(2)
+      type(tracing_t), allocatable :: tracings(:)   ! large: they would fill a small stack
+      type(loops_t), allocatable :: tried(:)
       logical :: found(2)
       integer :: way
 
+      allocate (tracings(2), tried(2))
       do way = 1, 2
          tried(way) = loops
          tracings(way) = tracing

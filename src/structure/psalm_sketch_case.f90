@@ -20,7 +20,7 @@ module psalm_sketch_case
    use psalm_traced_loops, only: loops_t, traced_crank
    implicit none (type, external)
    private
-   public :: resolve_sketch
+   public :: copy_cases_of_loops, resolve_sketch
 
    character(*), parameter :: no_dimension = 'dimensions that its loops do not have'
 
@@ -39,11 +39,12 @@ contains
       character(:), allocatable :: why
       type(closure_t) :: closure
       type(state_t) :: state
-      type(loops_t) :: loops
-      type(sketch_motion_t) :: moving
+      type(loops_t), allocatable :: loops             ! large: it would fill a small stack
+      type(sketch_motion_t), allocatable :: moving
       type(diagnostics_t) :: of_search
       logical :: closes, given
 
+      allocate (loops, moving)
       if (present(in_poses)) in_poses = ''
       select type (as_read)
       type is (data_set_t)
@@ -94,6 +95,19 @@ contains
       call locate_sketch(set, moving)
       set%traced%moving = moving
    end subroutine resolve_sketch
+
+   !> Cases, of which those that are no sketch are there already. A procedure of another module than that which goes on with the
+   !> sketches: a copy takes 10 kB of the stack.
+   subroutine copy_cases_of_loops(as_read, sets)
+      type(data_set_t), intent(in) :: as_read(:)
+      type(data_set_t), allocatable, intent(out) :: sets(:) !! shape that of `as_read`
+      integer :: i
+
+      allocate (sets(size(as_read)))
+      do i = 1, size(sets)
+         if (.not. as_read(i)%is_drawn()) sets(i) = as_read(i)
+      end do
+   end subroutine copy_cases_of_loops
 
    !> Direction of the crank in the drawing, whatever joint its loop goes through: from its drive to the joint that it shares with
    !> another link, of several to the first by the alphabet; of a crank without such a joint to any of its joints; of a crank

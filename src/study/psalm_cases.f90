@@ -6,7 +6,7 @@ module psalm_cases
    use psalm_loop_check, only: check_loops
    use psalm_loop_forces, only: asks_for_forces, loops_carry_forces
    use psalm_mark, only: mark_t
-   use psalm_sketch_case, only: resolve_sketch
+   use psalm_sketch_case, only: copy_cases_of_loops, resolve_sketch
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
@@ -56,13 +56,9 @@ contains
       end if
       reader = 'psalm'
       if (present(program)) reader = program
-      allocate (sets(size(as_read)))
+      call copy_cases_of_loops(as_read, sets)
       do i = 1, size(sets)
-         if (as_read(i)%is_drawn()) then
-            call resolve(as_read(i), reader, sets(i), findings)
-         else
-            sets(i) = as_read(i)
-         end if
+         if (as_read(i)%is_drawn()) call resolve(as_read(i), reader, sets(i), findings)
       end do
    end subroutine resolve_all
 
