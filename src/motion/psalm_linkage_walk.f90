@@ -56,7 +56,7 @@ contains
       end if
    end subroutine follow_group
 
-   !> Each position from the one before, the first from the drawing; what `first` is found before stays.
+   !> Each position from the one before, the first from the drawing; positions before `first` are found already and stay.
    pure subroutine follow_path(self, k, n, path, first, more)
       class(linkage_t), intent(inout) :: self
       integer, intent(in) :: k
@@ -143,7 +143,7 @@ contains
                                         .not. (abs(path(1) - higher%last) > farthest_input .or. leaps(n, path, farthest_input)))
          if (.not. higher%follows) return
          call turn_in_pieces(n, higher, self%store, found)
-         if (.not. found) call turn_each(n, higher, self%store, higher%follows)
+         if (.not. found .and. higher%follows) call turn_each(n, higher, self%store, higher%follows)
          if (.not. higher%follows) return
          self%store%v(1:n, self%steps(k)%dyad%measure) = higher%tie_measure
          higher%last = path(n)
@@ -192,13 +192,15 @@ contains
 
    !> The same by angles in the middle of pieces, and from there by series of the sine of the angle to the middle. The rows of turns
    !> hold those of the middles. `found` is false where links turn too far in a piece, where drives take part, and where there are
-   !> more than a few known directions.
+   !> more than a few known directions: the block alone decides that. `higher%follows` is false where a link turns too far from
+   !> where it stood before.
    pure subroutine turn_in_pieces(n, higher, store, found)
       integer, intent(in) :: n
       type(higher_t), intent(inout) :: higher
       type(rows_t), intent(inout) :: store
       logical, intent(out) :: found
       real(wp), parameter :: far = 0.5_wp*farthest_turn*degrees_per_radian !! from middle to middle: the ends are not twice as far
+      real(wp), parameter :: least_cosine = cos(0.5_wp*farthest_turn) !! from the first position to the first middle: not so far
       real(wp), dimension(most_pieces, most_known) :: x, y, angle, turn
       real(wp), dimension(most_pieces) :: sum, angle_of_wheel, wx, wy
       integer :: middle, i, j, p
@@ -214,9 +216,12 @@ contains
             end do
             call angles_of(most_pieces, x(:, i), y(:, i), angle(:, i))
             call unwind(most_pieces, angle(:, i), known, turn(:, i))
-            if (abs(turn(1, i) - known%turn) > far .or. leaps(most_pieces, turn(:, i), far)) return
+            if (store%v(1, known%root_x)*x(1, i) + store%v(1, known%root_y)*y(1, i) < least_cosine .or. &
+                leaps(most_pieces, turn(:, i), far)) return
+            higher%follows = higher%follows .and. .not. abs(turn(1, i) - known%turn) > farthest_turn*degrees_per_radian
          end associate
       end do
+      if (.not. higher%follows) return
       do j = 1, higher%unknowns
          sum = 0.0_wp
          do i = 1, size(higher%known)
