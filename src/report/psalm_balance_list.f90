@@ -94,7 +94,8 @@ contains
       call text%add(' MINIMAL SETS OF LINKS WITH WEIGHTS: '//trim(merge('            ', 'MORE THAN   ', study%all_sets))//' '// &
                     to_text(size(study%sets, 2)))
       if (study%out_of_limits > 0) then
-         call text%add(' OF THESE '//to_text(study%out_of_limits)//' LEAVE NO WEIGHTS WITHIN WREACH AND WMOST')
+         call text%add(' OF THESE '//to_text(study%out_of_limits)//' LEAVE NO WEIGHTS WITHIN WREACH AND WMOST'// &
+                       trim(merge(', WXLOW, WXHIGH, WYLOW, WYHIGH', repeat(' ', 30), group%boxed)))
       end if
       by = ' BY MASS'
       if (group%order == order_moment) by = ' BY SHAKING MOMENT'
@@ -203,9 +204,12 @@ contains
       type(balance_group_t), intent(in) :: group
       type(balance_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
+      integer :: k
 
       call text%add()
-      if (group%peaks) then
+      if (.not. group%counts_loads()) then
+         call text%add(' LEAST ADDED MASS, KG, WITHIN THE LIMITS OF LOADS')
+      else if (group%peaks) then
          call text%add(' LEAST COMPOSITE: THE GREATEST VALUE OVER ITS TOLERANCE')
       else
          call text%add(' LEAST COMPOSITE: SUM OF SQUARES OF ALL VALUES OVER THEIR TOLERANCES')
@@ -233,7 +237,14 @@ contains
       end associate
       call list_weights(study%optimum, text)
       call text%add(' SUM OF MASSES'//general(study%optimum%total))
+      if (group%desired) call text%add(' THE COMPOSITE IS OF DIFFERENCES FROM DESIRED VALUES, LOADS ARE LISTED AS THEY ARE')
       call list_loads(study, study%optimum, text)
+      if (.not. allocated(study%limited)) return
+      call text%add(' LIMITS OF LOADS                GREATEST          LIMIT')
+      do k = 1, size(study%limited)
+         call text%add(' '//named(study%channels(study%limited(k))%name)//general(study%optimum%loads(study%limited(k))%peak)// &
+                       general(study%limit(k)))
+      end do
    end subroutine list_optimum
 
    subroutine list_front(group, study, text)
