@@ -84,7 +84,7 @@ contains
 
    !> One radial line: what becomes of contact at each H1, and the ranges within which it is lost, in ascending order: a line may
    !> cut the lost region more than once. What is narrower than the steps may be missed.
-   pure subroutine scan_line(h2, h3, h1, lost, index, ranges)
+   subroutine scan_line(h2, h3, h1, lost, index, ranges)
       real(wp), intent(in) :: h2, h3
       real(wp), intent(in) :: h1(:)             !! ascending
       integer, intent(out) :: lost(:)           !! the minimum at which contact is lost; 0: it is kept
@@ -120,7 +120,7 @@ contains
    end subroutine scan_line
 
    !> The H1 between one at which contact is lost and one at which it is kept where that changes, by bisection.
-   pure real(wp) function border(h2, h3, losing, keeping)
+   real(wp) function border(h2, h3, losing, keeping)
       real(wp), intent(in) :: h2, h3, losing, keeping
       type(flypast_t) :: here
       real(wp) :: lost, kept
@@ -141,7 +141,7 @@ contains
 
    !> The H1 beyond which contact is kept, up to 2; 0 if it is kept at all of them. A lost region narrower than a step of 0.05 may
    !> be missed.
-   pure real(wp) function outermost_loss(h2, h3) result(outermost)
+   real(wp) function outermost_loss(h2, h3) result(outermost)
       real(wp), intent(in) :: h2, h3
       type(flypast_t) :: here
       real(wp) :: low

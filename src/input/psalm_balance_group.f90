@@ -31,13 +31,24 @@ module psalm_balance_group
       type(place_t), allocatable :: places(:)  !! WLINK, WLOOP, WDIST, WANG: the anchor
       real(wp), allocatable :: reach(:)        !! WREACH: greatest distance of a centre from the anchor, user's length
       real(wp), allocatable :: most(:)         !! WMOST: greatest mass, kg; 0: no limit
+      logical :: boxed = .false.               !! the centres have limits of their own:
+      real(wp), allocatable :: centre_low(:, :), centre_high(:, :) !! WXLOW, WYLOW; WXHIGH, WYHIGH, shape (2, links): from the
+                                               !! anchor, along the link's line and across it, user's length
+      logical :: started = .false.             !! the first start of the search is given:
+      real(wp), allocatable :: start_centre(:, :) !! WXSTRT, WYSTRT, shape (2, links), as the limits
+      real(wp), allocatable :: start_radius(:) !! WRSTRT, user's length
       integer :: form = form_point             !! WFORM
       real(wp) :: density = 7850.0_wp           !! WDENS, kg/m3
       real(wp), allocatable :: radius_low(:), radius_high(:)       !! WRLOW, WRHIGH: of discs, user's length
       real(wp), allocatable :: thickness_low(:), thickness_high(:) !! WTLOW, WTHIGH: of discs, user's length
       real(wp) :: tolerance(4) = 0.0_wp        !! TOLF, TOLM, TOLT, TOLW; 0: it does not count
       type(place_t), allocatable :: joints(:)  !! BLINK, BLOOP: joints whose loads count
-      real(wp), allocatable :: joint_tolerance(:) !! BTOL, N
+      real(wp), allocatable :: joint_tolerance(:) !! BTOL, N; 0: it does not count
+      real(wp), allocatable :: joint_most(:)   !! BMAX: greatest load at any position, N; 0: no limit
+      real(wp), allocatable :: joint_wanted(:, :) !! BDESX, BDESY, shape (2, joints): desired load, N
+      real(wp) :: most_load(3) = 0.0_wp        !! MAXF, MAXM, MAXT: greatest at any position; 0: no limit
+      logical :: desired = .false.             !! values other than 0 are desired:
+      real(wp), allocatable :: wanted(:, :)    !! DESFX, DESFY, DESMOM, DESDRV, shape (positions, 4)
       logical :: peaks = .false.               !! WCRIT: 'PEAK', else 'RMS'
       integer :: exact = 0                     !! IEXACT: force balance stays complete
       integer :: order = order_mass            !! WRANK
@@ -51,6 +62,7 @@ module psalm_balance_group
       procedure :: read => read_balance
       procedure :: visit_places => visit_balance
       procedure :: wants_optimum
+      procedure :: counts_loads
    end type balance_group_t
 
    !> The items of the group.
@@ -72,6 +84,21 @@ module psalm_balance_group
              'greatest distance of a weight''s centre from its anchor; 0: no weight on this link'), &
       rule_t('WMOST', a_number, '1 to NWEIGH', 'kg', '0', '[0,)', &
              'greatest mass; 0: a hundred times the linkage''s mass'), &
+      rule_t('WXLOW', a_number, '1 to NWEIGH', 'length', '-WREACH', '', &
+             'least co-ordinate of a weight''s centre from its anchor along the link''s line, the arc of WLINK''s link or '// &
+             'of a sketch the line between its first two joints; where it equals the greatest it is fixed'), &
+      rule_t('WXHIGH', a_number, '1 to NWEIGH', 'length', 'WREACH', '', &
+             'greatest co-ordinate along it'), &
+      rule_t('WYLOW', a_number, '1 to NWEIGH', 'length', '-WREACH', '', &
+             'least co-ordinate across it, a quarter turn anticlockwise from it'), &
+      rule_t('WYHIGH', a_number, '1 to NWEIGH', 'length', 'WREACH', '', &
+             'greatest co-ordinate across it'), &
+      rule_t('WXSTRT', a_number, '1 to NWEIGH', 'length', '0', '', &
+             'the first start of the search: the centre along the link''s line'), &
+      rule_t('WYSTRT', a_number, '1 to NWEIGH', 'length', '0', '', &
+             'the first start: the centre across it'), &
+      rule_t('WRSTRT', a_number, '1 to NWEIGH', 'length', 'WRLOW', '[0,)', &
+             'the first start: radius of a disc'), &
       rule_t('WFORM', a_word, '', '', 'POINT', 'POINT BODY DISC', &
              '''POINT'': point masses; ''BODY'': a body of any shape within the reach; ''DISC'': discs'), &
       rule_t('WDENS', a_number, '', 'kg/m3', '7850', '(0,)', &
@@ -102,9 +129,29 @@ module psalm_balance_group
              'the loop of that arc'), &
       rule_t('BNAME', a_text, 'NBJNT', '', '', '', &
              'of a sketch, in place of both: the joint'), &
-      rule_t('BTOL', a_number, 'NBJNT', 'N', 'required', '(0,)', &
-             'tolerance of the joint''s load', &
-             'a tolerance in newtons, above 0, is expected'), &
+      rule_t('BTOL', a_number, 'NBJNT', 'N', '0', '[0,)', &
+             'tolerance of the joint''s load; 0: it does not count, but has a limit BMAX', &
+             'a tolerance in newtons is expected'), &
+      rule_t('BMAX', a_number, 'NBJNT', 'N', '0', '[0,)', &
+             'greatest load of the joint at any position; 0: no limit'), &
+      rule_t('BDESX', a_number, 'NBJNT', 'N', '0', '', &
+             'desired load of the joint, x as kalm lists it; of a slide the force across it'), &
+      rule_t('BDESY', a_number, 'NBJNT', 'N', '0', '', &
+             'desired load of the joint, y'), &
+      rule_t('MAXF', a_number, '', 'N', '0', '[0,)', &
+             'greatest shaking force at any position; 0: no limit'), &
+      rule_t('MAXM', a_number, '', 'N m', '0', '[0,)', &
+             'greatest shaking moment at any position; 0: no limit'), &
+      rule_t('MAXT', a_number, '', 'N m, N', '0', '[0,)', &
+             'greatest drive torque or force at any position; 0: no limit'), &
+      rule_t('DESFX', a_number, 'n', 'N', '0', '', &
+             'desired shaking force, x: one value, or one for each position; the composite is of the differences from it'), &
+      rule_t('DESFY', a_number, 'n', 'N', '0', '', &
+             'desired shaking force, y'), &
+      rule_t('DESMOM', a_number, 'n', 'N m', '0', '', &
+             'desired shaking moment'), &
+      rule_t('DESDRV', a_number, 'n', 'N m, N', '0', '', &
+             'desired drive torque or force'), &
       rule_t('WCRIT', a_word, '', '', 'RMS', 'RMS PEAK', &
              '''RMS'': the sum of the squares of all values over their tolerances is made least; ''PEAK'': the '// &
              'greatest of them'), &
@@ -132,17 +179,25 @@ module psalm_balance_group
 
 contains
 
-   !> True if a composite is to be made least.
+   !> True if a composite, or the added mass within limits of loads, is to be made least.
    pure logical function wants_optimum(self)
       class(balance_group_t), intent(in) :: self
 
-      wants_optimum = any(self%tolerance > 0.0_wp) .or. size(self%joints) > 0
+      wants_optimum = any(self%tolerance > 0.0_wp) .or. size(self%joints) > 0 .or. any(self%most_load > 0.0_wp)
    end function wants_optimum
 
+   !> True if something counts in the composite; otherwise loads have limits only, and the added mass is made least.
+   pure logical function counts_loads(self)
+      class(balance_group_t), intent(in) :: self
+
+      counts_loads = any(self%tolerance > 0.0_wp) .or. any(self%joint_tolerance > 0.0_wp)
+   end function counts_loads
+
    !> Read the group. Errors: arcs that are not there, numbers out of range, limits that leave no room.
-   subroutine read_balance_group(group, ilink, sketch, balance, findings)
+   subroutine read_balance_group(group, ilink, positions, sketch, balance, findings)
       type(group_t), intent(inout) :: group
       integer, intent(in) :: ilink(:, :)          !! ILINK, shape (maxarc, nloop)
+      integer, intent(in) :: positions            !! of the case
       type(sketch_t), intent(in) :: sketch        !! its names stand in place of arcs and loops
       type(balance_group_t), intent(inout) :: balance
       type(diagnostics_t), intent(inout) :: findings
@@ -164,6 +219,7 @@ contains
       call take(group, 'WRHIGH', balance%radius_high, findings, repeated=.true.)
       call take(group, 'WTLOW', balance%thickness_low, findings, repeated=.true.)
       call take(group, 'WTHIGH', balance%thickness_high, findings, repeated=.true.)
+      call read_centres(n)
       call take(group, 'WFORM', balance%form, findings)
       call take(group, 'WDENS', balance%density, findings)
       call take(group, 'TOLF', balance%tolerance(measure_force), findings)
@@ -172,9 +228,16 @@ contains
       call take(group, 'TOLW', balance%tolerance(measure_mass), findings)
       call take_count(group, 'NBJNT', joints, findings)
       allocate (balance%joints(joints))
-      allocate (balance%joint_tolerance(joints), source=0.0_wp)
+      allocate (balance%joint_tolerance(joints), balance%joint_most(joints), balance%joint_wanted(2, joints), source=0.0_wp)
       call read_places(group, 'B', ilink, balance%joints, findings, ends_only=.true., sketch=sketch)
       call take(group, 'BTOL', balance%joint_tolerance, findings)
+      call take(group, 'BMAX', balance%joint_most, findings)
+      call take(group, 'BDESX', balance%joint_wanted(1, :), findings)
+      call take(group, 'BDESY', balance%joint_wanted(2, :), findings)
+      call take(group, 'MAXF', balance%most_load(measure_force), findings)
+      call take(group, 'MAXM', balance%most_load(measure_moment), findings)
+      call take(group, 'MAXT', balance%most_load(measure_torque), findings)
+      call read_desired()
       call take(group, 'WCRIT', criterion, findings)
       balance%peaks = criterion == criterion_peak
       call take(group, 'IEXACT', balance%exact, findings)
@@ -195,11 +258,86 @@ contains
 
    contains
 
+      !> Limits of the centres, and where the search begins.
+      subroutine read_centres(n)
+         integer, intent(in) :: n                 !! entries
+         character(*), parameter :: limits(*) = [character(6) :: 'WXLOW', 'WXHIGH', 'WYLOW', 'WYHIGH'], &
+                                    starts(*) = [character(6) :: 'WXSTRT', 'WYSTRT', 'WRSTRT']
+         integer :: k
+
+         allocate (balance%centre_low(2, n), balance%centre_high(2, n), balance%start_centre(2, n), balance%start_radius(n), &
+                   source=0.0_wp)
+         balance%boxed = any([(group%given(limits(k)), k=1, size(limits))])
+         do k = 1, 2
+            balance%centre_low(k, :) = -balance%reach
+            balance%centre_high(k, :) = balance%reach
+         end do
+         call take(group, 'WXLOW', balance%centre_low(1, :), findings, repeated=.true.)
+         call take(group, 'WXHIGH', balance%centre_high(1, :), findings, repeated=.true.)
+         call take(group, 'WYLOW', balance%centre_low(2, :), findings, repeated=.true.)
+         call take(group, 'WYHIGH', balance%centre_high(2, :), findings, repeated=.true.)
+         balance%started = any([(group%given(starts(k)), k=1, size(starts))])
+         balance%start_radius = balance%radius_low
+         call take(group, 'WXSTRT', balance%start_centre(1, :), findings, repeated=.true.)
+         call take(group, 'WYSTRT', balance%start_centre(2, :), findings, repeated=.true.)
+         call take(group, 'WRSTRT', balance%start_radius, findings, repeated=.true.)
+      end subroutine read_centres
+
+      !> Desired loads. Errors: numbers for other than one position or all of them; a load that does not count.
+      subroutine read_desired()
+         character(*), parameter :: items(*) = [character(6) :: 'DESFX', 'DESFY', 'DESMOM', 'DESDRV'], &
+                                    tolerances(*) = ['TOLF', 'TOLF', 'TOLM', 'TOLT']
+         integer, parameter :: of(*) = [measure_force, measure_force, measure_moment, measure_torque]
+         integer :: k, last
+
+         balance%desired = any([(group%given(trim(items(k))), k=1, size(items))])
+         allocate (balance%wanted(merge(positions, 0, balance%desired), size(items)), source=0.0_wp)
+         do k = 1, size(items)
+            if (.not. group%given(trim(items(k)))) cycle
+            call take(group, trim(items(k)), balance%wanted(:, k), findings, last=last, repeated=.true.)
+            if (last /= 1 .and. last /= positions) then
+               call out_of(group, trim(items(k)), 'one number, or one for each of the '//to_text(positions)// &
+                           ' positions, is expected; found '//to_text(last), findings)
+            else if (.not. balance%tolerance(of(k)) > 0.0_wp) then
+               call out_of(group, trim(items(k)), 'what is desired of a load that does not count has no effect: give '// &
+                           tolerances(k), findings)
+            end if
+         end do
+         do k = 1, joints
+            if (.not. (balance%joint_tolerance(k) > 0.0_wp .or. balance%joint_most(k) > 0.0_wp)) then
+               call out_of(group, 'BTOL', 'entry '//to_text(k)//': the joint has neither a tolerance nor a greatest load BMAX', &
+                           findings, k)
+            else if (any(abs(balance%joint_wanted(:, k)) > 0.0_wp) .and. .not. balance%joint_tolerance(k) > 0.0_wp) then
+               call out_of(group, trim(merge('BDESX', 'BDESY', abs(balance%joint_wanted(1, k)) > 0.0_wp)), 'entry '//to_text(k)// &
+                           ': what is desired of a load that does not count has no effect: give BTOL', findings, k)
+            end if
+         end do
+         balance%desired = balance%desired .or. any(abs(balance%joint_wanted) > 0.0_wp)
+      end subroutine read_desired
+
       !> Limits that leave no room for a weight.
       subroutine judge_limits()
          integer :: k
 
          if (.not. group%given('WREACH')) return
+         do k = 1, size(balance%reach)
+            call judge_box(k, 1, 'WXLOW')
+            call judge_box(k, 2, 'WYLOW')
+            associate (low => balance%centre_low(:, k), high => balance%centre_high(:, k), reach => balance%reach(k))
+               if (any(low > high)) cycle
+               if (norm2(max(low, -high, 0.0_wp)) > reach) call out_of(group, 'WREACH', 'entry '//to_text(k)// &
+                                       ': no point between WXLOW, WXHIGH, WYLOW and WYHIGH is within WREACH', findings, k)
+               if (balance%started .and. norm2(balance%start_centre(:, k)) > reach) call out_of(group, &
+                                  started_item(), 'entry '//to_text(k)// &
+                                  ': the start is not within WREACH', findings, k)
+            end associate
+         end do
+         if (balance%started .and. balance%form == form_body) then
+            call out_of(group, started_item(), 'bodies need no start: their problem is convex', findings)
+         end if
+         if (group%given('WRSTRT') .and. balance%form == form_point) then
+            call out_of(group, 'WRSTRT', 'a point has no radius', findings)
+         end if
          if (balance%form /= form_disc) return
          do k = 1, size(balance%reach)
             if (.not. balance%thickness_high(k) > 0.0_wp) then
@@ -214,6 +352,24 @@ contains
             end if
          end do
       end subroutine judge_limits
+
+      subroutine judge_box(k, axis, item)
+         integer, intent(in) :: k, axis
+         character(*), intent(in) :: item
+
+         if (balance%centre_low(axis, k) > balance%centre_high(axis, k)) then
+            call out_of(group, item, 'entry '//to_text(k)//': the least co-ordinate is above the greatest', findings, k)
+         end if
+      end subroutine judge_box
+
+      !> The first item of a start that is given.
+      function started_item() result(item)
+         character(:), allocatable :: item
+
+         item = 'WRSTRT'
+         if (group%given('WYSTRT')) item = 'WYSTRT'
+         if (group%given('WXSTRT')) item = 'WXSTRT'
+      end function started_item
    end subroutine read_balance_group
 
    !> The group as the case has it.
@@ -223,7 +379,7 @@ contains
       class(surroundings_t), intent(in) :: about
       type(diagnostics_t), intent(inout) :: findings
 
-      call read_balance_group(group, about%ilink, about%sketch, self, findings)
+      call read_balance_group(group, about%ilink, about%positions, about%sketch, self, findings)
    end subroutine read_balance
 
    subroutine visit_balance(self, visitor)

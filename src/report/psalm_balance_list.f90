@@ -100,7 +100,8 @@ contains
       call text%add(' MINIMAL SETS OF LINKS WITH WEIGHTS: '//trim(merge('            ', 'MORE THAN   ', study%all_sets))//' '// &
                     to_text(size(study%sets, 2)))
       if (study%out_of_limits > 0) then
-         call text%add(' OF THESE '//to_text(study%out_of_limits)//' LEAVE NO WEIGHTS WITHIN WREACH AND WMOST')
+         call text%add(' OF THESE '//to_text(study%out_of_limits)//' LEAVE NO WEIGHTS WITHIN WREACH AND WMOST'// &
+                       trim(merge(', WXLOW, WXHIGH, WYLOW, WYHIGH', repeat(' ', 30), group%boxed)))
       end if
       by = ' BY MASS'
       if (group%order == order_moment) by = ' BY SHAKING MOMENT'
@@ -218,9 +219,13 @@ contains
       type(balance_group_t), intent(in) :: group
       type(balance_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
+      character(15), allocatable :: limits(:, :)
+      integer :: k
 
       call text%add()
-      if (group%peaks) then
+      if (.not. group%counts_loads()) then
+         call text%add(' LEAST ADDED MASS, KG, WITHIN THE LIMITS OF LOADS')
+      else if (group%peaks) then
          call text%add(' LEAST COMPOSITE: THE GREATEST VALUE OVER ITS TOLERANCE')
       else
          call text%add(' LEAST COMPOSITE: SUM OF SQUARES OF ALL VALUES OVER THEIR TOLERANCES')
@@ -248,7 +253,16 @@ contains
       end associate
       call list_weights(named, study%optimum, text)
       call text%add(' SUM OF MASSES'//in_sentence(named, study%optimum%total))
+      if (group%desired) call text%add(' THE COMPOSITE IS OF DIFFERENCES FROM DESIRED VALUES, LOADS ARE LISTED AS THEY ARE')
       call list_loads(named, study, study%optimum, text)
+      if (.not. allocated(study%limited)) return
+      associate (of => study%limited)
+         limits = reshape(figures_of(named, [study%optimum%loads(of)%peak, study%limit]), [size(of), 2])
+         call text%add(' LIMITS OF LOADS                GREATEST          LIMIT')
+         do k = 1, size(of)
+            call text%add(' '//padded(study%channels(of(k))%name)//in_a_row(limits(k, :)))
+         end do
+      end associate
    end subroutine list_optimum
 
    subroutine list_front(named, group, study, text)

@@ -30,6 +30,7 @@ contains
       call put_result(metre, study, tables)
       call put_links(study, tables)
       call put_outcomes(study, tables)
+      call put_limits(study, tables)
       if (study%feasible .and. size(study%designs) > 0) then
          table = table_of('designs', 'a row for each set of counterweights: their mass, RMS of what the linkage does to its frame')
          associate (n => size(study%designs), of => study%designs)
@@ -192,6 +193,61 @@ contains
       call put_loads(study, list, tables)
    end subroutine put_outcomes
 
+   !> Limits of loads of the composite, and what is reached.
+   subroutine put_limits(study, tables)
+      type(balance_study_t), intent(in) :: study
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      character(name_length), allocatable :: load(:)
+      character(3), allocatable :: unit(:)
+      integer :: k
+
+      if (.not. (allocated(study%limited) .and. allocated(study%optimum))) return
+      associate (n => size(study%limited))
+         allocate (load(n), unit(n))
+         do k = 1, n
+            load(k) = load_of(study, study%limited(k))
+            unit(k) = unit_of(study, study%limited(k))
+         end do
+         table = table_of('load_limits', 'a row for each limited load: greatest amount at any position with the weights of the '// &
+                          'composite, limit', audience=for_programs)
+         call table%add('load', load)
+         call table%add('unit', unit)
+         call table%add('peak', [(study%optimum%loads(study%limited(k))%peak, k=1, n)])
+         call table%add('limit', study%limit)
+      end associate
+      call tables%put(table)
+   end subroutine put_limits
+
+   !> What a channel is called: `joint` and its name, or what acts on the frame or drives.
+   pure function load_of(study, channel) result(load)
+      type(balance_study_t), intent(in) :: study
+      integer, intent(in) :: channel
+      character(:), allocatable :: load
+
+      select case (channel)
+      case (channel_force)
+         load = 'force'
+      case (channel_moment)
+         load = 'moment'
+      case (channel_torque)
+         load = 'torque'
+      case default
+         associate (name => study%channels(channel)%name)
+            load = 'joint '//name(index(name, ' ') + 1:)
+         end associate
+      end select
+   end function load_of
+
+   pure function unit_of(study, channel) result(unit)
+      type(balance_study_t), intent(in) :: study
+      integer, intent(in) :: channel
+      character(3) :: unit
+
+      unit = 'N'
+      if (channel == channel_moment .or. (channel == channel_torque .and. .not. study%sliding)) unit = 'N m'
+   end function unit_of
+
    !> What the linkage does to its frame, drive and joints, before and with each choice of weights.
    subroutine put_loads(study, list, tables)
       type(balance_study_t), intent(in) :: study
@@ -214,8 +270,8 @@ contains
             loads(k*n + 1:k*n + n) = list(k)%of%loads
          end do
          do i = 1, rows
-            name(i) = load_of(modulo(i - 1, n) + 1)
-            unit(i) = unit_of(modulo(i - 1, n) + 1)
+            name(i) = load_of(study, modulo(i - 1, n) + 1)
+            unit(i) = unit_of(study, modulo(i - 1, n) + 1)
          end do
          do i = 1, rows
             associate (parts => loads(i)%parts)
@@ -235,34 +291,5 @@ contains
          call table%add('rms_y', y, known=apart)
       end associate
       call tables%put(table)
-
-   contains
-
-      !> What a channel is called: `joint` and its name, or what acts on the frame or drives.
-      pure function load_of(channel) result(load)
-         integer, intent(in) :: channel
-         character(:), allocatable :: load
-
-         select case (channel)
-         case (channel_force)
-            load = 'force'
-         case (channel_moment)
-            load = 'moment'
-         case (channel_torque)
-            load = 'torque'
-         case default
-            associate (name => study%channels(channel)%name)
-               load = 'joint '//name(index(name, ' ') + 1:)
-            end associate
-         end select
-      end function load_of
-
-      pure function unit_of(channel) result(unit)
-         integer, intent(in) :: channel
-         character(3) :: unit
-
-         unit = 'N'
-         if (channel == channel_moment .or. (channel == channel_torque .and. .not. study%sliding)) unit = 'N m'
-      end function unit_of
    end subroutine put_loads
 end module psalm_balance_table

@@ -97,7 +97,7 @@ contains
          call devices%remark(set, words)
          call devices%note_violation()
       else if (study%number > 0 .and. size(study%designs) == 0 .and. .not. study%already) then
-         call devices%remark(set, 'complete force balance is possible, but not within WREACH and WMOST')
+         call devices%remark(set, 'complete force balance is possible, but not within the limits of the weights')
          call devices%note_violation()
       end if
       if (group%wants_optimum() .and. .not. allocated(study%optimum)) then

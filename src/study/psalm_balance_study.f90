@@ -1,6 +1,6 @@
 !> Counterweights of a case (group BALANC): complete force balance, least composites, fronts. Data in, results out.
 module psalm_balance_study
-   use psalm_angles, only: degrees_of
+   use psalm_angles, only: degrees_of, unit_vector
    use psalm_balance_group, only: balance_group_t, balance_of, form_body, form_point, order_moment, order_torque, measure_force, &
       measure_moment, &
                                   measure_torque, measure_mass
@@ -93,6 +93,8 @@ module psalm_balance_study
       real(wp) :: mass = 0.0_wp                    !! of the moving links, kg
       type(outcome_t), allocatable :: optimum      !! of the composite
       type(design_t), allocatable :: found         !! how it was found
+      integer, allocatable :: limited(:)           !! channels with a greatest amount at every position; not allocated: none
+      real(wp), allocatable :: limit(:)            !! this: N, N m
       real(wp) :: composite = 0.0_wp               !! before
       type(front_point_t), allocatable :: budgets(:) !! least force for a mass
       type(front_point_t), allocatable :: front(:)
@@ -134,7 +136,13 @@ contains
          taken(k) = location%body
       end do
       do k = 1, size(group%joints)
-         if (joint_at(mechanism, group%joints(k)) == 0) call refuse('BLINK', k, 'there is no joint at this end of the arc')
+         associate (joint => joint_at(mechanism, group%joints(k)))
+            if (joint == 0) then
+               call refuse('BLINK', k, 'there is no joint at this end of the arc')
+            else if (mechanism%joints(joint)%kind == joint_prismatic .and. abs(group%joint_wanted(2, k)) > 0.0_wp) then
+               call refuse('BDESY', k, 'of a slide only the force across it counts, BDESX')
+            end if
+         end associate
       end do
       if (size(model%friction) > 0) then
          call set%origins%error(findings, 'FRICTN', '', 'loads with friction are not linear in the masses: leave &FRICTN out')
@@ -297,6 +305,11 @@ contains
          room%most = group%most(entry)
          room%radius = [group%radius_low(entry), group%radius_high(entry)]*model%metre
          room%thickness = [group%thickness_low(entry), group%thickness_high(entry)]*model%metre
+         room%boxed = group%boxed
+         call unit_vector(study%line_angle(body), room%axis(1), room%axis(2))
+         room%low = group%centre_low(:, entry)*model%metre
+         room%high = group%centre_high(:, entry)*model%metre
+         room%start = [group%start_centre(:, entry), group%start_radius(entry)]*model%metre
       end function room_of
    end subroutine place_anchors
 
@@ -475,7 +488,7 @@ contains
       do k = 1, size(study%sets, 2)
          study%stopped = is_to_end(stop)
          if (study%stopped) return
-         call least_weights(balance, study%sets(:, k), reach_of(study%sets(:, k)), most_of(study%sets(:, k)), weights)
+         call find_least(study%sets(:, k))
          if (.not. weights%found) then
             study%out_of_limits = study%out_of_limits + 1
             cycle
@@ -497,7 +510,7 @@ contains
       end do
       order = ascending(key)
       study%designs = designs(order(:min(count_found, group%listed)))
-      call least_weights(balance, rooms%link, rooms%reach, rooms%most, weights)
+      call find_least(rooms%link)
       if (.not. weights%found) return
       allocate (study%lightest)
       call make_outcome(weights, study%lightest)
@@ -505,21 +518,25 @@ contains
 
    contains
 
-      pure function reach_of(bodies) result(reach)
+      !> The lightest weights on these bodies.
+      subroutine find_least(bodies)
          integer, intent(in) :: bodies(:)
-         real(wp) :: reach(size(bodies))
+         type(room_t) :: chosen(size(bodies))
+         real(wp), dimension(2, size(bodies)) :: axis, low, high
          integer :: i
 
-         reach = [(rooms(findloc(rooms%link, bodies(i), dim=1))%reach, i=1, size(bodies))]
-      end function reach_of
-
-      pure function most_of(bodies) result(most)
-         integer, intent(in) :: bodies(:)
-         real(wp) :: most(size(bodies))
-         integer :: i
-
-         most = [(rooms(findloc(rooms%link, bodies(i), dim=1))%most, i=1, size(bodies))]
-      end function most_of
+         do i = 1, size(bodies)
+            chosen(i) = rooms(findloc(rooms%link, bodies(i), dim=1))
+            axis(:, i) = chosen(i)%axis
+            low(:, i) = chosen(i)%low
+            high(:, i) = chosen(i)%high
+         end do
+         if (group%boxed) then
+            call least_weights(balance, bodies, chosen%reach, chosen%most, weights, axis, low, high)
+         else
+            call least_weights(balance, bodies, chosen%reach, chosen%most, weights)
+         end if
+      end subroutine find_least
 
       !> Point masses on these links.
       subroutine make_outcome(weights, outcome)
@@ -609,12 +626,23 @@ contains
       aim = aim_of(group)
       do k = 1, measure_torque
          if (group%tolerance(k) > 0.0_wp) call count_in(k, group%tolerance(k))
+         if (group%most_load(k) > 0.0_wp) call limit(k, group%most_load(k))
       end do
       do k = 1, size(group%joints)
-         call count_in(first_joint_channel - 1 + joint_at(mechanism, group%joints(k)), group%joint_tolerance(k))
+         associate (channel => first_joint_channel - 1 + joint_at(mechanism, group%joints(k)))
+            if (group%joint_tolerance(k) > 0.0_wp) call count_in(channel, group%joint_tolerance(k))
+            if (group%joint_most(k) > 0.0_wp) call limit(channel, group%joint_most(k))
+         end associate
       end do
       aim%mass_tolerance = group%tolerance(measure_mass)
       aim%peaks = group%peaks
+      aim%begun = group%started
+      if (group%desired) call take_wanted()
+      if (.not. group%counts_loads()) then
+         ! the added mass in kilograms is what is left to be made least
+         aim%mass_tolerance = 1.0_wp
+         aim%peaks = .true.
+      end if
       aim%exact = group%exact /= 0
       if (aim%exact .and. .not. study%feasible) return
       none = 0.0_wp
@@ -647,6 +675,45 @@ contains
          aim%channels = [aim%channels, channel]
          aim%tolerance = [aim%tolerance, tolerance]
       end subroutine count_in
+
+      subroutine limit(channel, most)
+         integer, intent(in) :: channel
+         real(wp), intent(in) :: most
+
+         aim%capped = [aim%capped, channel]
+         aim%cap = [aim%cap, most]
+         study%limited = aim%capped
+         study%limit = aim%cap
+      end subroutine limit
+
+      !> Desired values of the loads that count.
+      subroutine take_wanted()
+         real(wp), allocatable :: value(:, :)
+         integer :: i, joint
+
+         allocate (aim%wanted(size(aim%channels)))
+         do i = 1, size(aim%channels)
+            associate (channel => aim%channels(i))
+               value = 0.0_wp*study%channels(channel)%bare
+               if (channel >= first_joint_channel) then
+                  do joint = 1, size(group%joints)
+                     if (first_joint_channel - 1 + joint_at(mechanism, group%joints(joint)) /= channel) cycle
+                     value = spread(group%joint_wanted(:size(value, 2), joint), 1, size(value, 1))
+                  end do
+               else if (size(group%wanted) > 0) then
+                  select case (channel)
+                  case (channel_force)
+                     value = group%wanted(:, 1:2)
+                  case (channel_moment)
+                     value = group%wanted(:, 3:3)
+                  case default
+                     value = group%wanted(:, 4:4)
+                  end select
+               end if
+               aim%wanted(i)%value = value
+            end associate
+         end do
+      end subroutine take_wanted
    end subroutine find_optimum
 
    !> An aim without criteria.
@@ -657,7 +724,7 @@ contains
       aim%density = group%density
       aim%starts = group%starts
       aim%seed = group%seed
-      allocate (aim%channels(0), aim%tolerance(0), aim%limited(0), aim%limit(0))
+      allocate (aim%channels(0), aim%tolerance(0), aim%limited(0), aim%limit(0), aim%capped(0), aim%cap(0))
    end function aim_of
 
    !> The least shaking force for masses: what a mass buys.

@@ -26,7 +26,10 @@ module psalm_counterweights
    real(wp), parameter :: first_move = 1.0e-4_wp, usual_move = 0.1_wp
    real(wp), parameter :: least_gain = 1.0e-12_wp  !! relative gain of a step that is one of the last
    real(wp), parameter :: proven = 1.0e-6_wp       !! relative distance from the lower bound at which a local optimum is global
-   real(wp), parameter :: breadth = 1.0e-6_wp      !! part of a limit by which limits that leave no room are moved apart
+   real(wp), parameter :: breadth = 1.0e-6_wp      !! part of a limit by which limits are moved apart that leave no room
+   real(wp), parameter :: kept = 1.0e-6_wp         !! part of the limit of a load by which it may be passed
+   real(wp), parameter :: price = 1.0e3_wp         !! of passing a limit by its whole amount on the way to an optimum, in composites
+   integer, parameter :: most_draws = 1000         !! of a centre within its limits; then the nearest one to the anchor is taken
    integer, parameter :: most_steps = 60           !! of the search by tangents from one start
    integer, parameter :: mode_convex = 1, mode_tangent = 2
 
@@ -36,7 +39,16 @@ module psalm_counterweights
       real(wp) :: reach = 0.0_wp                   !! of its centre from the anchor, m; above 0
       real(wp) :: most = 0.0_wp                    !! kg; 0: no limit
       real(wp) :: radius(2) = 0.0_wp, thickness(2) = 0.0_wp !! of a disc, least and greatest, m
+      logical :: boxed = .false.                   !! the centre has limits of its own:
+      real(wp) :: axis(2) = [1.0_wp, 0.0_wp]       !! direction of the link's line in the axes of the link
+      real(wp) :: low(2) = 0.0_wp, high(2) = 0.0_wp !! along it and across it, m
+      real(wp) :: start(3) = 0.0_wp                !! where a search begins, if it is given: centre along and across, radius, m
    end type room_t
+
+   !> Desired values of a load.
+   type :: desired_load_t
+      real(wp), allocatable :: value(:, :)         !! shape (positions, components), as the load; not allocated: 0
+   end type desired_load_t
 
    !> What is wanted.
    type :: aim_t
@@ -44,6 +56,9 @@ module psalm_counterweights
       real(wp) :: density = 0.0_wp                 !! of discs, kg/m3
       integer, allocatable :: channels(:)          !! that count
       real(wp), allocatable :: tolerance(:)        !! of these: N, N m
+      type(desired_load_t), allocatable :: wanted(:)     !! of these; not allocated: all 0
+      integer, allocatable :: capped(:)            !! channels with a greatest amount at every position
+      real(wp), allocatable :: cap(:)              !! this: N, N m
       real(wp) :: mass_tolerance = 0.0_wp          !! kg; 0: mass does not count
       logical :: peaks = .false.                   !! the greatest value over its tolerance; else the sum of squares over positions
       logical :: exact = .false.                   !! force balance stays complete
@@ -51,6 +66,7 @@ module psalm_counterweights
       integer, allocatable :: limited(:)           !! channels of which the RMS is limited
       real(wp), allocatable :: limit(:)            !! RMS, components pooled
       integer :: starts = 1, seed = 1
+      logical :: begun = .false.                   !! the first start is that of the rooms
    end type aim_t
 
    !> Weights found.
@@ -81,7 +97,7 @@ contains
       value = 0.0_wp
       mass = sum(added(weight_mass, :))
       do k = 1, size(aim%channels)
-         values = values_of(channels(aim%channels(k)), added)/aim%tolerance(k)
+         values = (values_of(channels(aim%channels(k)), added) - wanted_of(channels, aim, k))/aim%tolerance(k)
          if (aim%peaks) then
             value = max(value, sqrt(maxval(sum(values**2, dim=2))))
          else
@@ -96,6 +112,34 @@ contains
       end if
    end function composite_of
 
+   !> What is desired of the load that counts in k-th place. Shape: that of the load.
+   pure function wanted_of(channels, aim, k) result(value)
+      type(channel_t), intent(in) :: channels(:)
+      type(aim_t), intent(in) :: aim
+      integer, intent(in) :: k
+      real(wp), allocatable :: value(:, :)
+
+      if (allocated(aim%wanted)) then
+         if (allocated(aim%wanted(k)%value)) value = aim%wanted(k)%value
+      end if
+      if (.not. allocated(value)) value = 0.0_wp*channels(aim%channels(k))%bare
+   end function wanted_of
+
+   !> How far some weights pass limits of loads: the greatest part of a limit; 0 or less if all are kept.
+   pure real(wp) function excess_of(channels, aim, added) result(excess)
+      type(channel_t), intent(in) :: channels(:)
+      type(aim_t), intent(in) :: aim
+      real(wp), intent(in) :: added(:, :)          !! shape (4, links)
+      real(wp), allocatable :: values(:, :)
+      integer :: k
+
+      excess = -1.0_wp
+      do k = 1, size(aim%capped)
+         values = values_of(channels(aim%capped(k)), added)/aim%cap(k)
+         excess = max(excess, sqrt(maxval(sum(values**2, dim=2))) - 1.0_wp)
+      end do
+   end function excess_of
+
    !> The weights with the least composite. Not found: the limits leave none, as when force balance must stay complete and cannot.
    subroutine least_composite(channels, given, aim, balance, design)
       type(channel_t), intent(in) :: channels(:)
@@ -109,10 +153,10 @@ contains
       real(wp) :: centre(2, size(given)), radius(size(given)), bound
       real(wp) :: values(max(aim%starts, 1))
       logical :: valid
-      integer :: start, ended
+      integer :: start, ended, k
 
       tried%added = 0.0_wp*channels(1)%slope(1, 1, :, :)
-      if (.not. composite_of(channels, aim, tried%added) > 0.0_wp) then
+      if (.not. (composite_of(channels, aim, tried%added) > 0.0_wp .or. excess_of(channels, aim, tried%added) > 0.0_wp)) then
          ! there is nothing to be made less
          design%added = tried%added
          allocate (design%radius(size(given)), design%thickness(size(given)), source=0.0_wp)
@@ -125,6 +169,8 @@ contains
       do start = 1, size(rooms)
          rooms(start)%radius = rooms(start)%radius*[1.0_wp - breadth, 1.0_wp + breadth]
          rooms(start)%thickness = rooms(start)%thickness*[1.0_wp - breadth, 1.0_wp + breadth]
+         rooms(start)%low = rooms(start)%low - breadth*rooms(start)%reach
+         rooms(start)%high = rooms(start)%high + breadth*rooms(start)%reach
       end do
       call solve_step(channels, rooms, aim, balance, mode_convex, 0.0_wp, tried)
       if (.not. tried%found) return
@@ -151,7 +197,12 @@ contains
       ended = 0
       call random%seed(aim%seed, purpose_starts)
       do start = 1, aim%starts
-         if (start == 1) then
+         if (start == 1 .and. aim%begun) then
+            do k = 1, size(rooms)
+               centre(:, k) = in_link(rooms(k), rooms(k)%start(:2))
+               radius(k) = min(max(rooms(k)%start(3), rooms(k)%radius(1)), rooms(k)%radius(2))
+            end do
+         else if (start == 1) then
             call centres_of(tried, rooms, aim, centre, radius)
          else
             call random%use_stream(start)
@@ -183,6 +234,9 @@ contains
       do k = 1, size(aim%limited)
          only = only .and. all(abs(channels(aim%limited(k))%slope(:, :, weight_inertia, :)) <= 0.0_wp)
       end do
+      do k = 1, size(aim%capped)
+         only = only .and. all(abs(channels(aim%capped(k))%slope(:, :, weight_inertia, :)) <= 0.0_wp)
+      end do
    end function only_force_counts
 
    !> Centres of a design, and radii that its masses have as discs of the greatest thickness.
@@ -210,22 +264,38 @@ contains
       type(xoshiro_t), intent(inout) :: random
       type(room_t), intent(in) :: rooms(:)
       real(wp), intent(out) :: centre(:, :), radius(:)
-      real(wp) :: draw
-      integer :: k, c
+      real(wp) :: draw, low(2), high(2), at(2)
+      integer :: k, c, draws
 
       do k = 1, size(rooms)
-         do
+         low = -rooms(k)%reach
+         high = rooms(k)%reach
+         if (rooms(k)%boxed) then
+            low = max(low, rooms(k)%low)
+            high = min(high, rooms(k)%high)
+         end if
+         do draws = 1, most_draws
             do c = 1, 2
                call random%next(draw)
-               centre(c, k) = 2.0_wp*draw - 1.0_wp
+               at(c) = low(c) + (high(c) - low(c))*draw
             end do
-            if (sum(centre(:, k)**2) <= 1.0_wp) exit
+            if (norm2(at) <= rooms(k)%reach) exit
          end do
-         centre(:, k) = rooms(k)%reach*centre(:, k)
+         if (draws > most_draws) at = min(max(0.0_wp, low), high)
+         centre(:, k) = in_link(rooms(k), at)
          call random%next(draw)
          radius(k) = rooms(k)%radius(1) + draw*(rooms(k)%radius(2) - rooms(k)%radius(1))
       end do
    end subroutine draw_centres
+
+   !> A place along and across the line of a link in the axes of the link.
+   pure function in_link(room, at) result(place)
+      type(room_t), intent(in) :: room
+      real(wp), intent(in) :: at(2)
+      real(wp) :: place(2)
+
+      place = [room%axis(1)*at(1) - room%axis(2)*at(2), room%axis(2)*at(1) + room%axis(1)*at(2)]
+   end function in_link
 
    !> A local optimum from a start, for points and discs.
    subroutine go_by_tangents(channels, rooms, aim, balance, centre, radius, best, valid)
@@ -237,9 +307,10 @@ contains
       type(design_t), intent(out) :: best
       logical, intent(out) :: valid
       type(design_t) :: tried
-      real(wp) :: move, gain
+      real(wp) :: move, gain, merit, least
       integer :: step
 
+      least = huge(1.0_wp)
       ! first the best masses for these centres: there the tangents are true
       move = first_move
       valid = .false.
@@ -248,11 +319,16 @@ contains
          if (tried%found) then
             call realise(rooms, aim, tried)
             tried%value = composite_of(channels, aim, tried%added)
+            ! tangents lie below what they touch: on the way a limit of a load may be passed
+            merit = tried%value*(1.0_wp + price*max(0.0_wp, excess_of(channels, aim, tried%added) - kept))
+         else
+            merit = huge(1.0_wp)
          end if
-         if (tried%value < best%value) then
-            gain = (best%value - tried%value)/max(best%value, tiny(1.0_wp))
+         if (merit < least) then
+            gain = (least - merit)/max(least, tiny(1.0_wp))
+            least = merit
             best = tried
-            valid = .true.
+            valid = excess_of(channels, aim, tried%added) <= 2.0_wp*kept
             call take_centres(rooms, aim, best, centre, radius)
             if (step > 2 .and. gain <= least_gain) exit
             move = min(1.0_wp, max(2.0_wp*move, usual_move))
@@ -316,7 +392,7 @@ contains
       real(wp), allocatable :: to_added(:, :), rows(:, :), x(:), origin(:), span(:, :)
       real(wp) :: unit, bare, none(parameters_of_weight, size(channels(1)%slope, 4)), scale
       integer, allocatable :: first(:)
-      integer :: each, n, k, row, cone, tau, c, i, comps, positions
+      integer :: each, n, k, row, cone, tau, i, comps, positions
       logical :: disc, valid
 
       allocate (design%added(parameters_of_weight, size(channels(1)%slope, 4)), source=0.0_wp)
@@ -456,6 +532,7 @@ contains
          if (disc) lines = lines + 4*size(rooms)
          if (aim%budget >= 0.0_wp) lines = lines + 1
          lines = lines + 1
+         lines = lines + 4*count(rooms%boxed)
          if (aim%peaks .and. aim%mass_tolerance > 0.0_wp) lines = lines + 1
          if (mode == mode_convex) then
             sizes = spread(4, 1, size(rooms))
@@ -465,6 +542,9 @@ contains
          end if
          do i = 1, size(aim%limited)
             sizes = [sizes, n + 2]
+         end do
+         do i = 1, size(aim%capped)
+            sizes = [sizes, spread(size(channels(aim%capped(i))%bare, 2) + 1, 1, positions)]
          end do
          if (aim%peaks) then
             do i = 1, size(aim%channels)
@@ -544,6 +624,9 @@ contains
             problem%g(row, first) = 1.0_wp
             problem%h(row) = aim%budget/unit
          end if
+         do k = 1, size(rooms)
+            if (rooms(k)%boxed) call keep_in_box(rooms(k), first(k))
+         end do
          row = row + 1
          problem%g(row, tau) = 1.0_wp
          problem%h(row) = 1.0e3_wp  ! none is worse than a thousand times the bare linkage
@@ -584,6 +667,24 @@ contains
          end do
       end subroutine fill_limits
 
+      !> Low m <= p <= high m, along the link's line and across it.
+      subroutine keep_in_box(room, at)
+         type(room_t), intent(in) :: room
+         integer, intent(in) :: at                 !! of its mass among the unknowns
+         real(wp) :: along(2)
+         integer :: axis
+
+         along = room%axis
+         do axis = 1, 2
+            problem%g(row + 1, at + 1:at + 2) = along
+            problem%g(row + 1, at) = -room%high(axis)/room%reach
+            problem%g(row + 2, at + 1:at + 2) = -along
+            problem%g(row + 2, at) = room%low(axis)/room%reach
+            row = row + 2
+            along = [-room%axis(2), room%axis(1)]
+         end do
+      end subroutine keep_in_box
+
       !> Loads over their tolerances by the unknowns, and the bare ones in the last column; all in bare composites.
       subroutine fill_objective()
          real(wp) :: mass_row(n + 1)
@@ -598,6 +699,13 @@ contains
                call put_triangle(triangle_of(rows))
             end associate
          end do
+         do i = 1, size(aim%capped)
+            associate (channel => channels(aim%capped(i)))
+               rows = loads_of(channel, 1.0_wp/aim%cap(i))
+               call put_positions(rows, size(channel%bare, 2))
+               problem%h(cone_starts(size(channel%bare, 2))) = 1.0_wp
+            end associate
+         end do
          mass_row = 0.0_wp
          if (aim%mass_tolerance > 0.0_wp) mass_row(first) = unit/(aim%mass_tolerance*bare)
          if (aim%peaks) then
@@ -609,15 +717,9 @@ contains
             do i = 1, size(aim%channels)
                associate (channel => channels(aim%channels(i)))
                   comps = size(channel%bare, 2)
-                  rows = loads_of(channel, 1.0_wp/(aim%tolerance(i)*bare))
-                  do k = 1, positions
-                     problem%g(cone + 1, tau) = -1.0_wp
-                     do c = 1, comps
-                        problem%g(cone + 1 + c, :) = -rows((c - 1)*positions + k, :n)
-                        problem%h(cone + 1 + c) = rows((c - 1)*positions + k, n + 1)
-                     end do
-                     cone = cone + 1 + comps
-                  end do
+                  rows = loads_of(channel, 1.0_wp/(aim%tolerance(i)*bare), wanted_of(channels, aim, i))
+                  call put_positions(rows, comps)
+                  problem%g(cone_starts(comps), tau) = -1.0_wp
                end associate
             end do
             return
@@ -631,7 +733,7 @@ contains
          next = 0
          do i = 1, size(aim%channels)
             associate (channel => channels(aim%channels(i)), more => positions*size(channels(aim%channels(i))%bare, 2))
-               rows(next + 1:next + more, :) = loads_of(channel, 1.0_wp/(aim%tolerance(i)*bare))
+               rows(next + 1:next + more, :) = loads_of(channel, 1.0_wp/(aim%tolerance(i)*bare), wanted_of(channels, aim, i))
                next = next + more
             end associate
          end do
@@ -639,6 +741,29 @@ contains
          problem%g(cone + 1, tau) = -1.0_wp
          call put_triangle(triangle_of(rows))
       end subroutine fill_objective
+
+      !> Cones of a load, one for each position, below their first rows.
+      subroutine put_positions(loads, components)
+         real(wp), intent(in) :: loads(:, :)       !! shape (components*positions, n + 1)
+         integer, intent(in) :: components
+         integer :: at, part
+
+         do at = 1, positions
+            do part = 1, components
+               problem%g(cone + 1 + part, :) = -loads((part - 1)*positions + at, :n)
+               problem%h(cone + 1 + part) = loads((part - 1)*positions + at, n + 1)
+            end do
+            cone = cone + 1 + components
+         end do
+      end subroutine put_positions
+
+      !> The first rows of the cones put last, one for each position.
+      pure function cone_starts(components) result(starts)
+         integer, intent(in) :: components
+         integer :: starts(positions), at
+
+         starts = [(cone - (positions - at + 1)*(components + 1) + 1, at=1, positions)]
+      end function cone_starts
 
       !> Rows of a cone below its first one, of which the norm is that of all loads.
       subroutine put_triangle(triangle)
@@ -649,10 +774,11 @@ contains
          cone = cone + n + 2
       end subroutine put_triangle
 
-      !> A load by the unknowns, and bare in the last column. Shape: (components*positions, n + 1).
-      function loads_of(channel, factor) result(loads)
+      !> A load by the unknowns, and bare, less what is desired, in the last column. Shape: (components*positions, n + 1).
+      function loads_of(channel, factor, wanted) result(loads)
          type(channel_t), intent(in) :: channel
          real(wp), intent(in) :: factor
+         real(wp), intent(in), optional :: wanted(:, :) !! shape of the load
          real(wp) :: loads(size(channel%bare), n + 1)
          integer :: j, r, at, place
 
@@ -660,6 +786,7 @@ contains
          do at = 1, size(channel%bare, 2)
             place = (at - 1)*positions
             loads(place + 1:place + positions, n + 1) = factor*channel%bare(:, at)
+            if (present(wanted)) loads(place + 1:place + positions, n + 1) = factor*(channel%bare(:, at) - wanted(:, at))
             do j = 1, tau - 1
                do r = 1, parameters_of_weight
                   if (.not. abs(to_added(r, j)) > 0.0_wp) cycle

@@ -233,12 +233,14 @@ contains
    !>
    !> The moments of an independent choice of the links follow from the masses and from the moments of the others. Missing
    !> room counts as much as `penalty` masses of the linkage: where some is left, there are no such weights.
-   subroutine least_weights(balance, links, reach, most, weights)
+   subroutine least_weights(balance, links, reach, most, weights, axis, low, high)
       type(force_balance_t), intent(in) :: balance
       integer, intent(in) :: links(:)
       real(wp), intent(in) :: reach(:)             !! shape (links): greatest distance from the anchor, m; above 0
       real(wp), intent(in) :: most(:)              !! shape (links): kg; 0: no limit
       type(weights_t), intent(out) :: weights
+      real(wp), intent(in), optional :: axis(:, :) !! shape (2, links): direction of each link's line in its axes
+      real(wp), intent(in), optional :: low(:, :), high(:, :) !! shape (2, links): limits of the centre along and across it, m
       type(conic_t) :: problem
       type(conic_solution_t) :: solution
       integer, allocatable :: basis(:), free(:)
@@ -292,6 +294,7 @@ contains
             problem%g(first + 2, column + 1) = -1.0_wp
          end if
       end do
+      if (present(axis)) call keep_in_boxes(axis, low, high)
       call solve_conic(problem, solution)
       if (.not. solution%solved .or. solution%x(n) > kept) return
       weights%found = .true.
@@ -315,6 +318,42 @@ contains
       weights%residual = solution%residual
 
    contains
+
+      !> Low m <= p <= high m, along each link's line and across it, as lines before the cones.
+      subroutine keep_in_boxes(axis, low, high)
+         real(wp), intent(in) :: axis(:, :), low(:, :), high(:, :)
+         real(wp), allocatable :: g(:, :), h(:), h_box(:), g_box(:, :)
+         real(wp) :: along(2)
+         integer :: link, side, at, row
+
+         allocate (g_box(4*size(links), n), h_box(4*size(links)), source=0.0_wp)
+         row = 0
+         do link = 1, size(links)
+            at = problem%lines + 3*link - 1        ! moment over reach: h - Gx of these two rows
+            along = axis(:, link)
+            do side = 1, 2
+               h_box(row + 1) = -dot_product(along, problem%h(at:at + 1))
+               g_box(row + 1, :) = -(along(1)*problem%g(at, :) + along(2)*problem%g(at + 1, :))
+               g_box(row + 2, :) = -g_box(row + 1, :)
+               h_box(row + 2) = -h_box(row + 1)
+               g_box(row + 1, link) = g_box(row + 1, link) - high(side, link)/reach(link)
+               g_box(row + 2, link) = g_box(row + 2, link) + low(side, link)/reach(link)
+               g_box(row + 1:row + 2, n) = -1.0_wp
+               row = row + 2
+               along = [-axis(2, link), axis(1, link)]
+            end do
+         end do
+         allocate (g(m + row, n), h(m + row))
+         g(:problem%lines, :) = problem%g(:problem%lines, :)
+         h(:problem%lines) = problem%h(:problem%lines)
+         g(problem%lines + 1:problem%lines + row, :) = g_box
+         h(problem%lines + 1:problem%lines + row) = h_box
+         g(problem%lines + row + 1:, :) = problem%g(problem%lines + 1:, :)
+         h(problem%lines + row + 1:) = problem%h(problem%lines + 1:)
+         call move_alloc(g, problem%g)
+         call move_alloc(h, problem%h)
+         problem%lines = problem%lines + row
+      end subroutine keep_in_boxes
 
       pure subroutine put(value, size_of, rows)
          complex(wp), intent(in) :: value

@@ -13,7 +13,7 @@ import sys
 import tempfile
 
 import numpy
-from scipy.optimize import differential_evolution
+from scipy.optimize import differential_evolution, minimize
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
 from results import cases_of, counterweights
@@ -298,13 +298,118 @@ def against_global_search(place):
     check(results["composite"]["after"] <= best*(1 + 1e-9), "no global search gets below the convex optimum", best)
 
 
+def limits_and_desires(place):
+    """Limits of places and loads, desired loads and a given start against the independent model, closed forms and kalm."""
+    rows = four_bar_rows()
+    bare = rows[1] @ [.33235, .033235, 0, .001278 + .33235*.01] + rows[3] @ [.47445, .47445*.1375, 0, .00405 + .47445*.1375**2]
+    names = ["arc 2 of loop 1", "crank", "arc 3 of loop 1"]
+    # what known bodies on coupler, crank and rocker do is desired: they come out again
+    known = ([.5, .01, -.02, .002], [2.0, -.01, .03, .004], [1.5, -.02, -.015, .003])
+    desired = bare + sum(rows[link] @ body for link, body in enumerate(known, 1))
+    lists = ",\n".join("%s=%s" % (item, ",\n".join("%.17g" % v for v in desired[72*k:72*k + 72]))
+                       for k, item in enumerate(("DESFX", "DESFY", "DESMOM")))
+    case = data("muscle/haines_10u.nml", ("WFORM='DISC', WDENS=7833.0, WREACH=0.8", "WFORM='BODY', WREACH=0.2"),
+                ("TOLM=1.0", "TOLM=1.0, " + lists),
+                ("  WRLOW=0.1,0.03,0.03, WRHIGH=0.1,0.6,0.6, WTLOW=0.05,0.02,0.05, WTHIGH=0.05,0.02,0.05,\n", ""))
+    code, results, listing, error = muscle(case, place)
+    check(code == 0 and results["composite"]["after"] <= 1e-8*(desired @ desired), "bodies that do what is desired are found", (error, results))
+    code, results, listing, error = muscle(case.replace("DESFX=", "DESFX=1.0,"), place)
+    check(code == 2 and "DESFX" in error and "at most 72" in error, "desired values for more than all positions are refused", error)
+
+    # boxes and a limit of the force: the same convex problem by sequential quadratic programming
+    low, high = numpy.array([[-.03, -.08], [-.04, 0], [0, -.08]]), numpy.array([[.03, .08], [0, .03], [.06, .08]])
+    most, reach, limit = numpy.array([1.5, 6, 3]), .1, 1.0
+    case = data("muscle/haines_bodies.nml", ("TOLM=1.0", "TOLM=1.0, MAXF=1.0, WXLOW=-0.04,-0.03,0.0, WXHIGH=0.0,0.03,0.06,"
+                " WYLOW=0.0,-0.08,-0.08, WYHIGH=0.03,0.08,0.08"), ("WMOST=12.3,1.378,2.887", "WMOST=6.0,1.5,3.0"))
+    case = case[:case.index("  NFRONT")].rstrip().rstrip(",") + " &END\n"
+    code, results, listing, error = muscle(case, place)
+    check(results["composite"]["convex"], "limits of places and loads leave a convex problem", error)
+    check(results["optimum"]["after"]["force"]["peak"] <= limit*(1 + 1e-6), "the limit of the force is kept", results["optimum"]["after"])
+    check(abs(results["optimum"]["after"]["force"]["peak"] - limit) < 1e-4, "and is reached", results["optimum"]["after"])
+    for w in results["optimum"]["weights"]:
+        at = cmath.rect(w["distance"], math.radians(w["angle"]))
+        k = names.index(w["link"])
+        check(low[k][0] - 2e-7 <= at.real <= high[k][0] + 2e-7 and low[k][1] - 2e-7 <= at.imag <= high[k][1] + 2e-7,
+              "the weight on %s is in its box" % w["link"], at)
+    # muscle counts the rocker's axes from its own arc, which ends where the model's begins
+    model = numpy.concatenate([rows[link]*[1, s, s, 1] for link, s in ((1, 1), (2, 1), (3, -1))], axis=1)
+    scale = numpy.concatenate([[m, m*reach, m*reach, m*reach**2] for m in most])
+
+    def objective(x):
+        value = bare + model @ (scale*x)
+        return value @ value, 2*scale*(model.T @ value)
+
+    def room(x):
+        out = []
+        for k in range(3):
+            m, px, py, inertia = x[4*k:4*k + 4]
+            out += [m*inertia - px**2 - py**2, m - inertia, 1 - m, m]
+            for p, axis in ((px, 0), (py, 1)):
+                out += [high[k][axis]/reach*m - p, p - low[k][axis]/reach*m]
+        force = (bare + model @ (scale*x))[:144].reshape(2, 72)
+        return numpy.concatenate([out, limit**2 - (force**2).sum(axis=0)])
+
+    found = minimize(lambda x: objective(x)[0]/1e3, [.5, -.1, 0, .2]*3, jac=lambda x: objective(x)[1]/1e3, method="SLSQP",
+                     constraints={"type": "ineq", "fun": room}, options={"maxiter": 500, "ftol": 1e-14})
+    check(room(found.x).min() > -1e-7, "the other method finds allowed bodies", found.message)
+    check(results["composite"]["after"] <= found.fun*1e3*(1 + 1e-6), "no allowed bodies that it finds are better", found.fun)
+    close(results["composite"]["after"], found.fun*1e3, 1e-3, "limits of places and loads: nearly the same optimum by another method")
+
+    # complete balance with one counterweight nearer the pivot: its mass by the lever
+    free = muscle(data("muscle/haines_10u.nml"), place)[1]["designs"]
+    near = data("muscle/haines_10u.nml", ("WREACH=0.8,", "WREACH=0.8, WXLOW=-0.05,-0.8,-0.8,"))
+    near = muscle(near, place)[1]["designs"]
+    for outer in free:
+        links = {w["link"] for w in outer["weights"]}
+        inner = next((d for d in near if {w["link"] for w in d["weights"]} == links), None)
+        check(inner is not None and inner["after"]["force"]["rms"] < 1e-9, "complete balance in a box", near)
+        if inner is None or "crank" not in links:
+            continue
+        far, close_by = ({w["link"]: w for w in d["weights"]}["crank"] for d in (outer, inner))
+        check(abs(close_by["distance"]*math.cos(math.radians(close_by["angle"])) + .05) < 1e-6, "the crank's weight is at its limit", close_by)
+        close(close_by["mass"]*.05, far["mass"]*far["distance"]*-math.cos(math.radians(far["angle"])), 2e-5, "mass times distance stays")
+    # loads of joints that kalm finds on device 7
+    code, results, listing, error = muscle(data("muscle/haines_limits.nml"), place)
+    check(code == 0 and abs(results["optimum"]["after"]["joints"]["A"]["peak"] - 45.0) < 1e-4, "the limit of a joint is reached", error)
+    check(results["composite"]["after"] - results["composite"]["bound"] <= 1e-6*results["composite"]["after"], "and the optimum proven")
+    text = open(os.path.join(place, "case.muscle.dev7"), encoding="utf-8").read().split("\n", 1)[1]
+    code, listing, error = program("kalm", text, place)
+    check(code == 0, "kalm reads the weights within limits", error)
+    joints = kalm_columns(place, [joint + part for joint in "OABC" for part in ("_fx", "_fy")]).reshape(-1, 4, 2)
+    peaks = numpy.sqrt((joints**2).sum(axis=2)).max(axis=0)
+    check(abs(peaks[1] - 45.0) < 1e-4 and peaks.max() < 45.0001, "kalm finds the joints within their limits", peaks)
+    free_case = data("muscle/haines_limits.nml", (", BMAX=4*45.0", ", BTOL=4*1.0E6"))
+    free = muscle(free_case, place)[1]
+    check(free["optimum"]["after"]["joints"]["A"]["peak"] > 45.1, "without the limit the joint bears more", free["optimum"]["after"])
+    lightest = data("muscle/haines_limits.nml", ("TOLF=1.0, TOLM=1.0, TOLT=0.2, DESDRV=0.1, MAXF=5.0", "MAXF=20.0"))
+    code, results, listing, error = muscle(lightest, place)
+    check(code == 0 and "LEAST ADDED MASS" in listing and abs(results["optimum"]["after"]["force"]["peak"] - 20.0) < 1e-4,
+          "loads have limits only: the least mass that keeps them", error)
+    impossible = data("muscle/haines_limits.nml", ("BMAX=4*45.0", "BMAX=4*1.0"))
+    code, results, listing, error = muscle(impossible, place)
+    check(code == 1 and "no weights within the limits" in error, "limits that nothing keeps", (code, error))
+
+    # a given start is where the search begins: at the optimum one start stays there, in a far corner another optimum may wait
+    start = ("TOLM=1.0", "TOLM=1.0, NWSTRT=1, WXSTRT=-0.006,-0.006,0.034, WYSTRT=-0.0015,-0.0526,-0.0347, WRSTRT=0.1,0.053,0.048")
+    code, results, listing, error = muscle(data("muscle/haines_10u.nml", start), place)
+    close(results["composite"]["after"], 167.436, 1e-5, "10U from a given start")
+    corner = (start[0], start[1].replace("-0.0526", "0.7"))
+    check(muscle(data("muscle/haines_10u.nml", corner), place)[1]["composite"]["after"] != results["composite"]["after"],
+          "another start takes another way")
+
+
 def kalm_rows(case, place):
     """Force on the frame and moment at every position, by kalm: shape (positions, 3)."""
     code, listing, error = program("kalm", case, place)
     check(code == 0, "kalm runs for the rows of an independent model", error)
+    return kalm_columns(place, ["frame_fx", "frame_fy", "frame_m"])
+
+
+def kalm_columns(place, wanted):
+    """Columns of the table that kalm wrote: shape (positions, columns)."""
     rows = [line for line in open(os.path.join(place, "case.kalm.dev9"), encoding="utf-8")]
     names = next(row for row in rows if " drive " in row).lstrip("#").split()
-    chosen = [names.index(name) for name in ("frame_fx", "frame_fy", "frame_m")]
+    chosen = [names.index(name) for name in wanted]
     return numpy.array([[float(row.split()[k]) for k in chosen] for row in rows
                         if row.strip() and not row.startswith("#") and len(row.split()) == len(names)])
 
@@ -463,6 +568,10 @@ def bad_input(place):
                            ("WLINK=-1,-2,3", "WLINK=-1,-2,9", "WLINK"), ("TOLF=1.0", "TOLF=-1.0", "TOLF"),
                            ("'BODY'", "'DISC'", "WTHIGH"), ("FRONT2='MASS'", "FRONT2='MOMENT'", "FRONT2"),
                            ("TOLF=1.0", "TOLF=1.0, NBJNT=1, BLINK=2, BLOOP=1", "BTOL"), ("WFORM='BODY'", "WFORM='BODY', WSHAPE=1", "WSHAPE"),
+                           ("TOLF=1.0", "TOLF=1.0, DESDRV=0.2", "TOLT"), ("TOLF=1.0", "TOLF=1.0, WXLOW=0.05, WXHIGH=0.01", "WXLOW"),
+                           ("TOLF=1.0", "TOLF=1.0, WXLOW=0.09, WYLOW=0.09", "WREACH"), ("TOLF=1.0", "TOLF=1.0, WXSTRT=0.01", "WXSTRT"),
+                           ("TOLF=1.0", "TOLF=1.0, NBJNT=1, BLINK=2, BLOOP=1, BMAX=9.0, BDESX=1.0", "BDESX"),
+                           ("TOLF=1.0", "TOLF=1.0, MAXT=-1.0", "MAXT"),
                            (" &BALANC", " &USERBAL", "BALANC"), (" &MASSES", " &USERMAS", "MASSES")):
         assert old in good, old
         code, _, listing, error = muscle(good.replace(old, new), place)
@@ -693,6 +802,7 @@ if __name__ == "__main__":
         counts(folder)
         ten_bar(folder)
         example_10u(folder)
+        limits_and_desires(folder)
         against_global_search(folder)
         against_global_searches(folder)
         random_linkages(folder)
