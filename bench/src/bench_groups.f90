@@ -1,6 +1,5 @@
 !> What a position costs where groups are larger than dyads, or gears and cylinders take part: blocks of positions, one thread.
 module bench_groups
-   use, intrinsic :: iso_fortran_env, only: int64
    use psalm_cases, only: read_case_text, read_cases
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t

@@ -16,7 +16,7 @@ module psalm_wheel_kernels
    integer, parameter :: piece = 16              !! positions that go on from the angle of one in the middle
    integer, parameter :: reach_short = 1, reach_long = 2 !! which series
    integer, parameter :: terms(2) = [4, 9]       !! of each series, the first included
-   integer, parameter :: looked_at = 3           !! terms after the last one that must not count
+   integer, parameter :: looked_at = 3           !! further terms, after the first one left out, that must not count
    integer, parameter :: highest_at_once = 3     !! power that one loop forms
    real(wp), parameter :: farthest_sine = 0.24_wp !! series are not gone further
    real(wp), parameter :: nothing = epsilon(1.0_wp)/16.0_wp !! what is left out
@@ -55,10 +55,11 @@ contains
             end do
             if (left <= nothing) exit
             sine = shorter*sine
-            if (sine < epsilon(1.0_wp)) exit      ! a ratio that no series is for: nothing is near
+            if (sine < epsilon(1.0_wp)) exit
          end do
          series%farthest(reach) = sine
          series%least_cosine(reach) = sqrt((1.0_wp - sine)*(1.0_wp + sine))
+         if (sine < epsilon(1.0_wp)) series%least_cosine(reach) = 2.0_wp   ! a ratio that no series is for: nothing is near
       end do
    end function make_series
 

@@ -149,7 +149,7 @@ contains
                  + ((arc_tangent(8) + arc_tangent(9)*z) + (arc_tangent(10) + arc_tangent(11)*z)*z2)*(z4*z4)
          angle = t*angle + wide*quarter_pi
          angle = steep*(2.0_wp*quarter_pi) + (1.0_wp - 2.0_wp*steep)*angle
-         ! a zero added: of none the sign is plus
+         ! 0 is added so that -0 counts as +0
          back = 0.5_wp - sign(0.5_wp, c + 0.0_wp)
          angle = back*(4.0_wp*quarter_pi) + (1.0_wp - 2.0_wp*back)*angle
          degrees(i) = sign(angle, s)*degrees_per_radian

@@ -49,13 +49,36 @@ module psalm_flypast
       real(wp) :: cosine = 1.0_wp, sine = 0.0_wp    !! of H2
    contains
       procedure :: rates
+      procedure :: tolerances
       procedure :: force
+      procedure, private :: turned
    end type passing_contact_t
 
 contains
 
+   !> The equation, which has rates everywhere.
+   subroutine rates(self, time, y, d, valid)
+      class(passing_contact_t), intent(inout) :: self
+      real(wp), intent(in) :: time, y(:)
+      real(wp), intent(out) :: d(:)
+      logical, intent(out) :: valid
+
+      d = self%turned(time, y)
+      valid = .true.
+   end subroutine rates
+
+   pure function tolerances(self, y, after) result(allowed)
+      class(passing_contact_t), intent(in) :: self
+      real(wp), intent(in) :: y(:), after(:)
+      real(wp) :: allowed(size(y))
+
+      associate (unused => self%h3, nor_this => after)
+      end associate
+      allowed = tolerance
+   end function tolerances
+
    !> (g, g')' by T.
-   pure function rates(self, time, y) result(d)
+   pure function turned(self, time, y) result(d)
       class(passing_contact_t), intent(in) :: self
       real(wp), intent(in) :: time, y(2)
       real(wp) :: d(2), c, s, cos_p, sin_p
@@ -65,7 +88,7 @@ contains
       call turn_twice(self%cosine, self%sine, c, s, cos_p, sin_p)
       d(1) = y(2)
       d(2) = (self%cube*(time*c - s) - self%h3*y(2)**2*sin_p)/(1.0_wp + self%h3*cos_p)
-   end function rates
+   end function turned
 
    !> Force of contact over R_u.
    pure real(wp) function force(self, time, y)
@@ -76,7 +99,7 @@ contains
       c = cos(y(1))
       s = sin(y(1))
       call turn_twice(self%cosine, self%sine, c, s, cos_p, sin_p)
-      d = self%rates(time, y)
+      d = self%turned(time, y)
       force = c + time*s + ((1.0_wp - self%h3*cos_p)*y(2)**2 + self%h3*sin_p*d(2))/self%cube
    end function force
 
@@ -95,7 +118,7 @@ contains
 
    !> Follow the contact from T = -40 through the minimum. Errors: `ok` false if H1 <= 0, H3 is not in [0, 1), or the equation
    !> cannot be followed.
-   pure function follow_flypast(h1, h2, h3, from) result(flypast)
+   function follow_flypast(h1, h2, h3, from) result(flypast)
       real(wp), intent(in) :: h1                    !! positive
       real(wp), intent(in) :: h2                    !! radians
       real(wp), intent(in) :: h3                    !! 0 <= H3 < 1
@@ -119,7 +142,7 @@ contains
          ! a minimum must not hide within a step; long before the passage there is none
          period = 2.0_wp*pi/sqrt(h1**3*sqrt(1.0_wp + t*t)/(1.0_wp - h3) + 1.0_wp)
          step = min(step, merge(quiet_part, least_part, t < passage_begins)*period)
-         call advance(contact, t, g, step, tolerance, shortest, next, taken, gap)
+         call advance(contact, t, g, step, shortest, next, taken, gap)
          if (taken <= shortest) return
          if (flypast%loss(1) <= 0.0_wp .and. .not. any(abs(flypast%loss) > 0.0_wp)) then
             if (contact%force(t + taken, next) < 0.0_wp) flypast%loss = loss_between(t, g, taken)
@@ -140,7 +163,7 @@ contains
          end if
          t = t + taken
          g = next
-         step = next_step(taken, gap, tolerance)
+         step = next_step(taken, gap)
          if (t > last) exit
       end do
       flypast%ok = flypast%found == most_minima .or. t > last
@@ -171,32 +194,32 @@ contains
          real(wp) :: d(2), q
 
          q = 1.0_wp + t*t
-         d = contact%rates(t, [atan(t) - angle, 1.0_wp/q])
+         d = contact%turned(t, [atan(t) - angle, 1.0_wp/q])
          acceleration = -2.0_wp*t/q**2 - d(2)
       end function acceleration
 
       !> T, g, g' where the force passes zero within a step, by bisection.
-      pure function loss_between(time, start, h) result(place)
+      function loss_between(time, start, h) result(place)
          real(wp), intent(in) :: time, start(2), h
-         real(wp) :: place(3), low, high, middle, state(2), unused
+         real(wp) :: place(3), low, high, middle, state(2)
 
          low = 0.0_wp
          high = h
          do while (high - low > located*max(1.0_wp, abs(time)))
             middle = 0.5_wp*(low + high)
-            call one_step(contact, time, start, middle, state, unused)
+            call one_step(contact, time, start, middle, state)
             if (contact%force(time + middle, state) < 0.0_wp) then
                high = middle
             else
                low = middle
             end if
          end do
-         call one_step(contact, time, start, low, state, unused)
+         call one_step(contact, time, start, low, state)
          place = [time + low, state]
       end function loss_between
 
       !> Least force within two steps, by the golden section.
-      pure real(wp) function least_within(h) result(least)
+      real(wp) function least_within(h) result(least)
          real(wp), intent(in) :: h
          real(wp), parameter :: ratio = 0.5_wp*(sqrt(5.0_wp) - 1.0_wp)
          real(wp) :: low, high, x1, x2, f1, f2
@@ -226,11 +249,11 @@ contains
          least = min(f1, f2)
       end function least_within
 
-      pure real(wp) function force_after(h)
+      real(wp) function force_after(h)
          real(wp), intent(in) :: h
-         real(wp) :: state(2), unused
+         real(wp) :: state(2)
 
-         call one_step(contact, times(1), states(:, 1), h, state, unused)
+         call one_step(contact, times(1), states(:, 1), h, state)
          force_after = contact%force(times(1) + h, state)
       end function force_after
    end function follow_flypast

@@ -92,7 +92,7 @@ contains
 
    !> One radial line: what becomes of contact at each H1, and the ranges within which it is lost, in ascending order: a line may
    !> cut the lost region more than once. What is narrower than the steps may be missed.
-   pure subroutine scan_line(h2, h3, h1, lost, index, ranges, passage)
+   subroutine scan_line(h2, h3, h1, lost, index, ranges, passage)
       real(wp), intent(in) :: h2, h3
       real(wp), intent(in) :: h1(:)             !! ascending
       integer, intent(out) :: lost(:)           !! the minimum at which contact is lost; 0: it is kept
@@ -118,7 +118,7 @@ contains
    end subroutine scan_line
 
    !> Ranges of H1 within which contact is lost, or lost in the passage, from what becomes of it at the steps.
-   pure subroutine find_ranges(h2, h3, h1, lost, in_passage, ranges)
+   subroutine find_ranges(h2, h3, h1, lost, in_passage, ranges)
       real(wp), intent(in) :: h2, h3, h1(:)
       integer, intent(in) :: lost(:)
       logical, intent(in) :: in_passage
@@ -153,7 +153,7 @@ contains
    end function counts
 
    !> The H1 between one at which contact is lost and one at which it is kept where that changes, by bisection.
-   pure real(wp) function border(h2, h3, losing, keeping, in_passage)
+   real(wp) function border(h2, h3, losing, keeping, in_passage)
       real(wp), intent(in) :: h2, h3, losing, keeping
       logical, intent(in) :: in_passage         !! a loss in the passage
       type(flypast_t) :: here
@@ -175,7 +175,7 @@ contains
 
    !> The H1 beyond which contact is kept, up to 2; 0 if it is kept at all of them. A lost region narrower than a step of 0.05 may
    !> be missed.
-   pure real(wp) function outermost_loss(h2, h3, in_passage) result(outermost)
+   real(wp) function outermost_loss(h2, h3, in_passage) result(outermost)
       real(wp), intent(in) :: h2, h3
       logical, intent(in) :: in_passage         !! of losses in the passage alone
       type(flypast_t) :: here

@@ -23,7 +23,9 @@ module psalm_following
       real(wp), allocatable :: tensor(:, :, :)       !! shape (0:1, 3, 0:places): M_uu, M_uv, M_vv with one
    contains
       procedure :: rates
+      procedure :: tolerances
       procedure :: force
+      procedure, private :: turned
       procedure, private :: state_of
    end type followed_contact_t
 
@@ -63,8 +65,29 @@ contains
       contact%tensor(:, :, places) = contact%tensor(:, :, 0)
    end function contact_of
 
+   !> The equation, which has rates everywhere.
+   subroutine rates(self, time, y, d, valid)
+      class(followed_contact_t), intent(inout) :: self
+      real(wp), intent(in) :: time, y(:)
+      real(wp), intent(out) :: d(:)
+      logical, intent(out) :: valid
+
+      d = self%turned(time, y)
+      valid = .true.
+   end subroutine rates
+
+   pure function tolerances(self, y, after) result(allowed)
+      class(followed_contact_t), intent(in) :: self
+      real(wp), intent(in) :: y(:), after(:)
+      real(wp) :: allowed(size(y))
+
+      associate (unused => self%speed, nor_this => after)
+      end associate
+      allowed = tolerance
+   end function tolerances
+
    !> (g, g')' by the angle of the crank.
-   pure function rates(self, time, y) result(d)
+   pure function turned(self, time, y) result(d)
       class(followed_contact_t), intent(in) :: self
       real(wp), intent(in) :: time, y(2)
       real(wp) :: d(2), load(0:2, 2), m(3), unit(2), along, across
@@ -74,7 +97,7 @@ contains
       call felt(m, unit, along, across)
       d(1) = y(2)
       d(2) = ((load(0, 2)*unit(1) - load(0, 1)*unit(2))/(self%clearance*self%speed**2) - across*y(2)**2)/along
-   end function rates
+   end function turned
 
    !> Force of contact, N; below zero contact would be lost.
    pure real(wp) function force(self, time, y)
@@ -85,7 +108,7 @@ contains
       call self%state_of(time, load, m)
       unit = [cos(y(1)), sin(y(1))]
       call felt(m, unit, along, across)
-      d = self%rates(time, y)
+      d = self%turned(time, y)
       force = load(0, 1)*unit(1) + load(0, 2)*unit(2) &
               + self%clearance*self%speed**2*((m(1) + m(3) - along)*y(2)**2 + across*d(2))
    end function force
@@ -145,7 +168,7 @@ contains
    !> Follow a turn from a = a' = 0, force or no force. Errors: `ok` false if the load is zero where it begins, or steps become too
    !> short.
    subroutine follow_contact(contact, from, inputs, lag, force, minima, loss, ok)
-      type(followed_contact_t), intent(in) :: contact
+      type(followed_contact_t), intent(inout) :: contact
       real(wp), intent(in) :: from                   !! where to begin, radians
       integer, intent(in) :: inputs                  !! places wanted, at equal steps from `from`
       real(wp), intent(out) :: lag(:), force(:)      !! shape (inputs): radians, within half a turn; N
@@ -175,7 +198,7 @@ contains
          target = from + 2.0_wp*pi*real(i, wp)/real(inputs, wp)
          do while (t < target - shortest)
             wanted = min(wanted, 0.1_wp*swing(), target - t)
-            call advance(contact, t, y, wanted, tolerance, shortest, next, taken, gap)
+            call advance(contact, t, y, wanted, shortest, next, taken, gap)
             ok = taken > shortest
             if (.not. ok) return
             if (loss < 0.0_wp .and. contact%force(t + taken, next) < 0.0_wp) loss = zero_between(t, y, taken)
@@ -185,7 +208,7 @@ contains
             if (forces(2) < forces(1) .and. forces(2) <= forces(3)) call note_minimum()
             t = t + taken
             y = next
-            wanted = next_step(taken, gap, tolerance)
+            wanted = next_step(taken, gap)
          end do
       end do
 
@@ -212,15 +235,15 @@ contains
          swing = 2.0_wp*pi/sqrt(norm2(load(0, :))/(contact%clearance*least*contact%speed**2) + y(2)**2 + 1.0_wp)
       end function swing
 
-      pure real(wp) function zero_between(time, start, h) result(place)
+      real(wp) function zero_between(time, start, h) result(place)
          real(wp), intent(in) :: time, start(2), h
-         real(wp) :: low, high, middle, state(2), unused
+         real(wp) :: low, high, middle, state(2)
 
          low = 0.0_wp
          high = h
          do while (high - low > shortest)
             middle = 0.5_wp*(low + high)
-            call one_step(contact, time, start, middle, state, unused)
+            call one_step(contact, time, start, middle, state)
             if (contact%force(time + middle, state) < 0.0_wp) then
                high = middle
             else
@@ -251,11 +274,11 @@ contains
          minima = [minima, least_force_t(times(2) + low, force_beside(low))]
       end subroutine note_minimum
 
-      pure real(wp) function force_beside(step)
+      real(wp) function force_beside(step)
          real(wp), intent(in) :: step
-         real(wp) :: state(2), unused
+         real(wp) :: state(2)
 
-         call one_step(contact, times(2), before, step, state, unused)
+         call one_step(contact, times(2), before, step, state)
          force_beside = contact%force(times(2) + step, state)
       end function force_beside
    end subroutine follow_contact

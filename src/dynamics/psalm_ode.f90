@@ -1,71 +1,113 @@
-!> Ordinary differential equations of two unknowns by Dormand and Prince's formulas of fifth order with their error of the fourth.
+!> Ordinary differential equations of any number of unknowns by an explicit method of order 8.
+!>
+!> A step ends exactly where it is wanted: an event is met by repeating the step with another length, without interpolation. The
+!> roots that lengths of steps take are square roots, whose bits are the same on every processor. Coefficients and estimate of the
+!> error: `psalm_dormand_prince`.
 module psalm_ode
+   use psalm_dormand_prince, only: stages, nodes, weights, stage_weights, error_fifth, error_third
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
    public :: ode_t, one_step, advance, next_step
 
    real(wp), parameter :: shrink = 0.2_wp, grow = 4.0_wp, safety = 0.9_wp !! of steps
+   real(wp), parameter :: third_part = 0.01_wp     !! of the error of third order in the estimate (Hairer and others, II.10)
 
    !> An equation.
    type, abstract :: ode_t
    contains
       procedure(rates_of), deferred :: rates
+      procedure(tolerances_of), deferred :: tolerances
    end type ode_t
 
    abstract interface
-      !> Derivatives of both unknowns.
-      pure function rates_of(self, time, y) result(d)
+      !> Derivatives of all unknowns. `valid` is false where there are none: a step that comes there is not made.
+      subroutine rates_of(self, time, y, d, valid)
+         import :: ode_t, wp
+         implicit none (type, external)
+         class(ode_t), intent(inout) :: self
+         real(wp), intent(in) :: time, y(:)
+         real(wp), intent(out) :: d(:)
+         logical, intent(out) :: valid
+      end subroutine rates_of
+
+      !> Errors of the unknowns that are allowed in a step from y to `after`; huge: any.
+      pure function tolerances_of(self, y, after) result(allowed)
          import :: ode_t, wp
          implicit none (type, external)
          class(ode_t), intent(in) :: self
-         real(wp), intent(in) :: time, y(2)
-         real(wp) :: d(2)
-      end function rates_of
+         real(wp), intent(in) :: y(:), after(:)
+         real(wp) :: allowed(size(y))
+      end function tolerances_of
    end interface
 
 contains
 
-   !> One step of length h; `error` is the largest difference of both formulas.
-   pure subroutine one_step(ode, time, y, h, after, error)
-      class(ode_t), intent(in) :: ode
-      real(wp), intent(in) :: time, y(2), h
-      real(wp), intent(out) :: after(2), error
-      real(wp), dimension(2) :: k1, k2, k3, k4, k5, k6, k7
+   !> One step of length h; `error` is the estimated one in parts of what is allowed, huge where a stage has no derivatives.
+   subroutine one_step(ode, time, y, h, after, error, first)
+      class(ode_t), intent(inout) :: ode
+      real(wp), intent(in) :: time, y(:), h
+      real(wp), intent(out) :: after(:)
+      real(wp), intent(out), optional :: error
+      real(wp), intent(in), optional :: first(:)   !! derivatives at the beginning, if they are known
+      real(wp) :: d(size(y), stages), fifth, third, allowed(size(y)), state(size(y))
+      logical :: valid
+      integer :: s, j, k
 
-      k1 = ode%rates(time, y)
-      k2 = ode%rates(time + h/5.0_wp, y + h*k1/5.0_wp)
-      k3 = ode%rates(time + 0.3_wp*h, y + h*(3.0_wp*k1 + 9.0_wp*k2)/40.0_wp)
-      k4 = ode%rates(time + 0.8_wp*h, y + h*(44.0_wp/45.0_wp*k1 - 56.0_wp/15.0_wp*k2 + 32.0_wp/9.0_wp*k3))
-      k5 = ode%rates(time + 8.0_wp/9.0_wp*h, y + h*(19372.0_wp/6561.0_wp*k1 - 25360.0_wp/2187.0_wp*k2 &
-                                                    + 64448.0_wp/6561.0_wp*k3 - 212.0_wp/729.0_wp*k4))
-      k6 = ode%rates(time + h, y + h*(9017.0_wp/3168.0_wp*k1 - 355.0_wp/33.0_wp*k2 + 46732.0_wp/5247.0_wp*k3 &
-                                      + 49.0_wp/176.0_wp*k4 - 5103.0_wp/18656.0_wp*k5))
-      after = y + h*(35.0_wp/384.0_wp*k1 + 500.0_wp/1113.0_wp*k3 + 125.0_wp/192.0_wp*k4 - 2187.0_wp/6784.0_wp*k5 &
-                     + 11.0_wp/84.0_wp*k6)
-      k7 = ode%rates(time + h, after)
-      error = maxval(abs(h*(71.0_wp/57600.0_wp*k1 - 71.0_wp/16695.0_wp*k3 + 71.0_wp/1920.0_wp*k4 &
-                            - 17253.0_wp/339200.0_wp*k5 + 22.0_wp/525.0_wp*k6 - k7/40.0_wp)))
+      if (present(error)) error = huge(1.0_wp)
+      after = y
+      if (present(first)) then
+         d(:, 1) = first
+      else
+         call ode%rates(time, y, d(:, 1), valid)
+         if (.not. valid) return
+      end if
+      do s = 2, stages
+         state = 0.0_wp
+         do j = 1, s - 1
+            if (abs(stage_weights(j, s)) > 0.0_wp) state = state + stage_weights(j, s)*d(:, j)
+         end do
+         call ode%rates(time + nodes(s)*h, y + h*state, d(:, s), valid)
+         if (.not. valid) return
+      end do
+      after = y + h*matmul(d, weights)
+      if (.not. present(error)) return
+      allowed = ode%tolerances(y, after)
+      fifth = 0.0_wp
+      third = 0.0_wp
+      do k = 1, size(y)
+         fifth = max(fifth, abs(dot_product(d(k, :), error_fifth))/allowed(k))
+         third = max(third, abs(dot_product(d(k, :), error_third))/allowed(k))
+      end do
+      error = 0.0_wp
+      if (fifth > 0.0_wp) error = abs(h)*fifth**2/sqrt(fifth**2 + third_part*third**2)
    end subroutine one_step
 
    !> A step that keeps the tolerance, not longer than `wanted`; it may miss the tolerance where it would be below `shortest`.
-   pure subroutine advance(ode, time, y, wanted, tolerance, shortest, after, h, error)
-      class(ode_t), intent(in) :: ode
-      real(wp), intent(in) :: time, y(2), wanted, tolerance, shortest
-      real(wp), intent(out) :: after(2), h, error
+   subroutine advance(ode, time, y, wanted, shortest, after, h, error, first)
+      class(ode_t), intent(inout) :: ode
+      real(wp), intent(in) :: time, y(:), wanted, shortest
+      real(wp), intent(out) :: after(:), h, error
+      real(wp), intent(in), optional :: first(:)   !! derivatives at the beginning, if they are known
 
       h = wanted
       do
-         call one_step(ode, time, y, h, after, error)
-         if (error <= tolerance .or. h <= shortest) return
-         h = h*max(shrink, safety*(tolerance/error)**0.2_wp)
+         call one_step(ode, time, y, h, after, error, first)
+         if (error <= 1.0_wp .or. h <= shortest) return
+         h = h*max(shrink, min(safety, safety/eighth_root(error)))
       end do
    end subroutine advance
 
    !> Length of the step after one of length h with this error.
-   pure real(wp) function next_step(h, error, tolerance)
-      real(wp), intent(in) :: h, error, tolerance
+   pure real(wp) function next_step(h, error)
+      real(wp), intent(in) :: h, error
 
-      next_step = h*min(grow, max(shrink, safety*(tolerance/max(error, tiny(error)))**0.2_wp))
+      next_step = h*min(grow, max(shrink, safety/eighth_root(max(error, epsilon(error)**2))))
    end function next_step
+
+   pure real(wp) function eighth_root(x)
+      real(wp), intent(in) :: x
+
+      eighth_root = sqrt(sqrt(sqrt(x)))
+   end function eighth_root
 end module psalm_ode

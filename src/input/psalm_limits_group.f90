@@ -61,7 +61,7 @@ module psalm_limits_group
              '1: length and angle of every arc at every position on device 8; solves every loop'), &
       rule_t('ICOND', a_flag, '', '', '0', '', &
              '1: device 9 gets a column with the condition number of each position (KTHETA lists it too); in listings of '// &
-             'sketches digits that rounding leaves open are blank'), &
+             'sketches decimals of outputs that rounding makes uncertain are blank'), &
       rule_t('IPROOF', a_whole, '', '', '2 after a search, else 0', '[0,2]', &
              '1: prove where the linkage closes over a full turn (a sliding input: over the range of the '// &
              'inputs), 2: over the range of the inputs, 0: prove nothing; where it is not given, IRANGE=1 '// &

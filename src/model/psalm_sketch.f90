@@ -121,6 +121,7 @@ module psalm_sketch
       logical :: over_braced = .false.      !! KOVER: equations that special dimensions make superfluous are allowed
    contains
       procedure :: has_wishes
+      procedure :: joint_of_output
       procedure :: wish_columns
       procedure :: shown_joint
       procedure :: has_joint
@@ -190,6 +191,15 @@ contains
          joint = merge(self%joints(2), self%joints(1), self%joints(2) > 0)
       end select
    end function drawn_joint
+
+   !> The joint at which an output is drawn, of a ratio that of its first output; 0: none.
+   pure integer function joint_of_output(self, n) result(joint)
+      class(sketch_t), intent(in) :: self
+      integer, intent(in) :: n              !! number of the output
+
+      joint = self%outputs(n)%drawn_joint()
+      if (self%outputs(n)%kind == output_ratio) joint = self%outputs(self%outputs(n)%outputs(1))%drawn_joint()
+   end function joint_of_output
 
    !> True if values are prescribed.
    pure logical function is_wished(self)

@@ -41,6 +41,7 @@ module psalm_linkage
       real(wp) :: sign = 1.0_wp                  !! point: +1 along the arc, -1 against it
       real(wp) :: x = 0.0_wp, y = 0.0_wp         !! point: the arc in the axes of its root, sense included
       type(dyad_t) :: dyad
+      integer, allocatable :: needs(:)           !! larger group: the steps before it that it depends on, ascending
    end type bound_step_t
 
    !> A drive after the first.
@@ -178,6 +179,7 @@ contains
       end do
 
       call assign_tips(self)
+      call find_needs(self)
       if (any([(allocated(self%steps(k)%dyad%higher), k=1, size(self%steps))])) then
          call make_rows(lane, size(self%store%v, 2), self%between)
          self%between%v(1, self%root_x) = 1.0_wp
@@ -427,6 +429,61 @@ contains
          end do
       end function made_after
    end subroutine assign_tips
+
+   !> Which steps each larger group depends on: through the rows that they write and that the next ones read. What a group does not
+   !> depend on must not decide whether it closes, wherever it stands in the plan.
+   subroutine find_needs(self)
+      type(linkage_t), intent(inout) :: self
+      integer :: writer(0:size(self%store%v, 2))    !! by row: the step that writes it, 0: an input or none
+      logical :: needed(size(self%steps), size(self%steps)) !! (:, k): the steps that step k depends on
+      integer :: k, r, j
+
+      writer = 0
+      needed = .false.
+      do k = 1, size(self%steps)
+         associate (step => self%steps(k), dyad => self%steps(k)%dyad)
+            if (step%kind == step_point) then
+               call read([step%from_x, step%root_x, step%slide_row])
+               if (step%maker > 0) call need(step%maker)
+               writer(step%to_x) = k
+            else if (allocated(dyad%higher)) then
+               do r = 1, dyad%higher%rings
+                  call read(dyad%higher%ends([1, 3], r))
+               end do
+               call read(dyad%higher%terms%root_x)
+               call read(dyad%higher%terms%slide)
+               do r = 1, size(dyad%higher%ties)
+                  call read(dyad%higher%ties(r)%roots)
+               end do
+               writer(dyad%higher%row) = k
+            else
+               call read([dyad%s_x, dyad%e_x, dyad%p_x, dyad%q_x, dyad%slide_p, dyad%slide_q])
+               writer(dyad%unknown) = k
+            end if
+         end associate
+         writer(0) = 0
+         if (.not. allocated(self%steps(k)%dyad%higher)) cycle
+         self%steps(k)%needs = pack([(j, j=1, k - 1)], needed(:k - 1, k))
+      end do
+
+   contains
+
+      subroutine read(rows)
+         integer, intent(in) :: rows(:)
+         integer :: i
+
+         do i = 1, size(rows)
+            if (writer(rows(i)) > 0 .and. writer(rows(i)) < k) call need(writer(rows(i)))
+         end do
+      end subroutine read
+
+      subroutine need(step)
+         integer, intent(in) :: step
+
+         needed(:, k) = needed(:, k) .or. needed(:, step)
+         needed(step, k) = .true.
+      end subroutine need
+   end subroutine find_needs
 
    !> Positions rounded up to a multiple of the lane.
    pure integer function padded(positions)

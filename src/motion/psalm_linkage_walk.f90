@@ -47,7 +47,8 @@ contains
       if (allocated(self%steps(k)%dyad%higher%powers)) then
          call follow_wheels(self, k, n, closed)
       else
-         if (self%steps(k)%dyad%higher%rings == 0) call follow_ties(self, k, n, path, closed, first)
+         if (self%steps(k)%dyad%higher%rings == 0) &
+            call follow_ties(self, k, n, path, closed .or. all_close_before(self, k, n), first)
          if (first > n) return
          call follow_path(self, k, n, path, first, more)
          associate (dyad => self%steps(k)%dyad)
@@ -56,7 +57,7 @@ contains
       end if
    end subroutine follow_group
 
-   !> Each position from the one before, the first from the drawing; what `first` is found before stays.
+   !> Each position from the one before, the first from the drawing; positions before `first` are found already and stay.
    pure subroutine follow_path(self, k, n, path, first, more)
       class(linkage_t), intent(inout) :: self
       integer, intent(in) :: k
@@ -133,7 +134,7 @@ contains
       integer, intent(in) :: k
       integer, intent(in) :: n
       real(wp), intent(in) :: path(n)
-      logical, intent(in) :: closed             !! every group before closes everywhere
+      logical, intent(in) :: closed             !! every group that it depends on closes everywhere
       integer, intent(inout) :: first
       logical :: found
 
@@ -143,7 +144,7 @@ contains
                                         .not. (abs(path(1) - higher%last) > farthest_input .or. leaps(n, path, farthest_input)))
          if (.not. higher%follows) return
          call turn_in_pieces(n, higher, self%store, found)
-         if (.not. found) call turn_each(n, higher, self%store, higher%follows)
+         if (.not. found .and. higher%follows) call turn_each(n, higher, self%store, higher%follows)
          if (.not. higher%follows) return
          self%store%v(1:n, self%steps(k)%dyad%measure) = higher%tie_measure
          higher%last = path(n)
@@ -192,13 +193,15 @@ contains
 
    !> The same by angles in the middle of pieces, and from there by series of the sine of the angle to the middle. The rows of turns
    !> hold those of the middles. `found` is false where links turn too far in a piece, where drives take part, and where there are
-   !> more than a few known directions.
+   !> more than a few known directions: the block alone decides that. `higher%follows` is false where a link turns too far from
+   !> where it stood before.
    pure subroutine turn_in_pieces(n, higher, store, found)
       integer, intent(in) :: n
       type(higher_t), intent(inout) :: higher
       type(rows_t), intent(inout) :: store
       logical, intent(out) :: found
       real(wp), parameter :: far = 0.5_wp*farthest_turn*degrees_per_radian !! from middle to middle: the ends are not twice as far
+      real(wp), parameter :: least_cosine = cos(0.5_wp*farthest_turn) !! from the first position to the first middle: not so far
       real(wp), dimension(most_pieces, most_known) :: x, y, angle, turn
       real(wp), dimension(most_pieces) :: sum, angle_of_wheel, wx, wy
       integer :: middle, i, j, p
@@ -214,9 +217,12 @@ contains
             end do
             call angles_of(most_pieces, x(:, i), y(:, i), angle(:, i))
             call unwind(most_pieces, angle(:, i), known, turn(:, i))
-            if (abs(turn(1, i) - known%turn) > far .or. leaps(most_pieces, turn(:, i), far)) return
+            if (store%v(1, known%root_x)*x(1, i) + store%v(1, known%root_y)*y(1, i) < least_cosine .or. &
+                leaps(most_pieces, turn(:, i), far)) return
+            higher%follows = higher%follows .and. .not. abs(turn(1, i) - known%turn) > farthest_turn*degrees_per_radian
          end associate
       end do
+      if (.not. higher%follows) return
       do j = 1, higher%unknowns
          sum = 0.0_wp
          do i = 1, size(higher%known)
@@ -322,17 +328,17 @@ contains
       if (modulo(n, piece) > 0) row(n - modulo(n, piece) + 1:) = values(n/piece + 1)
    end subroutine fill_all
 
-   !> True if every group before a step closes at the first `n` positions of the block.
+   !> True if every group that a step depends on closes at the first `n` positions of the block.
    pure logical function all_close_before(self, k, n)
       class(linkage_t), intent(in) :: self
       integer, intent(in) :: k, n
-      integer :: j
+      integer :: m
 
       all_close_before = .true.
-      do j = 1, k - 1
-         if (self%steps(j)%kind /= step_dyad) cycle
-         associate (dyad => self%steps(j)%dyad)
-            all_close_before = all_close_before .and. all_between(self, n, self%steps(j)%loop, dyad%closes_low, dyad%closes_high)
+      do m = 1, size(self%steps(k)%needs)
+         associate (step => self%steps(self%steps(k)%needs(m)))
+            if (step%kind == step_dyad) all_close_before = &
+               all_close_before .and. all_between(self, n, step%loop, step%dyad%closes_low, step%dyad%closes_high)
          end associate
       end do
    end function all_close_before
@@ -387,30 +393,38 @@ contains
       leaps = beyond > 0
    end function leaps
 
-   !> Put all larger groups up to a step together in the drawing.
+   !> Put a larger group, and those that it depends on, together in the drawing.
    pure subroutine start(self, k, walk, valid)
       class(linkage_t), intent(inout) :: self
       integer, intent(in) :: k
       type(walk_t), intent(inout) :: walk
       logical, intent(out) :: valid
       real(wp) :: unused
-      integer :: j, i
+      integer :: m
 
-      do j = 1, k
-         if (.not. allocated(self%steps(j)%dyad%higher)) cycle
-         associate (higher => self%steps(j)%dyad%higher)
-            higher%now = higher%drawn
-            higher%sense = 0.0_wp
-            do i = 1, size(higher%known)
-               higher%known(i)%now = [higher%known(i)%drawn, 0.0_wp]
-            end do
-         end associate
+      do m = 1, size(self%steps(k)%needs)
+         call put_as_drawn(self%steps(self%steps(k)%needs(m)))
       end do
+      call put_as_drawn(self%steps(k))
       walk%last = 0
       walk%here = [self%drawn, self%seconds%drawn]
       walk%known = .false.
       call solve_between(self, k, walk%here, .false., valid, unused)
    end subroutine start
+
+   pure subroutine put_as_drawn(step)
+      type(bound_step_t), intent(inout) :: step
+      integer :: i
+
+      if (.not. allocated(step%dyad%higher)) return
+      associate (higher => step%dyad%higher)
+         higher%now = higher%drawn
+         higher%sense = 0.0_wp
+         do i = 1, size(higher%known)
+            higher%known(i)%now = [higher%known(i)%drawn, 0.0_wp]
+         end do
+      end associate
+   end subroutine put_as_drawn
 
    !> Go to position i of the block, if need be the other way round.
    pure subroutine reach(self, k, i, inputs, walk, found, reached)
@@ -574,12 +588,12 @@ contains
       call go_back(self, k, walk)
    end subroutine walk_to
 
-   !> Put all larger groups up to a step where the walk stands.
+   !> Put a larger group, and those that it depends on, where the walk stands.
    pure subroutine go_back(self, k, walk)
       class(linkage_t), intent(inout) :: self
       integer, intent(in) :: k
       type(walk_t), intent(inout) :: walk
-      integer :: j
+      integer :: m
       logical :: valid
 
       walk%known = .false.
@@ -587,26 +601,30 @@ contains
          call start(self, k, walk, valid)
          return
       end if
-      do j = 1, k
-         if (.not. allocated(self%steps(j)%dyad%higher)) cycle
-         call keep_turns(self%steps(j)%dyad%higher, self%store, walk%last)
+      do m = 1, size(self%steps(k)%needs)
+         associate (step => self%steps(self%steps(k)%needs(m)))
+            if (allocated(step%dyad%higher)) call keep_turns(step%dyad%higher, self%store, walk%last)
+         end associate
       end do
+      call keep_turns(self%steps(k)%dyad%higher, self%store, walk%last)
    end subroutine go_back
 
-   !> True if every group before a step closes at position i of the block.
+   !> True if every group that a step depends on closes at position i of the block.
    pure logical function closes_before(self, k, i)
       class(linkage_t), intent(in) :: self
       integer, intent(in) :: k, i
-      integer :: j
+      integer :: m
 
       closes_before = .true.
-      do j = 1, k - 1
-         if (self%steps(j)%kind == step_dyad) closes_before = closes_before .and. self%closes(i, self%steps(j)%loop)
+      do m = 1, size(self%steps(k)%needs)
+         associate (step => self%steps(self%steps(k)%needs(m)))
+            if (step%kind == step_dyad) closes_before = closes_before .and. self%closes(i, step%loop)
+         end associate
       end do
    end function closes_before
 
-   !> Walk from one input to another in steps as long as can be trusted. `now` of all larger groups up to the step tells where they
-   !> stand.
+   !> Walk from one input to another in steps as long as can be trusted. `now` of the larger group, and of those that it depends on,
+   !> tells where they stand.
    pure subroutine walk_between(self, k, from, to, reached, way)
       class(linkage_t), intent(inout) :: self
       integer, intent(in) :: k
@@ -643,7 +661,7 @@ contains
       reached = .true.
    end subroutine walk_between
 
-   !> All steps up to one at an input between positions. Where that is valid, `now` of the larger groups goes there.
+   !> A step and all that it depends on at an input between positions. Where that is valid, `now` of the larger groups goes there.
    pure subroutine solve_between(self, k, here, trusting, valid, worst)
       class(linkage_t), intent(inout) :: self
       integer, intent(in) :: k
@@ -651,29 +669,47 @@ contains
       logical, intent(in) :: trusting           !! groups must be continued from where they stood, else only be closed
       logical, intent(out) :: valid
       real(wp), intent(out) :: worst            !! largest second correction against the first
-      integer :: j
+      integer :: m
 
       worst = 0.0_wp
       valid = .true.
       call put_input(self, here)
-      do j = 1, k
-         if (allocated(self%steps(j)%dyad%higher)) then
-            call group_between(self%steps(j)%dyad%higher, self%between, trusting, valid, worst)
-         else if (self%steps(j)%kind == step_dyad) then
-            call dyad_between(self, self%steps(j), valid)
-         else
-            call solve_point(1, self%steps(j), self%between)
-         end if
+      do m = 1, size(self%steps(k)%needs)
+         call step_between(self, self%steps(k)%needs(m), trusting, valid, worst)
          if (.not. valid) return
       end do
-      do j = 1, k
-         if (.not. allocated(self%steps(j)%dyad%higher)) cycle
-         associate (higher => self%steps(j)%dyad%higher)
-            call keep_state(higher, self%between, 1)
-            call keep_known_turns(higher, self%between, 1)
-         end associate
+      call step_between(self, k, trusting, valid, worst)
+      if (.not. valid) return
+      do m = 1, size(self%steps(k)%needs)
+         call keep_between(self%steps(self%steps(k)%needs(m)), self%between)
       end do
+      call keep_between(self%steps(k), self%between)
    end subroutine solve_between
+
+   pure subroutine step_between(self, j, trusting, valid, worst)
+      class(linkage_t), intent(inout) :: self
+      integer, intent(in) :: j
+      logical, intent(in) :: trusting
+      logical, intent(inout) :: valid
+      real(wp), intent(inout) :: worst
+
+      if (allocated(self%steps(j)%dyad%higher)) then
+         call group_between(self%steps(j)%dyad%higher, self%between, trusting, valid, worst)
+      else if (self%steps(j)%kind == step_dyad) then
+         call dyad_between(self, self%steps(j), valid)
+      else
+         call solve_point(1, self%steps(j), self%between)
+      end if
+   end subroutine step_between
+
+   pure subroutine keep_between(step, between)
+      type(bound_step_t), intent(inout) :: step
+      type(rows_t), intent(in) :: between
+
+      if (.not. allocated(step%dyad%higher)) return
+      call keep_state(step%dyad%higher, between, 1)
+      call keep_known_turns(step%dyad%higher, between, 1)
+   end subroutine keep_between
 
    pure subroutine put_input(self, here)
       class(linkage_t), intent(inout) :: self

@@ -16,7 +16,7 @@ module psalm_chain_scene
    use psalm_parts, only: drawn_bar_t, edge_t, drawn_joint_t, drawn_slide_t, wheel_t, convex_hull
    use psalm_scene, only: scene_t, message_scene, choose_view, find_rails, motion_number
    use psalm_sketch, only: columns_of, sketch_t, drive_turns, frame_link, grid_digits, output_angle, &
-                           output_point, output_pose, output_ratio, output_slide
+                           output_point, output_pose, output_slide
    use psalm_sort, only: ascending
    use psalm_status, only: finding_t
    use psalm_trace, only: position_row_t
@@ -447,7 +447,7 @@ contains
       scene%output = 0
       if (size(sketch%outputs) > 0) then
          associate (output => sketch%outputs(1))
-            scene%output = output%drawn_joint()
+            scene%output = sketch%joint_of_output(1)
             select case (output%kind)
             case (output_point, output_pose)
                scene%motion = motion_point
@@ -457,8 +457,6 @@ contains
                do j = 1, size(scene%slides)
                   if (scene%slides(j)%of == output%slide) scene%output = scene%slides(j)%block
                end do
-            case (output_ratio)
-               scene%output = sketch%outputs(output%outputs(1))%drawn_joint()
             end select
             scene%output_base = scene%output
             if (output%kind == output_angle) scene%output_base = output%joints(1)

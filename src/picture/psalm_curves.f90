@@ -45,7 +45,7 @@ contains
       if (allocated(scene%curves)) then
          call add_outputs(scene, own%x, sweep%x, like, plots)
       else if (scene%motion /= motion_number) then
-         ! the panels have it otherwise
+         ! a number is drawn in the panels
          call add_output(scene, own, sweep, like, plots)
       end if
       if (scene%desired) call add_errors(scene, own%x, like, plots)

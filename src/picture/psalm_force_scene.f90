@@ -3,7 +3,6 @@
 !> A counterweight is drawn as the disc that has its mass and its own moment of inertia; a point mass as a disc of steel.
 module psalm_force_scene
    use psalm_data_set, only: data_set_t
-   use psalm_dimensions, only: dimensions_t
    use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t
    use psalm_force_analysis, only: force_table_t, analyse_forces

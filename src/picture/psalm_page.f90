@@ -153,8 +153,8 @@ contains
       end do
       call text%add('],"bodies":[')
       do i = 1, size(scene%bodies)
-         call text%add_text(comma(i)//'{"frame":'//truth(scene%bodies(i)%frame)//',"hull":'// &
-                            '['//integers(scene%bodies(i)%hull - 1)//']'//name_of(scene%bodies(i))//'}')
+         call text%add_text(comma(i)//'{"frame":'//truth(scene%bodies(i)%frame)//',"hull":['// &
+                            integers(scene%bodies(i)%hull - 1)//']'//name_of(scene%bodies(i))//'}')
       end do
       call text%add('],"slides":[')
       do i = 1, size(scene%slides)

@@ -3,7 +3,7 @@ module psalm_plot_svg
    use psalm_kinds, only: wp
    use psalm_markup, only: xml_text
    use psalm_panels, only: flat
-   use psalm_plot, only: plot_t, plot_line_t, values_seen, look_area, look_dashed, look_dots, look_dotted, look_joined, look_line, &
+   use psalm_plot, only: plot_t, plot_line_t, values_seen, look_area, look_dashed, look_dots, look_dotted, look_joined, &
                          look_rings, look_steps, look_thin
    use psalm_svg_frame, only: pixels
    use psalm_svg_panel, only: plot_panel_t, begin_picture, draw_axes, px, round_step

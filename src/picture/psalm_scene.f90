@@ -19,7 +19,7 @@ module psalm_scene
    use psalm_panels, only: panel_t, tolerance_band_t, add_family_panels, add_rate_panels, add_sketch_panels, find_band
    use psalm_parts, only: drawn_joint_t, drawn_bar_t, drawn_body_t, drawn_slide_t, drawn_dyad_t, wheel_t, output_curve_t, &
                           drive_part_t, edge_t, find_slides, convex_hull
-   use psalm_sketch, only: output_point, output_pose, output_ratio, output_x, output_y
+   use psalm_sketch, only: output_point, output_pose, output_x, output_y
    use psalm_sketch_study, only: sketch_study_t, study_sketch
    use psalm_proof_scene, only: proof_scene_t, make_proof_scene
    use psalm_row_study, only: row_study_t, solved_row_t
@@ -206,8 +206,7 @@ contains
 
       scene%motion = motion_number
       if (any(set%sketch%outputs(1)%kind == [output_point, output_pose])) scene%motion = motion_point
-      j = set%sketch%outputs(1)%drawn_joint()
-      if (set%sketch%outputs(1)%kind == output_ratio) j = set%sketch%outputs(set%sketch%outputs(1)%outputs(1))%drawn_joint()
+      j = set%sketch%joint_of_output(1)
       if (j > 0) j = findloc([(scene%joints(k)%name == trim(set%sketch%joint_name(j)), k=1, size(scene%joints))], .true., dim=1)
       if (j > 0) scene%output = j
       scene%output_base = scene%output

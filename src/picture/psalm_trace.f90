@@ -69,7 +69,7 @@ contains
    !> Joints, slides and outputs at the positions of a row.
    subroutine trace_row(solved, every_loop, dimensions, slides, output_slide, prescribed, row)
       type(solved_row_t), intent(inout) :: solved
-      logical, intent(in) :: every_loop         !! they all are the output's
+      logical, intent(in) :: every_loop         !! the output is known only where every loop closes
       type(dimensions_t), intent(in) :: dimensions
       type(drawn_slide_t), intent(in) :: slides(:)    !! joints by numbers of the mechanism's points
       integer, intent(in) :: output_slide       !! MOTION 3: the slide whose length is the output, else 0

@@ -8,7 +8,7 @@ module psalm_chain_search_list
    use psalm_kinds, only: wp
    use psalm_number_format, only: number_format_t, format_of, figure
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
-   use psalm_text, only: general, to_text
+   use psalm_text, only: to_text
    implicit none (type, external)
    private
    public :: report_chain_search

@@ -4,7 +4,6 @@ module psalm_family_list
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_family_study, only: family_t
-   use psalm_kinds, only: wp
    use psalm_tables, only: table_t, tables_t, table_of
    use psalm_text, only: text_t, general, lower_case, to_text
    implicit none (type, external)

@@ -6,7 +6,7 @@ module psalm_input_text
    use psalm_mechanism, only: mechanism_t
    use psalm_sketch, only: drive_turns
    use psalm_number_format, only: number_format_t, figure
-   use psalm_text, only: text_t, general, to_text, upper_case
+   use psalm_text, only: text_t, to_text, upper_case
    implicit none (type, external)
    private
    public :: input_heading, crank_heading, input_text, angle_text, position_words, zero_words, list_sketch_notes

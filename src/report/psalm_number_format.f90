@@ -1,7 +1,6 @@
 !> Numbers in the columns of a listing. A linkage of loops has those of the published listings, seven digits each. A sketch has as
-!> many decimals as its column needs, all the same: the largest number of the column has seven
-!> digits, and what every number of the column has as zeros at its end is left out. Columns of very large or very small numbers are
-!> in engineering notation.
+!> many decimals as its column needs, all the same: the largest number of the column has seven digits, and what every number of
+!> the column has as zeros at its end is left out. Columns of very large or very small numbers are in engineering notation.
 module psalm_number_format
    use, intrinsic :: iso_fortran_env, only: int64
    use psalm_kinds, only: dp, wp
@@ -139,19 +138,16 @@ contains
          if (abs(abs(scaled - real(whole, wp)) - 0.5_wp) > tie) then
             text = ' '
             at = width
-            do k = 1, max(decimals + 1, 1)
-               if (k == decimals + 1) then
+            k = 0
+            do while (k <= decimals .or. whole > 0)
+               if (k == decimals) then
                   text(at:at) = '.'
                   at = at - 1
                end if
                text(at:at) = achar(iachar('0') + int(mod(whole, 10_int64)))
                whole = whole/10_int64
                at = at - 1
-            end do
-            do while (whole > 0)
-               text(at:at) = achar(iachar('0') + int(mod(whole, 10_int64)))
-               whole = whole/10_int64
-               at = at - 1
+               k = k + 1
             end do
             if (value < 0.0_wp .and. scaled >= 0.5_wp) text(at:at) = '-'
             return

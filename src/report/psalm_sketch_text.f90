@@ -203,6 +203,20 @@ contains
          end associate
       end subroutine write_gears
 
+      !> Links of the drives; blank where the drive has no base of its own.
+      subroutine sides_of_drives(name, links)
+         character(*), intent(in) :: name
+         integer, intent(in) :: links(:)
+         integer :: n
+
+         line = name
+         do n = 1, size(links)
+            if (own%sketch%drives(n)%base > 0) call word(quoted(trim(own%sketch%links(links(n))%name)))
+            if (own%sketch%drives(n)%base == 0) call word('')
+         end do
+         call text%add(line)
+      end subroutine sides_of_drives
+
       subroutine write_drives()
          associate (drives => own%sketch%drives)
             line = ' &DRIVES DRIVE='
@@ -211,18 +225,8 @@ contains
             end do
             call text%add(line)
             if (any(drives%base > 0)) then
-               line = '  DBASE='
-               do i = 1, size(drives)
-                  if (drives(i)%base > 0) call word(quoted(trim(own%sketch%links(drives(i)%base)%name)))
-                  if (drives(i)%base == 0) call word('')
-               end do
-               call text%add(line)
-               line = '  DLINK='
-               do i = 1, size(drives)
-                  if (drives(i)%base > 0) call word(quoted(trim(own%sketch%links(drives(i)%link)%name)))
-                  if (drives(i)%base == 0) call word('')
-               end do
-               call text%add(line)
+               call sides_of_drives('  DBASE=', drives%base)
+               call sides_of_drives('  DLINK=', drives%link)
             end if
             if (any(drives%geared)) then
                call numbers('RATIO=', [(merge(drives(i)%ratio, 0.0_wp, drives(i)%geared), i=1, size(drives))])

@@ -6,7 +6,7 @@ module psalm_wish_list
    use psalm_number_format, only: number_format_t, format_of, figure
    use psalm_output_wishes, only: output_wishes_t, sum_of_wish_errors
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
-   use psalm_text, only: text_t, general, upper_case
+   use psalm_text, only: text_t, upper_case
    implicit none (type, external)
    private
    public :: list_output_wishes, put_output_wishes
@@ -35,19 +35,18 @@ contains
             of_desired = format_of(.true., desired, weighs)
             of_actual = format_of(.true., desired + miss, weighs .and. wishes%exists(:, k))
             of_error = format_of(.true., miss, weighs .and. wishes%exists(:, k))
+            do i = 1, size(wishes%miss, 1)
+               if (.not. weighs(i)) cycle
+               write (position, '(i9)') i
+               if (wishes%exists(i, k)) then
+                  call text%add('  '//name//position//figure(desired(i), of_desired)//figure(desired(i) + miss(i), of_actual)// &
+                                figure(-miss(i), of_error))
+               else
+                  call text%add('  '//name//position//figure(desired(i), of_desired)// &
+                                trim(merge('   DOES NOT EXIST', '   DOES NOT CLOSE', wishes%rate(k))))
+               end if
+            end do
          end associate
-         do i = 1, size(wishes%miss, 1)
-            if (.not. wishes%problem%wish_weights(i, k) > 0.0_wp) cycle
-            write (position, '(i9)') i
-            if (wishes%exists(i, k)) then
-               call text%add('  '//name//position//figure(wishes%problem%wish_values(i, k), of_desired)// &
-                             figure(wishes%problem%wish_values(i, k) + wishes%miss(i, k), of_actual)// &
-                             figure(-wishes%miss(i, k), of_error))
-            else
-               call text%add('  '//name//position//figure(wishes%problem%wish_values(i, k), of_desired)// &
-                             trim(merge('   DOES NOT EXIST', '   DOES NOT CLOSE', wishes%rate(k))))
-            end if
-         end do
       end do
       call text%add(trim(merge(' TOTAL ERROR                  ', ' THEIR PART OF THE TOTAL ERROR', alone))//' '// &
                     in_words(sum_of_wish_errors(wishes)))

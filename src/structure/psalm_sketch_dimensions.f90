@@ -13,7 +13,7 @@ module psalm_sketch_dimensions
    implicit none (type, external)
    private
    public :: take_dimensions, fill_variables, fill_tolerances, check_sweep, quadrant_angle, locate_dimension
-   public :: dimension_none, dimension_length, dimension_angle, dimension_outlk, dimension_outang
+   public :: dimension_length, dimension_angle, dimension_outlk, dimension_outang
 
    integer, parameter :: dimension_none = 0, dimension_length = 1, dimension_angle = 2, dimension_outlk = 3, dimension_outang = 4
    integer, parameter :: most_named = 12 !! lengths named in a message

@@ -6,7 +6,6 @@ module psalm_variables
    use psalm_parameters, only: parameters_t, no_parameters, variable_crnki, variable_origlk, variable_origng, &
                                variable_outang, variable_outlk, variable_aside, variable_aside_angle
    use psalm_status, only: diagnostics_t
-   use psalm_traced_loops, only: loops_t
    implicit none (type, external)
    private
    public :: find_variables

@@ -28,7 +28,7 @@ module psalm_allocation
    implicit none (type, external)
    private
    public :: allocation_t, study_allocation, check_allocation, item_name
-   public :: limit_none, limit_least, limit_largest
+   public :: limit_least, limit_largest
 
    integer, parameter :: limit_none = 0, limit_least = 1, limit_largest = 2
    real(wp), parameter :: largest_of_length = 0.1_wp  !! part of a length that its tolerance is at most, by default

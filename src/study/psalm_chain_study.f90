@@ -82,12 +82,10 @@ contains
                allocate (study%looped)
                call make_looped(set, study%looped)
             end if
-            if (set%counts_time()) then
-               call find_poses(set, study%closure, study%inputs, set%pace(), set%change_of_pace(), study%looped, study, &
-                               study%motion)
-            else
-               call find_poses(set, study%closure, study%inputs, speed, accel, study%looped, study, study%motion)
-            end if
+            associate (timed => set%counts_time())
+               call find_poses(set, study%closure, study%inputs, merge(set%pace(), speed, timed), &
+                               merge(set%change_of_pace(), accel, timed), study%looped, study, study%motion)
+            end associate
             do k = 1, positions
                allocate (study%motion%states(k)%input(size(drives), 0:most_orders))
                study%motion%states(k)%input(:, 0) = angles(:, k)

@@ -104,10 +104,10 @@ contains
          call set%origins%error(findings, 'SEARCH', 'SOLVER', 'this solver searches a box: give the bounds of all variables, '// &
                                 'VLOW and VHIGH of &CHAIN')
       else if (set%search%few > 0) then
-         call set%origins%error(findings, 'SEARCH', 'NFEW', 'few positions first is for linkages that are traced in loops: '// &
+         call set%origins%error(findings, 'SEARCH', 'NFEW', 'few positions first is for searches by loops: '// &
                                 'leave NFEW out')
       else if (set%search%by_dyads) then
-         call set%origins%error(findings, 'SEARCH', 'IDYAD', 'dyad by dyad is for linkages that are traced in loops: leave '// &
+         call set%origins%error(findings, 'SEARCH', 'IDYAD', 'dyad by dyad is for searches by loops: leave '// &
                                 'IDYAD out')
       end if
       if (findings%failed()) return

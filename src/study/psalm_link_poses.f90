@@ -64,7 +64,6 @@ contains
          call problem%analyse(dimensions, found, looped%reach)
          call study_sketch(set, problem, dimensions, found%closed, speed, accel, outputs, poses=poses)
       end associate
-      study%inputs = inputs
       study%closed = outputs%closed
       study%dead = outputs%dead
       study%names = outputs%names

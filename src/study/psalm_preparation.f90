@@ -109,7 +109,7 @@ contains
    !> Prepare a case for a program that needs loops and makes no search.
    subroutine prepare_loops(does, need, set, prepared, findings, turning)
       character(*), intent(in) :: does               !! what the program does: 'muscle balances'
-      type(memory_need_t), intent(in) :: need           !! greatest numbers of positions and arcs
+      type(memory_need_t), intent(in) :: need           !! of the program, for memory
       type(data_set_t), intent(in) :: set
       class(prepared_t), intent(inout) :: prepared
       type(diagnostics_t), intent(inout) :: findings

@@ -145,7 +145,7 @@ contains
       real(wp), allocatable :: moved(:, :, :)
       complex(wp), allocatable :: places(:, :, :), alone(:, :, :)
       real(wp) :: largest(2)
-      integer :: block, offset, n, i, k, loop
+      integer :: block, offset, n, i, k, loop, order
 
       allocate (own, source=problem)
       if (allocated(own%linkages)) deallocate (own%linkages)
@@ -179,9 +179,8 @@ contains
          allocate (study%joints(size(set%sketch%joint_name), 0:most_orders, positions), source=(0.0_wp, 0.0_wp))
          allocate (moved(size(set%sketch%slides), 0:most_orders, own%linkage%room))
          allocate (study%by_drive(size(study%names), size(study%inputs, 1), positions), source=0.0_wp)
-         associate (shape => [size(sketch%drawn), own%linkage%room])
-            allocate (places(shape(1), 0:most_orders, shape(2)), alone(shape(1), 0:most_orders, shape(2)))
-         end associate
+         allocate (places(size(sketch%drawn), 0:most_orders, own%linkage%room))
+         allocate (alone(size(sketch%drawn), 0:most_orders, own%linkage%room))
          do block = 1, own%blocks()
             call own%solve_block(block, offset, n)
             call differentiate(own, rates, n, most_orders)
@@ -196,9 +195,9 @@ contains
                end do
                largest = [fastest_turn(i), max(maxval(abs(study%joints(:, 1, k))), maxval(abs(moved(:, 1, i))))]
                call values_of_outputs(outputs, study%joints(:, :, k), moved(:, :, i), largest, study%values(:, :, k))
-               where (study%values(:, 0, k) >= huge(1.0_wp)) study%values(:, 1, k) = huge(1.0_wp)
-               where (study%values(:, 0, k) >= huge(1.0_wp)) study%values(:, 2, k) = huge(1.0_wp)
-               where (study%values(:, 0, k) >= huge(1.0_wp)) study%values(:, 3, k) = huge(1.0_wp)
+               do order = 1, most_orders
+                  where (study%values(:, 0, k) >= huge(1.0_wp)) study%values(:, order, k) = huge(1.0_wp)
+               end do
             end do
             if (size(study%inputs, 1) > 1) call move_one_by_one()
          end do

@@ -182,8 +182,8 @@ contains
       real(wp), intent(in), optional :: delt(:)    !! increments of the input in place of those of the case
       logical, intent(in), optional :: every_loop  !! and not those of the output alone; without it as KTHETA says
       real(wp), intent(in), optional :: of_lengths !! tolerance of all lengths where the case has no tolerances
-      type(problem_t), intent(in), optional :: given !! a problem of this linkage, and with it
-      type(motion_t), intent(in), optional :: analysed !! what it does
+      type(problem_t), intent(in), optional :: given !! a problem of this linkage that has been analysed
+      type(motion_t), intent(in), optional :: analysed !! its motion; both arguments or neither
       type(parameters_t) :: parameters
       type(tolerance_group_t) :: toler
       real(wp), allocatable :: inputs(:)

@@ -33,11 +33,10 @@ module psalm_chain_problem
    real(wp), parameter :: far = 1.0e4_wp      !! of the drawing's size: the residual of a position that cannot be reached
    integer, parameter :: absolute = 0         !! in place of an anchor: the machine origin
    integer, parameter :: range_steps = 60     !! in which a search looks at the range of the input: 6 degrees of a turn
-   integer, parameter :: fine_steps = 720     !! in which what it found is inspected
-   real(wp), parameter :: inside = 0.1_wp     !! of the drawing's size: of constraints kept by more than that over the range no
-                                              !! slopes are found
-   real(wp), parameter :: slack = 1.0e-7_wp   !! of the drawing's size: so far inside their limits constraints over the range are
-                                              !! aimed, since between its steps they may be a little less
+   integer, parameter :: fine_steps = 720     !! in which what it found is inspected: half a degree
+   real(wp), parameter :: inside = 0.1_wp     !! of the drawing's size: constraints over the range kept by more get no slopes
+   real(wp), parameter :: slack = 1.0e-7_wp   !! of the drawing's size: constraints over the range aim so far inside their limits,
+                                              !! for between its steps the margin may be a little less
    integer, parameter :: of_whole = 2         !! constraints of the whole motion: its positions and its range are reached
 
    !> A joint that moves in the axes of its link: from an anchor by a length in a direction.

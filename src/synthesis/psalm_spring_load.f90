@@ -19,7 +19,7 @@ module psalm_spring_load
       real(wp), allocatable :: slope(:, :, :)      !! shape (positions, components, 3): load by force x, y, moment
    end type spring_path_t
 
-   !> Room for a spring.
+   !> Limits of a spring: where its ends may be, stiffness, free length.
    type :: spring_limits_t
       type(spring_path_t) :: ends(2)
       real(wp) :: reach(2) = 0.0_wp                !! of the ends, m; 0: given

@@ -46,7 +46,7 @@ TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))
 COUNT = 200                 # sketches of the short form
 # and these, which were wrong before: masses on links that only slide on others; slides that are parallel on the way; a wheel whose
 # only pin is the pivot of the first drive
-ONCE_WRONG = [200136, 200272, 200496, 201797, 201960, 202034, 202073, 301168, 500752]
+ONCE_WRONG = [200136, 200272, 200496, 201797, 201960, 202034, 202073, 301168, 500752, 501919]
 MULTIPLE = 3000.0           # of epsilon times condition that a number may differ by
 BOTH_ORDERS = 4             # kalm reads both orders in one batch of so many
 PATIENCE = ["prlimit", "--cpu=120"] if shutil.which("prlimit") else [] # seconds of the processor that a run may take

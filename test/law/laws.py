@@ -55,7 +55,7 @@ def block(device, name):
     """Columns of a named block of device 9; words stay words."""
     text = read(device).split("# block %s\n" % name)[1].split("\n\n")[0].splitlines()
     names = text[0].split()[1:]
-    values = [[float(word) if re.fullmatch(r"[-+.\dE]+|NaN", word) else word for word in line.split()] for line in text[1:] if line.strip()]
+    values = [[float(word) if re.fullmatch(r"[-+]?\d*\.?\d+\.?(E[-+]?\d+)?|NaN", word) else word for word in line.split()] for line in text[1:] if line.strip()]
     return {n: [row[i] for row in values] for i, n in enumerate(names)}
 
 

@@ -104,6 +104,8 @@ def leads_to_a_group(teeth):
     what = "six-bar behind a wheel %g:%g" % teeth
     status, fine = run(six_bar(teeth, [float(i) for i in range(361)]))
     check(what + ": steps of a degree", status in (0, 1) and len(fine) == 361, status)
+    if len(fine) != 361:
+        return
     for step in (15.0, 30.0, 45.0):
         _, part = run(six_bar(teeth, [step*i for i in range(int(360/step) + 1)]))
         closed = sum(row["closed"] == "1" for row in part.values())

@@ -346,11 +346,11 @@ contains
       call t%is_true(kept%best(1)%objective < kept%first_objective, 'and comes nearer to what is wanted')
       set%search%few = 2
       call synthesise_chain(set, 1, stop, kept, refused)
-      call t%finds(refused, '&SEARCH NFEW: few positions first is for linkages that are traced in loops', 'NFEW is refused')
+      call t%finds(refused, '&SEARCH NFEW: few positions first is for searches by loops', 'NFEW is refused')
       set%search%few = 0
       set%search%by_dyads = .true.
       call synthesise_chain(set, 1, stop, kept, refused_too)
-      call t%finds(refused_too, '&SEARCH IDYAD: dyad by dyad is for linkages that are traced in loops', 'IDYAD is refused')
+      call t%finds(refused_too, '&SEARCH IDYAD: dyad by dyad is for searches by loops', 'IDYAD is refused')
    end subroutine regions
 
    !> Several drives, one of them a floating cylinder: what a linkage of known dimensions does is found again.
