@@ -3,7 +3,7 @@
 !> Dyads are traced as the arrays ILINK, ILOOP, ARCL, GAMA can tell them. What these cannot tell, as a slide passed against its
 !> sense, is traced as a larger group is. Source: Oldham (1977), 15.1, the choice of minimal loops.
 module psalm_sketch_loops
-   use psalm_closure, only: closure_t, state_t, row_pin, row_line
+   use psalm_closure, only: closure_t, state_t, row_gear, row_pin, row_line
    use psalm_kinds, only: wp
    use psalm_group_trace, only: trace_driven, trace_group, trace_input_alone
    use psalm_loop_trace, only: traced_dyad_t, close_loop, frame_axis
@@ -30,6 +30,8 @@ contains
       integer :: k, g, crank, room
       logical :: valid
       logical, allocatable :: on_frame(:)           !! by drive
+      logical, allocatable :: placed(:)             !! by link: it is known
+      logical, allocatable :: needs(:, :)           !! shape (links, links): the links that a known link depends on, and itself
 
       loops%why = ''
       associate (sketch => closure%sketch, groups => closure%order%groups)
@@ -74,7 +76,12 @@ contains
             if (on_frame(g) .and. sketch%drives(g)%kind == drive_slides) loops%axis(sketch%drives(g)%link) = frame_axis
          end do
          call groups_in_order(closure, crank, on_frame, order)
+         placed = tracing%known
+         allocate (needs(size(placed), size(placed)))
+         needs = spread(placed, 2, size(placed))
          do k = 1, size(order)
+            ! ways lead through links that the group depends on: others may not close where it does
+            tracing%known = placed .and. needed_by(order(k))
             call understand(closure, order(k), tracing, dyad, valid)
             ! what drives there are besides an input link is laid out by the rings of a larger group
             if (k == 1 .and. (loops%floating .or. any(on_frame(2:) .and. sketch%drives(2:)%kind == drive_slides))) valid = .false.
@@ -85,12 +92,17 @@ contains
             if (.not. valid) then
                call trace_group(closure, state, order(k), tracing, loops, loops%why)
                if (len(loops%why) > 0) return
-               cycle
+            else
+               call know(sketch, dyad%links(1), tracing)
+               call know(sketch, dyad%links(2), tracing)
+               if (dyad%inner_joint > 0) loops%joint_loop(dyad%inner_joint) = k
             end if
-            call know(sketch, dyad%links(1), tracing)
-            call know(sketch, dyad%links(2), tracing)
-            if (dyad%inner_joint > 0) loops%joint_loop(dyad%inner_joint) = k
+            associate (links => groups(order(k))%links)
+               needs(:, links) = spread(tracing%known, 2, size(links))
+               placed(links) = .true.
+            end associate
          end do
+         tracing%known = placed
          if (size(order) == 0) call trace_input_alone(closure, state, tracing, loops, loops%why)
          loops%found = len(loops%why) == 0
          if (loops%found) then
@@ -106,6 +118,27 @@ contains
          end if
          loops%on = tracing%on
       end associate
+
+   contains
+
+      !> By link: a group depends on it.
+      pure function needed_by(group)
+         integer, intent(in) :: group
+         logical :: needed_by(size(placed))
+         integer, allocatable :: links(:)
+         integer :: r, i
+
+         needed_by = .false.
+         do r = 1, size(closure%groups(group)%rows)
+            associate (row => closure%groups(group)%rows(r))
+               links = row%links
+               if (row%kind == row_gear) links = [closure%sketch%gears(row%which)%wheels, closure%sketch%gears(row%which)%carrier]
+               do i = 1, size(links)
+                  if (links(i) > 0) needed_by = needed_by .or. needs(:, links(i))
+               end do
+            end associate
+         end do
+      end function needed_by
    end subroutine make_loops
 
    !> A link that a drive moves along the frame has the frame's directions until a ring passes that slide: its arcs before then hang

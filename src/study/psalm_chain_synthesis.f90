@@ -7,6 +7,7 @@ module psalm_chain_synthesis
    use psalm_closure, only: closure_t, state_t, most_orders, travel
    use psalm_constraint_group, only: range_positions
    use psalm_data_set, only: data_set_t
+   use psalm_few_positions, only: positions_far_apart, stage_sizes
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
    use psalm_method_group, only: method_group_t
    use psalm_multistart, only: multistart_t, starter_t, candidate_t
@@ -56,6 +57,7 @@ module psalm_chain_synthesis
 
    type, extends(starter_t) :: chain_starter_t
       type(chain_problem_t) :: problem
+      type(chain_problem_t), allocatable :: stages(:) !! shape (stages of a start): the problem at the positions of each; last all
       class(solver_t), allocatable :: solver
       real(wp), allocatable :: low(:), high(:)   !! where starts are drawn
       type(stop_t) :: stop
@@ -66,6 +68,7 @@ module psalm_chain_synthesis
       logical :: turns = .true.                  !! the input does
    contains
       procedure :: start
+      procedure :: go_on
       procedure :: are_one
       procedure :: refine
    end type chain_starter_t
@@ -103,12 +106,9 @@ contains
       else if (set%search%solver%global .and. any(result%problem%high >= huge(1.0_wp))) then
          call set%origins%error(findings, 'SEARCH', 'SOLVER', 'this solver searches a box: give the bounds of all variables, '// &
                                 'VLOW and VHIGH of &CHAIN')
-      else if (set%search%few > 0) then
-         call set%origins%error(findings, 'SEARCH', 'NFEW', 'few positions first is for searches by loops: '// &
-                                'leave NFEW out')
       else if (set%search%by_dyads) then
-         call set%origins%error(findings, 'SEARCH', 'IDYAD', 'dyad by dyad is for searches by loops: leave '// &
-                                'IDYAD out')
+         call set%origins%error(findings, 'SEARCH', 'IDYAD', 'a search in the poses of links does not take the linkage apart '// &
+                                'into dyads: leave IDYAD out')
       end if
       if (findings%failed()) return
       call result%problem%accept(result%problem%first, result%first_objective, result%first_feasible)
@@ -138,6 +138,7 @@ contains
       do i = 1, size(team)
          call prepare_starter(set, result%problem, ending, team(i))
       end do
+      rules%stages = size(team(1)%stages)
       call rules%search(team, ending, candidates, best, observer)
       result%starts = count(candidates%done)
       result%feasible = count(candidates%feasible)
@@ -164,10 +165,19 @@ contains
       type(chain_problem_t), intent(in) :: problem
       type(stop_t), intent(in) :: stop
       type(chain_starter_t), intent(inout) :: starter
-      integer :: v
+      integer :: v, stage
       real(wp) :: reach
+      logical :: weighs(size(problem%delt))
 
       starter%problem = problem
+      weighs = any(any(problem%weight > 0.0_wp, dim=1), dim=1)
+      associate (sizes => stage_sizes(set%search%few, size(problem%delt)), &
+                 turns => set%sketch%drives(1)%kind == drive_turns)
+         allocate (starter%stages(size(sizes)))
+         do stage = 1, size(sizes)
+            call problem%at_positions(positions_far_apart(problem%delt, weighs, turns, sizes(stage)), starter%stages(stage))
+         end do
+      end associate
       starter%stop = stop
       starter%most = set%search%maxeval
       starter%either_way = problem%ordered .and. set%search%order == order_either
@@ -272,6 +282,7 @@ contains
 
       associate (unused => elite)
       end associate
+      self%problem = self%stages(1)
       self%problem%sense = self%sense
       if (self%either_way .and. number > 1 .and. mod(number/2, 2) == 1) self%problem%sense = -self%sense
       call self%problem%set_range(self%problem%first)
@@ -290,7 +301,50 @@ contains
          if (self%problem%free) call retime(self, candidate%x)
       end if
       call improve(self, rough, number, candidate)
+      call judge(self, candidate)
    end subroutine start
+
+   !> Search on with the positions of the next stage; what does not obey is not taken if what was there does.
+   subroutine go_on(self, stage, candidate)
+      class(chain_starter_t), intent(inout) :: self
+      integer, intent(in) :: stage
+      type(candidate_t), intent(inout) :: candidate
+      type(candidate_t) :: further
+
+      further = candidate
+      self%problem = self%stages(stage)
+      call self%problem%set_range(further%x)
+      call improve(self, rough, 1, further)
+      further%evaluations = further%evaluations + candidate%evaluations
+      further%jacobians = further%jacobians + candidate%jacobians
+      call judge(self, further)
+      if (further%feasible .or. .not. candidate%feasible) then
+         candidate = further
+      else
+         candidate%evaluations = further%evaluations
+         candidate%jacobians = further%jacobians
+      end if
+   end subroutine go_on
+
+   !> What a linkage that some of the positions led to is worth at all of them.
+   subroutine judge(self, candidate)
+      class(chain_starter_t), intent(inout) :: self
+      type(candidate_t), intent(inout) :: candidate
+      real(wp), allocatable :: violated(:)
+      real(wp) :: violation
+
+      if (size(self%problem%delt) == size(self%stages(size(self%stages))%delt)) return
+      self%problem = self%stages(size(self%stages))
+      call self%problem%set_range(candidate%x)
+      call self%problem%measure(candidate%x, candidate%promise, violation)
+      candidate%promise = candidate%promise + max(candidate%promise, self%problem%small)*violation
+      call self%problem%accept(candidate%x, candidate%objective, candidate%feasible)
+      if (candidate%feasible .and. self%problem%irange /= range_positions) then
+         call self%problem%find_violations(candidate%x, violated)
+         candidate%feasible = size(violated) == 0
+      end if
+      candidate%evaluations = candidate%evaluations + self%problem%evaluations
+   end subroutine judge
 
    subroutine refine(self, thorough, candidate)
       class(chain_starter_t), intent(inout) :: self

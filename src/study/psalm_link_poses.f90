@@ -61,6 +61,7 @@ contains
       associate (dimensions => looped%dimensions)
          call new_problem(looped%mechanism, dimensions, no_parameters(looped%mechanism), &
                           inputs(1, :) - (dimensions%crnki - dimensions%drawn), .true., problem, transpose(inputs(2:, :)))
+         problem%followed = looped%mechanism%from_drawing .and. .not. set%wants_search()
          call problem%analyse(dimensions, found, looped%reach)
          call study_sketch(set, problem, dimensions, found%closed, speed, accel, outputs, poses=poses)
       end associate

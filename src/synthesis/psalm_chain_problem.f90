@@ -83,6 +83,7 @@ module psalm_chain_problem
       logical :: looks_between = .true.       !! they count, and the order of free inputs
    contains
       procedure :: project
+      procedure :: at_positions
       procedure :: increments
       procedure :: set_range
       procedure :: find_violations
@@ -140,8 +141,7 @@ contains
       problem%margin = least_margin*margins_of(closure, start)
       call list_pairs(set%limits%tangle)
       call problem%set_range(problem%first)
-      problem%inequalities = of_whole + size(inputs, 2) &
-                             + at_a_position(problem)*(size(inputs, 2) + size(problem%between))
+      call count_constraints(problem)
       problem%has_gradient = .true.
       problem%is_sum_of_squares = .true.
       problem%scale = [(change_of(v), v=1, problem%core)]
@@ -384,11 +384,44 @@ contains
             end do
          end if
       end associate
+      call count_wishes(problem)
+   end subroutine take_wishes
+
+   pure subroutine count_wishes(problem)
+      type(chain_problem_t), intent(inout) :: problem
+      integer :: order
+
       problem%residuals = count(problem%weight > 0.0_wp)
+      problem%highest = 0
       do order = 1, most_wished
          if (any(problem%weight(:, order, :) > 0.0_wp)) problem%highest = order
       end do
-   end subroutine take_wishes
+   end subroutine count_wishes
+
+   pure subroutine count_constraints(problem)
+      class(chain_problem_t), intent(inout) :: problem
+
+      associate (n => size(problem%inputs, 2))
+         problem%inequalities = of_whole + n + at_a_position(problem)*(n + size(problem%between))
+      end associate
+   end subroutine count_constraints
+
+   !> The same problem at some of its positions, for prescribed timing.
+   subroutine at_positions(self, which, part)
+      class(chain_problem_t), intent(in) :: self
+      integer, intent(in) :: which(:)
+      type(chain_problem_t), intent(out) :: part
+
+      part = self
+      part%inputs = self%inputs(:, which)
+      deallocate (part%wanted, part%weight)
+      allocate (part%wanted(size(self%angle), 0:most_wished, size(which)), source=self%wanted(:, :, which))
+      allocate (part%weight(size(self%angle), 0:most_wished, size(which)), source=self%weight(:, :, which))
+      part%delt = self%delt(which)
+      call count_wishes(part)
+      call part%set_range(part%first)
+      call count_constraints(part)
+   end subroutine at_positions
 
    !> Name of an unknown for a listing, as it is written in VARY.
    function unknown_name(sketch, unknown) result(text)

@@ -8,7 +8,7 @@ module psalm_few_positions
    use psalm_kinds, only: wp, full_turn
    implicit none (type, external)
    private
-   public :: spread_order, stage_sizes, positions_of_stage, take_positions
+   public :: spread_order, stage_sizes, positions_of_stage, positions_far_apart, take_positions
 
 contains
 
@@ -59,20 +59,31 @@ contains
       type(problem_t), intent(in) :: problem
       integer, intent(in) :: positions      !! how many
       integer, allocatable :: which(:)
-      logical :: taken(problem%positions), weighs(problem%positions)
-      integer :: i
+      logical :: weighs(problem%positions)
 
       associate (n => problem%positions)
          weighs = any(problem%weight(:n, :) > 0.0_wp, dim=2)
          if (allocated(problem%wish_weights)) weighs = weighs .or. any(problem%wish_weights > 0.0_wp, dim=2)
          if (allocated(problem%rate_weight)) weighs = weighs .or. any(any(problem%rate_weight(:n, :, :) > 0.0_wp, dim=3), dim=2)
-         taken = .false.
-         associate (order => spread_order(problem%delt, weighs, .not. problem%mechanism%sliding_input))
-            taken(order(:positions)) = .true.
-         end associate
-         which = pack([(i, i=1, n)], taken)
+         which = positions_far_apart(problem%delt, weighs, .not. problem%mechanism%sliding_input, positions)
       end associate
    end function positions_of_stage
+
+   !> So many positions as far apart as possible, in the order in which they are prescribed.
+   pure function positions_far_apart(delt, weighs, turns, positions) result(which)
+      real(wp), intent(in) :: delt(:)       !! as in `spread_order`
+      logical, intent(in) :: weighs(:), turns
+      integer, intent(in) :: positions      !! how many
+      integer :: which(positions)
+      logical :: taken(size(delt))
+      integer :: i
+
+      taken = .false.
+      associate (order => spread_order(delt, weighs, turns))
+         taken(order(:positions)) = .true.
+      end associate
+      which = pack([(i, i=1, size(delt))], taken)
+   end function positions_far_apart
 
    !> The same problem at some of its positions.
    subroutine take_positions(problem, which, part)

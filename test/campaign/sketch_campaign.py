@@ -13,7 +13,8 @@ drawing by equations in the coordinates of points: no poses, no loops. What is c
 - velocities and accelerations of joints and outputs (kalm);
 - torques and forces of drives by virtual work, kinetic energy, and every joint's force by the equilibrium of links;
 - the same sketch written in another order: the same numbers. psalm reads one order, kalm another; in one batch of four (and with
-  --only) kalm reads both.
+  --only) kalm reads both, and balm a third;
+- the page of balm: joints, outputs, drives and `closed` at every position.
 
 With several drives a position may close although the straight way to it from the drawing does not, because dyads close again beyond a
 gap. Such a position passes if psalm's own proof finds a dead point on that way, too ("beyond a gap" in the last lines). Whether it
@@ -24,6 +25,7 @@ import argparse
 import cmath
 import ctypes
 import functools
+import json
 import math
 import multiprocessing
 import os
@@ -45,9 +47,11 @@ SINGULAR = 1.0e5            # norm of the inverse Jacobian from which on no numb
 TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 COUNT = 200                 # sketches of the short form
 # and these, which were wrong before: masses on links that only slide on others; slides that are parallel on the way; a wheel whose
-# only pin is the pivot of the first drive
-ONCE_WRONG = [200136, 200272, 200496, 201797, 201960, 202034, 202073, 301168, 500752, 501919]
+# only pin is the pivot of the first drive; a group behind a gap of another; a page with a position that is not reached
+ONCE_WRONG = [200136, 200272, 200496, 201797, 201960, 202034, 202073, 301168, 500752, 501919, 520700]
 MULTIPLE = 3000.0           # of epsilon times condition that a number may differ by
+FAR = 100.0*SIZE            # no place is this far away where the solver is asked
+PAGE = 1.0e-8               # digits of pages: nine
 BOTH_ORDERS = 4             # kalm reads both orders in one batch of so many
 PATIENCE = ["prlimit", "--cpu=120"] if shutil.which("prlimit") else [] # seconds of the processor that a run may take
 NO_END = 3600               # seconds by the clock: so long only where it waits for something
@@ -991,7 +995,7 @@ def compare_positions(case, output):
                     case.fault("positions", "row %d does not fulfil the sketch" % (k + 1))
                 elif found[0] < 1.0 - 1e-9 and len(row) > 1:
                     case.beyond.append((k, found[0]))
-                elif found[0] < 1.0 - 1e-9:
+                elif found[0] < 1.0 - 1e-9 and not far_away(case, line):
                     case.fault("unreached", "row %d is closed, but the motion ends at %.6f of the way" % (k + 1, found[0]))
                 continue
         elif not closed:
@@ -1023,6 +1027,11 @@ def compare_positions(case, output):
 def at_places(case, state, line):
     motion = Motion(case.model, state[0])
     return max(abs(motion.joint(n)[0] - complex(line[n + ".x"], line[n + ".y"])/SIZE) for n in case.sketch.joints)
+
+
+def far_away(case, line):
+    """True if a joint is so far away, on slides almost parallel, that the solver does not get there."""
+    return max(abs(line[name + axis]) for name in case.sketch.joints for axis in (".x", ".y")) > FAR
 
 
 def holds(case, line):
@@ -1355,6 +1364,8 @@ def judge(programs, folder, cases, counts, worst, both=True):
             compare_orders(case, one, two)
         if two:
             compare_orders(case, case.output, two)
+    if both:
+        judge_pages(programs, folder, read)
 
 
 def run_in_parts(programs, program, folder, cases, order, outputs):
@@ -1410,6 +1421,81 @@ def compare_tables_kalm(case, output):
             if name in line and name not in ("input", "closed") and value != line[name] and not math.isnan(line[name]):
                 case.fault("device 9", "row %d: %s is %r on kalm's device 9, %r in the table" % (k + 1, name, value, line[name]))
                 break
+
+
+def read_pages(programs, folder, cases):
+    """What the page of balm knows of each case, written in a third order; None: refused."""
+    path = os.path.join(folder, "pages.nml")
+    with open(path, "w", encoding="ascii") as file:
+        for case in cases:
+            file.write(case.text(case is cases[-1], case.seed*4 + 2))
+    page = path[:-4] + ".html"
+    if os.path.exists(page):
+        os.remove(page)
+    done = subprocess.run(PATIENCE + [os.path.join(programs, "balm"), path], capture_output=True, text=True, check=False, timeout=NO_END)
+    if done.returncode not in (0, 1) or not os.path.exists(page):
+        return None
+    with open(page, encoding="utf-8") as file:
+        found = re.search(r'<script type="application/json" id="data">(.*?)</script>', file.read(), re.S)
+    data = json.loads(found.group(1))["cases"] if found else []
+    return data if len(data) == len(cases) else None
+
+
+def judge_pages(programs, folder, cases):
+    """Pages of halves where a case is refused, down to the one it is."""
+    if not cases:
+        return
+    pages = read_pages(programs, folder, cases)
+    if pages is not None:
+        for case, page in zip(cases, pages):
+            compare_page(case, page)
+    elif len(cases) > 1:
+        judge_pages(programs, folder, cases[:len(cases)//2])
+        judge_pages(programs, folder, cases[len(cases)//2:])
+    else:
+        cases[0].fault("page", "refused by balm")
+
+
+def compare_page(case, page):
+    """The page at the prescribed positions with CASE.csv."""
+    at = page["prescribed"]
+    if at["n"] != len(case.output.csv):
+        case.fault("page", "%d positions of %d" % (at["n"], len(case.output.csv)))
+        return
+    places = {joint["name"]: k for k, joint in enumerate(page["joints"])}
+    curves = {curve["name"].split(",")[0]: curve["prescribed"] for curve in page.get("curves", [])}
+    compared = 0
+    for k, line in enumerate(case.output.csv):
+        beyond = k in [row for row, _ in case.beyond]
+        if (at["closed"][k] == "1") != (line["closed"] == 1.0) and not beyond:
+            case.fault("page", "row %d: closed %s on the page, %d in the table" % (k + 1, at["closed"][k], line["closed"]))
+            return
+        for drive, known in zip([n for n in line if n == "input" or n.startswith("input.")], page.get("drives", [])):
+            if abs(known["prescribed"][k] - line[drive]) > PAGE*max(1.0, abs(line[drive])):
+                case.fault("page", "row %d: %s is %r on the page, %r in the table" % (k + 1, drive, known["prescribed"][k], line[drive]))
+                return
+        if at["closed"][k] != "1" or case.used[k] is None:
+            continue
+        for name in case.sketch.joints:
+            place = places.get(name)
+            if place is None:
+                case.fault("page", "joint %s is not on the page" % name)
+                return
+            gap = max(abs(at["x"][place][k] - line[name + ".x"]), abs(at["y"][place][k] - line[name + ".y"]))
+            compared += 1
+            if not gap <= SIZE*(PAGE + EPSILON*(10.0 + case.used[k][1])*MULTIPLE):
+                case.fault("page", "row %d: %s is %.1e off the table" % (k + 1, name, gap))
+                return
+        for name, values in curves.items():
+            if name not in line or values[k] is None or math.isnan(line[name]):
+                continue
+            gap = differ_angle(values[k], line[name]) if angular(case.sketch, name) else abs(values[k] - line[name])
+            compared += 1
+            if gap > max(SIZE, abs(line[name]))*(PAGE + EPSILON*(10.0 + case.used[k][1])*MULTIPLE):
+                case.fault("page", "row %d: %s is %r on the page, %r in the table" % (k + 1, name, values[k], line[name]))
+                return
+    if not compared and any(used is not None for used in case.used):
+        case.fault("page", "nothing of it was compared")
 
 
 def first_of(case):

@@ -317,8 +317,8 @@ contains
    !> A region is kept by the search.
    subroutine regions()
       type(data_set_t) :: set
-      type(diagnostics_t) :: findings, refused, refused_too
-      type(chain_synthesis_t) :: free, kept
+      type(diagnostics_t) :: findings, refused
+      type(chain_synthesis_t) :: free, kept, in_stages
       type(chain_study_t) :: study
       type(stop_t) :: stop
       character(16) :: place
@@ -345,12 +345,18 @@ contains
       call t%is_true(all([(study%motion%states(k)%joint(3, 0)%im, k=1, 4)] < edge + 1.0e-6_wp), 'C keeps below the edge')
       call t%is_true(kept%best(1)%objective < kept%first_objective, 'and comes nearer to what is wanted')
       set%search%few = 2
-      call synthesise_chain(set, 1, stop, kept, refused)
-      call t%finds(refused, '&SEARCH NFEW: few positions first is for searches by loops', 'NFEW is refused')
+      set%search%nstart = 4
+      call synthesise_chain(set, 1, stop, in_stages, findings)
+      call t%equal_integer(size(in_stages%best), 1, 'a search with few positions first')
+      if (size(in_stages%best) == 0) return
+      call t%close_to(in_stages%best(1)%objective, kept%best(1)%objective, 0.01_wp, 'leads to the same valley')
+      call t%equal_integer(in_stages%starts, 4, 'whose starts')
+      call t%is_true(in_stages%evaluations > kept%evaluations, 'are made in stages')
       set%search%few = 0
       set%search%by_dyads = .true.
-      call synthesise_chain(set, 1, stop, kept, refused_too)
-      call t%finds(refused_too, '&SEARCH IDYAD: dyad by dyad is for searches by loops', 'IDYAD is refused')
+      call synthesise_chain(set, 1, stop, kept, refused)
+      call t%finds(refused, '&SEARCH IDYAD: a search in the poses of links does not take the linkage apart into dyads', &
+                   'IDYAD is refused')
    end subroutine regions
 
    !> Several drives, one of them a floating cylinder: what a linkage of known dimensions does is found again.
