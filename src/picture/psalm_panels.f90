@@ -15,11 +15,11 @@ module psalm_panels
    use psalm_rate_study, only: rate_study_t, find_rates
    use psalm_row_study, only: solved_row_t
    use psalm_sketch, only: columns_of, drive_turns, output_angle, output_between, output_ratio
-   use psalm_sketch_study, only: sketch_study_t, study_sketch
+   use psalm_sketch_study, only: sketch_study_t
    use psalm_tolerance, only: deviating_t, tolerance_t, find_tolerances
    implicit none (type, external)
    private
-   public :: panel_t, tolerance_band_t, add_rate_panels, add_sketch_panels, add_study_panels, add_family_panels, find_band, flat
+   public :: panel_t, tolerance_band_t, add_rate_panels, add_study_panels, add_family_panels, find_band, flat
    public :: with_unit
 
    integer, parameter :: name_length = 96      !! characters of a panel's name
@@ -106,19 +106,6 @@ contains
          unit = unit_of(set, problem%mechanism%sliding_input, size_of, order)
       end function unit
    end subroutine add_rate_panels
-
-   !> All outputs of a sketch of dyads but the first, if the scene has it, and rates of all, over the sweep.
-   subroutine add_sketch_panels(set, row, dimensions, size_of, panels)
-      type(data_set_t), intent(in) :: set
-      type(solved_row_t), intent(in) :: row        !! the sweep
-      type(dimensions_t), intent(in) :: dimensions
-      real(wp), intent(in) :: size_of              !! of the linkage
-      type(panel_t), allocatable, intent(inout) :: panels(:)
-      type(sketch_study_t) :: study
-
-      call study_sketch(set, row%problem, dimensions, row%motion%closed, set%pace(), set%change_of_pace(), study)
-      call add_study_panels(set, study, merge(1, 2, set%has_stand_in()), size_of, panels)
-   end subroutine add_sketch_panels
 
    !> Outputs of a sketch from number `first` on, then velocities and accelerations of all.
    subroutine add_study_panels(set, study, first, size_of, panels)

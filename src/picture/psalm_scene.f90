@@ -16,13 +16,13 @@ module psalm_scene
    use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated
    use psalm_markup, only: strings_t, add_string
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_slide, motion_pose
-   use psalm_panels, only: panel_t, tolerance_band_t, add_family_panels, add_rate_panels, add_sketch_panels, find_band
+   use psalm_panels, only: panel_t, tolerance_band_t, add_family_panels, add_rate_panels, add_study_panels, find_band
    use psalm_parts, only: drawn_joint_t, drawn_bar_t, drawn_body_t, drawn_slide_t, drawn_dyad_t, wheel_t, output_curve_t, &
                           drive_part_t, edge_t, find_slides, convex_hull
    use psalm_sketch, only: output_point, output_pose, output_x, output_y
    use psalm_sketch_study, only: sketch_study_t, study_sketch
    use psalm_proof_scene, only: proof_scene_t, make_proof_scene
-   use psalm_row_study, only: row_study_t, solved_row_t
+   use psalm_row_study, only: row_study_t, find_sweep_outputs, solved_row_t
    use psalm_status, only: finding_t, level_error
    use psalm_sweep, only: sweep_sense
    use psalm_dimensions, only: dimensions_t
@@ -200,7 +200,7 @@ contains
    !> The first output of a sketch where another joint stands in for it in the loops: a number, drawn at one of its joints.
    subroutine show_own_output(set, study, scene)
       type(data_set_t), intent(in) :: set
-      type(row_study_t), intent(in) :: study
+      type(row_study_t), intent(inout) :: study
       type(scene_t), intent(inout) :: scene
       integer :: j, k
 
@@ -210,20 +210,29 @@ contains
       if (j > 0) j = findloc([(scene%joints(k)%name == trim(set%sketch%joint_name(j)), k=1, size(scene%joints))], .true., dim=1)
       if (j > 0) scene%output = j
       scene%output_base = scene%output
-      call take_number(study%prescribed, scene%prescribed)
-      call take_number(study%sweep, scene%sweep)
-      if (allocated(study%chosen)) call take_number(study%chosen, scene%chosen)
+      call find_sweep_outputs(set, study)
+      call take_number(study%outputs, scene%sweep)
+      call find_number(study%prescribed, scene%prescribed)
+      if (allocated(study%chosen)) call find_number(study%chosen, scene%chosen)
 
    contains
 
-      !> Its values at the positions of a row.
-      subroutine take_number(solved, row)
+      !> Its values at the positions of another row.
+      subroutine find_number(solved, row)
          type(solved_row_t), intent(in) :: solved
          type(position_row_t), intent(inout) :: row
          type(sketch_study_t), allocatable :: own
 
          allocate (own)
          call study_sketch(set, solved%problem, study%dimensions, solved%motion%closed, 1.0_wp, 0.0_wp, own)
+         call take_number(own, row)
+      end subroutine find_number
+
+      !> Its values, as a study has them.
+      pure subroutine take_number(own, row)
+         type(sketch_study_t), intent(in) :: own
+         type(position_row_t), intent(inout) :: row
+
          row%actual = own%values(1, 0, :)
          row%actual_y = merge(own%values(min(2, size(own%values, 1)), 0, :), 0.0_wp, scene%motion == motion_point)
       end subroutine take_number
@@ -265,7 +274,7 @@ contains
    !> Rates of the output, further outputs of a sketch, bands of tolerance, a family of curves, over the sweep of a valid scene.
    subroutine add_curves(set, study, scene)
       type(data_set_t), intent(in) :: set
-      type(row_study_t), intent(in) :: study
+      type(row_study_t), intent(inout) :: study
       type(scene_t), intent(inout) :: scene
       type(tolerance_band_t), allocatable :: band
       real(wp) :: size_of
@@ -277,7 +286,8 @@ contains
          call find_band(set, mechanism, study%dimensions, scene%sweep%delt, scene%sweep%closed, band, found)
          if (found) call move_alloc(band, scene%band)
          if (set%has_names()) then
-            call add_sketch_panels(set, study%sweep, study%dimensions, size_of, scene%panels)
+            call find_sweep_outputs(set, study)
+            call add_study_panels(set, study%outputs, merge(1, 2, set%has_stand_in()), size_of, scene%panels)
          else
             call add_rate_panels(set, study%sweep, study%dimensions, size_of, scene%panels)
          end if

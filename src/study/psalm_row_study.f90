@@ -9,10 +9,11 @@ module psalm_row_study
    use psalm_kinds, only: wp
    use psalm_mechanism, only: mechanism_t
    use psalm_parameters, only: parameters_t
+   use psalm_sketch_study, only: sketch_study_t, study_sketch
    use psalm_sweep, only: sweep_inputs
    implicit none (type, external)
    private
-   public :: solved_row_t, row_study_t, study_rows
+   public :: solved_row_t, row_study_t, study_rows, find_sweep_outputs
 
    !> A row of inputs.
    type :: solved_row_t
@@ -27,6 +28,7 @@ module psalm_row_study
       type(solved_row_t) :: prescribed, sweep
       type(solved_row_t), allocatable :: chosen !! one more position, if asked for
       type(reach_t) :: reach                    !! of a sketch: how far it goes from its drawing
+      type(sketch_study_t), allocatable :: outputs !! of a sketch over the sweep, once `find_sweep_outputs` was asked
    end type row_study_t
 
 contains
@@ -74,4 +76,15 @@ contains
       allocate (row%motion)
       call row%problem%analyse(study%dimensions, row%motion, study%reach)
    end subroutine analyse_row
+
+   !> All outputs of a sketch and their rates over the sweep, found once.
+   subroutine find_sweep_outputs(set, study)
+      type(data_set_t), intent(in) :: set          !! a sketch
+      type(row_study_t), intent(inout) :: study
+
+      if (allocated(study%outputs)) return
+      allocate (study%outputs)
+      call study_sketch(set, study%sweep%problem, study%dimensions, study%sweep%motion%closed, set%pace(), set%change_of_pace(), &
+                        study%outputs)
+   end subroutine find_sweep_outputs
 end module psalm_row_study

@@ -4,6 +4,8 @@ import os
 import re
 import subprocess
 
+from results import no_number
+
 TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 DATA = os.path.join(TOP, "data")
 FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
@@ -56,4 +58,5 @@ def changed(text, old, new):
 
 def page_data(name):
     text = read(name)
-    return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.S).group(1))["cases"]
+    data = re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.S).group(1)
+    return json.loads(data, parse_constant=no_number)["cases"]

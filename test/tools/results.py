@@ -2,10 +2,15 @@
 import json
 
 
+def no_number(word):
+    raise ValueError(word + " is no JSON")
+
+
 def cases_of(path):
-    """Cases of a file: each a dict of blocks, each a dict of columns."""
+    """Cases of a file: each a dict of blocks, each a dict of columns; an error where it has NaN or Infinity, which JSON has not."""
     with open(path, encoding="utf-8") as file:
-        return [{name: block["columns"] for name, block in case["blocks"].items()} for case in json.load(file)["cases"]]
+        whole = json.load(file, parse_constant=no_number)
+    return [{name: block["columns"] for name, block in case["blocks"].items()} for case in whole["cases"]]
 
 
 def rows_of(columns):
