@@ -1,7 +1,8 @@
 !> Counterweights in the listing.
 module psalm_balance_list
-   use psalm_balance_group, only: balance_group_t, balance_of, form_body, measure_names, order_moment
+   use psalm_balance_group, only: balance_group_t, balance_of, form_body, measure_names, order_moment, order_torque, order_contact
    use psalm_balance_study, only: balance_study_t, outcome_t, channel_force, channel_moment, channel_torque
+   use psalm_clearance_study, only: margins_t
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
    use psalm_text, only: text_t, general, to_text
@@ -99,7 +100,8 @@ contains
       end if
       by = ' BY MASS'
       if (group%order == order_moment) by = ' BY SHAKING MOMENT'
-      if (group%order > order_moment) by = ' BY DRIVE TORQUE'
+      if (group%order == order_torque) by = ' BY DRIVE TORQUE'
+      if (group%order == order_contact) by = ' BY CONTACT IN THE PASSAGE'
       call text%add()
       call text%add(' DESIGNS, LIGHTEST WEIGHTS OF EACH SET, RANKED'//by//'; RMS VALUES')
       call text%add('   DESIGN           MASS          FORCE         MOMENT         TORQUE   LINKS WITHOUT A WEIGHT')
@@ -112,6 +114,10 @@ contains
                           list_of_names(study, of%bare_links))
          end associate
       end do
+      if (study%filtered > 0) then
+         call text%add(' LEFT OUT, FOR THE JOINT WITH CLEARANCE LOSES CONTACT: '//to_text(study%filtered))
+      end if
+      if (study%has_clearance) call list_contact(study, text)
       if (size(study%designs) == 0) return
       call text%add()
       call text%add(' DESIGN 1')
@@ -121,6 +127,41 @@ contains
       call text%add(' LIGHTEST OF ALL, WITH WEIGHTS ON ANY OF THE LINKS ALLOWED')
       call list_outcome(study, study%lightest, text)
    end subroutine list_designs
+
+   !> What becomes of contact in the joint with clearance.
+   subroutine list_contact(study, text)
+      type(balance_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: k
+
+      call text%add()
+      call text%add(' CONTACT IN THE JOINT WITH CLEARANCE: LEAST H1; LEAST H1 OVER THAT OF A LOSS, BELOW 1 WHERE CONTACT IS LOST')
+      call text%add('   DESIGN             H1 OVER PASSAGE       OVER ANY   MINIMA LOST IN THE PASSAGE, LOST')
+      call text%add('   BEFORE'//margins_text(study%contact))
+      do k = 1, size(study%designs)
+         call text%add(number_of(k)//margins_text(study%designs(k)%contact))
+      end do
+      if (allocated(study%lightest)) call text%add(' LIGHTEST'//margins_text(study%lightest%contact))
+   end subroutine list_contact
+
+   pure function margins_text(margins) result(line)
+      type(margins_t), intent(in) :: margins
+      character(:), allocatable :: line
+
+      line = '   CANNOT BE STUDIED; BRIDGE SAYS WHY'
+      if (.not. margins%known) return
+      line = general(margins%h1)//ratio_text(margins%over(1))//ratio_text(margins%over(2))//'   '// &
+             to_text(margins%lost(1))//', '//to_text(margins%lost(2))
+   end function margins_text
+
+   !> A ratio; without any loss there is none.
+   pure function ratio_text(ratio) result(text)
+      real(wp), intent(in) :: ratio
+      character(:), allocatable :: text
+
+      text = general(ratio)
+      if (ratio >= huge(1.0_wp)) text = repeat(' ', len(text) - len('NO LOSS'))//'NO LOSS'
+   end function ratio_text
 
    pure function loads_text(force, moment, torque) result(line)
       real(wp), intent(in) :: force, moment, torque
@@ -239,6 +280,9 @@ contains
       call text%add(' SUM OF MASSES'//general(study%optimum%total))
       if (group%desired) call text%add(' THE COMPOSITE IS OF DIFFERENCES FROM DESIRED VALUES, LOADS ARE LISTED AS THEY ARE')
       call list_loads(study, study%optimum, text)
+      if (study%has_clearance) then
+         call text%add(' CONTACT, AS ABOVE'//margins_text(study%optimum%contact))
+      end if
       if (.not. allocated(study%limited)) return
       call text%add(' LIMITS OF LOADS                GREATEST          LIMIT')
       do k = 1, size(study%limited)
