@@ -197,13 +197,14 @@ contains
       end do
       do k = 1, size(proof%ratios)
          associate (range => proof%ratios(k))
-            if (range%bounded) call add_extremes_of(ratio_of(study, k), range%low(1), place_of_extreme(proof, range, 1, turns), &
+            if (range%bounded) call add_extremes_of(ratio_of(study, k, small=.true.), range%low(1), &
+                                                  place_of_extreme(proof, range, 1, turns), &
                                                     range%high(2), place_of_extreme(proof, range, 2, turns), .false., scene)
          end associate
       end do
       do k = 1, size(proof%movement%dead)
          associate (dead => proof%movement%dead(k))
-            call add_dead_point(name_of_quantity(study, dead), dead, dead%kind == quantity_output .and. &
+            call add_dead_point(name_of_quantity(study, dead, small=.true.), dead, dead%kind == quantity_output .and. &
                                 dead%place <= columns, scene)
          end associate
       end do

@@ -5,8 +5,9 @@ module psalm_allocation_list
    use psalm_column_names, only: input_name, input_unit, position_name
    use psalm_columns, only: left_column, right_column, in_words
    use psalm_kinds, only: wp
+   use psalm_number_format, only: figures_of, in_sentence
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
-   use psalm_text, only: text_t, fixed, general, to_text, upper_case
+   use psalm_text, only: text_t, fixed, to_text, upper_case
    implicit none (type, external)
    private
    public :: list_allocation, put_allocation
@@ -19,12 +20,24 @@ module psalm_allocation_list
 contains
 
    !> Append the tolerances, then the bands that limit them.
-   subroutine list_allocation(result, text)
+   subroutine list_allocation(named, result, text)
+      logical, intent(in) :: named                !! joints have names: a sketch
       type(allocation_t), intent(in) :: result
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
-      integer :: i, j, n
+      character(15), dimension(size(result%names)) :: tolerance, cost
+      character(15), dimension(size(result%bands)) :: input, width, saves
+      logical :: is_full(size(result%bands))
+      integer :: i, j
 
+      tolerance = figures_of(named, result%tolerance)
+      cost = figures_of(named, result%cost)
+      associate (of => result%bands)
+         is_full = of%used >= (1.0_wp - full)*of%width
+         input = figures_of(named, result%input(of%position), is_full)
+         width = figures_of(named, of%width, is_full)
+         saves = figures_of(named, percent*of%price, is_full)
+      end associate
       call text%add()
       select case (result%rule)
       case (rule_worst)
@@ -35,14 +48,14 @@ contains
          call text%add(' CHEAPEST TOLERANCES WITHIN THE BANDS: '//in_words(result%yield/percent)// &
                        ' PER CENT AT EACH POSITION')
       end select
-      call text%add(' COST'//general(result%value)//'   LOWER BOUND'//general(result%bound)//'   DUALITY GAP'// &
-                    general(result%value - result%bound))
-      if (result%with_given) call text%add(' COST OF THE TOLERANCES OF TOLER'//general(result%cost_of_given)// &
+      call text%add(' COST'//in_sentence(named, result%value)//'   LOWER BOUND'//in_sentence(named, result%bound)// &
+                    '   DUALITY GAP'//in_sentence(named, result%value - result%bound))
+      if (result%with_given) call text%add(' COST OF THE TOLERANCES OF TOLER'//in_sentence(named, result%cost_of_given)// &
          ', WHICH TAKE UP AT MOST '//in_words(result%use_of_given/percent)//' PER CENT OF A BAND')
       call text%add(' DIMENSION                       TOLERANCE (+-)           COST  PER CENT  LIMIT    CLASS')
       do i = 1, size(result%names)
          line = ' '//trim(result%names(i))
-         line = left_column(line, name_columns)//general(result%tolerance(i))//general(result%cost(i))// &
+         line = left_column(line, name_columns)//tolerance(i)//cost(i)// &
                 fixed(result%cost(i)/result%value/percent, 10, 2)//'  '//limit_of(i)
          if (result%class(i) > 0) line = line//'  '//to_text(result%class(i))
          call text%add(trim(line))
@@ -50,18 +63,14 @@ contains
       call text%add()
       call text%add(' BANDS THAT ARE FULL: WHAT A BAND WIDER BY 1 PER CENT SAVES')
       call text%add(' NUMBER          POSITION          INPUT      BAND (+-)          SAVES')
-      n = 0
       do j = 1, size(result%bands)
-         associate (band => result%bands(j))
-            if (band%used < (1.0_wp - full)*band%width) cycle
-            n = n + 1
-            line = ' '//upper_case(trim(result%numbers(band%number)))
-            line = left_column(line, 17)//right_column(band%position, 8)// &
-                   general(result%input(band%position))//general(band%width)//general(percent*band%price)
-            call text%add(line)
-         end associate
+         if (.not. is_full(j)) cycle
+         line = ' '//trim(result%numbers(result%bands(j)%number))
+         if (.not. named) line = upper_case(line)
+         line = left_column(line, 17)//right_column(result%bands(j)%position, 8)//input(j)//width(j)//saves(j)
+         call text%add(line)
       end do
-      if (n == 0) call text%add(' NONE: EVERY TOLERANCE IS THE LARGEST')
+      if (.not. any(is_full)) call text%add(' NONE: EVERY TOLERANCE IS THE LARGEST')
       if (result%sample%trials == 0) return
       line = ' LINKAGES OF THE SAMPLE '//to_text(result%sample%trials)//', WITHIN ALL BANDS '//to_text(result%sample%kept)//' ('
       line = line//in_words(real(result%sample%kept, wp)/real(result%sample%trials, wp)/percent)//' PER CENT)'

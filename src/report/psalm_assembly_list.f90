@@ -4,9 +4,11 @@ module psalm_assembly_list
    use psalm_column_names, only: joint_name, output_unit
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
+   use psalm_kinds, only: wp
+   use psalm_number_format, only: number_format_t, figure, format_of
    use psalm_sketch, only: frame_link
    use psalm_tables, only: table_t, table_of
-   use psalm_text, only: general, to_text
+   use psalm_text, only: to_text
    implicit none (type, external)
    private
    public :: report_assemblies
@@ -20,6 +22,8 @@ contains
       type(devices_t), intent(inout) :: devices
       character(:), allocatable :: line
       type(table_t) :: table
+      type(number_format_t) :: of_places
+      real(wp), allocatable :: places(:, :, :)     ! shape (2, joints, assemblies); 0 of the frame's
       integer :: k, j, g, l
 
       associate (sketch => set%sketch, found => study%found, groups => study%closure%groups)
@@ -35,6 +39,14 @@ contains
             if (g < size(groups)) line = line//' WITH ALL BEFORE IT AS DRAWN'
             call devices%six%add(line)
          end do
+         allocate (places(2, size(sketch%joint_name), size(found%states)), source=0.0_wp)
+         do k = 1, size(found%states)
+            do j = 1, size(sketch%joint_name)
+               if (.not. sketch%has_joint(frame_link, j)) &
+                  places(:, j, k) = [found%states(k)%joint(j, 0)%re, found%states(k)%joint(j, 0)%im]
+            end do
+         end do
+         of_places = format_of(.true., pack(places, .true.))
          call devices%six%add('  NUMBER JOINT                                       X              Y')
          do k = 1, size(found%states)
             l = 0
@@ -43,8 +55,8 @@ contains
                l = l + 1
                line = repeat(' ', 8)
                if (l == 1) line = repeat(' ', 7 - len(to_text(k)))//to_text(k)//merge('*', ' ', k == 1)
-               call devices%six%add(line//' '//sketch%joint_name(j)//general(found%states(k)%joint(j, 0)%re, 'E')// &
-                                    general(found%states(k)%joint(j, 0)%im, 'E'))
+               call devices%six%add(line//' '//sketch%joint_name(j)//figure(found%states(k)%joint(j, 0)%re, of_places)// &
+                                    figure(found%states(k)%joint(j, 0)%im, of_places))
             end do
             if (found%dead(k)) call devices%six%add('         AT A DEAD POINT: TWO ASSEMBLIES MEET HERE')
          end do

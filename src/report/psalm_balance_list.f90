@@ -3,9 +3,11 @@ module psalm_balance_list
    use psalm_balance_group, only: balance_group_t, balance_of, form_body, measure_names, order_moment, order_torque, order_contact
    use psalm_balance_study, only: balance_study_t, outcome_t, channel_force, channel_moment, channel_torque
    use psalm_clearance_study, only: margins_t
+   use psalm_columns, only: right_column
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
-   use psalm_text, only: text_t, general, to_text
+   use psalm_number_format, only: figures_of, in_a_row, in_sentence
+   use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
    public :: list_balance, list_of_names
@@ -23,18 +25,18 @@ contains
 
       group = balance_of(set)
       call text%add()
-      call text%add(' COUNTERWEIGHTS: KILOGRAMS, NEWTONS, NEWTON METRES; ONE UNIT OF LENGTH IS'//general(set%masses%metre)// &
-                    ' METRES')
+      call text%add(' COUNTERWEIGHTS: KILOGRAMS, NEWTONS, NEWTON METRES; ONE UNIT OF LENGTH IS'// &
+                    in_sentence(set%has_names(), set%masses%metre)//' METRES')
       if (set%has_names()) then
          call text%add(' PLACES ARE COUNTED FROM THE ANCHOR, ANGLES FROM THE LINE BETWEEN THE LINK''S FIRST TWO JOINTS')
       else
          call text%add(' PLACES ARE COUNTED FROM THE ANCHOR, ANGLES FROM THE DIRECTION OF THE LINK''S OWN ARC')
       end if
-      call list_feasibility(study, text)
-      if (study%feasible) call list_designs(group, study, text)
-      if (size(study%budgets) > 0) call list_budgets(study, text)
-      if (allocated(study%found)) call list_optimum(group, study, text)
-      if (allocated(study%front)) call list_front(group, study, text)
+      call list_feasibility(set%has_names(), study, text)
+      if (study%feasible) call list_designs(set%has_names(), group, study, text)
+      if (size(study%budgets) > 0) call list_budgets(set%has_names(), study, text)
+      if (allocated(study%found)) call list_optimum(set%has_names(), group, study, text)
+      if (allocated(study%front)) call list_front(set%has_names(), group, study, text)
    end subroutine list_balance
 
    !> Names of some bodies, a comma between them.
@@ -51,14 +53,15 @@ contains
       end do
    end function list_of_names
 
-   pure function named(name) result(text)
+   pure function padded(name) result(text)
       character(*), intent(in) :: name
       character(name_columns) :: text
 
       text = name
-   end function named
+   end function padded
 
-   subroutine list_feasibility(study, text)
+   subroutine list_feasibility(named, study, text)
+      logical, intent(in) :: named                !! joints have names: a sketch
       type(balance_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
 
@@ -74,7 +77,7 @@ contains
                           '; LINKS THAT MOVE ALIKE, OR DO NOT TURN, OR ARE NOT ALLOWED MAKE THE DIFFERENCE)')
          end if
       else
-         call text%add(' IMPOSSIBLE: OF THE IMBALANCE THIS PART STAYS'//general(study%left))
+         call text%add(' IMPOSSIBLE: OF THE IMBALANCE THIS PART STAYS'//in_sentence(named, study%left))
          if (size(study%out_of_reach) > 0) then
             call text%add(' THE LINKS ALLOWED CANNOT BALANCE: '//list_of_names(study, study%out_of_reach))
          end if
@@ -84,12 +87,15 @@ contains
       end if
    end subroutine list_feasibility
 
-   subroutine list_designs(group, study, text)
+   subroutine list_designs(named, group, study, text)
+      logical, intent(in) :: named                !! joints have names: a sketch
       type(balance_group_t), intent(in) :: group
       type(balance_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
       character(:), allocatable :: by
-      integer :: k
+      character(15) :: mass(0:size(study%designs)), loads(0:size(study%designs), 3)     ! the first without weights
+      integer, parameter :: ranked(3) = [channel_force, channel_moment, channel_torque]
+      integer :: i, k
 
       if (study%number == 0 .or. study%already) return
       call text%add(' MINIMAL SETS OF LINKS WITH WEIGHTS: '//trim(merge('            ', 'MORE THAN   ', study%all_sets))//' '// &
@@ -105,31 +111,34 @@ contains
       call text%add()
       call text%add(' DESIGNS, LIGHTEST WEIGHTS OF EACH SET, RANKED'//by//'; RMS VALUES')
       call text%add('   DESIGN           MASS          FORCE         MOMENT         TORQUE   LINKS WITHOUT A WEIGHT')
-      call text%add('   BEFORE'//general(0.0_wp)//loads_text(study%before(channel_force)%rms, study%before(channel_moment)%rms, &
-                                                     study%before(channel_torque)%rms))
+      associate (of => study%designs)
+         mass = figures_of(named, [0.0_wp, of%total])
+         do k = 1, 3
+            loads(:, k) = figures_of(named, [study%before(ranked(k))%rms, (of(i)%loads(ranked(k))%rms, i=1, size(of))])
+         end do
+      end associate
+      call text%add('   BEFORE'//mass(0)//in_a_row(loads(0, :)))
       do k = 1, size(study%designs)
-         associate (of => study%designs(k))
-            call text%add(number_of(k)//general(of%total)//loads_text(of%loads(channel_force)%rms, of%loads(channel_moment)%rms, &
-                                                                of%loads(channel_torque)%rms)//'   '// &
-                          list_of_names(study, of%bare_links))
-         end associate
+         call text%add(right_column(k, 9)//mass(k)//in_a_row(loads(k, :))//'   '// &
+                       list_of_names(study, study%designs(k)%bare_links))
       end do
       if (study%filtered > 0) then
          call text%add(' LEFT OUT, FOR THE JOINT WITH CLEARANCE LOSES CONTACT: '//to_text(study%filtered))
       end if
-      if (study%has_clearance) call list_contact(study, text)
+      if (study%has_clearance) call list_contact(named, study, text)
       if (size(study%designs) == 0) return
       call text%add()
       call text%add(' DESIGN 1')
-      call list_outcome(study, study%designs(1), text)
+      call list_outcome(named, study, study%designs(1), text)
       if (.not. allocated(study%lightest)) return
       call text%add()
       call text%add(' LIGHTEST OF ALL, WITH WEIGHTS ON ANY OF THE LINKS ALLOWED')
-      call list_outcome(study, study%lightest, text)
+      call list_outcome(named, study, study%lightest, text)
    end subroutine list_designs
 
    !> What becomes of contact in the joint with clearance.
-   subroutine list_contact(study, text)
+   subroutine list_contact(named, study, text)
+      logical, intent(in) :: named                !! joints have names: a sketch
       type(balance_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
       integer :: k
@@ -137,65 +146,64 @@ contains
       call text%add()
       call text%add(' CONTACT IN THE JOINT WITH CLEARANCE: LEAST H1; LEAST H1 OVER THAT OF A LOSS, BELOW 1 WHERE CONTACT IS LOST')
       call text%add('   DESIGN             H1 OVER PASSAGE       OVER ANY   MINIMA LOST IN THE PASSAGE, LOST')
-      call text%add('   BEFORE'//margins_text(study%contact))
+      call text%add('   BEFORE'//margins_text(named, study%contact))
       do k = 1, size(study%designs)
-         call text%add(number_of(k)//margins_text(study%designs(k)%contact))
+         call text%add(right_column(k, 9)//margins_text(named, study%designs(k)%contact))
       end do
-      if (allocated(study%lightest)) call text%add(' LIGHTEST'//margins_text(study%lightest%contact))
+      if (allocated(study%lightest)) call text%add(' LIGHTEST'//margins_text(named, study%lightest%contact))
    end subroutine list_contact
 
-   pure function margins_text(margins) result(line)
+   pure function margins_text(named, margins) result(line)
+      logical, intent(in) :: named                !! joints have names: a sketch
       type(margins_t), intent(in) :: margins
       character(:), allocatable :: line
+      integer :: k
 
       line = '   CANNOT BE STUDIED; BRIDGE SAYS WHY'
       if (.not. margins%known) return
-      line = general(margins%h1)//ratio_text(margins%over(1))//ratio_text(margins%over(2))//'   '// &
-             to_text(margins%lost(1))//', '//to_text(margins%lost(2))
+      line = in_a_row(figures_of(named, [margins%h1]))
+      do k = 1, size(margins%over)
+         ! without any loss there is no ratio
+         if (margins%over(k) >= huge(1.0_wp)) then
+            line = line//'        NO LOSS'
+         else
+            line = line//in_a_row(figures_of(named, [margins%over(k)]))
+         end if
+      end do
+      line = line//'   '//to_text(margins%lost(1))//', '//to_text(margins%lost(2))
    end function margins_text
 
-   !> A ratio; without any loss there is none.
-   pure function ratio_text(ratio) result(text)
-      real(wp), intent(in) :: ratio
-      character(:), allocatable :: text
-
-      text = general(ratio)
-      if (ratio >= huge(1.0_wp)) text = repeat(' ', len(text) - len('NO LOSS'))//'NO LOSS'
-   end function ratio_text
-
-   pure function loads_text(force, moment, torque) result(line)
-      real(wp), intent(in) :: force, moment, torque
-      character(:), allocatable :: line
-
-      line = general(force)//general(moment)//general(torque)
-   end function loads_text
-
-   pure function number_of(k) result(text)
-      integer, intent(in) :: k
-      character(9) :: text
-
-      write (text, '(i9)') k
-   end function number_of
-
    !> Weights, the bound of their mass, and loads before and after.
-   subroutine list_outcome(study, outcome, text)
+   subroutine list_outcome(named, study, outcome, text)
+      logical, intent(in) :: named                !! joints have names: a sketch
       type(balance_study_t), intent(in) :: study
       type(outcome_t), intent(in) :: outcome
       type(text_t), intent(inout) :: text
 
-      call list_weights(outcome, text)
-      call text%add(' SUM OF MASSES'//general(outcome%total)//'   NONE ON THESE LINKS IS BELOW'//general(outcome%bound)// &
-                    '   DUALITY GAP'//general(outcome%gap)//'   RESIDUAL'//general(outcome%residual))
-      call list_loads(study, outcome, text)
+      call list_weights(named, outcome, text)
+      call text%add(' SUM OF MASSES'//in_sentence(named, outcome%total)//'   NONE ON THESE LINKS IS BELOW'// &
+                    in_sentence(named, outcome%bound)//'   DUALITY GAP'//in_sentence(named, outcome%gap)//'   RESIDUAL'// &
+                    in_sentence(named, outcome%residual))
+      call list_loads(named, study, outcome, text)
    end subroutine list_outcome
 
-   subroutine list_weights(outcome, text)
+   subroutine list_weights(named, outcome, text)
+      logical, intent(in) :: named                !! joints have names: a sketch
       type(outcome_t), intent(in) :: outcome
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
+      character(15) :: columns(size(outcome%weights), 6)
       logical :: discs, bodies
       integer :: k
 
+      associate (of => outcome%weights)
+         columns(:, 1) = figures_of(named, of%mass)
+         columns(:, 2) = figures_of(named, of%distance)
+         columns(:, 3) = figures_of(named, of%angle)
+         columns(:, 4) = figures_of(named, of%radius)
+         columns(:, 5) = figures_of(named, of%thickness)
+         columns(:, 6) = figures_of(named, of%inertia)
+      end associate
       discs = any(outcome%weights%thickness > 0.0_wp)
       bodies = any(outcome%weights%inertia > 0.0_wp) .and. .not. discs
       line = ' WEIGHT ON                      MASS       DISTANCE          ANGLE'
@@ -203,48 +211,58 @@ contains
       if (bodies) line = line//'   OWN INERTIA'
       call text%add(line)
       do k = 1, size(outcome%weights)
-         associate (weight => outcome%weights(k))
-            line = ' '//named(weight%link)//general(weight%mass)//general(weight%distance)//general(weight%angle)
-            if (discs) line = line//general(weight%radius)//general(weight%thickness)
-            if (bodies) line = line//general(weight%inertia)
-            call text%add(line)
-         end associate
+         line = ' '//padded(outcome%weights(k)%link)//in_a_row(columns(k, :3))
+         if (discs) line = line//in_a_row(columns(k, 4:5))
+         if (bodies) line = line//columns(k, 6)
+         call text%add(line)
       end do
       if (size(outcome%weights) == 0) call text%add(' NO WEIGHT AT ALL')
    end subroutine list_weights
 
-   subroutine list_loads(study, outcome, text)
+   subroutine list_loads(named, study, outcome, text)
+      logical, intent(in) :: named                !! joints have names: a sketch
       type(balance_study_t), intent(in) :: study
       type(outcome_t), intent(in) :: outcome
       type(text_t), intent(inout) :: text
+      character(15) :: values(size(study%channels), 4)
       integer :: k
 
+      associate (before => study%before, after => outcome%loads)
+         values = reshape(figures_of(named, [before%rms, after%rms, before%peak, after%peak]), shape(values))
+      end associate
       call text%add(' LOADS                    RMS BEFORE          AFTER    PEAK BEFORE          AFTER')
       do k = 1, size(study%channels)
-         call text%add(' '//named(study%channels(k)%name)//general(study%before(k)%rms)//general(outcome%loads(k)%rms)// &
-                       general(study%before(k)%peak)//general(outcome%loads(k)%peak))
+         call text%add(' '//padded(study%channels(k)%name)//in_a_row(values(k, :)))
       end do
    end subroutine list_loads
 
-   subroutine list_budgets(study, text)
+   subroutine list_budgets(named, study, text)
+      logical, intent(in) :: named                !! joints have names: a sketch
       type(balance_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
+      character(15) :: columns(size(study%budgets), 4)
       integer :: k
 
       call text%add()
       call text%add(' LEAST SHAKING FORCE FOR A MASS (RMS)')
       call text%add('           MASS          FORCE    LOWER BOUND    MASS NEEDED')
+      associate (of => study%budgets)
+         columns(:, 1) = figures_of(named, of%second)
+         columns(:, 2) = figures_of(named, of%first)
+         columns(:, 3) = figures_of(named, of%bound)
+         columns(:, 4) = figures_of(named, of%total)
+      end associate
       do k = 1, size(study%budgets)
-         associate (point => study%budgets(k))
-            call text%add(general(point%second)//general(point%first)//general(point%bound)//general(point%total))
-         end associate
+         call text%add(in_a_row(columns(k, :)))
       end do
    end subroutine list_budgets
 
-   subroutine list_optimum(group, study, text)
+   subroutine list_optimum(named, group, study, text)
+      logical, intent(in) :: named                !! joints have names: a sketch
       type(balance_group_t), intent(in) :: group
       type(balance_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
+      character(15), allocatable :: limits(:, :)
       integer :: k
 
       call text%add()
@@ -260,11 +278,11 @@ contains
          return
       end if
       associate (found => study%found)
-         call text%add(' BEFORE'//general(study%composite)//'   AFTER'//general(found%value)//'   LOWER BOUND'// &
-                       general(found%bound))
+         call text%add(' BEFORE'//in_sentence(named, study%composite)//'   AFTER'//in_sentence(named, found%value)// &
+                       '   LOWER BOUND'//in_sentence(named, found%bound))
          if (found%convex) then
-            call text%add(' GLOBAL OPTIMUM OF A CONVEX PROBLEM: DUALITY GAP'//general(found%gap)//'   RESIDUAL'// &
-                          general(found%residual))
+            call text%add(' GLOBAL OPTIMUM OF A CONVEX PROBLEM: DUALITY GAP'//in_sentence(named, found%gap)//'   RESIDUAL'// &
+                          in_sentence(named, found%residual))
          else if (found%proven) then
             call text%add(' GLOBAL OPTIMUM: IT REACHES THE LOWER BOUND OF A CONVEX PROBLEM THAT CONTAINS THIS ONE; FOUND AT '// &
                           'START '//to_text(found%starts))
@@ -276,25 +294,29 @@ contains
             call text%add(' OWN INERTIA IS THAT OF THE BODY ABOUT ITS CENTRE OF MASS')
          end if
       end associate
-      call list_weights(study%optimum, text)
-      call text%add(' SUM OF MASSES'//general(study%optimum%total))
+      call list_weights(named, study%optimum, text)
+      call text%add(' SUM OF MASSES'//in_sentence(named, study%optimum%total))
       if (group%desired) call text%add(' THE COMPOSITE IS OF DIFFERENCES FROM DESIRED VALUES, LOADS ARE LISTED AS THEY ARE')
-      call list_loads(study, study%optimum, text)
+      call list_loads(named, study, study%optimum, text)
       if (study%has_clearance) then
-         call text%add(' CONTACT, AS ABOVE'//margins_text(study%optimum%contact))
+         call text%add(' CONTACT, AS ABOVE'//margins_text(named, study%optimum%contact))
       end if
       if (.not. allocated(study%limited)) return
-      call text%add(' LIMITS OF LOADS                GREATEST          LIMIT')
-      do k = 1, size(study%limited)
-         call text%add(' '//named(study%channels(study%limited(k))%name)//general(study%optimum%loads(study%limited(k))%peak)// &
-                       general(study%limit(k)))
-      end do
+      associate (of => study%limited)
+         limits = reshape(figures_of(named, [study%optimum%loads(of)%peak, study%limit]), [size(of), 2])
+         call text%add(' LIMITS OF LOADS                GREATEST          LIMIT')
+         do k = 1, size(of)
+            call text%add(' '//padded(study%channels(of(k))%name)//in_a_row(limits(k, :)))
+         end do
+      end associate
    end subroutine list_optimum
 
-   subroutine list_front(group, study, text)
+   subroutine list_front(named, group, study, text)
+      logical, intent(in) :: named                !! joints have names: a sketch
       type(balance_group_t), intent(in) :: group
       type(balance_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
+      character(15) :: columns(size(study%front), 4)
       integer :: k
 
       associate (of => group%front_of)
@@ -303,10 +325,14 @@ contains
                        ' (RMS, BODIES OF ANY SHAPE): NEITHER CAN BE LESS WITHOUT MORE OF THE OTHER')
          call text%add(repeat(' ', 9)//measure_names(of(1))//repeat(' ', 9)//measure_names(of(2))//'    LOWER BOUND    MASS NEEDED')
       end associate
+      associate (of => study%front)
+         columns(:, 1) = figures_of(named, of%first)
+         columns(:, 2) = figures_of(named, of%second)
+         columns(:, 3) = figures_of(named, of%bound)
+         columns(:, 4) = figures_of(named, of%total)
+      end associate
       do k = 1, size(study%front)
-         associate (point => study%front(k))
-            call text%add(general(point%first)//general(point%second)//general(point%bound)//general(point%total))
-         end associate
+         call text%add(in_a_row(columns(k, :)))
       end do
    end subroutine list_front
 end module psalm_balance_list

@@ -11,8 +11,9 @@ module psalm_cam_list
    use psalm_angles, only: degrees_of, within_turn
    use psalm_elementary, only: hypotenuse
    use psalm_kinds, only: wp
+   use psalm_number_format, only: number_format_t, figure, figures_of, format_of, in_a_row, in_sentence
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
-   use psalm_text, only: text_t, general, lower_case, to_text
+   use psalm_text, only: text_t, lower_case, to_text
    implicit none (type, external)
    private
    public :: list_cam, put_cam
@@ -25,11 +26,17 @@ module psalm_cam_list
 contains
 
    !> Listing: law, joints, extremes, what is wrong.
-   subroutine list_cam(study, text)
+   subroutine list_cam(named, study, text)
+      logical, intent(in) :: named            !! joints have names: a sketch
       type(cam_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
+      type(number_format_t) :: of_value, of_angle
+      type(cam_extreme_t), allocatable :: every(:)
       integer :: k
 
+      every = [study%extremes, study%segments%pressure, study%least_slack, study%most_slack]
+      of_value = format_of(named, every%value, every%found)
+      of_angle = format_of(named, every%angle, every%found)
       associate (law => study%shape%motion%law, e => study%extremes)
          call text%add()
          if (study%part%cam == 2) call text%add(' THE SECOND CAM')
@@ -54,61 +61,73 @@ contains
             call show('CONTACT ON THE FACE, MOST', e(measure_excursion_high))
             call show('FROM THE FACE''S POINT, LEAST', e(measure_face_low))
             call show('FROM THE FACE''S POINT, MOST', e(measure_face_high))
-            call text%add(' BASE RADIUS AT WHICH THE PROFILE IS JUST CONVEX'//general(study%least_base))
+            call text%add(' BASE RADIUS AT WHICH THE PROFILE IS JUST CONVEX'//in_sentence(named, study%least_base))
          end if
          call show('OUTPUT, LARGEST FIRST DERIVATIVE', e(measure_output))
          call show('OUTPUT, LARGEST SECOND DERIVATIVE', e(measure_output + 1))
          call show('INPUT, LARGEST FIRST DERIVATIVE', e(measure_input))
          call show('INPUT, LARGEST SECOND DERIVATIVE', e(measure_input + 1))
          call list_slack()
-         call list_centres(study, text)
+         call list_centres(named, study, text)
          associate (path => study%paths(path_cutter))
             if (path%found) then
-               call text%add(' CUTTER PATH:'//general(real(size(path%arcs), wp))//' ARCS, LARGEST DEVIATION'// &
-                             general(path%deviation)//'; A POLYLINE WOULD NEED'//general(path%chords)//' CHORDS')
+               call text%add(' CUTTER PATH:'//in_sentence(named, real(size(path%arcs), wp))//' ARCS, LARGEST DEVIATION'// &
+                             in_sentence(named, path%deviation)//'; A POLYLINE WOULD NEED'//in_sentence(named, path%chords)// &
+                             ' CHORDS')
             else
                call text%add(' CUTTER PATH: IT CANNOT BE CUT WITHIN TOLCUT')
             end if
          end associate
-         if (allocated(study%contact)) call list_forces(study, text)
-         call list_faults(study, text)
+         if (allocated(study%contact)) call list_forces(named, study, text)
+         call list_faults(named, study, text)
       end associate
 
    contains
 
       subroutine list_law()
          real(wp) :: greatest
-         integer :: k
+         character(15) :: columns(size(study%shape%motion%law%segments), 7)
+         integer :: j, k
 
          associate (law => study%shape%motion%law, cam => study%cam)
+            associate (of => law%segments)
+               columns(:, 1) = figures_of(named, of%start)
+               columns(:, 2) = figures_of(named, of%finish)
+               columns(:, 3) = figures_of(named, of%from)
+               columns(:, 4) = figures_of(named, of%to)
+               do j = 1, 3
+                  columns(:, 4 + j) = figures_of(named, of%peak(j))
+               end do
+               where (of%steps) columns(:, 7) = '       INFINITE'
+            end associate
             call text%add(' LAW OF THE '//trim(merge('OUTPUT', 'INPUT ', cam%of_output))// &
                           ', DERIVATIVES BY RADIANS OF CAM; PEAKS NORMALISED BY LIFT AND WIDTH')
             call text%add(' LAW                  FROM             TO         OUTPUT             TO             CV'// &
                           '             CA             CJ')
             do k = 1, size(law%segments)
-               associate (s => law%segments(k))
-                  call text%add(' '//law_name(study, k)//general(s%start)//general(s%finish)//general(s%from)//general(s%to)// &
-                                general(s%peak(1))//general(s%peak(2))//merge('       INFINITE', general(s%peak(3)), s%steps))
-               end associate
+               call text%add(' '//law_name(study, k)//in_a_row(columns(k, :)))
             end do
             if (size(cam%table) > 0 .and. (cam%table_tolerance > 0.0_wp .or. cam%fit == fit_least_squares)) &
                call text%add(' '//to_text(size(law%pieces))//' PIECES; FROM THE TABLE''S POINTS AT MOST'// &
-                             general(law%residual)//', ROOT OF MEAN SQUARE'//general(law%mean_residual))
+                             in_sentence(named, law%residual)//', ROOT OF MEAN SQUARE'//in_sentence(named, law%mean_residual))
             greatest = law%greatest(2)
             do k = 1, size(study%joints)
                if (study%shape%axes%slides .and. k == 1) cycle
                if (abs(study%joints(k)%jump(2)) <= rounding*greatest) cycle
-               call text%add(' STEP OF ACCELERATION AT'//general(study%joints(k)%at)//' DEGREES:'// &
-                             general(study%joints(k)%jump(2)))
+               call text%add(' STEP OF ACCELERATION AT'//in_sentence(named, study%joints(k)%at)//' DEGREES:'// &
+                             in_sentence(named, study%joints(k)%jump(2)))
             end do
             if (size(study%shape%motion%q) > 0) then
-               call text%add(' THE LINKAGE GIVES OUTPUTS'//general(minval(study%shape%motion%f))//' TO'// &
-                             general(maxval(study%shape%motion%f))//' FOR INPUTS'//general(study%shape%motion%q(1))//' TO'// &
-                             general(study%shape%motion%q(size(study%shape%motion%q))))
+               call text%add(' THE LINKAGE GIVES OUTPUTS'//in_sentence(named, minval(study%shape%motion%f))//' TO'// &
+                             in_sentence(named, maxval(study%shape%motion%f))//' FOR INPUTS'// &
+                             in_sentence(named, study%shape%motion%q(1))//' TO'// &
+                             in_sentence(named, study%shape%motion%q(size(study%shape%motion%q))))
                do k = 1, size(study%shape%motion%ways%crossings)
                   associate (one => study%shape%motion%ways%crossings(k))
-                     call text%add(' AT THE DEAD POINT OF INPUT'//general(one%q)//', OUTPUT'//general(one%f)//', THE INPUT '// &
-                                   trim(merge('PASSES    ', 'TURNS BACK', one%passed))//' AT'//general(one%angle)//' DEGREES')
+                     call text%add(' AT THE DEAD POINT OF INPUT'//in_sentence(named, one%q)//', OUTPUT'// &
+                                   in_sentence(named, one%f)//', THE INPUT '// &
+                                   trim(merge('PASSES    ', 'TURNS BACK', one%passed))//' AT'// &
+                                   in_sentence(named, one%angle)//' DEGREES')
                   end associate
                end do
             end if
@@ -134,7 +153,7 @@ contains
 
          if (.not. extreme%found) return
          padded = words
-         call text%add(' '//padded//general(extreme%value)//general(extreme%angle))
+         call text%add(' '//padded//figure(extreme%value, of_value)//figure(extreme%angle, of_angle))
       end subroutine show
    end subroutine list_cam
 
@@ -149,7 +168,8 @@ contains
    end function law_name
 
    !> Where the centre may lie, and of the smallest cam.
-   subroutine list_centres(study, text)
+   subroutine list_centres(named, study, text)
+      logical, intent(in) :: named            !! joints have names: a sketch
       type(cam_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
       integer :: k
@@ -159,14 +179,16 @@ contains
          associate (c => study%centres(k))
             if (size(c%corners) == 0) cycle
             call text%add(' CENTRE OF THE SMALLEST CAM THAT KEEPS ALFMAX, CAM TO THE '//trim(merge('LEFT ', 'RIGHT', k == 1))// &
-                          ' OF THE TRAVEL:'//general(real(c%smallest, wp))//general(aimag(c%smallest))//', PITCH BASE RADIUS'// &
-                          general(c%base))
+                          ' OF THE TRAVEL:'//in_sentence(named, real(c%smallest, wp))// &
+                          in_sentence(named, aimag(c%smallest))//', PITCH BASE RADIUS'// &
+                          in_sentence(named, c%base))
          end associate
       end do
    end subroutine list_centres
 
    !> Force and stress of the contact.
-   subroutine list_forces(study, text)
+   subroutine list_forces(named, study, text)
+      logical, intent(in) :: named            !! joints have names: a sketch
       type(cam_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
       integer :: k
@@ -176,17 +198,18 @@ contains
             call text%add(' FORCES ARE NOT KNOWN: THE LINKAGE DOES NOT CLOSE, OR PASSES A DEAD POINT')
             return
          end if
-         call text%add(' FORCE OF THE CAM, LEAST AND GREATEST, N'//general(minval(fine%force))//general(maxval(fine%force)))
+         call text%add(' FORCE OF THE CAM, LEAST AND GREATEST, N'//in_sentence(named, minval(fine%force))// &
+                       in_sentence(named, maxval(fine%force)))
          if (allocated(study%flanks)) then
             do k = 1, size(study%flanks, 2)
-               call text%add(' THE ROLLER CHANGES FLANKS AT'//general(study%flanks(1, k))//' DEGREES; THIRD DERIVATIVE OF THE '// &
-                             'INPUT'//general(study%flanks(2, k)))
+               call text%add(' THE ROLLER CHANGES FLANKS AT'//in_sentence(named, study%flanks(1, k))// &
+                             ' DEGREES; THIRD DERIVATIVE OF THE INPUT'//in_sentence(named, study%flanks(2, k)))
             end do
          end if
-         if (maxval(fine%stress) > 0.0_wp) call text%add(' GREATEST CONTACT STRESS, PA'//general(maxval(fine%stress)))
+         if (maxval(fine%stress) > 0.0_wp) call text%add(' GREATEST CONTACT STRESS, PA'//in_sentence(named, maxval(fine%stress)))
          if (fine%lost_speed > 0.0_wp) then
-            call text%add(' CONTACT IS LOST FROM'//general(fine%lost_speed)//' REV/MIN ON, FIRST AT'//general(fine%lost_at)// &
-                          ' DEGREES')
+            call text%add(' CONTACT IS LOST FROM'//in_sentence(named, fine%lost_speed)//' REV/MIN ON, FIRST AT'// &
+                          in_sentence(named, fine%lost_at)//' DEGREES')
          else if (minval(fine%force) < 0.0_wp) then
             call text%add(' CONTACT IS LOST AT REST: A SPRING OR A WEIGHT IS TO HOLD THE FOLLOWER ON THE CAM')
          end if
@@ -203,7 +226,8 @@ contains
    end function way_name
 
    !> What the cam cannot do.
-   subroutine list_faults(study, text)
+   subroutine list_faults(named, study, text)
+      logical, intent(in) :: named            !! joints have names: a sketch
       type(cam_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
 
@@ -214,11 +238,13 @@ contains
             call text%add(' UNDERCUT: THE PITCH CURVE IS SHARPER THAN THE ROLLER')
          end if
       end if
-      if (study%roller%depth > 0.0_wp) call text%add(' THE PROFILE CROSSES ITSELF: THE ROLLER AT'//general(study%roller%by)// &
-         ' TAKES AWAY WHAT IT TOUCHES AT'//general(study%roller%at)//', TO A DEPTH OF'//general(study%roller%depth))
+      if (study%roller%depth > 0.0_wp) call text%add(' THE PROFILE CROSSES ITSELF: THE ROLLER AT'// &
+         in_sentence(named, study%roller%by)//' TAKES AWAY WHAT IT TOUCHES AT'//in_sentence(named, study%roller%at)// &
+         ', TO A DEPTH OF'//in_sentence(named, study%roller%depth))
       if (study%gouge) call text%add(' GOUGE: THE CUTTER IS LARGER THAN A HOLLOW OF THE PROFILE')
-      if (study%cutter%depth > 0.0_wp) call text%add(' GOUGE: THE CUTTER AT'//general(study%cutter%by)// &
-         ' TAKES AWAY WHAT IT CUTS AT'//general(study%cutter%at)//', TO A DEPTH OF'//general(study%cutter%depth))
+      if (study%cutter%depth > 0.0_wp) call text%add(' GOUGE: THE CUTTER AT'// &
+         in_sentence(named, study%cutter%by)//' TAKES AWAY WHAT IT CUTS AT'//in_sentence(named, study%cutter%at)// &
+         ', TO A DEPTH OF'//in_sentence(named, study%cutter%depth))
       if (study%lost) call text%add(' THE FOLLOWER LEAVES THE CAM AT THIS SPEED')
       if (study%jammed) call text%add(' FRICTION KEEPS THE CAM FROM MOVING THE FOLLOWER')
       if (study%stressed) call text%add(' THE CONTACT STRESS EXCEEDS PHERTZ')

@@ -8,8 +8,9 @@ module psalm_cam_report
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_kinds, only: wp
+   use psalm_number_format, only: in_sentence
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
-   use psalm_text, only: full_precision, general, lower_case, to_text
+   use psalm_text, only: full_precision, lower_case, to_text
    implicit none (type, external)
    private
    public :: report_cam, report_search
@@ -26,7 +27,7 @@ contains
 
       if (size(cam%variations) == 0) call devices%six%add(' '//set%title)
       do k = 1, size(studies)
-         call list_cam(studies(k), devices%six)
+         call list_cam(set%has_names(), studies(k), devices%six)
          if (k == 1) then
             call put_cam(studies(k), '', devices%cases(devices%last_case()))
          else
@@ -43,18 +44,22 @@ contains
       type(cam_search_t), intent(in) :: search
       type(devices_t), intent(inout) :: devices
       character(:), allocatable :: name
+      logical :: named
       integer :: k
 
+      named = set%has_names()
       call devices%six%add(' '//set%title)
       call devices%six%add()
       call devices%six%add(' SEARCH BY '//search%solver//', '//to_text(search%evaluations)//' CAMS: LEAST '// &
-                           trim(goal_names(cam%goal))//general(search%objective_before)//' TO'//general(search%objective))
+                           trim(goal_names(cam%goal))//in_sentence(named, search%objective_before)//' TO'// &
+                           in_sentence(named, search%objective))
       do k = 1, size(search%after)
          associate (one => cam%variations(k))
             name = vary_item(one%item)
             if (one%segment > 0) name = name//' '//to_text(one%segment)
             if (one%zone > 0) name = name//' '//to_text(one%zone)
-            call devices%six%add(' '//name//repeat(' ', 12 - len(name))//general(search%before(k))//' TO '// &
+            call devices%six%add(' '//name//repeat(' ', 12 - len(name))// &
+                                 in_sentence(named, search%before(k))//' TO '// &
                                  full_precision(search%after(k)))
          end associate
       end do
@@ -107,23 +112,32 @@ contains
       if (.not. study%is_violating()) return
       call devices%note_violation()
       if (study%undercut .and. study%shape%flat) call devices%remark(set, 'the profile would be hollow, and a flat face cannot '// &
-         'follow a hollow; the least base radius is'//general(study%least_base))
+         'follow a hollow; the least base radius is'//words(study%least_base))
       if (study%undercut .and. .not. study%shape%flat) call devices%remark(set, 'undercut: the pitch curve is sharper than the '// &
                                                                            'roller')
-      if (study%roller%depth > 0.0_wp) call devices%remark(set, 'the profile crosses itself at'//general(study%roller%at)// &
+      if (study%roller%depth > 0.0_wp) call devices%remark(set, 'the profile crosses itself at'//words(study%roller%at)// &
          ' degrees: the roller is too large')
       if (study%gouge .or. study%cutter%depth > 0.0_wp) call devices%remark(set, 'the cutter is larger than a hollow of the '// &
                                                                             'profile')
       if (study%lost) call devices%remark(set, 'the follower leaves the cam at this speed')
       if (study%jammed) call devices%remark(set, 'friction keeps the cam from moving the follower')
       if (study%stressed) call devices%remark(set, 'the contact stress exceeds PHERTZ')
-      if (study%steep) call devices%remark(set, 'the pressure angle,'//general(study%extremes(measure_pressure)%value)// &
+      if (study%steep) call devices%remark(set, 'the pressure angle,'//words(study%extremes(measure_pressure)%value)// &
                                            ' degrees, exceeds ALFMAX')
       if (study%sharp) call devices%remark(set, 'the radius of curvature is less than RHOMIN')
-      if (study%tight) call devices%remark(set, 'the second roller does not fit: the gap is'//general(study%least_slack%value)// &
-                                           ' at'//general(study%least_slack%angle)//' degrees')
-      if (study%loose) call devices%remark(set, 'the second roller has a gap of'//general(study%most_slack%value)//' at'// &
-                                           general(study%most_slack%angle)//' degrees, more than CLEAR')
+      if (study%tight) call devices%remark(set, 'the second roller does not fit: the gap is'//words(study%least_slack%value)// &
+                                           ' at'//words(study%least_slack%angle)//' degrees')
+      if (study%loose) call devices%remark(set, 'the second roller has a gap of'//words(study%most_slack%value)//' at'// &
+                                           words(study%most_slack%angle)//' degrees, more than CLEAR')
       if (study%face_short) call devices%remark(set, 'the face is shorter than the way of the contact')
+
+   contains
+
+      function words(value)
+         real(wp), intent(in) :: value
+         character(:), allocatable :: words
+
+         words = in_sentence(set%has_names(), value)
+      end function words
    end subroutine remark_faults
 end module psalm_cam_report

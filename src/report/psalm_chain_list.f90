@@ -1,9 +1,10 @@
 !> What a sketch does, in the listing.
 module psalm_chain_list
+   use psalm_columns, only: heading_of
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
    use psalm_number_format, only: number_format_t, format_of, figure
-   use psalm_text, only: text_t, to_text, upper_case
+   use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
    public :: list_rows
@@ -36,10 +37,10 @@ contains
 
       line = ' POSITION'
       do d = 1, size(inputs, 1)
-         line = line//heading('INPUT '//set%sketch%drive_label(d))
+         line = line//heading_of('INPUT '//set%sketch%drive_label(d))
       end do
       do d = 1, size(names)
-         line = line//heading(names(d))
+         line = line//heading_of(names(d))
       end do
       call text%add(line)
       do k = 1, size(closed)
@@ -87,14 +88,5 @@ contains
          end associate
       end function rate_of
    end subroutine list_rows
-
-   !> A name in capitals at the right of its column.
-   pure function heading(name) result(head)
-      character(*), intent(in) :: name
-      character(column) :: head
-
-      head = upper_case(name(:min(len_trim(name), column - 1)))
-      head = adjustr(head)
-   end function heading
 
 end module psalm_chain_list

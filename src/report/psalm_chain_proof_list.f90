@@ -6,6 +6,7 @@ module psalm_chain_proof_list
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
    use psalm_markup, only: strings_t, add_string
+   use psalm_number_format, only: number_format_t, format_of
    use psalm_part_columns, only: add_words
    use psalm_proof_chain, only: output_range_t
    use psalm_proof_list, only: about_extremes, about_limits, list_dead_points, list_dwell, list_kept, list_range, &
@@ -15,7 +16,7 @@ module psalm_chain_proof_list
    use psalm_sketch, only: drive_turns
    use psalm_sketch_outputs, only: name_length
    use psalm_tables, only: table_t, tables_t, table_of
-   use psalm_text, only: text_t, cased, to_text, upper_case
+   use psalm_text, only: text_t, cased, to_text
    implicit none (type, external)
    private
    public :: list_chain_proof, put_chain_proof, links_of_group, name_of_quantity, ratio_of
@@ -108,32 +109,39 @@ contains
       type(chain_proof_t), intent(in) :: proof
       logical, intent(in) :: turns
       type(text_t), intent(inout) :: text
-      integer :: n
+      type(number_format_t) :: of_places
+      character(:), allocatable :: name
+      type(output_range_t), allocatable :: every(:)
+      real(wp), allocatable :: places(:, :)
+      integer :: i, n
 
       if (.not. any(proof%ranges%bounded)) return
-      call text%add(head_of_ranges)
-      do n = 1, size(proof%ranges)
-         associate (one => proof%ranges(n))
-            if (one%bounded) call list_range(upper_case(trim(study%names(n))), one%low, one%high, &
-                                               [place_of_extreme(proof, one, 1, turns), &
-                                                place_of_extreme(proof, one, 2, turns)], text)
-         end associate
+      allocate (places(2, size(proof%ranges) + size(proof%ratios)), source=0.0_wp)
+      every = [proof%ranges, proof%ratios]
+      do n = 1, size(every)
+         if (every(n)%bounded) places(:, n) = [(place_of_extreme(proof, every(n), i, turns), i=1, 2)]
       end do
-      do n = 1, size(proof%ratios)
-         associate (one => proof%ratios(n))
-            if (one%bounded) call list_range(upper_case(ratio_of(study, n)), one%low, one%high, &
-                                             [place_of_extreme(proof, one, 1, turns), place_of_extreme(proof, one, 2, turns)], text)
-         end associate
+      of_places = format_of(.true., pack(places, .true.))
+      call text%add(head_of_ranges)
+      do n = 1, size(every)
+         if (.not. every(n)%bounded) cycle
+         if (n <= size(proof%ranges)) then
+            name = trim(study%names(n))
+         else
+            name = ratio_of(study, n - size(proof%ranges), small=.false.)
+         end if
+         call list_range(name, every(n)%low, every(n)%high, places(:, n), of_places, text)
       end do
    end subroutine list_ranges
 
    !> The rate of an output by the input, in words.
-   pure function ratio_of(study, number) result(words)
+   pure function ratio_of(study, number, small) result(words)
       type(chain_study_t), intent(in) :: study
       integer, intent(in) :: number            !! of all outputs
+      logical, intent(in) :: small             !! small letters, but for names
       character(:), allocatable :: words
 
-      words = 'velocity ratio, '//trim(study%names(number))
+      words = cased('VELOCITY RATIO, ', small)//trim(study%names(number))
    end function ratio_of
 
    !> Strokes of the outputs, dead points, dwells.
@@ -151,7 +159,7 @@ contains
       associate (movement => proof%movement, outputs => study%closure%sketch%outputs)
          do n = 1, size(movement%time_ratio)
             if (.not. has_rate(study%closure%sketch, outputs, n)) cycle
-            name = upper_case(trim(study%names(n)))
+            name = trim(study%names(n))
             if (movement%turns_fully(n)) then
                call text%add('   '//name//' TURNS FULLY')
             else if (is_angle(outputs, n) .and. proof%ranges(n)%bounded) then
@@ -173,16 +181,18 @@ contains
             if (i < size(movement%dead)) then
                if (same_quantity(movement%dead(i), movement%dead(i + 1))) cycle
             end if
-            call list_dead_points(upper_case(name_of_quantity(study, movement%dead(i))), movement%dead(first:i), as_angles, text)
+            call list_dead_points(name_of_quantity(study, movement%dead(i), small=.false.), movement%dead(first:i), &
+                                  as_angles, text)
             first = i + 1
          end do
       end associate
    end subroutine list_movement
 
    !> What stands still at a dead point.
-   pure function name_of_quantity(study, dead) result(words)
+   pure function name_of_quantity(study, dead, small) result(words)
       type(chain_study_t), intent(in) :: study
       type(proven_dead_point_t), intent(in) :: dead
+      logical, intent(in) :: small             !! small letters, but for names
       character(:), allocatable :: words
 
       associate (sketch => study%closure%sketch)
@@ -190,9 +200,9 @@ contains
          case (quantity_output)
             words = trim(study%names(dead%place))
          case (quantity_turning)
-            words = 'link '//trim(sketch%links(dead%place)%name)//', its turning'
+            words = cased('LINK ', small)//trim(sketch%links(dead%place)%name)//cased(', ITS TURNING', small)
          case default
-            words = 'slide '//trim(sketch%slides(dead%place)%name)//', its length'
+            words = cased('SLIDE ', small)//trim(sketch%slides(dead%place)%name)//cased(', ITS LENGTH', small)
          end select
       end associate
    end function name_of_quantity
@@ -269,7 +279,7 @@ contains
       if (any(proof%ranges%bounded)) call put_ranges(title, study, proof, turns, tables)
       allocate (names(0))
       do k = 1, size(proof%movement%dead)
-         call add_string(names, name_of_quantity(study, proof%movement%dead(k)))
+         call add_string(names, name_of_quantity(study, proof%movement%dead(k), small=.true.))
       end do
       call put_dead_points(title, proof%movement%dead, names, input, tables)
       call put_kept(title, proof%kept, input, tables)

@@ -2,11 +2,10 @@
 module psalm_chain_search_list
    use psalm_chain_problem, only: unknown_name
    use psalm_chain_synthesis, only: chain_synthesis_t
-   use psalm_columns, only: in_words
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_kinds, only: wp
-   use psalm_number_format, only: number_format_t, format_of, figure
+   use psalm_number_format, only: figures_of, in_sentence
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_text, only: to_text
    implicit none (type, external)
@@ -24,7 +23,7 @@ contains
       type(devices_t), intent(inout) :: devices
       character(:), allocatable :: line
       character(name_length) :: name
-      type(number_format_t) :: format
+      character(15), allocatable :: values(:, :)
       integer :: k, v
 
       line = to_text(search%starts)//' starts, '//to_text(search%feasible)//' led to a linkage, '//to_text(search%evaluations)// &
@@ -33,7 +32,7 @@ contains
          line = 'no linkage that obeys the constraints was found: '//line
          call devices%note_violation()
       else
-         line = line//'; best objective '//in_words(search%best(1)%objective, 'E')
+         line = line//'; best objective'//in_sentence(.true., search%best(1)%objective)
       end if
       if (search%refused) line = trim(set%search%solver%name)//' does not work on this problem: '//line
       if (search%stopped) then
@@ -47,15 +46,18 @@ contains
       if (size(search%best) == 0) return
       call devices%six%add(' '//set%title)
       call devices%six%add()
-      if (search%first_feasible) call devices%six%add(' SUM OF SQUARES OF THE DRAWING '//in_words(search%first_objective, 'E'))
+      if (search%first_feasible) call devices%six%add(' SUM OF SQUARES OF THE DRAWING'// &
+                                                        in_sentence(.true., search%first_objective))
       do k = 1, size(search%best)
-         call devices%six%add(' LINKAGE '//to_text(k)//', START '//to_text(search%best(k)%start)//': SUM OF SQUARES '// &
-                              in_words(search%best(k)%objective, 'E'))
+         call devices%six%add(' LINKAGE '//to_text(k)//', START '//to_text(search%best(k)%start)//': SUM OF SQUARES'// &
+                              in_sentence(.true., search%best(k)%objective))
          call devices%six%add('  VARIABLE                                        DRAWING          FOUND')
-         do v = 1, search%problem%variables
+         associate (n => search%problem%variables)
+            values = reshape(figures_of(.true., [search%problem%first(:n), search%best(k)%x(:n)]), [n, 2])
+         end associate
+         do v = 1, size(values, 1)
             name = unknown_name(set%sketch, v)
-            format = format_of(.true., [search%problem%first(v), search%best(k)%x(v)])
-            call devices%six%add('  '//name//figure(search%problem%first(v), format)//figure(search%best(k)%x(v), format))
+            call devices%six%add('  '//name//values(v, 1)//values(v, 2))
          end do
       end do
       call devices%six%add()

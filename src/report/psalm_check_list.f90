@@ -15,6 +15,7 @@ module psalm_check_list
    use psalm_rate_items, only: rate_row_t, wanted_rows
    use psalm_mechanism, only: mechanism_t, arc_crank, arc_determined, arc_slide
    use psalm_sketch_text, only: write_sketch
+   use psalm_number_format, only: number_format_t, figure, format_of, in_sentence
    use psalm_text, only: text_t, fixed, general, to_text
    implicit none (type, external)
    private
@@ -347,7 +348,8 @@ contains
       end if
       do k = 1, size(motion%input)
          call text%add()
-         call text%add(' INPUT'//general(motion%input(k))//'  CONDITION NUMBER'//general(condition(k)))
+         call text%add(' INPUT'//in_sentence(mechanism%has_joint_names(), motion%input(k))//'  CONDITION NUMBER'// &
+                       in_sentence(mechanism%has_joint_names(), condition(k)))
          do loop = 1, mechanism%nloop
             if (loop == arcs%open(k)) then
                call text%add(open_group(mechanism, loop))
@@ -391,14 +393,19 @@ contains
       integer, intent(in) :: k, loop
       type(text_t), intent(inout) :: text
       character(:), allocatable :: name
+      type(number_format_t) :: of_length, of_angle
+      integer, allocatable :: in_order(:)
       integer :: a, n
 
-      do a = 1, mechanism%loops(loop)%arcs
-         n = mechanism%seq(loop, a)
+      in_order = [(mechanism%seq(loop, a), a=1, mechanism%loops(loop)%arcs)]
+      of_length = format_of(.true., arcs%length(in_order, k))
+      of_angle = format_of(.true., arcs%angle(in_order, k))
+      do a = 1, size(in_order)
+         n = in_order(a)
          if (mechanism%arcs(n)%representative /= n) cycle    ! reported before
          name = arc_heading(mechanism, loop, a, small=.false.)
-         call text%add('  '//left_column(name, name_column)//general(arcs%length(n, k))// &
-                       angle_text(arcs%angle(n, k)))
+         call text%add('  '//left_column(name, name_column)//figure(arcs%length(n, k), of_length)// &
+                       angle_text(arcs%angle(n, k), of_angle))
       end do
    end subroutine line_rows
 

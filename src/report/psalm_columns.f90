@@ -4,7 +4,7 @@ module psalm_columns
    use psalm_text, only: text_t, general, to_text
    implicit none (type, external)
    private
-   public :: left_column, right_column, in_words, add_rows
+   public :: left_column, right_column, heading_of, in_words, add_rows
 
    interface right_column
       module procedure :: right_text, right_number
@@ -40,6 +40,14 @@ contains
 
       column = right_text(to_text(number), width, gap)
    end function right_number
+
+   !> The heading of a column of numbers: a name as it was written, cut where it does not fit.
+   pure function heading_of(name) result(head)
+      character(*), intent(in) :: name
+      character(15) :: head
+
+      head = right_text(name(:min(len_trim(name), len(head) - 1)), len(head))
+   end function heading_of
 
    pure integer function least_gap(gap, usual)
       integer, intent(in), optional :: gap

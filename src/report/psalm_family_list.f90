@@ -4,8 +4,9 @@ module psalm_family_list
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_family_study, only: family_t
+   use psalm_number_format, only: figures_of
    use psalm_tables, only: table_t, tables_t, table_of
-   use psalm_text, only: text_t, general, lower_case, to_text
+   use psalm_text, only: text_t, lower_case, to_text
    implicit none (type, external)
    private
    public :: report_family
@@ -30,7 +31,7 @@ contains
          call devices%note_violation()
          return
       end if
-      call list_family(family, devices%six)
+      call list_family(set%has_names(), family, devices%six)
       call put_family(set%has_names(), family, devices%cases(devices%last_case()))
       open = count([(.not. all(family%closed(:, k)), k=1, size(family%setting))])
       if (open == 0) return
@@ -40,28 +41,38 @@ contains
    end subroutine report_family
 
    !> Append a table of each number of the output: a row for each position, a column for each setting; below, its stroke.
-   subroutine list_family(family, text)
+   subroutine list_family(named, family, text)
+      logical, intent(in) :: named               !! the dimension is one of a sketch
       type(family_t), intent(in) :: family
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
+      character(15) :: setting(size(family%setting)), input(size(family%input)), stroke(size(family%setting))
+      character(15) :: actual(size(family%input), size(family%setting))
       integer :: c, first, last, i, k
 
+      setting = figures_of(named, family%setting)
+      input = figures_of(named, family%input)
       call text%add()
       call text%add(' FAMILY OF CURVES: THE OUTPUT FOR '//to_text(size(family%setting))//' SETTINGS OF '//family%name)
       do c = 1, size(family%numbers)
+         associate (values => family%actual(:, c, :), closed => family%closed)
+            actual = reshape(figures_of(named, pack(values, .true.), pack(closed, .true.)), shape(actual))
+            stroke = figures_of(named, maxval(values, 1, closed) - minval(values, 1, closed), any(closed, 1))
+            where (.not. any(closed, 1)) stroke = '              -'
+         end associate
          do first = 1, size(family%setting), in_a_row
             last = min(first + in_a_row - 1, size(family%setting))
             call text%add()
             line = ' '//family%numbers(c)(:14)
             do k = first, last
-               line = line//general(family%setting(k))
+               line = line//setting(k)
             end do
             call text%add(line)
             do i = 1, size(family%input)
-               line = general(family%input(i))
+               line = input(i)
                do k = first, last
                   if (family%closed(i, k)) then
-                     line = line//general(family%actual(i, c, k))
+                     line = line//actual(i, k)
                   else
                      line = line//' DOES NOT CLOSE'
                   end if
@@ -70,12 +81,7 @@ contains
             end do
             line = ' STROKE        '
             do k = first, last
-               if (any(family%closed(:, k))) then
-                  line = line//general(maxval(family%actual(:, c, k), family%closed(:, k)) - &
-                                       minval(family%actual(:, c, k), family%closed(:, k)))
-               else
-                  line = line//'              -'
-               end if
+               line = line//stroke(k)
             end do
             call text%add(line)
          end do

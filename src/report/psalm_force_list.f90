@@ -1,14 +1,16 @@
 !> Forces in the listing, on device 8 and on device 9.
 module psalm_force_list
    use psalm_column_names, only: input_name, input_unit
+   use psalm_columns, only: heading_of
    use psalm_data_set, only: data_set_t
    use psalm_input_text, only: angle_text
    use psalm_force_analysis, only: column_of_joint, column_drive, column_fx, column_fy, column_moment
    use psalm_force_study, only: force_study_t
+   use psalm_group_words, only: group_heading
    use psalm_kinds, only: wp
-   use psalm_number_format, only: number_format_t, format_of, figure
+   use psalm_number_format, only: number_format_t, format_of, figure, in_sentence
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
-   use psalm_text, only: text_t, general, to_text, upper_case
+   use psalm_text, only: text_t, cased, to_text
    implicit none (type, external)
    private
    public :: list_forces, list_joint_forces, list_shares, add_forces, put_forces, failure_at
@@ -41,8 +43,8 @@ contains
       end associate
       associate (sliding => study%drive_slides(1))
          call text%add()
-         call text%add(' FORCES: NEWTONS, NEWTON METRES, WATTS, JOULES; ONE UNIT OF LENGTH IS'//general(set%masses%metre)// &
-                       ' METRES')
+         call text%add(' FORCES: NEWTONS, NEWTON METRES, WATTS, JOULES; ONE UNIT OF LENGTH IS'// &
+                       in_sentence(set%has_names(), set%masses%metre)//' METRES')
          call text%add(' FORCE AND MOMENT OF THE LINKAGE ON ITS FRAME, MOMENT ABOUT THE MACHINE ORIGIN'// &
                        trim(merge(', DRIVE INCLUDED    ', ', WITHOUT THE DRIVE ', set%masses%motor_on_frame .or. sliding)))
          call text%add()
@@ -53,14 +55,14 @@ contains
          if (set%masses%about_given) line = line//'  MOMENT ABOUT P'
          if (set%friction%given) line = line//'  FRICTION LOSS'
          do d = 2, size(study%drives)
-            line = line//heading(merge('FORCE ', 'TORQUE', study%drive_slides(d))//' '//study%drives(d))
+            line = line//heading_of(merge('FORCE ', 'TORQUE', study%drive_slides(d))//' '//study%drives(d))
          end do
          call text%add(line)
          do k = 1, size(study%input)
             line = merge(figure(study%input(k), of_input), angle_text(study%input(k), of_input), &
                          sliding .or. study%mechanism%from_drawing)
             if (.not. known(k)) then
-               call text%add(line//'   '//upper_case(failure_at(study, k)))
+               call text%add(line//'   '//failure_at(study, k, small=.false.))
                cycle
             end if
             associate (v => study%table%value)
@@ -76,7 +78,8 @@ contains
             end associate
             call text%add(line)
          end do
-         if (set%masses%about_given) call text%add(' P IS'//general(set%masses%about(1))//general(set%masses%about(2)))
+         if (set%masses%about_given) call text%add(' P IS'//in_sentence(set%has_names(), set%masses%about(1))// &
+                                                   in_sentence(set%has_names(), set%masses%about(2)))
          if (any(known)) call list_sizing(study, text)
          if (size(study%harmonics) > 0) call list_harmonics(study, text)
       end associate
@@ -90,28 +93,20 @@ contains
       column_of_drive = size(study%table%value, 2) - size(study%drives) + drive
    end function column_of_drive
 
-   !> A name in capitals at the right of its column.
-   pure function heading(name) result(head)
-      character(*), intent(in) :: name
-      integer, parameter :: column = 15        !! characters
-      character(column) :: head
-
-      head = upper_case(name(:min(len_trim(name), column - 1)))
-      head = adjustr(head)
-   end function heading
-
    !> What stands in place of forces where they are not known.
-   pure function failure_at(study, k) result(words)
+   pure function failure_at(study, k, small) result(words)
       type(force_study_t), intent(in) :: study
       integer, intent(in) :: k
+      logical, intent(in) :: small             !! small letters, but for names
       character(:), allocatable :: words
 
       if (.not. study%table%closed(k)) then
-         words = 'does not close'
+         words = cased('DOES NOT CLOSE', small)
       else if (study%table%dead(k) /= 0) then
-         words = 'dead point of '//trim(study%parts(study%table%dead(k)))//': forces are infinite'
+         words = cased('DEAD POINT OF ', small)//group_heading(study%mechanism, study%table%dead(k), small)// &
+                 cased(': FORCES ARE INFINITE', small)
       else
-         words = 'friction locks the linkage: no drive can move it'
+         words = cased('FRICTION LOCKS THE LINKAGE: NO DRIVE CAN MOVE IT', small)
       end if
    end function failure_at
 
@@ -184,7 +179,7 @@ contains
          call text%add()
          call text%add(' INPUT'//figure(study%input(k), of_input))
          if (.not. study%table%known(k)) then
-            call text%add(' '//upper_case(failure_at(study, k)))
+            call text%add(' '//failure_at(study, k, small=.false.))
             cycle
          end if
          of_forces = format_of(study%mechanism%has_joint_names(), &
@@ -221,7 +216,7 @@ contains
       do k = 1, size(study%input)
          call text%add(' INPUT'//figure(study%input(k), of_input))
          if (.not. known(k)) then
-            call text%add('  '//upper_case(failure_at(study, k)))
+            call text%add('  '//failure_at(study, k, small=.false.))
             cycle
          end if
          do source = 1, size(study%sources)

@@ -34,7 +34,7 @@ contains
       do k = 1, size(forces%input)
          if (forces%table%known(k) .or. .not. forces%table%closed(k)) cycle   ! what is open is reported with the rates
          reported = reported + 1
-         if (reported <= most_reported) call devices%remark(set, failure_at(forces, k)//' at '// &
+         if (reported <= most_reported) call devices%remark(set, failure_at(forces, k, small=.true.)//' at '// &
                                                     position_words(k, forces%input(k)))
       end do
       if (reported > most_reported) call devices%detail(set, 'and '//to_text(reported - most_reported)// &

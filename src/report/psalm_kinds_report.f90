@@ -11,8 +11,9 @@ module psalm_kinds_report
    use psalm_sketch_text, only: variant_t, variant_of, write_sketch
    use psalm_kinds_group, only: kinds_group_t, kinds_of, weighable
    use psalm_linkage_kinds, only: linkage_kind_t
+   use psalm_number_format, only: figures_of, in_a_row
    use psalm_tables, only: table_t, tables_t, table_of
-   use psalm_text, only: general, rank_column, to_text, upper_case
+   use psalm_text, only: rank_column, to_text, upper_case
    implicit none (type, external)
    private
    public :: report_kinds, report_choice, put_kinds
@@ -122,6 +123,7 @@ contains
       type(kinds_group_t) :: asked
       logical :: left(size(study%kinds)), best(size(choices))
       character(:), allocatable :: line
+      character(15) :: objective(size(study%kinds)), columns(size(choices), 7)
       integer :: place, k
 
       asked = kinds_of(set)
@@ -130,14 +132,14 @@ contains
                            to_text(sum(study%looked%assemblies))//' ASSEMBLIES OF THEM, '//to_text(sum(study%looked%starts))// &
                            ' STARTS IN '//to_text(study%rounds)//' ROUNDS')
       call devices%six%add(' PLACE      OBJECTIVE   LINKS SLIDES ASSEMBLIES  STARTS  HITS   KIND')
+      objective = figures_of(.true., study%looked%best, study%looked%best < none_found, all_count=.true.)
       left = .true.
       do place = 1, size(left)
          k = minloc(study%looked%best, dim=1, mask=left)
          left(k) = .false.
          associate (one => study%looked(k))
-            line = '              -'
-            if (one%best < none_found) line = general(one%best)
-            call devices%six%add(rank_column(place)//line//right_column(study%kinds(k)%graph%n, 8)// &
+            if (one%best >= none_found) objective(k) = '              -'
+            call devices%six%add(rank_column(place)//objective(k)//right_column(study%kinds(k)%graph%n, 8)// &
                                  right_column(study%kinds(k)%slides, 7)// &
                                  right_column(one%assemblies, 11)//right_column(one%starts, 8)//right_column(one%hits, 6)//'   '// &
                                  trim(study%kinds(k)%name)//trim(merge(' (ITS LOOPS COULD NOT BE TRACED)', repeat(' ', 32), &
@@ -159,12 +161,19 @@ contains
       call devices%six%add(' PLACE      RMS ERROR  LARGEST ERROR  TRANSM. ANGLE LONGEST/SHORT.     ROOM WIDTH    ROOM HEIGHT'// &
                            ' SUM OF LENGTHS   LINKS JOINTS   CRANK      PROVEN     KIND')
       best = unbeaten_choices(choices, asked%weighed)
+      associate (of => choices%is)
+         columns(:, 1) = figures_of(.true., of%rms, all_count=.true.)
+         columns(:, 2) = figures_of(.true., of%largest, all_count=.true.)
+         columns(:, 3) = figures_of(.true., of%angle, of%has_angle)
+         where (.not. of%has_angle) columns(:, 3) = '              -'
+         columns(:, 4) = figures_of(.true., of%ratio)
+         columns(:, 5) = figures_of(.true., of%width)
+         columns(:, 6) = figures_of(.true., of%height)
+         columns(:, 7) = figures_of(.true., choices%length)
+      end associate
       do k = 1, size(choices)
          associate (one => choices(k), is => choices(k)%is)
-            line = '              -'
-            if (is%has_angle) line = general(is%angle)
-            line = rank_column(k)//general(is%rms)//general(is%largest)//line//general(is%ratio)//general(is%width)// &
-                   general(is%height)//general(one%length)//right_column(one%links, 8)//right_column(one%joints, 7)//'   '
+            line = rank_column(k)//in_a_row(columns(k, :))//right_column(one%links, 8)//right_column(one%joints, 7)//'   '
             if (is%sliding_input) then
                line = line//'    -     '
             else

@@ -11,9 +11,10 @@ module psalm_margin_list
    use psalm_margins, only: margin_t, is_violated, margin_angle, margin_slides, margin_guide, margin_offset, &
                              margin_clearance, margin_bound, margin_group
    use psalm_mechanism, only: mechanism_t
+   use psalm_number_format, only: figures_of
    use psalm_place, only: beside_t
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
-   use psalm_text, only: text_t, cased, general, to_text
+   use psalm_text, only: text_t, cased, to_text
    use psalm_dimensions, only: dimensions_t
    use psalm_parameters, only: name_of, words_of
    use psalm_shown_input, only: input_at, input_in_turn
@@ -34,6 +35,7 @@ contains
       type(margin_t), intent(in) :: margins(:)
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
+      character(15) :: margin(size(margins)), input(size(margins))
       integer :: i
 
       call text%add()
@@ -46,10 +48,13 @@ contains
          call text%add(' MARGINS OF THE CONSTRAINTS, OVER A FULL TURN')
       end select
       call text%add(' CONSTRAINT                                           MARGIN       AT INPUT')
+      margin = figures_of(problem%mechanism%has_joint_names(), margins%margin)
+      input = figures_of(problem%mechanism%has_joint_names(), &
+                         [(input_of(problem, dimensions, margins(i)), i=1, size(margins))], has_input(margins))
       do i = 1, size(margins)
          line = name_of_margin(set, problem, margins(i), small=.false.)
-         line = ' '//left_column(line, name_columns)//general(margins(i)%margin)
-         if (has_input(margins(i))) line = line//general(input_of(problem, dimensions, margins(i)))
+         line = ' '//left_column(line, name_columns)//margin(i)
+         if (has_input(margins(i))) line = line//input(i)
          if (is_violated(margins(i))) line = line//'  VIOLATED'
          call text%add(line)
       end do

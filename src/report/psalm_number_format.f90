@@ -7,7 +7,7 @@ module psalm_number_format
    use psalm_text, only: general, to_text
    implicit none (type, external)
    private
-   public :: number_format_t, format_of, figure, rounding_error
+   public :: number_format_t, format_of, figure, figures_of, in_a_row, in_sentence, rounding_error
 
    integer, parameter :: seven_digits = -1        !! each number by itself, as the published listings
    integer, parameter :: engineering = -2         !! a multiple of three as exponent
@@ -92,6 +92,67 @@ contains
          if (index(text, 'E') == 0) text = text(1 + format%decimals - kept:)     ! the points stand below each other
       end select
    end function figure
+
+   !> The numbers of a column of a sketch, or of loops, as texts; what is not known is blank.
+   pure function figures_of(named, values, known, all_count) result(texts)
+      logical, intent(in) :: named                  !! joints have names: a sketch
+      real(wp), intent(in) :: values(:)             !! shape (rows)
+      logical, intent(in), optional :: known(:)     !! shape (rows)
+      logical, intent(in), optional :: all_count    !! no number may lose its digits beside the largest; default false
+      character(width) :: texts(size(values))
+      type(number_format_t) :: format
+      integer :: k
+
+      format = format_of(named, values, known)
+      if (present(all_count)) then
+         if (named .and. all_count .and. hides(values)) format%decimals = engineering
+      end if
+      texts = ''
+      do k = 1, size(values)
+         if (present(known)) then
+            if (.not. known(k)) cycle
+         end if
+         texts(k) = figure(values(k), format)
+      end do
+
+   contains
+
+      !> True if decimals by the largest number leave too few digits of the smallest.
+      pure logical function hides(values)
+         real(wp), intent(in) :: values(:)
+         real(wp), parameter :: most_apart = 1.0e4_wp   ! three of seven digits are left
+         real(wp) :: least, most
+         logical :: counted(size(values))
+
+         counted = abs(values) > 0.0_wp .and. abs(values) < huge(1.0_wp)
+         if (present(known)) counted = counted .and. known
+         least = minval(abs(values), mask=counted)
+         most = maxval(abs(values), mask=counted)
+         hides = any(counted)
+         if (hides) hides = most > most_apart*least
+      end function hides
+   end function figures_of
+
+   !> The columns of a row side by side.
+   pure function in_a_row(columns) result(line)
+      character(*), intent(in) :: columns(:)
+      character(len(columns)*size(columns)) :: line
+      integer :: k
+
+      do k = 1, size(columns)
+         line((k - 1)*len(columns) + 1:k*len(columns)) = columns(k)
+      end do
+   end function in_a_row
+
+   !> A number in a sentence of a listing, with a blank before it; of loops in its width of 15 characters.
+   pure function in_sentence(named, value) result(text)
+      logical, intent(in) :: named                  !! joints have names: a sketch
+      real(wp), intent(in) :: value
+      character(:), allocatable :: text
+
+      text = figure(value, format_of(named, [value]))
+      if (named) text = ' '//trim(adjustl(text))
+   end function in_sentence
 
    !> Bound of what rounding makes of a number with a condition number.
    elemental real(wp) function rounding_error(condition, size_of)

@@ -10,6 +10,7 @@ module psalm_proof_list
    use psalm_margin_list, only: name_of_clearance, name_of_limit
    use psalm_markup, only: strings_t, add_string
    use psalm_margins, only: margin_angle, margin_guide, margin_slides
+   use psalm_number_format, only: number_format_t, figure, figures_of, format_of
    use psalm_part_columns, only: add_groups, add_words
    use psalm_proven_margins, only: proven_margin_t
    use psalm_proof, only: proof_t, limit_t, touch_exact, piece_closes, piece_opens, piece_undecided, cause_too_short, &
@@ -21,7 +22,7 @@ module psalm_proof_list
    use psalm_proof_study, only: proof_study_t, kept_t
    use psalm_summary_text, only: name_of_kind
    use psalm_tables, only: table_t, tables_t, table_of
-   use psalm_text, only: text_t, cased, full_precision, general, to_text, upper_case
+   use psalm_text, only: text_t, cased, full_precision, to_text, upper_case
    implicit none (type, external)
    private
    public :: list_proof, put_proof, describe_proof, about_limits, about_extremes
@@ -31,7 +32,7 @@ module psalm_proof_list
    character(*), parameter :: about_limits = 'a row for each part of the range, the brackets between them too'
    character(*), parameter :: about_extremes = 'a row for each quantity: brackets of its extremes; angles in degrees'
 
-   integer, parameter :: quantity_columns = 34, value_columns = 17, place_columns = 15, list_columns = 110
+   integer, parameter :: quantity_columns = 34, value_columns = 17, list_columns = 110
    character(*), parameter :: head_of_ranges = &
       '   QUANTITY                                      LEAST             AT         GREATEST             AT'
    integer, parameter :: name_columns = 39, limit_columns = 42, number_columns = 15
@@ -86,18 +87,18 @@ contains
       type(text_t), intent(inout) :: text
       character(:), allocatable :: name
       character(value_columns) :: least
-      character(number_columns) :: at
+      character(number_columns) :: at(size(study%margins))
       integer :: i
 
       if (size(study%margins) == 0) return
+      at = figures_of(mechanism%has_joint_names(), study%margins%margin%delt)
       call text%add('   MARGIN                                             AT LEAST             AT')
       do i = 1, size(study%margins)
          associate (own => study%margins(i))
             name = name_of_limit(mechanism, own%margin, study%trmin_given, small=.false.)
             name = left_column(name, limit_columns, 0)
             least = shown(own%low, -1)
-            at = general(own%margin%delt)
-            call text%add('   '//name//adjustr(least)//at//'  '//verdict(own))
+            call text%add('   '//name//adjustr(least)//at(i)//'  '//verdict(own))
             if (own%high - own%low > certain*max(abs(own%low), abs(own%high), 1.0_wp)) &
                call text%add('     AT MOST '//shown(own%high, 1))
          end associate
@@ -126,10 +127,12 @@ contains
       type(text_t), intent(inout) :: text
       character(name_columns) :: name
       character(value_columns) :: least
-      character(number_columns) :: at, asked
+      character(number_columns), dimension(size(kept_ones)) :: at, asked
       integer :: i
 
       if (count(kept_ones%nearest%found) == 0) return
+      at = figures_of(set%has_names(), kept_ones%nearest%at, kept_ones%nearest%found)
+      asked = figures_of(set%has_names(), kept_ones%clearance%asked, kept_ones%nearest%found)
       call text%add('   CLEARANCE                                       AT LEAST             AT            ASKED')
       do i = 1, size(kept_ones)
          associate (kept => kept_ones(i), nearest => kept_ones(i)%nearest)
@@ -137,9 +140,7 @@ contains
             name = name_of_clearance(set, kept%clearance, small=.false.)
             least = shown(nearest%low, -1)
             if (nearest%low <= -huge(1.0_wp)) least = 'NOT BOUNDED'
-            at = general(nearest%at)
-            asked = general(kept%clearance%asked)
-            call text%add('   '//name//adjustr(least)//at//'  '//adjustr(asked)//'  '//verdict(kept))
+            call text%add('   '//name//adjustr(least)//at(i)//'  '//asked(i)//'  '//verdict(kept))
             if (nearest%high - nearest%low > certain*max(abs(nearest%low), abs(nearest%high), 1.0_wp)) &
                call text%add('     AT MOST '//shown(nearest%high, 1))
          end associate
@@ -181,34 +182,37 @@ contains
       type(mechanism_t), intent(in) :: mechanism
       type(proof_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
+      type(number_format_t) :: of_places
       integer :: i
 
       if (count(study%extremes%found) == 0) return
+      associate (of => study%extremes)
+         of_places = format_of(mechanism%has_joint_names(), [of%least_at, of%greatest_at], [of%found, of%found])
+      end associate
       call text%add(head_of_ranges)
       do i = 1, size(study%extremes)
          associate (extreme => study%extremes(i))
             if (extreme%found) call list_range(extreme_name(mechanism, extreme, small=.false.), &
                                                [extreme%least_low, extreme%greatest_low], &
                                                [extreme%least_high, extreme%greatest_high], &
-                                               [extreme%least_at, extreme%greatest_at], text)
+                                               [extreme%least_at, extreme%greatest_at], of_places, text)
          end associate
       end do
    end subroutine list_extremes
 
    !> Least and greatest value of a quantity, each by the outer end of its bracket, rounded outwards, and where it is.
-   subroutine list_range(name, low, high, at, text)
+   subroutine list_range(name, low, high, at, format, text)
       character(*), intent(in) :: name
       real(wp), intent(in) :: low(2), high(2)  !! brackets of the least, of the greatest value
       real(wp), intent(in) :: at(2)            !! inputs, or positions
+      type(number_format_t), intent(in) :: format   !! of them
       type(text_t), intent(inout) :: text
       character(value_columns) :: least, greatest
-      character(place_columns) :: places(2)
 
       least = shown(low(1), -1)
       greatest = shown(high(2), 1)
-      places(1) = general(at(1))
-      places(2) = general(at(2))
-      call text%add('   '//left_column(name, quantity_columns, 0)//adjustr(least)//places(1)//adjustr(greatest)//places(2))
+      call text%add('   '//left_column(name, quantity_columns, 0)//adjustr(least)//figure(at(1), format)// &
+                    adjustr(greatest)//figure(at(2), format))
       if (is_wide(low(1), high(1))) call text%add('     LEAST NOT ABOVE '//shown(high(1), 1))
       if (is_wide(low(2), high(2))) call text%add('     GREATEST NOT BELOW '//shown(low(2), -1))
 

@@ -6,6 +6,7 @@ module psalm_ranking_list
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, degrees_per_radian
+   use psalm_number_format, only: figures_of, in_a_row
    use psalm_output_wishes, only: wish_group_t, wish_groups, first_wish
    use psalm_parameters, only: name_of, words_of
    use psalm_ranking, only: ranked_t
@@ -13,14 +14,15 @@ module psalm_ranking_list
    use psalm_search_group, only: pareto_none, pareto_largest, pareto_angle, pareto_ratio, pareto_room, pareto_band
    use psalm_summary_text, only: plain_number
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
-   use psalm_text, only: text_t, general, rank_column, to_text, upper_case
+   use psalm_text, only: text_t, rank_column, to_text
    implicit none (type, external)
    private
    public :: ranking_entry_t, list_ranking, put_ranking, bounds_reached, add_to_ranking, add_share, list_common_ranking
 
    character(*), parameter :: heads = &
       '      RMS ERROR  LARGEST ERROR  TRANSM. ANGLE LONGEST/SHORT.     ROOM WIDTH    ROOM HEIGHT TOLERANCE BAND'
-   character(*), parameter :: none = '              -'   !! in a column of `general`
+   character(*), parameter :: none = '              -'   !! in a column of numbers
+   integer, parameter :: quality_columns = 7              !! of `heads`
    real(wp), parameter :: at_bound = 1.0e-6_wp            !! relative distance from a bound that is reached
    real(wp), parameter :: percent = 100.0_wp
 
@@ -29,6 +31,7 @@ module psalm_ranking_list
    type :: ranking_entry_t
       character(title_width) :: title = ''    !! of its case
       integer :: rank = 0                     !! in its case
+      logical :: named = .false.              !! its joints have names: a sketch
       real(wp) :: objective = 0.0_wp
       type(ranked_t) :: is
    end type ranking_entry_t
@@ -44,27 +47,32 @@ contains
       type(text_t), intent(inout) :: text
       type(wish_group_t), allocatable :: groups(:)
       character(:), allocatable :: line
+      character(15) :: first(size(ranked), 5), qualities(size(ranked), quality_columns)
       integer :: i
 
+      associate (named => set%has_names(), best => found%best(:size(ranked)))
+         first(:, 1) = figures_of(named, best%objective, all_count=.true.)
+         first(:, 2) = figures_of(named, ranked%angle_margin)
+         first(:, 3) = figures_of(named, ranked%length_margin)
+         first(:, 4) = figures_of(named, ranked%longest_arc)
+         first(:, 5) = figures_of(named, best%distance)
+         qualities = qualities_of(named, ranked)
+      end associate
       call text%add()
       call text%add(' LINKAGES FOUND (DEVICE 7 HAS THEM ALL)')
       call text%add('  RANK      OBJECTIVE  ANGLE MARGIN LENGTH MARGIN    LONGEST ARC LARGEST CHANGE   START')
       do i = 1, size(ranked)
          line = to_text(found%best(i)%start)
          if (found%best(i)%start < 0) line = 'SUPPLIED '//to_text(-found%best(i)%start)
-         call text%add(rank_column(i)//general(found%best(i)%objective)//general(ranked(i)%angle_margin)// &
-                       general(ranked(i)%length_margin)//general(ranked(i)%longest_arc)//general(found%best(i)%distance)// &
-                       '   '//line)
+         call text%add(rank_column(i)//in_a_row(first(i, :))//'   '//line)
       end do
       call text%add('  RANK'//heads//'   CRANK')
       do i = 1, size(ranked)
-         associate (one => ranked(i))
-            call text%add(rank_column(i)//quality(one)//'   '//turning(one))
-         end associate
+         call text%add(rank_column(i)//in_a_row(qualities(i, :))//'   '//turning(ranked(i)))
       end do
       if (problem%blank) then
          groups = wish_groups(set%sketch)
-         call text%add(' ERRORS ARE THOSE OF '//upper_case(trim(groups(first_wish(groups))%name)))
+         call text%add(' ERRORS ARE THOSE OF '//trim(groups(first_wish(groups))%name))
       end if
       call text%add(' LINKAGES DIFFER WHERE A LENGTH DOES BY MORE THAN '//plain_number(percent*set%search%differ)// &
                     ' PER CENT OF IT, OR AN ANGLE BY MORE THAN '//plain_number(degrees_per_radian*set%search%differ)// &
@@ -76,14 +84,22 @@ contains
       if (any(found%by_default)) call list_default_bounds(set, problem, found, text)
    end subroutine list_ranking
 
-   !> What a linkage is like, in columns under `heads`.
-   pure function quality(one) result(columns)
-      type(ranked_t), intent(in) :: one
-      character(:), allocatable :: columns
+   !> What linkages are like, in columns under `heads`; `none` if it is not known, a band at a dead point is infinite.
+   pure function qualities_of(named, ranked) result(texts)
+      logical, intent(in) :: named                       !! joints have names: sketches
+      type(ranked_t), intent(in) :: ranked(:)
+      character(15) :: texts(size(ranked), quality_columns)
 
-      columns = number(one%rms, one%compared)//number(one%largest, one%compared)//number(one%angle, one%has_angle)// &
-                number(one%ratio, .true.)//number(one%width, .true.)//number(one%height, .true.)//number(one%band, one%has_band)
-   end function quality
+      texts(:, 1) = figures_of(named, ranked%rms, ranked%compared, all_count=.true.)
+      texts(:, 2) = figures_of(named, ranked%largest, ranked%compared, all_count=.true.)
+      texts(:, 3) = figures_of(named, ranked%angle, ranked%has_angle)
+      texts(:, 4) = figures_of(named, ranked%ratio)
+      texts(:, 5) = figures_of(named, ranked%width)
+      texts(:, 6) = figures_of(named, ranked%height)
+      texts(:, 7) = figures_of(named, ranked%band, ranked%has_band)
+      where (ranked%has_band .and. ranked%band >= huge(1.0_wp)) texts(:, 7) = '       INFINITE'
+      where (texts == '') texts = none
+   end function qualities_of
 
    pure function turning(one) result(words)
       type(ranked_t), intent(in) :: one
@@ -109,6 +125,7 @@ contains
       do i = 1, size(ranked)
          more(before + i)%title = set%title
          more(before + i)%rank = i
+         more(before + i)%named = set%has_names()
          more(before + i)%objective = found%best(i)%objective
          more(before + i)%is = ranked(i)
       end do
@@ -129,8 +146,11 @@ contains
       type(text_t), intent(in) :: shares                 !! by `add_share`; empty: each had its own
       type(text_t), intent(inout) :: text
       logical :: left(size(entries))
+      character(15) :: objective(size(entries)), qualities(size(entries), quality_columns)
       integer :: place, i
 
+      objective = figures_of(all(entries%named), entries%objective, all_count=.true.)
+      qualities = qualities_of(all(entries%named), entries%is)
       call text%add()
       call text%add(' RANKING OF ALL CASES')
       call text%add(' PLACE      OBJECTIVE'//heads//'   CRANK      CASE, RANK IN IT')
@@ -139,7 +159,7 @@ contains
          i = minloc(entries%objective, dim=1, mask=left)
          left(i) = .false.
          associate (one => entries(i))
-            call text%add(rank_column(place)//general(one%objective)//quality(one%is)//'   '// &
+            call text%add(rank_column(place)//objective(i)//in_a_row(qualities(i, :))//'   '// &
                           padded(turning(one%is))//'   '//trim(adjustl(one%title))//', '//to_text(one%rank))
          end associate
       end do
@@ -199,18 +219,6 @@ contains
       if (len(words) > 0) words = 'at the bound that holds where none is given: '//words//'; set '// &
                                    set%bound_items(' and ')
    end function bounds_reached
-
-   !> A number in its column, `none` if it is not known; a band at a dead point is infinite.
-   pure function number(value, known) result(column)
-      real(wp), intent(in) :: value
-      logical, intent(in) :: known
-      character(15) :: column
-
-      column = none
-      if (.not. known) return
-      column = general(value)
-      if (value >= huge(value)) column = '       INFINITE'
-   end function number
 
    pure function weighed(pareto) result(words)
       integer, intent(in) :: pareto

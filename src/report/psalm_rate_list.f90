@@ -8,14 +8,16 @@ module psalm_rate_list
    use psalm_group_words, only: arc_heading, group_heading, group_words
    use psalm_input_text, only: input_heading, input_text, list_sketch_notes
    use psalm_kinds, only: wp
-   use psalm_number_format, only: number_format_t, format_of, figure
+   use psalm_number_format, only: number_format_t, format_of, figure, in_sentence
    use psalm_output_kind, only: motion_point, motion_pose
    use psalm_rate_study, only: rate_study_t, arc_rates_t, output_at_origin
-   use psalm_text, only: text_t, general, to_text
+   use psalm_text, only: text_t, to_text
    use psalm_mechanism, only: mechanism_t
    implicit none (type, external)
    private
    public :: list_rates, list_all_rates, dead_point_words
+
+   real(wp), parameter :: least_ratio = sqrt(tiny(1.0_wp))   !! of velocities: at a smaller one the force is infinite
 
 contains
 
@@ -32,7 +34,7 @@ contains
                     ': LENGTH AND ANGLE, THEIR FIRST AND SECOND DERIVATIVES BY TIME (RADIANS)')
       do k = 1, size(rates%dead)
          call text%add()
-         call text%add(' INPUT'//general(rates%motion%input(k)))
+         call text%add(' INPUT'//in_sentence(problem%mechanism%has_joint_names(), rates%motion%input(k)))
          if (.not. rates%motion%closed(k) .or. rates%dead(k) /= 0) then
             line = ' DEAD POINT'
             if (.not. rates%motion%closed(k)) line = open_words(rates%motion, k)
@@ -106,9 +108,9 @@ contains
       type(rate_study_t), intent(in) :: rates
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line, name
-      type(number_format_t) :: of_input, of_speed, of_ratio
+      type(number_format_t) :: of_input, of_speed, of_ratio, of_advantage
       type(number_format_t) :: of_actual(size(rates%motion%actual, 2)), of_rates(3, size(rates%motion%actual, 2))
-      logical :: live(size(rates%dead))
+      logical, dimension(size(rates%dead)) :: live, finite
       integer :: k, c, order
 
       call text%add(' '//set%title)
@@ -121,8 +123,9 @@ contains
       else if (abs(set%rates%accel) <= 0.0_wp) then
          name = ' (CONSTANT)'
       end if
-      call text%add(' SPEED OF THE INPUT'//general(set%rates%speed)//' '//line//name)
-      if (abs(set%rates%accel) > 0.0_wp) call text%add(' ACCELERATION OF THE INPUT'//general(set%rates%accel)//' '//line//'**2')
+      call text%add(' SPEED OF THE INPUT'//in_sentence(set%has_names(), set%rates%speed)//' '//line//name)
+      if (abs(set%rates%accel) > 0.0_wp) call text%add(' ACCELERATION OF THE INPUT'// &
+                                                         in_sentence(set%has_names(), set%rates%accel)//' '//line//'**2')
       if (abs(set%rates%accel) > 0.0_wp) call text%add(' THE SPEED IS THE SAME AT EVERY POSITION, THE ACCELERATION TOO')
       if (problem%output%kind%angle > 0 .or. problem%mechanism%outputs(1)%stands_in) &
          call text%add(' ANGLES IN DEGREES, THEIR RATES IN RADIANS')
@@ -149,7 +152,11 @@ contains
             end do
          end do
          if (size(of_actual) > 1) of_speed = format_of(named, hypotenuse(by_time(1, 1, :), by_time(1, 2, :)), live)
-         if (size(of_actual) == 1) of_ratio = format_of(named, rates%by_input(1, 1, :), live)
+         if (size(of_actual) == 1) then
+            of_ratio = format_of(named, rates%by_input(1, 1, :), live)
+            finite = live .and. abs(rates%by_input(1, 1, :)) > least_ratio
+            of_advantage = format_of(named, 1.0_wp/merge(rates%by_input(1, 1, :), 1.0_wp, finite), finite)
+         end if
       end associate
       do k = 1, size(rates%motion%input)
          line = input_text(problem%mechanism, rates%motion%input(k), of_input)
@@ -173,8 +180,8 @@ contains
          else
             line = line//figure(rates%motion%actual(k, 1), of_actual(1))//three(rates%by_time(1:3, 1, k), of_rates(:, 1))// &
                    figure(rates%by_input(1, 1, k), of_ratio)
-            if (abs(rates%by_input(1, 1, k)) > tiny(1.0_wp)**0.5_wp) then
-               line = line//general(1.0_wp/rates%by_input(1, 1, k))
+            if (abs(rates%by_input(1, 1, k)) > least_ratio) then
+               line = line//figure(1.0_wp/rates%by_input(1, 1, k), of_advantage)
             else
                line = line//'       INFINITE'
             end if

@@ -470,7 +470,7 @@ contains
       end if
       if (set%has_stand_in()) call list_sample(mechanism, result%sample, devices%six)
       if (allocated(result%adjustments)) then
-         call list_adjustments(result%linear, result%adjustments, set%toler%outtol, devices%six)
+         call list_adjustments(set%has_names(), result%linear, result%adjustments, set%toler%outtol, devices%six)
          call put_adjustments(result%linear, result%adjustments, devices%cases(devices%last_case()))
       end if
       if (any(result%linear%dead)) call devices%remark(set, 'dead point at position '// &
@@ -511,7 +511,7 @@ contains
          end if
          return
       end if
-      call list_allocation(result, devices%six)
+      call list_allocation(set%has_names(), result, devices%six)
       call put_allocation(sliding_input, result, devices%cases(devices%last_case()))
       if (result%trials == 0) return
       if (result%sample%trials < result%trials) call devices%remark(set, &
@@ -573,6 +573,6 @@ contains
       call put_machine(machine, devices%cases(devices%last_case()))
       if (machine%is_complete()) return
       call devices%note_violation()
-      call devices%remark(set, 'motion from torque: '//lower_case(cycle_words(machine)))
+      call devices%remark(set, 'motion from torque: '//lower_case(cycle_words(set%has_names(), machine)))
    end subroutine report_machine
 end module psalm_report

@@ -3,12 +3,13 @@ module psalm_spring_list
    use psalm_columns, only: left_column, right_column
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
+   use psalm_number_format, only: figures_of, in_a_row, in_sentence
    use psalm_place, only: place_t
    use psalm_spring_design_group, only: spring_design_group_t, spring_design_of, criterion_range, criterion_rms
    use psalm_spring_exact, only: exact_distance_varies, exact_possible
    use psalm_spring_study, only: spring_study_t, spring_result_t
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
-   use psalm_text, only: text_t, general, to_text
+   use psalm_text, only: text_t, to_text
    use psalm_weight_text, only: place_words, write_places, write_reals
    implicit none (type, external)
    private
@@ -25,8 +26,11 @@ contains
       type(text_t), intent(inout) :: text
       type(spring_design_group_t) :: group
       character(:), allocatable :: what, line
-      integer :: k
+      character(15), allocatable :: columns(:, :)
+      logical :: named
+      integer :: i, j, k
 
+      named = set%has_names()
       group = spring_design_of(set)
       what = 'GREATEST AMOUNT'
       if (group%criterion == criterion_range) what = 'RANGE'
@@ -43,46 +47,57 @@ contains
          end if
          return
       end if
-      call text%add(' BEFORE'//general(study%before)//'   AFTER'//general(study%after))
+      call text%add(' BEFORE'//in_sentence(named, study%before)//'   AFTER'//in_sentence(named, study%after))
       if (group%exact) then
          call text%add(' ZERO FREE LENGTH, EXACT AT SIX CRANK ANGLES, EQUAL ERRORS BETWEEN THEM; THE BEST OF '// &
                        to_text(size(study%phases)/2)//' PHASES')
       else if (study%search%convex) then
-         call text%add(' GLOBAL OPTIMUM FOR THESE PLACES: LOWER BOUND'//general(study%search%bound)//'   DUALITY GAP'// &
-                       general(study%search%gap)//'   RESIDUAL'//general(study%search%residual))
+         call text%add(' GLOBAL OPTIMUM FOR THESE PLACES: LOWER BOUND'//in_sentence(named, study%search%bound)// &
+                       '   DUALITY GAP'//in_sentence(named, study%search%gap)//'   RESIDUAL'// &
+                       in_sentence(named, study%search%residual))
       else
          call text%add(' LOCAL OPTIMUM, THE BEST OF '//to_text(study%search%starts)//' STARTS, '// &
                        to_text(study%search%ended_here)//' OF WHICH ENDED SO LOW')
       end if
       line = ' SPRING FROM ARC LOOP              X              Y TO ARC LOOP              X              Y'
-      if (set%has_names()) line = ' SPRING   '//left_column('FROM', place_columns, 0)//'              X              Y   '// &
+      if (named) line = ' SPRING   '//left_column('FROM', place_columns, 0)//'              X              Y   '// &
                                   left_column('TO', place_columns, 0)//'              X              Y'
       call text%add(line)
-      do k = 1, size(study%springs)
-         associate (of => study%springs(k))
-            call text%add(right_column(k, 7)//named(set, of%ends(1))//general(of%at(1, 1))//general(of%at(2, 1))// &
-                          named(set, of%ends(2))//general(of%at(1, 2))//general(of%at(2, 2)))
-         end associate
-      end do
-      call text%add(' SPRING      STIFFNESS    FREE LENGTH       SHORTEST        LONGEST  GREATEST PULL')
-      do k = 1, size(study%springs)
-         associate (of => study%springs(k))
-            call text%add(right_column(k, 7)//general(of%stiffness)//general(of%free)//general(of%shortest)// &
-                          general(of%longest)//general(of%pull))
-         end associate
-      end do
-      if (.not. study%coil_rate > 0.0_wp) return
-      call text%add(' COIL OF STIFFNESS'//general(study%coil_rate)//'   WAHL''S FACTOR'//general(study%wahl))
-      call text%add(' SPRING          COILS     STRESS, PA    HELIX ANGLE')
-      do k = 1, size(study%springs)
-         associate (of => study%springs(k))
-            call text%add(right_column(k, 7)//general(of%coils)//general(of%stress)//general(of%helix))
-         end associate
-      end do
+      allocate (columns(size(study%springs), 5))
+      associate (of => study%springs)
+         do j = 1, 2
+            do i = 1, 2
+               columns(:, 2*(j - 1) + i) = figures_of(named, [(of(k)%at(i, j), k=1, size(of))])
+            end do
+         end do
+         do k = 1, size(of)
+            call text%add(right_column(k, 7)//place_text(set, of(k)%ends(1))//columns(k, 1)//columns(k, 2)// &
+                          place_text(set, of(k)%ends(2))//columns(k, 3)//columns(k, 4))
+         end do
+         call text%add(' SPRING      STIFFNESS    FREE LENGTH       SHORTEST        LONGEST  GREATEST PULL')
+         columns(:, 1) = figures_of(named, of%stiffness)
+         columns(:, 2) = figures_of(named, of%free)
+         columns(:, 3) = figures_of(named, of%shortest)
+         columns(:, 4) = figures_of(named, of%longest)
+         columns(:, 5) = figures_of(named, of%pull)
+         do k = 1, size(of)
+            call text%add(right_column(k, 7)//in_a_row(columns(k, :)))
+         end do
+         if (.not. study%coil_rate > 0.0_wp) return
+         call text%add(' COIL OF STIFFNESS'//in_sentence(named, study%coil_rate)//'   WAHL''S FACTOR'// &
+                       in_sentence(named, study%wahl))
+         call text%add(' SPRING          COILS     STRESS, PA    HELIX ANGLE')
+         columns(:, 1) = figures_of(named, of%coils)
+         columns(:, 2) = figures_of(named, of%stress)
+         columns(:, 3) = figures_of(named, of%helix)
+         do k = 1, size(of)
+            call text%add(right_column(k, 7)//in_a_row(columns(k, :3)))
+         end do
+      end associate
    end subroutine list_springs
 
    !> Where the end of a spring is counted from: an arc, or a link and its joints.
-   pure function named(set, place) result(text)
+   pure function place_text(set, place) result(text)
       type(data_set_t), intent(in) :: set
       type(place_t), intent(in) :: place
       character(:), allocatable :: text
@@ -92,7 +107,7 @@ contains
          return
       end if
       text = right_column(merge(-place%arc, place%arc, place%from_start), 7)//right_column(place%loop, 5)
-   end function named
+   end function place_text
 
    !> Tables: the springs found, the load before and after, the springs of all phases.
    subroutine put_springs(study, tables)

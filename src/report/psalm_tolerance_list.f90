@@ -2,16 +2,17 @@
 module psalm_tolerance_list
    use psalm_column_names, only: closed_name, input_name, input_unit, number_unit, output_name, output_unit, per_time, &
                                  plotted_output, position_name
-   use psalm_columns, only: left_column, in_words
+   use psalm_columns, only: left_column
    use psalm_elementary, only: hypotenuse
    use psalm_input_text, only: angle_text
    use psalm_group_words, only: group_heading
    use psalm_kinds, only: wp
+   use psalm_number_format, only: figures_of, format_of, in_sentence
    use psalm_output_kind, only: output_kind_t
    use psalm_sketch, only: sketch_t
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_mechanism, only: mechanism_t
-   use psalm_text, only: text_t, general, to_text, upper_case
+   use psalm_text, only: text_t, to_text
    use psalm_tolerance, only: tolerance_t, sample_t, names_of_tolerances
    use psalm_parameters, only: name_of, words_of
    implicit none (type, external)
@@ -19,6 +20,8 @@ module psalm_tolerance_list
    public :: list_tolerances, list_sample, put_tolerances, list_output_bands, put_output_bands
 
    integer, parameter :: name_length = 120   !! characters of a name in a table
+   integer, parameter :: band_columns = 6    !! two bands, what the sample deviated in four numbers
+   character(*), parameter :: dead_words = '   DEAD POINT: THE EFFECTS ARE INFINITE'
 
 contains
 
@@ -29,26 +32,30 @@ contains
       type(sample_t), intent(in) :: sample
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
-      real(wp), allocatable :: size_of(:)
+      character(15) :: input(size(linear%dead))
+      character(15), allocatable :: tolerance(:), effect(:), bands(:, :, :)
+      real(wp), allocatable :: size_of(:), amount(:)
+      integer, allocatable :: worst(:)
       type(output_kind_t) :: kind
-      integer :: v, i, k, worst
+      integer :: v, i, k
 
       kind = linear%kind
+      allocate (amount(size(linear%tolerance)), worst(size(linear%tolerance)))
+      do v = 1, size(linear%tolerance)
+         size_of = abs(linear%effect(:, v, 1))
+         if (kind%components > 1) size_of = hypotenuse(linear%effect(:, v, 1), linear%effect(:, v, 2))
+         worst(v) = maxloc(size_of, dim=1)
+         amount(v) = size_of(worst(v))
+         if (kind%components == 1) amount(v) = linear%effect(worst(v), v, 1)
+      end do
+      tolerance = figures_of(mechanism%has_joint_names(), linear%tolerance)
+      effect = figures_of(mechanism%has_joint_names(), amount)
       call text%add()
       call text%add(' EFFECT OF TOLERANCES ON THE OUTPUT')
       call text%add(' DIMENSION                          TOLERANCE  LARGEST EFFECT  AT POSITION')
       do v = 1, size(linear%tolerance)
-         size_of = abs(linear%effect(:, v, 1))
-         if (kind%components > 1) size_of = hypotenuse(linear%effect(:, v, 1), linear%effect(:, v, 2))
-         worst = maxloc(size_of, dim=1)
-         line = ' '//name_of(linear%variables(v))
-         line = left_column(line, 30)//general(linear%tolerance(v))
-         if (kind%components > 1) then
-            line = line//' '//general(size_of(worst))
-         else
-            line = line//' '//general(linear%effect(worst, v, 1))
-         end if
-         call text%add(line//'    '//to_text(worst))
+         line = left_column(' '//name_of(linear%variables(v)), 30)//tolerance(v)//' '//effect(v)
+         call text%add(line//'    '//to_text(worst(v)))
       end do
       call text%add()
       if (kind%components == 2) then
@@ -59,17 +66,20 @@ contains
          call text%add(' BANDS OF THE OUTPUT (+-), AND WHAT THE SAMPLE DEVIATED')
       end if
       call text%add(head_of_bands(sample))
-      do i = 1, size(linear%worst, 1)
-         line = input_of(linear, i)
+      input = inputs_of(mechanism%has_joint_names(), linear)
+      allocate (bands(size(linear%dead), band_columns, kind%components))
+      do k = 1, kind%components
+         bands(:, :, k) = bands_of(mechanism%has_joint_names(), linear%worst(:, k), linear%square(:, k), linear%dead, sample, k)
+      end do
+      do i = 1, size(linear%dead)
+         line = input(i)
          if (linear%dead(i)) then
-            call text%add(line//'   DEAD POINT: THE EFFECTS ARE INFINITE')
+            call text%add(line//dead_words)
             cycle
          end if
          do k = 1, kind%components
             if (k > 1) line = repeat(' ', 15)
-            line = line//general(linear%worst(i, k))//' '//general(linear%square(i, k))
-            if (sample%any_closed) line = line//sample_text(sample, i, k)
-            call text%add(line)
+            call text%add(line//band_line(bands(i, :, k), sample))
          end do
       end do
       call list_sample(mechanism, sample, text)
@@ -99,27 +109,48 @@ contains
       if (sample%any_closed) line = line//'         LOWEST        HIGHEST           MEAN   STD.DEVIATION'
    end function head_of_bands
 
-   !> What the sample deviated in a column.
-   pure function sample_text(sample, position, k) result(text)
+   !> The numbers of the columns of `head_of_bands` behind the input.
+   pure function bands_of(named, worst, square, dead, sample, k) result(texts)
+      logical, intent(in) :: named                  !! joints have names: a sketch
+      real(wp), intent(in) :: worst(:), square(:)   !! shape (positions)
+      logical, intent(in) :: dead(:)                !! shape (positions)
       type(sample_t), intent(in) :: sample
-      integer, intent(in) :: position, k
-      character(:), allocatable :: text
+      integer, intent(in) :: k                      !! component of the sample
+      character(15) :: texts(size(dead), band_columns)
 
-      text = general(sample%low(position, k))//general(sample%high(position, k))//general(sample%mean(position, k))//' '// &
-             general(sample%deviation(position, k))
-   end function sample_text
+      texts = ''
+      texts(:, 1) = figures_of(named, worst, .not. dead)
+      texts(:, 2) = figures_of(named, square, .not. dead)
+      if (.not. sample%any_closed) return
+      texts(:, 3) = figures_of(named, sample%low(:, k), .not. dead)
+      texts(:, 4) = figures_of(named, sample%high(:, k), .not. dead)
+      texts(:, 5) = figures_of(named, sample%mean(:, k), .not. dead)
+      texts(:, 6) = figures_of(named, sample%deviation(:, k), .not. dead)
+   end function bands_of
 
-   !> An input in its column; of a crank that is drawn it counts from the drawing, over as many turns as are asked for.
-   pure function input_of(linear, position) result(text)
+   !> A row of them.
+   pure function band_line(texts, sample) result(line)
+      character(*), intent(in) :: texts(:)          !! shape (columns)
+      type(sample_t), intent(in) :: sample
+      character(:), allocatable :: line
+
+      line = texts(1)//' '//texts(2)
+      if (sample%any_closed) line = line//texts(3)//texts(4)//texts(5)//' '//texts(6)
+   end function band_line
+
+   !> Inputs in their column; of a crank that is drawn they count from the drawing, over as many turns as are asked for.
+   pure function inputs_of(named, linear) result(texts)
+      logical, intent(in) :: named                  !! joints have names: a sketch
       type(tolerance_t), intent(in) :: linear
-      integer, intent(in) :: position
-      character(15) :: text
+      character(15) :: texts(size(linear%dead))
+      integer :: i
 
-      associate (input => linear%nominal%input(position))
-         text = angle_text(input)
-         if (allocated(linear%nominal%crank)) text = general(input)
+      associate (input => linear%nominal%input(:size(linear%dead)))
+         texts = figures_of(named, input)
+         if (.not. allocated(linear%nominal%crank)) &
+            texts = [(angle_text(input(i), format_of(named, input)), i=1, size(input))]
       end associate
-   end function input_of
+   end function inputs_of
 
    !> Bands of all outputs of a sketch, and the dimension that has the largest effect on each.
    subroutine list_output_bands(sketch, linear, sample, text)
@@ -129,8 +160,10 @@ contains
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
       character(name_length), allocatable :: dimensions(:)
+      character(15) :: input(size(linear%dead)), columns(size(linear%dead), band_columns)
       integer :: n, i
 
+      input = inputs_of(.true., linear)
       dimensions = names_of_tolerances(sketch, linear%variables, linear%bands%apart)
       call text%add()
       if (sample%any_closed) then
@@ -141,22 +174,19 @@ contains
       associate (bands => linear%bands)
          do n = 1, size(bands%names)
             if (.not. bands%known(n)) then
-               call text%add(' '//upper_case(trim(bands%names(n)))//' IS A RATIO OF RATES, FOR WHICH NO BANDS ARE FOUND')
+               call text%add(' '//trim(bands%names(n))//' IS A RATIO OF RATES, FOR WHICH NO BANDS ARE FOUND')
                cycle
             end if
-            line = ' '//upper_case(trim(bands%names(n)))//': THE LARGEST EFFECT, '
-            line = line//in_words(maxval(bands%effect(:, n)))
+            line = ' '//trim(bands%names(n))//': THE LARGEST EFFECT,'//in_sentence(.true., maxval(bands%effect(:, n)))
             call text%add(line//', IS THAT OF '//trim(dimensions(maxloc(bands%effect(:, n), dim=1))))
             call text%add(head_of_bands(sample))
-            do i = 1, size(bands%worst, 1)
-               line = input_of(linear, i)
+            columns = bands_of(.true., bands%worst(:, n), bands%square(:, n), linear%dead, sample, linear%kind%components + n)
+            do i = 1, size(linear%dead)
                if (linear%dead(i)) then
-                  line = line//'   DEAD POINT: THE EFFECTS ARE INFINITE'
+                  call text%add(input(i)//dead_words)
                else
-                  line = line//general(bands%worst(i, n))//' '//general(bands%square(i, n))
-                  if (sample%any_closed) line = line//sample_text(sample, i, linear%kind%components + n)
+                  call text%add(input(i)//band_line(columns(i, :), sample))
                end if
-               call text%add(line)
             end do
          end do
       end associate

@@ -1,12 +1,13 @@
 !> What further outputs of a sketch do, beside what is desired of them.
 module psalm_wish_list
    use psalm_column_names, only: position_name
+   use psalm_columns, only: left_column
    use psalm_columns, only: in_words
    use psalm_kinds, only: wp
    use psalm_number_format, only: number_format_t, format_of, figure
    use psalm_output_wishes, only: output_wishes_t, sum_of_wish_errors
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
-   use psalm_text, only: text_t, upper_case
+   use psalm_text, only: text_t
    implicit none (type, external)
    private
    public :: list_output_wishes, put_output_wishes
@@ -20,7 +21,7 @@ contains
       type(output_wishes_t), intent(in) :: wishes
       logical, intent(in) :: alone               !! there are no other desired values
       type(text_t), intent(inout) :: text
-      character(name_columns) :: name
+      character(:), allocatable :: name
       character(9) :: position
       type(number_format_t) :: of_desired, of_actual, of_error
       integer :: k, i
@@ -29,7 +30,7 @@ contains
       call text%add(trim(merge(' DESIRED VALUES OF OUTPUTS        ', ' DESIRED VALUES OF FURTHER OUTPUTS', alone)))
       call text%add('  OUTPUT                         POSITION        DESIRED         ACTUAL          ERROR')
       do k = 1, size(wishes%miss, 2)
-         name = upper_case(trim(wishes%names(k)))
+         name = left_column(trim(wishes%names(k)), name_columns, 0)
          associate (desired => wishes%problem%wish_values(:size(wishes%miss, 1), k), miss => wishes%miss(:, k), &
                     weighs => wishes%problem%wish_weights(:size(wishes%miss, 1), k) > 0.0_wp)
             of_desired = format_of(.true., desired, weighs)

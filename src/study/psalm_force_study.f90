@@ -19,7 +19,7 @@ module psalm_force_study
    private
    public :: force_study_t, find_forces
 
-   integer, parameter :: name_width = 40, part_width = 100
+   integer, parameter :: name_width = 40
    real(wp), parameter :: nothing = 64.0_wp*epsilon(1.0_wp) !! part of the largest value: a mean or harmonic below it is rounding
    real(wp), parameter :: even = 1.0e-9_wp     !! degrees; positions so near an even step divide the turn evenly
 
@@ -50,7 +50,6 @@ module psalm_force_study
       type(force_joint_t), allocatable :: joints(:)
       character(name_width), allocatable :: drives(:) !! names, if there are several
       logical, allocatable :: drive_slides(:)  !! shape (drives): the drive is a force
-      character(part_width), allocatable :: parts(:) !! by the number that `table%dead` has: what is at a dead point
       type(force_table_t) :: table
       real(wp), allocatable :: input(:)        !! shape (positions): degrees in a turn, or length
       real(wp), allocatable :: about(:)        !! shape (positions): frame moment about MOMX, MOMY
@@ -94,8 +93,7 @@ contains
       call make_force_model(set, study%mechanism, dimensions, study%model, unused)
       study%rubs = size(study%model%friction) > 0
       study%drive_slides = study%mechanism%actuators%slides
-      allocate (study%joints(size(study%mechanism%joints)), study%parts(study%mechanism%nloop), &
-                study%drives(size(study%mechanism%actuators)))
+      allocate (study%joints(size(study%mechanism%joints)), study%drives(size(study%mechanism%actuators)))
       study%drives = ''
       do k = 1, size(set%sketch%drives)
          study%drives(k) = set%sketch%drive_label(k)
@@ -103,9 +101,6 @@ contains
       do k = 1, size(study%joints)
          study%joints(k)%name = study%mechanism%joints(k)%name
          study%joints(k)%slides = study%mechanism%joints(k)%kind == joint_prismatic
-      end do
-      do k = 1, size(study%parts)
-         study%parts(k) = 'loop '//to_text(k)
       end do
       call problem%want_derivatives(.true., vertices_of(study%mechanism))
       every_loop = .false.

@@ -19,6 +19,7 @@ import tempfile
 import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
+import results
 from tally import check, report
 
 BIN = os.path.abspath(sys.argv[1])
@@ -77,10 +78,10 @@ class SixBar:
         return result
 
 
-def run(program, text, work, name="case"):
+def run(program, text, work, name="case", options=()):
     with open(os.path.join(work, name + ".nml"), "w", encoding="utf-8") as f:
         f.write(text)
-    done = subprocess.run([os.path.join(BIN, program), "--output-dir", work, name + ".nml"], cwd=work, capture_output=True, text=True)
+    done = subprocess.run([os.path.join(BIN, program), *options, "--output-dir", work, name + ".nml"], cwd=work, capture_output=True, text=True)
     return done
 
 
@@ -233,15 +234,15 @@ def forces(work):
 
 def counterweights(work):
     """With the weights found the common centre of mass stands still; kalm on device 7 has the forces that muscle has."""
-    done = run("muscle", without(CASE, "SPRNGS"), work)
+    done = run("muscle", without(CASE, "SPRNGS"), work, options=["--json"])
     check("counterweights are found", done.returncode == 0, done.stderr)
-    part = done.stdout.split("DESIGN 1\n")[1].split("SUM OF MASSES")[0]
-    weights = {m[1]: [float(x.replace("D", "E")) for x in m[2].split()] for m in re.finditer(r"^ (\w+) +((?:\S+ +){2}\S+)$", part, re.M)}
+    found = results.counterweights(results.cases_of(os.path.join(work, "case.muscle.json"))[0])["designs"][0]
+    weights = {w["link"]: [w["mass"], w["distance"], w["angle"]] for w in found["weights"]}
     anchor = dict(left="AB", rocker="DC", crank="FE")
     check("weights on three links", set(weights) == set(anchor), weights)
     added = [(anchor[k][0], anchor[k][1], v[1], v[2] + turn_of(k), v[0], 0.0) for k, v in weights.items()]
     middle = [sum(m[4]*centre(at, m) for m in MASSES + tuple(added)) for at in SixBar().turn(range(0, 360, 15))]
-    check("with the counterweights the centre of mass stands still", max(abs(m - middle[0]) for m in middle) < 2e-5,
+    check("with the counterweights the centre of mass stands still", max(abs(m - middle[0]) for m in middle) < 2e-9,
           max(abs(m - middle[0]) for m in middle))
 
 

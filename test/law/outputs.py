@@ -202,10 +202,10 @@ def wished_poses(programs, work):
                 abs(float(row[column]) - float(again[column])) < 1e-9 and float(row[column + ".desired"]) == pose[c]
                 for row, again, pose in zip(search.table, rates.table, wanted)) and
                 far(search.block("outputs")[column], [float(row[column]) for row in search.table]) < 1e-12 and
-                column.upper()[:14] in search.listing.split(" ALL OUTPUTS", 1)[1].split("\n")[1], list(search.table[0]))
+                column[:14] in search.listing.split(" ALL OUTPUTS", 1)[1].split("\n")[1], list(search.table[0]))
         ranked = re.search(r"RMS ERROR.*\n\s+1\s+(\S+)\s+(\S+)", search.listing)
         check("%s: the ranking has their errors" % name, abs(float(ranked[1]) - both[0]) < 1e-6*both[0] and
-              abs(float(ranked[2]) - max(points)) < 1e-6*max(points) and "ERRORS ARE THOSE OF " + name.upper() in search.listing, ranked[0])
+              abs(float(ranked[2]) - max(points)) < 1e-6*max(points) and "ERRORS ARE THOSE OF " + name in search.listing, ranked[0])
         for run in (search, rates):
             told = re.findall(r"Error +%s(?:\.angle)? RMS (\S+), largest (\S+) (length units|degrees)" % name, run.messages)
             check("%s: the summary has both" % name, len(told) == 2 and [line[2] for line in told] == ["length units", "degrees"] and

@@ -2,12 +2,13 @@
 program test_number_format
    use check, only: checks_t
    use psalm_kinds, only: wp
-   use psalm_number_format, only: number_format_t, figure, format_of
+   use psalm_number_format, only: number_format_t, figure, figures_of, format_of, in_a_row, in_sentence
    use psalm_text, only: general
    implicit none (type, external)
    type(checks_t) :: t
 
    call columns()
+   call whole_columns()
    call errors()
    call against_internal_files()
    call t%report()
@@ -43,6 +44,25 @@ contains
       format = format_of(.false., [0.0_wp, 10.0_wp])
       call t%equal_text(figure(10.0_wp, format), general(10.0_wp), 'loops: as the published listings')
    end subroutine columns
+
+   !> All numbers of a column at once, numbers in sentences.
+   subroutine whole_columns()
+      character(15) :: texts(3)
+
+      texts = figures_of(.true., [12.5_wp, -0.12345678_wp, 99.0_wp], [.true., .true., .false.])
+      call t%equal_text(in_a_row(texts), '       12.50000       -0.12346               ', 'what is not known is blank')
+      texts = figures_of(.true., [2.5_wp, 4.0e-7_wp, 0.0_wp])
+      call t%equal_text(texts(2), '            0.0', 'beside a large number no digit is left of a small one')
+      texts = figures_of(.true., [2.5_wp, 4.0e-7_wp, 0.0_wp], all_count=.true.)
+      call t%equal_text(in_a_row(texts), '   2.500000E+00   400.0000E-09            0.0', 'unless all count')
+      texts = figures_of(.true., [2.5_wp, 0.01_wp, 0.0_wp], all_count=.true.)
+      call t%equal_text(in_a_row(texts), '           2.50           0.01           0.00', 'numbers of like size, zeros left out')
+      texts = figures_of(.false., [2.5_wp, 4.0e-7_wp, 0.0_wp], all_count=.true.)
+      call t%equal_text(texts(2), general(4.0e-7_wp), 'loops: as the published listings')
+      call t%equal_text(in_sentence(.true., 0.05_wp), ' 0.05', 'in a sentence: one blank')
+      call t%equal_text(in_sentence(.true., 1.0e-12_wp), ' 1.000000E-12', 'engineering in a sentence')
+      call t%equal_text(in_sentence(.false., 0.05_wp), general(0.05_wp), 'of loops in its width')
+   end subroutine whole_columns
 
    !> Digits that an error leaves open are blank, points stay below each other.
    subroutine errors()
