@@ -15,13 +15,15 @@ module psalm_balance_group
    private
    public :: balance_items
    public :: balance_group_t, balance_of
-   public :: form_point, form_body, form_disc, order_mass, order_moment, order_torque
+   public :: form_point, form_body, form_disc, order_mass, order_moment, order_torque, order_contact
+   public :: filter_none, filter_passage, filter_any
    public :: measure_force, measure_moment, measure_torque, measure_mass, measure_names
 
    integer, parameter :: form_point = 1     !! point masses
    integer, parameter :: form_body = 2      !! any body within the reach: mass spread as is best
    integer, parameter :: form_disc = 3      !! discs of a thickness and density
-   integer, parameter :: order_mass = 1, order_moment = 2, order_torque = 3 !! by which designs are ranked
+   integer, parameter :: order_mass = 1, order_moment = 2, order_torque = 3, order_contact = 4 !! by which designs are ranked
+   integer, parameter :: filter_none = 1, filter_passage = 2, filter_any = 3 !! designs left out: none, those that lose contact
    integer, parameter :: measure_force = 1, measure_moment = 2, measure_torque = 3, measure_mass = 4
    character(6), parameter :: measure_names(*) = [character(6) :: 'FORCE', 'MOMENT', 'TORQUE', 'MASS']
 
@@ -52,6 +54,7 @@ module psalm_balance_group
       logical :: peaks = .false.               !! WCRIT: 'PEAK', else 'RMS'
       integer :: exact = 0                     !! IEXACT: force balance stays complete
       integer :: order = order_mass            !! WRANK
+      integer :: filter = filter_none          !! WCLEAR: designs left out for what the joint of &CLEAR does
       integer :: listed = 10                   !! NLIST: designs listed at most
       real(wp), allocatable :: budgets(:)      !! WBUDGT, shape (NBUDGT): kg
       integer :: front = 0                     !! NFRONT: points of a Pareto front
@@ -157,8 +160,11 @@ module psalm_balance_group
              'greatest of them'), &
       rule_t('IEXACT', a_flag, '', '', '0', '', &
              '1: the shaking force stays completely balanced'), &
-      rule_t('WRANK', a_word, '', '', 'MASS', 'MASS MOMENT TORQUE', &
-             'what designs are ranked by'), &
+      rule_t('WRANK', a_word, '', '', 'MASS', 'MASS MOMENT TORQUE CONTACT', &
+             'what designs are ranked by; ''CONTACT'': how far the joint of &CLEAR is from a loss in the passage'), &
+      rule_t('WCLEAR', a_word, '', '', 'LIST', 'LIST PASSAGE ANY', &
+             'with &CLEAR: ''LIST'' lists what becomes of contact in that joint; ''PASSAGE'' leaves out designs that '// &
+             'lose it in the passage, ''ANY'' those that lose it at all'), &
       rule_t('NLIST', a_whole, '', '', '10', '[1,10000]', &
              'designs that are listed'), &
       rule_t('NBUDGT', a_whole, '', '', 'as many as WBUDGT has', '[0,1000]', &
@@ -242,6 +248,7 @@ contains
       balance%peaks = criterion == criterion_peak
       call take(group, 'IEXACT', balance%exact, findings)
       call take(group, 'WRANK', balance%order, findings)
+      call take(group, 'WCLEAR', balance%filter, findings)
       call take(group, 'NLIST', balance%listed, findings)
       call take_count(group, 'NBUDGT', budgets, findings)
       allocate (balance%budgets(budgets), source=0.0_wp)

@@ -40,7 +40,7 @@ module psalm_group_table
       known_group_t('CAM', 'calm'), &
       known_group_t('CAM2', 'calm'), &
       known_group_t('SPRNGS', 'muscle'), &
-      known_group_t('CLEAR', 'balm bridge'), &
+      known_group_t('CLEAR', 'balm bridge muscle'), &
       known_group_t('DXF', 'balm'), &
       known_group_t('SWEEP', 'psalm balm'), &
       known_group_t('ALLOC', 'psalm'), &

@@ -1,7 +1,8 @@
 !> Counterweights in the listing.
 module psalm_balance_list
-   use psalm_balance_group, only: balance_group_t, balance_of, form_body, measure_names, order_moment
+   use psalm_balance_group, only: balance_group_t, balance_of, form_body, measure_names, order_moment, order_torque, order_contact
    use psalm_balance_study, only: balance_study_t, outcome_t, channel_force, channel_moment, channel_torque
+   use psalm_clearance_study, only: margins_t
    use psalm_columns, only: right_column
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
@@ -105,7 +106,8 @@ contains
       end if
       by = ' BY MASS'
       if (group%order == order_moment) by = ' BY SHAKING MOMENT'
-      if (group%order > order_moment) by = ' BY DRIVE TORQUE'
+      if (group%order == order_torque) by = ' BY DRIVE TORQUE'
+      if (group%order == order_contact) by = ' BY CONTACT IN THE PASSAGE'
       call text%add()
       call text%add(' DESIGNS, LIGHTEST WEIGHTS OF EACH SET, RANKED'//by//'; RMS VALUES')
       call text%add('   DESIGN           MASS          FORCE         MOMENT         TORQUE   LINKS WITHOUT A WEIGHT')
@@ -120,6 +122,10 @@ contains
          call text%add(right_column(k, 9)//mass(k)//in_a_row(loads(k, :))//'   '// &
                        list_of_names(study, study%designs(k)%bare_links))
       end do
+      if (study%filtered > 0) then
+         call text%add(' LEFT OUT, FOR THE JOINT WITH CLEARANCE LOSES CONTACT: '//to_text(study%filtered))
+      end if
+      if (study%has_clearance) call list_contact(named, study, text)
       if (size(study%designs) == 0) return
       call text%add()
       call text%add(' DESIGN 1')
@@ -129,6 +135,43 @@ contains
       call text%add(' LIGHTEST OF ALL, WITH WEIGHTS ON ANY OF THE LINKS ALLOWED')
       call list_outcome(named, study, study%lightest, text)
    end subroutine list_designs
+
+   !> What becomes of contact in the joint with clearance.
+   subroutine list_contact(named, study, text)
+      logical, intent(in) :: named                !! joints have names: a sketch
+      type(balance_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: k
+
+      call text%add()
+      call text%add(' CONTACT IN THE JOINT WITH CLEARANCE: LEAST H1; LEAST H1 OVER THAT OF A LOSS, BELOW 1 WHERE CONTACT IS LOST')
+      call text%add('   DESIGN             H1 OVER PASSAGE       OVER ANY   MINIMA LOST IN THE PASSAGE, LOST')
+      call text%add('   BEFORE'//margins_text(named, study%contact))
+      do k = 1, size(study%designs)
+         call text%add(right_column(k, 9)//margins_text(named, study%designs(k)%contact))
+      end do
+      if (allocated(study%lightest)) call text%add(' LIGHTEST'//margins_text(named, study%lightest%contact))
+   end subroutine list_contact
+
+   pure function margins_text(named, margins) result(line)
+      logical, intent(in) :: named                !! joints have names: a sketch
+      type(margins_t), intent(in) :: margins
+      character(:), allocatable :: line
+      integer :: k
+
+      line = '   CANNOT BE STUDIED; BRIDGE SAYS WHY'
+      if (.not. margins%known) return
+      line = in_a_row(figures_of(named, [margins%h1]))
+      do k = 1, size(margins%over)
+         ! without any loss there is no ratio
+         if (margins%over(k) >= huge(1.0_wp)) then
+            line = line//'        NO LOSS'
+         else
+            line = line//in_a_row(figures_of(named, [margins%over(k)]))
+         end if
+      end do
+      line = line//'   '//to_text(margins%lost(1))//', '//to_text(margins%lost(2))
+   end function margins_text
 
    !> Weights, the bound of their mass, and loads before and after.
    subroutine list_outcome(named, study, outcome, text)
@@ -255,6 +298,9 @@ contains
       call text%add(' SUM OF MASSES'//in_sentence(named, study%optimum%total))
       if (group%desired) call text%add(' THE COMPOSITE IS OF DIFFERENCES FROM DESIRED VALUES, LOADS ARE LISTED AS THEY ARE')
       call list_loads(named, study, study%optimum, text)
+      if (study%has_clearance) then
+         call text%add(' CONTACT, AS ABOVE'//margins_text(named, study%optimum%contact))
+      end if
       if (.not. allocated(study%limited)) return
       associate (of => study%limited)
          limits = reshape(figures_of(named, [study%optimum%loads(of)%peak, study%limit]), [size(of), 2])

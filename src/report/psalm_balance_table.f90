@@ -1,6 +1,7 @@
 !> Counterweights as tables.
 module psalm_balance_table
    use psalm_balance_study, only: balance_study_t, outcome_t, channel_force, channel_moment, channel_torque
+   use psalm_clearance_study, only: margins_t
    use psalm_kinds, only: wp
    use psalm_linear_loads, only: measure_t
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
@@ -159,6 +160,7 @@ contains
       call table%add('gap', list%of%gap)
       call table%add('residual', list%of%residual)
       call tables%put(table)
+      if (study%has_clearance) call put_contact(study, list, tables)
 
       of = [((k, i=1, size(list(k)%of%weights)), k=1, size(list))]
       at = [((i, i=1, size(list(k)%of%weights)), k=1, size(list))]
@@ -192,6 +194,33 @@ contains
       call tables%put(table)
       call put_loads(study, list, tables)
    end subroutine put_outcomes
+
+   !> What becomes of contact in the joint with clearance, before and with each choice of weights.
+   subroutine put_contact(study, list, tables)
+      type(balance_study_t), intent(in) :: study
+      type(named_outcome_t), intent(in) :: list(:)
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      type(margins_t) :: margins(size(list) + 1)
+      character(name_length) :: names(size(list) + 1)
+      integer :: k
+
+      names(1) = 'before'
+      margins(1) = study%contact
+      do k = 1, size(list)
+         names(k + 1) = list(k)%name
+         margins(k + 1) = list(k)%of%contact
+      end do
+      table = table_of('contact', 'a row for each choice of weights: least H1 of the joint with clearance, over that of a '// &
+                       'loss, minima that lose contact', audience=for_programs)
+      call table%add('outcome', names)
+      call table%add('h1', margins%h1, known=margins%known)
+      call table%add('over_passage', margins%over(1), known=margins%known .and. margins%over(1) < huge(1.0_wp))
+      call table%add('over_any', margins%over(2), known=margins%known .and. margins%over(2) < huge(1.0_wp))
+      call table%add('lost_in_passage', margins%lost(1))
+      call table%add('lost', margins%lost(2))
+      call tables%put(table)
+   end subroutine put_contact
 
    !> Limits of loads of the composite, and what is reached.
    subroutine put_limits(study, tables)

@@ -96,6 +96,9 @@ contains
          if (size(study%out_of_reach) > 0) words = words//'; cannot be balanced: '//list_of_names(study, study%out_of_reach)
          call devices%remark(set, words)
          call devices%note_violation()
+      else if (study%filtered > 0 .and. size(study%designs) == 0) then
+         call devices%remark(set, 'of all designs that are balanced completely the joint with clearance loses contact')
+         call devices%note_violation()
       else if (study%number > 0 .and. size(study%designs) == 0 .and. .not. study%already) then
          call devices%remark(set, 'complete force balance is possible, but not within the limits of the weights')
          call devices%note_violation()

@@ -1,11 +1,13 @@
 !> Counterweights of a case (group BALANC): complete force balance, least composites, fronts. Data in, results out.
 module psalm_balance_study
    use psalm_angles, only: degrees_of, unit_vector
-   use psalm_balance_group, only: balance_group_t, balance_of, form_body, form_point, order_moment, order_torque, measure_force, &
-      measure_moment, &
-                                  measure_torque, measure_mass
+   use psalm_balance_group, only: balance_group_t, balance_of, form_body, form_point, order_moment, order_torque, order_contact, &
+                                  filter_none, filter_passage, filter_any, measure_force, measure_moment, measure_torque, &
+                                  measure_mass
    use psalm_body_motion, only: body_motion_t, follow_bodies
    use psalm_body_points, only: locate_point
+   use psalm_clearance_group, only: clearance_of
+   use psalm_clearance_study, only: margins_t, find_margins
    use psalm_counterweights, only: room_t, aim_t, design_t, least_composite, composite_of
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
@@ -15,7 +17,7 @@ module psalm_balance_study
                                    column_fx, column_fy, column_moment
    use psalm_force_balance, only: force_balance_t, weights_t, prepare_balance, find_sets, least_weights, rank_of, unspanned
    use psalm_force_model, only: force_model_t, location_t, make_force_model, vertices_of, joint_at, location_of_place, &
-                                place_right, parameter_mass, parameter_mx, parameter_my
+                                place_right, mass_parameters, parameter_mass, parameter_mx, parameter_my
    use psalm_kinds, only: wp, half_turn
    use psalm_kinetostatics, only: source_inertia, source_weight
    use psalm_linear_loads, only: channel_t, measure_t, measure_of, about_anchor, parameters_of_weight, weight_mass, weight_px, &
@@ -59,6 +61,9 @@ module psalm_balance_study
       real(wp) :: bound = 0.0_wp                   !! no weights on these links are lighter; of a composite: no composite is less
       real(wp) :: gap = 0.0_wp, residual = 0.0_wp
       integer, allocatable :: bare_links(:)        !! bodies without a weight that the set leaves out
+      type(margins_t) :: contact                   !! of the joint of &CLEAR
+   contains
+      procedure :: add_to
    end type outcome_t
 
    !> A point of a front.
@@ -86,6 +91,9 @@ module psalm_balance_study
       integer, allocatable :: sets(:, :)           !! shape (number, sets): bodies
       logical :: all_sets = .true.
       integer :: out_of_limits = 0                 !! sets for which the limits leave no weights
+      logical :: has_clearance = .false.           !! a joint has clearance (&CLEAR):
+      type(margins_t) :: contact                   !! of it without weights
+      integer :: filtered = 0                      !! designs that are left out because it loses contact
       type(outcome_t), allocatable :: designs(:)   !! of the sets, best first; as many as are listed
       type(outcome_t), allocatable :: lightest     !! on all links allowed
       type(channel_t), allocatable :: channels(:)
@@ -107,7 +115,7 @@ module psalm_balance_study
 contains
 
    !> Find what is wrong with the group before any work is done. Errors: weights on the frame or on the foot of a slide, two
-   !> entries on one link, joints that are not there, friction.
+   !> entries on one link, joints that are not there, friction, contact to be judged without a joint with clearance.
    subroutine judge_balance(set, mechanism, dimensions, findings)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
@@ -117,10 +125,15 @@ contains
       type(diagnostics_t) :: unused
       type(force_model_t) :: model
       type(location_t) :: location
+      character(*), parameter :: without = 'no joint has clearance: give &CLEAR'
       integer, allocatable :: taken(:)
       integer :: k, state
 
       group = balance_of(set)
+      if (.not. set%gives('CLEAR')) then
+         if (group%order == order_contact) call set%origins%error(findings, 'BALANC', 'WRANK', without)
+         if (group%filter /= filter_none) call set%origins%error(findings, 'BALANC', 'WCLEAR', without)
+      end if
       call make_force_model(set, mechanism, dimensions, model, unused)
       if (unused%failed()) return                  ! reported elsewhere
       allocate (taken(size(group%places)), source=0)
@@ -176,16 +189,38 @@ contains
       class(balance_study_t), intent(in) :: self
       real(wp), intent(inout) :: masses(:, :)
       type(outcome_t) :: outcome
-      integer :: k
 
       outcome = self%chosen_outcome()
-      do k = 1, size(outcome%weights)
-         associate (weight => outcome%weights(k))
+      call outcome%add_to(masses)
+   end subroutine take_weights
+
+   !> The weights as masses, first moments and moments of inertia about the references, added. Shape: (4, bodies).
+   pure subroutine add_to(self, masses)
+      class(outcome_t), intent(in) :: self
+      real(wp), intent(inout) :: masses(:, :)
+      integer :: k
+
+      do k = 1, size(self%weights)
+         associate (weight => self%weights(k))
             masses(:, weight%body) = masses(:, weight%body) + &
                                      [weight%mass, weight%mass*weight%place, weight%inertia + weight%mass*sum(weight%place**2)]
          end associate
       end do
-   end subroutine take_weights
+   end subroutine add_to
+
+   !> What becomes of contact in the joint of &CLEAR with some weights.
+   subroutine judge_contact(set, problem, dimensions, bodies, outcome)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      integer, intent(in) :: bodies
+      type(outcome_t), intent(inout) :: outcome
+      real(wp) :: added(mass_parameters, bodies)
+
+      added = 0.0_wp
+      call outcome%add_to(added)
+      call find_margins(set, clearance_of(set), problem, problem%mechanism, dimensions, added, outcome%contact)
+   end subroutine judge_contact
 
    !> Everything the group asks for, of a case that `judge_balance` found no fault with.
    subroutine find_balance(set, given, dimensions, study, stop)
@@ -204,6 +239,7 @@ contains
       type(force_balance_t) :: balance
       type(room_t), allocatable :: rooms(:)
       real(wp), allocatable :: anchor(:, :), none(:, :)
+      type(outcome_t) :: bare
       integer :: k, b
 
       group = balance_of(set)
@@ -228,9 +264,18 @@ contains
          study%before(k) = measure_of(study%channels(k), none)
       end do
       call make_balance(problem, dimensions, model, anchor, balance)
-      call balance_completely(group, problem%mechanism, model, anchor, balance, rooms, pins, study, stop)
+      study%has_clearance = set%gives('CLEAR')
+      if (study%has_clearance) then
+         allocate (bare%weights(0))
+         call judge_contact(set, problem, dimensions, size(model%reference), bare)
+         study%contact = bare%contact
+      end if
+      call balance_completely(set, problem, dimensions, group, model, anchor, balance, rooms, pins, study, stop)
       if (study%stopped .or. size(rooms) == 0) return
       if (group%wants_optimum()) call find_optimum(group, problem%mechanism, model, anchor, balance, rooms, study)
+      if (study%has_clearance .and. allocated(study%optimum)) then
+         call judge_contact(set, problem, dimensions, size(model%reference), study%optimum)
+      end if
       call spend_budgets(group, balance, rooms, study, stop)
       if (study%stopped .or. group%front == 0) return
       call find_front(group, balance, rooms, study, stop)
@@ -450,9 +495,11 @@ contains
 
    ! ---- complete balance --------------------------------------------------------------------------------------------
 
-   subroutine balance_completely(group, mechanism, model, anchor, balance, rooms, pins, study, stop)
+   subroutine balance_completely(set, problem, dimensions, group, model, anchor, balance, rooms, pins, study, stop)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
       type(balance_group_t), intent(in) :: group
-      type(mechanism_t), intent(in) :: mechanism
       type(force_model_t), intent(in) :: model
       real(wp), intent(in) :: anchor(:, :)
       type(force_balance_t), intent(in) :: balance
@@ -463,11 +510,11 @@ contains
       type(weights_t) :: weights
       type(outcome_t), allocatable :: designs(:)
       real(wp), allocatable :: key(:)
-      integer, allocatable :: order(:)
+      integer, allocatable :: order(:), kept(:)
       integer :: k, count_found, links, b, rank
 
       links = size(model%reference) - 1
-      study%by_rule = 2*links - count(mechanism%joints%kind /= joint_gear)
+      study%by_rule = 2*links - count(problem%mechanism%joints%kind /= joint_gear)
       study%left = unspanned(balance, rooms%link)
       study%already = .not. balance%swing > balanced*balance%mass*maxval([rooms%reach, maxval(abs(anchor)), tiny(1.0_wp)])
       study%feasible = study%already .or. study%left <= balanced
@@ -504,19 +551,56 @@ contains
             key(k) = designs(k)%loads(channel_moment)%rms
          case (order_torque)
             key(k) = designs(k)%loads(channel_torque)%rms
+         case (order_contact)
+            study%stopped = is_to_end(stop)
+            if (study%stopped) return
+            call judge_contact(set, problem, dimensions, links + 1, designs(k))
+            key(k) = -designs(k)%contact%over(1)
+            if (.not. designs(k)%contact%known) key(k) = huge(1.0_wp)
          case default
             key(k) = designs(k)%total
          end select
       end do
       order = ascending(key)
-      study%designs = designs(order(:min(count_found, group%listed)))
+      allocate (kept(0))
+      do k = 1, count_found
+         if (size(kept) == group%listed) exit
+         study%stopped = is_to_end(stop)
+         if (study%stopped) return
+         associate (design => designs(order(k)))
+            if (study%has_clearance .and. .not. design%contact%known) then
+               call judge_contact(set, problem, dimensions, links + 1, design)
+            end if
+            if (loses(design%contact)) then
+               study%filtered = study%filtered + 1
+               cycle
+            end if
+         end associate
+         kept = [kept, order(k)]
+      end do
+      study%designs = designs(kept)
       call find_least(rooms%link)
       if (.not. weights%found) return
       allocate (study%lightest)
       call make_outcome(weights, study%lightest)
       study%lightest%bare_links = pack([(b, b=2, links + 1)], [(all(study%lightest%weights%body /= b), b=2, links + 1)])
+      if (study%has_clearance) call judge_contact(set, problem, dimensions, links + 1, study%lightest)
 
    contains
+
+      !> True if a design is to be left out for what becomes of contact. What cannot be studied counts as a loss.
+      pure logical function loses(contact)
+         type(margins_t), intent(in) :: contact
+
+         select case (group%filter)
+         case (filter_passage)
+            loses = .not. contact%known .or. contact%lost(1) > 0
+         case (filter_any)
+            loses = .not. contact%known .or. contact%lost(2) > 0
+         case default
+            loses = .false.
+         end select
+      end function loses
 
       !> The lightest weights on these bodies.
       subroutine find_least(bodies)

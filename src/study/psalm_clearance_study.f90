@@ -19,7 +19,7 @@ module psalm_clearance_study
    use psalm_stop, only: stop_t, is_to_end
    implicit none (type, external)
    private
-   public :: clearance_study_t, flypast_of_joint_t, check_clearance, find_clearance
+   public :: clearance_study_t, flypast_of_joint_t, margins_t, check_clearance, find_clearance, find_margins
    public :: verdict_kept, verdict_lost, verdict_zero
 
    integer, parameter :: verdict_kept = 1, verdict_lost = 2
@@ -87,7 +87,51 @@ module psalm_clearance_study
       type(chart_t) :: chart                         !! if it is asked for
    end type clearance_study_t
 
+   !> How far a joint is from losing contact, over all minima of its load at the speed of the case.
+   type :: margins_t
+      logical :: known = .false.                     !! false: something hinders the study
+      real(wp) :: h1 = 0.0_wp                        !! least
+      real(wp) :: over(2) = 0.0_wp                   !! least H1 over that of a loss in the passage, of any loss; `huge` if there
+                                                     !! is none
+      integer :: lost(2) = 0                         !! minima that lose contact in the passage, and all that do
+   end type margins_t
+
 contains
+
+   !> The margins of the joint with clearance of a case whose links are heavier by some masses. The case is one that
+   !> `check_clearance` found no fault with.
+   subroutine find_margins(set, clearance, problem, mechanism, dimensions, added, margins)
+      type(data_set_t), intent(in) :: set
+      type(clearance_group_t), intent(in) :: clearance
+      type(problem_t), intent(in) :: problem
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      real(wp), intent(in) :: added(:, :)            !! shape (4, bodies): about the references, as the inertia of a force model
+      type(margins_t), intent(out) :: margins
+      type(clearance_study_t) :: study
+      type(force_model_t) :: model
+      type(diagnostics_t) :: unused
+      type(periodic_t) :: tensor(3)
+      integer :: k
+
+      call make_force_model(set, mechanism, dimensions, model, unused)
+      model%inertia = model%inertia + added
+      call begin_study(set, clearance, problem, mechanism, dimensions, model, study, tensor)
+      margins%known = study%done
+      if (.not. study%done) return
+      call find_minima(study, tensor, abs(set%rates%speed), 0.0_wp, .true., study%minima)
+      margins%h1 = huge(1.0_wp)
+      margins%over = huge(1.0_wp)
+      do k = 1, size(study%minima)
+         associate (m => study%minima(k))
+            margins%h1 = min(margins%h1, m%h1)
+            if (m%verdict == verdict_zero) margins%over = 0.0_wp
+            where (m%border > 0.0_wp) margins%over = min(margins%over, m%h1/max(m%border, tiny(1.0_wp)))
+            if (m%in_passage()) margins%lost(1) = margins%lost(1) + 1
+            if (m%verdict /= verdict_kept) margins%lost(2) = margins%lost(2) + 1
+         end associate
+      end do
+   end subroutine find_margins
 
    !> True if contact is lost in the passage, or where the load passes through zero.
    pure logical function in_passage(self)
@@ -152,27 +196,11 @@ contains
       type(force_model_t) :: model
       type(diagnostics_t) :: unused
       type(periodic_t) :: tensor(3)
-      integer :: i, c
+      integer :: i
 
-      allocate (study%minima(0), study%speeds(0), study%least(0), study%input(0), study%lag(0), study%force(0), study%pin(0))
       call make_force_model(set, mechanism, dimensions, model, unused)
-      study%joint = joint_at(mechanism, clearance%joint)
-      study%diametral = clearance%diametral*model%metre
-      call find_joint_load(problem, dimensions, model, study%joint, clearance%points, set%rates%speed, study%load)
-      if (study%load%failure > 0 .or. study%load%loose > 0) return
-      associate (m => study%load%tensor)
-         study%massless = .not. all(m(1, :) + m(3, :) > 0.0_wp)
-         if (study%massless) return
-         do i = 1, size(m, 2)
-            study%rank_one = study%rank_one .or. &
-                             hypot(m(3, i) - m(1, i), 2.0_wp*m(2, i)) >= greatest_h3*(m(1, i) + m(3, i))
-         end do
-      end associate
-      if (study%rank_one) return
-      study%done = .true.
-      do c = 1, 3
-         tensor(c) = periodic_from_samples(study%load%tensor(c, :))
-      end do
+      call begin_study(set, clearance, problem, mechanism, dimensions, model, study, tensor)
+      if (.not. study%done) return
       call find_cycle(study, abs(set%rates%speed))
       call find_minima(study, tensor, abs(set%rates%speed), clearance%restitution, .true., study%minima)
       do i = 1, size(study%minima)
@@ -190,6 +218,38 @@ contains
       end associate
       study%stopped = is_to_end(stop)
    end subroutine find_clearance
+
+   !> The load of the joint and the inertia that moves with it; `study%done` unless something hinders.
+   subroutine begin_study(set, clearance, problem, mechanism, dimensions, model, study, tensor)
+      type(data_set_t), intent(in) :: set
+      type(clearance_group_t), intent(in) :: clearance
+      type(problem_t), intent(in) :: problem
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      type(force_model_t), intent(in) :: model
+      type(clearance_study_t), intent(out) :: study
+      type(periodic_t), intent(out) :: tensor(3)
+      integer :: i, c
+
+      allocate (study%minima(0), study%speeds(0), study%least(0), study%input(0), study%lag(0), study%force(0), study%pin(0))
+      study%joint = joint_at(mechanism, clearance%joint)
+      study%diametral = clearance%diametral*model%metre
+      call find_joint_load(problem, dimensions, model, study%joint, clearance%points, set%rates%speed, study%load)
+      if (study%load%failure > 0 .or. study%load%loose > 0) return
+      associate (m => study%load%tensor)
+         study%massless = .not. all(m(1, :) + m(3, :) > 0.0_wp)
+         if (study%massless) return
+         do i = 1, size(m, 2)
+            study%rank_one = study%rank_one .or. &
+                             hypot(m(3, i) - m(1, i), 2.0_wp*m(2, i)) >= greatest_h3*(m(1, i) + m(3, i))
+         end do
+      end associate
+      if (study%rank_one) return
+      study%done = .true.
+      do c = 1, 3
+         tensor(c) = periodic_from_samples(study%load%tensor(c, :))
+      end do
+   end subroutine begin_study
 
    subroutine find_cycle(study, speed)
       type(clearance_study_t), intent(inout) :: study

@@ -1,6 +1,8 @@
 !> Everything that muscle finds for a case: what cannot be studied is found before any work is done. Data in, results out.
 module psalm_muscle_study
    use psalm_balance_study, only: balance_study_t, judge_balance, find_balance
+   use psalm_clearance_group, only: clearance_of
+   use psalm_clearance_study, only: check_clearance
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
    use psalm_force_model, only: mass_parameters
@@ -34,6 +36,9 @@ contains
       end if
       if (set%gives('BALANC') .and. .not. set%masses%given) then
          call findings%error('the group is missing: there are no masses to balance', line=set%title_line, group='MASSES')
+      end if
+      if (set%gives('BALANC') .and. set%gives('CLEAR')) then
+         call check_clearance(set, clearance_of(set), prepared, findings)
       end if
       if (set%gives('BALANC')) call judge_balance(set, prepared%mechanism, prepared%given, findings)
       if (set%gives('SPRNGS')) call judge_springs(set, prepared%mechanism, prepared%given, findings)

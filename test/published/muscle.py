@@ -16,7 +16,7 @@ import numpy
 from scipy.optimize import differential_evolution, minimize
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
-from results import cases_of, counterweights
+from results import cases_of, counterweights, rows_of
 
 TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 BIN = os.path.abspath(sys.argv[1])
@@ -396,6 +396,46 @@ def limits_and_desires(place):
     corner = (start[0], start[1].replace("-0.0526", "0.7"))
     check(muscle(data("muscle/haines_10u.nml", corner), place)[1]["composite"]["after"] != results["composite"]["after"],
           "another start takes another way")
+
+
+def contact(place):
+    """What becomes of contact with each choice of weights: as bridge finds it on device 7; what is left out and how it is ranked."""
+    def bridge(text):
+        code, listing, error = program("bridge", text, place, "--json")
+        check(code in (0, 1), "bridge reads what muscle writes", error)
+        blocks = cases_of(os.path.join(place, "case.bridge.json"))[0]
+        rows = blocks["preload"]
+        ratios = [min([h/b for h, b in zip(rows["h1"], rows[border]) if b > 0], default=None) for border in ("h1_passage", "h1_any")]
+        return min(rows["h1"]), ratios[0], ratios[1], [v.startswith("contact lost in the passage") for v in blocks["losses"]["verdict"]].count(True)
+
+    def by_outcome():
+        return {row["outcome"]: row for row in rows_of(cases_of(os.path.join(place, "case.muscle.json"))[0]["contact"])}
+
+    filtered = data("muscle/haines_contact.nml")
+    all_of = filtered.replace("WCLEAR='PASSAGE'", "WCLEAR='LIST'").replace("TOLF=1.0, TOLM=0.1, ", "")
+    for case, outcome in ((all_of, "design 1"), (filtered, "optimum")):
+        code, results, listing, error = muscle(case, place)
+        rows = by_outcome()
+        text = open(os.path.join(place, "case.muscle.dev7"), encoding="utf-8").read().split("\n", 1)[1]
+        for name, found in (("before", bridge(case[:case.index(" &BALANC")] + case[case.index(" &CLEAR"):])), (outcome, bridge(text))):
+            row = rows[name]
+            check(all(abs(row[k]/v - 1) < 1e-6 for k, v in zip(("h1", "over_passage", "over_any"), found)), "contact as bridge finds it: " + name,
+                  (row, found))
+            check(row["lost_in_passage"] == found[3] and row["lost_in_passage"] <= row["lost"], "losses in the passage: " + name, (row, found))
+    rows = by_outcome()
+    check([name for name in rows if name.startswith("design")] == ["design 1"] and "LEFT OUT" in listing, "a design that loses contact is left out", rows)
+    muscle(all_of, place)
+    listed = by_outcome()
+    check(listed["design 1"]["over_passage"] > 1 > listed["design 2"]["over_passage"], "designs are ranked by contact", listed)
+    code, results, listing, error = muscle(filtered.replace("WCLEAR='PASSAGE'", "WCLEAR='ANY'"), place)
+    check(code == 1 and "loses contact" in error and results["designs"] == [], "all designs lose contact after the passage", (code, error))
+    by_loops = data("muscle/haines_10u.nml", ("TOLF=1.0, TOLM=1.0 &END", "WCLEAR='LIST' &END\n &CLEAR CLINK=2, CLOOP=1, CDIAM=0.002 &END"))
+    code, results, listing, error = muscle(by_loops, place)
+    row = by_outcome()["before"]
+    check(code == 0 and abs(row["h1"]/listed["before"]["h1"] - 1) < 1e-5, "a case by loops: the same contact", (error, row))
+    for old, new, item in ((" &CLEAR", " &USERCLR", "WRANK"), ("CDIAM=0.002", "CDIAM=-1.0", "CDIAM"), ("CNAME='B'", "CNAME='Q'", "Q")):
+        code, _, _, error = muscle(filtered.replace(old, new), place)
+        check(code == 2 and item in error, "bad input: %s" % new, (code, error))
 
 
 def kalm_rows(case, place):
@@ -803,6 +843,7 @@ if __name__ == "__main__":
         ten_bar(folder)
         example_10u(folder)
         limits_and_desires(folder)
+        contact(folder)
         against_global_search(folder)
         against_global_searches(folder)
         random_linkages(folder)
