@@ -21,6 +21,7 @@ module psalm_flypast_chart
    !> The ranges on one radial line.
    type :: chart_line_t
       type(loss_range_t), allocatable :: ranges(:)
+      type(loss_range_t), allocatable :: passage(:) !! those of a loss in the passage
    end type chart_line_t
 
    type :: chart_t
@@ -41,7 +42,7 @@ contains
       type(stop_t), intent(in), optional :: stop !! asked before every line
       type(stop_t) :: ending
       real(wp), allocatable :: numbers(:)
-      integer :: i, k, m, n, line, lines
+      integer :: i, k, m, n, line, lines, at
 
       chart%h1 = [(greatest*real(i, wp)/real(radii, wp), i=1, radii)]
       chart%h2 = [(-pi + 2.0_wp*pi*real(i - 1, wp)/real(angles, wp), i=1, angles)]
@@ -50,7 +51,9 @@ contains
       chart%lost = 0
       chart%index = 0.0_wp
       do line = 1, size(chart%lines)
-         allocate (chart%lines(1 + modulo(line - 1, angles), 1 + (line - 1)/angles)%ranges(0))
+         associate (of => chart%lines(1 + modulo(line - 1, angles), 1 + (line - 1)/angles))
+            allocate (of%ranges(0), of%passage(0))
+         end associate
       end do
       if (present(stop)) ending = stop
       lines = size(chart%lines)
@@ -63,9 +66,11 @@ contains
          k = 1 + (line - 1)/angles
          i = line - (k - 1)*angles
          call scan_line(chart%h2(i), chart%h3(k), chart%h1, chart%lost(:, i, k), chart%index(:, i, k), &
-                        chart%lines(i, k)%ranges)
-         call ending%keep_item(line, [real(chart%lost(:, i, k), wp), chart%index(:, i, k), chart%lines(i, k)%ranges%from, &
-                                    chart%lines(i, k)%ranges%to, real(chart%lines(i, k)%ranges%minimum, wp)])
+                        chart%lines(i, k)%ranges, chart%lines(i, k)%passage)
+         associate (of => chart%lines(i, k))
+            call ending%keep_item(line, [real(chart%lost(:, i, k), wp), chart%index(:, i, k), real(size(of%passage), wp), &
+                                       of%passage%from, of%passage%to, of%ranges%from, of%ranges%to, real(of%ranges%minimum, wp)])
+         end associate
       end do
       !$omp end parallel do
       call ending%close_batch()
@@ -74,31 +79,30 @@ contains
          if (.not. allocated(numbers)) cycle
          k = 1 + (line - 1)/angles
          i = line - (k - 1)*angles
-         n = (size(numbers) - 2*radii)/3
          chart%lost(:, i, k) = nint(numbers(:radii))
          chart%index(:, i, k) = numbers(radii + 1:2*radii)
-         chart%lines(i, k)%ranges = [(loss_range_t(numbers(2*radii + m), numbers(2*radii + n + m), &
-                                                   nint(numbers(2*radii + 2*n + m))), m=1, n)]
+         at = 2*radii + 1
+         n = nint(numbers(at))
+         chart%lines(i, k)%passage = [(loss_range_t(numbers(at + m), numbers(at + n + m), 1), m=1, n)]
+         at = at + 2*n
+         n = (size(numbers) - at)/3
+         chart%lines(i, k)%ranges = [(loss_range_t(numbers(at + m), numbers(at + n + m), nint(numbers(at + 2*n + m))), m=1, n)]
       end do
    end subroutine make_chart
 
    !> One radial line: what becomes of contact at each H1, and the ranges within which it is lost, in ascending order: a line may
    !> cut the lost region more than once. What is narrower than the steps may be missed.
-   subroutine scan_line(h2, h3, h1, lost, index, ranges)
+   subroutine scan_line(h2, h3, h1, lost, index, ranges, passage)
       real(wp), intent(in) :: h2, h3
       real(wp), intent(in) :: h1(:)             !! ascending
       integer, intent(out) :: lost(:)           !! the minimum at which contact is lost; 0: it is kept
       real(wp), intent(out) :: index(:)         !! of the impulse
       type(loss_range_t), allocatable, intent(out) :: ranges(:)
+      type(loss_range_t), allocatable, intent(out) :: passage(:) !! ranges of a loss in the passage
       type(flypast_t) :: here
       type(flight_t) :: flight
-      real(wp) :: from, before
-      integer :: i, was
+      integer :: i
 
-      allocate (ranges(0))
-      from = h1(1)
-      before = h1(1)
-      was = 0
       lost = 0
       index = 0.0_wp
       do i = 1, size(h1)
@@ -108,20 +112,50 @@ contains
             flight = fly(h1(i), h2, h3, here%loss)
             if (flight%ok) index(i) = flight%index
          end if
-         if (i > 1 .and. lost(i) > 0 .and. was == 0) then
-            from = border(h2, h3, h1(i), before)
-         else if (lost(i) == 0 .and. was > 0) then
-            ranges = [ranges, loss_range_t(from, border(h2, h3, before, h1(i)), was)]
-         end if
-         was = lost(i)
-         before = h1(i)
       end do
-      if (was > 0) ranges = [ranges, loss_range_t(from, before, was)]
+      call find_ranges(h2, h3, h1, lost, .false., ranges)
+      call find_ranges(h2, h3, h1, lost, .true., passage)
    end subroutine scan_line
 
+   !> Ranges of H1 within which contact is lost, or lost in the passage, from what becomes of it at the steps.
+   subroutine find_ranges(h2, h3, h1, lost, in_passage, ranges)
+      real(wp), intent(in) :: h2, h3, h1(:)
+      integer, intent(in) :: lost(:)
+      logical, intent(in) :: in_passage
+      type(loss_range_t), allocatable, intent(out) :: ranges(:)
+      real(wp) :: from, before
+      integer :: i, was, here
+
+      allocate (ranges(0))
+      from = h1(1)
+      before = h1(1)
+      was = 0
+      do i = 1, size(h1)
+         here = lost(i)
+         if (in_passage .and. here > 1) here = 0
+         if (i > 1 .and. here > 0 .and. was == 0) then
+            from = border(h2, h3, h1(i), before, in_passage)
+         else if (here == 0 .and. was > 0) then
+            ranges = [ranges, loss_range_t(from, border(h2, h3, before, h1(i), in_passage), was)]
+         end if
+         was = here
+         before = h1(i)
+      end do
+      if (was > 0) ranges = [ranges, loss_range_t(from, h1(size(h1)), was)]
+   end subroutine find_ranges
+
+   !> True if contact is lost, or lost in the passage.
+   pure logical function counts(flypast, in_passage)
+      type(flypast_t), intent(in) :: flypast
+      logical, intent(in) :: in_passage
+
+      counts = flypast%lost .and. (.not. in_passage .or. flypast%at == 1)
+   end function counts
+
    !> The H1 between one at which contact is lost and one at which it is kept where that changes, by bisection.
-   real(wp) function border(h2, h3, losing, keeping)
+   real(wp) function border(h2, h3, losing, keeping, in_passage)
       real(wp), intent(in) :: h2, h3, losing, keeping
+      logical, intent(in) :: in_passage         !! a loss in the passage
       type(flypast_t) :: here
       real(wp) :: lost, kept
 
@@ -130,7 +164,7 @@ contains
       do while (abs(kept - lost) > exactly*max(kept, lost))
          border = 0.5_wp*(lost + kept)
          here = follow_flypast(border, h2, h3)
-         if (here%lost) then
+         if (counts(here, in_passage)) then
             lost = border
          else
             kept = border
@@ -141,8 +175,9 @@ contains
 
    !> The H1 beyond which contact is kept, up to 2; 0 if it is kept at all of them. A lost region narrower than a step of 0.05 may
    !> be missed.
-   real(wp) function outermost_loss(h2, h3) result(outermost)
+   real(wp) function outermost_loss(h2, h3, in_passage) result(outermost)
       real(wp), intent(in) :: h2, h3
+      logical, intent(in) :: in_passage         !! of losses in the passage alone
       type(flypast_t) :: here
       real(wp) :: low
       integer :: i
@@ -151,8 +186,8 @@ contains
       do i = 0, nint(farthest/scan) - 1
          low = farthest - scan*real(i, wp)
          here = follow_flypast(low, h2, h3)
-         if (.not. here%lost) cycle
-         outermost = border(h2, h3, low, low + scan)
+         if (.not. counts(here, in_passage)) cycle
+         outermost = border(h2, h3, low, low + scan, in_passage)
          return
       end do
    end function outermost_loss

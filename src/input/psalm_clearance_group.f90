@@ -6,23 +6,25 @@ module psalm_clearance_group
    use psalm_kinds, only: wp
    use psalm_link_place, only: read_places
    use psalm_place, only: place_t
-   use psalm_rule, only: rule_t, a_number, a_text, a_whole
+   use psalm_rule, only: rule_t, a_number, a_text, a_whole, a_word
    use psalm_sketch, only: sketch_t
    use psalm_status, only: diagnostics_t
    use psalm_take, only: take
    implicit none (type, external)
    private
    public :: clearance_items
-   public :: clearance_group_t, clearance_of
+   public :: clearance_group_t, clearance_of, losses_any, losses_passage
 
    integer, parameter :: most_charts = 6
    real(wp), parameter :: greatest_h3 = 0.999_wp
+   integer, parameter :: losses_any = 1, losses_passage = 2 !! the words of CLOSS
    real(wp), parameter :: usual_h3(3) = [0.25_wp, 0.5_wp, 0.75_wp] !! of the published charts
 
    type, extends(case_group_t) :: clearance_group_t
       type(place_t) :: joint                   !! CLINK, CLOOP: the end of an arc that is the joint; of a sketch CNAME
       real(wp) :: diametral = 0.0_wp           !! CDIAM: diametral clearance, user's length
       real(wp) :: restitution = 0.0_wp         !! CREST
+      integer :: counted = losses_any          !! CLOSS: the losses that the exit status and the critical speed are about
       real(wp) :: begin = 0.0_wp               !! CBEGIN: input at which following begins, degrees from the reference position
       logical :: begins = .false.              !! it is given; else following begins where the load is largest
       real(wp) :: slowest = 0.0_wp, fastest = 0.0_wp !! CSPLOW, CSPHGH: rad/s
@@ -52,6 +54,9 @@ module psalm_clearance_group
       rule_t('CREST', a_number, '', '', '0', '[0,1]', &
              'coefficient of restitution', &
              'must lie between 0 and 1'), &
+      rule_t('CLOSS', a_word, '', '', 'ANY', 'ANY PASSAGE', &
+             'losses that count for the exit status and the critical speed: ''ANY'', or ''PASSAGE'', those in the '// &
+             'passage, which measurements confirm; a load that passes through zero always counts'), &
       rule_t('CBEGIN', a_number, '', 'degrees', 'where the load is largest', '', &
              'where following begins: increment of the input from the reference position'), &
       rule_t('CSPLOW', a_number, '', 'rad/s', '0', '', &
@@ -90,6 +95,7 @@ contains
       clearance%joint = places(1)
       call take(group, 'CDIAM', clearance%diametral, findings)
       call take(group, 'CREST', clearance%restitution, findings)
+      call take(group, 'CLOSS', clearance%counted, findings)
       call take(group, 'CBEGIN', clearance%begin, findings)
       clearance%begins = group%given('CBEGIN')
       call take(group, 'CSPLOW', clearance%slowest, findings)

@@ -1,6 +1,6 @@
 !> A joint with clearance in the listing, on device 9, in remarks and in the exit status. Nothing is computed here.
 module psalm_clearance_report
-   use psalm_clearance_group, only: clearance_group_t, clearance_of
+   use psalm_clearance_group, only: clearance_group_t, clearance_of, losses_any
    use psalm_clearance_study, only: clearance_study_t, flypast_of_joint_t, verdict_kept, verdict_lost
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
@@ -38,9 +38,15 @@ contains
       call put_clearance(study, devices%cases(devices%last_case()))
       do k = 1, size(study%minima)
          if (study%minima(k)%verdict == verdict_kept) cycle
-         call devices%note_violation()
-         call devices%remark(set, 'joint '//mechanism%joints(study%joint)%name//' loses contact near input'// &
-                             general(study%minima(k)%input)//' degrees after the reference')
+         if (clearance%counted == losses_any .or. study%minima(k)%in_passage()) then
+            call devices%note_violation()
+            call devices%remark(set, 'joint '//mechanism%joints(study%joint)%name//' loses contact near input'// &
+                                general(study%minima(k)%input)//' degrees after the reference')
+         else
+            call devices%remark(set, 'joint '//mechanism%joints(study%joint)%name//' loses contact after the passage near input'// &
+                                general(study%minima(k)%input)//' degrees after the reference; with CLOSS=''PASSAGE'' that '// &
+                                'does not count')
+         end if
       end do
       if (.not. study%followed) then
          call devices%note_violation()
@@ -112,6 +118,8 @@ contains
                              general(m%flight%index)//', IMPULSE'//general(m%impulse))
             end if
             if (m%clearance > 0.0_wp) call text%add('   CONTACT IS KEPT UP TO A DIAMETRAL CLEARANCE OF'//general(m%clearance))
+            if (any(m%more > 0.0_wp)) call text%add('   PRELOAD THAT KEEPS CONTACT IN THE PASSAGE'//general(m%more(1))// &
+                                                    ', ALSO AFTER IT'//general(m%more(2)))
          end associate
       end do
       if (size(study%minima) == 0) call text%add(' NONE')
@@ -172,11 +180,11 @@ contains
 
       if (size(study%speeds) == 0) return
       call text%add()
-      call text%add(' OVER SPEEDS:             RAD/S            RPM     LEAST LOAD   MINIMA THAT LOSE CONTACT')
+      call text%add(' OVER SPEEDS:             RAD/S            RPM     LEAST LOAD   MINIMA THAT LOSE CONTACT, IN THE PASSAGE')
       do k = 1, size(study%speeds)
          associate (row => study%speeds(k))
             call text%add(repeat(' ', 18)//general(row%speed)//general(row%speed*rpm_per_speed)//general(row%least)//'   '// &
-                          to_text(row%lost))
+                          to_text(row%lost)//', '//to_text(row%in_passage))
          end associate
       end do
       if (study%critical_speed > 0.0_wp) call text%add(' CONTACT IS KEPT UP TO THE SPEED'//general(study%critical_speed))
@@ -241,6 +249,17 @@ contains
          call table%add('kept_up_to_diametral', m%clearance, 'm', m%clearance > 0.0_wp)
       end associate
       call tables%put(table)
+      table = table_of('preload', 'a row for each minimum of the load: H1 from which on contact is kept, and the load '// &
+                       'that it lacks')
+      associate (m => study%minima)
+         call table%add('input', m%input, 'deg')
+         call table%add('h1', m%h1)
+         call table%add('h1_passage', m%border(1))
+         call table%add('h1_any', m%border(2))
+         call table%add('more_passage', m%more(1), 'N')
+         call table%add('more_any', m%more(2), 'N')
+      end associate
+      call tables%put(table)
       table = table_of('following', 'a row for each input, contact followed')
       if (study%followed) then
          call table%add('input', study%input, 'deg')
@@ -263,6 +282,7 @@ contains
          call table%add('speed', study%speeds%speed, 'rad/s')
          call table%add('least_load', study%speeds%least, 'N')
          call table%add('lost', study%speeds%lost)
+         call table%add('lost_in_passage', study%speeds%in_passage)
          call tables%put(table)
       end if
       table = table_of('flight', 'a row for each minimum at which contact is lost', &
@@ -296,7 +316,14 @@ contains
       integer :: i, j, n
 
       associate (lines => chart%lines, ranks => size(chart%h3), angles => size(chart%h2), radii => size(chart%h1))
-         table = table_of('threshold', 'a row for each range of H1 within which contact is kept')
+         table = table_of('threshold_passage', 'a row for each range of H1 within which contact is lost in the passage')
+         call table%add('h3', [(((chart%h3(n), j=1, size(lines(i, n)%passage)), i=1, angles), n=1, ranks)])
+         call table%add('h2', [(((chart%h2(i)*degrees_per_radian, j=1, size(lines(i, n)%passage)), i=1, angles), n=1, ranks)], &
+                        'deg')
+         call table%add('from', [((lines(i, n)%passage%from, i=1, angles), n=1, ranks)])
+         call table%add('to', [((lines(i, n)%passage%to, i=1, angles), n=1, ranks)])
+         call tables%put(table)
+         table = table_of('threshold', 'a row for each range of H1 within which contact is lost')
          call table%add('h3', [(((chart%h3(n), j=1, size(lines(i, n)%ranges)), i=1, angles), n=1, ranks)])
          call table%add('h2', [(((chart%h2(i)*degrees_per_radian, j=1, size(lines(i, n)%ranges)), i=1, angles), n=1, ranks)], 'deg')
          call table%add('from', [((lines(i, n)%ranges%from, i=1, angles), n=1, ranks)])

@@ -2,7 +2,7 @@
 !>
 !> Every minimum of the nominal load is a flypast that keeps contact or loses it; the contact is also followed through a turn.
 module psalm_clearance_study
-   use psalm_clearance_group, only: clearance_group_t
+   use psalm_clearance_group, only: clearance_group_t, losses_passage
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
@@ -45,12 +45,18 @@ module psalm_clearance_study
       real(wp) :: across = 0.0_wp, along = 0.0_wp    !! speed at the impact, m/s
       real(wp) :: impulse = 0.0_wp                   !! N s
       real(wp) :: clearance = 0.0_wp                 !! diametral, m, up to which contact is kept; 0: however large
+      ! in the passage, and at any of the minima that are looked at:
+      real(wp) :: border(2) = 0.0_wp                 !! H1 beyond which contact is kept; 0: it always is
+      real(wp) :: more(2) = 0.0_wp                   !! N by which the least load must rise, as by a preload, to keep contact
+   contains
+      procedure :: in_passage
    end type flypast_of_joint_t
 
    type :: clearance_row_t
       real(wp) :: speed = 0.0_wp                     !! rad/s
       real(wp) :: least = 0.0_wp                     !! load, N
       integer :: lost = 0                            !! minima at which contact is lost
+      integer :: in_passage = 0                      !! of these in the passage, or where the load passes through zero
    end type clearance_row_t
 
    !> The load without clearance over the turn.
@@ -82,6 +88,13 @@ module psalm_clearance_study
    end type clearance_study_t
 
 contains
+
+   !> True if contact is lost in the passage, or where the load passes through zero.
+   pure logical function in_passage(self)
+      class(flypast_of_joint_t), intent(in) :: self
+
+      in_passage = self%verdict == verdict_zero .or. (self%verdict == verdict_lost .and. self%contact%at == 1)
+   end function in_passage
 
    !> Errors: no speed, a sliding input, friction, no revolute joint there, no masses.
    subroutine check_clearance(set, clearance, prepared, findings)
@@ -239,7 +252,7 @@ contains
       function flypast_at(angle) result(here)
          real(wp), intent(in) :: angle           !! of the crank, in the sense of its turning, radians
          type(flypast_of_joint_t) :: here
-         real(wp) :: x, y, m(3), twice, radius, border
+         real(wp) :: x, y, m(3), twice, radius
          integer :: c
 
          x = load(1)%at(angle)
@@ -280,8 +293,10 @@ contains
          end if
          if (.not. limits) return
          ! H1 goes with the cube root of 1/e: contact is kept beyond the outermost border of the lost region
-         border = outermost_loss(twice, here%h3)
-         if (border > 0.0_wp) here%clearance = study%diametral*(here%h1/border)**3
+         here%border = [outermost_loss(twice, here%h3, .true.), outermost_loss(twice, here%h3, .false.)]
+         if (here%border(2) > 0.0_wp) here%clearance = study%diametral*(here%h1/here%border(2))**3
+         ! and as the least load, whose direction a preload along it does not change
+         here%more = max(0.0_wp, here%load*(here%border/here%h1 - 1.0_wp))
       end function flypast_at
    end subroutine find_minima
 
@@ -343,7 +358,7 @@ contains
             study%speeds(i) = row_at(middle)
          end do
       end associate
-      i = findloc(study%speeds%lost > 0, .true., dim=1)
+      i = findloc([(counted_at(study%speeds(i)) > 0, i=1, size(study%speeds))], .true., dim=1)
       if (i <= 1) return
       low = study%speeds(i - 1)%speed
       high = study%speeds(i)%speed
@@ -352,7 +367,7 @@ contains
          if (study%stopped) return
          middle = 0.5_wp*(low + high)
          row = row_at(middle)
-         if (row%lost > 0) then
+         if (counted_at(row) > 0) then
             high = middle
          else
             low = middle
@@ -365,12 +380,22 @@ contains
       type(clearance_row_t) function row_at(speed)
          real(wp), intent(in) :: speed
          type(flypast_of_joint_t), allocatable :: minima(:)
+         integer :: k
 
          call find_minima(study, tensor, speed, 0.0_wp, .false., minima)
          row_at%speed = speed
          row_at%least = 0.0_wp
          if (size(minima) > 0) row_at%least = minval(minima%load)
          row_at%lost = count(minima%verdict /= verdict_kept)
+         row_at%in_passage = count([(minima(k)%in_passage(), k=1, size(minima))])
       end function row_at
+
+      !> Minima with a loss that counts.
+      pure integer function counted_at(row)
+         type(clearance_row_t), intent(in) :: row
+
+         counted_at = row%lost
+         if (clearance%counted == losses_passage) counted_at = row%in_passage
+      end function counted_at
    end subroutine find_speeds
 end module psalm_clearance_study

@@ -13,7 +13,7 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy
 from scipy.integrate import solve_ivp
-from scipy.optimize import minimize_scalar
+from scipy.optimize import brentq, minimize_scalar
 
 TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 sys.path.insert(0, os.path.join(TOP, "bench"))
@@ -185,6 +185,48 @@ def four_bar(place):
     check(verdicts == [0, 1], "contact is kept below the critical clearance and lost above", verdicts)
 
 
+def first_minimum(h1, h2, h3):
+    """Of the force over the least load, in the passage: the equation of the following mode, solved from T = -40."""
+    def acceleration(t, a, da):
+        q, p = 1 + t*t, 2*a - 2*numpy.arctan(t) - h2
+        return -2*t/q**2 + (h3*(da - 1/q)**2*numpy.sin(p) - h1**3*numpy.sqrt(q)*numpy.sin(a))/(1 + h3*numpy.cos(p))
+
+    def force(t, a, da):
+        q, p = 1 + t*t, 2*a - 2*numpy.arctan(t) - h2
+        return numpy.sqrt(q)*numpy.cos(a) + ((da - 1/q)**2*(1 - h3*numpy.cos(p)) - h3*(2*t/q**2 + acceleration(t, a, da))*numpy.sin(p))/h1**3
+
+    times = numpy.linspace(-40, 20, 60001)
+    start = brentq(lambda a: acceleration(-40.0, a, 0.0), -.5, .5)
+    done = solve_ivp(lambda t, y: [y[1], acceleration(t, *y)], [times[0], times[-1]], [start, 0.0], method="DOP853", rtol=1e-10,
+                     atol=1e-12, t_eval=times)
+    values = force(done.t, *done.y)
+    return values[1:-1][(values[1:-1] < values[:-2]) & (values[1:-1] <= values[2:])][0]
+
+
+def preloads(place):
+    """The load that keeps contact in the passage, and which losses count."""
+    for changes in ((("CDIAM=0.0002", "CDIAM=0.002"), ("NCSPED=12", "NCSPED=4")), (("CDIAM=0.0002", "CDIAM=0.02"), ("NCSPED=12", "NCSPED=0"))):
+        code, listing, error, blocks, columns = run(data(FOUR_BAR, *changes), place)
+        check(code == 1 and columns.get("preload") == "input h1 h1_passage h1_any more_passage more_any", "columns of the block preload", columns)
+        for row, minimum in zip(blocks["preload"], blocks["minima"]):
+            check(row[2] <= row[3]*(1 + 1e-9), "keeping contact in the passage takes no more than keeping it at all", row)
+            check(row[:2] == [minimum[0], minimum[5]], "preload: of the same minimum", row)
+            for needed, border in ((row[4], row[2]), (row[5], row[3])):
+                want = max(0.0, minimum[1]*(border/row[1] - 1))
+                check(abs(needed - want) <= 1e-6*minimum[1], "H1 grows with the load", (needed, want))
+            if row[4] <= 0:
+                continue
+            # H1 with this preload, from load, rate, clearance and inertia; there the force of contact just reaches zero
+            h1 = (minimum[1] + row[4])/(minimum[2]**2*(.001 if "0.002" in changes[0][1] else .01)*minimum[3])**(1/3)
+            sides = [first_minimum(h1*f, numpy.radians(minimum[6]), minimum[7]) for f in (.995, 1.005)]
+            check(sides[0] < 0 < sides[1], "with the preload the force of contact just stays above zero in the passage", (row, sides))
+    check(any(row[4] > 0 for row in blocks["preload"]), "some minimum needs a preload in the passage")
+    terminal = run(data(FOUR_BAR, ("CREST=0.5", "CREST=0.5, CLOSS='PASSAGE'")), place)
+    check(terminal[0] == 0 and "after the passage" in terminal[2] and "MINIMUM 2" in terminal[1], "terminal losses may not count", terminal[2])
+    passage = run(data(FOUR_BAR, ("CREST=0.5", "CREST=0.5, CLOSS='PASSAGE'"), ("CDIAM=0.0002", "CDIAM=0.02")), place)
+    check(passage[0] == 1 and "loses contact near" in passage[2], "losses in the passage always count", passage[2])
+
+
 def mirrored(place):
     """A four-bar and its mirror image turning the other way: loads turn the other way, gi, vn, vt and H2 stay."""
     text = "FOUR-BAR OF HAINES AS A SKETCH\n &CHAIN JNT='O','A','B','C', JX=0.0,0.05,%.15f,0.25, JY=0.0,0.0,%.15f,0.0,\n" \
@@ -261,6 +303,12 @@ def charts(place):
           "charts: round inertia has no direction")
     limits = [r for r in one[3]["threshold"] if r[0] == 0.0]
     check(len(limits) == 8 and all(abs(r[3] - 0.31867) < 1e-5 for r in limits), "charts: threshold of round inertia", limits)
+    check(one[3].get("threshold_passage") == three[3].get("threshold_passage"), "charts: the same passages on three threads")
+    for h3, h2, low, high in one[3]["threshold_passage"]:
+        inside = rows[(rows[:, 0] == h3) & (numpy.abs(rows[:, 1] - h2) < 1e-9)]
+        within = (inside[:, 2] >= low) & (inside[:, 2] <= high)
+        check(((inside[:, 3] == 1) == within).all(), "charts: within a range of passages contact is lost there, without not", (h3, h2, low, high))
+    check({r[0] for r in one[3]["threshold_passage"]} == {0.0, 0.75}, "charts: passages of each H3")
     for h3, h2, low, high, _ in one[3]["threshold"]:
         inside = rows[(rows[:, 0] == h3) & (numpy.abs(rows[:, 1] - h2) < 1e-9) & (rows[:, 2] >= low) & (rows[:, 2] <= high)]
         check((inside[:, 3] > 0).all(), "charts: within a range contact is lost", (h3, h2, low, high))
@@ -338,6 +386,7 @@ def bad_input(place):
 def main():
     with tempfile.TemporaryDirectory() as place:
         four_bar(place)
+        preloads(place)
         mirrored(place)
         following(place)
         slider_crank(place)

@@ -2,7 +2,7 @@
 program test_clearance
    use check, only: checks_t
    use psalm_flypast, only: flypast_t, flight_t, follow_flypast, fly
-   use psalm_flypast_chart, only: chart_t, loss_range_t, make_chart, scan_line
+   use psalm_flypast_chart, only: chart_t, loss_range_t, make_chart, scan_line, outermost_loss
    use psalm_following, only: followed_contact_t, contact_of, follow_contact, least_force_t
    use psalm_kinds, only: wp, pi, radians_per_degree
    use psalm_periodic, only: periodic_t, periodic_from_samples, periodic_constant
@@ -104,6 +104,7 @@ contains
       call t%equal_integer(ranges(size(ranges))%minimum, 2, 'chart: the second minimum')
       ranges = loss_ranges(0.0_wp, 0.0_wp, 0.28_wp, 0.36_wp, 0.02_wp)
       call t%close_to(ranges(1)%to, 0.31867_wp, 5.0e-6_wp, 'chart: round inertia')
+      call passage_and_envelope()
       ! the line at 35 degrees leaves and enters the lost region again
       ranges = loss_ranges(35.0_wp*radians_per_degree, 0.75_wp, 0.88_wp, 1.48_wp, 0.03_wp)
       call t%equal_integer(size(ranges), 2, 'chart: a line that cuts the lost region twice')
@@ -113,6 +114,22 @@ contains
       call t%close_to(ranges(2)%from, 1.139_wp, 2.0e-3_wp, 'chart: the second begins')
       call t%close_to(ranges(2)%to, 1.410_wp, 2.0e-3_wp, 'chart: and ends')
    end subroutine thresholds
+
+   !> H1 of the passage and of any loss, found independently from a start at T = -40: the thesis reads them off charts.
+   subroutine passage_and_envelope()
+      real(wp), parameter :: table(4, 6) = reshape([ & ! H2, H3, passage, envelope
+         -140.0_wp, 0.5_wp, 0.409_wp, 0.409_wp, -60.0_wp, 0.5_wp, 0.201_wp, 0.619_wp, &
+         0.0_wp, 0.25_wp, 0.244_wp, 0.348_wp, 20.0_wp, 0.75_wp, 0.182_wp, 1.421_wp, &
+         100.0_wp, 0.75_wp, 0.645_wp, 0.930_wp, 60.0_wp, 0.5_wp, 0.364_wp, 0.694_wp], [4, 6])
+      integer :: i
+
+      do i = 1, size(table, 2)
+         call t%close_to(outermost_loss(table(1, i)*radians_per_degree, table(2, i), .true.), table(3, i), 2.0e-3_wp, &
+                         'chart: outermost loss in the passage')
+         call t%close_to(outermost_loss(table(1, i)*radians_per_degree, table(2, i), .false.), table(4, i), 2.0e-3_wp, &
+                         'chart: outermost loss of any kind')
+      end do
+   end subroutine passage_and_envelope
 
    subroutine limits()
       type(flypast_t) :: one, two
@@ -165,6 +182,7 @@ contains
       real(wp), intent(in) :: least, greatest   !! of H1
       real(wp), intent(in) :: step              !! at which H1 is looked at
       type(loss_range_t), allocatable :: ranges(:)
+      type(loss_range_t), allocatable :: passage(:)
       real(wp), allocatable :: h1(:), index(:)
       integer, allocatable :: lost(:)
       integer :: i, steps
@@ -172,7 +190,7 @@ contains
       steps = max(1, ceiling((greatest - least)/step))
       h1 = [(least + (greatest - least)*real(i, wp)/real(steps, wp), i=0, steps)]
       allocate (index(size(h1)), lost(size(h1)))
-      call scan_line(h2, h3, h1, lost, index, ranges)
+      call scan_line(h2, h3, h1, lost, index, ranges, passage)
    end function loss_ranges
 
    !> The chart is what single lines and flypasts say, and the same for any number of threads.
