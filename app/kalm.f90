@@ -23,6 +23,8 @@ program kalm
    use psalm_status, only: diagnostics_t
    use psalm_summary, only: summary_t, summarise
    use psalm_system, only: finish_program
+   use psalm_time_list, only: report_time, summarise_time
+   use psalm_time_study, only: time_study_t, check_time, find_time
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
    integer, parameter :: accelerations = 2     ! orders of rates in the table
@@ -39,7 +41,7 @@ program kalm
       nl//'Displacement, velocity, acceleration and jerk of the output of each case, at its positions. The group'//nl// &
       '&RATES gives the SPEED, ACCEL and UNITS of the input; without it the input moves at 1 rad/s or 1 length/s.'//nl// &
       nl//'With a group &MASSES, &LOADS or &SPRING: torque or force of the drive, force in every joint, force and'//nl// &
-      'moment on the frame; with &MOTOR: steady cycle, run-up, flywheel.'//nl// &
+      'moment on the frame; with &MOTOR: steady cycle, run-up, flywheel; with &TIME: motion in time.'//nl// &
       nl//'The listing goes to standard output; CASE.kalm.dev8 (input; with KTHETA=1 all arcs and joints) and'//nl// &
       'CASE.kalm.dev9 in the folder of the case.'//nl// &
       nl//json_option// &
@@ -65,6 +67,8 @@ contains
       associate (unused => file, also_unused => mark)
       end associate
       if (.not. findings%failed()) call prepare(set, none, prepared, findings, need)
+      if (.not. findings%failed()) call check_time(set, findings)
+      prepared%ready = prepared%ready .and. .not. findings%failed()
    end subroutine prepare_rates
 
    subroutine run_case(number, set, prepared, devices, stopped)
@@ -77,6 +81,7 @@ contains
       type(rate_study_t), allocatable :: rates
       type(force_study_t), allocatable :: forces     ! absent arguments unless the case asks for them
       type(machine_study_t), allocatable :: machine
+      type(time_study_t), allocatable :: time
       type(proof_study_t), allocatable :: proof
       type(summary_t) :: summary
       type(sketch_study_t) :: sketch
@@ -90,7 +95,10 @@ contains
       if (forces_wanted(set)) then
          allocate (forces)
          call find_forces(set, problem, prepared%given, forces, analysed=rates%motion)
-         if (set%gives('MOTOR')) then
+         if (set%gives('TIME')) then
+            allocate (time)
+            call find_time(set, problem, prepared%given, forces, time)
+         else if (set%gives('MOTOR')) then
             allocate (machine)
             call find_machine(set, problem, forces%model, machine)
          end if
@@ -102,6 +110,7 @@ contains
       end if
       call report_rates(set, problem, rates, devices, forces, machine)
       if (set%has_names()) call report_outputs(set, sketch, rates%motion%beyond, accelerations, devices)
+      if (allocated(time)) call report_time(set, problem, time, devices)
       if (proof_wanted(set, .false.) /= no_proof .and. set%is_beyond_arrays()) then
          call prove_sketch(set, devices)
       else if (proof_wanted(set, .false.) /= no_proof) then
@@ -116,6 +125,7 @@ contains
       else
          call report_summary(set, problem%mechanism, summary, rates%motion, devices)
       end if
+      if (allocated(time)) call summarise_time(problem, time, devices%summary)
    end subroutine run_case
 
    !> The proof of a sketch with a larger group, which is made in the poses of its links.

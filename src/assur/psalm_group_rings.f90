@@ -38,7 +38,8 @@ module psalm_group_rings
       integer :: arc = 0                            !! an arc that is turned from it,
       real(wp) :: drawn_angle = 0.0_wp              !! and where that points in the drawing, degrees
       real(wp) :: drawn(2) = 0.0_wp                 !! the direction in the drawing
-      real(wp) :: now(3) = 0.0_wp                   !! direction and turn where the group stands
+      real(wp) :: now(3) = 0.0_wp                   !! direction and turn where the group stands,
+      real(wp) :: from(3) = 0.0_wp                  !! and where it is followed from, if that is not the drawing
       real(wp) :: drawn_turn = 0.0_wp               !! ties alone: the direction in the drawing, degrees
       real(wp) :: angle = 0.0_wp, turn = 0.0_wp     !! at the last position found of ties alone: of the direction, and from the
                                                     !! drawing, degrees
@@ -69,6 +70,7 @@ module psalm_group_rings
       real(wp) :: size = 1.0_wp                     !! of the group: an angle of a radian counts as such a length
       ! while it is followed from input to input
       real(wp), allocatable :: now(:, :), before(:, :) !! shape (3, unknowns): where it stands, and where it stood before
+      real(wp), allocatable :: from(:, :)           !! shape as `now`: where it is followed from, if that is not the drawing
       real(wp) :: sense = 0.0_wp                    !! sign of the determinant in the drawing
       logical :: follows = .false.                  !! ties alone: they were found up to this input, with these dimensions
       real(wp) :: last = 0.0_wp                     !! increment of the input there

@@ -70,7 +70,11 @@ contains
          call ode%rates(time + nodes(s)*h, y + h*state, d(:, s), valid)
          if (.not. valid) return
       end do
-      after = y + h*matmul(d, weights)
+      state = 0.0_wp
+      do j = 1, stages
+         if (abs(weights(j)) > 0.0_wp) state = state + weights(j)*d(:, j)
+      end do
+      after = y + h*state
       if (.not. present(error)) return
       allowed = ode%tolerances(y, after)
       fifth = 0.0_wp

@@ -10,7 +10,7 @@ module psalm_force_analysis
    implicit none (type, external)
    private
    public :: force_table_t, analyse_forces, share_of_sources, loads_of_unit_masses, loads_of_unit_wrenches, &
-             column_of_joint, column_of_other_drive
+             column_of_joint, column_of_other_drive, columns_of, take_columns
    public :: column_drive, column_fx, column_fy, column_moment
 
    integer, parameter :: column_drive = 1                    !! torque N m, or force N of a sliding input

@@ -140,7 +140,7 @@ contains
          call set%origins%error(findings, 'MOTOR', '', 'motion from torque needs a crank that turns; the input of this linkage '// &
                                 'slides')
       end if
-      if (set%gives('MOTOR') .and. any(.not. mechanism%actuators(2:)%geared)) then
+      if (set%gives('MOTOR') .and. any(.not. mechanism%actuators(2:)%geared) .and. .not. set%gives('TIME')) then
          call set%origins%error(findings, 'MOTOR', '', 'motion from torque needs one drive that all others follow; '// &
                                 'this linkage has several of their own')
       end if

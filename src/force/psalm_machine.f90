@@ -15,7 +15,7 @@ module psalm_machine
    use psalm_reduced, only: reduced_t, reduce_machine
    implicit none (type, external)
    private
-   public :: machine_t, cycle_t, machine_run_t, make_machine, settle_machine, steady_cycle, run_up, flywheel_for
+   public :: machine_t, cycle_t, machine_run_t, make_machine, settle_machine, steady_cycle, run_up, flywheel_for, motor_torque
    public :: cycle_found, cycle_grows, cycle_falls, cycle_stalls, cycle_any_speed, cycle_unknown
 
    integer, parameter :: least_steps = 1440          !! of integration over a turn: an even multiple of what is listed

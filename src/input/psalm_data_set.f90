@@ -452,7 +452,7 @@ contains
          call set%sections(i)%group%read(groups(size(own) + i), about, findings)
       end do
       ! where there are errors the group may stand under a misspelt name
-      if (size(set%masses%mass) > 0 .and. .not. (set%rates%given .or. findings%failed())) then
+      if (size(set%masses%mass) > 0 .and. .not. (set%rates%given .or. set%gives('TIME') .or. findings%failed())) then
          call findings%warning('there is no group &RATES: the input is taken to move at '// &
                                trim(merge('1 unit of length a second', '1 radian a second        ', sliding_input(set))), &
                                line=groups(masses)%line, group='MASSES', item='NMASS')

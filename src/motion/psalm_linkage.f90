@@ -78,6 +78,8 @@ module psalm_linkage
       integer :: out(2) = 0, direction(2) = 0, miss = 0 !! rows for the output: lengths, unit vector, deviation
       type(rows_t) :: between                        !! one position between those of the block; not allocated: no larger group
       real(wp) :: drawn = 0.0_wp                     !! input increment from which larger groups are followed: mostly the drawing's
+      real(wp), allocatable :: from(:)               !! shape (drives): increments at which larger groups stood by `follow_from`;
+                                                     !! not allocated: they are followed from the drawing
       ! input
       logical :: sliding_input = .false.
       real(wp) :: largest_input = 0.0_wp         !! sliding input: largest increment
@@ -106,6 +108,7 @@ module psalm_linkage
       procedure :: stays_on_side
       procedure :: rows_of_drive
       procedure :: arc_at
+      procedure :: follow_from
    end type linkage_t
 
    interface
@@ -119,6 +122,14 @@ module psalm_linkage
          real(wp), intent(in), optional :: more(:, :, :) !! of the others, as `solve` has them
          logical, intent(inout) :: closed        !! every group before closes at every position; afterwards this one, too
       end subroutine follow_group
+
+      !> From now on larger groups are followed from where they stand at position i of the block, until the next `bind`.
+      pure module subroutine follow_from(self, i, inputs)
+         implicit none (type, external)
+         class(linkage_t), intent(inout) :: self
+         integer, intent(in) :: i
+         real(wp), intent(in) :: inputs(:)       !! shape (drives): increments there
+      end subroutine follow_from
    end interface
 
 contains
@@ -543,6 +554,7 @@ contains
       integer :: k
 
       self%side = 0
+      if (allocated(self%from)) deallocate (self%from)
       self%drawn = dimensions%anchor - dimensions%crnki
       call choose_scale(self, dimensions)
       call bind_angles(self, plan, dimensions)
@@ -699,6 +711,7 @@ contains
             end associate
          end do
          higher%now = higher%drawn
+         if (allocated(higher%from)) deallocate (higher%from)
          higher%before = higher%drawn
       end associate
    end subroutine bind_higher

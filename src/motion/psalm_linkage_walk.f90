@@ -3,7 +3,8 @@
 !> Newton's method jumps to another assembly where its start is far off. A position is accepted only where it is the continuation
 !> of the one before, by the signs that `is_trusted` knows; else the way there is walked in shorter steps. Where these become too
 !> short a group stands at a dead point. What a turning input does not reach one way it may reach the other way round. Every block
-!> is followed from the drawing, so that its bits do not depend on the blocks before it.
+!> is followed from the drawing, so that its bits do not depend on the blocks before it. A motion in time goes on from where it is
+!> (`follow_from`).
 submodule(psalm_linkage) psalm_linkage_walk
    use psalm_higher_group, only: correct, correction_t, dead_measure, is_trusted, keep_known_turns, keep_turns, keep_state, &
                                  predict, put_known_turns, put_state, turn_wheel
@@ -393,7 +394,26 @@ contains
       leaps = beyond > 0
    end function leaps
 
-   !> Put a larger group, and those that it depends on, together in the drawing.
+   pure module subroutine follow_from(self, i, inputs)
+      class(linkage_t), intent(inout) :: self
+      integer, intent(in) :: i
+      real(wp), intent(in) :: inputs(:)
+      integer :: k, j
+
+      do k = 1, size(self%steps)
+         if (.not. allocated(self%steps(k)%dyad%higher)) cycle
+         associate (higher => self%steps(k)%dyad%higher)
+            call keep_turns(higher, self%store, i)
+            higher%from = higher%now
+            do j = 1, size(higher%known)
+               higher%known(j)%from = higher%known(j)%now
+            end do
+         end associate
+      end do
+      self%from = inputs
+   end subroutine follow_from
+
+   !> Put a larger group, and those that it depends on, together in the drawing, or where they are followed from.
    pure subroutine start(self, k, walk, valid)
       class(linkage_t), intent(inout) :: self
       integer, intent(in) :: k
@@ -408,6 +428,7 @@ contains
       call put_as_drawn(self%steps(k))
       walk%last = 0
       walk%here = [self%drawn, self%seconds%drawn]
+      if (allocated(self%from)) walk%here = self%from
       walk%known = .false.
       call solve_between(self, k, walk%here, .false., valid, unused)
    end subroutine start
@@ -419,9 +440,11 @@ contains
       if (.not. allocated(step%dyad%higher)) return
       associate (higher => step%dyad%higher)
          higher%now = higher%drawn
+         if (allocated(higher%from)) higher%now = higher%from
          higher%sense = 0.0_wp
          do i = 1, size(higher%known)
             higher%known(i)%now = [higher%known(i)%drawn, 0.0_wp]
+            if (allocated(higher%from)) higher%known(i)%now = higher%known(i)%from
          end do
       end associate
    end subroutine put_as_drawn
@@ -446,7 +469,7 @@ contains
          if (.not. reached) call walk_to(self, k, i, inputs, walk, found, reached)
       end if
       ! wheels stand elsewhere after a turn
-      if (reached .or. self%sliding_input .or. self%tied .or. size(inputs) > 1) return
+      if (reached .or. self%sliding_input .or. self%tied .or. size(inputs) > 1 .or. allocated(self%from)) return
       offset = -sign(full_turn, inputs(1) - self%drawn)
       other = inputs(1) + offset
       if (.not. is_open(walk, other)) return

@@ -32,6 +32,7 @@ submodule(psalm_item_list) psalm_item_list_body
    use psalm_spring_group, only: spring_items
    use psalm_sweep_group, only: sweep_items
    use psalm_text, only: upper_case
+   use psalm_time_group, only: time_items
    use psalm_tolerance_group, only: tolerance_items
    use psalm_vibration_group, only: estimate_items, vibration_items
    implicit none (type, external)
@@ -106,6 +107,8 @@ contains
          rules = sweep_items
       case ('EXACT')
          rules = exact_items
+      case ('TIME')
+         rules = time_items
       case default
          allocate (rules(0))
       end select

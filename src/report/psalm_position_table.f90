@@ -17,6 +17,7 @@ module psalm_position_table
    use psalm_text, only: full_precision
    implicit none (type, external)
    private
+   public :: add_joints, add_outputs
    public :: put_positions, plot_positions, plot_wanted_rates, put_rates, put_sketch, plot_sketch, positions_block
 
    character(*), parameter :: nl = new_line('a')
@@ -231,9 +232,8 @@ contains
       type(force_study_t), intent(in), optional :: forces
       type(problem_t), intent(in), optional :: problem !! of the study: its desired values are columns, too
       type(table_t) :: table
-      character(:), allocatable :: unit
       logical :: known(size(study%closed), 0:2)
-      integer :: d, o
+      integer :: d
 
       table = table_of(positions_block, about_positions, audience=for_programs, main=.true.)
       known(:, 0) = study%closed
@@ -243,25 +243,50 @@ contains
          call table%add(input_name(sketch, d), study%inputs(d, :), drive_unit(sketch, d))
       end do
       call table%add(closed_name, study%closed)
-      do d = 1, size(study%names)
-         do o = 0, orders
-            call table%add(by_time(study%names(d), o), study%values(d, o, :), &
-                           number_unit(sketch%outputs, d, per_time(), o), known(:, o))
-         end do
-      end do
+      call add_outputs(sketch, study, orders, known, table)
       if (present(problem)) call add_wishes(sketch, study, problem, table)
       call add_conditions(sketch, study, table)
-      do d = 1, size(study%joints, 1)
-         do o = 0, orders
-            unit = rate_unit(.false., per_time(), o)
-            call table%add(joint_name(sketch%joint_name(d), o, 'x'), real(study%joints(d, o, :), wp), unit, known(:, o))
-            call table%add(joint_name(sketch%joint_name(d), o, 'y'), aimag(study%joints(d, o, :)), unit, known(:, o))
-         end do
-      end do
+      call add_joints(sketch, study, orders, known, table)
       if (present(forces)) call add_forces(forces, table, study%closed)
       if (size(study%crank) > 0) call table%add(crank_name(sketch), study%crank, output_unit(.true.))
       call tables%put(table)
    end subroutine put_sketch
+
+   !> Outputs of a sketch, with `.v` and `.a`.
+   pure subroutine add_outputs(sketch, study, orders, known, table)
+      type(sketch_t), intent(in) :: sketch
+      type(sketch_study_t), intent(in) :: study
+      integer, intent(in) :: orders                  !! 0 or 2
+      logical, intent(in) :: known(:, 0:)            !! shape (rows, 0:orders)
+      type(table_t), intent(inout) :: table
+      integer :: n, o
+
+      do n = 1, size(study%names)
+         do o = 0, orders
+            call table%add(by_time(study%names(n), o), study%values(n, o, :), &
+                           number_unit(sketch%outputs, n, per_time(), o), known(:, o))
+         end do
+      end do
+   end subroutine add_outputs
+
+   !> Joints of a sketch, with `.vx .vy .ax .ay`.
+   pure subroutine add_joints(sketch, study, orders, known, table)
+      type(sketch_t), intent(in) :: sketch
+      type(sketch_study_t), intent(in) :: study
+      integer, intent(in) :: orders                  !! 0 or 2
+      logical, intent(in) :: known(:, 0:)            !! shape (rows, 0:orders)
+      type(table_t), intent(inout) :: table
+      character(:), allocatable :: unit
+      integer :: j, o
+
+      do j = 1, size(study%joints, 1)
+         do o = 0, orders
+            unit = rate_unit(.false., per_time(), o)
+            call table%add(joint_name(sketch%joint_name(j), o, 'x'), real(study%joints(j, o, :), wp), unit, known(:, o))
+            call table%add(joint_name(sketch%joint_name(j), o, 'y'), aimag(study%joints(j, o, :)), unit, known(:, o))
+         end do
+      end do
+   end subroutine add_joints
 
    !> Desired values of the outputs of a sketch; of derivatives by the input the actual ones, too. Without outputs they are those of
    !> the joint that is shown. Values are given for every position, whatever their weights; of derivatives those without a weight

@@ -10,7 +10,7 @@ module psalm_summary_text
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
-   public :: write_summary, write_wish_errors, plain_number, name_of_kind
+   public :: write_summary, write_wish_errors, plain_number, name_of_kind, add_line
 
    integer, parameter :: most_listed = 4     !! of ranges, kinds or inputs on one line
    integer, parameter :: label_columns = 20
@@ -142,6 +142,7 @@ contains
       if (order > 1) words = words//' squared'
    end function unit_of_rate
 
+   !> A line of the summary: what it is about, and words.
    subroutine add_line(label, words, text)
       character(*), intent(in) :: label, words
       type(text_t), intent(inout) :: text

@@ -1,0 +1,310 @@
+!> A mechanism whose drives, or some of them, move freely: their accelerations from what acts on its links.
+!>
+!> Co-ordinates are the drives that follow no other. With the rates of the poses for each free one alone (Y) the equations are
+!> Y'M Y q'' = Y'(F - M g0), where g0 are the accelerations at q'' = 0. The right side is what the free drives would have to bear at
+!> q'' = 0, a column of the matrix what they bear for the inertia at q'' = 1 of one of them: a sweep of the forces each.
+module psalm_free_motion
+   use psalm_error, only: problem_t
+   use psalm_force_analysis, only: columns_of, take_columns
+   use psalm_force_model, only: force_model_t, load_t, spring_t
+   use psalm_kinds, only: wp, degrees_per_radian, radians_per_degree
+   use psalm_kinetostatics, only: forces_t, prepare_forces, move_bodies, clear_wrenches, add_source, sweep, external_power, &
+                                  sources_of, source_inertia, source_weight
+   use psalm_linear, only: solve_positive
+   use psalm_machine, only: motor_torque
+   use psalm_motor_group, only: motor_group_t
+   use psalm_potential, only: potential_energy
+   use psalm_rates, only: rates_t, prepare_rates, differentiate, is_dead
+   use psalm_shown_input, only: input_at
+   implicit none (type, external)
+   private
+   public :: free_motion_t, free_state_t, make_free_motion
+
+   integer, parameter :: orders = 2        !! of rates
+
+   !> What moves, and how its drives go. Inputs are increments from the reference position, radians or user's lengths.
+   type :: free_motion_t
+      class(problem_t), allocatable :: problem         !! bound, at one position; large: it would fill a small stack
+      type(force_model_t) :: model
+      type(force_model_t) :: lasting, loads, dampers   !! parts of it: weight and springs, loads, dampers
+      type(motor_group_t) :: motor                     !! on the first drive
+      logical :: driven = .false.                      !! there is a motor
+      logical, allocatable :: slides(:)                !! by drive
+      integer, allocatable :: leader(:)                !! by drive: the drive that it follows, mostly itself
+      real(wp), allocatable :: ratio(:)                !! by drive: its rate by that one's
+      integer, allocatable :: free(:)                  !! the drives that move freely
+      real(wp), allocatable :: start(:)                !! by drive: input at time 0,
+      real(wp), allocatable :: speed(:), accel(:)      !! and of those that are not free how it goes on
+      type(rates_t), allocatable :: rates
+      type(forces_t), allocatable :: forces
+      logical, allocatable :: side(:)                  !! by loop: two slides of it are on the positive side of each other at time 0
+      integer :: evaluations = 0
+      integer :: open_loop = 0                         !! why the last evaluation has no result: this loop does not close,
+      logical :: massless = .false.                    !! or the free drives move no mass
+   contains
+      procedure :: accelerate
+      procedure :: describe
+      procedure :: anchor
+      procedure, private :: put_inputs
+      procedure, private :: put_rates
+      procedure, private :: borne
+   end type free_motion_t
+
+   !> Everything about one moment.
+   type :: free_state_t
+      real(wp), allocatable :: input(:), rate(:), accel(:) !! by drive: increments, radians or lengths, and by time
+      real(wp), allocatable :: columns(:)              !! as `force_table_t` has them
+      real(wp) :: kinetic = 0.0_wp, growth = 0.0_wp    !! J, W; flywheel included
+      real(wp) :: potential = 0.0_wp                   !! of weight and springs, J
+      real(wp) :: residual = 0.0_wp                    !! largest force of a free drive beyond its motor, of the largest of all
+   end type free_state_t
+
+contains
+
+   !> Bind a mechanism whose problem has all loops, roots and vertices (`vertices_of`) and one position.
+   subroutine make_free_motion(problem, model, motor, free, start, speed, accel, motion)
+      class(problem_t), intent(in) :: problem
+      type(force_model_t), intent(in) :: model          !! without friction
+      type(motor_group_t), intent(in) :: motor
+      logical, intent(in) :: free(:)                    !! by drive; of those that follow the first without meaning
+      real(wp), intent(in) :: start(:), speed(:), accel(:) !! by drive
+      class(free_motion_t), intent(out) :: motion
+      integer :: d, k
+
+      allocate (motion%problem, source=problem)
+      motion%model = model
+      motion%motor = motor
+      motion%driven = motor%given
+      motion%lasting = model
+      motion%lasting%loads = [load_t ::]
+      motion%lasting%springs%damping = 0.0_wp
+      motion%loads = model
+      motion%loads%gravity = 0.0_wp
+      motion%loads%springs = [spring_t ::]
+      motion%dampers = motion%loads
+      motion%dampers%loads = [load_t ::]
+      motion%dampers%springs = pack(model%springs, abs(model%springs%damping) > 0.0_wp)
+      motion%dampers%springs%stiffness = 0.0_wp
+      motion%dampers%springs%preload = 0.0_wp
+      associate (actuators => problem%mechanism%actuators)
+         motion%slides = actuators%slides
+         motion%leader = [(d, d=1, size(actuators))]
+         allocate (motion%ratio(size(actuators)), source=1.0_wp)
+         do d = 2, size(actuators)
+            if (.not. actuators(d)%geared) cycle
+            motion%leader(d) = 1
+            ! ratios are of degrees and lengths
+            motion%ratio(d) = actuators(d)%ratio*merge(1.0_wp, degrees_per_radian, actuators(1)%slides)* &
+                              merge(1.0_wp, radians_per_degree, actuators(d)%slides)
+         end do
+         motion%free = pack([(d, d=1, size(actuators))], free .and. .not. actuators%geared)
+      end associate
+      motion%start = start
+      motion%speed = speed
+      motion%accel = accel
+      allocate (motion%rates, motion%forces)
+      call prepare_rates(motion%problem, motion%rates)
+      call prepare_forces(motion%problem, model, motion%forces)
+      allocate (motion%side(problem%mechanism%nloop), source=.true.)
+      call motion%put_inputs(0.0_wp, start(motion%free), .false.)
+      do k = 1, size(motion%side)
+         motion%side(k) = motion%problem%linkage%store%v(1, motion%problem%linkage%measure(k)) > 0.0_wp
+      end do
+   end subroutine make_free_motion
+
+   !> Accelerations of the free drives, what loads, motor and the drives that are not free put in, and what dampers take out.
+   !> `valid` is false where a loop does not close (`open_loop`), or nothing has mass (`massless`).
+   subroutine accelerate(self, time, q, v, a, work, loss, valid)
+      class(free_motion_t), intent(inout) :: self
+      real(wp), intent(in) :: time, q(:), v(:)          !! shape (free drives): radians or lengths, and by time
+      real(wp), intent(out) :: a(:)
+      real(wp), intent(out) :: work, loss               !! W
+      logical, intent(out) :: valid
+      real(wp) :: h(size(self%slides), size(q)), b(size(self%slides)), rate(size(self%slides)), accel(size(self%slides)), torque
+      real(wp) :: unused
+      integer :: j, source
+
+      self%evaluations = self%evaluations + 1
+      a = 0.0_wp
+      work = 0.0_wp
+      loss = 0.0_wp
+      call self%put_inputs(time, q, .true., valid)
+      if (.not. valid) return
+      associate (problem => self%problem, forces => self%forces)
+         do j = 1, size(q)
+            rate = 0.0_wp
+            accel = 0.0_wp
+            accel(self%free(j)) = 1.0_wp
+            call self%put_rates(rate, accel)
+            call clear_wrenches(1, forces)
+            call add_source(problem, self%model, source_inertia, [real(wp) ::], 1, forces)
+            call sweep(problem, 1, forces)
+            h(:, j) = self%borne()
+         end do
+         rate = self%speed + self%accel*time
+         accel = self%accel
+         rate(self%free) = v
+         accel(self%free) = 0.0_wp
+         call self%put_rates(rate, accel)
+         call clear_wrenches(1, forces)
+         associate (input => [input_at(problem%mechanism, problem%given, problem%delt(1))])
+            do source = source_weight + 1, sources_of(self%dampers)
+               call add_source(problem, self%dampers, source, input, 1, forces)
+            end do
+            call external_power(problem, 1, forces)
+            loss = -forces%w%v(1, forces%power)
+            forces%w%v(:, forces%power) = 0.0_wp
+            do source = source_weight + 1, sources_of(self%loads)
+               call add_source(problem, self%loads, source, input, 1, forces)
+            end do
+            call external_power(problem, 1, forces)
+            work = forces%w%v(1, forces%power) + loss
+            do source = source_weight, sources_of(self%lasting)
+               call add_source(problem, self%lasting, source, input, 1, forces)
+            end do
+            call add_source(problem, self%model, source_inertia, input, 1, forces)
+         end associate
+         call sweep(problem, 1, forces)
+         b = self%borne()
+      end associate
+      torque = 0.0_wp
+      if (self%driven) then
+         call motor_torque(self%motor, rate(1), torque, unused)
+         b(1) = b(1) - torque
+         do j = 1, size(q)
+            if (self%free(j) == 1) h(1, j) = h(1, j) + self%motor%flywheel
+         end do
+         work = work + torque*rate(1)
+      end if
+      if (size(q) > 0) then
+         call solve_positive(h(self%free, :), -b(self%free), a, valid)
+         self%massless = .not. valid
+         if (.not. valid) return
+      end if
+      do j = 1, size(q)
+         b = b + h(:, j)*a(j)
+      end do
+      b(self%free) = 0.0_wp
+      where (self%leader /= [(j, j=1, size(b))]) b = 0.0_wp
+      work = work + sum(b*rate)
+   end subroutine accelerate
+
+   !> Everything at a moment, with accelerations that `accelerate` found. Larger groups are followed from here on.
+   subroutine describe(self, time, q, v, a, state)
+      class(free_motion_t), intent(inout) :: self
+      real(wp), intent(in) :: time, q(:), v(:), a(:)
+      type(free_state_t), intent(out) :: state
+      real(wp) :: columns(1, columns_of(self%problem)), torque, unused, largest
+      real(wp), allocatable :: over(:)
+      integer :: source, d
+
+      call self%put_inputs(time, q, .true.)
+      state%rate = self%speed + self%accel*time
+      state%accel = self%accel
+      state%rate(self%free) = v
+      state%accel(self%free) = a
+      state%input = self%start + time*(self%speed + 0.5_wp*self%accel*time)
+      state%input(self%free) = q
+      call self%put_rates(state%rate, state%accel)
+      do d = 1, size(self%leader)
+         if (self%leader(d) == d) cycle
+         state%rate(d) = self%ratio(d)*state%rate(self%leader(d))
+         state%accel(d) = self%ratio(d)*state%accel(self%leader(d))
+         state%input(d) = self%start(d) + self%ratio(d)*(state%input(self%leader(d)) - self%start(self%leader(d)))
+      end do
+      associate (problem => self%problem, forces => self%forces)
+         state%potential = potential_energy(problem, self%model, forces)
+         call clear_wrenches(1, forces)
+         do source = source_inertia, sources_of(self%model)
+            call add_source(problem, self%model, source, [input_at(problem%mechanism, problem%given, problem%delt(1))], 1, forces)
+         end do
+         state%kinetic = forces%w%v(1, forces%kinetic)
+         state%growth = forces%w%v(1, forces%growth)
+         call sweep(problem, 1, forces)
+         over = self%borne()
+         if (self%driven) then
+            call motor_torque(self%motor, state%rate(1), torque, unused)
+            over(1) = over(1) + self%motor%flywheel*state%accel(1) - torque
+            state%kinetic = state%kinetic + 0.5_wp*self%motor%flywheel*state%rate(1)**2
+            state%growth = state%growth + self%motor%flywheel*state%rate(1)*state%accel(1)
+         end if
+         call take_columns(problem, self%model, forces, 1, columns)
+      end associate
+      state%columns = columns(1, :)
+      largest = maxval(abs(state%columns))
+      if (largest > 0.0_wp .and. size(self%free) > 0) state%residual = maxval(abs(over(self%free)))/largest
+   end subroutine describe
+
+   !> Larger groups are followed from the position that was put in last.
+   subroutine anchor(self)
+      class(free_motion_t), intent(inout) :: self
+      integer :: d
+
+      associate (problem => self%problem)
+         if (size(self%leader) == 1) then
+            call problem%linkage%follow_from(1, problem%delt)
+         else
+            call problem%linkage%follow_from(1, [problem%delt(1), (problem%more(1, 1, d), d=1, size(problem%more, 3))])
+         end if
+      end associate
+   end subroutine anchor
+
+   !> Find the position at a time. `valid` is false if a loop does not close, or two slides have passed each other.
+   subroutine put_inputs(self, time, q, checked, valid)
+      class(free_motion_t), intent(inout) :: self
+      real(wp), intent(in) :: time, q(:)
+      logical, intent(in) :: checked                    !! look at the sides of slides
+      logical, intent(out), optional :: valid
+      real(wp) :: input(size(self%slides))
+      integer :: offset, n, k
+      logical :: closes
+
+      input = self%start + time*(self%speed + 0.5_wp*self%accel*time)
+      input(self%free) = q
+      where (.not. self%slides) input = input*degrees_per_radian
+      associate (problem => self%problem)
+         if (size(input) > 1) problem%own_delt(1, :) = input(2:)
+         call problem%move_inputs(input(:1))
+         call problem%solve_block(1, offset, n)
+         self%open_loop = 0
+         do k = problem%mechanism%nloop, 1, -1
+            closes = problem%linkage%closes(1, k)
+            if (checked .and. problem%linkage%two_slides(k)) &
+               closes = closes .and. (problem%linkage%store%v(1, problem%linkage%measure(k)) > 0.0_wp .eqv. self%side(k))
+            if (.not. closes) self%open_loop = k
+         end do
+      end associate
+      if (present(valid)) valid = self%open_loop == 0
+   end subroutine put_inputs
+
+   !> Rates of all bodies from those of the drives that follow no other.
+   subroutine put_rates(self, rate, accel)
+      class(free_motion_t), intent(inout) :: self
+      real(wp), intent(in) :: rate(:), accel(:)         !! shape (drives)
+      integer :: d, k
+
+      do d = 1, size(rate)
+         k = self%leader(d)
+         self%problem%linkage%drive_rate(:, d) = self%ratio(d)*[rate(k), accel(k), 0.0_wp]
+      end do
+      call differentiate(self%problem, self%rates, 1, orders)
+      call move_bodies(self%problem, self%rates, 1, 1.0_wp, 0.0_wp, self%forces)
+   end subroutine put_rates
+
+   !> What the drives bear after a sweep, by a unit of their inputs; those that others follow bear for these, too.
+   function borne(self) result(load)
+      class(free_motion_t), intent(in) :: self
+      real(wp) :: load(size(self%slides))
+      integer :: d
+
+      do d = 1, size(load)
+         load(d) = self%forces%w%v(1, self%forces%drives(d))
+         if (self%slides(d)) load(d) = load(d)*self%model%metre
+      end do
+      do d = 2, size(load)
+         if (self%leader(d) == d) cycle
+         load(1) = load(1) + self%ratio(d)*load(d)
+         load(d) = 0.0_wp
+      end do
+   end function borne
+end module psalm_free_motion

@@ -1,0 +1,193 @@
+!> Motion in time: listing, table, summary and remarks.
+module psalm_time_list
+   use psalm_column_names, only: by_time, drive_unit, input_name, input_unit, output_name, output_unit, per_time, rate_unit
+   use psalm_data_set, only: data_set_t
+   use psalm_devices, only: devices_t
+   use psalm_error, only: problem_t
+   use psalm_force_list, only: add_forces
+   use psalm_group_words, only: the_group
+   use psalm_kinds, only: wp
+   use psalm_mechanism, only: mechanism_t
+   use psalm_number_format, only: number_format_t, format_of, figure
+   use psalm_position_table, only: add_joints, add_outputs
+   use psalm_summary_text, only: add_line, plain_number
+   use psalm_tables, only: table_t, tables_t, table_of
+   use psalm_text, only: text_t, general, to_text, upper_case
+   use psalm_time_study, only: time_study_t, time_collapsed, time_done, time_massless, time_open
+   implicit none (type, external)
+   private
+   public :: report_time, summarise_time
+
+   character(*), parameter :: time_block = 'time'
+   character(*), parameter :: nl = new_line('a')
+   integer, parameter :: rates_shown = 2
+
+contains
+
+   !> Listing and table; a remark and the exit status where the motion ends early.
+   subroutine report_time(set, problem, study, devices)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(time_study_t), intent(in) :: study
+      type(devices_t), intent(inout) :: devices
+
+      call list_time(set, problem%mechanism, study, devices%six)
+      call put_time(set, problem, study, devices%cases(devices%last_case()))
+      if (study%ended == time_done) return
+      call devices%note_violation()
+      call devices%remark(set, 'the motion '//ending_words(problem%mechanism, study))
+   end subroutine report_time
+
+   !> How the motion ended before its time.
+   function ending_words(mechanism, study) result(words)
+      type(mechanism_t), intent(in) :: mechanism
+      type(time_study_t), intent(in) :: study
+      character(:), allocatable :: words
+
+      words = 'ends at '//plain_number(study%stopped)//' s of '//plain_number(study%end)//' s: '
+      select case (study%ended)
+      case (time_open)
+         words = words//the_group(mechanism, study%loop)//' does not close beyond'
+      case (time_massless)
+         words = words//'a free drive moves no mass; give its links masses'
+      case (time_collapsed)
+         words = words//'no step keeps the tolerance TTOL, as at a dead point of a drive; another drive may pass there'
+      end select
+   end function ending_words
+
+   subroutine list_time(set, mechanism, study, text)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(time_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      type(number_format_t), allocatable :: format(:)
+      real(wp), allocatable :: column(:, :)
+      character(:), allocatable :: line
+      integer :: d, k, c, drives
+
+      drives = size(study%free)
+      allocate (column(size(study%time), 2*drives + 3), format(2*drives + 3))
+      do d = 1, drives
+         column(:, 2*d - 1) = study%drives(:, d, 0)
+         column(:, 2*d) = study%drives(:, d, 1)
+      end do
+      column(:, 2*drives + 1) = study%forces%table%kinetic
+      column(:, 2*drives + 2) = study%potential
+      column(:, 2*drives + 3) = study%work - study%lost
+      format = [(format_of(set%has_names(), column(:, c)), c=1, size(format))]
+      call text%add()
+      call text%add(' MOTION IN TIME: SECONDS, DEGREES, RADIANS A SECOND, LENGTHS, JOULES')
+      line = '           TIME'
+      do d = 1, drives
+         line = line//heading('INPUT', d)//heading('SPEED', d)
+      end do
+      call text%add(line//'        KINETIC      POTENTIAL      WORK DONE')
+      do k = 1, size(study%time)
+         line = general(study%time(k))
+         do c = 1, size(format)
+            line = line//figure(column(k, c), format(c))
+         end do
+         call text%add(line)
+      end do
+      if (study%ended /= time_done) call text%add(' THE MOTION '//upper_case(ending_words(mechanism, study)))
+
+   contains
+
+      !> Of several drives with the name of each.
+      function heading(word, drive) result(head)
+         character(*), intent(in) :: word
+         integer, intent(in) :: drive
+         integer, parameter :: width = 15     ! characters
+         character(width) :: head
+
+         head = word
+         if (drives > 1) head = word//' '//upper_case(trim(study%forces%drives(drive)))
+         head = adjustr(head)
+      end function heading
+   end subroutine list_time
+
+   !> Largest remainder of the balance, J.
+   pure real(wp) function remainder(study)
+      type(time_study_t), intent(in) :: study
+
+      remainder = 0.0_wp
+      if (size(study%balance) > 0) remainder = maxval(abs(study%balance))
+   end function remainder
+
+   !> The table `time`: times, drives, outputs, joints, forces, energies.
+   subroutine put_time(set, problem, study, tables)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(time_study_t), intent(in) :: study
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      character(:), allocatable :: name
+      logical :: known(size(study%time), 0:rates_shown)
+      integer :: d, o, c
+
+      known = .true.
+      table = table_of(time_block, 'a row for each time', notes=set%title//nl//'angles in degrees, their rates in radians a '// &
+                       'second; balance: kinetic + potential - work + lost, less that at time 0')
+      call table%add('time', study%time, 's')
+      do d = 1, size(study%free)
+         do o = 0, rates_shown
+            if (set%has_names()) then
+               name = input_name(set%sketch, d)
+            else
+               name = input_name()
+            end if
+            if (o > 0) then
+               call table%add(by_time(name, o), study%drives(:, d, o), &
+                              rate_unit(.not. problem%mechanism%actuators(d)%slides, per_time(), o))
+            else if (set%has_names()) then
+               call table%add(name, study%drives(:, d, o), drive_unit(set%sketch, d))
+            else
+               call table%add(name, study%drives(:, d, o), input_unit(problem%mechanism%sliding_input))
+            end if
+         end do
+      end do
+      if (set%has_names()) then
+         call add_outputs(set%sketch, study%sketch, rates_shown, known, table)
+         call add_joints(set%sketch, study%sketch, rates_shown, known, table)
+      else if (.not. problem%mechanism%outputs(1)%stands_in) then
+         associate (kind => problem%output%kind)
+            do c = 1, kind%components
+               call table%add(output_name(kind, c), study%output(:, c, 0), output_unit(c == kind%angle))
+               do o = 1, rates_shown
+                  call table%add(by_time(output_name(kind, c), o), study%output(:, c, o), &
+                                 rate_unit(c == kind%angle, per_time(), o))
+               end do
+            end do
+         end associate
+      end if
+      call add_forces(study%forces, table)
+      call table%add('potential', study%potential, 'J')
+      call table%add('lost', study%lost, 'J')
+      call table%add('work', study%work, 'J')
+      call table%add('balance', study%balance, 'J')
+      call tables%put(table)
+   end subroutine put_time
+
+   !> Lines of the summary.
+   subroutine summarise_time(problem, study, text)
+      type(problem_t), intent(in) :: problem
+      type(time_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      character(:), allocatable :: words
+      integer :: d, at
+
+      words = '0 to '//plain_number(study%stopped)//' s in '//to_text(study%steps)//' steps'
+      if (study%turnover > 0.0_wp) words = words//'; energy in balance to '//plain_number(remainder(study)/study%turnover)
+      call add_line('Motion', words, text)
+      if (study%ended /= time_done) call add_line('Ends early', ending_words(problem%mechanism, study), text)
+      do d = 1, size(study%free)
+         if (.not. study%free(d) .or. size(study%time) == 0) cycle
+         at = maxloc(abs(study%drives(:, d, 1)), dim=1)
+         words = plain_number(study%drives(at, d, 1))//trim(merge(' length units/s', ' rad/s         ', &
+                                                                problem%mechanism%actuators(d)%slides))// &
+                 ' at '//plain_number(study%time(at))//' s'
+         if (size(study%free) > 1) words = trim(study%forces%drives(d))//' '//words
+         call add_line('Greatest speed', words, text)
+      end do
+   end subroutine summarise_time
+end module psalm_time_list

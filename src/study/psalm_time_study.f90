@@ -1,0 +1,335 @@
+!> Motion in time: what the group TIME asks for. Data in, results out.
+module psalm_time_study
+   use psalm_closure, only: most_orders
+   use psalm_data_set, only: data_set_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_error, only: problem_t
+   use psalm_force_analysis, only: column_moment, column_drive, column_of_other_drive
+   use psalm_force_model, only: vertices_of
+   use psalm_force_study, only: force_study_t
+   use psalm_free_motion, only: free_state_t, make_free_motion
+   use psalm_kinds, only: wp, degrees_per_radian
+   use psalm_moving_joints, only: sketch_motion_t
+   use psalm_motor_group, only: motor_group_t, motor_of
+   use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, highest_order
+   use psalm_shown_input, only: input_at
+   use psalm_sketch_motion, only: observe_sketch
+   use psalm_sketch_outputs, only: names_of_numbers, values_of_outputs
+   use psalm_sketch_study, only: sketch_study_t
+   use psalm_status, only: diagnostics_t
+   use psalm_time_group, only: time_group_t, time_of
+   use psalm_time_motion, only: time_motion_t, begin_motion
+   implicit none (type, external)
+   private
+   public :: time_study_t, find_time, check_time
+   public :: time_done, time_open, time_massless, time_collapsed
+
+   integer, parameter :: rates_shown = 2          !! orders of rates of drives and outputs
+
+   integer, parameter :: time_done = 0            !! it came to its end
+   integer, parameter :: time_open = 1            !! a loop does not close beyond: its drives are at a dead point, or another one is
+   integer, parameter :: time_massless = 2        !! the free drives move no mass
+   integer, parameter :: time_collapsed = 3       !! no step keeps the tolerance
+
+   !> The motion at the times that were asked for, up to where it ended.
+   type :: time_study_t
+      integer :: ended = time_done
+      integer :: loop = 0                         !! `time_open`: the loop
+      real(wp) :: stopped = 0.0_wp                !! s: where it ended
+      real(wp) :: end = 0.0_wp                    !! s: where it was to end
+      integer :: steps = 0, evaluations = 0
+      logical, allocatable :: free(:)             !! by drive: it moves freely
+      real(wp), allocatable :: time(:)            !! shape (rows): s
+      real(wp), allocatable :: drives(:, :, :)    !! shape (rows, drives, 0:2): as shown, degrees or length; by time, radians
+      real(wp), allocatable :: output(:, :, :)    !! shape (rows, components, 0:2), of &LINKS
+      type(sketch_study_t) :: sketch              !! of a sketch: its outputs and joints
+      type(force_study_t) :: forces               !! as those of positions
+      real(wp), allocatable :: potential(:)       !! shape (rows): of weight and springs, J
+      real(wp), allocatable :: work(:)            !! put in by loads, motor and drives that are not free, J
+      real(wp), allocatable :: lost(:)            !! in dampers, J
+      real(wp), allocatable :: balance(:)         !! kinetic + potential - work + lost, less that at time 0, J
+      real(wp) :: turnover = 0.0_wp               !! largest of these energies, J
+      real(wp) :: residual = 0.0_wp               !! largest force of a free drive beyond its motor, of the largest of all then
+   end type time_study_t
+
+contains
+
+   !> What a case with TIME cannot have, or needs. Errors only.
+   subroutine check_time(set, findings)
+      type(data_set_t), intent(in) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      type(time_group_t) :: time
+      type(motor_group_t) :: motor
+
+      if (.not. set%gives('TIME')) return
+      time = time_of(set)
+      if (.not. set%masses%given) call set%origins%error(findings, 'TIME', '', 'motion in time needs masses: give &MASSES')
+      if (set%friction%given) call set%origins%error(findings, 'FRICTN', '', 'motion in time has no friction of joints; '// &
+                                                    'leave &FRICTN or &TIME out')
+      if (set%gives('MOTOR')) then
+         motor = motor_of(set)
+         if (motor%turns > 0) call set%origins%error(findings, 'MOTOR', 'NTURN', 'with &TIME the run-up is the '// &
+                                                     'motion itself; leave NTURN out')
+         if (motor%start > 0.0_wp) call set%origins%error(findings, 'MOTOR', 'WSTART', 'with &TIME the speed at '// &
+                                                              'time 0 is VSTART')
+         if (motor%fluctuation > 0.0_wp) call set%origins%error(findings, 'MOTOR', 'FLUCT', 'the flywheel of a '// &
+                                                                    'steady cycle is found without &TIME')
+         if (allocated(time%free)) then
+            if (.not. time%free(1)) call set%origins%error(findings, 'MOTOR', '', 'the motor turns the first drive, which '// &
+                                                           'is not free (FREE of &TIME)')
+         end if
+      end if
+      if (.not. allocated(time%started) .and. size(time%rates) > count(free_drives(set, time))) &
+         call set%origins%error(findings, 'TIME', 'VSTART', 'more speeds are given than there are free drives')
+   end subroutine check_time
+
+   !> The drives that move freely; those that follow the first are not counted.
+   pure function free_drives(set, time) result(free)
+      type(data_set_t), intent(in) :: set
+      type(time_group_t), intent(in) :: time
+      logical, allocatable :: free(:)
+
+      if (.not. set%is_drawn()) then
+         free = [.true.]
+      else if (allocated(time%free)) then
+         free = time%free
+      else
+         free = .not. set%sketch%drives%geared
+      end if
+   end function free_drives
+
+   !> Follow a case that `check_time` found no fault with.
+   subroutine find_time(set, given, dimensions, forces, study)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: given
+      type(dimensions_t), intent(in) :: dimensions
+      type(force_study_t), intent(in) :: forces         !! at the positions: names, model
+      type(time_study_t), intent(out) :: study
+      class(problem_t), allocatable :: problem, shown   ! large, as the others are: they would fill a small stack
+      type(time_motion_t), allocatable :: moving
+      type(rates_t), allocatable :: rates
+      type(sketch_motion_t) :: sketch
+      type(time_group_t) :: time
+      type(free_state_t) :: state
+      real(wp), allocatable :: start(:), speed(:), accel(:), own(:, :), speeds(:)
+      complex(wp), allocatable :: places(:, :, :)
+      real(wp), allocatable :: moved(:, :, :)
+      real(wp) :: first_energy
+      integer :: k, row, drives
+      logical :: valid
+
+      time = time_of(set)
+      study%free = free_drives(set, time)
+      study%end = time%times(size(time%times))
+      study%forces = forces
+      drives = size(given%mechanism%actuators)
+      call set_motion_up()
+      call begin_motion(speeds, study%end, time%tolerance, moving, valid)
+      call make_rows(size(time%times))
+      row = 0
+      if (valid) then
+         do k = 1, size(time%times)
+            call moving%advance_to(time%times(k), valid)
+            if (.not. valid) exit
+            call moving%observe(state)
+            row = k
+            call keep()
+         end do
+      end if
+      study%stopped = moving%time
+      study%steps = moving%steps
+      study%evaluations = moving%motion%evaluations
+      if (.not. valid) then
+         study%ended = time_collapsed
+         if (moving%motion%massless) study%ended = time_massless
+         study%loop = moving%motion%open_loop
+         if (study%loop > 0) study%ended = time_open
+      end if
+      call make_rows(row)
+      if (row > 0) study%turnover = max(maxval(abs(study%forces%table%kinetic)), &
+                                        maxval(abs(study%potential - study%potential(1))), maxval(abs(study%work)), &
+                                        maxval(abs(study%lost)))
+
+   contains
+
+      !> The problem twice: for the motion, with all vertices, and for what is shown.
+      subroutine set_motion_up()
+         integer :: d
+
+         allocate (start(drives), speed(drives), accel(drives), source=0.0_wp)
+         if (given%mechanism%from_drawing) start(1) = -given%mechanism%reference
+         allocate (own(1, drives - 1), source=0.0_wp)
+         allocate (problem, source=given)
+         if (allocated(problem%linkages)) deallocate (problem%linkages)
+         call problem%set_inputs(start(:1), own)
+         allocate (shown, source=problem)
+         call problem%want_derivatives(.true., vertices_of(problem%mechanism))
+         call problem%bind(dimensions)
+         if (set%has_names()) then
+            sketch = set%traced%moving
+            call shown%want_derivatives(.true., sketch%points)
+         else
+            call shown%want_derivatives(.true.)
+         end if
+         call shown%bind(dimensions)
+         allocate (rates)
+         call prepare_rates(shown, rates)
+         if (.not. problem%mechanism%sliding_input) start(1) = start(1)/degrees_per_radian
+         speed(1) = set%rates%speed
+         accel(1) = set%rates%accel
+         if (set%is_drawn()) then
+            do d = 2, drives
+               speed(d) = set%sketch%drives(d)%speed
+               accel(d) = set%sketch%drives(d)%accel
+            end do
+         end if
+         where (study%free .or. problem%mechanism%actuators%geared)
+            speed = 0.0_wp
+            accel = 0.0_wp
+         end where
+         allocate (moving)
+         allocate (moving%motion)
+         call make_free_motion(problem, forces%model, motor_of(set), study%free, start, speed, accel, moving%motion)
+         allocate (speeds(size(moving%motion%free)), source=0.0_wp)
+         do d = 1, size(time%rates)
+            if (allocated(time%started)) then
+               speeds(findloc(moving%motion%free, time%started(d), dim=1)) = time%rates(d)
+            else
+               speeds(d) = time%rates(d)
+            end if
+         end do
+         allocate (places(0, 0:most_orders, 1), moved(0, 0:most_orders, 1))
+         if (.not. set%has_names()) return
+         deallocate (places, moved)
+         allocate (places(size(sketch%drawn), 0:most_orders, 1), moved(size(set%sketch%slides), 0:most_orders, 1))
+         call names_of_numbers(set%sketch%outputs, study%sketch%names, study%sketch%angles)
+      end subroutine set_motion_up
+
+      !> Room for so many rows; those that are there are kept.
+      subroutine make_rows(rows)
+         integer, intent(in) :: rows
+
+         if (.not. allocated(study%time)) then
+            allocate (study%time(rows), study%potential(rows), study%work(rows), study%lost(rows), study%balance(rows), &
+                      source=0.0_wp)
+            allocate (study%drives(rows, drives, 0:rates_shown), source=0.0_wp)
+            allocate (study%output(rows, given%output%kind%components, 0:rates_shown), source=0.0_wp)
+            if (set%has_names()) then
+               allocate (study%sketch%values(size(study%sketch%names), 0:most_orders, rows), source=0.0_wp)
+               allocate (study%sketch%joints(size(set%sketch%joint_name), 0:most_orders, rows), source=(0.0_wp, 0.0_wp))
+            end if
+            associate (columns => size(forces%table%value, 2), table => study%forces%table)
+               deallocate (table%value, table%kinetic, table%growth)
+               allocate (table%value(rows, columns), table%kinetic(rows), table%growth(rows), source=0.0_wp)
+            end associate
+         else
+            study%time = study%time(:rows)
+            study%potential = study%potential(:rows)
+            study%work = study%work(:rows)
+            study%lost = study%lost(:rows)
+            study%balance = study%balance(:rows)
+            call keep_orders()
+            study%forces%table%value = study%forces%table%value(:rows, :)
+            study%forces%table%kinetic = study%forces%table%kinetic(:rows)
+            study%forces%table%growth = study%forces%table%growth(:rows)
+         end if
+         associate (table => study%forces%table)
+            table%closed = spread(.true., 1, rows)
+            table%dead = spread(0, 1, rows)
+            table%sweeps = spread(1, 1, rows)
+            table%at_rest = spread(.false., 1, rows)
+         end associate
+         study%sketch%closed = spread(.true., 1, rows)
+         study%sketch%dead = spread(.false., 1, rows)
+         study%forces%input = study%time
+      end subroutine make_rows
+
+      subroutine keep()
+         real(wp) :: inputs(drives), values(highest_order, given%output%kind%components)
+         real(wp) :: largest(2)
+         integer :: d, offset, n, r, c, column
+
+         study%time(row) = time%times(row)
+         inputs = state%input
+         where (.not. given%mechanism%actuators%slides) inputs = inputs*degrees_per_radian
+         study%drives(row, :, 1) = state%rate
+         study%drives(row, :, 2) = state%accel
+         study%drives(row, :, 0) = inputs
+         study%drives(row, 1, 0) = given%mechanism%reference + inputs(1)
+         if (.not. given%mechanism%from_drawing) study%drives(row, 1, 0) = dimensions%crnki + inputs(1)
+         do d = 2, drives
+            if (given%mechanism%actuators(d)%geared) study%drives(row, d, 0) = &
+               set%sketch%drives(d)%ratio*study%drives(row, 1, 0) + set%sketch%drives(d)%phase
+         end do
+         if (drives > 1) shown%own_delt(1, :) = inputs(2:)
+         call shown%move_inputs(inputs(:1))
+         call shown%solve_block(1, offset, n)
+         do d = 1, drives
+            shown%linkage%drive_rate(:, d) = [state%rate(d), state%accel(d), 0.0_wp]
+         end do
+         call differentiate(shown, rates, n, highest_order)
+         if (set%has_names()) then
+            call observe_sketch(sketch, shown, rates, n, 1.0_wp, 0.0_wp, places, moved)
+            study%sketch%joints(:, :, row) = places(:size(study%sketch%joints, 1), :, 1)
+            largest = 0.0_wp
+            do r = 1, size(shown%linkage%root_x)
+               largest(1) = max(largest(1), abs(rates%d(1)%v(1, shown%linkage%root_x(r))))
+            end do
+            largest(2) = max(maxval(abs(study%sketch%joints(:, 1, row))), maxval(abs(moved(:, 1, 1))))
+            call values_of_outputs(set%sketch%outputs, study%sketch%joints(:, :, row), moved(:, :, 1), largest, &
+                                   study%sketch%values(:, :, row))
+         else
+            call shown%output_of(n)
+            call output_rates(shown, rates, 1, rates_shown, values)
+            do c = 1, size(study%output, 2)
+               study%output(row, c, 0) = shown%output%actual(c, 1, shown%linkage)
+               study%output(row, c, 1:) = values(:rates_shown, c)
+            end do
+         end if
+         if (drives == 1) then
+            call shown%linkage%follow_from(1, inputs)
+         else
+            call shown%linkage%follow_from(1, [inputs(1), (shown%more(1, 1, d), d=1, drives - 1)])
+         end if
+         associate (table => study%forces%table)
+            table%value(row, :) = state%columns
+            do d = 1, drives
+               column = column_drive
+               if (d > 1) column = column_of_other_drive(size(study%forces%joints), d)
+               associate (actuator => given%mechanism%actuators(d))
+                  if (.not. set%masses%motor_on_frame .and. .not. actuator%slides .and. actuator%joint > 0) &
+                     table%value(row, column_moment) = table%value(row, column_moment) + table%value(row, column)
+               end associate
+            end do
+            table%kinetic(row) = state%kinetic
+            table%growth(row) = state%growth
+            study%potential(row) = state%potential
+            study%work(row) = moving%work()
+            study%lost(row) = moving%lost()
+            if (row == 1) first_energy = state%kinetic + state%potential
+            study%balance(row) = state%kinetic + state%potential - study%work(row) + study%lost(row) - first_energy
+         end associate
+         study%residual = max(study%residual, state%residual)
+      end subroutine keep
+
+      !> Rows of what has orders, which count from 0.
+      subroutine keep_orders()
+         real(wp), allocatable :: numbers(:, :, :)
+         complex(wp), allocatable :: joints(:, :, :)
+
+         allocate (numbers(row, drives, 0:rates_shown))
+         numbers = study%drives(:row, :, :)
+         call move_alloc(numbers, study%drives)
+         allocate (numbers(row, size(study%output, 2), 0:rates_shown))
+         numbers = study%output(:row, :, :)
+         call move_alloc(numbers, study%output)
+         if (.not. set%has_names()) return
+         allocate (numbers(size(study%sketch%values, 1), 0:most_orders, row))
+         numbers = study%sketch%values(:, :, :row)
+         call move_alloc(numbers, study%sketch%values)
+         allocate (joints(size(study%sketch%joints, 1), 0:most_orders, row))
+         joints = study%sketch%joints(:, :, :row)
+         call move_alloc(joints, study%sketch%joints)
+      end subroutine keep_orders
+   end subroutine find_time
+end module psalm_time_study
