@@ -30,7 +30,6 @@ contains
       integer :: k, g, crank, room
       logical :: valid
       logical, allocatable :: on_frame(:)           !! by drive
-      logical, allocatable :: placed(:)             !! by link: it is known
       logical, allocatable :: needs(:, :)           !! shape (links, links): the links that a known link depends on, and itself
 
       loops%why = ''
@@ -41,7 +40,7 @@ contains
          loops%sliding = sketch%drives(1)%kind /= drive_turns
          room = size(sketch%joint_name) + 2*(size(sketch%links) + size(sketch%slides)) + 3
          allocate (tracing%on(room, size(sketch%links)), source=.false.)
-         allocate (tracing%known(size(sketch%links)), source=.false.)
+         allocate (tracing%known(size(sketch%links)), tracing%placed(size(sketch%links)), source=.false.)
          allocate (tracing%pass(4, most_passes), source=0)
          allocate (loops%axis(size(sketch%links)), loops%joint_loop(size(sketch%joint_name)), source=0)
          allocate (loops%point(room), source=(0.0_wp, 0.0_wp))
@@ -76,12 +75,9 @@ contains
             if (on_frame(g) .and. sketch%drives(g)%kind == drive_slides) loops%axis(sketch%drives(g)%link) = frame_axis
          end do
          call groups_in_order(closure, crank, on_frame, order)
-         placed = tracing%known
-         allocate (needs(size(placed), size(placed)))
-         needs = spread(placed, 2, size(placed))
+         needs = spread(tracing%placed, 2, size(tracing%placed))
          do k = 1, size(order)
-            ! ways lead through links that the group depends on: others may not close where it does
-            tracing%known = placed .and. needed_by(order(k))
+            tracing%known = tracing%placed .and. needed_by(order(k))
             call understand(closure, order(k), tracing, dyad, valid)
             ! what drives there are besides an input link is laid out by the rings of a larger group
             if (k == 1 .and. (loops%floating .or. any(on_frame(2:) .and. sketch%drives(2:)%kind == drive_slides))) valid = .false.
@@ -99,10 +95,9 @@ contains
             end if
             associate (links => groups(order(k))%links)
                needs(:, links) = spread(tracing%known, 2, size(links))
-               placed(links) = .true.
             end associate
          end do
-         tracing%known = placed
+         tracing%known = tracing%placed
          if (size(order) == 0) call trace_input_alone(closure, state, tracing, loops, loops%why)
          loops%found = len(loops%why) == 0
          if (loops%found) then
@@ -124,7 +119,7 @@ contains
       !> By link: a group depends on it.
       pure function needed_by(group)
          integer, intent(in) :: group
-         logical :: needed_by(size(placed))
+         logical :: needed_by(size(needs, 1))
          integer, allocatable :: links(:)
          integer :: r, i
 

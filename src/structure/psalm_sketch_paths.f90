@@ -1,5 +1,6 @@
 !> Fewest arcs from point to point of a sketch through links whose place is known.
 !>
+!> Ways lead through the links that a group depends on, for others may not close where it does; where there is none, through any.
 !> A slide is passed along only, never against its sense, for the arrays of &LINKS know no other.
 !> Source: Oldham (1977), 15.1, the choice of minimal loops.
 module psalm_sketch_paths
@@ -19,7 +20,8 @@ module psalm_sketch_paths
    !> What is known on the way.
    type :: tracing_t
       logical, allocatable :: on(:, :)      !! shape (points, links): the point is fixed in the link
-      logical, allocatable :: known(:)      !! by link
+      logical, allocatable :: placed(:)     !! by link: its place is known
+      logical, allocatable :: known(:)      !! by link: and the group that is traced depends on it
       integer :: points = 0
       integer, allocatable :: pass(:, :)    !! shape (4, room): slides that can be passed: from, to, arc, and the drive of one
                                             !! that has no arc yet
@@ -34,6 +36,7 @@ contains
       integer, intent(in) :: link
       type(tracing_t), intent(inout) :: tracing
 
+      tracing%placed(link) = .true.
       tracing%known(link) = .true.
       tracing%on(sketch%links(link)%joints, link) = .true.
    end subroutine know
@@ -46,9 +49,6 @@ contains
       integer, intent(out) :: point
       type(path_step_t), allocatable, intent(out) :: steps(:)
       logical, intent(out) :: found
-      type(path_step_t), allocatable :: way(:)
-      logical :: there
-      integer :: p
 
       found = .false.
       point = 0
@@ -59,24 +59,59 @@ contains
          found = .true.
          return
       end if
-      do p = 1, tracing%points
-         if (.not. tracing%on(p, link)) cycle
-         if (outward) then
-            call shortest(tracing, start, p, .true., way, there)
-         else
-            call way_from(tracing, start, p, way, there)
-         end if
-         if (.not. there) cycle
-         if (found .and. size(way) >= size(steps)) cycle
-         found = .true.
-         point = p
-         steps = way
-      end do
+      call look(tracing%known)
+      if (.not. found) call look(tracing%placed)
+
+   contains
+
+      subroutine look(through)
+         logical, intent(in) :: through(:)  !! by link
+         type(path_step_t), allocatable :: way(:)
+         logical :: there
+         integer :: p
+
+         do p = 1, tracing%points
+            if (.not. tracing%on(p, link)) cycle
+            if (outward) then
+               call way_through(tracing, through, start, p, .true., way, there)
+            else
+               call way_back(tracing, through, start, p, way, there)
+            end if
+            if (.not. there) cycle
+            if (found .and. size(way) >= size(steps)) cycle
+            found = .true.
+            point = p
+            steps = way
+         end do
+      end subroutine look
    end subroutine nearest_point
 
    !> From a point to the frame, not through it, and along the frame to the input pivot `start`.
    subroutine way_from(tracing, start, from, steps, found)
       type(tracing_t), intent(in) :: tracing
+      integer, intent(in) :: start, from
+      type(path_step_t), allocatable, intent(out) :: steps(:)
+      logical, intent(out) :: found
+
+      call way_back(tracing, tracing%known, start, from, steps, found)
+      if (.not. found) call way_back(tracing, tracing%placed, start, from, steps, found)
+   end subroutine way_from
+
+   !> Fewest arcs from a point to another.
+   subroutine shortest(tracing, from, to, through_frame, steps, found)
+      type(tracing_t), intent(in) :: tracing
+      integer, intent(in) :: from, to
+      logical, intent(in) :: through_frame
+      type(path_step_t), allocatable, intent(out) :: steps(:)
+      logical, intent(out) :: found
+
+      call way_through(tracing, tracing%known, from, to, through_frame, steps, found)
+      if (.not. found) call way_through(tracing, tracing%placed, from, to, through_frame, steps, found)
+   end subroutine shortest
+
+   subroutine way_back(tracing, through, start, from, steps, found)
+      type(tracing_t), intent(in) :: tracing
+      logical, intent(in) :: through(:)     !! by link
       integer, intent(in) :: start, from
       type(path_step_t), allocatable, intent(out) :: steps(:)
       logical, intent(out) :: found
@@ -88,17 +123,18 @@ contains
       allocate (steps(0))
       do p = 1, tracing%points
          if (.not. tracing%on(p, frame_link)) cycle
-         call shortest(tracing, from, p, .false., way, there)
+         call way_through(tracing, through, from, p, .false., way, there)
          if (.not. there) cycle
          if (found .and. size(way) + 1 >= size(steps)) cycle
          found = .true.
          steps = [way, path_step_t(frame_link, p, start)]
       end do
-   end subroutine way_from
+   end subroutine way_back
 
-   !> Fewest arcs from a point to another through links that are known (breadth first).
-   subroutine shortest(tracing, from, to, through_frame, steps, found)
+   !> Fewest arcs from a point to another through some links (breadth first).
+   subroutine way_through(tracing, through, from, to, through_frame, steps, found)
       type(tracing_t), intent(in) :: tracing
+      logical, intent(in) :: through(:)     !! by link
       integer, intent(in) :: from, to
       logical, intent(in) :: through_frame
       type(path_step_t), allocatable, intent(out) :: steps(:)
@@ -115,8 +151,8 @@ contains
       tail = 1
       do while (head <= tail .and. .not. seen(to))
          associate (here => queue(head))
-            do link = 1, size(tracing%known)
-               if (.not. tracing%known(link) .or. .not. tracing%on(here, link)) cycle
+            do link = 1, size(through)
+               if (.not. through(link) .or. .not. tracing%on(here, link)) cycle
                if (link == frame_link .and. .not. through_frame) cycle
                do p = 1, tracing%points
                   if (seen(p) .or. .not. tracing%on(p, link)) cycle
@@ -144,5 +180,5 @@ contains
          steps = [reached_by(p), steps]
          p = reached_by(p)%from
       end do
-   end subroutine shortest
+   end subroutine way_through
 end module psalm_sketch_paths
