@@ -137,6 +137,7 @@ contains
       real(wp), intent(in) :: path(n)
       logical, intent(in) :: closed             !! every group that it depends on closes everywhere
       integer, intent(inout) :: first
+      real(wp) :: kept(size(self%store%v, 2))
       logical :: found
 
       associate (higher => self%steps(k)%dyad%higher)
@@ -144,9 +145,14 @@ contains
          higher%follows = closed .and. (self%sliding_input .or. &
                                         .not. (abs(path(1) - higher%last) > farthest_input .or. leaps(n, path, farthest_input)))
          if (.not. higher%follows) return
+         if (first > 1) kept = self%store%v(first - 1, :)
          call turn_in_pieces(n, higher, self%store, found)
          if (.not. found .and. higher%follows) call turn_each(n, higher, self%store, higher%follows)
-         if (.not. higher%follows) return
+         if (.not. higher%follows) then
+            ! what was tried may have written over the position that is found
+            if (first > 1) self%store%v(first - 1, :) = kept
+            return
+         end if
          self%store%v(1:n, self%steps(k)%dyad%measure) = higher%tie_measure
          higher%last = path(n)
       end associate
