@@ -25,7 +25,7 @@ module psalm_higher_group
 
    real(wp), parameter :: dead_measure = 64.0_wp*epsilon(1.0_wp)**0.75_wp !! at and below it a group is at a dead point
    real(wp), parameter :: trusted = 0.15_wp  !! first correction against the prediction, or second correction against the first
-   real(wp), parameter :: contraction = 0.5_wp !! second correction against the first: of a double root; beyond a dead point it is more
+   real(wp), parameter :: contraction = 0.5_wp !! second correction against the first at a double root; beyond it more
    real(wp), parameter :: farthest = 0.3_wp  !! radians, or parts of the group's size: longer predictions are not believed
    real(wp), parameter :: nearest = 0.1_wp   !! likewise: a first correction below it that the second confirms is believed
    real(wp), parameter :: fits = 1.0e-9_wp   !! parts of the size: so far links that brace each other may be from meeting
