@@ -433,8 +433,8 @@ def small_stack():
     for program, folder in own.items():
         for name in sorted(os.listdir(os.path.join(DATA, folder))):
             result = run(program, "--quiet", "--output-dir", "out", os.path.join(DATA, folder, name),
-                         limits=[(resource.RLIMIT_STACK, 64*1024)])
-            check(f"{program} {name}: a stack of 64 kB", result.returncode in (0, 1), (result.returncode, result.stderr))
+                         limits=[(resource.RLIMIT_STACK, 72*1024)])
+            check(f"{program} {name}: a stack of 72 kB", result.returncode in (0, 1), (result.returncode, result.stderr))
     for name in ("sketch_four_bar", "jansen", "excavator", "landing_gear", "scissors_lift"):
         for call in (["psalm"], ["kalm"], ["balm"], ["balm", "--edit"]):
             result = run(*call, "--quiet", "--output-dir", "out", os.path.join(DATA, name + ".nml"),
