@@ -159,6 +159,9 @@ contains
       call scout%row%bind(dimensions)
       call scout%refinement%set_inputs(inputs(:steps_of_refinement))
       call scout%refinement%bind(dimensions)
+      ! a group alone may come the other way round to where the linkage does not
+      scout%row%linkage%one_way = .true.
+      scout%refinement%linkage%one_way = .true.
       allocate (scout%span(size(margin, 2)), source=0.0_wp)
       call find_margins(scout%row, scout%span, margin, sine)
       way = extent

@@ -89,6 +89,7 @@ module psalm_linkage
       real(wp) :: reference_length = 0.0_wp      !! actuator's length at the reference position, user's unit
       integer :: first_turn = 0                  !! row of the first input's turn since the drawing, radians; 0: no tie needs it
       logical :: tied = .false.                  !! a group has ties: turns count, not only directions
+      logical :: one_way = .false.               !! larger groups are followed the way the input goes, not the other way round
       type(second_drive_t), allocatable :: seconds(:)
       real(wp), allocatable :: drive_rate(:, :)  !! shape (3, drives): derivatives of inputs by the first, radians or user's lengths
       integer, allocatable :: input_row(:)       !! rows that move with the first input,

@@ -475,7 +475,7 @@ contains
          if (.not. reached) call walk_to(self, k, i, inputs, walk, found, reached)
       end if
       ! wheels stand elsewhere after a turn
-      if (reached .or. self%sliding_input .or. self%tied .or. size(inputs) > 1 .or. allocated(self%from)) return
+      if (reached .or. self%one_way .or. self%sliding_input .or. self%tied .or. size(inputs) > 1 .or. allocated(self%from)) return
       offset = -sign(full_turn, inputs(1) - self%drawn)
       other = inputs(1) + offset
       if (.not. is_open(walk, other)) return
