@@ -165,19 +165,20 @@ contains
       allocate (scout%span(size(margin, 2)), source=0.0_wp)
       call find_margins(scout%row, scout%span, margin, sine)
       way = extent
-      do i = 1, steps
-         do l = 1, size(margin, 2)
-            ends = margin(i, l) < 0.0_wp .or. sine(i - 1, l)*sine(i, l) < 0.0_wp
-            ended = 0.0_wp
-            if (ends) then
-               call find_end(scout, l, inputs(i - 1), inputs(i), sine(i - 1, l), ended)
-            else if (i > 1) then
-               if (margin(i - 1, l) < near_dead .and. margin(i - 1, l) <= margin(max(i - 2, 0), l) .and. &
-                   margin(i - 1, l) <= margin(i, l)) &
-                  call find_touch(scout, l, inputs(max(i - 2, 0)), inputs(i), sine(i - 1, l), ends, ended)
-            end if
-            if (ends .and. abs(ended - start) < abs(way)) way = ended - start
-         end do
+      do i = 1, steps + 1                         ! the last looks at the end of the steps only
+         associate (before => max(i - 2, 0), after => min(i, steps))
+            do l = 1, size(margin, 2)
+               ends = margin(after, l) < 0.0_wp .or. sine(i - 1, l)*sine(after, l) < 0.0_wp
+               ended = 0.0_wp
+               if (ends) then
+                  call find_end(scout, l, inputs(i - 1), inputs(after), sine(i - 1, l), ended)
+               else if (margin(i - 1, l) < near_dead .and. margin(i - 1, l) <= margin(before, l) .and. &
+                        margin(i - 1, l) <= margin(after, l)) then
+                  call find_touch(scout, l, inputs(before), inputs(after), sine(i - 1, l), i > 1 .and. i <= steps, ends, ended)
+               end if
+               if (ends .and. abs(ended - start) < abs(way)) way = ended - start
+            end do
+         end associate
          if (abs(way) < abs(extent)) exit
       end do
       deallocate (scout%span)
@@ -258,11 +259,12 @@ contains
    end subroutine find_end
 
    !> The dead point between two inputs at which a loop closes, if there is one.
-   subroutine find_touch(scout, loop, from, to, side, ends, end)
+   subroutine find_touch(scout, loop, from, to, side, inner, ends, end)
       type(scout_t), intent(inout) :: scout
       integer, intent(in) :: loop
       real(wp), intent(in) :: from, to
       real(wp), intent(in) :: side                    !! sine of two slides there; 0 for other loops
+      logical, intent(in) :: inner                    !! a dead point that is touched ends the way, too: not so at its own ends
       logical, intent(out) :: ends
       real(wp), intent(out) :: end
       real(wp) :: margin(0:steps_of_refinement, size(scout%span)), sine(0:steps_of_refinement, size(scout%span)), low, high, step
@@ -276,16 +278,17 @@ contains
          call look(scout, low, high, margin, sine)
          step = (high - low)/real(steps_of_refinement, wp)
          do j = 1, steps_of_refinement
-            if (margin(j, loop) >= 0.0_wp .and. sine(j, loop)*side >= 0.0_wp) cycle
+            if (margin(j, loop) >= merge(0.0_wp, -touched, inner) .and. sine(j, loop)*side >= 0.0_wp) cycle
             ends = .true.
             call find_end(scout, loop, low + real(j - 1, wp)*step, low + real(j, wp)*step, side, end)
             return
          end do
          j = minloc(margin(:, loop), dim=1) - 1
          end = low + real(j, wp)*step
-         ends = margin(j, loop) <= touched
-         low = end - step
-         high = end + step
+         ends = inner .and. margin(j, loop) <= touched
+         j = min(max(j, 1), steps_of_refinement - 1)
+         high = low + real(j + 1, wp)*step
+         low = low + real(j - 1, wp)*step
       end do
    end subroutine find_touch
 end submodule psalm_error_reach

@@ -455,21 +455,21 @@ contains
       do k = 1, size(self%steps)
          associate (step => self%steps(k), dyad => self%steps(k)%dyad)
             if (step%kind == step_point) then
-               call read([step%from_x, step%root_x, step%slide_row])
-               if (step%maker > 0) call need(step%maker)
+               call reads([step%from_x, step%root_x, step%slide_row])
+               if (step%maker > 0) call depends_on(step%maker)
                writer(step%to_x) = k
             else if (allocated(dyad%higher)) then
                do r = 1, dyad%higher%rings
-                  call read(dyad%higher%ends([1, 3], r))
+                  call reads(dyad%higher%ends([1, 3], r))
                end do
-               call read(dyad%higher%terms%root_x)
-               call read(dyad%higher%terms%slide)
+               call reads(dyad%higher%terms%root_x)
+               call reads(dyad%higher%terms%slide)
                do r = 1, size(dyad%higher%ties)
-                  call read(dyad%higher%ties(r)%roots)
+                  call reads(dyad%higher%ties(r)%roots)
                end do
                writer(dyad%higher%row) = k
             else
-               call read([dyad%s_x, dyad%e_x, dyad%p_x, dyad%q_x, dyad%slide_p, dyad%slide_q])
+               call reads([dyad%s_x, dyad%e_x, dyad%p_x, dyad%q_x, dyad%slide_p, dyad%slide_q])
                writer(dyad%unknown) = k
             end if
          end associate
@@ -480,21 +480,21 @@ contains
 
    contains
 
-      subroutine read(rows)
+      subroutine reads(rows)
          integer, intent(in) :: rows(:)
          integer :: i
 
          do i = 1, size(rows)
-            if (writer(rows(i)) > 0 .and. writer(rows(i)) < k) call need(writer(rows(i)))
+            if (writer(rows(i)) > 0 .and. writer(rows(i)) < k) call depends_on(writer(rows(i)))
          end do
-      end subroutine read
+      end subroutine reads
 
-      subroutine need(step)
+      subroutine depends_on(step)
          integer, intent(in) :: step
 
          needed(:, k) = needed(:, k) .or. needed(:, step)
          needed(step, k) = .true.
-      end subroutine need
+      end subroutine depends_on
    end subroutine find_needs
 
    !> Positions rounded up to a multiple of the lane.

@@ -429,9 +429,9 @@ contains
       integer :: m
 
       do m = 1, size(self%steps(k)%needs)
-         call put_as_drawn(self%steps(self%steps(k)%needs(m)))
+         call put_at_start(self%steps(self%steps(k)%needs(m)))
       end do
-      call put_as_drawn(self%steps(k))
+      call put_at_start(self%steps(k))
       walk%last = 0
       walk%here = [self%drawn, self%seconds%drawn]
       if (allocated(self%from)) walk%here = self%from
@@ -439,7 +439,7 @@ contains
       call solve_between(self, k, walk%here, .false., valid, unused)
    end subroutine start
 
-   pure subroutine put_as_drawn(step)
+   pure subroutine put_at_start(step)
       type(bound_step_t), intent(inout) :: step
       integer :: i
 
@@ -453,7 +453,7 @@ contains
             if (allocated(higher%from)) higher%known(i)%now = higher%known(i)%from
          end do
       end associate
-   end subroutine put_as_drawn
+   end subroutine put_at_start
 
    !> Go to position i of the block, if need be the other way round.
    pure subroutine reach(self, k, i, inputs, walk, found, reached)

@@ -45,7 +45,7 @@ contains
       type(data_set_t), intent(in) :: set
       type(prepared_t), intent(in) :: prepared
       type(cam_study_t), intent(in) :: studies(:)
-      type(cam_scene_t), intent(out) :: scene
+      type(cam_scene_t), intent(inout) :: scene   !! as it is by default; made anew here it would fill a small stack
       integer :: k
 
       scene%angle = table_angles(studies(1)%shape, frames + merge(1, 0, studies(1)%shape%axes%slides))

@@ -433,20 +433,20 @@ def small_stack():
     for program, folder in own.items():
         for name in sorted(os.listdir(os.path.join(DATA, folder))):
             result = run(program, "--quiet", "--output-dir", "out", os.path.join(DATA, folder, name),
-                         limits=[(resource.RLIMIT_STACK, 72*1024)])
-            check(f"{program} {name}: a stack of 72 kB", result.returncode in (0, 1), (result.returncode, result.stderr))
+                         limits=[(resource.RLIMIT_STACK, 64*1024)])
+            check(f"{program} {name}: a stack of 64 kB", result.returncode in (0, 1), (result.returncode, result.stderr))
     for name in ("sketch_four_bar", "jansen", "excavator", "landing_gear", "scissors_lift"):
         for call in (["psalm"], ["kalm"], ["balm"], ["balm", "--edit"]):
             result = run(*call, "--quiet", "--output-dir", "out", os.path.join(DATA, name + ".nml"),
-                         limits=[(resource.RLIMIT_STACK, 72*1024)])
-            check(f"{call} {name}: a stack of 72 kB", result.returncode in (0, 1), (result.returncode, result.stderr))
+                         limits=[(resource.RLIMIT_STACK, 64*1024)])
+            check(f"{call} {name}: a stack of 64 kB", result.returncode in (0, 1), (result.returncode, result.stderr))
     for name in ("needle_lsq", "path18", "needle_search"):
         shutil.copy(os.path.join(DATA, name + ".nml"), name + ".nml")
     write("sample.nml", edited("needle.nml") + " &TOLER TOLLEN=0.05, NTRIAL=2000 &END\n")
     for program in ("psalm", "kalm", "balm"):
         for case in ("needle", "textile", "needle_lsq", "path18", "needle_search", "sample"):
-            result = run(program, "--quiet", case + ".nml", limits=[(resource.RLIMIT_STACK, 72*1024)])
-            check(f"{program} {case}: a stack of 72 kB", result.returncode in (0, 1), (result.returncode, result.stderr))
+            result = run(program, "--quiet", case + ".nml", limits=[(resource.RLIMIT_STACK, 64*1024)])
+            check(f"{program} {case}: a stack of 64 kB", result.returncode in (0, 1), (result.returncode, result.stderr))
 
 
 ROOT = tempfile.mkdtemp()
