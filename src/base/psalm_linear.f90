@@ -16,12 +16,14 @@ contains
 
    !> Solve a symmetric positive definite system by Cholesky's factors, in real64; the upper triangle is used.
    !>
-   !> Errors: `positive_definite` is false if the matrix is not positive definite.
-   pure subroutine solve_positive(matrix, right, solution, positive_definite)
+   !> Errors: `positive_definite` is false if the matrix is not positive definite, with `least` if less than that part of an element
+   !> of the diagonal is left as its pivot.
+   pure subroutine solve_positive(matrix, right, solution, positive_definite, least)
       real(wp), intent(in) :: matrix(:, :)   !! shape (n, n)
       real(wp), intent(in) :: right(:)       !! shape (n)
       real(wp), intent(out) :: solution(:)   !! shape (n)
       logical, intent(out) :: positive_definite
+      real(wp), intent(in), optional :: least
       real(dp) :: a(size(right), size(right)), b(size(right)) ! rows of the factor are columns of `a`
       real(dp) :: pivot
       integer :: i, j, n
@@ -35,6 +37,9 @@ contains
       b = real(right, dp)
       do j = 1, n
          if (.not. a(j, j) > 0.0_dp) return
+         if (present(least)) then
+            if (.not. a(j, j) > real(least*matrix(j, j), dp)) return
+         end if
          pivot = sqrt(a(j, j))
          a(j:, j) = a(j:, j)/pivot
          a(j, j) = pivot

@@ -6,7 +6,7 @@
 !> across. Where the force of contact becomes negative the pin leaves its hole, flies freely, and strikes.
 module psalm_flypast
    use psalm_kinds, only: wp, pi
-   use psalm_ode, only: ode_t, one_step, advance, next_step
+   use psalm_ode, only: smooth_ode_t, one_step, advance, next_step
    implicit none (type, external)
    private
    public :: flypast_t, flight_t, follow_flypast, fly
@@ -43,52 +43,29 @@ module psalm_flypast
    end type flight_t
 
    !> The equation of the angle g.
-   type, extends(ode_t) :: passing_contact_t
+   type, extends(smooth_ode_t) :: passing_contact_t
       real(wp) :: cube = 0.0_wp                     !! H1**3
       real(wp) :: h3 = 0.0_wp
       real(wp) :: cosine = 1.0_wp, sine = 0.0_wp    !! of H2
    contains
-      procedure :: rates
-      procedure :: tolerances
+      procedure :: slopes
       procedure :: force
-      procedure, private :: turned
    end type passing_contact_t
 
 contains
 
-   !> The equation, which has rates everywhere.
-   subroutine rates(self, time, y, d, valid)
-      class(passing_contact_t), intent(inout) :: self
-      real(wp), intent(in) :: time, y(:)
-      real(wp), intent(out) :: d(:)
-      logical, intent(out) :: valid
-
-      d = self%turned(time, y)
-      valid = .true.
-   end subroutine rates
-
-   pure function tolerances(self, y, after) result(allowed)
-      class(passing_contact_t), intent(in) :: self
-      real(wp), intent(in) :: y(:), after(:)
-      real(wp) :: allowed(size(y))
-
-      associate (unused => self%h3, nor_this => after)
-      end associate
-      allowed = tolerance
-   end function tolerances
-
    !> (g, g')' by T.
-   pure function turned(self, time, y) result(d)
+   pure function slopes(self, time, y) result(d)
       class(passing_contact_t), intent(in) :: self
-      real(wp), intent(in) :: time, y(2)
-      real(wp) :: d(2), c, s, cos_p, sin_p
+      real(wp), intent(in) :: time, y(:)
+      real(wp) :: d(size(y)), c, s, cos_p, sin_p
 
       c = cos(y(1))
       s = sin(y(1))
       call turn_twice(self%cosine, self%sine, c, s, cos_p, sin_p)
       d(1) = y(2)
       d(2) = (self%cube*(time*c - s) - self%h3*y(2)**2*sin_p)/(1.0_wp + self%h3*cos_p)
-   end function turned
+   end function slopes
 
    !> Force of contact over R_u.
    pure real(wp) function force(self, time, y)
@@ -99,7 +76,7 @@ contains
       c = cos(y(1))
       s = sin(y(1))
       call turn_twice(self%cosine, self%sine, c, s, cos_p, sin_p)
-      d = self%turned(time, y)
+      d = self%slopes(time, y)
       force = c + time*s + ((1.0_wp - self%h3*cos_p)*y(2)**2 + self%h3*sin_p*d(2))/self%cube
    end function force
 
@@ -129,7 +106,7 @@ contains
       integer :: i
 
       if (.not. (h1 > 0.0_wp .and. h3 >= 0.0_wp .and. h3 < 1.0_wp)) return
-      contact = passing_contact_t(h1**3, h3, cos(h2), sin(h2))
+      contact = passing_contact_t(tolerance=tolerance, cube=h1**3, h3=h3, cosine=cos(h2), sine=sin(h2))
       last = min(last_time, 0.5_wp*settling + settling/h1)
       t = first_time
       if (present(from)) t = from
@@ -194,7 +171,7 @@ contains
          real(wp) :: d(2), q
 
          q = 1.0_wp + t*t
-         d = contact%turned(t, [atan(t) - angle, 1.0_wp/q])
+         d = contact%slopes(t, [atan(t) - angle, 1.0_wp/q])
          acceleration = -2.0_wp*t/q**2 - d(2)
       end function acceleration
 

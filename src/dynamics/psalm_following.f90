@@ -4,7 +4,7 @@
 !> g and the components of the load, which may pass through zero. Time is the angle of the crank.
 module psalm_following
    use psalm_kinds, only: wp, pi
-   use psalm_ode, only: ode_t, one_step, advance, next_step
+   use psalm_ode, only: smooth_ode_t, one_step, advance, next_step
    use psalm_periodic, only: periodic_t
    implicit none (type, external)
    private
@@ -16,16 +16,14 @@ module psalm_following
    real(wp), parameter :: nothing = 1.0e-9_wp        !! a load below this part of the greatest has no direction to begin with
 
    !> The equation of the angle g.
-   type, extends(ode_t) :: followed_contact_t
+   type, extends(smooth_ode_t) :: followed_contact_t
       real(wp) :: speed = 0.0_wp                     !! rad/s
       real(wp) :: clearance = 0.0_wp                 !! radial, m
       real(wp), allocatable :: load(:, :, :)         !! shape (0:2, 2, 0:places): x and y of the load with two derivatives, N
       real(wp), allocatable :: tensor(:, :, :)       !! shape (0:1, 3, 0:places): M_uu, M_uv, M_vv with one
    contains
-      procedure :: rates
-      procedure :: tolerances
+      procedure :: slopes
       procedure :: force
-      procedure, private :: turned
       procedure, private :: state_of
    end type followed_contact_t
 
@@ -46,6 +44,7 @@ contains
       type(periodic_t) :: derived
       integer :: c, k
 
+      contact%tolerance = tolerance
       contact%speed = speed
       contact%clearance = clearance
       allocate (contact%load(0:2, 2, 0:places), contact%tensor(0:1, 3, 0:places))
@@ -65,39 +64,18 @@ contains
       contact%tensor(:, :, places) = contact%tensor(:, :, 0)
    end function contact_of
 
-   !> The equation, which has rates everywhere.
-   subroutine rates(self, time, y, d, valid)
-      class(followed_contact_t), intent(inout) :: self
-      real(wp), intent(in) :: time, y(:)
-      real(wp), intent(out) :: d(:)
-      logical, intent(out) :: valid
-
-      d = self%turned(time, y)
-      valid = .true.
-   end subroutine rates
-
-   pure function tolerances(self, y, after) result(allowed)
-      class(followed_contact_t), intent(in) :: self
-      real(wp), intent(in) :: y(:), after(:)
-      real(wp) :: allowed(size(y))
-
-      associate (unused => self%speed, nor_this => after)
-      end associate
-      allowed = tolerance
-   end function tolerances
-
    !> (g, g')' by the angle of the crank.
-   pure function turned(self, time, y) result(d)
+   pure function slopes(self, time, y) result(d)
       class(followed_contact_t), intent(in) :: self
-      real(wp), intent(in) :: time, y(2)
-      real(wp) :: d(2), load(0:2, 2), m(3), unit(2), along, across
+      real(wp), intent(in) :: time, y(:)
+      real(wp) :: d(size(y)), load(0:2, 2), m(3), unit(2), along, across
 
       call self%state_of(time, load, m)
       unit = [cos(y(1)), sin(y(1))]
       call felt(m, unit, along, across)
       d(1) = y(2)
       d(2) = ((load(0, 2)*unit(1) - load(0, 1)*unit(2))/(self%clearance*self%speed**2) - across*y(2)**2)/along
-   end function turned
+   end function slopes
 
    !> Force of contact, N; below zero contact would be lost.
    pure real(wp) function force(self, time, y)
@@ -108,7 +86,7 @@ contains
       call self%state_of(time, load, m)
       unit = [cos(y(1)), sin(y(1))]
       call felt(m, unit, along, across)
-      d = self%turned(time, y)
+      d = self%slopes(time, y)
       force = load(0, 1)*unit(1) + load(0, 2)*unit(2) &
               + self%clearance*self%speed**2*((m(1) + m(3) - along)*y(2)**2 + across*d(2))
    end function force

@@ -8,17 +8,25 @@ module psalm_ode
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
-   public :: ode_t, one_step, advance, next_step
+   public :: ode_t, smooth_ode_t, one_step, advance, next_step
 
    real(wp), parameter :: shrink = 0.2_wp, grow = 4.0_wp, safety = 0.9_wp !! of steps
    real(wp), parameter :: third_part = 0.01_wp     !! of the error of third order in the estimate (Hairer and others, II.10)
 
    !> An equation.
    type, abstract :: ode_t
+      real(wp) :: tolerance = 0.0_wp               !! of a step, where `tolerances` is not another procedure: absolute
    contains
       procedure(rates_of), deferred :: rates
-      procedure(tolerances_of), deferred :: tolerances
+      procedure :: tolerances
    end type ode_t
+
+   !> An equation that has derivatives everywhere.
+   type, abstract, extends(ode_t) :: smooth_ode_t
+   contains
+      procedure :: rates => rates_everywhere
+      procedure(slopes_of), deferred :: slopes
+   end type smooth_ode_t
 
    abstract interface
       !> Derivatives of all unknowns. `valid` is false where there are none: a step that comes there is not made.
@@ -31,17 +39,38 @@ module psalm_ode
          logical, intent(out) :: valid
       end subroutine rates_of
 
-      !> Errors of the unknowns that are allowed in a step from y to `after`; huge: any.
-      pure function tolerances_of(self, y, after) result(allowed)
-         import :: ode_t, wp
+      !> Derivatives of all unknowns.
+      pure function slopes_of(self, time, y) result(d)
+         import :: smooth_ode_t, wp
          implicit none (type, external)
-         class(ode_t), intent(in) :: self
-         real(wp), intent(in) :: y(:), after(:)
-         real(wp) :: allowed(size(y))
-      end function tolerances_of
+         class(smooth_ode_t), intent(in) :: self
+         real(wp), intent(in) :: time, y(:)
+         real(wp) :: d(size(y))
+      end function slopes_of
    end interface
 
 contains
+
+   !> Errors of the unknowns that are allowed in a step from y to `after`; huge: any.
+   pure function tolerances(self, y, after) result(allowed)
+      class(ode_t), intent(in) :: self
+      real(wp), intent(in) :: y(:), after(:)
+      real(wp) :: allowed(size(y))
+
+      associate (unused => after)
+      end associate
+      allowed = self%tolerance
+   end function tolerances
+
+   subroutine rates_everywhere(self, time, y, d, valid)
+      class(smooth_ode_t), intent(inout) :: self
+      real(wp), intent(in) :: time, y(:)
+      real(wp), intent(out) :: d(:)
+      logical, intent(out) :: valid
+
+      d = self%slopes(time, y)
+      valid = .true.
+   end subroutine rates_everywhere
 
    !> One step of length h; `error` is the estimated one in parts of what is allowed, huge where a stage has no derivatives.
    subroutine one_step(ode, time, y, h, after, error, first)
@@ -80,11 +109,13 @@ contains
       fifth = 0.0_wp
       third = 0.0_wp
       do k = 1, size(y)
+         if (allowed(k) >= huge(1.0_wp)) cycle
          fifth = max(fifth, abs(dot_product(d(k, :), error_fifth))/allowed(k))
          third = max(third, abs(dot_product(d(k, :), error_third))/allowed(k))
       end do
       error = 0.0_wp
-      if (fifth > 0.0_wp) error = abs(h)*fifth**2/sqrt(fifth**2 + third_part*third**2)
+      ! below it squares of both may be nothing
+      if (fifth > epsilon(1.0_wp)**2) error = abs(h)*fifth**2/sqrt(fifth**2 + third_part*third**2)
    end subroutine one_step
 
    !> A step that keeps the tolerance, not longer than `wanted`; it may miss the tolerance where it would be below `shortest`.

@@ -14,14 +14,15 @@ module psalm_time_motion
    real(wp), parameter :: creeping = 1.0e-7_wp     !! part of the whole time: so many steps in turn that are shorter,
    integer, parameter :: most_creeping = 200       !! as beside a dead point of a drive, where rounding spoils rates, lead nowhere
    real(wp), parameter :: first_part = 1.0e-3_wp   !! part of the whole time: the first step that is tried
-   real(wp), parameter :: least_part = 1.0e-2_wp   !! of the size, or the size over the whole time: less counts as that for errors
+   real(wp), parameter :: least_part = 1.0e-2_wp   !! of the size, or the size over the whole time, or of the largest so far: less
+                                                    !! counts as that for errors
 
    !> A motion and where it is.
    type, extends(ode_t) :: time_motion_t
       type(free_motion_t), allocatable :: motion      !! large: it would fill a small stack
       real(wp), allocatable :: size_of(:)             !! by free drive: what a change counts by, a radian or the size of the linkage
       real(wp) :: end = 0.0_wp                        !! of the whole motion, s
-      real(wp) :: tolerance = 0.0_wp                  !! of a step, relative
+      real(wp), allocatable :: largest(:)             !! shape (2 free drives): co-ordinates and speeds so far
       real(wp) :: time = 0.0_wp
       real(wp), allocatable :: y(:), first(:)         !! unknowns there, and their rates
       real(wp) :: step = 0.0_wp                       !! s: the next that is tried
@@ -48,8 +49,9 @@ contains
       moving%tolerance = tolerance
       moving%step = first_part*end
       associate (f => size(speeds), link => moving%motion%problem%linkage)
-         moving%size_of = merge(maxval(link%length)/link%scale, 1.0_wp, moving%motion%slides(moving%motion%free))
+         moving%size_of = merge(max(0.0_wp, maxval(link%length))/link%scale, 1.0_wp, moving%motion%slides(moving%motion%free))
          moving%y = [moving%motion%start(moving%motion%free), speeds, 0.0_wp, 0.0_wp]
+         moving%largest = abs(moving%y(:2*f))
          allocate (moving%first(2*f + 2))
       end associate
       call moving%rates(0.0_wp, moving%y, moving%first, valid)
@@ -74,13 +76,15 @@ contains
       real(wp) :: allowed(size(y))
 
       associate (f => size(self%size_of))
-         allowed(:f) = self%tolerance*max(abs(y(:f)), abs(after(:f)), least_part*self%size_of)
-         allowed(f + 1:2*f) = self%tolerance*max(abs(y(f + 1:2*f)), abs(after(f + 1:2*f)), least_part*self%size_of/self%end)
+         associate (least => least_part*max([self%size_of, self%size_of/self%end], self%largest))
+            allowed(:2*f) = self%tolerance*max(abs(y(:2*f)), abs(after(:2*f)), least)
+         end associate
          allowed(2*f + 1:) = huge(1.0_wp)
       end associate
    end function tolerances
 
-   !> Go on to a time. `reached` is false where no step that counts keeps the tolerance; it stands at the time before then.
+   !> Go on to a time. `reached` is false where no step that counts keeps the tolerance, or a torsional spring is wound half a
+   !> turn; it stands at the time before then, or at that.
    subroutine advance_to(self, target, reached)
       class(time_motion_t), intent(inout) :: self
       real(wp), intent(in) :: target
@@ -104,10 +108,13 @@ contains
          self%step = max(next_step(taken, error), merge(self%step, 0.0_wp, last))
          self%time = merge(target, self%time + taken, last)
          self%y = after
+         self%largest = max(self%largest, abs(after(:size(self%largest))))
          self%steps = self%steps + 1
          call self%rates(self%time, self%y, self%first, reached)
          if (.not. reached) return
          call self%motion%anchor()
+         reached = self%motion%wound == 0
+         if (.not. reached) return
       end do
       reached = .true.
    end subroutine advance_to

@@ -7,20 +7,21 @@ module psalm_free_motion
    use psalm_error, only: problem_t
    use psalm_force_analysis, only: columns_of, take_columns
    use psalm_force_model, only: force_model_t, load_t, spring_t
-   use psalm_kinds, only: wp, degrees_per_radian, radians_per_degree
+   use psalm_kinds, only: wp, pi, degrees_per_radian, radians_per_degree
    use psalm_kinetostatics, only: forces_t, prepare_forces, move_bodies, clear_wrenches, add_source, sweep, external_power, &
                                   sources_of, source_inertia, source_weight
    use psalm_linear, only: solve_positive
    use psalm_machine, only: motor_torque
    use psalm_motor_group, only: motor_group_t
-   use psalm_potential, only: potential_energy
-   use psalm_rates, only: rates_t, prepare_rates, differentiate, is_dead
+   use psalm_potential, only: potential_energy, torsion
+   use psalm_rates, only: rates_t, prepare_rates, differentiate
    use psalm_shown_input, only: input_at
    implicit none (type, external)
    private
    public :: free_motion_t, free_state_t, make_free_motion
 
    integer, parameter :: orders = 2        !! of rates
+   real(wp), parameter :: least_inertia = 1.0e-12_wp !! what others leave of the inertia at a drive, as a part of it: less is 0
 
    !> What moves, and how its drives go. Inputs are increments from the reference position, radians or user's lengths.
    type :: free_motion_t
@@ -38,16 +39,17 @@ module psalm_free_motion
       type(rates_t), allocatable :: rates
       type(forces_t), allocatable :: forces
       logical, allocatable :: side(:)                  !! by loop: two slides of it are on the positive side of each other at time 0
-      integer :: evaluations = 0
       integer :: open_loop = 0                         !! why the last evaluation has no result: this loop does not close,
-      logical :: massless = .false.                    !! or the free drives move no mass
+      logical :: massless = .false.                    !! or some motion of the free drives moves no mass
+      integer :: wound = 0                             !! a torsional spring that was turned past half a turn of SFREE, 0: none
+      real(wp), allocatable :: turned(:)               !! by spring, torsional: from SFREE where `anchor` saw it last, radians
    contains
       procedure :: accelerate
       procedure :: describe
       procedure :: anchor
       procedure, private :: put_inputs
       procedure, private :: put_rates
-      procedure, private :: borne
+      procedure, private :: drive_loads
    end type free_motion_t
 
    !> Everything about one moment.
@@ -56,7 +58,6 @@ module psalm_free_motion
       real(wp), allocatable :: columns(:)              !! as `force_table_t` has them
       real(wp) :: kinetic = 0.0_wp, growth = 0.0_wp    !! J, W; flywheel included
       real(wp) :: potential = 0.0_wp                   !! of weight and springs, J
-      real(wp) :: residual = 0.0_wp                    !! largest force of a free drive beyond its motor, of the largest of all
    end type free_state_t
 
 contains
@@ -124,7 +125,6 @@ contains
       real(wp) :: unused
       integer :: j, source
 
-      self%evaluations = self%evaluations + 1
       a = 0.0_wp
       work = 0.0_wp
       loss = 0.0_wp
@@ -139,7 +139,7 @@ contains
             call clear_wrenches(1, forces)
             call add_source(problem, self%model, source_inertia, [real(wp) ::], 1, forces)
             call sweep(problem, 1, forces)
-            h(:, j) = self%borne()
+            h(:, j) = self%drive_loads()
          end do
          rate = self%speed + self%accel*time
          accel = self%accel
@@ -165,7 +165,7 @@ contains
             call add_source(problem, self%model, source_inertia, input, 1, forces)
          end associate
          call sweep(problem, 1, forces)
-         b = self%borne()
+         b = self%drive_loads()
       end associate
       torque = 0.0_wp
       if (self%driven) then
@@ -177,7 +177,7 @@ contains
          work = work + torque*rate(1)
       end if
       if (size(q) > 0) then
-         call solve_positive(h(self%free, :), -b(self%free), a, valid)
+         call solve_positive(h(self%free, :), -b(self%free), a, valid, least_inertia)
          self%massless = .not. valid
          if (.not. valid) return
       end if
@@ -194,8 +194,7 @@ contains
       class(free_motion_t), intent(inout) :: self
       real(wp), intent(in) :: time, q(:), v(:), a(:)
       type(free_state_t), intent(out) :: state
-      real(wp) :: columns(1, columns_of(self%problem)), torque, unused, largest
-      real(wp), allocatable :: over(:)
+      real(wp) :: columns(1, columns_of(self%problem))
       integer :: source, d
 
       call self%put_inputs(time, q, .true.)
@@ -221,32 +220,30 @@ contains
          state%kinetic = forces%w%v(1, forces%kinetic)
          state%growth = forces%w%v(1, forces%growth)
          call sweep(problem, 1, forces)
-         over = self%borne()
          if (self%driven) then
-            call motor_torque(self%motor, state%rate(1), torque, unused)
-            over(1) = over(1) + self%motor%flywheel*state%accel(1) - torque
             state%kinetic = state%kinetic + 0.5_wp*self%motor%flywheel*state%rate(1)**2
             state%growth = state%growth + self%motor%flywheel*state%rate(1)*state%accel(1)
          end if
          call take_columns(problem, self%model, forces, 1, columns)
       end associate
       state%columns = columns(1, :)
-      largest = maxval(abs(state%columns))
-      if (largest > 0.0_wp .and. size(self%free) > 0) state%residual = maxval(abs(over(self%free)))/largest
    end subroutine describe
 
-   !> Larger groups are followed from the position that was put in last.
+   !> Larger groups are followed from the position that was put in last. Springs are looked at: their moment is that of the angle
+   !> within half a turn of SFREE.
    subroutine anchor(self)
       class(free_motion_t), intent(inout) :: self
-      integer :: d
+      real(wp) :: turned
+      integer :: k
 
-      associate (problem => self%problem)
-         if (size(self%leader) == 1) then
-            call problem%linkage%follow_from(1, problem%delt)
-         else
-            call problem%linkage%follow_from(1, [problem%delt(1), (problem%more(1, 1, d), d=1, size(problem%more, 3))])
-         end if
-      end associate
+      call self%problem%follow_from_here()
+      if (.not. allocated(self%turned)) allocate (self%turned(size(self%model%springs)), source=0.0_wp)
+      do k = 1, size(self%turned)
+         if (.not. self%model%springs(k)%torsional) cycle
+         turned = torsion(self%model%springs(k), self%forces)
+         if (abs(turned - self%turned(k)) > pi) self%wound = k
+         self%turned(k) = turned
+      end do
    end subroutine anchor
 
    !> Find the position at a time. `valid` is false if a loop does not close, or two slides have passed each other.
@@ -292,7 +289,7 @@ contains
    end subroutine put_rates
 
    !> What the drives bear after a sweep, by a unit of their inputs; those that others follow bear for these, too.
-   function borne(self) result(load)
+   function drive_loads(self) result(load)
       class(free_motion_t), intent(in) :: self
       real(wp) :: load(size(self%slides))
       integer :: d
@@ -306,5 +303,5 @@ contains
          load(1) = load(1) + self%ratio(d)*load(d)
          load(d) = 0.0_wp
       end do
-   end function borne
+   end function drive_loads
 end module psalm_free_motion

@@ -3,13 +3,13 @@ module psalm_potential
    use psalm_angles, only: degrees_of, nearest_difference
    use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t
-   use psalm_force_model, only: force_model_t, parameter_mass, parameter_mx, parameter_my
+   use psalm_force_model, only: force_model_t, spring_t, parameter_mass, parameter_mx, parameter_my
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_kinetostatics, only: forces_t, find_location
    use psalm_mechanism, only: body_frame
    implicit none (type, external)
    private
-   public :: potential_energy
+   public :: potential_energy, torsion
 
 contains
 
@@ -19,7 +19,7 @@ contains
       type(force_model_t), intent(in) :: model
       type(forces_t), intent(in) :: forces
       real(wp), dimension(1) :: ax, ay, bx, by
-      real(wp) :: ex, ey, fx, fy, stretch
+      real(wp) :: ex, ey, stretch
       integer :: b, k
 
       energy = 0.0_wp
@@ -35,9 +35,7 @@ contains
          do k = 1, size(model%springs)
             associate (spring => model%springs(k))
                if (spring%torsional) then
-                  call direction(spring%ends(1)%body, spring%ends(1)%along, ex, ey)
-                  call direction(spring%ends(2)%body, spring%ends(2)%along, fx, fy)
-                  stretch = radians_per_degree*nearest_difference(degrees_of(ex*fx + ey*fy, ex*fy - ey*fx), spring%free)
+                  stretch = torsion(spring, forces)
                else
                   call find_location(problem, forces, spring%ends(1), 1, ax, ay)
                   call find_location(problem, forces, spring%ends(2), 1, bx, by)
@@ -47,11 +45,22 @@ contains
             end associate
          end do
       end associate
+   end function potential_energy
+
+   !> How far a torsional spring is turned from SFREE, radians, within half a turn.
+   pure real(wp) function torsion(spring, forces)
+      type(spring_t), intent(in) :: spring
+      type(forces_t), intent(in) :: forces
+      real(wp) :: ex, ey, fx, fy
+
+      call direction(spring%ends(1)%body, spring%ends(1)%along, ex, ey)
+      call direction(spring%ends(2)%body, spring%ends(2)%along, fx, fy)
+      torsion = radians_per_degree*nearest_difference(degrees_of(ex*fx + ey*fy, ex*fy - ey*fx), spring%free)
 
    contains
 
       !> Direction of the arc by which a place was named.
-      subroutine direction(body, along, x, y)
+      pure subroutine direction(body, along, x, y)
          integer, intent(in) :: body
          real(wp), intent(in) :: along(2)
          real(wp), intent(out) :: x, y
@@ -61,5 +70,5 @@ contains
             y = along(1)*s + along(2)*c
          end associate
       end subroutine direction
-   end function potential_energy
+   end function torsion
 end module psalm_potential

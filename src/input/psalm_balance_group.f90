@@ -328,6 +328,7 @@ contains
 
          if (.not. group%given('WREACH')) return
          do k = 1, size(balance%reach)
+            if (.not. balance%reach(k) > 0.0_wp) cycle       ! no weight on this link
             call judge_box(k, 1, 'WXLOW')
             call judge_box(k, 2, 'WYLOW')
             associate (low => balance%centre_low(:, k), high => balance%centre_high(:, k), reach => balance%reach(k))
@@ -337,8 +338,13 @@ contains
                if (balance%started .and. norm2(balance%start_centre(:, k)) > reach) call out_of(group, &
                                   started_item(), 'entry '//to_text(k)// &
                                   ': the start is not within WREACH', findings, k)
+               if (balance%started .and. any(balance%start_centre(:, k) < low .or. balance%start_centre(:, k) > high)) &
+                  call out_of(group, started_item(), 'entry '//to_text(k)// &
+                              ': the start is not between WXLOW, WXHIGH, WYLOW and WYHIGH', findings, k)
             end associate
          end do
+         if (balance%started .and. .not. balance%wants_optimum()) &
+            call out_of(group, started_item(), 'a start is for the least composite: give tolerances or limits of loads', findings)
          if (balance%started .and. balance%form == form_body) then
             call out_of(group, started_item(), 'bodies need no start: their problem is convex', findings)
          end if

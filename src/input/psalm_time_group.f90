@@ -28,7 +28,8 @@ module psalm_time_group
    !> The items of the group.
    type(rule_t), parameter :: time_items(*) = [ &
       rule_t('TEND', a_number, '', 's', 'the last of TAT', '(0,)', &
-             'the end of the motion, which begins at 0 in the drawing, with &LINKS at the reference position'), &
+             'the end of the motion, which begins at 0 in the drawing (drives with PHASE: at that), with &LINKS at the '// &
+             'reference position'), &
       rule_t('NTIME', a_whole, '', '', '100', '[1,100000]', &
              'results at so many even intervals of the time'), &
       rule_t('NTAT', a_whole, '', '', 'as many as TAT has', '[0,100000]', &
@@ -37,7 +38,7 @@ module psalm_time_group
              'the times of the results, in ascending order; 0 need not be given'), &
       rule_t('FREE', a_text, 'n', '', 'all drives', '', &
              'names of the drives of &DRIVES that move freely; the others have the speeds and accelerations of '// &
-             '&RATES (the first) and DSPEED, DACCEL'), &
+             '&RATES (the first) and DSPEED, DACCEL; ''all'': every one, ''none'': no drive'), &
       rule_t('NVSTRT', a_whole, '', '', 'as many as VSTART has', '[0,1000]', &
              'number of speeds at time 0'), &
       rule_t('VNAME', a_text, 'n', '', 'the free drives', '', &
@@ -117,6 +118,8 @@ contains
             else if (sketch%drives(d)%geared) then
                call out_of(group, 'FREE', 'drive '//trim(sketch%drives(d)%name)//' follows the first by its RATIO; '// &
                            'name the first', findings, i)
+            else if (own%free(d)) then
+               call out_of(group, 'FREE', 'drive '//trim(sketch%drives(d)%name)//' is named twice', findings, i)
             else
                own%free(d) = .true.
             end if

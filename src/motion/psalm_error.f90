@@ -111,6 +111,7 @@ module psalm_error
       procedure :: set_inputs
       procedure :: keep_positions
       procedure :: move_inputs
+      procedure :: follow_from_here
       procedure :: set_desired
       procedure :: set_threads
       procedure :: bind => bind_problem
@@ -444,6 +445,18 @@ contains
       end do
       if (allocated(self%more)) call fill_more(self)
    end subroutine move_inputs
+
+   !> From now on larger groups are followed from the position that was solved last, the only one of the block.
+   pure subroutine follow_from_here(self)
+      class(problem_t), intent(inout) :: self
+      integer :: d
+
+      if (.not. allocated(self%more)) then
+         call self%linkage%follow_from(1, self%delt)
+      else
+         call self%linkage%follow_from(1, [self%delt(1), (self%more(1, 1, d), d=1, size(self%more, 3))])
+      end if
+   end subroutine follow_from_here
 
    !> Give desired values and weights for the positions.
    subroutine set_desired(self, wanted, weight)

@@ -141,37 +141,43 @@ contains
       logical, intent(in) :: named                !! joints have names: a sketch
       type(balance_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
+      type(margins_t), allocatable :: all_margins(:)
+      character(80), allocatable :: lines(:)
       integer :: k
 
       call text%add()
       call text%add(' CONTACT IN THE JOINT WITH CLEARANCE: LEAST H1; LEAST H1 OVER THAT OF A LOSS, BELOW 1 WHERE CONTACT IS LOST')
       call text%add('   DESIGN             H1 OVER PASSAGE       OVER ANY   MINIMA LOST IN THE PASSAGE, LOST')
-      call text%add('   BEFORE'//margins_text(named, study%contact))
+      all_margins = [study%contact, study%designs%contact]
+      if (allocated(study%lightest)) all_margins = [all_margins, study%lightest%contact]
+      lines = contact_texts(named, all_margins)
+      call text%add('   BEFORE'//trim(lines(1)))
       do k = 1, size(study%designs)
-         call text%add(right_column(k, 9)//margins_text(named, study%designs(k)%contact))
+         call text%add(right_column(k, 9)//trim(lines(1 + k)))
       end do
-      if (allocated(study%lightest)) call text%add(' LIGHTEST'//margins_text(named, study%lightest%contact))
+      if (allocated(study%lightest)) call text%add(' LIGHTEST'//trim(lines(size(lines))))
    end subroutine list_contact
 
-   pure function margins_text(named, margins) result(line)
+   !> Least H1, the ratios to those of a loss, and how many minima lose contact.
+   pure function contact_texts(named, margins) result(lines)
       logical, intent(in) :: named                !! joints have names: a sketch
-      type(margins_t), intent(in) :: margins
-      character(:), allocatable :: line
-      integer :: k
+      type(margins_t), intent(in) :: margins(:)
+      character(80) :: lines(size(margins))
+      character(15) :: columns(size(margins), 3)
+      integer :: j, k
 
-      line = '   CANNOT BE STUDIED; BRIDGE SAYS WHY'
-      if (.not. margins%known) return
-      line = in_a_row(figures_of(named, [margins%h1]))
-      do k = 1, size(margins%over)
+      columns(:, 1) = figures_of(named, margins%h1, margins%known .and. margins%h1 < huge(1.0_wp))
+      do j = 1, 2
+         columns(:, 1 + j) = figures_of(named, margins%over(j), margins%known .and. margins%over(j) < huge(1.0_wp))
          ! without any loss there is no ratio
-         if (margins%over(k) >= huge(1.0_wp)) then
-            line = line//'        NO LOSS'
-         else
-            line = line//in_a_row(figures_of(named, [margins%over(k)]))
-         end if
+         where (margins%known .and. .not. margins%over(j) < huge(1.0_wp)) columns(:, 1 + j) = '        NO LOSS'
       end do
-      line = line//'   '//to_text(margins%lost(1))//', '//to_text(margins%lost(2))
-   end function margins_text
+      do k = 1, size(margins)
+         lines(k) = '   CANNOT BE STUDIED; BRIDGE SAYS WHY'
+         if (margins(k)%known) lines(k) = in_a_row(columns(k, :))//'   '//to_text(margins(k)%lost(1))//', '// &
+                                          to_text(margins(k)%lost(2))
+      end do
+   end function contact_texts
 
    !> Weights, the bound of their mass, and loads before and after.
    subroutine list_outcome(named, study, outcome, text)
@@ -197,12 +203,12 @@ contains
       integer :: k
 
       associate (of => outcome%weights)
-         columns(:, 1) = figures_of(named, of%mass)
+         columns(:, 1) = figures_of(named, of%mass, all_count=.true.)
          columns(:, 2) = figures_of(named, of%distance)
          columns(:, 3) = figures_of(named, of%angle)
          columns(:, 4) = figures_of(named, of%radius)
          columns(:, 5) = figures_of(named, of%thickness)
-         columns(:, 6) = figures_of(named, of%inertia)
+         columns(:, 6) = figures_of(named, of%inertia, all_count=.true.)
       end associate
       discs = any(outcome%weights%thickness > 0.0_wp)
       bodies = any(outcome%weights%inertia > 0.0_wp) .and. .not. discs
@@ -228,7 +234,13 @@ contains
       integer :: k
 
       associate (before => study%before, after => outcome%loads)
-         values = reshape(figures_of(named, [before%rms, after%rms, before%peak, after%peak]), shape(values))
+         ! forces of the joints have one unit and one number of decimals
+         do k = 1, size(values, 1)
+            if (k > channel_torque) exit
+            values(k, :) = figures_of(named, [before(k)%rms, after(k)%rms, before(k)%peak, after(k)%peak])
+         end do
+         values(k:, :) = reshape(figures_of(named, [before(k:)%rms, after(k:)%rms, before(k:)%peak, after(k:)%peak]), &
+                                 [size(values, 1) - k + 1, size(values, 2)])
       end associate
       call text%add(' LOADS                    RMS BEFORE          AFTER    PEAK BEFORE          AFTER')
       do k = 1, size(study%channels)
@@ -247,10 +259,7 @@ contains
       call text%add(' LEAST SHAKING FORCE FOR A MASS (RMS)')
       call text%add('           MASS          FORCE    LOWER BOUND    MASS NEEDED')
       associate (of => study%budgets)
-         columns(:, 1) = figures_of(named, of%second)
-         columns(:, 2) = figures_of(named, of%first)
-         columns(:, 3) = figures_of(named, of%bound)
-         columns(:, 4) = figures_of(named, of%total)
+         columns = columns_of(named, of%second, of%first, of%bound, of%total)
       end associate
       do k = 1, size(study%budgets)
          call text%add(in_a_row(columns(k, :)))
@@ -262,7 +271,8 @@ contains
       type(balance_group_t), intent(in) :: group
       type(balance_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
-      character(15), allocatable :: limits(:, :)
+      character(15) :: limits(2)
+      character(80) :: contact(1)
       integer :: k
 
       call text%add()
@@ -299,14 +309,15 @@ contains
       if (group%desired) call text%add(' THE COMPOSITE IS OF DIFFERENCES FROM DESIRED VALUES, LOADS ARE LISTED AS THEY ARE')
       call list_loads(named, study, study%optimum, text)
       if (study%has_clearance) then
-         call text%add(' CONTACT, AS ABOVE'//margins_text(named, study%optimum%contact))
+         contact = contact_texts(named, [study%optimum%contact])
+         call text%add(' CONTACT, AS ABOVE'//trim(contact(1)))
       end if
       if (.not. allocated(study%limited)) return
       associate (of => study%limited)
-         limits = reshape(figures_of(named, [study%optimum%loads(of)%peak, study%limit]), [size(of), 2])
          call text%add(' LIMITS OF LOADS                GREATEST          LIMIT')
          do k = 1, size(of)
-            call text%add(' '//padded(study%channels(of(k))%name)//in_a_row(limits(k, :)))
+            limits = figures_of(named, [study%optimum%loads(of(k))%peak, study%limit(k)])
+            call text%add(' '//padded(study%channels(of(k))%name)//in_a_row(limits))
          end do
       end associate
    end subroutine list_optimum
@@ -326,13 +337,22 @@ contains
          call text%add(repeat(' ', 9)//measure_names(of(1))//repeat(' ', 9)//measure_names(of(2))//'    LOWER BOUND    MASS NEEDED')
       end associate
       associate (of => study%front)
-         columns(:, 1) = figures_of(named, of%first)
-         columns(:, 2) = figures_of(named, of%second)
-         columns(:, 3) = figures_of(named, of%bound)
-         columns(:, 4) = figures_of(named, of%total)
+         columns = columns_of(named, of%first, of%second, of%bound, of%total)
       end associate
       do k = 1, size(study%front)
          call text%add(in_a_row(columns(k, :)))
       end do
    end subroutine list_front
+
+   !> Four columns, each with its own number of decimals.
+   pure function columns_of(named, first, second, third, fourth) result(columns)
+      logical, intent(in) :: named                !! joints have names: a sketch
+      real(wp), intent(in) :: first(:), second(:), third(:), fourth(:) !! one shape
+      character(15) :: columns(size(first), 4)
+
+      columns(:, 1) = figures_of(named, first)
+      columns(:, 2) = figures_of(named, second)
+      columns(:, 3) = figures_of(named, third)
+      columns(:, 4) = figures_of(named, fourth)
+   end function columns_of
 end module psalm_balance_list

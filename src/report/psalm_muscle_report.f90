@@ -97,14 +97,18 @@ contains
          call devices%remark(set, words)
          call devices%note_violation()
       else if (study%filtered > 0 .and. size(study%designs) == 0) then
-         call devices%remark(set, 'of all designs that are balanced completely the joint with clearance loses contact')
+         call devices%remark(set, 'in every design that is balanced completely the joint with clearance loses contact')
          call devices%note_violation()
       else if (study%number > 0 .and. size(study%designs) == 0 .and. .not. study%already) then
          call devices%remark(set, 'complete force balance is possible, but not within the limits of the weights')
          call devices%note_violation()
       end if
       if (group%wants_optimum() .and. .not. allocated(study%optimum)) then
-         call devices%remark(set, 'there are no weights within the limits for the composite')
+         call devices%remark(set, 'there are no weights within WREACH, WMOST, the limits of centres and MAXF, MAXM, MAXT, '// &
+                             'BMAX for the composite')
+         call devices%note_violation()
+      else if (study%optimum_loses) then
+         call devices%remark(set, 'with the weights of the least composite the joint with clearance loses contact, against WCLEAR')
          call devices%note_violation()
       end if
    end subroutine remark_balance

@@ -230,6 +230,9 @@ contains
       if (abs(value) <= 0.0_wp) then
          text = '            0.0'
          return
+      else if (.not. abs(value) <= huge(value)) then
+         text = general(value)
+         return
       end if
       write (buffer, '(es14.6e3)') real(value, dp)
       read (buffer(11:14), '(i4)') power

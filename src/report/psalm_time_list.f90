@@ -13,7 +13,7 @@ module psalm_time_list
    use psalm_summary_text, only: add_line, plain_number
    use psalm_tables, only: table_t, tables_t, table_of
    use psalm_text, only: text_t, general, to_text, upper_case
-   use psalm_time_study, only: time_study_t, time_collapsed, time_done, time_massless, time_open
+   use psalm_time_study, only: time_study_t, time_collapsed, time_done, time_massless, time_open, time_wound
    implicit none (type, external)
    private
    public :: report_time, summarise_time
@@ -49,9 +49,12 @@ contains
       case (time_open)
          words = words//the_group(mechanism, study%loop)//' does not close beyond'
       case (time_massless)
-         words = words//'a free drive moves no mass; give its links masses'
+         words = words//'some motion of the free drives moves no mass; give their links masses'
       case (time_collapsed)
-         words = words//'no step keeps the tolerance TTOL, as at a dead point of a drive; another drive may pass there'
+         words = words//'no step keeps the tolerance TTOL: a dead point of a drive (another drive may pass there), a '// &
+                 'very stiff spring or damper, or TEND far too long'
+      case (time_wound)
+         words = words//'torsional spring '//to_text(study%loop)//' is turned past half a turn from SFREE'
       end select
    end function ending_words
 

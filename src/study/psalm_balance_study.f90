@@ -94,6 +94,7 @@ module psalm_balance_study
       logical :: has_clearance = .false.           !! a joint has clearance (&CLEAR):
       type(margins_t) :: contact                   !! of it without weights
       integer :: filtered = 0                      !! designs that are left out because it loses contact
+      logical :: optimum_loses = .false.           !! it loses contact with the weights of the least composite, against WCLEAR
       type(outcome_t), allocatable :: designs(:)   !! of the sets, best first; as many as are listed
       type(outcome_t), allocatable :: lightest     !! on all links allowed
       type(channel_t), allocatable :: channels(:)
@@ -275,11 +276,27 @@ contains
       if (group%wants_optimum()) call find_optimum(group, problem%mechanism, model, anchor, balance, rooms, study)
       if (study%has_clearance .and. allocated(study%optimum)) then
          call judge_contact(set, problem, dimensions, size(model%reference), study%optimum)
+         study%optimum_loses = loses(group, study%optimum%contact)
       end if
       call spend_budgets(group, balance, rooms, study, stop)
       if (study%stopped .or. group%front == 0) return
       call find_front(group, balance, rooms, study, stop)
    end subroutine find_balance
+
+   !> True if the joint with clearance loses contact as WCLEAR counts.
+   pure logical function loses(group, contact)
+      type(balance_group_t), intent(in) :: group
+      type(margins_t), intent(in) :: contact
+
+      select case (group%filter)
+      case (filter_passage)
+         loses = .not. contact%known .or. contact%lost(1) > 0
+      case (filter_any)
+         loses = .not. contact%known .or. contact%lost(2) > 0
+      case default
+         loses = .false.
+      end select
+   end function loses
 
    subroutine name_bodies(mechanism, study)
       type(mechanism_t), intent(in) :: mechanism
@@ -571,7 +588,7 @@ contains
             if (study%has_clearance .and. .not. design%contact%known) then
                call judge_contact(set, problem, dimensions, links + 1, design)
             end if
-            if (loses(design%contact)) then
+            if (loses(group, design%contact)) then
                study%filtered = study%filtered + 1
                cycle
             end if
@@ -589,19 +606,6 @@ contains
    contains
 
       !> True if a design is to be left out for what becomes of contact. What cannot be studied counts as a loss.
-      pure logical function loses(contact)
-         type(margins_t), intent(in) :: contact
-
-         select case (group%filter)
-         case (filter_passage)
-            loses = .not. contact%known .or. contact%lost(1) > 0
-         case (filter_any)
-            loses = .not. contact%known .or. contact%lost(2) > 0
-         case default
-            loses = .false.
-         end select
-      end function loses
-
       !> The lightest weights on these bodies.
       subroutine find_least(bodies)
          integer, intent(in) :: bodies(:)

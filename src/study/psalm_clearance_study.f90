@@ -158,7 +158,7 @@ contains
       if (.not. set%rates%given) then
          call findings%error('the group is missing: bridge needs the SPEED of the input', line=set%title_line, group='RATES')
       else if (.not. abs(set%rates%speed) > 0.0_wp) then
-         call set%origins%error(findings, 'RATES', 'SPEED', 'bridge needs a speed other than 0', 1)
+         call set%origins%error(findings, 'RATES', 'SPEED', 'a joint with clearance needs a speed other than 0', 1)
       else if (abs(set%rates%accel) > 0.0_wp) then
          call set%origins%error(findings, 'RATES', 'ACCEL', 'the speed is to be constant: no ACCEL', 1)
       end if

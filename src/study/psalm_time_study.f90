@@ -12,7 +12,6 @@ module psalm_time_study
    use psalm_moving_joints, only: sketch_motion_t
    use psalm_motor_group, only: motor_group_t, motor_of
    use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, highest_order
-   use psalm_shown_input, only: input_at
    use psalm_sketch_motion, only: observe_sketch
    use psalm_sketch_outputs, only: names_of_numbers, values_of_outputs
    use psalm_sketch_study, only: sketch_study_t
@@ -22,7 +21,7 @@ module psalm_time_study
    implicit none (type, external)
    private
    public :: time_study_t, find_time, check_time
-   public :: time_done, time_open, time_massless, time_collapsed
+   public :: time_done, time_open, time_massless, time_collapsed, time_wound
 
    integer, parameter :: rates_shown = 2          !! orders of rates of drives and outputs
 
@@ -30,14 +29,15 @@ module psalm_time_study
    integer, parameter :: time_open = 1            !! a loop does not close beyond: its drives are at a dead point, or another one is
    integer, parameter :: time_massless = 2        !! the free drives move no mass
    integer, parameter :: time_collapsed = 3       !! no step keeps the tolerance
+   integer, parameter :: time_wound = 4           !! a torsional spring is turned past half a turn of SFREE
 
    !> The motion at the times that were asked for, up to where it ended.
    type :: time_study_t
       integer :: ended = time_done
-      integer :: loop = 0                         !! `time_open`: the loop
+      integer :: loop = 0                         !! `time_open`: the loop; `time_wound`: the spring
       real(wp) :: stopped = 0.0_wp                !! s: where it ended
       real(wp) :: end = 0.0_wp                    !! s: where it was to end
-      integer :: steps = 0, evaluations = 0
+      integer :: steps = 0
       logical, allocatable :: free(:)             !! by drive: it moves freely
       real(wp), allocatable :: time(:)            !! shape (rows): s
       real(wp), allocatable :: drives(:, :, :)    !! shape (rows, drives, 0:2): as shown, degrees or length; by time, radians
@@ -49,7 +49,6 @@ module psalm_time_study
       real(wp), allocatable :: lost(:)            !! in dampers, J
       real(wp), allocatable :: balance(:)         !! kinetic + potential - work + lost, less that at time 0, J
       real(wp) :: turnover = 0.0_wp               !! largest of these energies, J
-      real(wp) :: residual = 0.0_wp               !! largest force of a free drive beyond its motor, of the largest of all then
    end type time_study_t
 
 contains
@@ -78,6 +77,11 @@ contains
             if (.not. time%free(1)) call set%origins%error(findings, 'MOTOR', '', 'the motor turns the first drive, which '// &
                                                            'is not free (FREE of &TIME)')
          end if
+      end if
+      if (set%is_drawn()) then
+         if (any(free_drives(set, time) .and. abs(set%sketch%drives%speed) + abs(set%sketch%drives%accel) > 0.0_wp)) &
+            call set%origins%warning(findings, 'DRIVES', 'DSPEED', 'DSPEED and DACCEL of a free drive '// &
+                                     '(FREE of &TIME) are for the positions only; in time it starts with VSTART')
       end if
       if (.not. allocated(time%started) .and. size(time%rates) > count(free_drives(set, time))) &
          call set%origins%error(findings, 'TIME', 'VSTART', 'more speeds are given than there are free drives')
@@ -138,12 +142,15 @@ contains
       end if
       study%stopped = moving%time
       study%steps = moving%steps
-      study%evaluations = moving%motion%evaluations
       if (.not. valid) then
          study%ended = time_collapsed
          if (moving%motion%massless) study%ended = time_massless
          study%loop = moving%motion%open_loop
          if (study%loop > 0) study%ended = time_open
+         if (moving%motion%wound > 0) then
+            study%ended = time_wound
+            study%loop = moving%motion%wound
+         end if
       end if
       call make_rows(row)
       if (row > 0) study%turnover = max(maxval(abs(study%forces%table%kinetic)), &
@@ -286,11 +293,7 @@ contains
                study%output(row, c, 1:) = values(:rates_shown, c)
             end do
          end if
-         if (drives == 1) then
-            call shown%linkage%follow_from(1, inputs)
-         else
-            call shown%linkage%follow_from(1, [inputs(1), (shown%more(1, 1, d), d=1, drives - 1)])
-         end if
+         call shown%follow_from_here()
          associate (table => study%forces%table)
             table%value(row, :) = state%columns
             do d = 1, drives
@@ -309,7 +312,6 @@ contains
             if (row == 1) first_energy = state%kinetic + state%potential
             study%balance(row) = state%kinetic + state%potential - study%work(row) + study%lost(row) - first_energy
          end associate
-         study%residual = max(study%residual, state%residual)
       end subroutine keep
 
       !> Rows of what has orders, which count from 0.

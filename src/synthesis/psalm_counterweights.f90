@@ -156,7 +156,8 @@ contains
       integer :: start, ended, k
 
       tried%added = 0.0_wp*channels(1)%slope(1, 1, :, :)
-      if (.not. (composite_of(channels, aim, tried%added) > 0.0_wp .or. excess_of(channels, aim, tried%added) > 0.0_wp)) then
+      if (.not. (aim%exact .or. composite_of(channels, aim, tried%added) > 0.0_wp .or. &
+                 excess_of(channels, aim, tried%added) > 0.0_wp)) then
          ! there is nothing to be made less
          design%added = tried%added
          allocate (design%radius(size(given)), design%thickness(size(given)), source=0.0_wp)
@@ -307,10 +308,12 @@ contains
       type(design_t), intent(out) :: best
       logical, intent(out) :: valid
       type(design_t) :: tried
-      real(wp) :: move, gain, merit, least
+      real(wp) :: move, gain, merit, least, bare
       integer :: step
+      logical :: keeps
 
       least = huge(1.0_wp)
+      bare = composite_of(channels, aim, 0.0_wp*channels(1)%slope(1, 1, :, :))
       ! first the best masses for these centres: there the tangents are true
       move = first_move
       valid = .false.
@@ -320,15 +323,17 @@ contains
             call realise(rooms, aim, tried)
             tried%value = composite_of(channels, aim, tried%added)
             ! tangents lie below what they touch: on the way a limit of a load may be passed
-            merit = tried%value*(1.0_wp + price*max(0.0_wp, excess_of(channels, aim, tried%added) - kept))
+            merit = tried%value + price*max(bare, tried%value)*max(0.0_wp, excess_of(channels, aim, tried%added) - kept)
+            keeps = excess_of(channels, aim, tried%added) <= 2.0_wp*kept
          else
             merit = huge(1.0_wp)
+            keeps = .false.
          end if
-         if (merit < least) then
+         if (merit < least .and. (keeps .or. .not. valid)) then
             gain = (least - merit)/max(least, tiny(1.0_wp))
             least = merit
             best = tried
-            valid = excess_of(channels, aim, tried%added) <= 2.0_wp*kept
+            valid = keeps
             call take_centres(rooms, aim, best, centre, radius)
             if (step > 2 .and. gain <= least_gain) exit
             move = min(1.0_wp, max(2.0_wp*move, usual_move))
@@ -403,7 +408,10 @@ contains
       none = 0.0_wp
       bare = composite_of(channels, aim, none)
       if (.not. aim%peaks) bare = sqrt(bare)
-      if (.not. bare > 0.0_wp) bare = 1.0_wp
+      if (.not. bare > 0.0_wp) then
+         bare = 1.0_wp
+         if (aim%mass_tolerance > 0.0_wp) bare = unit/aim%mass_tolerance
+      end if
       ! unknowns of a weight: m, px, py, then of a body I, of a disc the parts of I or in tangents its thickness
       each = 3
       if (mode == mode_convex) each = merge(5, 4, disc)
@@ -629,7 +637,8 @@ contains
          end do
          row = row + 1
          problem%g(row, tau) = 1.0_wp
-         problem%h(row) = 1.0e3_wp  ! none is worse than a thousand times the bare linkage
+         ! none is worse than a thousand times the bare linkage; what keeps limits, or complete balance, may be
+         problem%h(row) = merge(1.0e6_wp, 1.0e3_wp, size(aim%capped) > 0 .or. aim%exact)
          do k = 1, size(rooms)
             associate (room => rooms(k), g => problem%g, h => problem%h)
                at = first(k)

@@ -385,9 +385,16 @@ def limits_and_desires(place):
     code, results, listing, error = muscle(lightest, place)
     check(code == 0 and "LEAST ADDED MASS" in listing and abs(results["optimum"]["after"]["force"]["peak"] - 20.0) < 1e-4,
           "loads have limits only: the least mass that keeps them", error)
+    old = "TOLF=1.0, TOLM=1.0, TOLT=0.2, DESDRV=0.1, MAXF=5.0, BNAME='O','A','B','C', BMAX=4*45.0"
+    code, results, listing, error = muscle(data("muscle/haines_limits.nml", (old, "IEXACT=1, MAXM=9.0")), place)
+    after = results["optimum"]["after"]
+    check(code == 0 and after["force"]["peak"] < 1e-9 and after["moment"]["peak"] < 9.0*(1 + 1e-6),
+          "force balance stays complete where the limits ask for no weight", (error, after))
+    masses = [muscle(data("muscle/haines_limits.nml", (old, words)), place)[1]["optimum"]["mass"] for words in ("TOLW=0.01, MAXF=10.0", "TOLW=1.0, MAXF=10.0")]
+    check(abs(masses[0] - masses[1]) < 1e-6, "the tolerance of the mass does not say whether limits can be kept", masses)
     impossible = data("muscle/haines_limits.nml", ("BMAX=4*45.0", "BMAX=4*1.0"))
     code, results, listing, error = muscle(impossible, place)
-    check(code == 1 and "no weights within the limits" in error, "limits that nothing keeps", (code, error))
+    check(code == 1 and "no weights within WREACH, WMOST" in error, "limits that nothing keeps", (code, error))
 
     # a given start is where the search begins: at the optimum one start stays there, in a far corner another optimum may wait
     start = ("TOLM=1.0", "TOLM=1.0, NWSTRT=1, WXSTRT=-0.006,-0.006,0.034, WYSTRT=-0.0015,-0.0526,-0.0347, WRSTRT=0.1,0.053,0.048")
