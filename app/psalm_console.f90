@@ -76,6 +76,7 @@ module psalm_console
    type, extends(stop_request_t) :: path_progress_t
       class(stop_request_t), pointer :: request => null()
       integer(int64) :: shown = 0_int64
+      integer :: most = 0                             !! paths that were shown: threads may come one after another
       logical :: active = .false.
    contains
       procedure :: asked => ask_other
@@ -612,10 +613,11 @@ contains
       if (.not. self%active) then
          if (.not. error_is_terminal()) return
          self%active = .true.
-      else if (now - self%shown < rate/10) then
+      else if (now - self%shown < rate/10 .or. done < self%most) then
          return
       end if
       self%shown = now
+      self%most = done
       line = 'path '//to_text(done)//' of '//to_text(of)
       call write_standard_error(achar(13)//line)
    end subroutine show_paths

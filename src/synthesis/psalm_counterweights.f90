@@ -398,7 +398,7 @@ contains
       real(wp) :: unit, bare, none(parameters_of_weight, size(channels(1)%slope, 4)), scale
       integer, allocatable :: first(:)
       integer :: each, n, k, row, cone, tau, i, comps, positions
-      logical :: disc, valid
+      logical :: disc, valid, counts_mass
 
       allocate (design%added(parameters_of_weight, size(channels(1)%slope, 4)), source=0.0_wp)
       allocate (design%radius(size(rooms)), design%thickness(size(rooms)), source=0.0_wp)
@@ -408,7 +408,8 @@ contains
       none = 0.0_wp
       bare = composite_of(channels, aim, none)
       if (.not. aim%peaks) bare = sqrt(bare)
-      if (.not. bare > 0.0_wp) then
+      counts_mass = .not. bare > 0.0_wp        ! only the mass of the weights does, if anything
+      if (counts_mass) then
          bare = 1.0_wp
          if (aim%mass_tolerance > 0.0_wp) bare = unit/aim%mass_tolerance
       end if
@@ -637,8 +638,8 @@ contains
          end do
          row = row + 1
          problem%g(row, tau) = 1.0_wp
-         ! none is worse than a thousand times the bare linkage; what keeps limits, or complete balance, may be
-         problem%h(row) = merge(1.0e6_wp, 1.0e3_wp, size(aim%capped) > 0 .or. aim%exact)
+         ! none is worse than a thousand times the bare linkage, if that is not nothing
+         problem%h(row) = merge(1.0e6_wp, 1.0e3_wp, counts_mass)
          do k = 1, size(rooms)
             associate (room => rooms(k), g => problem%g, h => problem%h)
                at = first(k)
