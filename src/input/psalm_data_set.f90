@@ -450,6 +450,8 @@ contains
       about%searched = set%wants_search()
       do i = 1, size(set%sections)
          call set%sections(i)%group%read(groups(size(own) + i), about, findings)
+         ! the tables of all of them fill more memory than a small case needs otherwise; so the next one takes the place of this
+         call groups(size(own) + i)%forget()
       end do
       ! where there are errors the group may stand under a misspelt name
       if (size(set%masses%mass) > 0 .and. .not. (set%rates%given .or. set%gives('TIME') .or. findings%failed())) then

@@ -68,6 +68,7 @@ module psalm_group
    contains
       procedure :: begin
       procedure :: follow
+      procedure :: forget
       procedure :: sort_items
       procedure :: text_of
       procedure :: given
@@ -114,15 +115,38 @@ contains
       type(rule_t), intent(in) :: rules(:)
 
       self%rules = rules
-      self%known = [character(name_length) :: self%known, pack(rules%name, index(rules%name, any_number) == 0)]
+      self%known = [character(name_length) :: self%known, pack(rules%name, .not. is_counted(rules%name))]
    end subroutine follow
+
+   !> Let the table go: all items have been asked for. The names of the items stay.
+   pure subroutine forget(self)
+      class(group_t), intent(inout) :: self
+
+      if (allocated(self%rules)) deallocate (self%rules)
+   end subroutine forget
+
+   !> True for a name that ends in the sign for any number.
+   elemental logical function is_counted(name)
+      character(*), intent(in) :: name
+      integer :: i
+
+      is_counted = .false.
+      do i = 1, len(name)
+         is_counted = is_counted .or. name(i:i) == any_number
+      end do
+   end function is_counted
 
    !> Note that a name is one of an item.
    pure subroutine know(self, name)
       class(group_t), intent(inout) :: self
       character(*), intent(in) :: name
+      integer :: i
 
-      if (.not. any(self%known == name)) self%known = [character(name_length) :: self%known, padded(name)]
+      do i = 1, size(self%known)
+         if (self%known(i)(1:1) /= name(1:1)) cycle
+         if (self%known(i) == name) return
+      end do
+      self%known = [character(name_length) :: self%known, padded(name)]
    end subroutine know
 
    !> Append a value to the item read last.

@@ -51,7 +51,9 @@ contains
       character(*), intent(in) :: name
       integer :: length
 
+      ! nearly all differ in the first character, and a comparison of texts is a call: each item of each group is looked up
       do rule_of = 1, size(rules)
+         if (rules(rule_of)%name(1:1) /= name(1:1)) cycle
          if (rules(rule_of)%name == name) return
          length = index(rules(rule_of)%name, any_number) - 1
          if (length < 1 .or. len_trim(name) <= length) cycle
@@ -102,15 +104,22 @@ contains
       character(*), intent(in) :: text
       integer, intent(in) :: k
       character(:), allocatable :: word
-      integer :: i, at, length
+      integer :: i, first, last
 
-      at = 1
+      last = 0
       do i = 1, k
-         at = at + verify(text(at:)//'x', ' ') - 1
-         length = index(text(at:)//' ', ' ') - 1
-         word = text(at:at + length - 1)
-         at = min(at + length, len(text) + 1)
+         first = last + 1
+         do while (first <= len(text))
+            if (text(first:first) /= ' ') exit
+            first = first + 1
+         end do
+         last = first - 1
+         do while (last < len(text))
+            if (text(last + 1:last + 1) == ' ') exit
+            last = last + 1
+         end do
       end do
+      word = text(first:last)
    end function word_of
 
    !> The words that may stand, for a message: `'RMS' or 'PEAK'`, `one of 'POINT', 'BODY', 'DISC'`.

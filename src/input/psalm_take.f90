@@ -25,7 +25,7 @@ contains
       integer, intent(inout) :: value
       type(diagnostics_t), intent(inout) :: findings
       type(rule_t) :: rule
-      character(:), allocatable :: reason, word
+      character(:), allocatable :: reason, word, possible
       integer :: found, k
       logical :: valid
 
@@ -35,8 +35,9 @@ contains
          call group%get_word(name, word, findings)
          found = 0
          do k = 1, word_count(rule%values)
-            if (word_of(rule%values, k) == rule%default) value = k
-            if (word_of(rule%values, k) == word) found = k
+            possible = word_of(rule%values, k)
+            if (possible == rule%default) value = k
+            if (possible == word) found = k
          end do
          if (found > 0) then
             value = found
@@ -50,7 +51,8 @@ contains
       if (valid) value = found
       call group%get_integer(name, value, findings)
       call require(group, rule)
-      if (allowed(rule, value) .or. .not. group%given(name)) return
+      if (.not. group%given(name)) return
+      if (allowed(rule, value)) return
       reason = complaint_about(rule, must_be(rule))
       if (len_trim(rule%complaint) == 0) reason = reason//'; found '//to_text(value)
       call out_of(group, name, reason, findings)
@@ -86,8 +88,9 @@ contains
       if (valid) value = default
       call group%get_real(name, value, findings)
       call require(group, rule)
+      if (.not. group%given(name)) return
       call limits_of(rule%values, limits, valid)
-      if (.not. valid .or. .not. group%given(name)) return
+      if (.not. valid) return
       if (.not. limits%contain(value)) call out_of(group, name, complaint_about(rule, limits%in_words()), findings)
    end subroutine take_number
 
@@ -289,6 +292,7 @@ contains
       character(:), allocatable :: first, second
 
       longest = 0
+      if (group%count == 0) return
       do r = 1, size(group%rules)
          associate (shape => group%rules(r)%shape)
             star = index(shape, '*')

@@ -4,7 +4,7 @@ program test_text
    use psalm_kinds, only: wp, i8
    use psalm_number, only: parse_integer, parse_real
    use psalm_random, only: random_t
-   use psalm_text, only: edit_distance, fixed, full_precision, general, nearest_name
+   use psalm_text, only: edit_distance, fixed, full_precision, general, nearest_name, to_text
    implicit none (type, external)
    type(checks_t) :: t
 
@@ -13,6 +13,7 @@ program test_text
    call numbers()
    call random()
    call figures()
+   call integers()
    call t%equal_integer(edit_distance('MAXRAC', 'MAXARC'), 2, 'two letters exchanged are two changes')
    call t%equal_text(trim(nearest_name('NITTER', [character(6) :: 'NCHECK', 'NITER', 'FMIN'])), 'NITER', 'nearest name')
    call t%report()
@@ -47,6 +48,26 @@ contains
       end do
       call t%equal_integer(bad, 0, 'full precision reads back to the same bits')
    end subroutine round_trip
+
+   !> Integers as the run-time library writes them, from one end of their range to the other.
+   subroutine integers()
+      character(20) :: library
+      integer :: value, power, sense, step, bad
+
+      bad = 0
+      do power = 0, range(value)
+         do sense = -1, 1
+            do step = -2, 2
+               value = sense*10**power + step
+               write (library, '(i0)') value
+               if (to_text(value) /= trim(library) .or. len(to_text(value)) /= len_trim(library)) bad = bad + 1
+            end do
+         end do
+      end do
+      call t%equal_integer(bad, 0, 'integers around powers of ten')
+      call t%equal_text(to_text(huge(value)), '2147483647', 'the highest integer')
+      call t%equal_text(to_text(-huge(value) - 1), '-2147483648', 'the lowest integer')
+   end subroutine integers
 
    !> The fast ways to figures give what the run-time library gives.
    subroutine figures()
