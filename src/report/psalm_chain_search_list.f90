@@ -29,7 +29,7 @@ contains
       line = to_text(search%starts)//' starts, '//to_text(search%feasible)//' led to a linkage, '//to_text(search%evaluations)// &
              ' evaluations'
       if (size(search%best) == 0) then
-         line = 'no linkage that obeys the constraints was found: '//line
+         line = 'no linkage that obeys the constraints was found; what is listed is the one given: '//line
          call devices%note_violation()
       else
          line = line//'; best objective'//in_sentence(.true., search%best(1)%objective)

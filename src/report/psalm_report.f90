@@ -140,7 +140,7 @@ contains
          line = to_text(found%starts)//' starts, '//to_text(found%feasible)//' led to a linkage, '//to_text(found%evaluations)// &
                 ' evaluations, '//to_text(found%jacobians)//' Jacobians'
          if (size(found%best) == 0) then
-            line = 'no linkage that obeys the constraints was found: '//line
+            line = 'no linkage that obeys the constraints was found; what is listed is the one given: '//line
          else
             line = line//'; best objective '//in_words(found%best(1)%objective)
          end if

@@ -464,7 +464,7 @@ check 'forbidden regions: every point of the path lies in the circle' \
     awk '/^# block limits/ { exit } /^[^#]/ && NF >= 4 { if (($3 - 3)^2 + ($4 - 3)^2 > 2.5^2 + 1e-6) bad = 1; n++ } END { exit !(n == 360 && !bad) }' whole.dev9
 changed region.nml 's/RPLACE=2.0,2.0,8.0,8.0,3.0,3.0,2.5/RPLACE=2.0,2.0,8.0,8.0,300.0,300.0,0.5/' >never.nml
 status 1 'a region that cannot be reached' "$psalm" never.nml
-said 'a region that cannot be reached' 'no linkage that obeys the constraints was found'
+said 'a region that cannot be reached' 'no linkage that obeys the constraints was found; what is listed is the one given'
 check 'a region that cannot be reached: the margin says so' grep -qE '^ REGION 2, OUTPUT POINT .* VIOLATED' out
 changed dyad1_crank_rocker.nml 's/ARCL=40.0,120.0,80.0/ARCL=400.0,2.0,3.0/' \
     "s/IKIN=15/INGOUT=1, IVA=0,1, DESANG=10.,20.,30., DELT=0.,60.,120., NDES=3/" "\$a &SEARCH NSTART=3, SOLVER='LSQ' &END" >apart.nml
