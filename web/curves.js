@@ -35,7 +35,7 @@ balm.curves = (() => {
   // ---- panels -------------------------------------------------------------------------------------------------------
 
   const GROUPS = { position: 'output', tolerance: 'tolerances', rates: 'velocity, acceleration', forces: 'forces',
-    vibration: 'vibration' };
+    vibration: 'vibration', contact: 'contact' };
 
   /** What the panels show: lines over the sweep, points at the prescribed positions; each belongs to a group. */
   function allPanels(c) {
@@ -45,7 +45,7 @@ balm.curves = (() => {
     const put = (group, panel) => list.push({ group, points: [], ...panel });
     const marks = (values) => Array.from(values, (v, i) => [c.at[i], v]);
     const output = (name, actual, desired, band) => put('position', { name, size, band,
-      lines: [{ label: 'actual', colour: pens.actual, values: s[actual] }],
+      lines: [{ label: c.desired || band ? 'actual' : '', colour: pens.actual, values: s[actual] }],
       points: c.desired ? [{ label: 'desired', colour: pens.desired, marks: marks(p[desired]) }] : [] });
     const further = (group) => {
       for (const panel of c.panels) if (panel.group === group) put(group, { name: panel.name, size: panel.scale,
@@ -67,7 +67,7 @@ balm.curves = (() => {
       const error = (label, colour, values) => ({ label, colour, joined: true, marks: marks(values) });
       const points = [error(c.motion === 'point' ? 'x' : '', pens.accent, p.error)];
       if (c.motion === 'point') points.push(error('y', pens.link1, p.error_y));
-      put('position', { name: 'error (desired - actual)' + unit, size, zero: true, lines: [], points });
+      put('position', { name: 'error: desired - actual' + unit, size, zero: true, lines: [], points });
     }
     const named = s.angle.length <= 8;
     const angle = (a, i) => ({ label: named ? a.name : '', colour: linkColour(i),
@@ -94,6 +94,10 @@ balm.curves = (() => {
     if (c.vibration) put('vibration', { name: 'deflection of the link, length' + (c.vibration.settles ? '' : ' (not settled)'), size: 0,
       zero: true, lines: c.vibration.modes.map((values, j) => ({ label: 'mode ' + (j + 1),
         colour: linkColour(j), values })) });
+    if (c.clearance) put('contact', { name: 'contact in joint ' + c.clearance.name + ', N', size: 0, zero: true,
+      lines: [{ label: 'force of contact', colour: pens.actual, values: c.clearance.force },
+        { label: 'load without clearance', colour: pens.accent,
+          values: Array.from(c.clearance.fx, (v, i) => Math.hypot(v, c.clearance.fy[i])) }] });
     return list;
   }
 
@@ -137,9 +141,12 @@ balm.curves = (() => {
 
   function drawInputAxis(g, c) {
     const { w, h, u } = plot, first = inputAt(c, 0), each = inputAt(c, 1) - first || 1;
+    const ends = [inputAt(c, plot.from), inputAt(c, plot.to)].sort((a, b) => a - b);
+    // an axis from 0 to 360 ends with 360, any other turn goes on with 0
+    const shown = (v) => (c.ring && (ends[0] < -1e-6 || ends[1] > 360 + 1e-6) ? modulo(v, 360) : v);
     panels.axis(g, balm.drawing.pens, { ...plot, bottom: h - 34 * u },
       ticks(inputAt(c, plot.from), inputAt(c, plot.to), w < 500 * u ? 4 : 7, c.ring), (v) => plot.x((v - first) / each), inputName(c), u,
-      (v) => short(c.ring ? modulo(v, 360) : v));
+      (v) => short(shown(v)));
   }
 
   function drawPanel(g, c, panel) {

@@ -1455,7 +1455,7 @@ module psalm_page_text
    '-'//nl// &
    ''//nl// &
    "  const GROUPS = { position: 'output', tolerance: 'tolerances', rates: 'velocity, acceleration', forces: 'forces',"//nl// &
-   "    vibration: 'vibration' };"//nl// &
+   "    vibration: 'vibration', contact: 'contact' };"//nl// &
    ''//nl// &
    '  /** What the panels show: lines over the sweep, points at the prescribed positions; each belongs to a group. */'//nl// &
    '  function allPanels(c) {'//nl// &
@@ -1465,7 +1465,7 @@ module psalm_page_text
    '    const put = (group, panel) => list.push({ group, points: [], ...panel });'//nl// &
    '    const marks = (values) => Array.from(values, (v, i) => [c.at[i], v]);'//nl// &
    "    const output = (name, actual, desired, band) => put('position', { name, size, band,"//nl// &
-   "      lines: [{ label: 'actual', colour: pens.actual, values: s[actual] }],"//nl// &
+   "      lines: [{ label: c.desired || band ? 'actual' : '', colour: pens.actual, values: s[actual] }],"//nl// &
    "      points: c.desired ? [{ label: 'desired', colour: pens.desired, marks: marks(p[desired]) }] : [] });"//nl// &
    '    const further = (group) => {'//nl// &
    '      for (const panel of c.panels) if (panel.group === group) put(group, { name: panel.name, size: panel.scale,'//nl// &
@@ -1488,7 +1488,7 @@ module psalm_page_text
    '      const error = (label, colour, values) => ({ label, colour, joined: true, marks: marks(values) });'//nl// &
    "      const points = [error(c.motion === 'point' ? 'x' : '', pens.accent, p.error)];"//nl// &
    "      if (c.motion === 'point') points.push(error('y', pens.link1, p.error_y));"//nl// &
-   "      put('position', { name: 'error (desired - actual)' + unit, size, zero: true, lines: [], points });"//nl// &
+   "      put('position', { name: 'error: desired - actual' + unit, size, zero: true, lines: [], points });"//nl// &
    '    }'//nl// &
    '    const named = s.angle.length <= 8;'//nl// &
    "    const angle = (a, i) => ({ label: named ? a.name : '', colour: linkColour(i),"//nl// &
@@ -1519,6 +1519,10 @@ module psalm_page_text
    "tled)'), size: 0,"//nl// &
    "      zero: true, lines: c.vibration.modes.map((values, j) => ({ label: 'mode ' + (j + 1),"//nl// &
    '        colour: linkColour(j), values })) });'//nl// &
+   "    if (c.clearance) put('contact', { name: 'contact in joint ' + c.clearance.name + ', N', size: 0, zero: true,"//nl// &
+   "      lines: [{ label: 'force of contact', colour: pens.actual, values: c.clearance.force },"//nl// &
+   "        { label: 'load without clearance', colour: pens.accent,"//nl// &
+   '          values: Array.from(c.clearance.fx, (v, i) => Math.hypot(v, c.clearance.fy[i])) }] });'//nl// &
    '    return list;'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1543,13 +1547,13 @@ module psalm_page_text
    '  const headOf = (panel) => [[panel.name, balm.drawing.pens.ink],'//nl// &
    '    ...[...panel.lines, ...panel.points].filter((one) => one.label).map((one) => [one.label, one.colour])];'//nl// &
    ''//nl// &
-   '  /** Everything but the cursor. */'//nl// &
+   '  /** Everything but the cursor. */'//nl
+
+   character(*), parameter :: part_19 = &
    '  function layOut(c) {'//nl// &
    "    const [w, h] = fit(canvas, still), g = still.getContext('2d');"//nl// &
    '    const [from, to] = balm.state.whole ? c.ends : c.range, u = balm.drawing.sizeOf(w / 480, h / 520);'//nl// &
-   '    plot = { w, h, u, left: 58 * u, right: w - 18 * u, from, to: Math.max(to, from + 1e-9), panels: panelsOf(c) };'//nl
-
-   character(*), parameter :: part_19 = &
+   '    plot = { w, h, u, left: 58 * u, right: w - 18 * u, from, to: Math.max(to, from + 1e-9), panels: panelsOf(c) };'//nl// &
    '    plot.x = (t) => plot.left + (t - plot.from) / (plot.to - plot.from) * (plot.right - plot.left);'//nl// &
    '    g.clearRect(0, 0, w, h);'//nl// &
    '    g.font = panels.font(u);'//nl// &
@@ -1565,10 +1569,13 @@ module psalm_page_text
    ''//nl// &
    '  function drawInputAxis(g, c) {'//nl// &
    '    const { w, h, u } = plot, first = inputAt(c, 0), each = inputAt(c, 1) - first || 1;'//nl// &
+   '    const ends = [inputAt(c, plot.from), inputAt(c, plot.to)].sort((a, b) => a - b);'//nl// &
+   '    // an axis from 0 to 360 ends with 360, any other turn goes on with 0'//nl// &
+   '    const shown = (v) => (c.ring && (ends[0] < -1e-6 || ends[1] > 360 + 1e-6) ? modulo(v, 360) : v);'//nl// &
    '    panels.axis(g, balm.drawing.pens, { ...plot, bottom: h - 34 * u },'//nl// &
    '      ticks(inputAt(c, plot.from), inputAt(c, plot.to), w < 500 * u ? 4 : 7, c.ring), (v) => plot.x((v - first) / each)'// &
    ', inputName(c), u,'//nl// &
-   '      (v) => short(c.ring ? modulo(v, 360) : v));'//nl// &
+   '      (v) => short(shown(v)));'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function drawPanel(g, c, panel) {'//nl// &
@@ -1645,16 +1652,16 @@ module psalm_page_text
    '      g.stroke();'//nl// &
    '      g.globalAlpha = 1;'//nl// &
    '    }'//nl// &
-   '    for (const [t, v] of sorted) {'//nl// &
+   '    for (const [t, v] of sorted) {'//nl
+
+   character(*), parameter :: part_20 = &
    '      g.beginPath();'//nl// &
    '      g.arc(plot.x(t), panel.y(v), 2.6 * plot.u, 0, ROUND);'//nl// &
    '      g.stroke();'//nl// &
    '    }'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Red where it does not close, amber where a transmission angle is out of its limits. */'//nl
-
-   character(*), parameter :: part_20 = &
+   '  /** Red where it does not close, amber where a transmission angle is out of its limits. */'//nl// &
    '  function bands(g, c, x, top, height) {'//nl// &
    '    const { pens } = balm.drawing, n = c.sweep.n;'//nl// &
    '    for (let i = 0; i < n;) {'//nl// &
@@ -1747,16 +1754,16 @@ module psalm_page_text
    ''//nl// &
    '  /** Axes with their ticks below a heading; gives the functions from values to pixels. */'//nl// &
    '  function axes(g, at, name, across, [x0, x1], [y0, y1], logarithmic) {'//nl// &
-   '    const { pens } = balm.drawing, words = [[name, pens.ink]], room = at.right - at.left;'//nl// &
+   '    const { pens } = balm.drawing, words = [[name, pens.ink]], room = at.right - at.left;'//nl
+
+   character(*), parameter :: part_21 = &
    '    at.top += 6 + panels.headHeight(g, words, room, 1);'//nl// &
    '    const tall = logarithmic ? Math.log10 : (v) => v, low = tall(y0), high = tall(y1);'//nl// &
    '    const x = (v) => at.left + (v - x0) / (x1 - x0) * room;'//nl// &
    '    const y = (v) => at.bottom - (tall(v) - low) / (high - low) * (at.bottom - at.top);'//nl// &
    '    panels.head(g, words, at.left, at.top - 6, room, 1);'//nl// &
    '    panels.grid(g, pens, at, logarithmic ? scales.decades(low, high) : scales.ticks(y0, y1, 6), y, 1);'//nl// &
-   '    panels.axis(g, pens, at, scales.ticks(x0, x1, 6), x, across, 1);'//nl
-
-   character(*), parameter :: part_21 = &
+   '    panels.axis(g, pens, at, scales.ticks(x0, x1, 6), x, across, 1);'//nl// &
    '    return [x, y];'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1851,16 +1858,16 @@ module psalm_page_text
    "(one)) +"//nl// &
    "      (one.angle ? '\u00b0' : ''));"//nl// &
    "    if ((near >= 0 ? c.prescribed.closed[near] : c.sweep.closed[at[0]]) === '0') parts.push('does not close');"//nl// &
-   "    if (near >= 0) parts.push('position ' + (near + 1));"//nl// &
+   "    if (near >= 0) parts.push('position ' + (near + 1));"//nl
+
+   character(*), parameter :: part_22 = &
    "    return parts.join(', ');"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Facts and what is wrong at t. */'//nl// &
    '  function show(c, t) {'//nl// &
    "    const i = between(c, t)[0], wrong = c.wrong[i], open = c.status[i] === OPEN, alert = $('alert');"//nl// &
-   "    setText($('facts'), factsOf(c, t));"//nl
-
-   character(*), parameter :: part_22 = &
+   "    setText($('facts'), factsOf(c, t));"//nl// &
    '    // its room stays while the linkage moves'//nl// &
    '    alert.hidden = !c.status.some(Boolean) && !wrong.length;'//nl// &
    "    alert.style.visibility = wrong.length || open ? '' : 'hidden';"//nl// &
@@ -1954,16 +1961,16 @@ module psalm_page_text
    ''//nl// &
    'balm.controls = (() => {'//nl// &
    '  const { between, mixed, prescribedNext, within } = balm.scene;'//nl// &
-   '  const TURN_TIME = 8, RANGE_TIME = 4;   // seconds at speed 1 for a whole turn, for a part of it'//nl// &
+   '  const TURN_TIME = 8, RANGE_TIME = 4;   // seconds at speed 1 for a whole turn, for a part of it'//nl
+
+   character(*), parameter :: part_23 = &
    '  const BEFORE_TURN = 1e-6;              // the end of a whole turn is its beginning: the time line stops short of it'//nl// &
    '  const NEAR = 12;                       // part of the sweep that a joint may be dragged at a time'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
    '  let last = 0;                          // time of the frame before'//nl// &
    '  let drag = null;                       // where the pointer was last; null: nothing is dragged'//nl// &
    '  let pointing = false;                  // the cursor of the curves is dragged'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_23 = &
+   ''//nl// &
    '  const shown = () => balm.cases[balm.state.c];'//nl// &
    '  const limits = () => balm.state.whole ? shown().ends : shown().range;'//nl// &
    ''//nl// &
@@ -2057,16 +2064,16 @@ module psalm_page_text
    '      const along = ((x - x0) * mixed(s.ux[k], at) - (y - y0) * mixed(s.uy[k], at)) / balm.drawing.scale;'//nl// &
    '      if (whole) go(t + along / whole * (s.n - 1));'//nl// &
    '    }'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_24 = &
    ''//nl// &
    '  /** The moving joint nearest to a point of the canvas. */'//nl// &
    '  function movingJoint(c, x, y) {'//nl// &
    '    let best = c.output, least = Infinity;'//nl// &
    '    c.joints.forEach((joint, j) => {'//nl// &
    '      const away = Math.hypot(c.px[j] - x, c.py[j] - y);'//nl// &
-   '      if (!joint.fixed && away < least) [best, least] = [j, away];'//nl
-
-   character(*), parameter :: part_24 = &
+   '      if (!joint.fixed && away < least) [best, least] = [j, away];'//nl// &
    '    });'//nl// &
    '    return best;'//nl// &
    '  }'//nl// &
@@ -2164,16 +2171,16 @@ module psalm_page_text
    '      refresh();'//nl// &
    '    });'//nl// &
    "    $('group').addEventListener('change', () => {"//nl// &
-   "      state.group = $('group').value;"//nl// &
+   "      state.group = $('group').value;"//nl
+
+   character(*), parameter :: part_25 = &
    '      refresh();'//nl// &
    '    });'//nl// &
    "    $('bearing').addEventListener('change', () => {"//nl// &
    "      state.bearing = Number($('bearing').value);"//nl// &
    '      refresh();'//nl// &
    '    });'//nl// &
-   "    picture.addEventListener('pointerdown', grab);"//nl
-
-   character(*), parameter :: part_25 = &
+   "    picture.addEventListener('pointerdown', grab);"//nl// &
    "    picture.addEventListener('pointermove', pull);"//nl// &
    "    picture.addEventListener('pointerup', release);"//nl// &
    "    picture.addEventListener('pointercancel', release);"//nl// &
@@ -2278,16 +2285,16 @@ module psalm_page_text
    "    return pen.text(shown().title + ', ' + $('facts').textContent);"//nl// &
    '  }'//nl// &
    ''//nl// &
-   "  /** A canvas of the picture's size, `scale` times, its sides even as films want them. */"//nl// &
+   "  /** A canvas of the picture's size, `scale` times, its sides even as films want them. */"//nl
+
+   character(*), parameter :: part_26 = &
    '  function sheet(scale) {'//nl// &
    "    const canvas = document.createElement('canvas'), [w, h] = balm.drawing.sizeAt(shown(), balm.state.t);"//nl// &
    '    canvas.width = 2 * Math.round(w * scale / 2);'//nl// &
    '    canvas.height = 2 * Math.round(h * scale / 2);'//nl// &
    "    const g = canvas.getContext('2d');"//nl// &
    '    g.setTransform(canvas.width / w, 0, 0, canvas.height / h, 0, 0);'//nl// &
-   '    return [canvas, g];'//nl
-
-   character(*), parameter :: part_26 = &
+   '    return [canvas, g];'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** The same as PNG. */'//nl// &
@@ -2381,16 +2388,16 @@ module psalm_page_text
    '    whole: true,            // the whole turn, not only what is prescribed'//nl// &
    '    other: false,           // other assemblies'//nl// &
    '    traces: true,'//nl// &
-   '    letters: true,'//nl// &
+   '    letters: true,'//nl
+
+   character(*), parameter :: part_27 = &
    '    forces: true,           // centres of mass, loads'//nl// &
    '    bent: true,             // a vibrating link is drawn bent'//nl// &
    '    pin: true,              // a pin with clearance is drawn in its hole, magnified'//nl// &
    '    bearing: -1,            // joint of the polar diagram'//nl// &
    '    overlays: new Set(),    // cases laid over the one shown'//nl// &
    "    group: 'all',           // curves that are shown"//nl// &
-   '    paths: new Set(),       // joints whose paths are drawn'//nl
-
-   character(*), parameter :: part_27 = &
+   '    paths: new Set(),       // joints whose paths are drawn'//nl// &
    '    hover: null,            // bar under the pointer'//nl// &
    '  };'//nl// &
    '  let laidOut = false;      // a linkage has been drawn'//nl// &
@@ -2483,16 +2490,16 @@ module psalm_page_text
    "      box.type = 'checkbox';"//nl// &
    '      box.dataset.path = String(j);'//nl// &
    "      box.addEventListener('change', () => {"//nl// &
-   '        if (box.checked) state.paths.add(j); else state.paths.delete(j);'//nl// &
+   '        if (box.checked) state.paths.add(j); else state.paths.delete(j);'//nl
+
+   character(*), parameter :: part_28 = &
    '        refresh();'//nl// &
    '      });'//nl// &
    "      label.append(box, ' ' + joint.name);"//nl// &
    '      return label;'//nl// &
    '    }));'//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_28 = &
+   ''//nl// &
    '  /** Titles in the list as long as the window has room for. */'//nl// &
    '  function nameCases() {'//nl// &
    '    const room = Math.max(12, Math.floor((document.documentElement.clientWidth - 130) / 10));'//nl// &

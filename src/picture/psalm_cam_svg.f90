@@ -1,29 +1,34 @@
-!> Cams as SVG: profile, pitch curve, cutter path, follower, shaft and linkage at cam angle 0; below output, velocity,
+!> Cams as SVG: profile, pitch curve, cutter path, follower, push, shaft and linkage at cam angle 0; below output, velocity,
 !> acceleration, jerk, pressure angle and curvature of the profile over the turn.
 module psalm_cam_svg
+   use psalm_cam_profile, only: cam_axes_t, in_machine
    use psalm_cam_scene, only: cam_part_t, cam_scene_t
    use psalm_column_names, only: rate_unit
    use psalm_cam_study, only: cam_study_t, role_cam, role_outer_wall
    use psalm_kinds, only: wp, full_turn
-   use psalm_markup, only: short_number
+   use psalm_markup, only: short_number, xml_text
    use psalm_svg_panel, only: plot_panel_t, begin_picture, draw_axes, draw_curve, draw_level, px
    use psalm_text, only: text_t
+   use psalm_trace, only: rail_ends
    implicit none (type, external)
    private
    public :: write_cam_svg
 
    real(wp), parameter :: width = 860.0_wp, tallest = 680.0_wp, margin = 40.0_wp, header = 56.0_wp !! sizes, pixels
    real(wp), parameter :: panel_height = 100.0_wp, gap = 66.0_wp, axis = 72.0_wp, joint_radius = 4.0_wp
+   real(wp), parameter :: push_length = 46.0_wp, contact_radius = 3.0_wp, ground_width = 8.0_wp, ground_height = 13.0_wp
+   real(wp), parameter :: beside = 7.0_wp      !! from a joint to its name
    real(wp), parameter :: near_limit = 5.0_wp  !! degrees from the values: a limit is drawn
-   character(*), parameter :: names(0:3) = [character(26) :: 'output', 'output, first derivative', 'output, second derivative', &
-                                            'output, third derivative']
+   character(*), parameter :: names(0:3) = [character(17) :: 'output', 'first derivative', 'second derivative', 'third derivative']
    real(wp), parameter :: tick = 90.0_wp       !! degrees of the cam between marks
    integer, parameter :: panels = 6
    character(*), parameter :: own_style = &
       'path,circle{vector-effect:non-scaling-stroke}.profile{stroke-width:2.2;fill:$link1;fill-opacity:.14}'// &
       '.wall{stroke-width:2.2}.pitch{stroke:$ghost;stroke-dasharray:6 4}.cutter{stroke:$link2;stroke-width:.8}'// &
       '.follower{stroke:$accent;stroke-width:1.8}.shaft{stroke:$actual}.bar{stroke:$frame;stroke-width:2.2}'// &
-      '.joint{fill:$paper;stroke-width:1.2}'
+      '.joint{fill:$paper;stroke-width:1.2}.ground{stroke:$frame}.rail{stroke:$line;stroke-width:6}'// &
+      '.plate{fill:$frame;fill-opacity:.12;stroke:none}.push{stroke:$actual}circle.push{fill:$actual}'// &
+      '.push.steep{stroke:$bad}circle.push.steep{fill:$bad}'
 
 contains
 
@@ -66,11 +71,18 @@ contains
                   call circle('follower', part%second(1) - offset, max(studies(k)%other%roller, 2.0_wp/scale))
                end if
             end if
+            if (role /= role_outer_wall) call push(shape%axes, part, abs(part%points%pressure(1)) > studies(k)%cam%pressure_angle)
          end associate
       end do
       offset = (0.0_wp, 0.0_wp)
       associate (linkage => scene%linkage, row => scene%linkage%prescribed)
          if (linkage%valid) then
+            do i = 1, size(linkage%slides)
+               if (row%known(linkage%slides(i)%guide, 1)) call rail(rail_ends(row, linkage%slides, i, 1))
+            end do
+            do i = 1, size(linkage%bodies)
+               if (.not. linkage%bodies(i)%frame) call plate(linkage%bodies(i)%hull, row%x(:, 1), row%y(:, 1))
+            end do
             do i = 1, size(linkage%bars)
                associate (from => linkage%bars(i)%start, to => linkage%bars(i)%finish)
                   if (.not. (linkage%joints(from)%fixed .and. linkage%joints(to)%fixed)) &
@@ -78,11 +90,19 @@ contains
                end associate
             end do
             do i = 1, size(linkage%joints)
+               if (linkage%joints(i)%fixed) call ground(cmplx(row%x(i, 1), row%y(i, 1), wp))
                if (linkage%joints(i)%turning) call circle('joint', cmplx(row%x(i, 1), row%y(i, 1), wp), joint_radius/scale)
             end do
          end if
       end associate
       call text%add('</g>')
+      associate (linkage => scene%linkage, row => scene%linkage%prescribed)
+         if (linkage%valid) then
+            do i = 1, size(linkage%joints)
+               call letter(linkage%joints(i)%name, cmplx(row%x(i, 1), row%y(i, 1), wp))
+            end do
+         end if
+      end associate
       i = 0
       do k = 1, size(studies)
          if (studies(k)%part%role /= role_cam) cycle
@@ -129,18 +149,76 @@ contains
                        short_number(aimag(centre + offset))//'" r="'//short_number(radius)//'"/>')
       end subroutine circle
 
+      !> Where the cam touches the follower, and the direction in which it pushes.
+      subroutine push(axes, part, steep)
+         type(cam_axes_t), intent(in) :: axes
+         type(cam_part_t), intent(in) :: part
+         logical, intent(in) :: steep                !! beyond the limit of the pressure angle
+         character(:), allocatable :: look
+
+         look = trim(merge('push steep', 'push      ', steep))
+         associate (contact => in_machine(axes, part%states%angle(1), part%points%profile(1), part%points%machine(1)) - offset)
+            call line(look, contact, contact + push_length/scale*part%points%normal(1)*part%points%machine(1))
+            call circle(look, contact, contact_radius/scale)
+         end associate
+      end subroutine push
+
+      !> What a slide runs on.
+      subroutine rail(ends)
+         real(wp), intent(in) :: ends(:, :)          !! shape (2, 2): x and y of both ends
+
+         call line('rail', cmplx(ends(1, 1), ends(2, 1), wp), cmplx(ends(1, 2), ends(2, 2), wp))
+      end subroutine rail
+
+      !> A link with three joints or more.
+      subroutine plate(hull, x, y)
+         integer, intent(in) :: hull(:)              !! joints round it
+         real(wp), intent(in) :: x(:), y(:)          !! shape (joints)
+         integer :: i
+
+         if (size(hull) < 3) return
+         call text%add('<path class="plate" d="M')
+         do i = 1, size(hull)
+            call text%add(merge('L', ' ', i > 1)//pair(cmplx(x(hull(i)), y(hull(i)), wp)))
+         end do
+         call text%add('Z"/>')
+      end subroutine plate
+
+      !> A fixed joint stands on a triangle.
+      subroutine ground(point)
+         complex(wp), intent(in) :: point
+         complex(wp) :: left, right
+
+         left = point + cmplx(-ground_width, -ground_height, wp)/scale
+         right = point + cmplx(ground_width, -ground_height, wp)/scale
+         call text%add('<path class="ground" d="M'//pair(point)//'L'//pair(left)//'L'//pair(right)//'Z"/>')
+      end subroutine ground
+
+      !> The name of a joint beside it, not mirrored.
+      subroutine letter(name, point)
+         character(*), intent(in) :: name
+         complex(wp), intent(in) :: point
+
+         if (len_trim(name) == 0) return
+         call text%add('<text class="small" x="'//px(0.5_wp*width + scale*real(point - middle, wp) + beside)//'" y="'// &
+                       px(header + 0.5_wp*shown - scale*aimag(point - middle) - beside)//'">'//xml_text(trim(name))//'</text>')
+      end subroutine letter
+
       !> The panels of a cam, under those that are there.
       subroutine curves(study, part, prefix, drawn)
          type(cam_study_t), intent(in) :: study
          type(cam_part_t), intent(in) :: part
          character(*), intent(in) :: prefix
          integer, intent(inout) :: drawn
+         character(:), allocatable :: unit
          real(wp) :: limits(2)
          integer :: order
 
          do order = 0, 3
-            call curve(drawn + order + 1, trim(adjustl(prefix//names(order)))//', '// &
-                       rate_unit(study%shape%motion%angular, 'rad', order), study, part%states%y(order, :), [real(wp) ::])
+            unit = rate_unit(study%shape%motion%angular, 'rad', order)
+            if (study%shape%motion%angular .and. order == 0) unit = 'degrees'
+            call curve(drawn + order + 1, trim(adjustl(prefix//names(order)))//', '//unit, study, part%states%y(order, :), &
+                       [real(wp) ::])
          end do
          limits = [-study%cam%pressure_angle, study%cam%pressure_angle]
          associate (values => part%points%pressure)

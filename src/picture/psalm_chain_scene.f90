@@ -4,7 +4,7 @@
 !> sweep is a whole turn of a drive that can make one; else the way from position to position, all drives together.
 module psalm_chain_scene
    use psalm_angles, only: unit_vector
-   use psalm_chain_study, only: chain_study_t, inputs_at, study_chain
+   use psalm_chain_study, only: chain_study_t, inputs_at, study_chain, turn_repeats
    use psalm_closure, only: closure_t, state_t
    use psalm_column_names, only: number_unit, per_time
    use psalm_data_set, only: data_set_t
@@ -27,7 +27,7 @@ module psalm_chain_scene
    integer, parameter :: way_steps = 240            !! positions of a sweep along a way, about
    integer, parameter :: range_steps = 360          !! of a sweep over the range of one drive
    real(wp), parameter :: on_the_line = 1.0e-9_wp   !! part of the size: a joint as near to a slide's line lies on it
-   real(wp), parameter :: back_again = 1.0e-6_wp    !! part of the size: a turn as near to its beginning has come back to it
+   real(wp), parameter :: back_again = 1.0e-6_wp    !! part of the size, or of a turn: a turn as near to its beginning has come back
    real(wp), parameter :: barrel_part = 0.6_wp      !! of a cylinder's shortest length is its barrel
 
    !> Points of links that are no joints of the sketch: feet of slides, rims of wheels.
@@ -116,8 +116,10 @@ contains
          scene%prescribed%input = own%inputs(1, :)
          if (set%sketch%drives(1)%kind == drive_turns) then
             if (n > 1) scene%sense = sign(1.0_wp, own%inputs(1, 2) - own%inputs(1, 1))
-            call run([(own%inputs(1, 1) + scene%sense*real(i, wp), i=0, nint(full_turn))])
-            scene%sliding = .not. came_back()
+            if (may_come_back()) then
+               call run([(own%inputs(1, 1) + scene%sense*real(i, wp), i=0, nint(full_turn))])
+               scene%sliding = .not. came_back()
+            end if
             if (.not. scene%sliding) then
                ! the last position is the first again
                call sweep%leave_last_out()
@@ -167,6 +169,19 @@ contains
          allocate (sweep)
          call study_chain(set, set%rates%speed, set%rates%accel, sweep, inputs, by_loops=.true., other=own)
       end subroutine run
+
+      !> False where a turn need not be tried: the drives stand elsewhere after it, or the linkage does not go so far. Of gears
+      !> only the turn itself tells.
+      logical function may_come_back()
+         may_come_back = turn_repeats(set)
+         if (allocated(set%sketch%gears)) may_come_back = may_come_back .or. size(set%sketch%gears) > 0
+         if (may_come_back .and. allocated(own%looped)) then
+            associate (reach => own%looped%reach)
+               if (reach%known .and. reach%followed(1) >= full_turn) &
+                  may_come_back = reach%ends(1) - reach%ends(2) >= (1.0_wp - back_again)*full_turn
+            end associate
+         end if
+      end function may_come_back
 
       !> True if a whole turn closes everywhere and ends where it began.
       logical function came_back()

@@ -1,4 +1,5 @@
-!> Curves of a scene: output, error, transmission angles, further outputs, rates, bands of tolerance, forces, convergence.
+!> Curves of a scene: output, error, transmission angles, further outputs, rates, bands of tolerance, forces, the bending of a link,
+!> contact in a joint, convergence.
 module psalm_curves
    use psalm_dyad_kind, only: assur_rrr
    use psalm_elementary, only: hypotenuse
@@ -11,6 +12,7 @@ module psalm_curves
                          look_line, look_rings, look_steps, look_thin
    use psalm_scene, only: scene_t, motion_number
    use psalm_source, only: line_t
+   use psalm_text, only: to_text
    use psalm_trace, only: position_row_t
    implicit none (type, external)
    private
@@ -53,6 +55,8 @@ contains
       if (allocated(scene%band)) call add_deviations(scene, sweep%x, like, plots)
       call add_panels(scene, sweep%x, like, plots)
       if (allocated(scene%forces)) call add_forces(scene%forces, sweep%x, like, plots)
+      if (allocated(scene%vibration)) call add_deflection(scene, sweep%x, like, plots)
+      if (allocated(scene%clearance)) call add_contact(scene, sweep%x, like, plots)
       call add_progress(progress, plots)
    end subroutine make_curves
 
@@ -81,25 +85,32 @@ contains
       high = low + full_turn
    end subroutine find_axis
 
-   !> Shade where the linkage does not close.
+   !> Shade where the linkage does not close, and in another colour where it closes beyond a limit.
    subroutine add_bands(scene, like)
       type(scene_t), intent(in) :: scene
       type(plot_t), intent(inout) :: like
+      integer, parameter :: good = 0, beyond_limit = 1, open = 2
+      integer :: status(scene%sweep%n)
       real(wp) :: half
       integer :: i, k
 
       associate (row => scene%sweep)
          if (row%n < 2) return
          half = 0.5_wp*abs(row%delt(2) - row%delt(1))
+         status = good
+         do i = 1, size(row%violations)
+            status(row%violations(i)%first:row%violations(i)%last) = beyond_limit
+         end do
+         where (.not. row%closed) status = open
          i = 1
          do while (i <= row%n)
             k = i
             do while (k < row%n)
-               if (row%closed(k + 1) .neqv. row%closed(i)) exit
+               if (status(k + 1) /= status(i)) exit
                k = k + 1
             end do
             associate (ends => [along(scene, row, i), along(scene, row, k)])
-               if (.not. row%closed(i)) call add_span(like, minval(ends) - half, maxval(ends) + half)
+               if (status(i) /= good) call add_span(like, minval(ends) - half, maxval(ends) + half, status(i) == beyond_limit)
             end associate
             i = k + 1
          end do
@@ -210,7 +221,7 @@ contains
       type(plot_t), intent(in) :: like
       type(plot_t), allocatable, intent(inout) :: plots(:)
 
-      call begin_plot('error: desired - actual, '//trim(merge('degrees', 'length ', scene%motion == motion_angle)), like, plots)
+      call begin_plot('error: desired - actual'//unit_of(scene), like, plots)
       associate (plot => plots(size(plots)), row => scene%prescribed)
          plot%scale = size_of(scene)
          plot%from_zero = .true.
@@ -256,8 +267,7 @@ contains
 
       associate (band => scene%band)
          if (.not. any(band%known)) return
-         label = ', length'
-         if (scene%motion == motion_angle) label = ', degrees'
+         label = unit_of(scene)
          if (scene%motion == motion_number) label = ' of '//called(scene)
          call begin_plot('deviation within tolerances'//label, like, plots)
          plots(size(plots))%from_zero = .true.
@@ -348,6 +358,38 @@ contains
       end function amount
    end subroutine add_forces
 
+   !> How far the vibrating link bends in each mode.
+   subroutine add_deflection(scene, sweep, like, plots)
+      type(scene_t), intent(in) :: scene          !! with a vibrating link
+      real(wp), intent(in) :: sweep(:)
+      type(plot_t), intent(in) :: like
+      type(plot_t), allocatable, intent(inout) :: plots(:)
+      integer :: j
+
+      call begin_plot('deflection of the link, length'//trim(merge('              ', ' (not settled)', &
+                                                                   scene%vibration%settles)), like, plots)
+      plots(size(plots))%from_zero = .true.
+      do j = 1, size(scene%vibration%deflection, 2)
+         call add_line(plots(size(plots)), 'mode '//to_text(j), look_line, j, sweep, scene%vibration%deflection(:, j))
+      end do
+   end subroutine add_deflection
+
+   !> The force between pin and hole of a joint with clearance, beside the load without clearance.
+   subroutine add_contact(scene, sweep, like, plots)
+      type(scene_t), intent(in) :: scene          !! with a joint with clearance
+      real(wp), intent(in) :: sweep(:)
+      type(plot_t), intent(in) :: like
+      type(plot_t), allocatable, intent(inout) :: plots(:)
+
+      associate (joint => scene%clearance)
+         call begin_plot('contact in joint '//joint%name//', N', like, plots)
+         plots(size(plots))%from_zero = .true.
+         call add_line(plots(size(plots)), 'force of contact', look_line, 1, sweep, joint%force)
+         call add_line(plots(size(plots)), 'load without clearance', look_dashed, 2, sweep, &
+                       hypotenuse(joint%load(1, :), joint%load(2, :)))
+      end associate
+   end subroutine add_contact
+
    !> Best and worst objective by iteration, or objective of each start and the best so far, from device 1.
    subroutine add_progress(progress, plots)
       type(line_t), intent(in) :: progress(:)
@@ -412,6 +454,16 @@ contains
       end subroutine value_after
    end subroutine add_progress
 
+   !> The unit of the output after its name; a number that is none of a point or a pose has none.
+   pure function unit_of(scene) result(unit)
+      type(scene_t), intent(in) :: scene
+      character(:), allocatable :: unit
+
+      unit = ', length'
+      if (scene%motion == motion_angle) unit = ', degrees'
+      if (scene%motion == motion_number) unit = ''
+   end function unit_of
+
    !> What is large in the output: changes far below it are rounding.
    pure real(wp) function size_of(scene)
       type(scene_t), intent(in) :: scene
@@ -433,8 +485,7 @@ contains
       character(:), allocatable :: name
 
       if (allocated(scene%output_label)) then
-         name = scene%output_label
-         if (scene%motion == motion_angle) name = name//', degrees'
+         name = scene%output_label//unit_of(scene)
          return
       end if
       select case (scene%motion)

@@ -31,6 +31,7 @@ module psalm_plot
       real(wp) :: scale = 0.0_wp            !! changes below `flat` times it are rounding, which is not magnified
       real(wp) :: low = 0.0_wp, high = 0.0_wp !! bottom and top, if high > low; else as the values are
       real(wp), allocatable :: spans(:, :)  !! shape (2, spans): parts of the axis that are shaded
+      logical, allocatable :: mild(:)       !! shape (spans): a limit is exceeded, the linkage closes
       type(plot_line_t), allocatable :: lines(:)
    end type plot_t
 
@@ -51,7 +52,7 @@ contains
       associate (last => more(size(more)))
          last = like
          last%name = name
-         if (.not. allocated(last%spans)) allocate (last%spans(2, 0))
+         if (.not. allocated(last%spans)) allocate (last%spans(2, 0), last%mild(0))
          if (allocated(last%lines)) deallocate (last%lines)
          allocate (last%lines(0))
       end associate
@@ -87,12 +88,17 @@ contains
    end subroutine add_line
 
    !> Shade a part of the axis.
-   pure subroutine add_span(plot, from, to)
+   pure subroutine add_span(plot, from, to, mild)
       type(plot_t), intent(inout) :: plot
       real(wp), intent(in) :: from, to
+      logical, intent(in), optional :: mild   !! a limit is exceeded, no more; default false
+      logical :: only_limit
 
-      if (.not. allocated(plot%spans)) allocate (plot%spans(2, 0))
+      only_limit = .false.
+      if (present(mild)) only_limit = mild
+      if (.not. allocated(plot%spans)) allocate (plot%spans(2, 0), plot%mild(0))
       plot%spans = reshape([plot%spans, from, to], [2, size(plot%spans, 2) + 1])
+      plot%mild = [plot%mild, only_limit]
    end subroutine add_span
 
    !> All known values within the axis, in any order.

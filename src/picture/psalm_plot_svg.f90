@@ -24,7 +24,8 @@ module psalm_plot_svg
    real(wp), parameter :: ticks = 8.0_wp
    character(*), parameter :: own = '.dots{stroke-width:4.5;stroke-linecap:round}.thin{stroke-width:1}'// &
                               '.dashed{stroke-dasharray:6 4;stroke-width:1.3}.dotted{stroke-dasharray:2 4;stroke-width:1.3}'// &
-                              '.line{stroke-width:1.6}.area{fill-opacity:.22;stroke:none}.span{fill:$bad;fill-opacity:.13}'
+                              '.line{stroke-width:1.6}.area{fill-opacity:.22;stroke:none}.span{fill:$bad;fill-opacity:.13}'// &
+                              '.mild{fill:$warn;fill-opacity:.16}'
 
 contains
 
@@ -71,7 +72,8 @@ contains
                     px(panel%width)//'" height="'//px(panel%height)//'"/></clipPath>')
       do k = 1, size(plot%spans, 2)
          associate (first => panel%x_of(max(plot%from, plot%spans(1, k))), last => panel%x_of(min(plot%to, plot%spans(2, k))))
-            if (last > first) call text%add('<rect class="span" x="'//pixels(first)//'" y="'//px(panel%top)//'" width="'// &
+            if (last > first) call text%add('<rect class="'//trim(merge('mild', 'span', plot%mild(k)))//'" x="'// &
+                                            pixels(first)//'" y="'//px(panel%top)//'" width="'// &
                                             pixels(last - first)//'" height="'//px(panel%height)//'"/>')
          end associate
       end do

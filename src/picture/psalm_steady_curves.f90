@@ -100,8 +100,8 @@ contains
       integer :: p, k, last
 
       axis%to = study%greatest_e
-      axis%below = 'e: inertia of the other links'
-      call begin_plot('first frequency/speed', axis, plots)
+      axis%below = 'e, factor on the inertia of the other links'
+      call begin_plot('frequency/speed, chart of stability', axis, plots)
       last = ubound(study%chart(1)%exact%high, 1)
       associate (plot => plots(size(plots)), chart => study%chart, ends => [0.0_wp, study%greatest_e])
          ! it ends where its last boundaries are known for all e; below the boundary of p = 0 all is unstable

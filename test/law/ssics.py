@@ -293,7 +293,7 @@ def blocks_and_curves(place):
     check(code == 0 and os.path.exists(name), "curves of the rig", error)
     plots = curve_plots.plots_of(name)
     check([plot.name for plot in plots] == ["deflection by mode, m", "the bent link: deflection, m", "greatest deflection of mode 1, m",
-                                            "first frequency/speed"], "four panels", [plot.name for plot in plots])
+                                            "frequency/speed, chart of stability"], "four panels", [plot.name for plot in plots])
     modes, bent = plots[:2]
     at = lambda mode, angle: numpy.interp(angle, *zip(*modes.line("mode %d" % mode)))
     length = 0.381

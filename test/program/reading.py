@@ -113,6 +113,9 @@ def read_in_languages(work):
     with open(os.path.join(REFERENCE, "tables.md"), encoding="utf-8") as file:
         blocks = re.findall(r"^```(\w+)\n(.*?)^```", file.read(), re.S | re.M)
     check("the page has programs in four languages", {language for language, _ in blocks} == set(RUN), str([b[0] for b in blocks]))
+    with open(os.path.join(work, "jansen.json"), encoding="utf-8") as file:
+        values = json.load(file)["cases"][0]["blocks"]["positions"]["columns"]["G.y"]
+    ends = min(values), max(values)
     skipped = []
     for n, (language, text) in enumerate(blocks):
         command, ending = RUN[language]
@@ -125,6 +128,10 @@ def read_in_languages(work):
             file.write(text)
         done = subprocess.run(command + [name], cwd=work, capture_output=True, text=True, check=False, timeout=300)
         check("%s: block %d of the page runs and prints" % (language, n + 1), done.returncode == 0 and done.stdout.strip(), done.stderr[-400:])
+        if language != "python":
+            printed = [float(word) for word in re.findall(r"-?\d+\.\d+(?:e-?\d+)?", done.stdout)]
+            check("%s: what it prints are the ends of the column" % language, len(printed) == 2 and
+                  all(abs(one - end) < 1e-4 * abs(end) for one, end in zip(printed, ends)), (printed, ends))
     if skipped:
         print("SKIPPED: results read in " + ", ".join(skipped))
     return len(skipped)

@@ -5,7 +5,6 @@ usage: test/program/studies.py PROGRAM_DIRECTORY. Where calls cannot be counted 
 N failed[, N skipped].
 """
 import os
-import shutil
 import sys
 import tempfile
 
@@ -15,7 +14,8 @@ from tally import check, report
 
 TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 COUNTED = {"analysed": "__psalm_error_MOD_analyse", "located": "__psalm_joint_location_MOD_locate_sketch",
-           "set up": "__psalm_setup_MOD_set_up"}
+           "set up": "__psalm_setup_MOD_set_up", "posed": "__psalm_chain_study_MOD_study_chain",
+           "clearance": "__psalm_clearance_study_MOD_find_clearance", "cam": "__psalm_cam_study_MOD_find_cam"}
 # A run analyses its positions and, where it has one, the sweep between and beyond them. A sketch is set up once more where its
 # loops are checked against the drawing, which is no position of the run
 EXPECTED = {
@@ -29,17 +29,35 @@ EXPECTED = {
     ("psalm", "excavator"): {"analysed": 1, "located": 1, "set up": 2},
     ("balm", "excavator"): {"analysed": 2, "located": 1, "set up": 2},
     ("kalm", "excavator"): {"analysed": 1, "located": 1, "set up": 2},
+    # pictures in poses of the links: positions and sweep; a turn that cannot be one is not tried
+    ("balm", "excavator_envelope"): {"posed": 2, "analysed": 2},
+    ("balm", "geared_five_bar"): {"posed": 2, "analysed": 2, "located": 1},      # the second crank is elsewhere after a turn
+    ("balm", "geared_apart"): {"posed": 2, "analysed": 2},                       # it does not go all round
+    ("balm", "geared_round"): {"posed": 2, "analysed": 2},                       # it does
+    # pictures that a program writes beside its listing
+    ("bridge", "bridge/four_bar_haines"): {"clearance": 1},
+    ("calm", "calm/translating_roller"): {"cam": 1},
+    ("calm", "calm/knuckle_press"): {"cam": 1},
 }
+# Data sets that are others with a change
+CHANGED = {"geared_apart": ("geared_five_bar", "RATIO=0.0,0.5", "RATIO=0.0,-1.0"),
+           "geared_round": ("geared_five_bar", "RATIO=0.0,0.5", "RATIO=0.0,1.0")}
 
 
 def run(programs, program, case, expected):
     path = os.path.join(programs, program)
     symbols = symbols_of(path)
-    addresses = {what: symbols[name] for what, name in COUNTED.items() if name in symbols}
-    check("%s has the procedures that are counted" % program, len(addresses) == len(COUNTED), sorted(addresses))
-    shutil.copy(os.path.join(TOP, "data", case + ".nml"), ".")
+    addresses = {what: symbols[COUNTED[what]] for what in expected if COUNTED[what] in symbols}
+    check("%s has the procedures that are counted" % program, len(addresses) == len(expected), sorted(addresses))
+    source, before, after = CHANGED.get(case, (case, "", ""))
+    with open(os.path.join(TOP, "data", source + ".nml"), encoding="utf-8") as file:
+        text = file.read()
+    check("%s is changed as it says" % case, text.count(before) == 1 or not before)
+    case = os.path.basename(case)
+    with open(case + ".nml", "w", encoding="utf-8") as file:
+        file.write(text.replace(before, after) if before else text)
     calls, status = count_calls([path, case + ".nml"], addresses)
-    check("%s %s ends well" % (program, case), status == 0, status)
+    check("%s %s ends well" % (program, case), status in (0, 1), status)
     check("%s %s: each study once" % (program, case), calls == expected, calls)
 
 
