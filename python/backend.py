@@ -1,9 +1,10 @@
 """What pip calls to build the Python package: compiles the shared library and puts it beside the module.
 
-A backend of its own, because the library is built by fpm, which neither meson-python nor scikit-build-core knows: a second description of
-380 Fortran modules in another build system would have to be kept equal to fpm.toml. Needs gfortran and NLopt (scripts/setup installs
-them); fpm comes from pip. In a checkout `pip install ./python` builds for the machine at hand; a source distribution holds all sources
-and is built in the same way, without the network but for fpm. scripts/package makes the wheel for other machines.
+A backend of its own, because the library is described by fpm.toml, which neither meson-python nor scikit-build-core knows: a second
+description of some 500 Fortran modules would have to be kept equal to it. Needs gfortran, NLopt and LAPACK (scripts/setup installs
+them), and fpm or make: without fpm tools/makefile reads from the sources what is compiled in which order. So nothing is fetched: a
+source distribution holds all sources and is built without a network. `pip install ./python` in a checkout builds for the machine at
+hand in the same way; scripts/package makes the wheel for other machines.
 """
 import base64
 import hashlib
@@ -61,7 +62,7 @@ def _modules():
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
-    """For the machine at hand; with PSALM_LEVELS="x86-64-v2 x86-64-v3" for these instruction sets, each in a folder of its own."""
+    """For the machine at hand; with PSALM_LEVELS="x86-64 x86-64-v3" for these instruction sets, each in a folder of its own."""
     script = os.path.join(_checkout(), "scripts", "build_library")
     tag = "py3-none-" + re.sub(r"[-.]", "_", sysconfig.get_platform())
     name = "psalm-%s" % _project("version")

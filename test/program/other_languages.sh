@@ -42,6 +42,37 @@ export PYTHONPATH="$work/site"
 check 'Python: the slider-crank' slides "$venv/bin/python" "$top/python/example/slider_crank.py"
 "$venv/bin/python" "$top/python/test_psalm.py" "$top/data" || failed=$((failed + 1))
 "$venv/bin/python" "$top/test/program/notebook.py" || failed=$((failed + 1))
+# one example a verb in C and in Python, which show the same; those in Fortran are run by library.sh
+tried=""
+while read -r verb file; do
+    tried+="$verb "
+    ./every "$verb" "$top/data/$file" >every_c 2>/dev/null
+    check "C: $verb" test $? -le 1 -a -s every_c
+    "$venv/bin/python" "$top/python/example/every_study.py" "$verb" "$top/data/$file" >every_python 2>/dev/null
+    check "Python: $verb, as in C" cmp every_c every_python
+done <<'END'
+analysis textile.nml
+summary textile.nml
+tolerances adjustable_stroke.nml
+allocation cheapest_tolerances.nml
+sweep adjustable_stroke.nml
+synthesis path5.nml
+exact exact/five_poses.nml
+kinds types/kinds_for_corner.nml
+proof geared_five_bar.nml
+assemblies sketch_four_bar.nml
+rates engine.nml
+forces engine.nml
+machine engine.nml
+balance muscle/haines_bodies.nml
+springs muscle/haines_spring.nml
+vibration rig_coupler.nml
+cams calm/flat_swinging.nml
+clearance bridge/four_bar_haines.nml
+picture jansen.nml
+board jansen.nml
+END
+check 'every verb has an example' test "$tried" = "$("$venv/bin/python" "$top/python/example/every_study.py" | tr '\n' ' ')"
 # every verb; test/campaign/verbs.py has the figures of 100000 calls
 "$venv/bin/python" "$top/test/campaign/verbs.py" --count 12 || failed=$((failed + 1))
 check 'Python: cases on all processors' sh -c '"$1" "$2/python/example/many_cases.py" | awk "NF == 3 { n++ } END { exit n != 9 }"' - \
