@@ -67,7 +67,7 @@ contains
       associate (unused => file, also_unused => mark)
       end associate
       if (.not. findings%failed()) call prepare(set, none, prepared, findings, need)
-      if (.not. findings%failed()) call check_time(set, findings)
+      if (.not. findings%failed()) call check_time(set, prepared%mechanism, findings)
       prepared%ready = prepared%ready .and. .not. findings%failed()
    end subroutine prepare_rates
 

@@ -1,14 +1,19 @@
 !> Motion in time of a mechanism whose drives, or some of them, move freely, by an explicit method of order 8.
 !>
 !> Unknowns are the free drives, their speeds, and, carried along without a say in the steps, the work that is put in and that is
-!> lost: kinetic and potential energy less the one and with the other stay what they were.
+!> lost: kinetic and potential energy less the one and with the other stay what they were. A step in which a joint comes to its stop
+!> or leaves it, or a table has a kink, is repeated so that it ends there (`psalm_time_events`).
 module psalm_time_motion
    use psalm_free_motion, only: free_motion_t, free_state_t
+   use psalm_joint_stops, only: side_none, side_low, side_high
    use psalm_kinds, only: wp
-   use psalm_ode, only: ode_t, advance, next_step
+   use psalm_ode, only: ode_t, advance, next_step, one_step
+   use psalm_root, only: root_search_t, begin_search
+   use psalm_time_events, only: passage_t, marks_t, crossings_of, value_of
    implicit none (type, external)
    private
-   public :: time_motion_t, begin_motion
+   public :: time_motion_t, event_t, begin_motion
+   public :: event_impact, event_rest, event_lift
 
    real(wp), parameter :: collapsed = 1.0e-13_wp   !! part of the whole time: no step is shorter
    real(wp), parameter :: creeping = 1.0e-7_wp     !! part of the whole time: so many steps in turn that are shorter,
@@ -16,17 +21,38 @@ module psalm_time_motion
    real(wp), parameter :: first_part = 1.0e-3_wp   !! part of the whole time: the first step that is tried
    real(wp), parameter :: least_part = 1.0e-2_wp   !! of the size, or the size over the whole time, or of the largest so far: less
                                                     !! counts as that for errors
+   real(wp), parameter :: last_bounces = 1.0e-6_wp !! part of the whole time: if all bounces that follow take less, the joint rests
+   real(wp), parameter :: touching = 1.0e-10_wp    !! radians, or parts of the size: a joint so near its stop touches it
+   real(wp), parameter :: still = 64.0_wp*epsilon(1.0_wp) !! part of the greatest rate of a joint: less is 0
+   real(wp), parameter :: most_turned = 1.0_wp     !! radians that a joint with stops turns in a step, for its turns are counted
+   integer, parameter :: most_blows = 1000         !! of stops that close together
+   integer, parameter :: event_impact = 1          !! a joint hits its stop
+   integer, parameter :: event_rest = 2            !! it rests on it from then on
+   integer, parameter :: event_lift = 3            !! it leaves it, because nothing presses it there
+
+   !> What happened at a time.
+   type :: event_t
+      real(wp) :: time = 0.0_wp                       !! s
+      integer :: kind = 0                             !! `event_...`
+      integer :: stop = 0
+      real(wp) :: before = 0.0_wp, after = 0.0_wp     !! rate of the joint: rad/s or lengths/s
+      real(wp) :: impulse = 0.0_wp                    !! of the stop, forwards: N m s or N s
+   end type event_t
 
    !> A motion and where it is.
    type, extends(ode_t) :: time_motion_t
       type(free_motion_t), allocatable :: motion      !! large: it would fill a small stack
       real(wp), allocatable :: size_of(:)             !! by free drive: what a change counts by, a radian or the size of the linkage
+      real(wp), allocatable :: size_of_stop(:)        !! by stop: the same
       real(wp) :: end = 0.0_wp                        !! of the whole motion, s
       real(wp), allocatable :: largest(:)             !! shape (2 free drives): co-ordinates and speeds so far
       real(wp) :: time = 0.0_wp
       real(wp), allocatable :: y(:), first(:)         !! unknowns there, and their rates
       real(wp) :: step = 0.0_wp                       !! s: the next that is tried
       integer :: steps = 0
+      integer :: most_events = huge(1)
+      logical :: crowded = .false.                    !! there were more events than that
+      type(event_t), allocatable :: events(:)
    contains
       procedure :: rates
       procedure :: tolerances
@@ -34,27 +60,50 @@ module psalm_time_motion
       procedure :: observe
       procedure :: work
       procedure :: lost
+      procedure, private :: marks
+      procedure, private :: go_to_first
+      procedure, private :: meet_stops
+      procedure, private :: rest_on_stops
+      procedure, private :: blow
+      procedure, private :: settle
+      procedure, private :: longest_step
+      procedure, private :: note
    end type time_motion_t
 
 contains
 
    !> Put a motion at time 0. Errors: `valid` is false where there are no accelerations; `moving%motion` says why.
-   subroutine begin_motion(speeds, end, tolerance, moving, valid)
+   subroutine begin_motion(speeds, end, tolerance, most_events, moving, valid)
       real(wp), intent(in) :: speeds(:)               !! shape (free drives)
       real(wp), intent(in) :: end, tolerance
+      integer, intent(in) :: most_events
       class(time_motion_t), intent(inout) :: moving   !! with its motion
       logical, intent(out) :: valid
+      real(wp) :: length
+      integer :: k
 
       moving%end = end
       moving%tolerance = tolerance
+      moving%most_events = most_events
       moving%step = first_part*end
+      allocate (moving%events(0))
       associate (f => size(speeds), link => moving%motion%problem%linkage)
-         moving%size_of = merge(max(0.0_wp, maxval(link%length))/link%scale, 1.0_wp, moving%motion%slides(moving%motion%free))
+         length = max(0.0_wp, maxval(link%length))/link%scale
+         ! slides alone have no links with lengths
+         do k = 1, size(moving%motion%stops)
+            if (.not. moving%motion%stops(k)%slides) cycle
+            length = max(length, maxval(abs(pack([moving%motion%stops(k)%low, moving%motion%stops(k)%high], &
+                                                 abs([moving%motion%stops(k)%low, moving%motion%stops(k)%high]) < huge(length)))))
+         end do
+         moving%size_of = merge(length, 1.0_wp, moving%motion%slides(moving%motion%free))
+         moving%size_of_stop = merge(length, 1.0_wp, moving%motion%stops%slides)
          moving%y = [moving%motion%start(moving%motion%free), speeds, 0.0_wp, 0.0_wp]
          moving%largest = abs(moving%y(:2*f))
          allocate (moving%first(2*f + 2))
       end associate
       call moving%rates(0.0_wp, moving%y, moving%first, valid)
+      if (.not. valid) return
+      call moving%meet_stops(valid)
       if (valid) call moving%motion%anchor()
    end subroutine begin_motion
 
@@ -83,41 +132,327 @@ contains
       end associate
    end function tolerances
 
-   !> Go on to a time. `reached` is false where no step that counts keeps the tolerance, or a torsional spring is wound half a
-   !> turn; it stands at the time before then, or at that.
+   !> Go on to a time. `reached` is false where no step that counts keeps the tolerance, a torsional spring is wound half a
+   !> turn, or there are too many events; it stands at the time before then, or at that.
    subroutine advance_to(self, target, reached)
       class(time_motion_t), intent(inout) :: self
       real(wp), intent(in) :: target
       logical, intent(out) :: reached
-      real(wp) :: after(size(self%y)), taken, error, wanted, shortest
+      real(wp) :: after(size(self%y)), before(size(self%y)), rates_before(size(self%y)), taken, error, wanted, shortest, longest
+      real(wp) :: began
+      type(marks_t) :: marks
+      type(passage_t), allocatable :: crossings(:)
       integer :: short
       logical :: last
 
       short = 0
       shortest = collapsed*self%end
       do while (self%time < target)
-         last = self%step >= (1.0_wp - sqrt(epsilon(1.0_wp)))*(target - self%time)
-         wanted = self%step
+         longest = self%longest_step()
+         wanted = min(self%step, longest)
+         last = wanted >= (1.0_wp - sqrt(epsilon(1.0_wp)))*(target - self%time)
          if (last) wanted = target - self%time
+         marks = self%marks()
          call advance(self, self%time, self%y, wanted, shortest, after, taken, error, self%first)
-         short = merge(short + 1, 0, taken < creeping*self%end .and. .not. last)
+         short = merge(short + 1, 0, taken < creeping*self%end .and. .not. (last .or. taken >= longest))
          reached = error <= 1.0_wp .and. short <= most_creeping
          if (.not. reached) return
          last = last .and. taken >= wanted
+         began = self%time
+         before = self%y
+         rates_before = self%first
          ! a step that the end of an interval cut short says nothing against a longer one
-         self%step = max(next_step(taken, error), merge(self%step, 0.0_wp, last))
+         self%step = max(next_step(taken, error), merge(self%step, 0.0_wp, last .or. taken >= longest))
          self%time = merge(target, self%time + taken, last)
          self%y = after
-         self%largest = max(self%largest, abs(after(:size(self%largest))))
-         self%steps = self%steps + 1
          call self%rates(self%time, self%y, self%first, reached)
          if (.not. reached) return
+         crossings = crossings_of(self%motion, marks, self%marks(), taken)
+         if (size(crossings) > 0) then
+            call self%go_to_first(crossings, began, before, rates_before, taken, reached)
+            if (.not. reached) return
+            if (self%time < target) last = .false.
+         end if
+         self%largest = max(self%largest, abs(self%y(:size(self%largest))))
+         self%steps = self%steps + 1
+         if (any(self%motion%resting /= side_none)) then
+            call self%settle()
+            call self%rates(self%time, self%y, self%first, reached)
+            if (.not. reached) return
+         end if
          call self%motion%anchor()
          reached = self%motion%wound == 0
+         if (.not. reached) return
+         self%crowded = size(self%events) > self%most_events
+         reached = .not. self%crowded
          if (.not. reached) return
       end do
       reached = .true.
    end subroutine advance_to
+
+   !> What events are known by, where it is now.
+   function marks(self)
+      class(time_motion_t), intent(in) :: self
+      type(marks_t) :: marks
+
+      marks%place = self%motion%place
+      marks%pace = self%motion%pace
+      marks%growth = self%motion%growth
+      marks%push = self%motion%push
+      marks%input = self%motion%first_input(self%time, self%y(:size(self%motion%free)))
+      marks%speed = self%motion%first_speed(self%time, self%y(size(self%motion%free) + 1:))
+   end function marks
+
+   !> End a step of length h, which goes on beyond events, at the first of them, and do what happens there.
+   subroutine go_to_first(self, crossings, began, before, rates_before, h, valid)
+      class(time_motion_t), intent(inout) :: self
+      type(passage_t), intent(in) :: crossings(:)
+      real(wp), intent(in) :: began, before(:), rates_before(:), h !! state at the beginning of the step
+      logical, intent(out) :: valid
+      type(root_search_t) :: search
+      real(wp) :: ends, least, greatest, length
+      integer :: k, first
+
+      ends = h
+      first = 0
+      do k = 1, size(crossings)
+         if (.not. found(crossings(k), least, greatest)) cycle
+         search = begin_search(least, value_after(least), greatest, value_after(greatest), epsilon(1.0_wp)*(began + h))
+         do while (.not. search%done())
+            length = search%next()
+            call search%put(length, value_after(length))
+         end do
+         greatest = search%root()
+         if (first > 0 .and. greatest >= ends) cycle
+         ends = greatest
+         first = k
+      end do
+      if (first == 0) then
+         self%y = state_after(h)
+         call self%rates(began + h, self%y, self%first, valid)
+         return
+      end if
+      k = first
+      self%y = state_after(ends)
+      self%time = began + ends
+      call self%rates(self%time, self%y, self%first, valid)
+      if (.not. valid) return
+      associate (crossing => crossings(first))
+         if (crossing%lifts) then
+            call self%note(event_t(time=self%time, kind=event_lift, stop=crossing%stop))
+            self%motion%resting(crossing%stop) = side_none
+            call self%rates(self%time, self%y, self%first, valid)
+         else if (crossing%stop > 0) then
+            call self%meet_stops(valid, crossing%stop, crossing%side)
+         end if
+      end associate
+
+   contains
+
+      !> Between what lengths of the step its value becomes negative. A value that is 0 at the beginning first rises.
+      logical function found(crossing, least, greatest)
+         type(passage_t), intent(in) :: crossing
+         real(wp), intent(out) :: least, greatest
+         integer, parameter :: halvings = 60
+         integer :: i
+
+         least = 0.0_wp
+         greatest = crossing%within
+         found = value_after(greatest) < 0.0_wp
+         if (.not. found) return
+         if (crossing%rises) then
+            least = greatest
+            do i = 1, halvings
+               least = 0.5_wp*least
+               found = value_after(least) > 0.0_wp
+               if (found) return
+               greatest = least
+            end do
+            ! it is there already
+            found = .true.
+            least = 0.0_wp
+            greatest = 0.0_wp
+         end if
+      end function found
+
+      !> Value of the event that is looked for (k) after a step of that length.
+      real(wp) function value_after(length)
+         real(wp), intent(in) :: length
+         real(wp) :: y(size(before)), d(size(before))
+         logical :: there
+
+         if (length <= 0.0_wp) then
+            value_after = crossings(k)%at_first
+            return
+         end if
+         y = state_after(length)
+         call self%rates(began + length, y, d, there)
+         self%time = began + length
+         self%y = y
+         value_after = value_of(self%motion, crossings(k), self%marks())
+      end function value_after
+
+      function state_after(length) result(y)
+         real(wp), intent(in) :: length
+         real(wp) :: y(size(before))
+
+         y = before
+         if (length > 0.0_wp) call one_step(self, began, before, length, y, first=rates_before)
+      end function state_after
+   end subroutine go_to_first
+
+   !> Stops that joints touch, and perhaps one that a joint has just come to: impacts, and which joints rest then.
+   !>
+   !> Of stops that close at the same time the one with the greatest speed acts first, again and again until none closes.
+   subroutine meet_stops(self, valid, stop, side)
+      class(time_motion_t), intent(inout) :: self
+      logical, intent(out) :: valid
+      integer, intent(in), optional :: stop, side
+      real(wp), dimension(size(self%size_of_stop)) :: before, impulse, part
+      integer :: touched(size(self%size_of_stop)), k, round
+      real(wp) :: least
+
+      valid = .true.
+      if (size(touched) == 0) return
+      associate (motion => self%motion)
+         touched = motion%resting
+         where (motion%place - motion%stops%low <= touching*self%size_of_stop) touched = side_low
+         where (motion%stops%high - motion%place <= touching*self%size_of_stop) touched = side_high
+         if (present(stop)) touched(stop) = side
+         before = motion%pace
+         least = still*maxval(abs(before))
+         impulse = 0.0_wp
+         do round = 1, most_blows
+            part = merge(real(touched, wp)*motion%pace, 0.0_wp, touched /= side_none)
+            k = maxloc(part, dim=1)
+            if (.not. part(k) > least) exit
+            call self%blow(k, merge(0.0_wp, motion%stops(k)%restitution, motion%resting(k) /= side_none), impulse(k))
+         end do
+         do k = 1, size(touched)
+            if (.not. abs(impulse(k)) > 0.0_wp) cycle
+            call self%note(event_t(self%time, event_impact, k, before(k), motion%pace(k), &
+                                   impulse(k)/merge(motion%model%metre, 1.0_wp, motion%stops(k)%slides)))
+         end do
+         do k = 1, size(touched)
+            if (motion%resting(k) == side_none .or. -real(touched(k), wp)*motion%pace(k) <= least) cycle
+            call self%note(event_t(self%time, event_lift, k, 0.0_wp, motion%pace(k)))
+            motion%resting(k) = side_none
+         end do
+      end associate
+      call self%rates(self%time, self%y, self%first, valid)
+      if (valid) call self%rest_on_stops(touched, least, valid)
+   end subroutine meet_stops
+
+   !> Joints that touch a stop and are pressed to it rest if their bounces are over, or would be in next to no time.
+   subroutine rest_on_stops(self, touched, least, valid)
+      class(time_motion_t), intent(inout) :: self
+      integer, intent(in) :: touched(:)               !! by stop: side
+      real(wp), intent(in) :: least                   !! rate that counts as 0
+      logical, intent(out) :: valid
+      real(wp) :: away, toward, bounces, impulse, rate
+      integer :: k
+
+      valid = .true.
+      do k = 1, size(touched)
+         associate (motion => self%motion, stop => self%motion%stops(k))
+            if (touched(k) == side_none .or. motion%resting(k) /= side_none) cycle
+            away = -real(touched(k), wp)*motion%pace(k)
+            toward = real(touched(k), wp)*motion%growth(k)
+            if (.not. toward > 0.0_wp) cycle
+            bounces = 0.0_wp
+            if (away > least) then
+               if (.not. 2.0_wp*away < last_bounces*self%end*toward*(1.0_wp - stop%restitution)) cycle
+               bounces = 2.0_wp*away/(toward*(1.0_wp - stop%restitution))
+            end if
+            rate = motion%pace(k)
+            call self%blow(k, 0.0_wp, impulse)
+            motion%resting(k) = touched(k)
+            call self%note(event_t(self%time + bounces, event_rest, k, rate))
+         end associate
+         call self%settle()
+         call self%rates(self%time, self%y, self%first, valid)
+         if (.not. valid) return
+      end do
+   end subroutine rest_on_stops
+
+   !> A stop changes the rate of its joint: to minus `restitution` times that. What the drives that are not free give is work.
+   subroutine blow(self, stop, restitution, impulse)
+      class(time_motion_t), intent(inout) :: self
+      integer, intent(in) :: stop
+      real(wp), intent(in) :: restitution
+      real(wp), intent(inout) :: impulse              !! N m s, N s times metre: it is added
+      real(wp) :: change(size(self%size_of)), loosened(size(self%size_of)), yields, own
+      integer :: f, d, k
+
+      f = size(self%size_of)
+      associate (motion => self%motion)
+         loosened = motion%loosen(stop)
+         yields = dot_product(motion%normal(stop, motion%free), loosened)
+         if (.not. yields > 0.0_wp) return
+         own = -(1.0_wp + restitution)*motion%pace(stop)/yields
+         change = loosened*own
+         self%y(2*f + 2) = self%y(2*f + 2) + (1.0_wp - restitution**2)*motion%pace(stop)**2/(2.0_wp*yields)
+         do d = 1, size(motion%leader)
+            if (motion%leader(d) /= d .or. any(motion%free == d)) cycle
+            self%y(2*f + 1) = self%y(2*f + 1) + (dot_product(motion%inertia(d, :), change) - own*motion%normal(stop, d))* &
+                              (motion%speed(d) + motion%accel(d)*self%time)
+         end do
+         self%y(f + 1:2*f) = self%y(f + 1:2*f) + change
+         do k = 1, size(motion%pace)
+            motion%pace(k) = motion%pace(k) + dot_product(motion%normal(k, motion%free), change)
+         end do
+      end associate
+      impulse = impulse + own
+   end subroutine blow
+
+   !> Put joints that rest exactly on their stops, at rate 0.
+   subroutine settle(self)
+      class(time_motion_t), intent(inout) :: self
+      real(wp) :: loosened(size(self%size_of)), yields, limit
+      integer :: f, k
+
+      f = size(self%size_of)
+      do k = 1, size(self%motion%resting)
+         associate (motion => self%motion)
+            if (motion%resting(k) == side_none) cycle
+            loosened = motion%loosen(k)
+            yields = dot_product(motion%normal(k, motion%free), loosened)
+            if (.not. yields > 0.0_wp) cycle
+            limit = merge(motion%stops(k)%high, motion%stops(k)%low, motion%resting(k) == side_high)
+            self%y(:f) = self%y(:f) + loosened*((limit - motion%place(k))/yields)
+            self%y(f + 1:2*f) = self%y(f + 1:2*f) - loosened*(motion%pace(k)/yields)
+         end associate
+      end do
+   end subroutine settle
+
+   !> So long a step may be: joints with stops are not to turn farther, and what leaves a stop is not to come back in the same step.
+   pure real(wp) function longest_step(self) result(longest)
+      class(time_motion_t), intent(in) :: self
+      real(wp) :: away, toward
+      integer :: k, side
+
+      longest = huge(1.0_wp)
+      do k = 1, size(self%size_of_stop)
+         associate (motion => self%motion, stop => self%motion%stops(k))
+            if (motion%resting(k) /= side_none) cycle
+            if (.not. stop%slides .and. abs(motion%pace(k)) > 0.0_wp) longest = min(longest, most_turned/abs(motion%pace(k)))
+            do side = side_low, side_high, side_high - side_low
+               if (real(side, wp)*(merge(stop%high, stop%low, side == side_high) - motion%place(k)) > &
+                   touching*self%size_of_stop(k)) cycle
+               away = -real(side, wp)*motion%pace(k)
+               toward = real(side, wp)*motion%growth(k)
+               if (away > 0.0_wp .and. toward > 0.0_wp) longest = min(longest, max(away/toward, collapsed*self%end))
+            end do
+         end associate
+      end do
+   end function longest_step
+
+   subroutine note(self, event)
+      class(time_motion_t), intent(inout) :: self
+      type(event_t), intent(in) :: event
+
+      self%events = [self%events, event]
+   end subroutine note
 
    !> Everything where it is.
    subroutine observe(self, state)
@@ -136,7 +471,7 @@ contains
       work = self%y(size(self%y) - 1)
    end function work
 
-   !> Work lost in dampers, J.
+   !> Work lost in dampers and impacts, J.
    pure real(wp) function lost(self)
       class(time_motion_t), intent(in) :: self
 

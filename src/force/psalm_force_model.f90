@@ -20,7 +20,7 @@ module psalm_force_model
    implicit none (type, external)
    private
    public :: force_model_t, location_t, load_t, spring_t, friction_t, make_force_model, forces_wanted, vertices_of
-   public :: location_of_place, joint_at, place_right, place_on_foot, place_afloat, place_nowhere
+   public :: location_of_place, joint_at, moving_pair, place_right, place_on_foot, place_afloat, place_nowhere
    public :: mass_parameters, parameter_mass, parameter_mx, parameter_my, parameter_inertia
 
    integer, parameter :: mass_parameters = 4  !! of a body
@@ -410,6 +410,33 @@ contains
          end associate
       end do
    end subroutine check_joints
+
+   !> The joint at a place and its two bodies: the second is the one whose motion in the first counts.
+   !>
+   !> Of a slide it is the link named second; in a pin of a sketch the named link, or the later of two, in the first other link that
+   !> the pin has; of &LINKS the link of the named arc. `joint` is 0 where there is none.
+   subroutine moving_pair(set, mechanism, place, joint, bodies)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(place_t), intent(in) :: place
+      integer, intent(out) :: joint, bodies(2)
+      integer, allocatable :: links(:)
+      integer :: turning
+
+      bodies = 0
+      joint = joint_at(mechanism, place)
+      if (joint == 0) return
+      bodies = mechanism%joints(joint)%bodies
+      if (place%slide > 0 .or. mechanism%joints(joint)%kind == joint_prismatic) return
+      if (place%joint == 0) then
+         if (mechanism%arcs(mechanism%seq(place%loop, place%arc))%body == bodies(1)) bodies = bodies([2, 1])
+         return
+      end if
+      links = set%sketch%links_of(place%joint)
+      turning = links(2)
+      if (place%link > 0) turning = place%link
+      bodies = [body_of_link(mechanism, links(merge(2, 1, links(1) == turning))), body_of_link(mechanism, turning)]
+   end subroutine moving_pair
 
    !> The joint at an end of an arc, or on a pin of a sketch; 0: there is none. Where several meet, one of that arc itself comes
    !> first; a link of a sketch that is named is the one that turns in the joint.

@@ -3,10 +3,12 @@
 !> Co-ordinates are the drives that follow no other. With the rates of the poses for each free one alone (Y) the equations are
 !> Y'M Y q'' = Y'(F - M g0), where g0 are the accelerations at q'' = 0. The right side is what the free drives would have to bear at
 !> q'' = 0, a column of the matrix what they bear for the inertia at q'' = 1 of one of them: a sweep of the forces each.
+!> A joint that rests on its stop adds the equation that its acceleration is 0, and the force of the stop as an unknown.
 module psalm_free_motion
    use psalm_error, only: problem_t
    use psalm_force_analysis, only: columns_of, take_columns
    use psalm_force_model, only: force_model_t, load_t, spring_t
+   use psalm_joint_stops, only: joint_stop_t, place_at, rate_at, press, side_none
    use psalm_kinds, only: wp, pi, degrees_per_radian, radians_per_degree
    use psalm_kinetostatics, only: forces_t, prepare_forces, move_bodies, clear_wrenches, add_source, sweep, external_power, &
                                   sources_of, source_inertia, source_weight
@@ -15,13 +17,14 @@ module psalm_free_motion
    use psalm_motor_group, only: motor_group_t
    use psalm_potential, only: potential_energy, torsion
    use psalm_rates, only: rates_t, prepare_rates, differentiate
-   use psalm_shown_input, only: input_at
+   use psalm_shown_input, only: input_at, reference_input
    implicit none (type, external)
    private
    public :: free_motion_t, free_state_t, make_free_motion
 
    integer, parameter :: orders = 2        !! of rates
    real(wp), parameter :: least_inertia = 1.0e-12_wp !! what others leave of the inertia at a drive, as a part of it: less is 0
+   real(wp), parameter :: same_motion = 1.0e-9_wp    !! what other stops leave of a motion, as a part of it: less is 0
 
    !> What moves, and how its drives go. Inputs are increments from the reference position, radians or user's lengths.
    type :: free_motion_t
@@ -43,10 +46,22 @@ module psalm_free_motion
       logical :: massless = .false.                    !! or some motion of the free drives moves no mass
       integer :: wound = 0                             !! a torsional spring that was turned past half a turn of SFREE, 0: none
       real(wp), allocatable :: turned(:)               !! by spring, torsional: from SFREE where `anchor` saw it last, radians
+      type(joint_stop_t), allocatable :: stops(:)
+      integer, allocatable :: resting(:)               !! by stop: side on which its joint rests, `side_...`
+      ! by stop, at the last evaluation: from time 0, radians or user's lengths, and by time
+      real(wp), allocatable :: place(:), pace(:), growth(:) !! where its joint is, its rate, its acceleration
+      real(wp), allocatable :: push(:)                 !! force of the stop, forwards: N m, N times metre
+      real(wp), allocatable :: normal(:, :)            !! shape (stops, drives): rate of the joint for a drive's rate 1
+      real(wp), allocatable :: inertia(:, :)           !! shape (drives, free drives): what drives bear for q'' = 1
+      real(wp), allocatable :: anchored(:)             !! by stop: its place where `anchor` was last
    contains
       procedure :: accelerate
       procedure :: describe
       procedure :: anchor
+      procedure :: loosen
+      procedure :: first_input
+      procedure :: first_speed
+      procedure, private :: put_normal
       procedure, private :: put_inputs
       procedure, private :: put_rates
       procedure, private :: drive_loads
@@ -58,17 +73,19 @@ module psalm_free_motion
       real(wp), allocatable :: columns(:)              !! as `force_table_t` has them
       real(wp) :: kinetic = 0.0_wp, growth = 0.0_wp    !! J, W; flywheel included
       real(wp) :: potential = 0.0_wp                   !! of weight and springs, J
+      real(wp), allocatable :: stops(:)                !! by stop: its force forwards, N m or N
    end type free_state_t
 
 contains
 
    !> Bind a mechanism whose problem has all loops, roots and vertices (`vertices_of`) and one position.
-   subroutine make_free_motion(problem, model, motor, free, start, speed, accel, motion)
+   subroutine make_free_motion(problem, model, motor, free, start, speed, accel, stops, motion)
       class(problem_t), intent(in) :: problem
       type(force_model_t), intent(in) :: model          !! without friction
       type(motor_group_t), intent(in) :: motor
       logical, intent(in) :: free(:)                    !! by drive; of those that follow the first without meaning
       real(wp), intent(in) :: start(:), speed(:), accel(:) !! by drive
+      type(joint_stop_t), intent(in) :: stops(:)
       class(free_motion_t), intent(out) :: motion
       integer :: d, k
 
@@ -111,6 +128,16 @@ contains
       do k = 1, size(motion%side)
          motion%side(k) = motion%problem%linkage%store%v(1, motion%problem%linkage%measure(k)) > 0.0_wp
       end do
+      motion%stops = stops
+      allocate (motion%resting(size(stops)), source=side_none)
+      allocate (motion%place(size(stops)), motion%pace(size(stops)), motion%growth(size(stops)), motion%push(size(stops)), &
+                motion%anchored(size(stops)), source=0.0_wp)
+      allocate (motion%normal(size(stops), size(start)), source=0.0_wp)
+      allocate (motion%inertia(size(start), size(motion%free)), source=0.0_wp)
+      call motion%put_rates(0.0_wp*start, 0.0_wp*start)
+      do k = 1, size(stops)
+         motion%stops(k)%zero = place_at(motion%problem, motion%forces, stops(k), 0.0_wp)
+      end do
    end subroutine make_free_motion
 
    !> Accelerations of the free drives, what loads, motor and the drives that are not free put in, and what dampers take out.
@@ -121,21 +148,21 @@ contains
       real(wp), intent(out) :: a(:)
       real(wp), intent(out) :: work, loss               !! W
       logical, intent(out) :: valid
-      real(wp) :: h(size(self%slides), size(q)), b(size(self%slides)), rate(size(self%slides)), accel(size(self%slides)), torque
+      real(wp) :: b(size(self%slides)), rate(size(self%slides)), accel(size(self%slides)), torque
       real(wp) :: unused
-      integer :: j, source
+      integer :: j, k, source
 
       a = 0.0_wp
       work = 0.0_wp
       loss = 0.0_wp
       call self%put_inputs(time, q, .true., valid)
       if (.not. valid) return
-      associate (problem => self%problem, forces => self%forces)
+      associate (problem => self%problem, forces => self%forces, h => self%inertia)
+         do j = 1, size(self%slides)
+            if (.not. any(self%free == j)) call self%put_normal(j)
+         end do
          do j = 1, size(q)
-            rate = 0.0_wp
-            accel = 0.0_wp
-            accel(self%free(j)) = 1.0_wp
-            call self%put_rates(rate, accel)
+            call self%put_normal(self%free(j))
             call clear_wrenches(1, forces)
             call add_source(problem, self%model, source_inertia, [real(wp) ::], 1, forces)
             call sweep(problem, 1, forces)
@@ -146,6 +173,11 @@ contains
          rate(self%free) = v
          accel(self%free) = 0.0_wp
          call self%put_rates(rate, accel)
+         do k = 1, size(self%stops)
+            self%place(k) = place_at(problem, forces, self%stops(k), self%anchored(k) + self%stops(k)%zero) - self%stops(k)%zero
+            self%pace(k) = rate_at(problem, self%rates, forces, self%stops(k), 1)
+            self%growth(k) = rate_at(problem, self%rates, forces, self%stops(k), 2)
+         end do
          call clear_wrenches(1, forces)
          associate (input => [input_at(problem%mechanism, problem%given, problem%delt(1))])
             do source = source_weight + 1, sources_of(self%dampers)
@@ -172,24 +204,115 @@ contains
          call motor_torque(self%motor, rate(1), torque, unused)
          b(1) = b(1) - torque
          do j = 1, size(q)
-            if (self%free(j) == 1) h(1, j) = h(1, j) + self%motor%flywheel
+            if (self%free(j) == 1) self%inertia(1, j) = self%inertia(1, j) + self%motor%flywheel
          end do
          work = work + torque*rate(1)
       end if
+      self%push = 0.0_wp
       if (size(q) > 0) then
-         call solve_positive(h(self%free, :), -b(self%free), a, valid, least_inertia)
+         call solve_positive(self%inertia(self%free, :), -b(self%free), a, valid, least_inertia)
          self%massless = .not. valid
          if (.not. valid) return
+         if (any(self%resting /= side_none)) call hold()
       end if
       do j = 1, size(q)
-         b = b + h(:, j)*a(j)
+         b = b + self%inertia(:, j)*a(j)
+      end do
+      do k = 1, size(self%stops)
+         b = b - self%push(k)*self%normal(k, :)
+         self%growth(k) = self%growth(k) + dot_product(self%normal(k, self%free), a)
       end do
       b(self%free) = 0.0_wp
       where (self%leader /= [(j, j=1, size(b))]) b = 0.0_wp
       work = work + sum(b*rate)
+
+   contains
+
+      !> Joints that rest on their stops do not accelerate. Of stops that hold the same motion the first bears it.
+      subroutine hold()
+         integer :: held(size(self%resting)), n, i
+
+         n = 0
+         do k = 1, size(self%resting)
+            if (self%resting(k) == side_none) cycle
+            n = n + 1
+            held(n) = k
+            if (.not. all_pressed(held(:n))) n = n - 1
+         end do
+         do i = 1, n
+            a = a + self%loosen(held(i))*self%push(held(i))
+         end do
+      end subroutine hold
+
+      !> Forces of these stops. False: some of them hold the same motion.
+      logical function all_pressed(held) result(pressed)
+         integer, intent(in) :: held(:)
+         real(wp) :: compliance(size(held), size(held)), force(size(held)), missing(size(held)), loosened(size(a))
+         integer :: i, j
+
+         do i = 1, size(held)
+            loosened = self%loosen(held(i))
+            do j = 1, size(held)
+               compliance(j, i) = dot_product(self%normal(held(j), self%free), loosened)
+            end do
+            missing(i) = -self%growth(held(i)) - dot_product(self%normal(held(i), self%free), a)
+         end do
+         call solve_positive(compliance, missing, force, pressed, same_motion)
+         if (pressed) self%push(held) = force
+      end function all_pressed
    end subroutine accelerate
 
-   !> Everything at a moment, with accelerations that `accelerate` found. Larger groups are followed from here on.
+   !> Accelerations of the free drives for a force 1 of a stop, at the last evaluation.
+   pure function loosen(self, stop) result(a)
+      class(free_motion_t), intent(in) :: self
+      integer, intent(in) :: stop
+      real(wp) :: a(size(self%free))
+      logical :: unused
+
+      call solve_positive(self%inertia(self%free, :), self%normal(stop, self%free), a, unused)
+   end function loosen
+
+   !> Input of the first drive as tables of loads count it, but not within a turn: degrees or user's length.
+   pure real(wp) function first_input(self, time, q)
+      class(free_motion_t), intent(in) :: self
+      real(wp), intent(in) :: time, q(:)                !! shape (free drives)
+      real(wp) :: input(size(self%slides))
+
+      input = self%start + time*(self%speed + 0.5_wp*self%accel*time)
+      input(self%free) = q
+      first_input = reference_input(self%problem%mechanism, self%problem%given) + &
+                    input(1)*merge(1.0_wp, degrees_per_radian, self%slides(1))
+   end function first_input
+
+   !> Its speed: rad/s or user's lengths/s.
+   pure real(wp) function first_speed(self, time, v)
+      class(free_motion_t), intent(in) :: self
+      real(wp), intent(in) :: time, v(:)                !! shape (at least the free drives)
+      real(wp) :: rate(size(self%slides))
+
+      rate = self%speed + self%accel*time
+      rate(self%free) = v(:size(self%free))
+      first_speed = rate(1)
+   end function first_speed
+
+   !> Put the rate 0 and the acceleration 1 of one drive in; rates of joints with stops for it.
+   subroutine put_normal(self, drive)
+      class(free_motion_t), intent(inout) :: self
+      integer, intent(in) :: drive
+      real(wp) :: accel(size(self%slides))
+      integer :: k
+
+      if (self%leader(drive) /= drive) return
+      if (size(self%stops) == 0 .and. .not. any(self%free == drive)) return
+      accel = 0.0_wp
+      accel(drive) = 1.0_wp
+      call self%put_rates(0.0_wp*accel, accel)
+      do k = 1, size(self%stops)
+         self%normal(k, drive) = rate_at(self%problem, self%rates, self%forces, self%stops(k), 2)
+      end do
+   end subroutine put_normal
+
+   !> Everything at a moment, with accelerations that `accelerate` found there last. Larger groups are followed from here on.
    subroutine describe(self, time, q, v, a, state)
       class(free_motion_t), intent(inout) :: self
       real(wp), intent(in) :: time, q(:), v(:), a(:)
@@ -219,6 +342,10 @@ contains
          end do
          state%kinetic = forces%w%v(1, forces%kinetic)
          state%growth = forces%w%v(1, forces%growth)
+         state%stops = self%push/merge(self%model%metre, 1.0_wp, self%stops%slides)
+         do d = 1, size(self%stops)
+            if (abs(self%push(d)) > 0.0_wp) call press(problem, self%model, self%stops(d), state%stops(d), forces)
+         end do
          call sweep(problem, 1, forces)
          if (self%driven) then
             state%kinetic = state%kinetic + 0.5_wp*self%motor%flywheel*state%rate(1)**2
@@ -237,6 +364,7 @@ contains
       integer :: k
 
       call self%problem%follow_from_here()
+      self%anchored = self%place
       if (.not. allocated(self%turned)) allocate (self%turned(size(self%model%springs)), source=0.0_wp)
       do k = 1, size(self%turned)
          if (.not. self%model%springs(k)%torsional) cycle

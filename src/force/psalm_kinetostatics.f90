@@ -24,7 +24,7 @@ module psalm_kinetostatics
    implicit none (type, external)
    private
    public :: forces_t, prepare_forces, load_bodies, move_bodies, clear_wrenches, add_source, sweep, rub, external_power, &
-             find_location
+             find_location, grip_joint
    public :: couples_of_group
    public :: joint_rows, listed_rows, interpolated, sources_of, source_inertia, source_weight, first_load, first_spring
 
@@ -762,6 +762,43 @@ contains
       end associate
    end subroutine find_shoe
 
+   !> Put a force along a slide, or a couple in a pin, on both bodies of a joint: of a slide at the middle of its shoe, which a
+   !> sketch has, or at its foot.
+   subroutine grip_joint(problem, model, joint, bodies, m, value, forces)
+      type(problem_t), intent(in) :: problem
+      type(force_model_t), intent(in) :: model
+      integer, intent(in) :: joint, bodies(2)        !! the force acts on the second body, its opposite on the first
+      integer, intent(in) :: m                       !! positions, padded
+      real(wp), intent(in) :: value(m)               !! N along the slide, or N m
+      type(forces_t), intent(inout) :: forces
+      real(wp), dimension(m) :: rx, ry, x, y, reach, aside
+      integer :: slide, root
+
+      associate (of => problem%mechanism%joints(joint), w => forces%w%v, store => problem%linkage%store%v, &
+                 link => problem%linkage, a => forces%bodies(bodies(1))%wrench, &
+                 b => forces%bodies(bodies(2))%wrench)
+         if (of%kind /= joint_prismatic) then
+            call add_couple(m, 1.0_wp/forces%metre, value, w(1, b + 2))
+            call add_couple(m, -1.0_wp/forces%metre, value, w(1, a + 2))
+            return
+         end if
+         slide = of%slide
+         root = problem%plan%root(slide)
+         rx = value*(link%x(slide)*store(1:m, link%root_x(root)) - link%y(slide)*store(1:m, link%root_y(root)))
+         ry = value*(link%x(slide)*store(1:m, link%root_y(root)) + link%y(slide)*store(1:m, link%root_x(root)))
+         if (model%shoes(joint)%given) then
+            call find_shoe(problem, model, forces, joint, m, x, y, reach, aside)
+         else
+            associate (foot => problem%plan%joint_points(of%point))
+               x = store(1:m, link%point_x(foot))
+               y = store(1:m, link%point_y(foot))
+            end associate
+         end if
+         call add_force_at(m, 1.0_wp, x, y, rx, ry, w(1, b), w(1, b + 1), w(1, b + 2))
+         call add_force_at(m, -1.0_wp, x, y, rx, ry, w(1, a), w(1, a + 1), w(1, a + 2))
+      end associate
+   end subroutine grip_joint
+
    !> Sweep with friction: forces of the joints make friction, which is a load in the next sweep.
    !>
    !> The wrenches are those of all other sources. A position that has settled is not touched again, so that its digits do not
@@ -819,7 +856,7 @@ contains
             end associate
          end do
          do k = 1, size(model%friction)
-            call apply(k, grip(:, k))
+            call grip_joint(problem, model, model%friction(k)%joint, model%friction(k)%bodies, m, grip(:, k), forces)
          end do
          call sweep(problem, n, forces)
          do k = 1, size(model%friction)
@@ -908,38 +945,5 @@ contains
          end associate
       end function force_of_pin
 
-      !> Put friction on both bodies of a joint: of a slide at the middle of its shoe, which a sketch has, or at its foot.
-      subroutine apply(entry, value)
-         integer, intent(in) :: entry
-         real(wp), intent(in) :: value(m)
-         real(wp), dimension(m) :: rx, ry, x, y
-         integer :: slide, root
-
-         associate (of => problem%mechanism%joints(model%friction(entry)%joint), w => forces%w%v, &
-                    store => problem%linkage%store%v, link => problem%linkage)
-            associate (a => forces%bodies(model%friction(entry)%bodies(1))%wrench, &
-                       b => forces%bodies(model%friction(entry)%bodies(2))%wrench, &
-                       foot_x => link%point_x(problem%plan%joint_points(of%point)), &
-                       foot_y => link%point_y(problem%plan%joint_points(of%point)))
-               if (of%kind /= joint_prismatic) then
-                  call add_couple(m, 1.0_wp/forces%metre, value, w(1, b + 2))
-                  call add_couple(m, -1.0_wp/forces%metre, value, w(1, a + 2))
-                  return
-               end if
-               slide = of%slide
-               root = problem%plan%root(slide)
-               rx = value*(link%x(slide)*store(1:m, link%root_x(root)) - link%y(slide)*store(1:m, link%root_y(root)))
-               ry = value*(link%x(slide)*store(1:m, link%root_y(root)) + link%y(slide)*store(1:m, link%root_x(root)))
-               x = store(1:m, foot_x)
-               y = store(1:m, foot_y)
-               if (model%shoes(model%friction(entry)%joint)%given) then
-                  x = shoe(:, 1, entry)
-                  y = shoe(:, 2, entry)
-               end if
-               call add_force_at(m, 1.0_wp, x, y, rx, ry, w(1, b), w(1, b + 1), w(1, b + 2))
-               call add_force_at(m, -1.0_wp, x, y, rx, ry, w(1, a), w(1, a + 1), w(1, a + 2))
-            end associate
-         end associate
-      end subroutine apply
    end subroutine rub
 end module psalm_kinetostatics

@@ -10,6 +10,7 @@ submodule(psalm_study_groups) psalm_study_groups_listed
    use psalm_kinds_group, only: kinds_group_t
    use psalm_motor_group, only: motor_group_t
    use psalm_spring_design_group, only: spring_design_group_t
+   use psalm_stops_group, only: stops_group_t
    use psalm_sweep_group, only: sweep_group_t
    use psalm_time_group, only: time_group_t
    use psalm_vibration_group, only: vibration_group_t, estimate_group_t
@@ -18,9 +19,9 @@ submodule(psalm_study_groups) psalm_study_groups_listed
 contains
 
    module procedure study_groups
-      allocate (sections(16))
+      allocate (sections(17))
       sections%name = [character(len(sections%name)) :: 'MOTOR', 'VIBR', 'ESTIM', 'DRIVEL', 'HILL', 'BALANC', 'CAM', 'SPRNGS', &
-                       'CLEAR', 'CAM2', 'EXACT', 'DXF', 'SWEEP', 'KINDS', 'ALLOC', 'TIME']
+                       'CLEAR', 'CAM2', 'EXACT', 'DXF', 'SWEEP', 'KINDS', 'ALLOC', 'TIME', 'STOPS']
       allocate (motor_group_t :: sections(1)%group)
       allocate (vibration_group_t :: sections(2)%group)
       allocate (estimate_group_t :: sections(3)%group)
@@ -37,5 +38,6 @@ contains
       allocate (kinds_group_t :: sections(14)%group)
       allocate (allocation_group_t :: sections(15)%group)
       allocate (time_group_t :: sections(16)%group)
+      allocate (stops_group_t :: sections(17)%group)
    end procedure study_groups
 end submodule psalm_study_groups_listed

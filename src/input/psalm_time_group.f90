@@ -21,6 +21,7 @@ module psalm_time_group
       integer, allocatable :: started(:)          !! VNAME: drives, in the order of `rates`; not allocated: the free ones
       real(wp), allocatable :: rates(:)           !! VSTART: rad/s or lengths a second at time 0
       real(wp) :: tolerance = 1.0e-13_wp          !! TTOL
+      integer :: events = 10000                   !! NEVENT
    contains
       procedure :: read => read_time
    end type time_group_t
@@ -46,7 +47,9 @@ module psalm_time_group
       rule_t('VSTART', a_number, 'NVSTRT', 'rad/s, length/s', '0', '', &
              'their speeds at time 0'), &
       rule_t('TTOL', a_number, '', '', '1E-13', '[1E-14,1E-3]', &
-             'relative error of places and speeds that is allowed in a step')]
+             'relative error of places and speeds that is allowed in a step'), &
+      rule_t('NEVENT', a_whole, '', '', '10000', '[1,1000000]', &
+             'the motion ends after so many impacts and other events of &STOPS')]
 
 contains
 
@@ -74,6 +77,7 @@ contains
       allocate (own%rates(rates), source=0.0_wp)
       call take(group, 'VSTART', own%rates, findings)
       call take(group, 'TTOL', own%tolerance, findings)
+      call take(group, 'NEVENT', own%events, findings)
       if (.not. own%given) return
       if (times == 0 .and. .not. group%given('TEND')) then
          call required(group, 'TEND', 'the end of the motion, or the times TAT of the results, must be given')

@@ -30,6 +30,7 @@ submodule(psalm_item_list) psalm_item_list_body
    use psalm_search_group, only: search_items
    use psalm_spring_design_group, only: design_items
    use psalm_spring_group, only: spring_items
+   use psalm_stops_group, only: stops_items
    use psalm_sweep_group, only: sweep_items
    use psalm_text, only: upper_case
    use psalm_time_group, only: time_items
@@ -109,6 +110,8 @@ contains
          rules = exact_items
       case ('TIME')
          rules = time_items
+      case ('STOPS')
+         rules = stops_items
       case default
          allocate (rules(0))
       end select

@@ -13,12 +13,15 @@ module psalm_time_list
    use psalm_summary_text, only: add_line, plain_number
    use psalm_tables, only: table_t, tables_t, table_of
    use psalm_text, only: text_t, general, to_text, upper_case
-   use psalm_time_study, only: time_study_t, time_collapsed, time_done, time_massless, time_open, time_wound
+   use psalm_time_study, only: time_study_t, time_collapsed, time_crowded, time_done, time_massless, time_open, &
+                               time_wound
+   use psalm_time_motion, only: event_impact, event_rest, event_lift
    implicit none (type, external)
    private
    public :: report_time, summarise_time
 
-   character(*), parameter :: time_block = 'time'
+   character(*), parameter :: time_block = 'time', event_block = 'events'
+   character(*), parameter :: event_words(*) = [character(6) :: 'impact', 'rest', 'lift'] !! by `event_...`
    character(*), parameter :: nl = new_line('a')
    integer, parameter :: rates_shown = 2
 
@@ -55,6 +58,8 @@ contains
                  'very stiff spring or damper, or TEND far too long'
       case (time_wound)
          words = words//'torsional spring '//to_text(study%loop)//' is turned past half a turn from SFREE'
+      case (time_crowded)
+         words = words//'more events than NEVENT'
       end select
    end function ending_words
 
@@ -92,9 +97,30 @@ contains
          end do
          call text%add(line)
       end do
+      if (size(study%events) > 0) call list_events()
       if (study%ended /= time_done) call text%add(' THE MOTION '//upper_case(ending_words(mechanism, study)))
 
    contains
+
+      !> Impacts, and when joints rest on their stops and leave them.
+      subroutine list_events()
+         type(number_format_t) :: formats(3)
+         integer :: e
+
+         formats(1) = format_of(set%has_names(), study%events%before)
+         formats(2) = format_of(set%has_names(), study%events%after)
+         formats(3) = format_of(set%has_names(), study%events%impulse)
+         call text%add()
+         call text%add(' EVENTS: SECONDS, RADIANS OR LENGTHS A SECOND, NEWTON METRE SECONDS OR NEWTON SECONDS')
+         call text%add('           TIME         BEFORE          AFTER        IMPULSE   EVENT')
+         do e = 1, size(study%events)
+            associate (event => study%events(e))
+               call text%add(general(event%time)//figure(event%before, formats(1))//figure(event%after, formats(2))// &
+                             figure(event%impulse, formats(3))//'   '//upper_case(trim(event_words(event%kind)))//' '// &
+                             trim(study%stop_names(event%stop)))
+            end associate
+         end do
+      end subroutine list_events
 
       !> Of several drives with the name of each.
       function heading(word, drive) result(head)
@@ -124,7 +150,7 @@ contains
       type(time_study_t), intent(in) :: study
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
-      character(:), allocatable :: name
+      character(:), allocatable :: name, words(:), stops(:)
       logical :: known(size(study%time), 0:rates_shown)
       integer :: d, o, c
 
@@ -164,10 +190,28 @@ contains
          end associate
       end if
       call add_forces(study%forces, table)
+      do c = 1, size(study%stops, 2)
+         call table%add('stop.'//trim(study%stop_names(c)), study%stops(:, c), merge('N  ', 'N m', study%stop_slides(c)))
+      end do
       call table%add('potential', study%potential, 'J')
       call table%add('lost', study%lost, 'J')
       call table%add('work', study%work, 'J')
       call table%add('balance', study%balance, 'J')
+      call tables%put(table)
+      if (size(study%stops, 2) == 0) return
+      table = table_of(event_block, 'a row for each event of the motion in time', notes=set%title//nl//'angles in radians')
+      call table%add('time', study%events%time, 's')
+      allocate (character(len(event_words)) :: words(size(study%events)))
+      allocate (character(len(study%stop_names)) :: stops(size(study%events)))
+      do c = 1, size(study%events)
+         words(c) = event_words(study%events(c)%kind)
+         stops(c) = study%stop_names(study%events(c)%stop)
+      end do
+      call table%add('event', words)
+      call table%add('stop', stops)
+      call table%add('before', study%events%before, 'rad/s, length/s')
+      call table%add('after', study%events%after, 'rad/s, length/s')
+      call table%add('impulse', study%events%impulse, 'N m s, N s')
       call tables%put(table)
    end subroutine put_time
 
@@ -177,7 +221,7 @@ contains
       type(time_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
       character(:), allocatable :: words
-      integer :: d, at
+      integer :: d, at, stop, first, rests
 
       words = '0 to '//plain_number(study%stopped)//' s in '//to_text(study%steps)//' steps'
       if (study%turnover > 0.0_wp) words = words//'; energy in balance to '//plain_number(remainder(study)/study%turnover)
@@ -191,6 +235,19 @@ contains
                  ' at '//plain_number(study%time(at))//' s'
          if (size(study%free) > 1) words = trim(study%forces%drives(d))//' '//words
          call add_line('Greatest speed', words, text)
+      end do
+      do stop = 1, size(study%stop_names)
+         first = findloc(study%events%stop == stop .and. study%events%kind == event_impact, .true., dim=1)
+         rests = findloc(study%events%stop == stop .and. study%events%kind == event_rest, .true., dim=1, back=.true.)
+         words = ''
+         if (first > 0) words = 'hit first at '//plain_number(study%events(first)%time)//' s'
+         if (rests > 0) then
+            if (len(words) > 0) words = words//', '
+            words = words//'rests from '//plain_number(study%events(rests)%time)//' s'
+            at = findloc(study%events%stop == stop .and. study%events%kind == event_lift, .true., dim=1, back=.true.)
+            if (at > rests) words = words//' to '//plain_number(study%events(at)%time)//' s'
+         end if
+         if (len(words) > 0) call add_line('Stop '//trim(study%stop_names(stop)), words, text)
       end do
    end subroutine summarise_time
 end module psalm_time_list

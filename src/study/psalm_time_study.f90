@@ -5,10 +5,12 @@ module psalm_time_study
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
    use psalm_force_analysis, only: column_moment, column_drive, column_of_other_drive
-   use psalm_force_model, only: vertices_of
+   use psalm_force_model, only: moving_pair, vertices_of
    use psalm_force_study, only: force_study_t
    use psalm_free_motion, only: free_state_t, make_free_motion
+   use psalm_joint_stops, only: joint_stop_t, make_stops
    use psalm_kinds, only: wp, degrees_per_radian
+   use psalm_mechanism, only: mechanism_t
    use psalm_moving_joints, only: sketch_motion_t
    use psalm_motor_group, only: motor_group_t, motor_of
    use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, highest_order
@@ -17,11 +19,13 @@ module psalm_time_study
    use psalm_sketch_study, only: sketch_study_t
    use psalm_status, only: diagnostics_t
    use psalm_time_group, only: time_group_t, time_of
-   use psalm_time_motion, only: time_motion_t, begin_motion
+   use psalm_stops_group, only: stops_group_t, stops_of
+   use psalm_time_motion, only: time_motion_t, event_t, begin_motion
+   use psalm_text, only: to_text
    implicit none (type, external)
    private
    public :: time_study_t, find_time, check_time
-   public :: time_done, time_open, time_massless, time_collapsed, time_wound
+   public :: time_done, time_open, time_massless, time_collapsed, time_wound, time_crowded
 
    integer, parameter :: rates_shown = 2          !! orders of rates of drives and outputs
 
@@ -30,6 +34,8 @@ module psalm_time_study
    integer, parameter :: time_massless = 2        !! the free drives move no mass
    integer, parameter :: time_collapsed = 3       !! no step keeps the tolerance
    integer, parameter :: time_wound = 4           !! a torsional spring is turned past half a turn of SFREE
+
+   integer, parameter :: time_crowded = 5         !! more events than NEVENT
 
    !> The motion at the times that were asked for, up to where it ended.
    type :: time_study_t
@@ -46,25 +52,40 @@ module psalm_time_study
       type(force_study_t) :: forces               !! as those of positions
       real(wp), allocatable :: potential(:)       !! shape (rows): of weight and springs, J
       real(wp), allocatable :: work(:)            !! put in by loads, motor and drives that are not free, J
-      real(wp), allocatable :: lost(:)            !! in dampers, J
+      real(wp), allocatable :: lost(:)            !! in dampers and impacts, J
       real(wp), allocatable :: balance(:)         !! kinetic + potential - work + lost, less that at time 0, J
+      character(:), allocatable :: stop_names(:)
+      logical, allocatable :: stop_slides(:)      !! by stop
+      real(wp), allocatable :: stops(:, :)        !! shape (rows, stops): their forces, N m or N, forwards
+      type(event_t), allocatable :: events(:)
       real(wp) :: turnover = 0.0_wp               !! largest of these energies, J
    end type time_study_t
 
 contains
 
    !> What a case with TIME cannot have, or needs. Errors only.
-   subroutine check_time(set, findings)
+   subroutine check_time(set, mechanism, findings)
       type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
       type(diagnostics_t), intent(inout) :: findings
       type(time_group_t) :: time
       type(motor_group_t) :: motor
+      type(stops_group_t) :: stops
+      integer :: k, joint, bodies(2)
 
+      if (set%gives('STOPS') .and. .not. set%gives('TIME')) call set%origins%error(findings, 'STOPS', '', 'stops are for '// &
+         'motion in time; give &TIME too')
       if (.not. set%gives('TIME')) return
       time = time_of(set)
       if (.not. set%masses%given) call set%origins%error(findings, 'TIME', '', 'motion in time needs masses: give &MASSES')
       if (set%friction%given) call set%origins%error(findings, 'FRICTN', '', 'motion in time has no friction of joints; '// &
                                                     'leave &FRICTN or &TIME out')
+      stops = stops_of(set)
+      do k = 1, size(stops%joints)
+         call moving_pair(set, mechanism, stops%joints(k), joint, bodies)
+         if (joint == 0) call set%origins%error(findings, 'STOPS', set%link_item('ST'), 'entry '//to_text(k)//': there is no '// &
+                                                'joint at this end of the arc', k)
+      end do
       if (set%gives('MOTOR')) then
          motor = motor_of(set)
          if (motor%turns > 0) call set%origins%error(findings, 'MOTOR', 'NTURN', 'with &TIME the run-up is the '// &
@@ -114,6 +135,8 @@ contains
       type(rates_t), allocatable :: rates
       type(sketch_motion_t) :: sketch
       type(time_group_t) :: time
+      type(stops_group_t) :: named
+      type(joint_stop_t), allocatable :: stops(:)
       type(free_state_t) :: state
       real(wp), allocatable :: start(:), speed(:), accel(:), own(:, :), speeds(:)
       complex(wp), allocatable :: places(:, :, :)
@@ -128,7 +151,7 @@ contains
       study%forces = forces
       drives = size(given%mechanism%actuators)
       call set_motion_up()
-      call begin_motion(speeds, study%end, time%tolerance, moving, valid)
+      call begin_motion(speeds, study%end, time%tolerance, time%events, moving, valid)
       call make_rows(size(time%times))
       row = 0
       if (valid) then
@@ -151,7 +174,9 @@ contains
             study%ended = time_wound
             study%loop = moving%motion%wound
          end if
+         if (moving%crowded) study%ended = time_crowded
       end if
+      study%events = moving%events
       call make_rows(row)
       if (row > 0) study%turnover = max(maxval(abs(study%forces%table%kinetic)), &
                                         maxval(abs(study%potential - study%potential(1))), maxval(abs(study%work)), &
@@ -196,7 +221,11 @@ contains
          end where
          allocate (moving)
          allocate (moving%motion)
-         call make_free_motion(problem, forces%model, motor_of(set), study%free, start, speed, accel, moving%motion)
+         call make_stops(set, problem, stops)
+         call make_free_motion(problem, forces%model, motor_of(set), study%free, start, speed, accel, stops, moving%motion)
+         named = stops_of(set)
+         study%stop_names = named%names
+         study%stop_slides = stops%slides
          allocate (speeds(size(moving%motion%free)), source=0.0_wp)
          do d = 1, size(time%rates)
             if (allocated(time%started)) then
@@ -219,6 +248,7 @@ contains
          if (.not. allocated(study%time)) then
             allocate (study%time(rows), study%potential(rows), study%work(rows), study%lost(rows), study%balance(rows), &
                       source=0.0_wp)
+            allocate (study%stops(rows, size(stops)), source=0.0_wp)
             allocate (study%drives(rows, drives, 0:rates_shown), source=0.0_wp)
             allocate (study%output(rows, given%output%kind%components, 0:rates_shown), source=0.0_wp)
             if (set%has_names()) then
@@ -235,6 +265,7 @@ contains
             study%work = study%work(:rows)
             study%lost = study%lost(:rows)
             study%balance = study%balance(:rows)
+            study%stops = study%stops(:rows, :)
             call keep_orders()
             study%forces%table%value = study%forces%table%value(:rows, :)
             study%forces%table%kinetic = study%forces%table%kinetic(:rows)
@@ -307,6 +338,7 @@ contains
             table%kinetic(row) = state%kinetic
             table%growth(row) = state%growth
             study%potential(row) = state%potential
+            study%stops(row, :) = state%stops
             study%work(row) = moving%work()
             study%lost(row) = moving%lost()
             if (row == 1) first_energy = state%kinetic + state%potential

@@ -9,51 +9,18 @@ accelerations and multipliers from one linear system, SciPy's DOP853. It shares 
 import math
 import os
 import random
-import subprocess
 import sys
-import tempfile
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
-TOP = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
-sys.path.insert(0, os.path.join(TOP, "test", "tools"))
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
 from tally import check, report
+from timed import Kalm, data, near
 
-BIN = os.path.abspath(sys.argv[1])
-FOLDER = tempfile.mkdtemp()
+KALM = Kalm(sys.argv[1])
 MECHANISMS = 30       # random ones, as many of each kind
-
-
-def run(text, want=0):
-    """The table `time` of a case, column by column, and all that kalm said."""
-    path = os.path.join(FOLDER, "case.nml")
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(text)
-    done = subprocess.run([os.path.join(BIN, "kalm"), "--output-dir", FOLDER, path], capture_output=True, text=True, check=False)
-    if done.returncode != want:
-        check(f"exit status {want}; got {done.returncode}: {done.stderr[:300]}", False)
-    if done.returncode > 1:
-        return None, done.stderr
-    with open(os.path.join(FOLDER, "case.kalm.dev9"), encoding="utf-8") as file:
-        lines = file.read().split("# block time\n")[1].splitlines()
-    rows = [[float(word) for word in line.split()] for line in lines if line and not line.startswith("#")]
-    names = lines[0].split()[1:]
-    return dict(zip(names, np.array(rows).reshape(len(rows), len(names)).T)), done.stderr
-
-
-def data(name, *changes):
-    """A case of data/time, with some of its words changed."""
-    with open(os.path.join(TOP, "data", "time", name + ".nml"), encoding="utf-8") as file:
-        text = file.read()
-    for old, new in changes:
-        assert old in text, old
-        text = text.replace(old, new)
-    return text
-
-
-def near(got, want, tolerance, law):
-    check(f"{law}: {got!r} instead of {want!r}", abs(got - want) <= tolerance*max(1.0, abs(want)))
+run = KALM.time
 
 
 # ---- closed forms and published numbers (in 34 digits by quadratures and multipliers; Andrews: IVP test set) -----------------------------------------

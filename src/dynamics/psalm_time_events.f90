@@ -1,0 +1,151 @@
+!> Events in a step of a motion in time: a joint comes to its stop, or leaves it; a table has a kink.
+module psalm_time_events
+   use psalm_free_motion, only: free_motion_t
+   use psalm_joint_stops, only: side_none, side_low, side_high
+   use psalm_kinds, only: wp, full_turn
+   implicit none (type, external)
+   private
+   public :: marks_t, passage_t, crossings_of, value_of
+
+   integer, parameter :: samples = 32                 !! of a step, in which a joint may reach its stop and leave it again
+   real(wp), parameter :: on_kink = 1.0e-11_wp        !! part of the span of a table: so near a kink it is there
+
+   !> What events are known by at a moment.
+   type :: marks_t
+      real(wp), allocatable :: place(:), pace(:), growth(:), push(:) !! by stop, as `free_motion_t` has them
+      real(wp) :: input = 0.0_wp, speed = 0.0_wp      !! of the first drive: degrees or length as tables count them; by time
+   end type marks_t
+
+   !> Something that has a positive value until it happens.
+   type :: passage_t
+      integer :: stop = 0, side = side_none
+      logical :: lifts = .false.                      !! the value is the force of the stop, else the way to it
+      integer :: table = 0                            !! `kink_...`, 0: no table
+      real(wp) :: kink = 0.0_wp, sense = 1.0_wp       !! the value is sense times what is left to the kink
+      real(wp) :: within = 0.0_wp                     !! s: by then its value is negative
+      real(wp) :: at_first = 0.0_wp                   !! value at the beginning of the step
+      logical :: rises = .false.                      !! which is 0 but for rounding
+   end type passage_t
+
+   integer, parameter :: kink_input = 1, kink_speed = 2
+
+contains
+
+   !> Everything that happens in a step, in no order.
+   function crossings_of(motion, before, after, h) result(crossings)
+      type(free_motion_t), intent(in) :: motion
+      type(marks_t), intent(in) :: before, after
+      real(wp), intent(in) :: h                       !! s
+      type(passage_t), allocatable :: crossings(:)
+      type(passage_t) :: one
+      integer :: k, side
+
+      allocate (crossings(0))
+      do k = 1, size(motion%stops)
+         do side = side_low, side_high, side_high - side_low
+            one = passage_t(stop=k, side=side, within=h)
+            if (motion%resting(k) == side) then
+               one%lifts = .true.
+               if (value_of(motion, one, after) < 0.0_wp) call add()
+               exit
+            else if (motion%resting(k) /= side_none) then
+               cycle
+            end if
+            if (limit_of(motion, one) >= huge(1.0_wp)) cycle
+            if (value_of(motion, one, after) >= 0.0_wp) one%within = lowest_within()
+            if (one%within > 0.0_wp) call add()
+         end do
+      end do
+      if (any(motion%loads%loads%table > 0)) call find_kink(motion%model%table_input, .not. motion%slides(1), before%input, &
+                                                            after%input, kink_input)
+      if (motion%driven) call find_kink(motion%motor%speed, .false., before%speed, after%speed, kink_speed)
+
+   contains
+
+      subroutine add()
+         one%at_first = value_of(motion, one, before)
+         one%rises = .not. one%at_first > 0.0_wp
+         crossings = [crossings, one]
+      end subroutine add
+
+      !> Where the way to the stop, a polynomial by places, rates and accelerations at both ends, is negative; 0: nowhere.
+      real(wp) function lowest_within() result(within)
+         real(wp) :: way, least, s, r
+         integer :: i
+
+         within = 0.0_wp
+         least = 0.0_wp
+         do i = 1, samples - 1
+            s = real(i, wp)/real(samples, wp)
+            r = 1.0_wp - s
+            way = r**3*(before%place(k)*(1.0_wp + 3.0_wp*s + 6.0_wp*s**2) + h*before%pace(k)*s*(1.0_wp + 3.0_wp*s) + &
+                        0.5_wp*h**2*before%growth(k)*s**2) + &
+                  s**3*(after%place(k)*(1.0_wp + 3.0_wp*r + 6.0_wp*r**2) - h*after%pace(k)*r*(1.0_wp + 3.0_wp*r) + &
+                        0.5_wp*h**2*after%growth(k)*r**2)
+            way = real(side, wp)*(merge(motion%stops(k)%high, motion%stops(k)%low, side == side_high) - way)
+            if (way >= least) cycle
+            least = way
+            within = s*h
+         end do
+      end function lowest_within
+
+      !> The first row of a table that is passed.
+      subroutine find_kink(rows, turning, from, to, table)
+         real(wp), intent(in) :: rows(:), from, to
+         logical, intent(in) :: turning                !! it goes on round the turn
+         integer, intent(in) :: table
+         real(wp) :: near
+         integer :: i
+
+         if (size(rows) == 0) return
+         near = on_kink*max(maxval(abs(rows)), abs(from), merge(full_turn, 0.0_wp, turning))
+         if (abs(to - from) <= near) return
+         one = passage_t(table=table, kink=huge(1.0_wp), sense=sign(1.0_wp, to - from), within=h)
+         do i = 1, size(rows)
+            one%kink = min(one%kink, next_above(one%sense*rows(i), one%sense*from + near, turning))
+         end do
+         if (one%kink >= one%sense*to) return
+         one%kink = one%sense*one%kink
+         call add()
+      end subroutine find_kink
+   end function crossings_of
+
+   !> The least of a row of a table and, round the turn, its repetitions that is above a value; huge: there is none.
+   pure real(wp) function next_above(row, value, turning)
+      real(wp), intent(in) :: row, value
+      logical, intent(in) :: turning
+
+      next_above = row
+      if (turning) then
+         next_above = row + full_turn*real(floor((value - row)/full_turn) + 1, wp)
+      else if (row <= value) then
+         next_above = huge(1.0_wp)
+      end if
+   end function next_above
+
+   !> What is positive until something happens.
+   pure real(wp) function value_of(motion, crossing, marks)
+      type(free_motion_t), intent(in) :: motion
+      type(passage_t), intent(in) :: crossing
+      type(marks_t), intent(in) :: marks
+
+      if (crossing%table == kink_input) then
+         value_of = crossing%sense*(crossing%kink - marks%input)
+      else if (crossing%table == kink_speed) then
+         value_of = crossing%sense*(crossing%kink - marks%speed)
+      else if (crossing%lifts) then
+         value_of = -real(crossing%side, wp)*marks%push(crossing%stop)
+      else
+         value_of = limit_of(motion, crossing) - real(crossing%side, wp)*marks%place(crossing%stop)
+      end if
+   end function value_of
+
+   !> Place of a stop, times its side: huge where there is none.
+   pure real(wp) function limit_of(motion, crossing)
+      type(free_motion_t), intent(in) :: motion
+      type(passage_t), intent(in) :: crossing
+
+      limit_of = motion%stops(crossing%stop)%high
+      if (crossing%side == side_low) limit_of = -motion%stops(crossing%stop)%low
+   end function limit_of
+end module psalm_time_events

@@ -1,0 +1,117 @@
+!> Joints with stops: how far each has turned or slid, how fast, and the force of a stop.
+module psalm_joint_stops
+   use psalm_angles, only: degrees_of, nearest_difference
+   use psalm_data_set, only: data_set_t
+   use psalm_error, only: problem_t
+   use psalm_force_model, only: force_model_t, moving_pair
+   use psalm_kinds, only: wp, degrees_per_radian, radians_per_degree
+   use psalm_kinetostatics, only: forces_t, grip_joint
+   use psalm_linkage, only: padded
+   use psalm_mechanism, only: at_start, joint_prismatic
+   use psalm_rates, only: rates_t
+   use psalm_stops_group, only: stops_group_t, stops_of, no_stop
+   implicit none (type, external)
+   private
+   public :: joint_stop_t, make_stops, place_at, rate_at, press
+   public :: side_none, side_low, side_high
+
+   integer, parameter :: side_none = 0, side_low = -1, side_high = 1
+
+   !> A joint that has a stop on one side or on both. Places and forces count along the motion of the second body in the first:
+   !> radians and N m, or user's lengths and N.
+   type :: joint_stop_t
+      integer :: entry = 0                  !! of the group; 0: its joint is not there
+      integer :: joint = 0, bodies(2) = 0
+      logical :: slides = .false.
+      integer :: slot = 0                   !! of a slide: its varying length,
+      real(wp) :: growth = 1.0_wp           !! whose rate times this is the rate that counts,
+      real(wp) :: slip = 1.0_wp             !! and this times that the speed of the second body along the joint's arc
+      real(wp) :: low = -no_stop, high = no_stop !! from time 0
+      real(wp) :: restitution = 0.0_wp
+      real(wp) :: zero = 0.0_wp             !! place at time 0
+   end type joint_stop_t
+
+contains
+
+   !> The stops of a case; `entry` is 0 where there is no joint at the end of the arc.
+   subroutine make_stops(set, problem, stops)
+      type(data_set_t), intent(in) :: set
+      class(problem_t), intent(in) :: problem
+      type(joint_stop_t), allocatable, intent(out) :: stops(:)
+      type(stops_group_t) :: group
+      real(wp) :: unit, sense
+      integer :: k, n
+
+      group = stops_of(set)
+      allocate (stops(size(group%joints)))
+      do k = 1, size(stops)
+         associate (stop => stops(k), mechanism => problem%mechanism)
+            call moving_pair(set, mechanism, group%joints(k), stop%joint, stop%bodies)
+            if (stop%joint == 0) cycle
+            stop%entry = k
+            stop%restitution = group%restitution(k)
+            stop%slides = mechanism%joints(stop%joint)%kind == joint_prismatic
+            unit = merge(1.0_wp, radians_per_degree, stop%slides)
+            if (group%low(k) > -no_stop) stop%low = unit*group%low(k)
+            if (group%high(k) < no_stop) stop%high = unit*group%high(k)
+            if (.not. stop%slides) cycle
+            n = mechanism%joints(stop%joint)%slide
+            stop%slot = problem%plan%length_slot(n)
+            sense = 1.0_wp
+            if (mechanism%arcs(n)%foot /= at_start) sense = -sense
+            if (mechanism%joints(stop%joint)%bodies(2) /= mechanism%arcs(n)%body) sense = -sense
+            if (group%joints(k)%slide > 0) stop%growth = set%traced%travels(group%joints(k)%slide)%sense
+            stop%slip = sense*stop%growth
+         end associate
+      end do
+   end subroutine make_stops
+
+   !> Place of a joint at the position just solved, whose bodies have been moved: radians, the nearest to `near`, or user's length.
+   real(wp) function place_at(problem, forces, stop, near)
+      type(problem_t), intent(in) :: problem
+      type(forces_t), intent(in) :: forces
+      type(joint_stop_t), intent(in) :: stop
+      real(wp), intent(in) :: near
+      real(wp) :: c, s
+
+      if (stop%slides) then
+         place_at = stop%growth*problem%linkage%store%v(1, problem%linkage%slide(stop%slot))/forces%unit
+         return
+      end if
+      associate (a => forces%bodies(stop%bodies(1)), b => forces%bodies(stop%bodies(2)), w => forces%w%v)
+         c = w(1, a%ex)*w(1, b%ex) + w(1, a%ey)*w(1, b%ey)
+         s = w(1, a%ex)*w(1, b%ey) - w(1, a%ey)*w(1, b%ex)
+      end associate
+      place_at = near + radians_per_degree*nearest_difference(degrees_of(c, s), near*degrees_per_radian)
+   end function place_at
+
+   !> Its rate, or with order 2 its acceleration, for the rates and accelerations of the drives that were put in.
+   real(wp) function rate_at(problem, rates, forces, stop, order)
+      type(problem_t), intent(in) :: problem
+      type(rates_t), intent(in) :: rates
+      type(forces_t), intent(in) :: forces
+      type(joint_stop_t), intent(in) :: stop
+      integer, intent(in) :: order
+
+      associate (a => forces%bodies(stop%bodies(1)), b => forces%bodies(stop%bodies(2)), w => forces%w%v)
+         if (stop%slides) then
+            rate_at = stop%growth*rates%d(order)%v(1, problem%linkage%slide(stop%slot))/forces%unit
+         else if (order == 1) then
+            rate_at = w(1, b%w) - w(1, a%w)
+         else
+            rate_at = w(1, b%al) - w(1, a%al)
+         end if
+      end associate
+   end function rate_at
+
+   !> Put the force of a stop on the bodies.
+   subroutine press(problem, model, stop, force, forces)
+      type(problem_t), intent(in) :: problem
+      type(force_model_t), intent(in) :: model
+      type(joint_stop_t), intent(in) :: stop
+      real(wp), intent(in) :: force         !! N m or N, positive: forwards
+      type(forces_t), intent(inout) :: forces
+
+      call grip_joint(problem, model, stop%joint, stop%bodies, padded(1), spread(stop%slip*force, 1, padded(1)), forces)
+   end subroutine press
+end module psalm_joint_stops
