@@ -148,6 +148,9 @@ def build(work):
     done = run(["gfortran", "-O3", "-march=native", "-J", work, os.path.join(bench, "yardstick", "naive.f90"), "-o",
                 os.path.join(work, "naive")])
     tally.check("builds: bench/yardstick/naive.f90", done.returncode == 0, done.stderr[:600])
+    done = run(["gfortran", "-O3", "-march=native", "-ffp-contract=off", "-J", work,
+                os.path.join(bench, "yardstick", "without_division.f90"), "-o", os.path.join(work, "without_division")])
+    tally.check("builds: bench/yardstick/without_division.f90", done.returncode == 0, done.stderr[:600])
     return programs
 
 
@@ -165,7 +168,7 @@ def runs(work, programs):
              [programs["rivals"], "0.1", os.path.join(data, "paths", "ten10.nml"), "1.0"],
              [os.path.join(bench, "speed.py"), os.path.abspath(sys.argv[1]), programs["bench"], "--short"],
              [programs["exact"], "short"], [os.path.join(work, "limit"), "dump", "auto", "180", dump],
-             [os.path.join(work, "naive"), "dump", "one_loop", "180", dump]]
+             [os.path.join(work, "naive"), "dump", "one_loop", "180", dump], [os.path.join(work, "without_division"), "short"]]
     for task in tasks:
         words = " ".join([os.path.basename(task[0]), *(w for w in task[1:] if not w.startswith("/"))])
         if not os.path.exists(task[0]):
