@@ -99,11 +99,11 @@ contains
          allocate (task%timing%t(n), source=0.0_wp)
          allocate (low(unknowns + 1 + n), high(unknowns + 1 + n))
          low(:shape_g - 1) = -reach
-         low(shape_g:unknowns) = [-widest(1), 0.0_wp, -widest(3)]
+         low(shape_g:unknowns) = real([-widest(1), 0.0_wp, -widest(3)], c_double)
          low(unknowns + 1:) = 0.0_wp
          high(:shape_g - 1) = reach
-         high(shape_g:unknowns) = widest
-         high(unknowns + 1) = full_turn/degrees_per_radian
+         high(shape_g:unknowns) = real(widest, c_double)
+         high(unknowns + 1) = real(full_turn/degrees_per_radian, c_double)
          high(unknowns + 2:) = 1.0_wp
       end associate
       call cpu_time(task%begun)
@@ -112,7 +112,7 @@ contains
       do
          round = round + 1
          ! not the middle: there ground and crank are equal
-         x = low + begin*(high - low)
+         x = low + real(begin, c_double)*(high - low)
          call task%optimiser%open(find_solver(name), size(x), seed + ways*(round - 1), valid)
          if (valid) call task%optimiser%set_bounds(low, high, valid)
          call task%optimiser%set_limits(1.0e-9_c_double, 1.0e-9_c_double, huge(1))
@@ -170,7 +170,7 @@ contains
             by_input(k) = 2.0_wp*dot(timing%w1*cmplx(-aimag(room%e(k)), real(room%e(k), wp), wp) + timing%w2*room%turn(k), miss)
          end do
          call find_violations(path, timing, 0.0_wp, count, amount, rows)
-         objective = error + weight*sum(amount(:count)**2)
+         objective = real(error + weight*sum(amount(:count)**2), c_double)
          if (error < task%best .and. all(amount(:count) <= kept)) then
             task%best = error
             if (error <= task%goal .and. task%reached < 0.0_wp) then
@@ -183,12 +183,12 @@ contains
             do k = 1, count
                by = by + 2.0_wp*weight*amount(k)*rows(:, k)
             end do
-            slope(:unknowns) = by
-            slope(unknowns + 1) = sum(by_input)
+            slope(:unknowns) = real(by, c_double)
+            slope(unknowns + 1) = real(sum(by_input), c_double)
             ! a share moves the inputs behind it, and all of them by being part of the sum
             turned = sum(by_input*(timing%t - timing%t(1)))/degrees_per_radian
             do k = 1, path%n
-               slope(unknowns + 1 + k) = (full_turn/degrees_per_radian*sum(by_input(k + 1:)) - turned)/shares
+               slope(unknowns + 1 + k) = real((full_turn/degrees_per_radian*sum(by_input(k + 1:)) - turned)/shares, c_double)
             end do
          end if
       end associate

@@ -4,6 +4,7 @@
 !> line, group and item. The scanner in `psalm_namelist` fills the groups. Values and their characters lie in one row each,
 !> so that a group of a million values is read, copied and written in time linear in its size.
 module psalm_group
+   use, intrinsic :: iso_fortran_env, only: int64
    use psalm_kinds, only: wp
    use psalm_number, only: parse_integer, parse_real
    use psalm_origin, only: origins_t, name_length
@@ -140,13 +141,19 @@ contains
    pure subroutine know(self, name)
       class(group_t), intent(inout) :: self
       character(*), intent(in) :: name
+      integer, parameter :: compared = 8         ! characters that one number holds; few names begin with the same
+      character(name_length) :: wanted
+      integer(int64) :: bits
       integer :: i
 
+      ! each item of each group is looked up, and a comparison of texts is a call
+      wanted = name
+      bits = transfer(wanted(:compared), bits)
       do i = 1, size(self%known)
-         if (self%known(i)(1:1) /= name(1:1)) cycle
-         if (self%known(i) == name) return
+         if (transfer(self%known(i)(:compared), bits) /= bits) cycle
+         if (self%known(i) == wanted) return
       end do
-      self%known = [character(name_length) :: self%known, padded(name)]
+      self%known = [character(name_length) :: self%known, wanted]
    end subroutine know
 
    !> Append a value to the item read last.
@@ -696,13 +703,6 @@ contains
       if (digits_of_whole < 1) digits_of_whole = len(text)
       if (verify(text(digits_of_whole + 2:), '0') > 0) digits_of_whole = len(text)
    end function digits_of_whole
-
-   pure function padded(name)
-      character(*), intent(in) :: name
-      character(name_length) :: padded
-
-      padded = name
-   end function padded
 
    !> Report entries that are neither 0 nor 1.
    subroutine check_flags(group, name, values, findings)

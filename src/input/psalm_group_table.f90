@@ -57,8 +57,14 @@ contains
    pure logical function program_reads(program, group)
       character(*), intent(in) :: program, group  !! `program` may be `everything`
 
-      program_reads = index(' '//trim(program_of(group))//' ', ' '//trim(program)//' ') > 0
-      if (program == everything) program_reads = len_trim(program_of(group)) > 0
+      character(programs_length) :: programs
+
+      programs = program_of(group)
+      if (program == everything) then
+         program_reads = len_trim(programs) > 0
+      else
+         program_reads = index(' '//trim(programs)//' ', ' '//trim(program)//' ') > 0
+      end if
    end function program_reads
 
    !> The programs that read the group; blank if none does.

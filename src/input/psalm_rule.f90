@@ -3,11 +3,12 @@
 !> Every group of items has a table of these beside its reader. From it come the default and the judgement of each value, the
 !> names that may have been meant, `--items`, the schema of a case as JSON and the tables of the manual.
 module psalm_rule
+   use, intrinsic :: iso_fortran_env, only: int64
    use psalm_kinds, only: wp
    use psalm_number, only: parse_real
    implicit none (type, external)
    private
-   public :: rule_t, limits_t, rule_of, word_of, word_count, one_of, limits_of
+   public :: rule_t, limits_t, rule_of, word_of, word_count, word_number, one_of, limits_of
    public :: a_flag, a_whole, a_number, a_word, a_text, required_word, any_number
 
    integer, parameter :: a_flag = 1     !! 0 or 1
@@ -49,12 +50,19 @@ contains
    pure integer function rule_of(rules, name)
       type(rule_t), intent(in) :: rules(:)
       character(*), intent(in) :: name
+      character(len(rules%name)) :: padded
+      integer(int64) :: bits
       integer :: length
 
-      ! nearly all differ in the first character, and a comparison of texts is a call: each item of each group is looked up
+      ! each item of each group is looked up, and a comparison of texts is a call: eight characters are compared as one number
+      if (len_trim(name) <= len(padded)) then
+         padded = name
+         bits = transfer(padded, bits)
+         do rule_of = 1, size(rules)
+            if (transfer(rules(rule_of)%name, bits) == bits) return
+         end do
+      end if
       do rule_of = 1, size(rules)
-         if (rules(rule_of)%name(1:1) /= name(1:1)) cycle
-         if (rules(rule_of)%name == name) return
          length = index(rules(rule_of)%name, any_number) - 1
          if (length < 1 .or. len_trim(name) <= length) cycle
          if (name(:length) == rules(rule_of)%name(:length) .and. number_in_name(name, length) > 0) return
@@ -121,6 +129,32 @@ contains
       end do
       word = text(first:last)
    end function word_of
+
+   !> Which word of a text a word is; 0: none.
+   pure integer function word_number(text, word)
+      character(*), intent(in) :: text, word
+      integer :: first, last, k
+
+      word_number = 0
+      last = 0
+      do k = 1, len(text)
+         first = last + 1
+         do while (first <= len(text))
+            if (text(first:first) /= ' ') exit
+            first = first + 1
+         end do
+         if (first > len(text)) return
+         last = first
+         do while (last < len(text))
+            if (text(last + 1:last + 1) == ' ') exit
+            last = last + 1
+         end do
+         if (text(first:last) == word) then
+            word_number = k
+            return
+         end if
+      end do
+   end function word_number
 
    !> The words that may stand, for a message: `'RMS' or 'PEAK'`, `one of 'POINT', 'BODY', 'DISC'`.
    pure function one_of(words) result(text)

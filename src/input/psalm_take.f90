@@ -3,7 +3,8 @@ module psalm_take
    use psalm_group, only: group_t, out_of, required
    use psalm_kinds, only: wp
    use psalm_number, only: parse_integer, parse_real
-   use psalm_rule, only: rule_t, limits_t, rule_of, word_of, word_count, one_of, limits_of, a_flag, a_word, required_word
+   use psalm_rule, only: rule_t, limits_t, rule_of, word_of, word_count, word_number, one_of, limits_of, a_flag, a_word, &
+                         required_word
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
    implicit none (type, external)
@@ -25,29 +26,27 @@ contains
       integer, intent(inout) :: value
       type(diagnostics_t), intent(inout) :: findings
       type(rule_t) :: rule
-      character(:), allocatable :: reason, word, possible
-      integer :: found, k
+      character(:), allocatable :: reason, word
+      integer :: found
       logical :: valid
 
       rule = rule_for(group, name)
       if (rule%kind == a_word) then
-         word = trim(rule%default)
+         word = rule%default(:len_trim(rule%default))
+         found = word_number(rule%values, word)
+         if (found > 0) value = found
          call group%get_word(name, word, findings)
-         found = 0
-         do k = 1, word_count(rule%values)
-            possible = word_of(rule%values, k)
-            if (possible == rule%default) value = k
-            if (possible == word) found = k
-         end do
+         if (.not. group%given(name)) return
+         found = word_number(rule%values, word)
          if (found > 0) then
             value = found
-         else if (group%given(name)) then
+         else
             call out_of(group, name, complaint_about(rule, one_of(rule%values)//' is expected')//"; found '"//word//"'", &
                         findings)
          end if
          return
       end if
-      call parse_integer(trim(rule%default), found, valid, reason)
+      call whole_default(rule, found, valid)
       if (valid) value = found
       call group%get_integer(name, value, findings)
       call require(group, rule)
@@ -79,12 +78,11 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       type(rule_t) :: rule
       type(limits_t) :: limits
-      character(:), allocatable :: reason
       real(wp) :: default
       logical :: valid
 
       rule = rule_for(group, name)
-      call parse_real(trim(rule%default), default, valid, reason)
+      call number_default(rule, default, valid)
       if (valid) value = default
       call group%get_real(name, value, findings)
       call require(group, rule)
@@ -108,7 +106,7 @@ contains
       logical :: valid
 
       rule = rule_for(group, name)
-      call parse_integer(trim(rule%default), default, valid, reason)
+      call whole_default(rule, default, valid)
       if (valid) values = default
       call read_columns(rule, columns)
       call group%get_integers(name, values, findings, columns, last=last)
@@ -134,14 +132,13 @@ contains
       logical, intent(in), optional :: repeated
       type(rule_t) :: rule
       type(limits_t) :: limits
-      character(:), allocatable :: reason
       real(wp) :: default
       integer, allocatable :: columns
       integer :: highest, k
       logical :: valid
 
       rule = rule_for(group, name)
-      call parse_real(trim(rule%default), default, valid, reason)
+      call number_default(rule, default, valid)
       if (valid) values = default
       call read_columns(rule, columns)
       call group%get_reals(name, values, findings, columns, last=highest)
@@ -195,16 +192,50 @@ contains
       rule = group%rules(rule_of(group%rules, name))
    end function rule_for
 
+   !> The default of an integer; not valid where it is none.
+   pure subroutine whole_default(rule, value, valid)
+      type(rule_t), intent(in) :: rule
+      integer, intent(out) :: value
+      logical, intent(out) :: valid
+      character(:), allocatable :: reason
+
+      value = 0
+      valid = is_figure(rule%default(1:1))
+      if (valid) call parse_integer(rule%default(:len_trim(rule%default)), value, valid, reason)
+   end subroutine whole_default
+
+   !> The default of a real; not valid where it is none.
+   pure subroutine number_default(rule, value, valid)
+      type(rule_t), intent(in) :: rule
+      real(wp), intent(out) :: value
+      logical, intent(out) :: valid
+      character(:), allocatable :: reason
+
+      value = 0.0_wp
+      valid = is_figure(rule%default(1:1))
+      if (valid) call parse_real(rule%default(:len_trim(rule%default)), value, valid, reason)
+   end subroutine number_default
+
+   !> True for a character that may begin a number; words and blanks, which many defaults are, need not be parsed.
+   pure logical function is_figure(first)
+      character, intent(in) :: first
+
+      is_figure = (first >= '0' .and. first <= '9') .or. first == '-' .or. first == '+' .or. first == '.'
+   end function is_figure
+
    !> The length of a row of an array; not allocated unless the table says it.
    pure subroutine read_columns(rule, columns)
       type(rule_t), intent(in) :: rule
       integer, allocatable, intent(out) :: columns
       character(:), allocatable :: reason
       logical :: valid
-      integer :: number
+      integer :: number, star
 
-      if (index(rule%shape, '*') == 0) return
-      call parse_integer(trim(rule%shape(index(rule%shape, '*') + 1:)), number, valid, reason)
+      do star = 1, len(rule%shape)
+         if (rule%shape(star:star) == '*') exit
+      end do
+      if (star > len(rule%shape)) return
+      call parse_integer(trim(rule%shape(star + 1:)), number, valid, reason)
       if (valid) columns = number
    end subroutine read_columns
 
@@ -213,6 +244,7 @@ contains
       type(group_t), intent(inout) :: group
       type(rule_t), intent(in) :: rule
 
+      if (rule%default(1:1) /= 'r') return             ! `required` begins with it: a comparison of texts is a call
       if (rule%default /= required_word .or. group%given(trim(rule%name))) return
       call required(group, trim(rule%name), 'missing; this item is required: '// &
                     trim(rule%meaning(:scan(trim(rule%meaning)//';', ';:') - 1)))

@@ -1,9 +1,11 @@
-"""Everything under bench/ compiles, in both kinds of reals, and every benchmark runs; what makes start values compiles, too.
+"""Everything under bench/ compiles, in all kinds of reals, and every benchmark runs; what makes start values compiles, too.
 
 The Fortran programs are built with the release library, warnings are errors; in real32 the syntax is checked, of them and of the
 modules that they use. Each benchmark runs on its smallest task, once: that it runs is tested, not what it measures.
+With --real128 their syntax is checked in real128, and nothing else; MODULES are those of a library in real128 (`build_kind` of
+scripts/setup). Modules that it has not are checked, too.
 
-usage: benches.py PROGRAM_DIRECTORY. Last line: N passed, N failed, N skipped.
+usage: benches.py PROGRAM_DIRECTORY | benches.py --real128 MODULES. Last line: N passed, N failed, N skipped.
 """
 import concurrent.futures
 import glob
@@ -18,6 +20,7 @@ import tally
 
 top = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 bench = os.path.join(top, "bench")
+in_real128 = sys.argv[1] == "--real128"
 prefix = os.path.dirname(os.path.abspath(sys.argv[1]))
 library = os.path.join(prefix, "lib", "libpsalm.a")
 warnings = ["-std=f2018", "-Wall", "-Wextra", "-Wimplicit-interface", "-Wconversion", "-Werror", "-Wno-compare-reals",
@@ -63,19 +66,23 @@ def in_order(modules, wanted):
     return order
 
 
-def check_in_real32(work):
-    """Syntax and kinds of the benchmark in real32; the modules of src/ and generated/ that it uses come before it."""
+def check_in_kind(kind, work, there=()):
+    """Syntax and kinds of the benchmark in a kind of reals; the modules of src/ and generated/ that it uses come before it.
+
+    `there`: directories in which modules are that need not be checked.
+    """
     sources = [p for folder in ("src", "generated") for p in glob.glob(os.path.join(top, folder, "**", "*.[fF]90"), recursive=True)]
     own = modules_of(glob.glob(os.path.join(bench, "src", "*.f90")) + glob.glob(os.path.join(bench, "app", "*.f90")))
     modules = modules_of(sources)
     modules.update(own)
-    waiting = in_order(modules, own)
-    made, bad = set(), set()
+    made = {n for n in modules if any(os.path.exists(os.path.join(d, n + ".mod")) for d in there)}
+    waiting = [n for n in in_order(modules, own) if n not in made]
+    bad = set()
 
     def check(name):
         path = modules[name][0]
-        return name, run(["gfortran", "-cpp", "-DREAL32", "-fsyntax-only", "-fopenmp", *(warnings if name in own else ["-w"]),
-                          "-J", work, "-I", os.path.dirname(path), path])
+        return name, run(["gfortran", "-cpp", "-D" + kind.upper(), "-fsyntax-only", "-fopenmp", *(warnings if name in own else ["-w"]),
+                          "-J", work, "-I", os.path.dirname(path), *("-I" + d for d in there), path])
 
     # every module as soon as those that it uses are there
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
@@ -90,8 +97,8 @@ def check_in_real32(work):
                 if result.returncode != 0:
                     bad.add(name)
                 if name in own:
-                    tally.check("real32: %s" % name, result.returncode == 0, result.stderr[:600])
-    tally.check("real32: every module that the benchmarks use", not bad - set(own), sorted(bad))
+                    tally.check("%s: %s" % (kind, name), result.returncode == 0, result.stderr[:600])
+    tally.check("%s: every module that the benchmarks use" % kind, not bad - set(own), sorted(bad))
 
 
 def build(work):
@@ -141,6 +148,9 @@ def build(work):
     done = run(["gfortran", "-O3", "-march=native", "-J", work, os.path.join(bench, "yardstick", "naive.f90"), "-o",
                 os.path.join(work, "naive")])
     tally.check("builds: bench/yardstick/naive.f90", done.returncode == 0, done.stderr[:600])
+    done = run(["gfortran", "-O3", "-march=native", "-ffp-contract=off", "-J", work,
+                os.path.join(bench, "yardstick", "without_division.f90"), "-o", os.path.join(work, "without_division")])
+    tally.check("builds: bench/yardstick/without_division.f90", done.returncode == 0, done.stderr[:600])
     return programs
 
 
@@ -158,7 +168,7 @@ def runs(work, programs):
              [programs["rivals"], "0.1", os.path.join(data, "paths", "ten10.nml"), "1.0"],
              [os.path.join(bench, "speed.py"), os.path.abspath(sys.argv[1]), programs["bench"], "--short"],
              [programs["exact"], "short"], [os.path.join(work, "limit"), "dump", "auto", "180", dump],
-             [os.path.join(work, "naive"), "dump", "one_loop", "180", dump]]
+             [os.path.join(work, "naive"), "dump", "one_loop", "180", dump], [os.path.join(work, "without_division"), "short"]]
     for task in tasks:
         words = " ".join([os.path.basename(task[0]), *(w for w in task[1:] if not w.startswith("/"))])
         if not os.path.exists(task[0]):
@@ -174,6 +184,9 @@ def runs(work, programs):
 
 def main():
     with tempfile.TemporaryDirectory() as work:
+        if in_real128:
+            check_in_kind("real128", work, [os.path.abspath(sys.argv[2])])
+            return tally.report(skipped)
         for path in glob.glob(os.path.join(bench, "*.py")):
             try:
                 py_compile.compile(path, cfile=os.path.join(work, "compiled"), doraise=True)
@@ -188,7 +201,7 @@ def main():
         single, normal = os.path.join(work, "real32"), os.path.join(work, "default")
         os.mkdir(single)
         os.mkdir(normal)
-        check_in_real32(single)
+        check_in_kind("real32", single)
         runs(normal, build(normal))
     return tally.report(skipped)
 
