@@ -4,7 +4,8 @@
 balm.charts = (() => {
   const HEIGHT = 300;       // pixels of a panel
   const NARROW = 640;       // pixels across, below which panels stand one below the other
-  let canvas, box;
+  const WIDE = 1280;        // pixels across, above which letters grow
+  let canvas, box, u = 1;
 
   function begin() {
     canvas = document.getElementById('charts');
@@ -19,26 +20,27 @@ balm.charts = (() => {
     box.hidden = !list.length;
     if (box.hidden) return;
     const below = box.clientWidth < NARROW;
-    canvas.style.height = (below ? list.length : 1) * HEIGHT + 'px';
+    u = balm.drawing.sizeOf(box.clientWidth / WIDE, Infinity);
+    canvas.style.height = (below ? list.length : 1) * HEIGHT * u + 'px';
     const [w] = panels.fit(canvas), g = canvas.getContext('2d'), across = below ? 1 : list.length, each = w / across;
     g.clearRect(0, 0, w, canvas.clientHeight);
-    g.font = panels.font(1);
+    g.font = panels.font(u);
     list.forEach((panel, i) => {
-      const left = (i % across) * each, top = Math.floor(i / across) * HEIGHT;
-      panel(g, v, { left: left + 64, right: left + each - 16, top, bottom: top + HEIGHT - 40 });
+      const left = (i % across) * each, top = Math.floor(i / across) * HEIGHT * u;
+      panel(g, v, { left: left + 64 * u, right: left + each - 16 * u, top, bottom: top + (HEIGHT - 40) * u });
     });
   }
 
   /** Axes with their ticks below a heading; gives the functions from values to pixels. */
   function axes(g, at, name, across, [x0, x1], [y0, y1], logarithmic) {
     const { pens } = balm.drawing, words = [[name, pens.ink]], room = at.right - at.left;
-    at.top += 6 + panels.headHeight(g, words, room, 1);
+    at.top += 6 * u + panels.headHeight(g, words, room, u);
     const tall = logarithmic ? Math.log10 : (v) => v, low = tall(y0), high = tall(y1);
     const x = (v) => at.left + (v - x0) / (x1 - x0) * room;
     const y = (v) => at.bottom - (tall(v) - low) / (high - low) * (at.bottom - at.top);
-    panels.head(g, words, at.left, at.top - 6, room, 1);
-    panels.grid(g, pens, at, logarithmic ? scales.decades(low, high) : scales.ticks(y0, y1, 6), y, 1);
-    panels.axis(g, pens, at, scales.ticks(x0, x1, 6), x, across, 1);
+    panels.head(g, words, at.left, at.top - 6 * u, room, u);
+    panels.grid(g, pens, at, logarithmic ? scales.decades(low, high) : scales.ticks(y0, y1, 6), y, u);
+    panels.axis(g, pens, at, scales.ticks(x0, x1, 6), x, across, u);
     return [x, y];
   }
 

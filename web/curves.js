@@ -54,8 +54,11 @@ balm.curves = (() => {
     if (c.curves) {
       for (const one of c.curves.slice(0, MOST)) put('position', { name: one.name, size: one.angle ? 360 : c.size,
         lines: [{ label: '', colour: pens.actual, values: one.sweep }], points: [{ colour: pens.actual, marks: marks(one.prescribed) }] });
-      if (c.drives.length > 1) put('position', { name: 'drives, from the drawing', size: 0,
-        lines: c.drives.map((one, i) => ({ label: one.name, colour: linkColour(i), values: one.sweep })) });
+      if (c.drives.length > 1) {
+        const unitOf = (one) => (one.turning ? ', degrees' : ', length'), alike = c.drives.every((one) => one.turning === c.drives[0].turning);
+        put('position', { name: 'drives' + (alike ? unitOf(c.drives[0]) : ',') + ' from the drawing', size: 0,
+          lines: c.drives.map((one, i) => ({ label: one.name + (alike ? '' : unitOf(one)), colour: linkColour(i), values: one.sweep })) });
+      }
     } else if (c.motion === 'point') {
       output('x of ' + called + ', length', 'actual', 'desired', c.band?.[0]);
       output('y of ' + called + ', length', 'actual_y', 'desired_y', c.band?.[1]);
@@ -108,10 +111,10 @@ balm.curves = (() => {
     return list.length > 1 ? [['all', 'all'], ...list] : list;
   }
 
-  /** The group that is shown unasked: all, if there is room; else without the rates. */
+  /** The group that is shown unasked: all, if there is room; else all but the rates; else the output alone. */
   function firstGroup(c) {
-    const list = allPanels(c);
-    return list.length <= ROOM || !list.some((panel) => panel.group === 'rates') ? 'all' : 'usual';
+    const list = allPanels(c), usual = list.filter((panel) => panel.group !== 'rates').length;
+    return list.length <= ROOM ? 'all' : usual <= ROOM ? 'usual' : 'position';
   }
 
   const panelsOf = (c) => allPanels(c).filter(({ group }) => balm.state.group === 'all' || group === balm.state.group ||

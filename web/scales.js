@@ -28,7 +28,8 @@ globalThis.scales = (() => {
       const v = m * 10 ** k;
       if (Math.log10(v) >= low - 1e-9 && Math.log10(v) <= high + 1e-9) list.push(v);
     }
-    return list;
+    // within a part of a decade round numbers are as good, and there are more
+    return list.length < 2 ? ticks(10 ** low, 10 ** high, 4) : list;
   }
 
   /** Ends of an axis for values from low to high on a linkage of the given size; rounding is not magnified. */

@@ -189,6 +189,8 @@ globalThis.results = [];
   check('ticks are two at least', same(scales.ticks(-0.3, 0.9, 1), [0, 0.5]));
   check('ticks of a turn divide it', same(scales.ticks(0, 360, 4, true), [0, 90, 180, 270, 360]));
   check('ticks of a falling input', same(scales.ticks(90, 0, 3, true), [0, 30, 60, 90]));
+  check('decades', same(scales.decades(-1, 3), [0.1, 1, 10, 100, 1000]) && same(scales.decades(0, 1), [1, 2, 5, 10]));
+  check('a part of a decade has round numbers', scales.decades(Math.log10(6e-4), Math.log10(1.05e-3)).length >= 2);
   check('an axis takes its values', same(scales.range(3, 5, 100), [3, 5]));
   check('rounding is not magnified', same(scales.range(-2e-14, 3e-14, 100), [-1, 1]));
   const [low, high] = scales.range(27, 27 + 1e-9, 100);

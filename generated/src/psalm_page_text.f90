@@ -155,6 +155,7 @@ module psalm_page_text
    '  color: inherit;'//nl// &
    '  text-align: left;'//nl// &
    '  text-decoration: underline dotted;'//nl// &
+   '  vertical-align: top;'//nl// &
    '}'//nl// &
    ''//nl// &
    '.keys {'//nl// &
@@ -222,10 +223,10 @@ module psalm_page_text
    '  <label id="chooser" hidden>case <select id="case" aria-label="case shown"></select></label>'//nl// &
    '</header>'//nl// &
    '<main id="stage">'//nl// &
-   '  <figure>'//nl// &
-   '    <canvas id="linkage" role="img" tabindex="0" aria-label="the linkage; drag to move its input"></canvas>'//nl
+   '  <figure>'//nl
 
    character(*), parameter :: part_5 = &
+   '    <canvas id="linkage" role="img" tabindex="0" aria-label="the linkage; drag to move its input"></canvas>'//nl// &
    '    <div id="tip" hidden></div>'//nl// &
    '    <figcaption>'//nl// &
    '      <div id="captions" hidden></div>'//nl// &
@@ -1475,8 +1476,13 @@ module psalm_page_text
    "      for (const one of c.curves.slice(0, MOST)) put('position', { name: one.name, size: one.angle ? 360 : c.size,"//nl// &
    "        lines: [{ label: '', colour: pens.actual, values: one.sweep }], points: [{ colour: pens.actual, marks: marks(on"// &
    "e.prescribed) }] });"//nl// &
-   "      if (c.drives.length > 1) put('position', { name: 'drives, from the drawing', size: 0,"//nl// &
-   '        lines: c.drives.map((one, i) => ({ label: one.name, colour: linkColour(i), values: one.sweep })) });'//nl// &
+   '      if (c.drives.length > 1) {'//nl// &
+   "        const unitOf = (one) => (one.turning ? ', degrees' : ', length'), alike = c.drives.every((one) => one.turning ="// &
+   "== c.drives[0].turning);"//nl// &
+   "        put('position', { name: 'drives' + (alike ? unitOf(c.drives[0]) : ',') + ' from the drawing', size: 0,"//nl// &
+   "          lines: c.drives.map((one, i) => ({ label: one.name + (alike ? '' : unitOf(one)), colour: linkColour(i), value"// &
+   "s: one.sweep })) });"//nl// &
+   '      }'//nl// &
    "    } else if (c.motion === 'point') {"//nl// &
    "      output('x of ' + called + ', length', 'actual', 'desired', c.band?.[0]);"//nl// &
    "      output('y of ' + called + ', length', 'actual_y', 'desired_y', c.band?.[1]);"//nl// &
@@ -1533,10 +1539,10 @@ module psalm_page_text
    "    return list.length > 1 ? [['all', 'all'], ...list] : list;"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** The group that is shown unasked: all, if there is room; else without the rates. */'//nl// &
+   '  /** The group that is shown unasked: all, if there is room; else all but the rates; else the output alone. */'//nl// &
    '  function firstGroup(c) {'//nl// &
-   '    const list = allPanels(c);'//nl// &
-   "    return list.length <= ROOM || !list.some((panel) => panel.group === 'rates') ? 'all' : 'usual';"//nl// &
+   "    const list = allPanels(c), usual = list.filter((panel) => panel.group !== 'rates').length;"//nl// &
+   "    return list.length <= ROOM ? 'all' : usual <= ROOM ? 'usual' : 'position';"//nl// &
    '  }'//nl// &
    ''//nl// &
    "  const panelsOf = (c) => allPanels(c).filter(({ group }) => balm.state.group === 'all' || group === balm.state.group |"// &
@@ -1544,12 +1550,12 @@ module psalm_page_text
    "    balm.state.group === 'usual' && group !== 'rates');"//nl// &
    ''//nl// &
    '  /** Name of a panel and of its lines, each in its colour. */'//nl// &
-   '  const headOf = (panel) => [[panel.name, balm.drawing.pens.ink],'//nl// &
-   '    ...[...panel.lines, ...panel.points].filter((one) => one.label).map((one) => [one.label, one.colour])];'//nl// &
-   ''//nl// &
-   '  /** Everything but the cursor. */'//nl
+   '  const headOf = (panel) => [[panel.name, balm.drawing.pens.ink],'//nl
 
    character(*), parameter :: part_19 = &
+   '    ...[...panel.lines, ...panel.points].filter((one) => one.label).map((one) => [one.label, one.colour])];'//nl// &
+   ''//nl// &
+   '  /** Everything but the cursor. */'//nl// &
    '  function layOut(c) {'//nl// &
    "    const [w, h] = fit(canvas, still), g = still.getContext('2d');"//nl// &
    '    const [from, to] = balm.state.whole ? c.ends : c.range, u = balm.drawing.sizeOf(w / 480, h / 520);'//nl// &
@@ -1649,12 +1655,12 @@ module psalm_page_text
    '      g.globalAlpha = 0.5;'//nl// &
    '      g.beginPath();'//nl// &
    '      for (const [t, v] of sorted) g.lineTo(plot.x(t), panel.y(v));'//nl// &
-   '      g.stroke();'//nl// &
-   '      g.globalAlpha = 1;'//nl// &
-   '    }'//nl// &
-   '    for (const [t, v] of sorted) {'//nl
+   '      g.stroke();'//nl
 
    character(*), parameter :: part_20 = &
+   '      g.globalAlpha = 1;'//nl// &
+   '    }'//nl// &
+   '    for (const [t, v] of sorted) {'//nl// &
    '      g.beginPath();'//nl// &
    '      g.arc(plot.x(t), panel.y(v), 2.6 * plot.u, 0, ROUND);'//nl// &
    '      g.stroke();'//nl// &
@@ -1727,7 +1733,8 @@ module psalm_page_text
    'balm.charts = (() => {'//nl// &
    '  const HEIGHT = 300;       // pixels of a panel'//nl// &
    '  const NARROW = 640;       // pixels across, below which panels stand one below the other'//nl// &
-   '  let canvas, box;'//nl// &
+   '  const WIDE = 1280;        // pixels across, above which letters grow'//nl// &
+   '  let canvas, box, u = 1;'//nl// &
    ''//nl// &
    '  function begin() {'//nl// &
    "    canvas = document.getElementById('charts');"//nl// &
@@ -1742,28 +1749,29 @@ module psalm_page_text
    '    box.hidden = !list.length;'//nl// &
    '    if (box.hidden) return;'//nl// &
    '    const below = box.clientWidth < NARROW;'//nl// &
-   "    canvas.style.height = (below ? list.length : 1) * HEIGHT + 'px';"//nl// &
+   '    u = balm.drawing.sizeOf(box.clientWidth / WIDE, Infinity);'//nl// &
+   "    canvas.style.height = (below ? list.length : 1) * HEIGHT * u + 'px';"//nl// &
    "    const [w] = panels.fit(canvas), g = canvas.getContext('2d'), across = below ? 1 : list.length, each = w / across;"//nl// &
    '    g.clearRect(0, 0, w, canvas.clientHeight);'//nl// &
-   '    g.font = panels.font(1);'//nl// &
+   '    g.font = panels.font(u);'//nl// &
    '    list.forEach((panel, i) => {'//nl// &
-   '      const left = (i % across) * each, top = Math.floor(i / across) * HEIGHT;'//nl// &
-   '      panel(g, v, { left: left + 64, right: left + each - 16, top, bottom: top + HEIGHT - 40 });'//nl// &
-   '    });'//nl// &
+   '      const left = (i % across) * each, top = Math.floor(i / across) * HEIGHT * u;'//nl// &
+   '      panel(g, v, { left: left + 64 * u, right: left + each - 16 * u, top, bottom: top + (HEIGHT - 40) * u });'//nl// &
+   '    });'//nl
+
+   character(*), parameter :: part_21 = &
    '  }'//nl// &
    ''//nl// &
    '  /** Axes with their ticks below a heading; gives the functions from values to pixels. */'//nl// &
    '  function axes(g, at, name, across, [x0, x1], [y0, y1], logarithmic) {'//nl// &
-   '    const { pens } = balm.drawing, words = [[name, pens.ink]], room = at.right - at.left;'//nl
-
-   character(*), parameter :: part_21 = &
-   '    at.top += 6 + panels.headHeight(g, words, room, 1);'//nl// &
+   '    const { pens } = balm.drawing, words = [[name, pens.ink]], room = at.right - at.left;'//nl// &
+   '    at.top += 6 * u + panels.headHeight(g, words, room, u);'//nl// &
    '    const tall = logarithmic ? Math.log10 : (v) => v, low = tall(y0), high = tall(y1);'//nl// &
    '    const x = (v) => at.left + (v - x0) / (x1 - x0) * room;'//nl// &
    '    const y = (v) => at.bottom - (tall(v) - low) / (high - low) * (at.bottom - at.top);'//nl// &
-   '    panels.head(g, words, at.left, at.top - 6, room, 1);'//nl// &
-   '    panels.grid(g, pens, at, logarithmic ? scales.decades(low, high) : scales.ticks(y0, y1, 6), y, 1);'//nl// &
-   '    panels.axis(g, pens, at, scales.ticks(x0, x1, 6), x, across, 1);'//nl// &
+   '    panels.head(g, words, at.left, at.top - 6 * u, room, u);'//nl// &
+   '    panels.grid(g, pens, at, logarithmic ? scales.decades(low, high) : scales.ticks(y0, y1, 6), y, u);'//nl// &
+   '    panels.axis(g, pens, at, scales.ticks(x0, x1, 6), x, across, u);'//nl// &
    '    return [x, y];'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1852,15 +1860,15 @@ module psalm_page_text
    '  /** The same of a sketch with several drives or outputs. */'//nl// &
    '  function factsOfDrives(c, at, near) {'//nl// &
    '    const value = (one) => near >= 0 ? one.prescribed[near] : mixed(one.sweep, at);'//nl// &
-   '    const digits = (v) => short(isFinite(v) ? Number(v.toPrecision(6)) : v);'//nl// &
+   '    const digits = (v) => short(isFinite(v) ? Number(v.toPrecision(6)) : v);'//nl
+
+   character(*), parameter :: part_22 = &
    "    const parts = c.drives.map((one) => one.name + ' ' + digits(value(one)) + (one.turning ? '\u00b0' : ''));"//nl// &
    "    for (const one of c.curves.slice(0, MOST_OUTPUTS)) parts.push(one.name.replace(/, [^,]*$/, '') + ' ' + digits(value"// &
    "(one)) +"//nl// &
    "      (one.angle ? '\u00b0' : ''));"//nl// &
    "    if ((near >= 0 ? c.prescribed.closed[near] : c.sweep.closed[at[0]]) === '0') parts.push('does not close');"//nl// &
-   "    if (near >= 0) parts.push('position ' + (near + 1));"//nl
-
-   character(*), parameter :: part_22 = &
+   "    if (near >= 0) parts.push('position ' + (near + 1));"//nl// &
    "    return parts.join(', ');"//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1956,14 +1964,14 @@ module psalm_page_text
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
-   '// Moving: buttons, keys, the time line, dragging the picture and the cursor of the curves.'//nl// &
+   '// Moving: buttons, keys, the time line, dragging the picture and the cursor of the curves.'//nl
+
+   character(*), parameter :: part_23 = &
    "'use strict';"//nl// &
    ''//nl// &
    'balm.controls = (() => {'//nl// &
    '  const { between, mixed, prescribedNext, within } = balm.scene;'//nl// &
-   '  const TURN_TIME = 8, RANGE_TIME = 4;   // seconds at speed 1 for a whole turn, for a part of it'//nl
-
-   character(*), parameter :: part_23 = &
+   '  const TURN_TIME = 8, RANGE_TIME = 4;   // seconds at speed 1 for a whole turn, for a part of it'//nl// &
    '  const BEFORE_TURN = 1e-6;              // the end of a whole turn is its beginning: the time line stops short of it'//nl// &
    '  const NEAR = 12;                       // part of the sweep that a joint may be dragged at a time'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
@@ -2059,14 +2067,14 @@ module psalm_page_text
    '      const px = c.px[c.bar.from], py = c.py[c.bar.from];'//nl// &
    '      const turn = Math.atan2(py - y, x - px) - Math.atan2(py - y0, x0 - px);'//nl// &
    '      go(t + c.sense * Math.atan2(Math.sin(turn), Math.cos(turn)) * 180 / Math.PI);'//nl// &
-   '    } else {'//nl// &
+   '    } else {'//nl
+
+   character(*), parameter :: part_24 = &
    '      const at = between(c, t), k = c.bar.slide, whole = s.delt[s.n - 1] - s.delt[0];'//nl// &
    '      const along = ((x - x0) * mixed(s.ux[k], at) - (y - y0) * mixed(s.uy[k], at)) / balm.drawing.scale;'//nl// &
    '      if (whole) go(t + along / whole * (s.n - 1));'//nl// &
    '    }'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_24 = &
+   '  }'//nl// &
    ''//nl// &
    '  /** The moving joint nearest to a point of the canvas. */'//nl// &
    '  function movingJoint(c, x, y) {'//nl// &
@@ -2166,14 +2174,14 @@ module psalm_page_text
    "      if (shown().sound) go(beforeTurn(Number($('time').value)));"//nl// &
    '    });'//nl// &
    "    for (const name of ['whole', 'other', 'traces', 'letters', 'forces', 'bent', 'pin']) $(name).addEventListener('chan"// &
-   "ge', () => {"//nl// &
+   "ge', () => {"//nl
+
+   character(*), parameter :: part_25 = &
    '      state[name] = $(name).checked;'//nl// &
    '      refresh();'//nl// &
    '    });'//nl// &
    "    $('group').addEventListener('change', () => {"//nl// &
-   "      state.group = $('group').value;"//nl
-
-   character(*), parameter :: part_25 = &
+   "      state.group = $('group').value;"//nl// &
    '      refresh();'//nl// &
    '    });'//nl// &
    "    $('bearing').addEventListener('change', () => {"//nl// &
@@ -2280,14 +2288,14 @@ module psalm_page_text
    ''//nl// &
    '  /** The picture as it stands, as SVG. */'//nl// &
    '  function svg() {'//nl// &
-   '    const pen = new SvgPen(...balm.drawing.sizeAt(shown(), balm.state.t));'//nl// &
+   '    const pen = new SvgPen(...balm.drawing.sizeAt(shown(), balm.state.t));'//nl
+
+   character(*), parameter :: part_26 = &
    '    balm.drawing.picture(shown(), balm.state.t, pen);'//nl// &
    "    return pen.text(shown().title + ', ' + $('facts').textContent);"//nl// &
    '  }'//nl// &
    ''//nl// &
-   "  /** A canvas of the picture's size, `scale` times, its sides even as films want them. */"//nl
-
-   character(*), parameter :: part_26 = &
+   "  /** A canvas of the picture's size, `scale` times, its sides even as films want them. */"//nl// &
    '  function sheet(scale) {'//nl// &
    "    const canvas = document.createElement('canvas'), [w, h] = balm.drawing.sizeAt(shown(), balm.state.t);"//nl// &
    '    canvas.width = 2 * Math.round(w * scale / 2);'//nl// &
@@ -2383,14 +2391,14 @@ module psalm_page_text
    '    c: 0,                   // case shown'//nl// &
    '    t: 0,                   // place on its sweep'//nl// &
    '    playing: false,'//nl// &
-   '    speed: 1,'//nl// &
+   '    speed: 1,'//nl
+
+   character(*), parameter :: part_27 = &
    '    forth: 1,               // -1: a part of a turn is played backwards'//nl// &
    '    whole: true,            // the whole turn, not only what is prescribed'//nl// &
    '    other: false,           // other assemblies'//nl// &
    '    traces: true,'//nl// &
-   '    letters: true,'//nl
-
-   character(*), parameter :: part_27 = &
+   '    letters: true,'//nl// &
    '    forces: true,           // centres of mass, loads'//nl// &
    '    bent: true,             // a vibrating link is drawn bent'//nl// &
    '    pin: true,              // a pin with clearance is drawn in its hole, magnified'//nl// &
@@ -2485,14 +2493,14 @@ module psalm_page_text
    '    state.paths.clear();'//nl// &
    '    const named = c.joints.map((joint, j) => [joint, j]).filter(([joint]) => joint.name && !joint.fixed);'//nl// &
    "    $('pathbox').hidden = !named.length || Boolean(c.meshes);"//nl// &
-   "    $('paths').replaceChildren(...named.map(([joint, j]) => {"//nl// &
+   "    $('paths').replaceChildren(...named.map(([joint, j]) => {"//nl
+
+   character(*), parameter :: part_28 = &
    "      const label = document.createElement('label'), box = document.createElement('input');"//nl// &
    "      box.type = 'checkbox';"//nl// &
    '      box.dataset.path = String(j);'//nl// &
    "      box.addEventListener('change', () => {"//nl// &
-   '        if (box.checked) state.paths.add(j); else state.paths.delete(j);'//nl
-
-   character(*), parameter :: part_28 = &
+   '        if (box.checked) state.paths.add(j); else state.paths.delete(j);'//nl// &
    '        refresh();'//nl// &
    '      });'//nl// &
    "      label.append(box, ' ' + joint.name);"//nl// &

@@ -326,7 +326,8 @@ module psalm_shared_text
    '      const v = m * 10 ** k;'//nl// &
    '      if (Math.log10(v) >= low - 1e-9 && Math.log10(v) <= high + 1e-9) list.push(v);'//nl// &
    '    }'//nl// &
-   '    return list;'//nl// &
+   '    // within a part of a decade round numbers are as good, and there are more'//nl// &
+   '    return list.length < 2 ? ticks(10 ** low, 10 ** high, 4) : list;'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Ends of an axis for values from low to high on a linkage of the given size; rounding is not magnified. */'//nl// &

@@ -196,6 +196,8 @@ contains
       real(wp), intent(in) :: own(:), sweep(:)    !! places on the axis
       type(plot_t), intent(in) :: like
       type(plot_t), allocatable, intent(inout) :: plots(:)
+      character(:), allocatable :: unit
+      logical :: alike
       integer :: k
 
       do k = 1, size(scene%curves)
@@ -209,10 +211,24 @@ contains
          end associate
       end do
       if (size(scene%drives) < 2) return
-      call begin_plot('drives, from the drawing', like, plots)
+      alike = all(scene%drives%turning .eqv. scene%drives(1)%turning)
+      unit = ', '
+      if (alike) unit = unit_of_drive(scene%drives(1)%turning)//' '
+      call begin_plot('drives'//unit//'from the drawing', like, plots)
       do k = 1, size(scene%drives)
-         call add_line(plots(size(plots)), trim(scene%drives(k)%name), look_line, k, sweep, scene%drives(k)%sweep)
+         unit = ''
+         if (.not. alike) unit = unit_of_drive(scene%drives(k)%turning)
+         call add_line(plots(size(plots)), trim(scene%drives(k)%name)//unit, look_line, k, sweep, scene%drives(k)%sweep)
       end do
+
+   contains
+
+      pure function unit_of_drive(turning) result(unit)
+         logical, intent(in) :: turning
+         character(:), allocatable :: unit
+
+         unit = trim(merge(', degrees', ', length ', turning))
+      end function unit_of_drive
    end subroutine add_outputs
 
    subroutine add_errors(scene, own, like, plots)

@@ -45,13 +45,13 @@ contains
       case (rule_square)
          call text%add(' CHEAPEST TOLERANCES WITHIN THE BANDS: ROOT SUM SQUARE')
       case (rule_yield)
-         call text%add(' CHEAPEST TOLERANCES WITHIN THE BANDS: '//in_words(result%yield/percent)// &
+         call text%add(' CHEAPEST TOLERANCES WITHIN THE BANDS: '//part_words(result%yield)// &
                        ' PER CENT AT EACH POSITION')
       end select
       call text%add(' COST'//in_sentence(named, result%value)//'   LOWER BOUND'//in_sentence(named, result%bound)// &
                     '   DUALITY GAP'//in_sentence(named, result%value - result%bound))
       if (result%with_given) call text%add(' COST OF THE TOLERANCES OF TOLER'//in_sentence(named, result%cost_of_given)// &
-         ', WHICH TAKE UP AT MOST '//in_words(result%use_of_given/percent)//' PER CENT OF A BAND')
+         ', WHICH TAKE UP AT MOST '//part_words(result%use_of_given)//' PER CENT OF A BAND')
       call text%add(' DIMENSION                       TOLERANCE (+-)           COST  PER CENT  LIMIT    CLASS')
       do i = 1, size(result%names)
          line = ' '//trim(result%names(i))
@@ -73,10 +73,18 @@ contains
       if (.not. any(is_full)) call text%add(' NONE: EVERY TOLERANCE IS THE LARGEST')
       if (result%sample%trials == 0) return
       line = ' LINKAGES OF THE SAMPLE '//to_text(result%sample%trials)//', WITHIN ALL BANDS '//to_text(result%sample%kept)//' ('
-      line = line//in_words(real(result%sample%kept, wp)/real(result%sample%trials, wp)/percent)//' PER CENT)'
+      line = line//part_words(real(result%sample%kept, wp)/real(result%sample%trials, wp))//' PER CENT)'
       call text%add(line//', THAT DO NOT CLOSE '//to_text(result%sample%open))
 
    contains
+
+      !> A part in per cent.
+      pure function part_words(part) result(words)
+         real(wp), intent(in) :: part
+         character(:), allocatable :: words
+
+         words = trim(adjustl(in_sentence(named, part/percent)))
+      end function part_words
 
       pure function limit_of(i) result(word)
          integer, intent(in) :: i

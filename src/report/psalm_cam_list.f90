@@ -32,6 +32,7 @@ contains
       type(text_t), intent(inout) :: text
       type(number_format_t) :: of_value, of_angle
       type(cam_extreme_t), allocatable :: every(:)
+      character(:), allocatable :: arcs, chords
       integer :: k
 
       every = [study%extremes, study%segments%pressure, study%least_slack, study%most_slack]
@@ -71,9 +72,15 @@ contains
          call list_centres(named, study, text)
          associate (path => study%paths(path_cutter))
             if (path%found) then
-               call text%add(' CUTTER PATH:'//in_sentence(named, real(size(path%arcs), wp))//' ARCS, LARGEST DEVIATION'// &
-                             in_sentence(named, path%deviation)//'; A POLYLINE WOULD NEED'//in_sentence(named, path%chords)// &
-                             ' CHORDS')
+               if (named) then
+                  arcs = ' '//to_text(size(path%arcs))
+                  chords = ' '//to_text(nint(path%chords))
+               else
+                  arcs = in_sentence(named, real(size(path%arcs), wp))
+                  chords = in_sentence(named, path%chords)
+               end if
+               call text%add(' CUTTER PATH:'//arcs//' ARCS, LARGEST DEVIATION'//in_sentence(named, path%deviation)// &
+                             '; A POLYLINE WOULD NEED'//chords//' CHORDS')
             else
                call text%add(' CUTTER PATH: IT CANNOT BE CUT WITHIN TOLCUT')
             end if

@@ -4,7 +4,7 @@
 !> begins what that listing does not have.
 module psalm_finale
    use psalm_angles, only: unit_vector
-   use psalm_columns, only: left_column, in_words
+   use psalm_columns, only: left_column
    use psalm_data_set, only: data_set_t
    use psalm_dyad, only: violation_too_short, violation_too_long, violation_parallel, violation_angle_small, &
                          violation_angle_large, violation_undetermined, violation_slides, violation_toggle
@@ -16,13 +16,14 @@ module psalm_finale
    use psalm_loop_arrays, only: loop_arrays_t, arrays_of
    use psalm_kinds, only: wp, right_angle, half_turn, degrees_per_radian
    use psalm_markup, only: strings_t, add_string
-   use psalm_number_format, only: number_format_t, format_of, figure, rounding_error
+   use psalm_number_format, only: number_format_t, format_of, figure, figures_of, in_a_row, number_in_sentence => in_sentence, &
+                                  rounding_error
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_pose, most_rates
    use psalm_parameters, only: variable_aside, variable_aside_angle, variable_outlk, variable_outang
    use psalm_plan, only: root_crank, root_frame
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
-   use psalm_text, only: text_t, cased, fixed, general, to_text
+   use psalm_text, only: text_t, cased, fixed, to_text
    implicit none (type, external)
    private
    public :: list_results, arc_table, in_columns, list_reference, list_output_arc, describe_violation, &
@@ -433,7 +434,7 @@ contains
          else
             call text%add(' TOTAL ERROR OF THE POSITIONS THAT CLOSE')
          end if
-         call text%add(general(motion%total))
+         call text%add(figure(motion%total, format_of(problem%mechanism%has_joint_names(), [motion%total])))
       end if
 
    contains
@@ -544,7 +545,7 @@ contains
       end do
       call text%add()
       call text%add(' OF THE TOTAL: VALUES, FIRST DERIVATIVES, SECOND DERIVATIVES')
-      call text%add(general(motion%part(0))//general(motion%part(1))//general(motion%part(2)))
+      call text%add(in_a_row(figures_of(problem%mechanism%has_joint_names(), motion%part(0:2), all_count=.true.)))
 
    contains
 
@@ -574,8 +575,8 @@ contains
       associate (i => crossing%position)
          text = 'the slides of '//group_words(problem%mechanism, crossing%loop)// &
                 ' are parallel between positions '//to_text(i)//' and '// &
-                to_text(i + 1)//' (inputs '//in_words(motion%input(i))//' and '// &
-                in_words(motion%input(i + 1))//'): the linkage cannot move from one to the other'
+                to_text(i + 1)//' (inputs '//value_words(problem, motion%input(i))//' and '// &
+                value_words(problem, motion%input(i + 1))//'): the linkage cannot move from one to the other'
       end associate
    end function describe_crossing
 
@@ -657,7 +658,7 @@ contains
          case default
             text = text//said('LINK ')//either(form%slides(2))
          end select
-         text = text//said(' CLOSES WITH ')//amount()//said(' TO SPARE, LESS THAN TOGGLE ')//in_words(problem%toggle)
+         text = text//said(' CLOSES WITH ')//amount()//said(' TO SPARE, LESS THAN TOGGLE ')//value_words(problem, problem%toggle)
       case (violation_slides)
          text = text//said('ANGLE BETWEEN THE SLIDES ')//amount()//limit(problem%slide_angle)
       end select
@@ -667,9 +668,9 @@ contains
          if (with_numbers) text = text//said(' (POSITION ')//to_text(violation%worst)//')'
       end if
       if (with_numbers) then
-         text = text//said('; INPUT ')//in_words(motion%input(violation%worst))
+         text = text//said('; INPUT ')//value_words(problem, motion%input(violation%worst))
       else
-         text = text//said(' (INPUT ')//in_words(motion%input(violation%worst))//')'
+         text = text//said(' (INPUT ')//value_words(problem, motion%input(violation%worst))//')'
       end if
 
    contains
@@ -715,17 +716,26 @@ contains
          character(:), allocatable :: words
 
          if (problem%trmin_given) then
-            words = in_words(right_angle - deviation)
+            words = value_words(problem, right_angle - deviation)
             words = said(', OUTSIDE TRMIN ')//words//said(' TO 180 - ')//words
          else
-            words = said(', OUTSIDE 90 +- ')//in_words(deviation)
+            words = said(', OUTSIDE 90 +- ')//value_words(problem, deviation)
          end if
       end function limit
 
       function amount() result(words)
          character(:), allocatable :: words
 
-         words = in_words(violation%amount)
+         words = value_words(problem, violation%amount)
       end function amount
    end function describe_violation
+
+   !> A number in a sentence as the listing of this linkage has it, without blanks.
+   pure function value_words(problem, value) result(words)
+      type(problem_t), intent(in) :: problem
+      real(wp), intent(in) :: value
+      character(:), allocatable :: words
+
+      words = trim(adjustl(number_in_sentence(problem%mechanism%has_joint_names(), value)))
+   end function value_words
 end module psalm_finale

@@ -2,7 +2,7 @@
 module psalm_margin_list
    use psalm_clearances, only: clearance_t, list_clearances
    use psalm_column_names, only: input_unit
-   use psalm_columns, only: left_column, in_words
+   use psalm_columns, only: left_column
    use psalm_constraint_group, only: range_positions, range_inputs
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t
@@ -11,7 +11,7 @@ module psalm_margin_list
    use psalm_margins, only: margin_t, is_violated, margin_angle, margin_slides, margin_guide, margin_offset, &
                              margin_clearance, margin_bound, margin_group
    use psalm_mechanism, only: mechanism_t
-   use psalm_number_format, only: figures_of
+   use psalm_number_format, only: figures_of, in_sentence
    use psalm_place, only: beside_t
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_text, only: text_t, cased, to_text
@@ -70,8 +70,10 @@ contains
       character(:), allocatable :: text
 
       text = name_of_margin(set, problem, margin, small)
-      text = text//' by '//in_words(-margin%margin)
-      if (has_input(margin)) text = text//' at input '//in_words(input_of(problem, dimensions, margin))
+      associate (named => problem%mechanism%has_joint_names())
+         text = text//' by '//trim(adjustl(in_sentence(named, -margin%margin)))
+         if (has_input(margin)) text = text//' at input '//trim(adjustl(in_sentence(named, input_of(problem, dimensions, margin))))
+      end associate
    end function describe_margin
 
    !> True if a margin is least at an input, false if it is the same at all of them.

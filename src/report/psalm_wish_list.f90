@@ -2,9 +2,8 @@
 module psalm_wish_list
    use psalm_column_names, only: position_name
    use psalm_columns, only: left_column
-   use psalm_columns, only: in_words
    use psalm_kinds, only: wp
-   use psalm_number_format, only: number_format_t, format_of, figure
+   use psalm_number_format, only: number_format_t, format_of, figure, in_sentence
    use psalm_output_wishes, only: output_wishes_t, sum_of_wish_errors
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_text, only: text_t
@@ -49,8 +48,8 @@ contains
             end do
          end associate
       end do
-      call text%add(trim(merge(' TOTAL ERROR                  ', ' THEIR PART OF THE TOTAL ERROR', alone))//' '// &
-                    in_words(sum_of_wish_errors(wishes)))
+      call text%add(trim(merge(' TOTAL ERROR                  ', ' THEIR PART OF THE TOTAL ERROR', alone))// &
+                    in_sentence(.true., sum_of_wish_errors(wishes)))
    end subroutine list_output_wishes
 
    !> The table `wishes` for other programs: the same.

@@ -54,7 +54,7 @@ ROWS = {
 HOOK = """window.words = new Set(); const fill = CanvasRenderingContext2D.prototype.fillText;
 CanvasRenderingContext2D.prototype.fillText = function (text, ...rest) { window.words.add(text); return fill.call(this, text, ...rest); }"""
 # axes and headings without a unit: numbers without one, or each line has its own
-NO_UNIT = re.compile(r"position$|frequency/speed|e, factor|objective$|iteration$|start$|drives, from the drawing$|.*, ratio$|.*\brotations?$")
+NO_UNIT = re.compile(r"position$|frequency/speed|e, factor|objective$|iteration$|start$|.*, ratio$|.*\brotations?$")
 UNIT = re.compile(r".*[, (](degrees|degrees from the drawing|length|length from the drawing|rad|m|N|N m|N s|1/length|(length|rad|degrees|m)/(rad|s|length|degree)(\^\d)?)$")
 
 
