@@ -985,18 +985,17 @@ contains
          end do
       end if
       if (worker%merit%irange == range_positions .or. .not. candidate%feasible) return
-      do round = 1, most_returns
+      do round = 0, most_returns
          call worker%problem%parameters%apply(found, worker%merit%dimensions)
          call inspect(worker%inspector, worker%merit%dimensions, worker%merit%delt, margins, hasty=.true.)
          candidate%feasible = .not. any(is_violated(margins))
          if (candidate%feasible) return
-         if (size(extra) >= extra_positions) return
+         if (round == most_returns .or. size(extra) >= extra_positions) return
          extra = [extra, pack(margins%delt, is_violated(margins))]
          call set_range(worker%merit, extra)
          call run_solver(found, candidate%objective, candidate%feasible)
          if (.not. candidate%feasible) return
       end do
-      candidate%feasible = .false.
 
    contains
 
