@@ -18,10 +18,10 @@
 #define PSALM_H
 
 /* Version of this header; psalm_library_version() is that of the library. */
-#define PSALM_VERSION_MAJOR 0
-#define PSALM_VERSION_MINOR 1
+#define PSALM_VERSION_MAJOR 1
+#define PSALM_VERSION_MINOR 0
 #define PSALM_VERSION_PATCH 0
-#define PSALM_VERSION "0.1.0"
+#define PSALM_VERSION "1.0.0"
 
 /* Number of the interface, and of the soname. It grows when a call is changed or left out, not when one is added; a program may check
  * that psalm_interface() == PSALM_INTERFACE. */

@@ -11,9 +11,9 @@ BRIEF = 1
 REAL, WHOLE, FLAG, WORD = range(4)
 LEVELS = {1: "warning", 2: "error", 3: "remark"}
 
-# what a processor must have for each build of the library that a wheel may hold, the fastest first
-_BUILDS = (("x86-64-v4", {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"}), ("x86-64-v3", {"avx2", "bmi2", "fma", "f16c"}),
-           ("x86-64-v2", set()))
+# what a processor must have, in the words of Linux, for each build of the library that a wheel may hold, the fastest first
+_V3 = {"cx16", "lahf_lm", "popcnt", "pni", "sse4_1", "sse4_2", "ssse3", "avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe"}
+_BUILDS = (("x86-64-v4", _V3 | {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"}), ("x86-64-v3", _V3), ("x86-64", set()))
 
 
 def _flags():

@@ -6,7 +6,7 @@ module psalm_version
    private
    public :: version, words_of_build
 
-   character(*), parameter :: version = '0.1.0' !! as in fpm.toml
+   character(*), parameter :: version = '1.0.0' !! as in fpm.toml
 
    character(*), parameter :: options = compiler_options(), architecture = '-march='
    integer, parameter :: named = index(options, architecture)

@@ -51,7 +51,7 @@ def by_cmake(language, source):
     place = os.path.join(prefix, "consumer_" + language)
     os.makedirs(place, exist_ok=True)
     with open(os.path.join(place, "CMakeLists.txt"), "w", encoding="utf-8") as file:
-        file.write("cmake_minimum_required(VERSION 3.13)\nproject(consumer %s)\nfind_package(psalm 0.1 REQUIRED)\n"
+        file.write("cmake_minimum_required(VERSION 3.13)\nproject(consumer %s)\nfind_package(psalm 1.0 REQUIRED)\n"
                    "add_executable(consumer %s)\ntarget_link_libraries(consumer psalm::psalm)\n" % (language, source))
     built = run("sh", "-c", "cd %s && cmake -S . -B build -DCMAKE_PREFIX_PATH=.. && cmake --build build" % place)
     check("a program in %s by CMake" % language, built.returncode == 0 and "179.6424" in run(place + "/build/consumer").stdout, built.stderr)
