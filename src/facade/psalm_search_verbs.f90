@@ -19,6 +19,7 @@ module psalm_search_verbs
    use psalm_nlp, only: nlp_t
    use psalm_preparation, only: prepared_t, prepare, threads_for
    use psalm_report, only: begin_search_report, report_found, report_search
+   use psalm_search, only: distance_of
    use psalm_search_log, only: search_log_t
    use psalm_sketch_text, only: variant_t, variant_of
    use psalm_solver, only: observer_t, solver_t, ending_t, stop_refused
@@ -40,7 +41,7 @@ contains
    !> Search for better dimensions. `found_case`, or the report, makes cases of what was found.
    !>
    !> A search for dimensions that loops have not is made in the poses of the links: of such a one `synthesis%found%best` has values
-   !> and objectives, and the report its best linkage.
+   !> and objectives, and `synthesis%drawn` the linkages as sketches.
    subroutine synthesise(case, synthesis, findings, threads, stop, monitor, report)
       type(case_t), intent(in) :: case
       type(synthesis_t), intent(out) :: synthesis
@@ -114,11 +115,7 @@ contains
       class(observer_t), intent(inout), optional :: monitor
       type(devices_t), intent(inout) :: devices
       type(chain_synthesis_t), allocatable :: search
-      type(data_set_t), allocatable :: found
-      class(prepared_t), allocatable :: prepared
-      class(problem_t), allocatable :: problem
-      type(line_t) :: none(0)
-      integer :: i
+      integer :: i, last
 
       allocate (search)
       call synthesise_chain(set, threads, stop, search, findings, monitor)
@@ -129,24 +126,49 @@ contains
       synthesis%found%evaluations = search%evaluations
       synthesis%found%refused = search%refused
       synthesis%found%interrupted = search%stopped
+      last = size(search%best)
       deallocate (synthesis%found%best)
-      allocate (synthesis%found%best(size(search%best)))
-      do i = 1, size(search%best)
+      allocate (synthesis%found%best(last), synthesis%drawn(last))
+      do i = 1, last
          synthesis%found%best(i)%values = search%best(i)%x(:search%problem%variables)
          synthesis%found%best(i)%delt = search%problem%increments(search%best(i)%x)
          synthesis%found%best(i)%objective = search%best(i)%objective
          synthesis%found%best(i)%start = search%best(i)%start
+         synthesis%found%best(i)%distance = distance_of(synthesis%found%best(i)%values, &
+                                                        search%problem%first(:search%problem%variables))
+         allocate (data_set_t :: synthesis%drawn(i)%set)
+         call search%draw(set, i, synthesis%drawn(i)%set)
       end do
-      call report_chain_search(set, search, devices)
       call put_found(synthesis, devices%cases(1))
+      call report_chain_search(set, search, devices)
+      do i = 1, last
+         call write_drawn(synthesis%drawn(i)%set, i == last, devices%seven, findings)
+      end do
+      if (last == 0) call write_drawn(search%drawn, .true., devices%seven, findings)
+   end subroutine search_poses
+
+   !> Write a sketch that was drawn anew as a data set. Errors: it has no loops.
+   subroutine write_drawn(drawn, last, text, findings)
+      class(data_set_t), intent(in) :: drawn
+      logical, intent(in) :: last                         !! of its file
+      type(text_t), intent(inout) :: text
+      type(findings_t), intent(inout) :: findings
+      class(data_set_t), allocatable :: found
+      class(prepared_t), allocatable :: prepared
+      class(problem_t), allocatable :: problem
+      type(variant_t) :: variant
+      type(line_t) :: none(0)
+
       allocate (found, prepared, problem)
-      call resolve_drawn(search%drawn, found, findings)
+      call resolve_drawn(drawn, found, findings)
       if (findings%failed()) return
       call prepare(found, none, prepared, findings)
       if (.not. prepared%ready) return
       call make_problem(found, prepared%mechanism, prepared%given, prepared%parameters, problem)
-      call write_data_set(found, problem, prepared%given, devices%seven)
-   end subroutine search_poses
+      variant = variant_of(found)
+      variant%last = merge(1, 0, last)
+      call write_data_set(found, problem, prepared%given, text, variant)
+   end subroutine write_drawn
 
    !> The linkage of a rank as a case without variables; the user's own if the search found none of that rank.
    function found_case(case, synthesis, rank) result(found)
@@ -168,6 +190,12 @@ contains
       found = case
       which = 1
       if (present(rank)) which = rank
+      if (allocated(synthesis%drawn)) then
+         if (which < 1 .or. which > size(synthesis%drawn)) return
+         call write_drawn(synthesis%drawn(which)%set, .true., text, findings)
+         call take()
+         return
+      end if
       call make_ready(case, set, prepared, problem, ready, findings)
       if (.not. ready) return
       dimensions = problem%given
@@ -182,8 +210,15 @@ contains
          call problem%parameters%apply(synthesis%last%v(:, synthesis%last%best), dimensions)
       end if
       call write_data_set(set, problem, dimensions, text, variant)
-      call of_text(text%content(), cases)
-      if (size(cases) == 1) found = cases(1)
+      call take()
+
+   contains
+
+      subroutine take()
+
+         call of_text(text%content(), cases)
+         if (size(cases) == 1) found = cases(1)
+      end subroutine take
    end function found_case
 
    !> All linkages that the group EXACT asks for.

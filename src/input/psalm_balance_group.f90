@@ -362,6 +362,8 @@ contains
                call out_of(group, 'WRHIGH', 'entry '//to_text(k)//': a disc needs a greatest radius above 0', findings, k)
             else if (balance%radius_low(k) > balance%radius_high(k)) then
                call out_of(group, 'WRLOW', 'entry '//to_text(k)//': the least radius is above the greatest', findings, k)
+            else if (balance%start_radius(k) < balance%radius_low(k) .or. balance%start_radius(k) > balance%radius_high(k)) then
+               call out_of(group, 'WRSTRT', 'entry '//to_text(k)//': the start is not between WRLOW and WRHIGH', findings, k)
             end if
          end do
       end subroutine judge_limits

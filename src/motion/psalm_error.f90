@@ -22,8 +22,8 @@ module psalm_error
    use psalm_shown_input, only: crank_angle_at, input_at, shows_crank
    implicit none (type, external)
    private
-   public :: problem_t, motion_t, reach_t, violation_t, crossing_t, make_problem, new_problem, inputs_of, own_inputs_of, &
-             own_inputs_at, desired_of
+   public :: problem_t, motion_t, reach_t, violation_t, crossing_t, make_problem, new_problem, follows_drawing, inputs_of, &
+             own_inputs_of, own_inputs_at, desired_of
 
    !> Consecutive positions at which one dyad violates one limit.
    type :: violation_t
@@ -43,6 +43,7 @@ module psalm_error
    !> How far a sketch goes from its drawing, forwards and backwards: as far as it was followed, or to where it ends.
    type :: reach_t
       logical :: known = .false.
+      real(wp) :: start = 0.0_wp                   !! from here: the input of the drawing, if it closes there
       real(wp) :: followed(2) = 0.0_wp             !! so far it was to go; degrees or length
       real(wp) :: ends(2) = 0.0_wp                 !! so far it goes
    end type reach_t
@@ -139,6 +140,14 @@ module psalm_error
 
 contains
 
+   !> True if what counts is only what the linkage comes to from its drawing: a sketch whose dimensions are not searched.
+   pure logical function follows_drawing(set, mechanism)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+
+      follows_drawing = mechanism%from_drawing .and. .not. set%wants_search()
+   end function follows_drawing
+
    !> Set a problem up from a data set and its mechanism.
    subroutine make_problem(set, mechanism, dimensions, parameters, problem, all_arcs)
       type(data_set_t), intent(in) :: set
@@ -157,7 +166,7 @@ contains
       if (set%limits%tangle_given) problem%slide_angle = set%limits%tangle
       if (set%limits%toggle_given) problem%spare = set%limits%toggle
       problem%every_loop = mechanism%whole
-      problem%followed = mechanism%from_drawing .and. .not. set%wants_search()
+      problem%followed = follows_drawing(set, mechanism)
       call fill_problem(mechanism, dimensions, parameters, inputs_of(set), everywhere, problem, own_inputs_of(set))
       problem%toggle = set%limits%toggle
       if (set%method%ikin /= 0) return

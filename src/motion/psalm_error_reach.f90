@@ -38,7 +38,7 @@ contains
          call copy_problem(self, row)
          call find_other_sides(row, dimensions, start, motion%beyond)
       else
-         call find_ends(self, dimensions, start, reach, motion%beyond)
+         call find_ends(self, dimensions, start, motion%closed, reach, motion%beyond)
       end if
       motion%beyond = motion%beyond .and. motion%closed
       motion%closed = motion%closed .and. .not. motion%beyond
@@ -59,11 +59,13 @@ contains
       if (allocated(copy%linkages)) deallocate (copy%linkages)
    end subroutine copy_problem
 
-   !> Inputs beyond the ends of the way from the drawing.
-   subroutine find_ends(self, dimensions, start, reach, beyond)
+   !> Inputs beyond the ends of the way from the drawing. With other dimensions than those of the drawing it may not close there:
+   !> then the way begins at the nearest position that closes.
+   subroutine find_ends(self, dimensions, drawn, closed, reach, beyond)
       class(problem_t), intent(in) :: self
       type(dimensions_t), intent(in) :: dimensions
-      real(wp), intent(in) :: start                  !! the input of the drawing
+      real(wp), intent(in) :: drawn                  !! the input of the drawing
+      logical, intent(in) :: closed(:)               !! shape (positions)
       type(reach_t), intent(inout) :: reach          !! is found if it is not known so far
       logical, intent(inout) :: beyond(:)            !! shape (positions)
       type(scout_t) :: scout
@@ -72,27 +74,25 @@ contains
       integer :: k
 
       repeats = turn_repeats(self)
-      if (.not. repeats) then
-         associate (most => maxval(self%delt) - start, least => minval(self%delt) - start)
-            slack = same_input*max(abs(most), abs(least))
-            to = [max(most, 0.0_wp), min(least, 0.0_wp)]
-         end associate
-      else
-         slack = same_input*full_turn
-         to = [full_turn, -full_turn]
-      end if
+      to = limits_from(drawn)
+      slack = same_input*merge(full_turn, maxval(abs(to)), repeats)
       if (.not. reach%known .or. any(abs(reach%followed - to) > 0.0_wp)) then
          call copy_problem(self, scout%row)
          allocate (scout%refinement, source=scout%row)
          reach%known = .true.
          reach%followed = to
-         call follow(scout, dimensions, start, to(1), reach%ends(1))
+         reach%start = drawn
+         if (.not. closes_at(scout%row, dimensions, drawn)) then
+            reach%start = self%delt(minloc(abs(self%delt - drawn), dim=1, mask=closed))
+            to = limits_from(reach%start)
+         end if
+         call follow(scout, dimensions, reach%start, to(1), reach%ends(1))
          ! the other way round a turn it need not go farther than to where it ended
          if (repeats) to(2) = reach%ends(1) - full_turn
-         call follow(scout, dimensions, start, to(2), reach%ends(2))
+         call follow(scout, dimensions, reach%start, to(2), reach%ends(2))
       end if
       if (repeats .and. reach%ends(1) >= full_turn) return
-      associate (forwards => reach%ends(1), backwards => reach%ends(2))
+      associate (start => reach%start, forwards => reach%ends(1), backwards => reach%ends(2))
          do k = 1, size(beyond)
             from_start = self%delt(k) - start
             if (.not. repeats) then
@@ -103,7 +103,34 @@ contains
             end if
          end do
       end associate
+
+   contains
+
+      !> How far it is to go both ways.
+      pure function limits_from(start) result(to)
+         real(wp), intent(in) :: start
+         real(wp) :: to(2)
+
+         to = [full_turn, -full_turn]
+         if (.not. repeats) to = [max(maxval(self%delt) - start, 0.0_wp), min(minval(self%delt) - start, 0.0_wp)]
+      end function limits_from
    end subroutine find_ends
+
+   !> True if every loop closes at an input.
+   logical function closes_at(row, dimensions, input)
+      class(problem_t), intent(inout) :: row
+      type(dimensions_t), intent(in) :: dimensions
+      real(wp), intent(in) :: input
+      integer :: offset, n, l
+
+      call row%set_inputs([input])
+      call row%bind(dimensions)
+      call row%solve_block(1, offset, n)
+      closes_at = .true.
+      do l = 1, row%mechanism%nloop
+         if (row%linkage%step_of_loop(l) > 0) closes_at = closes_at .and. row%linkage%closes(1, l)
+      end do
+   end function closes_at
 
    !> A way through several inputs is not one of even steps of the first. Whatever way a linkage takes, it does not come to where
    !> two slides are the other way round than in the drawing: they would have been parallel between.

@@ -137,7 +137,7 @@ contains
       real(wp), intent(in) :: path(n)
       logical, intent(in) :: closed             !! every group that it depends on closes everywhere
       integer, intent(inout) :: first
-      real(wp) :: kept(size(self%store%v, 2))
+      real(wp), allocatable :: kept(:)          ! only the first block needs it
       logical :: found
 
       associate (higher => self%steps(k)%dyad%higher)

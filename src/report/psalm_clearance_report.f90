@@ -8,8 +8,9 @@ module psalm_clearance_report
    use psalm_group_words, only: the_group
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, pi
    use psalm_mechanism, only: mechanism_t
+   use psalm_number_format, only: figures_of, in_a_row, in_sentence
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
-   use psalm_text, only: text_t, general, lower_case, to_text
+   use psalm_text, only: text_t, lower_case, to_text
    implicit none (type, external)
    private
    public :: report_clearance
@@ -26,26 +27,28 @@ contains
       type(clearance_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
       type(clearance_group_t) :: clearance
+      logical :: named
       integer :: k
 
       clearance = clearance_of(set)
       call devices%six%add(' '//set%title)
       if (hindered(set, clearance, mechanism, study, devices)) return
-      call list_minima(mechanism, study, devices%six)
-      call list_following(study, devices%six)
-      call list_speeds(study, devices%six)
-      call list_charts(study, devices%six)
+      named = set%has_names()
+      call list_minima(mechanism, named, study, devices%six)
+      call list_following(named, study, devices%six)
+      call list_speeds(named, study, devices%six)
+      call list_charts(named, study, devices%six)
       call put_clearance(study, devices%cases(devices%last_case()))
       do k = 1, size(study%minima)
          if (study%minima(k)%verdict == verdict_kept) cycle
          if (clearance%counted == losses_any .or. study%minima(k)%in_passage()) then
             call devices%note_violation()
             call devices%remark(set, 'joint '//mechanism%joints(study%joint)%name//' loses contact near input'// &
-                                general(study%minima(k)%input)//' degrees after the reference')
+                                in_sentence(named, study%minima(k)%input)//' degrees after the reference')
          else
             call devices%remark(set, 'joint '//mechanism%joints(study%joint)%name//' loses contact after the passage near input'// &
-                                general(study%minima(k)%input)//' degrees after the reference; with CLOSS=''PASSAGE'' that '// &
-                                'does not count')
+                                in_sentence(named, study%minima(k)%input)//' degrees after the reference; with '// &
+                                'CLOSS=''PASSAGE'' that does not count')
          end if
       end do
       if (.not. study%followed) then
@@ -91,40 +94,54 @@ contains
          integer, intent(in) :: position
          character(:), allocatable :: text
 
-         text = ' at'//general(study%load%sense*full_turn*real(position - 1, wp)/real(clearance%points, wp))// &
-                ' degrees after the reference'
+         text = ' at'//in_sentence(set%has_names(), study%load%sense*full_turn*real(position - 1, wp)/ &
+                                   real(clearance%points, wp))//' degrees after the reference'
       end function at_position
    end function hindered
 
-   subroutine list_minima(mechanism, study, text)
+   subroutine list_minima(mechanism, named, study, text)
       type(mechanism_t), intent(in) :: mechanism
+      logical, intent(in) :: named
       type(clearance_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
+      character(15), allocatable :: columns(:, :)
       integer :: k
 
       call text%add()
       call text%add(' JOINT '//mechanism%joints(study%joint)%name//' WITH CLEARANCE: SI UNITS, ANGLES IN DEGREES')
-      call text%add(' DIAMETRAL CLEARANCE'//general(study%diametral))
+      call text%add(' DIAMETRAL CLEARANCE'//in_sentence(named, study%diametral))
       call text%add(' MINIMA OF THE NOMINAL LOAD, EACH AS A FLYPAST; H2 AND AN IMPACT COUNT IN THE SENSE IN WHICH THE LOAD TURNS')
       call text%add('     INPUT          LOAD           RATE           M0             EPS            H1             H2'// &
                     '       VERDICT')
+      associate (m => study%minima)
+         allocate (columns(size(m), 7))
+         columns(:, 1) = figures_of(named, m%input)
+         columns(:, 2) = figures_of(named, m%load, all_count=.true.)
+         columns(:, 3) = figures_of(named, m%rate, all_count=.true.)
+         columns(:, 4) = figures_of(named, m%mass)
+         columns(:, 5) = figures_of(named, m%h3, all_count=.true.)
+         columns(:, 6) = figures_of(named, m%h1, all_count=.true.)
+         columns(:, 7) = figures_of(named, m%h2)
+      end associate
       do k = 1, size(study%minima)
          associate (m => study%minima(k))
-            call text%add(general(m%input)//general(m%load)//general(m%rate)//general(m%mass)//general(m%h3)//general(m%h1)// &
-                          general(m%h2)//'   '//verdict(m))
+            call text%add(in_a_row(columns(k, :))//'   '//verdict(m))
             if (m%verdict == verdict_lost .and. m%flight%ok) then
-               call text%add('   LOST AT T ='//general(m%contact%loss(1))//', FLIGHT OF'//general(m%duration)//' S, IMPACT AT'// &
-                             general(m%across)//' M/S ACROSS,'//general(m%along)//' ALONG THE WALL, INDEX'// &
-                             general(m%flight%index)//', IMPULSE'//general(m%impulse))
+               call text%add('   LOST AT T ='//in_sentence(named, m%contact%loss(1))//', FLIGHT OF'// &
+                             in_sentence(named, m%duration)//' S, IMPACT AT'// &
+                             in_sentence(named, m%across)//' M/S ACROSS,'//in_sentence(named, m%along)//' ALONG THE WALL, INDEX'// &
+                             in_sentence(named, m%flight%index)//', IMPULSE'//in_sentence(named, m%impulse))
             end if
-            if (m%clearance > 0.0_wp) call text%add('   CONTACT IS KEPT UP TO A DIAMETRAL CLEARANCE OF'//general(m%clearance))
-            if (any(m%more > 0.0_wp)) call text%add('   PRELOAD THAT KEEPS CONTACT IN THE PASSAGE'//general(m%more(1))// &
-                                                    ', ALSO AFTER IT'//general(m%more(2)))
+            if (m%clearance > 0.0_wp) call text%add('   CONTACT IS KEPT UP TO A DIAMETRAL CLEARANCE OF'// &
+                                                          in_sentence(named, m%clearance))
+            if (any(m%more > 0.0_wp)) call text%add('   PRELOAD THAT KEEPS CONTACT IN THE PASSAGE'// &
+                                                    in_sentence(named, m%more(1))// &
+                                                    ', ALSO AFTER IT'//in_sentence(named, m%more(2)))
          end associate
       end do
       if (size(study%minima) == 0) call text%add(' NONE')
       if (study%critical_clearance > 0.0_wp) then
-         call text%add(' CRITICAL DIAMETRAL CLEARANCE OF THE TURN'//general(study%critical_clearance))
+         call text%add(' CRITICAL DIAMETRAL CLEARANCE OF THE TURN'//in_sentence(named, study%critical_clearance))
       end if
       call text%add(' MEASUREMENTS CONFIRM LOSSES IN THE PASSAGE AT A DIAMETRAL CLEARANCE OF 0.25 MM; TERMINAL LOSSES AND SMALLER')
       call text%add(' CLEARANCES ARE NOT CONFIRMED: THERE THE VERDICT IS ON THE SAFE SIDE')
@@ -153,9 +170,11 @@ contains
       words = lower_case(verdict(m))
    end function verdict_name
 
-   subroutine list_following(study, text)
+   subroutine list_following(named, study, text)
+      logical, intent(in) :: named
       type(clearance_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
+      character(15), dimension(size(study%least)) :: at, force
       integer :: k
 
       call text%add()
@@ -163,55 +182,68 @@ contains
          call text%add(' THE CONTACT COULD NOT BE FOLLOWED: THE LOAD IS ZERO WHERE IT BEGINS')
          return
       end if
-      call text%add(' CONTACT FOLLOWED THROUGH A TURN FROM'//general(study%input(1))//': LEAST FORCE'// &
-                    general(minval(study%force))//', GREATEST LAG'//general(maxval(abs(study%lag))))
-      if (study%loses) call text%add(' ITS FORCE BECOMES NEGATIVE FIRST AT INPUT'//general(study%loss))
+      call text%add(' CONTACT FOLLOWED THROUGH A TURN FROM'//in_sentence(named, study%input(1))//': LEAST FORCE'// &
+                    in_sentence(named, minval(study%force))//', GREATEST LAG'//in_sentence(named, maxval(abs(study%lag))))
+      if (study%loses) call text%add(' ITS FORCE BECOMES NEGATIVE FIRST AT INPUT'//in_sentence(named, study%loss))
       call text%add(' MINIMA OF THE FORCE:     INPUT          FORCE')
+      at = figures_of(named, study%load%sense*study%least%input*degrees_per_radian)
+      force = figures_of(named, study%least%force, all_count=.true.)
       do k = 1, size(study%least)
-         call text%add(repeat(' ', 18)//general(study%load%sense*study%least(k)%input*degrees_per_radian)// &
-                       general(study%least(k)%force))
+         call text%add(repeat(' ', 18)//at(k)//force(k))
       end do
    end subroutine list_following
 
-   subroutine list_speeds(study, text)
+   subroutine list_speeds(named, study, text)
+      logical, intent(in) :: named
       type(clearance_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
+      character(15) :: columns(size(study%speeds), 3)
       integer :: k
 
       if (size(study%speeds) == 0) return
+      columns(:, 1) = figures_of(named, study%speeds%speed)
+      columns(:, 2) = figures_of(named, study%speeds%speed*rpm_per_speed)
+      columns(:, 3) = figures_of(named, study%speeds%least, all_count=.true.)
       call text%add()
       call text%add(' OVER SPEEDS:             RAD/S            RPM     LEAST LOAD   MINIMA THAT LOSE CONTACT, IN THE PASSAGE')
       do k = 1, size(study%speeds)
          associate (row => study%speeds(k))
-            call text%add(repeat(' ', 18)//general(row%speed)//general(row%speed*rpm_per_speed)//general(row%least)//'   '// &
-                          to_text(row%lost)//', '//to_text(row%in_passage))
+            call text%add(repeat(' ', 18)//in_a_row(columns(k, :))//'   '//to_text(row%lost)//', '//to_text(row%in_passage))
          end associate
       end do
-      if (study%critical_speed > 0.0_wp) call text%add(' CONTACT IS KEPT UP TO THE SPEED'//general(study%critical_speed))
+      if (study%critical_speed > 0.0_wp) call text%add(' CONTACT IS KEPT UP TO THE SPEED'//in_sentence(named, study%critical_speed))
    end subroutine list_speeds
 
    !> The standard charts: on how many radial lines contact is lost, is lost in several ranges, and how far out.
-   subroutine list_charts(study, text)
+   subroutine list_charts(named, study, text)
+      logical, intent(in) :: named
       type(clearance_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
-      integer, allocatable :: counted(:)
+      integer, allocatable :: counted(:, :)
+      character(15), allocatable :: h3(:), h1(:)
+      real(wp), allocatable :: farthest(:)
       integer :: k, i
-      real(wp) :: farthest
 
       if (.not. allocated(study%chart%h3)) return
       call text%add()
       call text%add(' CHARTS: H3, RADIAL LINES, THOSE ON WHICH CONTACT IS LOST, IN SEVERAL RANGES OF H1, LARGEST H1 OF A LOSS')
-      allocate (counted(size(study%chart%h2)))
-      do k = 1, size(study%chart%h3)
+      associate (chart => study%chart)
+         allocate (counted(size(chart%h2), size(chart%h3)), farthest(size(chart%h3)))
          farthest = 0.0_wp
-         do i = 1, size(study%chart%h2)
-            associate (ranges => study%chart%lines(i, k)%ranges)
-               counted(i) = size(ranges)
-               if (size(ranges) > 0) farthest = max(farthest, ranges(size(ranges))%to)
-            end associate
+         do k = 1, size(chart%h3)
+            do i = 1, size(chart%h2)
+               associate (ranges => chart%lines(i, k)%ranges)
+                  counted(i, k) = size(ranges)
+                  if (size(ranges) > 0) farthest(k) = max(farthest(k), ranges(size(ranges))%to)
+               end associate
+            end do
          end do
-         call text%add(general(study%chart%h3(k))//'   '//to_text(size(counted))//'   '//to_text(count(counted > 0))//'   '// &
-                       to_text(count(counted > 1))//general(farthest))
+         h3 = figures_of(named, chart%h3)
+         h1 = figures_of(named, farthest)
+      end associate
+      do k = 1, size(h3)
+         call text%add(h3(k)//'   '//to_text(size(counted, 1))//'   '//to_text(count(counted(:, k) > 0))//'   '// &
+                       to_text(count(counted(:, k) > 1))//h1(k))
       end do
    end subroutine list_charts
 

@@ -1,6 +1,6 @@
 !> Exact linkages in words: listing, device 7 with a case for each, device 9 with the block exact.
 module psalm_exact_report
-   use psalm_columns, only: in_words
+   use psalm_columns, only: in_words, right_column
    use psalm_data_set, only: data_set_t, title_columns
    use psalm_defects, only: class_names, exact_linkage_t
    use psalm_devices, only: devices_t, header_of
@@ -12,13 +12,14 @@ module psalm_exact_report
    use psalm_function_points, only: generator_t
    use psalm_guided_six_bars, only: body_names
    use psalm_kinds, only: wp, degrees_per_radian
+   use psalm_number_format, only: error_words, figures_of, in_a_row, in_sentence
    use psalm_six_bar_motion, only: joints_of
    use psalm_six_bar_problem, only: type_names, watt_2
    use psalm_six_bars, only: six_bar_joints
    use psalm_proof_list, only: shown
    use psalm_proof_study, only: proof_of_turn
    use psalm_tables, only: table_t, tables_t, table_of
-   use psalm_text, only: text_t, general, rank_column, to_text
+   use psalm_text, only: text_t, rank_column, to_text
    implicit none (type, external)
    private
    public :: report_exact, write_case
@@ -49,7 +50,7 @@ contains
       if (exact%has_least_transmission .and. .not. obeys_transmission(study)) call devices%remark(set, &
          'TRMIN has no effect here: it bounds four-bars, slider-cranks and six-bars that generate functions')
       if (study%flat > 0) call devices%six%add('  '//to_text(study%flat)//' linkages left out: transmission angle less than'// &
-                                               general(exact%least_transmission)//' (TRMIN)')
+                                               in_sentence(.true., exact%least_transmission)//' (TRMIN)')
       if (study%stopped) call devices%note_violation()
       select case (study%way)
       case (way_generators)
@@ -224,7 +225,8 @@ contains
       character(:), allocatable :: line
       type(table_t) :: table
       complex(wp) :: far(2)
-      complex(wp), allocatable :: far_sides(:)
+      complex(wp), allocatable :: far_sides(:), places(:, :)
+      character(15), allocatable :: columns(:, :)
       integer :: i, k, shown
 
       associate (six => devices%six)
@@ -266,25 +268,27 @@ contains
             '(ARM), or a search with these values as desired ones')
          call six%add()
          call six%add('  RANK CIRCUIT ORDER BRANCH CRANK   TRANSMISSION   LONGEST LINK    SENSITIVITY        CLOSURE')
+         associate (own => study%results(:shown)%verdict)
+            columns = in_columns(reshape([own%transmission, own%longest, own%sensitivity], [shown, 3]))
+         end associate
          do i = 1, shown
             associate (own => study%results(i)%verdict)
-               call six%add(rank_column(i)//word(own%circuit, 8)//word(own%order, 6)// &
-                            word(own%branch, 7)//word(own%crank, 6)//general(own%transmission)//general(own%longest)// &
-                            general(own%sensitivity)//general(study%results(i)%closure))
+               call six%add(rank_column(i)//word(own%circuit, 8)//word(own%order, 6)//word(own%branch, 7)// &
+                            word(own%crank, 6)//in_a_row(columns(:, i))// &
+                            right_column(error_words(.true., study%results(i)%closure), 15))
             end associate
          end do
          call six%add()
          call six%add('  RANK             A X            A Y            B X            B Y            C X            C Y'// &
                       '            D X            D Y')
+         allocate (places(4, shown))
          do i = 1, shown
             associate (l => study%results(i)%linkage)
-               line = rank_column(i)//general(real(l%a, wp))//general(aimag(l%a))
                far = far_side(l)
-               line = line//general(real(far(1), wp))//general(aimag(far(1)))
-               call six%add(line//general(real(l%c(1), wp))//general(aimag(l%c(1)))//general(real(far(2), wp))// &
-                            general(aimag(far(2))))
+               places(:, i) = [l%a, far(1), l%c(1), far(2)]
             end associate
          end do
+         call list_places(places, six)
       end associate
       table = list_of(set)
       associate (results => study%results(:shown), verdicts => study%results(:shown)%verdict)
@@ -345,12 +349,13 @@ contains
          place = cmplx(exact%x(1), exact%y(1), wp)
          if (exact%slider) then
             place = place + study%lines(1)%pin
-            call six%add('  one point of the body is on a straight line in four poses:'//general(real(place, wp))// &
-                         general(aimag(place)))
+            call six%add('  one point of the body is on a straight line in four poses:'//in_sentence(.true., real(place, wp))// &
+                         in_sentence(.true., aimag(place)))
          else
             place = place + study%lines(1)%pivot
-            call six%add('  one fixed point is on a straight line of the body in four poses:'//general(real(place, wp))// &
-                         general(aimag(place)))
+            call six%add('  one fixed point is on a straight line of the body in four poses:'// &
+                         in_sentence(.true., real(place, wp))// &
+                         in_sentence(.true., aimag(place)))
          end if
          call six%add('  and curves of pivots: '//to_text(study%ends)//' points of them, '//to_text(study%linkages)//' '// &
                       what//', the best are listed')
@@ -379,6 +384,7 @@ contains
       type(exact_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
       type(table_t) :: table
+      character(15), allocatable :: columns(:, :)
       integer :: k
 
       call devices%six%add('  '//sentence_of(study))
@@ -398,9 +404,10 @@ contains
          call add_generators(found, table)
          call devices%cases(devices%last_case())%put(table)
       end associate
+      columns = columns_of(study%generators%list(:study%generators%count), exact%frame)
       do k = 1, study%generators%count
          associate (one => study%generators%list(k))
-            call devices%six%add(numbers_of(k, one, exact%frame)//'  '//assembly_word(one%assembly))
+            call devices%six%add(rank_column(k)//in_a_row(columns(:, k))//'  '//assembly_word(one%assembly))
             call devices%seven%add('! rank '//to_text(k)//': assembly '//assembly_word(one%assembly))
             call write_case(set, study, k, merge(set%limits%last, 0, k == study%generators%count), devices%seven)
          end associate
@@ -413,6 +420,7 @@ contains
       type(exact_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
       type(table_t) :: table
+      character(15), allocatable :: columns(:, :), error(:, :)
       character(:), allocatable :: unit
       integer :: k, shown
 
@@ -436,9 +444,11 @@ contains
          call add_generators(best%linkage, table)
          call devices%cases(devices%last_case())%put(table)
       end associate
+      columns = columns_of(study%approximations(:shown)%linkage, exact%frame)
+      error = in_columns(reshape(study%approximations(:shown)%error, [shown, 1]))
       do k = 1, shown
          associate (best => study%approximations(k))
-            call devices%six%add(numbers_of(k, best%linkage, exact%frame)//general(best%error)//'     '// &
+            call devices%six%add(rank_column(k)//in_a_row(columns(:, k))//error(1, k)//'     '// &
                                  merge('+', '-', best%sense > 0)//'  '//word(best%alternates, 10))
             call devices%seven%add('! rank '//to_text(k)//': largest error '//in_words(best%error, 'E')//' '//unit)
             call write_case(set, study, k, merge(set%limits%last, 0, k == shown), devices%seven)
@@ -453,6 +463,7 @@ contains
       type(exact_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
       type(table_t) :: table
+      character(15), allocatable :: columns(:, :)
       integer :: i, shown
 
       associate (found => study%subsets, six => devices%six)
@@ -478,12 +489,12 @@ contains
          end if
          call six%add()
          call six%add('  RANK ORDER   DISTANCE RMS   BEFORE REFINED   TRANSMISSION   LONGEST LINK    SENSITIVITY')
+         associate (r => found%results(:shown))
+            columns = in_columns(reshape([r%after, r%before, r%verdict%transmission, r%verdict%longest, r%verdict%sensitivity], &
+                                         [shown, 5]))
+         end associate
          do i = 1, shown
-            associate (r => found%results(i))
-               call six%add(rank_column(i)//word(r%verdict%order, 6)//general(r%after)// &
-                            '  '//general(r%before)//general(r%verdict%transmission)//general(r%verdict%longest)// &
-                            general(r%verdict%sensitivity))
-            end associate
+            call six%add(rank_column(i)//word(found%results(i)%verdict%order, 6)//columns(1, i)//'  '//in_a_row(columns(2:, i)))
          end do
          table = list_of(set)
          associate (results => found%results(:shown), verdicts => found%results(:shown)%verdict)
@@ -584,7 +595,7 @@ contains
             if (study%wanted%continuous) call six%add('  '//to_text(every%over_range)//' reach both ends of the range')
             if (every%too_long > 0) call six%add('  '//to_text(every%too_long)//' left out: a link longer than RLONG')
             if (every%flat > 0) call six%add('  '//to_text(every%flat)//' left out: transmission angle less than'// &
-                                             general(exact%least_transmission)//' (TRMIN)')
+                                             in_sentence(.true., exact%least_transmission)//' (TRMIN)')
          end if
          if (.not. study%complete) then
             call devices%remark(set, sentence_of(study))
@@ -642,6 +653,7 @@ contains
       type(table_t), intent(out) :: table
       logical, intent(in), optional :: by_output(:) !! without a defect driven at the output, too
       character(*), parameter :: names(3:7) = ['c', 'd', 'e', 'g', 'h']
+      character(15), allocatable :: columns(:, :)
       character(:), allocatable :: line
       integer :: i, k, shown
 
@@ -653,20 +665,17 @@ contains
          if (study%wanted%continuous) line = line//'     ERROR (DEG)'
          if (present(by_output)) line = line//'  DRIVEN AT'
          call six%add(line)
+         columns = in_columns(reshape([transmission, longest, error*degrees_per_radian], [shown, 3]))
          do k = 1, shown
-            line = rank_column(k)//general(transmission(k))//general(longest(k))
-            if (study%wanted%continuous) line = line//' '//general(error(k)*degrees_per_radian)
+            line = rank_column(k)//in_a_row(columns(:2, k))
+            if (study%wanted%continuous) line = line//' '//columns(3, k)
             if (present(by_output)) line = line//'  '//trim(merge('either', 'input ', by_output(k)))
             call six%add(line)
          end do
          call six%add()
          call six%add('  RANK  JOINTS C, D, E, G, H: X, Y')
+         call list_places(joints(3:, :), six)
          do k = 1, shown
-            line = rank_column(k)
-            do i = 3, size(joints, 1)
-               line = line//general(real(joints(i, k), wp))//general(aimag(joints(i, k)))
-            end do
-            call six%add(line)
             call devices%seven%add('! rank '//to_text(k)//': least transmission angle '// &
                                    in_words(transmission(k))//' degrees')
             call write_case(set, study, k, merge(set%limits%last, 0, k == shown), devices%seven)
@@ -741,6 +750,8 @@ contains
       type(exact_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
       complex(wp) :: first
+      complex(wp), allocatable :: places(:, :)
+      character(15), allocatable :: columns(:, :)
       type(table_t) :: table
       character(*), parameter :: names(2, 2) = reshape(['g', 'w', 'h', 'k'], [2, 2])
       character(:), allocatable :: line
@@ -758,9 +769,10 @@ contains
          first = cmplx(exact%x(1), exact%y(1), wp)
          call six%add()
          call six%add('  RANK SOUND   FASTEST LINK   LONGEST LINK  FIRST LINK     SECOND LINK')
+         columns = in_columns(reshape([found%list(:shown)%fastest, found%list(:shown)%longest], [shown, 2]))
          do k = 1, shown
             associate (one => found%list(k))
-               call six%add(rank_column(k)//word(one%valid, 6)//general(one%fastest)//general(one%longest)//'  '// &
+               call six%add(rank_column(k)//word(one%valid, 6)//in_a_row(columns(:, k))//'  '// &
                             between(one%links(1)%from, one%links(1)%to)//'  '//between(one%links(2)%from, one%links(2)%to))
             end associate
          end do
@@ -782,16 +794,14 @@ contains
             end do
          end associate
          call devices%cases(devices%last_case())%put(table)
+         allocate (places(4, shown))
          do k = 1, shown
             associate (one => found%list(k))
-               line = rank_column(k)
-               do i = 1, 2
-                  associate (g => first + one%links(i)%pivot, w => first + one%links(i)%pin)
-                     line = line//general(real(g, wp))//general(aimag(g))//general(real(w, wp))//general(aimag(w))
-                  end associate
-               end do
-               call six%add(line)
+               places(:, k) = first + [(one%links(i)%pivot, one%links(i)%pin, i=1, 2)]
             end associate
+         end do
+         call list_places(places, six)
+         do k = 1, shown
             line = '! rank '//to_text(k)
             if (.not. found%list(k)%valid) line = line//': it does not come to all poses'
             call devices%seven%add(line)
@@ -831,18 +841,45 @@ contains
       end if
    end function head_of
 
-   function numbers_of(rank, one, frame) result(line)
-      integer, intent(in) :: rank
-      type(generator_t), intent(in) :: one
+   !> The numbers of function generators as columns; shape (5, linkages).
+   pure function columns_of(list, frame) result(columns)
+      type(generator_t), intent(in) :: list(:)
       real(wp), intent(in) :: frame
-      character(:), allocatable :: line
-      real(wp) :: scale, zero
+      character(15) :: columns(5, size(list))
+      real(wp), dimension(size(list)) :: scale, zero
 
-      scale = merge(1.0_wp, frame, one%slides)
-      zero = merge(-one%psi0, one%psi0*degrees_per_radian, one%slides)
-      line = rank_column(rank)//general(scale*one%r2)//general(scale*one%r3)// &
-             general(scale*one%r4)//general(one%phi0*degrees_per_radian)//general(zero)
-   end function numbers_of
+      scale = merge(1.0_wp, frame, list%slides)
+      zero = merge(-list%psi0, list%psi0*degrees_per_radian, list%slides)
+      columns = in_columns(reshape([scale*list%r2, scale*list%r3, scale*list%r4, list%phi0*degrees_per_radian, zero], &
+                                   [size(list), 5]))
+   end function columns_of
+
+   !> Numbers of a list as columns, as those of sketches: every linkage found is one. Shape (columns, linkages).
+   pure function in_columns(values) result(columns)
+      real(wp), intent(in) :: values(:, :)      !! shape (linkages, columns)
+      character(15) :: columns(size(values, 2), size(values, 1))
+      integer :: c
+
+      do c = 1, size(values, 2)
+         columns(c, :) = figures_of(.true., values(:, c), all_count=.true.)
+      end do
+   end function in_columns
+
+   !> A row for each linkage: x and y of its joints.
+   subroutine list_places(places, six)
+      complex(wp), intent(in) :: places(:, :)   !! shape (joints, linkages)
+      type(text_t), intent(inout) :: six
+      character(15) :: columns(2*size(places, 1), size(places, 2))
+      integer :: j, k
+
+      do j = 1, size(places, 1)
+         columns(2*j - 1, :) = figures_of(.true., real(places(j, :), wp))
+         columns(2*j, :) = figures_of(.true., aimag(places(j, :)))
+      end do
+      do k = 1, size(places, 2)
+         call six%add(rank_column(k)//in_a_row(columns(:, k)))
+      end do
+   end subroutine list_places
 
    !> Columns of function generators: lengths over the frame, of a slider-crank of the user.
    pure subroutine add_generators(list, table)

@@ -74,7 +74,7 @@ contains
                   if (family%closed(i, k)) then
                      line = line//actual(i, k)
                   else
-                     line = line//' DOES NOT CLOSE'
+                     line = line//merge('    NOT REACHED', ' DOES NOT CLOSE', family%beyond(i, k))
                   end if
                end do
                call text%add(line)

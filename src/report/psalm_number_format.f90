@@ -7,7 +7,7 @@ module psalm_number_format
    use psalm_text, only: general, to_text
    implicit none (type, external)
    private
-   public :: number_format_t, format_of, figure, figures_of, in_a_row, in_sentence, rounding_error
+   public :: number_format_t, format_of, figure, figures_of, in_a_row, in_sentence, error_words, rounding_error
 
    integer, parameter :: seven_digits = -1        !! each number by itself, as the published listings
    integer, parameter :: engineering = -2         !! a multiple of three as exponent
@@ -84,7 +84,7 @@ contains
       case (seven_digits)
          text = general(value)
       case (engineering)
-         text = in_engineering(value)
+         text = in_engineering(value, error)
       case default
          kept = format%decimals
          if (present(error)) kept = supported(error, kept)
@@ -94,11 +94,12 @@ contains
    end function figure
 
    !> The numbers of a column of a sketch, or of loops, as texts; what is not known is blank.
-   pure function figures_of(named, values, known, all_count) result(texts)
+   pure function figures_of(named, values, known, all_count, error) result(texts)
       logical, intent(in) :: named                  !! joints have names: a sketch
       real(wp), intent(in) :: values(:)             !! shape (rows)
       logical, intent(in), optional :: known(:)     !! shape (rows)
       logical, intent(in), optional :: all_count    !! no number may lose its digits beside the largest; default false
+      real(wp), intent(in), optional :: error       !! bound of the error of all: digits that it leaves open are blank
       character(width) :: texts(size(values))
       type(number_format_t) :: format
       integer :: k
@@ -112,7 +113,7 @@ contains
          if (present(known)) then
             if (.not. known(k)) cycle
          end if
-         texts(k) = figure(values(k), format)
+         texts(k) = figure(values(k), format, error)
       end do
 
    contains
@@ -145,14 +146,31 @@ contains
    end function in_a_row
 
    !> A number in a sentence of a listing, with a blank before it; of loops in its width of 15 characters.
-   pure function in_sentence(named, value) result(text)
+   pure function in_sentence(named, value, error) result(text)
+      logical, intent(in) :: named                  !! joints have names: a sketch
+      real(wp), intent(in) :: value
+      real(wp), intent(in), optional :: error       !! bound of its error: of a sketch digits that it leaves open are left out
+      character(:), allocatable :: text
+
+      text = figure(value, format_of(named, [value]), error)
+      if (named) text = ' '//trim(adjustl(text))
+   end function in_sentence
+
+   !> An error above zero in a sentence of a listing: of a sketch two digits, as its size is all that it tells.
+   pure function error_words(named, value) result(text)
       logical, intent(in) :: named                  !! joints have names: a sketch
       real(wp), intent(in) :: value
       character(:), allocatable :: text
+      real(wp), parameter :: least = 1.0e-99_wp     ! of two digits in the exponent
+      character(7) :: buffer
 
-      text = figure(value, format_of(named, [value]))
-      if (named) text = ' '//trim(adjustl(text))
-   end function in_sentence
+      if (named .and. abs(value) >= least .and. abs(value) < 1.0_wp/least) then
+         write (buffer, '(es7.1e2)') real(value, dp)
+         text = ' '//buffer
+      else
+         text = in_sentence(named, value)
+      end if
+   end function error_words
 
    !> Bound of what rounding makes of a number with a condition number.
    elemental real(wp) function rounding_error(condition, size_of)
@@ -220,12 +238,14 @@ contains
       if (verify(trim(adjustl(text)), '-0.') == 0 .and. index(text, '-') > 0) text(index(text, '-'):index(text, '-')) = ' '
    end function in_fixed
 
-   !> Seven digits and an exponent that is a multiple of three.
-   pure function in_engineering(value) result(text)
+   !> Seven digits, or those that the error supports, and an exponent that is a multiple of three.
+   pure function in_engineering(value, error) result(text)
       real(wp), intent(in) :: value
+      real(wp), intent(in), optional :: error
       character(width) :: text
       character(14) :: buffer
-      integer :: power, before
+      character(:), allocatable :: layout, digits, sign
+      integer :: power, before, kept, at
 
       if (abs(value) <= 0.0_wp) then
          text = '            0.0'
@@ -234,13 +254,24 @@ contains
          text = general(value)
          return
       end if
-      write (buffer, '(es14.6e3)') real(value, dp)
-      read (buffer(11:14), '(i4)') power
+      kept = figures
+      if (present(error)) kept = count([(10.0_wp**(exponent_of(abs(value)) - at) >= error, at=0, figures - 1)])
+      if (kept == 0) then
+         text = '            0.0'
+         return
+      end if
+      layout = '(es14.'//to_text(kept - 1)//'e3)'
+      write (buffer, layout) real(value, dp)
+      at = index(buffer, 'E')
+      read (buffer(at + 1:), '(i4)') power
       before = modulo(power, 3)
-      buffer(3:3 + before) = buffer(4:3 + before)//'.'    ! the point is moved to the right
+      sign = trim(merge('-', ' ', value < 0.0_wp))
+      at = index(buffer, '.')
+      digits = buffer(at - 1:at - 1)//buffer(at + 1:index(buffer, 'E') - 1)
+      digits = digits//repeat('0', max(0, before + 1 - len(digits)))    ! zeros keep the places before the point
       power = power - before
-      text = trim(adjustl(buffer(:9)))//'E'//merge('-', '+', power < 0)//repeat('0', max(0, 2 - len(to_text(abs(power)))))// &
-             to_text(abs(power))
+      text = sign//digits(:before + 1)//'.'//digits(before + 2:)//'E'//merge('-', '+', power < 0)// &
+             repeat('0', max(0, 2 - len(to_text(abs(power)))))//to_text(abs(power))
       text = adjustr(text)
    end function in_engineering
 end module psalm_number_format

@@ -53,6 +53,8 @@ module psalm_chain_synthesis
       logical :: stopped = .false.               !! before all starts were made
       class(data_set_t), allocatable :: drawn    !! a case of the best linkage, or of the given one if none was found: drawn anew,
                                                  !! without loops, nothing varying
+   contains
+      procedure :: draw
    end type chain_synthesis_t
 
    type, extends(starter_t) :: chain_starter_t
@@ -159,6 +161,16 @@ contains
          call draw_anew(set, result%problem, result%problem%first, result%drawn)
       end if
    end subroutine synthesise_chain
+
+   !> A case of the linkage of a rank, 1 to size(best), as `drawn` is one of the best.
+   subroutine draw(self, set, rank, drawn)
+      class(chain_synthesis_t), intent(in) :: self
+      type(data_set_t), intent(in) :: set        !! the one that was searched
+      integer, intent(in) :: rank
+      type(data_set_t), intent(out) :: drawn
+
+      call draw_anew(set, self%problem, self%best(rank)%x, drawn)
+   end subroutine draw
 
    subroutine prepare_starter(set, problem, stop, starter)
       type(data_set_t), intent(in) :: set

@@ -23,6 +23,7 @@ module psalm_family_study
       logical :: slides = .false.                     !! the input is a length
       logical :: stopped = .false.                    !! the host asked for the end: the settings so far
       logical, allocatable :: closed(:, :)            !! shape (positions, settings)
+      logical, allocatable :: beyond(:, :)            !! the same shape: not closed because it is not reached from the drawing
       real(wp), allocatable :: actual(:, :, :)        !! shape (positions, numbers, settings)
    contains
       procedure :: name_in_sentence

@@ -1,7 +1,7 @@
 !> How families of curves are computed. Only this knows the group SWEEP.
 submodule(psalm_family_study) psalm_family_study_body
    use psalm_column_names, only: output_name
-   use psalm_error, only: problem_t, motion_t, new_problem, own_inputs_at
+   use psalm_error, only: problem_t, motion_t, new_problem, own_inputs_at, follows_drawing
    use psalm_kinds, only: full_turn
    use psalm_output_kind, only: output_kind_t, output_kind
    use psalm_parameters, only: parameters_t, no_parameters, name_of, variable_outlk, variable_outang, variable_origlk, &
@@ -56,8 +56,10 @@ contains
       family%setting = settings_of(sweep)
       allocate (problem)
       call new_problem(mechanism, dimensions, parameters, delt, mechanism%whole, problem, own_inputs_at(set, delt))
+      problem%followed = follows_drawing(set, mechanism)
       kind = output_kind(problem%motion)
       allocate (family%closed(size(delt), size(family%setting)))
+      allocate (family%beyond(size(delt), size(family%setting)), source=.false.)
       allocate (family%actual(size(delt), kind%components, size(family%setting)))
       family%numbers = [character(number_name) :: ('OUTPUT'//kind%suffix(c), c=1, kind%components)]
       allocate (family%columns(kind%components))
@@ -76,6 +78,7 @@ contains
          call parameters%apply([sense*family%setting(k) + zero], changed)
          call problem%analyse(changed, motion)
          family%closed(:, k) = motion%closed
+         if (allocated(motion%beyond)) family%beyond(:, k) = motion%beyond
          if (k == 1) family%input = motion%input
          if (by_name) then
             call take_outputs(set, problem, changed, motion, k, family)
@@ -86,6 +89,7 @@ contains
       if (family%stopped) then
          family%setting = family%setting(:k - 1)
          family%closed = family%closed(:, :k - 1)
+         family%beyond = family%beyond(:, :k - 1)
          family%actual = family%actual(:, :, :k - 1)
          if (k == 1) return
       end if

@@ -4,7 +4,7 @@ module psalm_link_poses
    use psalm_closure, only: closure_t, most_orders
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
-   use psalm_error, only: motion_t, problem_t, reach_t, new_problem
+   use psalm_error, only: motion_t, problem_t, reach_t, follows_drawing, new_problem
    use psalm_joint_location, only: add_link_axes
    use psalm_kinds, only: wp
    use psalm_mechanism, only: body_frame, mechanism_t
@@ -61,7 +61,7 @@ contains
       associate (dimensions => looped%dimensions)
          call new_problem(looped%mechanism, dimensions, no_parameters(looped%mechanism), &
                           inputs(1, :) - (dimensions%crnki - dimensions%drawn), .true., problem, transpose(inputs(2:, :)))
-         problem%followed = looped%mechanism%from_drawing .and. .not. set%wants_search()
+         problem%followed = follows_drawing(set, looped%mechanism)
          call problem%analyse(dimensions, found, looped%reach)
          call study_sketch(set, problem, dimensions, found%closed, speed, accel, outputs, poses=poses)
       end associate

@@ -37,6 +37,11 @@ module psalm_synthesis
 
    real(wp), parameter :: near = 1.0e-2_wp         !! relative size of a simplex that goes on to more positions
 
+   !> A sketch drawn anew, without loops.
+   type :: drawn_case_t
+      class(data_set_t), allocatable :: set
+   end type drawn_case_t
+
    !> Results of a search.
    type :: synthesis_t
       integer :: ending = ended_unmade           !! one of `ended_...`
@@ -48,6 +53,7 @@ module psalm_synthesis
       ! many starts
       type(result_t) :: found                    !! linkages, best first; counts
       type(ranked_t), allocatable :: ranked(:)   !! by linkage found
+      type(drawn_case_t), allocatable :: drawn(:) !! the linkages found, if the search was made in the poses of the links
    contains
       procedure :: is_short
    end type synthesis_t

@@ -11,7 +11,7 @@ module psalm_tolerance
    use psalm_column_names, only: output_name
    use psalm_adjustment, only: adjustment_t, find_adjustments
    use psalm_data_set, only: data_set_t
-   use psalm_error, only: problem_t, motion_t, inputs_of, new_problem, own_inputs_at
+   use psalm_error, only: problem_t, motion_t, inputs_of, new_problem, own_inputs_at, follows_drawing
    use psalm_stop, only: stop_t
    use psalm_joint_location, only: locate_sketch
    use psalm_kinds, only: wp
@@ -205,6 +205,7 @@ contains
       everywhere = set%limits%ktheta /= 0
       if (present(every_loop)) everywhere = every_loop
       call new_problem(mechanism, dimensions, parameters, inputs, everywhere, deviating%problem, own_inputs_at(set, inputs))
+      deviating%problem%followed = follows_drawing(set, mechanism)
       allocate (deviating%lean, source=deviating%problem)
       by_name = size(set%sketch%outputs) > 0
       if (by_name) then
@@ -217,7 +218,6 @@ contains
       end if
       if (is_known()) then
          result%nominal = analysed
-         if (allocated(analysed%beyond)) result%nominal%closed = analysed%closed .or. analysed%beyond
          call deviating%problem%bind(dimensions)
       else
          call deviating%problem%analyse(dimensions, result%nominal)

@@ -13,7 +13,7 @@ module psalm_vibration_study
    use psalm_stability, only: boundaries_t
    implicit none (type, external)
    private
-   public :: vibration_study_t, mode_t, find_vibration, harmonics_listed
+   public :: vibration_study_t, mode_t, chart_row_t, find_vibration, harmonics_listed
    public :: much_mixed
 
    integer, parameter :: harmonics_listed = 12

@@ -29,7 +29,7 @@ module psalm_search
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    private
-   public :: found_t, result_t, start_record_t, search_t, search_many
+   public :: found_t, result_t, start_record_t, search_t, search_many, distance_of
 
    real(wp), parameter :: least_value = 1.0e-3_wp  !! of the first linkage: smaller ones do not tell relative changes
    integer, parameter :: most_returns = 4          !! times a search goes back to work on what an inspection found
@@ -337,11 +337,18 @@ contains
                if (self%free) found%delt = candidate%x(size(first) + 1:)
                found%objective = candidate%objective
                found%start = self%rules%number_of(self%best(i))
-               found%distance = maxval(abs(found%values - first)/max(abs(first), least_value))
+               found%distance = distance_of(found%values, first)
             end associate
          end do
       end associate
    end subroutine finish
+
+   !> Distance of a linkage from the first one: the largest relative change of a value.
+   pure real(wp) function distance_of(values, first) result(distance)
+      real(wp), intent(in) :: values(:), first(:)
+
+      distance = maxval(abs(values - first)/max(abs(first), least_value))
+   end function distance_of
 
    !> What makes two linkages different: a length that differs by DIFFER of itself, an angle that differs by DIFFER radians; inputs
    !> of free timing do not.
@@ -978,18 +985,17 @@ contains
          end do
       end if
       if (worker%merit%irange == range_positions .or. .not. candidate%feasible) return
-      do round = 1, most_returns
+      do round = 0, most_returns
          call worker%problem%parameters%apply(found, worker%merit%dimensions)
          call inspect(worker%inspector, worker%merit%dimensions, worker%merit%delt, margins, hasty=.true.)
          candidate%feasible = .not. any(is_violated(margins))
          if (candidate%feasible) return
-         if (size(extra) >= extra_positions) return
+         if (round == most_returns .or. size(extra) >= extra_positions) return
          extra = [extra, pack(margins%delt, is_violated(margins))]
          call set_range(worker%merit, extra)
          call run_solver(found, candidate%objective, candidate%feasible)
          if (.not. candidate%feasible) return
       end do
-      candidate%feasible = .false.
 
    contains
 

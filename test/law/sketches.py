@@ -285,6 +285,41 @@ def one_way(programs):
         yield "slides that run to infinity: the range between the two dead points", closed == want, closed
 
 
+ROCKER = """A CRANK-ROCKER DRIVEN AT ITS ROCKER: TWO RANGES, OF WHICH THE DRAWING REACHES ONE
+ &CHAIN JNT='A','B','C','D','P', JX=0.0,-10.0,60.0,70.0,30.0, JY=0.0,40.0,15.0,0.0,70.0,
+  LNAME='frame','rocker','coupler','crank', LNK='A D','A B','B C P','C D' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point P' &END
+ &METHOD NDES=%d, DELT=%s &END
+ %s
+"""
+
+
+def what_is_reached(programs):
+    """Curves for other lengths and tolerances are of what is reached from the drawing, as the table is. B must be as far from D as
+    the links reach: that gives the range of each length, and which of the two ranges the drawing is in."""
+    a, c, d = math.hypot(-10, 40), math.hypot(10, 15), 70.0
+    drawn, given = math.atan2(40, -10), [0.0, 5.0, -5.0, 160.0]
+    with tempfile.TemporaryDirectory() as folder:
+        done, _ = run_psalm(programs, folder, "sweep", ROCKER % (4, "0.0,5.0,-5.0,160.0",
+                                                                "&SWEEP SWJNT='B C', SWLOW=70.0, SWHIGH=78.0, NSWEEP=5 &END"))
+        listing = done.stdout.split("FAMILY OF CURVES")[1].split("STROKE")[0].splitlines()
+        want = []
+        for length in (70.0, 72.0, 74.0, 76.0, 78.0):
+            low, high = (math.acos((a * a + d * d - r * r) / (2 * a * d)) for r in (abs(length - c), length + c))
+            want.append(["closes" if low <= drawn + math.radians(g) <= high else
+                         "NOT REACHED" if low <= math.remainder(drawn + math.radians(g), 2 * math.pi) <= high or
+                         low <= -math.remainder(drawn + math.radians(g), 2 * math.pi) <= high else "DOES NOT CLOSE" for g in given])
+        got = [[next((w for w in ("NOT REACHED", "DOES NOT CLOSE") if w in row[15 * (k + 1):15 * (k + 2)]), "closes")
+                for row in listing[3:7]] for k in range(5)]
+        yield "curves for five lengths: which positions are reached", got == want and done.returncode == 1, (got, want)
+        told, tolerances = [], "&TOLER TOLLEN=0.01 &END"
+        for n, (k, delt) in enumerate(((3, "0.0,2.0,-5.0"), (4, "0.0,2.0,-5.0,160.0"))):
+            done, _ = run_psalm(programs, folder, "tol%d" % n, ROCKER % (k, delt, tolerances))
+            told.append((done.returncode, "EFFECT OF TOLERANCES" in done.stdout))
+        yield "tolerances where all is reached, none where it is not", told == [(0, True), (1, False)], told
+
+
 SEARCHED = """THE SECOND LOOP MUST CLOSE TOO
  &CHAIN JNT='A','B','C','D','P','Q','F', JX=0.0,-10.0,60.0,80.0,40.0,60.0,75.0, JY=0.0,25.0,70.0,0.0,110.0,120.0,90.0,
   LNAME='frame','crank','coupler','rocker','link','out', LNK='A D F','A B','B C P','C D','P Q','Q F', VARY='A B','B C','C D' &END
@@ -677,7 +712,7 @@ def main():
     if by_loops < arguments.count // 10:
         failed += 1
         told.append("sliding drives: only %d of %d were solved by loops" % (by_loops, number))
-    for say in (one_verdict, one_way, other_way_round, wheels_of_whole_ratios, searched, searched_in_poses, grid_alone,
+    for say in (one_verdict, one_way, what_is_reached, other_way_round, wheels_of_whole_ratios, searched, searched_in_poses, grid_alone,
                 named_tolerances, one_crank_angle, wished, one_zero, rigid_triangle):
         for law, holds, got in say(arguments.programs):
             passed += bool(holds)

@@ -7,6 +7,7 @@ import cmath
 import math
 import os
 import random
+import re
 import subprocess
 import sys
 import tempfile
@@ -398,8 +399,10 @@ def named(place):
     loops = open(os.path.join(TOP, "data", "dyad4_slider_crank.nml"), encoding="utf-8").read()
     text = loops + group.replace("VNAME='%s'", "VLINK=2, VLOOP=1").replace("MNAME='piston'", "MLINK=-3, MLOOP=1")
     code, listing, error, _ = run(text, place)
-    lengths = [[line for line in one.split("\n") if "FIRST FREQUENCY AT REST" in line or line.startswith(" LENGTH")] for one in (listing, results[0])]
-    check(code < 2 and len(lengths[0]) == 2 and lengths[0] == lengths[1], "the same link in the arrays", error + str(lengths))
+    lengths = [[float(number.replace("D", "E"))
+                for line in one.split("\n") if "FIRST FREQUENCY AT REST" in line or line.startswith(" LENGTH")
+                for number in re.findall(r"\d+\.\d+(?:D-\d+)?", line)] for one in (listing, results[0])]
+    check(code < 2 and len(lengths[0]) == 4 and lengths[0] == lengths[1], "the same link in the arrays", error + str(lengths))
 
 
 # ---- loads on a link ------------------------------------------------------------------------------------------------

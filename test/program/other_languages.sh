@@ -42,6 +42,8 @@ export PYTHONPATH="$work/site"
 check 'Python: the slider-crank' slides "$venv/bin/python" "$top/python/example/slider_crank.py"
 "$venv/bin/python" "$top/python/test_psalm.py" "$top/data" || failed=$((failed + 1))
 "$venv/bin/python" "$top/test/program/notebook.py" || failed=$((failed + 1))
+# every verb; test/campaign/verbs.py has the figures of 100000 calls
+"$venv/bin/python" "$top/test/campaign/verbs.py" --count 12 || failed=$((failed + 1))
 check 'Python: cases on all processors' sh -c '"$1" "$2/python/example/many_cases.py" | awk "NF == 3 { n++ } END { exit n != 9 }"' - \
     "$venv/bin/python" "$top"
 check 'the version is one in all descriptions' test 1 -eq "$(grep -hoE '^version = "[0-9.]+"|version = .[0-9.]+. !! as|^version: [0-9.]+|^  version: "[0-9.]+"|^psalm \([0-9.]+-' \

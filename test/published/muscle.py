@@ -403,6 +403,9 @@ def limits_and_desires(place):
     corner = (start[0], start[1].replace("-0.0526", "0.7"))
     check(muscle(data("muscle/haines_10u.nml", corner), place)[1]["composite"]["after"] != results["composite"]["after"],
           "another start takes another way")
+    code, results, listing, error = muscle(data("muscle/haines_10u.nml", (start[0], start[1].replace("WRSTRT=0.1", "WRSTRT=9.0"))), place)
+    check(code == 2 and "WRSTRT" in error and "entry 1: the start is not between WRLOW and WRHIGH" in error,
+          "a start outside the limits of the radius", error)
 
 
 def contact(place):

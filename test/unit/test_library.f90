@@ -25,6 +25,7 @@ program test_library
    call rates()
    call units_of_speed()
    call searched()
+   call searched_in_poses()
    call simplex()
    call ended()
    call own_problem()
@@ -337,6 +338,42 @@ contains
       call synthesise(slider_crank(), search, findings)
       call t%equal_integer(search%ending, ended_unmade, 'nothing varies: no search')
    end subroutine searched
+
+   !> A length that no loop has varies: the search is made in the poses of the links, and what it found are cases all the same.
+   subroutine searched_in_poses()
+      character(*), parameter :: six_bar = 'SIX-BAR'//nl// &
+         " &CHAIN JNT='A','B','C','D','P','Q','E', JX=0.,-4.,33.,90.,20.,80.,130., JY=0.,31.,82.,5.,95.,140.,60.,"//nl// &
+         "  LNK='A D E','A B','B C P','C D','P Q','Q E', VARY='A B','B C','C D','P Q','Q E','C P' &END"//nl// &
+         " &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='point Q' &END"//nl// &
+         ' &METHOD NDES=3, DELT=0.,30.,60., DESX=80.5,70.1109,58.6497, DESY=139.7,132.1787,120.8354, VAR=0.5 &END'//nl// &
+         " &SEARCH SOLVER='LSQ', NSTART=4, MAXEVAL=10, NBEST=4, DIFFER=0.001 &END"//nl
+      type(case_t), allocatable :: cases(:)
+      type(case_t) :: found
+      type(synthesis_t) :: search
+      type(analysis_t) :: analysis, reported
+      type(findings_t) :: findings
+      type(report_t) :: report
+      integer :: k
+
+      call read_text(six_bar, cases, findings)
+      call synthesise(cases(1), search, findings, report=report)
+      call t%is_true(.not. findings%failed() .and. allocated(search%drawn), 'a search in poses')
+      if (findings%failed()) return
+      call t%is_true(size(search%found%best) > 1, 'found several linkages')
+      call t%equal_integer(size(report%cases), size(search%found%best), 'which are cases of the report')
+      call t%is_true(report%tables%tables(1)%rows == size(search%found%best), 'and rows of its first table')
+      do k = 1, size(search%found%best)
+         found = found_case(cases(1), search, k)
+         call analyse(found, analysis, findings)
+         call t%close_to(analysis%motion%total/search%found%best(k)%objective, 1.0_wp, 1.0e-6_wp, &
+                         'the sketch found has the objective of its rank')
+         call analyse(report%cases(k), reported, findings)
+         call t%is_true(all(abs(reported%motion%actual - analysis%motion%actual) <= 0.0_wp), 'and is the case of the report')
+      end do
+      call t%is_true(report%cases(1)%text() /= report%cases(2)%text(), 'each is another')
+      found = found_case(cases(1), search, 99)
+      call t%is_true(found%text() == cases(1)%text(), 'no such rank: the sketch as given')
+   end subroutine searched_in_poses
 
    !> A search by the simplex, and its best vertex as a case.
    subroutine simplex()

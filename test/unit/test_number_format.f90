@@ -2,7 +2,7 @@
 program test_number_format
    use check, only: checks_t
    use psalm_kinds, only: wp
-   use psalm_number_format, only: number_format_t, figure, figures_of, format_of, in_a_row, in_sentence
+   use psalm_number_format, only: number_format_t, error_words, figure, figures_of, format_of, in_a_row, in_sentence
    use psalm_text, only: general
    implicit none (type, external)
    type(checks_t) :: t
@@ -72,6 +72,17 @@ contains
       call t%equal_text(figure(-43.160112_wp, format, 1.0e-9_wp), '      -43.16011', 'a small error')
       call t%equal_text(figure(-43.160112_wp, format, 2.0e-4_wp), '      -43.160  ', 'two digits are open')
       call t%equal_text(figure(-43.160112_wp, format, 0.9_wp), '      -43.     ', 'all decimals are open')
+      format = format_of(.true., [-58.17012e-6_wp])
+      call t%equal_text(figure(-58.17012e-6_wp, format, 1.0e-14_wp), '  -58.17012E-06', 'engineering: a small error')
+      call t%equal_text(figure(-58.17012e-6_wp, format, 2.0e-9_wp), '     -58.17E-06', 'three digits are open')
+      call t%equal_text(figure(-58.17012e-6_wp, format, 2.0e-6_wp), '       -60.E-06', 'six are open: a zero keeps the place')
+      call t%equal_text(figure(-58.17012e-6_wp, format, 1.0e-4_wp), '            0.0', 'all are open')
+      call t%equal_text(in_sentence(.true., 0.5_wp, 1.0e-3_wp), ' 0.5', 'in a sentence')
+      call t%equal_text(error_words(.true., 8.2341e-13_wp), ' 8.2E-13', 'of an error its size')
+      call t%equal_text(error_words(.true., 0.0_wp), ' 0.0', 'no error')
+      call t%equal_text(error_words(.false., 8.2341e-13_wp), general(8.2341e-13_wp), 'loops: as the published listings')
+      call t%equal_text(in_a_row(figures_of(.true., [12.123456_wp, 0.5_wp], error=2.0e-3_wp)), &
+                        '       12.12           0.50   ', 'a column with an error')
    end subroutine errors
 
    !> The same digits as the run-time library's.
