@@ -58,6 +58,7 @@ module psalm_time_motion
       procedure :: tolerances
       procedure :: advance_to
       procedure :: observe
+      procedure :: sizes
       procedure :: work
       procedure :: lost
       procedure, private :: marks
@@ -80,22 +81,15 @@ contains
       class(time_motion_t), intent(inout) :: moving   !! with its motion
       logical, intent(out) :: valid
       real(wp) :: length
-      integer :: k
 
       moving%end = end
       moving%tolerance = tolerance
       moving%most_events = most_events
       moving%step = first_part*end
       allocate (moving%events(0))
-      associate (f => size(speeds), link => moving%motion%problem%linkage)
-         length = max(0.0_wp, maxval(link%length))/link%scale
-         ! slides alone have no links with lengths
-         do k = 1, size(moving%motion%stops)
-            if (.not. moving%motion%stops(k)%slides) cycle
-            length = max(length, maxval(abs(pack([moving%motion%stops(k)%low, moving%motion%stops(k)%high], &
-                                                 abs([moving%motion%stops(k)%low, moving%motion%stops(k)%high]) < huge(length)))))
-         end do
-         moving%size_of = merge(length, 1.0_wp, moving%motion%slides(moving%motion%free))
+      associate (f => size(speeds))
+         length = length_of(moving%motion)
+         moving%size_of = moving%sizes()
          moving%size_of_stop = merge(length, 1.0_wp, moving%motion%stops%slides)
          moving%y = [moving%motion%start(moving%motion%free), speeds, 0.0_wp, 0.0_wp]
          moving%largest = abs(moving%y(:2*f))
@@ -106,6 +100,28 @@ contains
       call moving%meet_stops(valid)
       if (valid) call moving%motion%anchor()
    end subroutine begin_motion
+
+   !> By free drive: a radian or the size of the linkage.
+   pure function sizes(self)
+      class(time_motion_t), intent(in) :: self
+      real(wp), allocatable :: sizes(:)
+
+      sizes = merge(length_of(self%motion), 1.0_wp, self%motion%slides(self%motion%free))
+   end function sizes
+
+   !> The size of a linkage, user's length; slides alone have no links with lengths, perhaps stops.
+   pure real(wp) function length_of(motion) result(length)
+      type(free_motion_t), intent(in) :: motion
+      integer :: k
+
+      length = max(0.0_wp, maxval(motion%problem%linkage%length))/motion%problem%linkage%scale
+      do k = 1, size(motion%stops)
+         associate (ends => [motion%stops(k)%low, motion%stops(k)%high])
+            if (motion%stops(k)%slides) length = max(length, maxval(abs(pack(ends, abs(ends) < huge(length)))))
+         end associate
+      end do
+      if (.not. length > 0.0_wp) length = 1.0_wp
+   end function length_of
 
    subroutine rates(self, time, y, d, valid)
       class(time_motion_t), intent(inout) :: self

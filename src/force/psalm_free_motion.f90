@@ -52,6 +52,7 @@ module psalm_free_motion
       real(wp), allocatable :: place(:), pace(:), growth(:) !! where its joint is, its rate, its acceleration
       real(wp), allocatable :: push(:)                 !! force of the stop, forwards: N m, N times metre
       real(wp), allocatable :: normal(:, :)            !! shape (stops, drives): rate of the joint for a drive's rate 1
+      real(wp), allocatable :: acting(:)               !! by free drive: force on it, N m, N times metre
       real(wp), allocatable :: inertia(:, :)           !! shape (drives, free drives): what drives bear for q'' = 1
       real(wp), allocatable :: anchored(:)             !! by stop: its place where `anchor` was last
    contains
@@ -132,6 +133,7 @@ contains
       allocate (motion%resting(size(stops)), source=side_none)
       allocate (motion%place(size(stops)), motion%pace(size(stops)), motion%growth(size(stops)), motion%push(size(stops)), &
                 motion%anchored(size(stops)), source=0.0_wp)
+      allocate (motion%acting(size(motion%free)), source=0.0_wp)
       allocate (motion%normal(size(stops), size(start)), source=0.0_wp)
       allocate (motion%inertia(size(start), size(motion%free)), source=0.0_wp)
       call motion%put_rates(0.0_wp*start, 0.0_wp*start)
@@ -209,6 +211,7 @@ contains
          work = work + torque*rate(1)
       end if
       self%push = 0.0_wp
+      self%acting = -b(self%free)
       if (size(q) > 0) then
          call solve_positive(self%inertia(self%free, :), -b(self%free), a, valid, least_inertia)
          self%massless = .not. valid

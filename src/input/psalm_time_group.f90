@@ -5,7 +5,7 @@ module psalm_time_group
    use psalm_group, only: group_t, out_of, required
    use psalm_kinds, only: wp
    use psalm_link_place, only: refuse_unless
-   use psalm_rule, only: rule_t, a_number, a_text, a_whole
+   use psalm_rule, only: rule_t, a_flag, a_number, a_text, a_whole
    use psalm_sketch, only: sketch_t
    use psalm_status, only: diagnostics_t
    use psalm_take, only: take, take_count
@@ -22,6 +22,8 @@ module psalm_time_group
       real(wp), allocatable :: rates(:)           !! VSTART: rad/s or lengths a second at time 0
       real(wp) :: tolerance = 1.0e-13_wp          !! TTOL
       integer :: events = 10000                   !! NEVENT
+      logical :: equilibria = .false.             !! IEQUIL
+      integer :: starts = 100                     !! NSTART
    contains
       procedure :: read => read_time
    end type time_group_t
@@ -49,7 +51,11 @@ module psalm_time_group
       rule_t('TTOL', a_number, '', '', '1E-13', '[1E-14,1E-3]', &
              'relative error of places and speeds that is allowed in a step'), &
       rule_t('NEVENT', a_whole, '', '', '10000', '[1,1000000]', &
-             'the motion ends after so many impacts and other events of &STOPS')]
+             'the motion ends after so many impacts and other events of &STOPS'), &
+      rule_t('IEQUIL', a_flag, '', '', '0', '0 1', &
+             '1: equilibrium positions and small oscillations about them; TEND may be left out then'), &
+      rule_t('NSTART', a_whole, '', '', '100', '[0,100000]', &
+             'equilibria of several free drives: searches besides that from the drawing')]
 
 contains
 
@@ -78,8 +84,14 @@ contains
       call take(group, 'VSTART', own%rates, findings)
       call take(group, 'TTOL', own%tolerance, findings)
       call take(group, 'NEVENT', own%events, findings)
+      call take(group, 'IEQUIL', own%equilibria, findings)
+      call take(group, 'NSTART', own%starts, findings)
       if (.not. own%given) return
-      if (times == 0 .and. .not. group%given('TEND')) then
+      if (own%equilibria .and. times == 0 .and. .not. group%given('TEND')) then
+         own%times = [0.0_wp]
+         if (group%given('NTIME')) call out_of(group, 'NTIME', 'without TEND there is no motion; leave NTIME out, or give TEND', &
+                                               findings)
+      else if (times == 0 .and. .not. group%given('TEND')) then
          call required(group, 'TEND', 'the end of the motion, or the times TAT of the results, must be given')
       else if (last < times) then
          call out_of(group, 'NTAT', to_text(times)//' times are announced, but only '//to_text(last)//' given', findings)

@@ -6,7 +6,8 @@ module psalm_time_list
    use psalm_error, only: problem_t
    use psalm_force_list, only: add_forces
    use psalm_group_words, only: the_group
-   use psalm_kinds, only: wp
+   use psalm_elementary, only: hypotenuse
+   use psalm_kinds, only: wp, pi, degrees_per_radian
    use psalm_mechanism, only: mechanism_t
    use psalm_number_format, only: number_format_t, format_of, figure
    use psalm_position_table, only: add_joints, add_outputs
@@ -24,6 +25,7 @@ module psalm_time_list
    character(*), parameter :: event_words(*) = [character(6) :: 'impact', 'rest', 'lift'] !! by `event_...`
    character(*), parameter :: nl = new_line('a')
    integer, parameter :: rates_shown = 2
+   real(wp), parameter :: full_circle = 2.0_wp*pi
 
 contains
 
@@ -34,6 +36,11 @@ contains
       type(time_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
 
+      if (study%rests) then
+         call list_equilibria(set, problem%mechanism, study, devices%six)
+         call put_equilibria(set, problem%mechanism, study, devices%cases(devices%last_case()))
+      end if
+      if (.not. study%moves) return
       call list_time(set, problem%mechanism, study, devices%six)
       call put_time(set, problem, study, devices%cases(devices%last_case()))
       if (study%ended == time_done) return
@@ -135,6 +142,129 @@ contains
       end function heading
    end subroutine list_time
 
+   !> Equilibria and their small oscillations.
+   subroutine list_equilibria(set, mechanism, study, text)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(time_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      type(number_format_t), allocatable :: formats(:)
+      real(wp), allocatable :: column(:, :)
+      character(:), allocatable :: line
+      character(15) :: head
+      integer :: k, d, f, m
+
+      f = size(study%free_drives)
+      call text%add()
+      call text%add(' EQUILIBRIA: DEGREES OR LENGTHS, JOULES; SMALL OSCILLATIONS: RADIANS A SECOND, GROWTH A SECOND')
+      if (study%equilibria%everywhere) call text%add(' NO FORCE ACTS ON THE FREE DRIVE, WHEREVER IT IS')
+      if (size(study%equilibria%list) == 0) then
+         if (.not. study%equilibria%everywhere) call text%add(' NONE FOUND')
+         return
+      end if
+      allocate (column(size(study%equilibria%list), f + 1), formats(f + 1))
+      line = ' NUMBER'
+      do d = 1, f
+         head = 'INPUT'
+         if (size(study%free) > 1) head = 'INPUT '//upper_case(trim(study%forces%drives(study%free_drives(d))))
+         line = line//adjustr(head)
+         do k = 1, size(study%equilibria%list)
+            column(k, d) = input_of(mechanism, study, k, d)
+         end do
+      end do
+      column(:, f + 1) = study%equilibria%list%potential
+      formats = [(format_of(set%has_names(), column(:, d)), d=1, f + 1)]
+      call text%add(line//'      POTENTIAL   OSCILLATIONS')
+      do k = 1, size(study%equilibria%list)
+         line = repeat(' ', 7 - len(to_text(k)))//to_text(k)
+         do d = 1, f + 1
+            line = line//figure(column(k, d), formats(d))
+         end do
+         associate (one => study%equilibria%list(k))
+            line = line//'   '//trim(merge('STABLE  ', 'UNSTABLE', one%stable()))
+            if (one%stop > 0) line = line//', HELD BY STOP '//trim(study%stop_names(one%stop))
+            do m = 1, size(one%squares)
+               if (one%squares(m) >= 0.0_wp) then
+                  line = line//', '//plain_number(sqrt(one%squares(m)))//' RAD/S'
+               else
+                  line = line//', GROWTH '//plain_number(sqrt(-one%squares(m)))//' /S'
+               end if
+            end do
+         end associate
+         call text%add(line)
+      end do
+   end subroutine list_equilibria
+
+   !> Input of a free drive at an equilibrium as `study%drives` has it: degrees or length.
+   pure real(wp) function input_of(mechanism, study, number, free)
+      type(mechanism_t), intent(in) :: mechanism
+      type(time_study_t), intent(in) :: study
+      integer, intent(in) :: number, free
+
+      associate (d => study%free_drives(free))
+         input_of = study%equilibria%list(number)%q(free)*merge(1.0_wp, degrees_per_radian, mechanism%actuators(d)%slides)
+         if (d == 1) input_of = study%zero_input + input_of
+      end associate
+   end function input_of
+
+   !> The tables `equilibria`, `small_motion` (undamped) and `small_motion_roots` (damped).
+   subroutine put_equilibria(set, mechanism, study, tables)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(time_study_t), intent(in) :: study
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      integer, allocatable :: of(:), mode(:)
+      real(wp), allocatable :: value(:), other(:)
+      character(:), allocatable :: name
+      integer :: k, d, m, n
+
+      n = size(study%equilibria%list)
+      table = table_of('equilibria', 'a row for each equilibrium that was found', notes=set%title)
+      call table%add('equilibrium', [(k, k=1, n)])
+      do d = 1, size(study%free_drives)
+         name = input_name()
+         if (set%has_names()) name = input_name(set%sketch, study%free_drives(d))
+         call table%add(name, [(input_of(mechanism, study, k, d), k=1, n)], &
+                        trim(merge('length', 'deg   ', mechanism%actuators(study%free_drives(d))%slides)))
+      end do
+      call table%add('potential', study%equilibria%list%potential, 'J')
+      call table%add('stable', [(study%equilibria%list(k)%stable(), k=1, n)])
+      call table%add('stop', study%equilibria%list%stop)
+      call tables%put(table)
+      of = [((k, m=1, size(study%equilibria%list(k)%squares)), k=1, n)]
+      mode = [((m, m=1, size(study%equilibria%list(k)%squares)), k=1, n)]
+      allocate (value(size(of)), other(size(of)))
+      table = table_of('small_motion', 'a row for each equilibrium and mode, without damping', notes=set%title//nl// &
+                       'square: of the angular frequency, below 0 where it grows; shapes: rates of the drives, radians or lengths')
+      call table%add('equilibrium', of)
+      call table%add('mode', mode)
+      do m = 1, size(of)
+         value(m) = study%equilibria%list(of(m))%squares(mode(m))
+      end do
+      call table%add('square', value, '1/s^2')
+      call table%add('frequency', sqrt(max(0.0_wp, value))/full_circle, 'Hz')
+      do d = 1, size(study%free_drives)
+         do m = 1, size(of)
+            value(m) = study%equilibria%list(of(m))%shapes(d, mode(m))
+         end do
+         name = input_name()
+         if (set%has_names()) name = input_name(set%sketch, study%free_drives(d))
+         call table%add('shape.'//name, value)
+      end do
+      call tables%put(table)
+      of = [((k, m=1, size(study%equilibria%list(k)%roots)), k=1, n)]
+      mode = [((m, m=1, size(study%equilibria%list(k)%roots)), k=1, n)]
+      value = [(real(study%equilibria%list(of(m))%roots(mode(m)), wp), m=1, size(of))]
+      other = [(aimag(study%equilibria%list(of(m))%roots(mode(m))), m=1, size(of))]
+      table = table_of('small_motion_roots', 'a row for each equilibrium and root of its damped small motion', notes=set%title)
+      call table%add('equilibrium', of)
+      call table%add('growth', value, '1/s')
+      call table%add('angular_frequency', other, 'rad/s')
+      call table%add('damping_ratio', -value/max(hypotenuse(value, other), tiny(1.0_wp)))
+      call tables%put(table)
+   end subroutine put_equilibria
+
    !> Largest remainder of the balance, J.
    pure real(wp) function remainder(study)
       type(time_study_t), intent(in) :: study
@@ -223,6 +353,8 @@ contains
       character(:), allocatable :: words
       integer :: d, at, stop, first, rests
 
+      if (study%rests) call summarise_equilibria()
+      if (.not. study%moves) return
       words = '0 to '//plain_number(study%stopped)//' s in '//to_text(study%steps)//' steps'
       if (study%turnover > 0.0_wp) words = words//'; energy in balance to '//plain_number(remainder(study)/study%turnover)
       call add_line('Motion', words, text)
@@ -249,5 +381,28 @@ contains
          end if
          if (len(words) > 0) call add_line('Stop '//trim(study%stop_names(stop)), words, text)
       end do
+
+   contains
+
+      !> How many there are, and the frequencies of the stable ones.
+      subroutine summarise_equilibria()
+         integer :: k, m, stable
+
+         associate (list => study%equilibria%list)
+            stable = count([(list(k)%stable(), k=1, size(list))])
+            words = to_text(size(list))//', '//to_text(stable)//' stable'
+            if (study%equilibria%everywhere) words = 'everywhere: no force acts on the free drive'
+            first = 0
+            do k = 1, size(list)
+               if (.not. list(k)%stable()) cycle
+               do m = 1, size(list(k)%squares)
+                  words = words//trim(merge(': ', ', ', first == 0))//' '//plain_number(sqrt(list(k)%squares(m)))
+                  first = first + 1
+               end do
+            end do
+            if (first > 0) words = words//' rad/s'
+         end associate
+         call add_line('Equilibria', words, text)
+      end subroutine summarise_equilibria
    end subroutine summarise_time
 end module psalm_time_list

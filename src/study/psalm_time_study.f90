@@ -5,15 +5,17 @@ module psalm_time_study
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
    use psalm_force_analysis, only: column_moment, column_drive, column_of_other_drive
+   use psalm_equilibria, only: equilibria_t, find_equilibria
    use psalm_force_model, only: moving_pair, vertices_of
    use psalm_force_study, only: force_study_t
-   use psalm_free_motion, only: free_state_t, make_free_motion
+   use psalm_free_motion, only: free_motion_t, free_state_t, make_free_motion
    use psalm_joint_stops, only: joint_stop_t, make_stops
    use psalm_kinds, only: wp, degrees_per_radian
    use psalm_mechanism, only: mechanism_t
    use psalm_moving_joints, only: sketch_motion_t
    use psalm_motor_group, only: motor_group_t, motor_of
    use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, highest_order
+   use psalm_shown_input, only: reference_input
    use psalm_sketch_motion, only: observe_sketch
    use psalm_sketch_outputs, only: names_of_numbers, values_of_outputs
    use psalm_sketch_study, only: sketch_study_t
@@ -58,6 +60,11 @@ module psalm_time_study
       logical, allocatable :: stop_slides(:)      !! by stop
       real(wp), allocatable :: stops(:, :)        !! shape (rows, stops): their forces, N m or N, forwards
       type(event_t), allocatable :: events(:)
+      logical :: moves = .true.                   !! motion was asked for, not equilibria alone
+      logical :: rests = .false.                  !! equilibria were asked for
+      type(equilibria_t) :: equilibria
+      real(wp) :: zero_input = 0.0_wp             !! input of the first drive as shown where its increment is 0
+      integer, allocatable :: free_drives(:)      !! numbers of the free drives
       real(wp) :: turnover = 0.0_wp               !! largest of these energies, J
    end type time_study_t
 
@@ -80,6 +87,11 @@ contains
       if (.not. set%masses%given) call set%origins%error(findings, 'TIME', '', 'motion in time needs masses: give &MASSES')
       if (set%friction%given) call set%origins%error(findings, 'FRICTN', '', 'motion in time has no friction of joints; '// &
                                                     'leave &FRICTN or &TIME out')
+      if (time%equilibria) then
+         if (.not. any(free_drives(set, time))) call set%origins%error(findings, 'TIME', 'IEQUIL', 'equilibria need a free drive')
+         if (moves(set, time)) call set%origins%error(findings, 'TIME', 'IEQUIL', 'equilibria need the drives that are '// &
+                                                     'not free at rest; their speeds (&RATES, DSPEED, DACCEL) must be 0')
+      end if
       stops = stops_of(set)
       do k = 1, size(stops%joints)
          call moving_pair(set, mechanism, stops%joints(k), joint, bodies)
@@ -107,6 +119,21 @@ contains
       if (.not. allocated(time%started) .and. size(time%rates) > count(free_drives(set, time))) &
          call set%origins%error(findings, 'TIME', 'VSTART', 'more speeds are given than there are free drives')
    end subroutine check_time
+
+   !> True if a drive that is not free moves.
+   pure logical function moves(set, time)
+      type(data_set_t), intent(in) :: set
+      type(time_group_t), intent(in) :: time
+      logical, allocatable :: given(:)
+
+      moves = .false.
+      if (.not. allocated(time%free)) return
+      given = .not. (free_drives(set, time) .or. set%sketch%drives%geared)
+      moves = given(1) .and. abs(set%rates%speed) + abs(set%rates%accel) > 0.0_wp
+      associate (others => set%sketch%drives(2:))
+         moves = moves .or. any(given(2:) .and. abs(others%speed) + abs(others%accel) > 0.0_wp)
+      end associate
+   end function moves
 
    !> The drives that move freely; those that follow the first are not counted.
    pure function free_drives(set, time) result(free)
@@ -138,6 +165,7 @@ contains
       type(stops_group_t) :: named
       type(joint_stop_t), allocatable :: stops(:)
       type(free_state_t) :: state
+      type(free_motion_t), allocatable :: still
       real(wp), allocatable :: start(:), speed(:), accel(:), own(:, :), speeds(:)
       complex(wp), allocatable :: places(:, :, :)
       real(wp), allocatable :: moved(:, :, :)
@@ -148,9 +176,19 @@ contains
       time = time_of(set)
       study%free = free_drives(set, time)
       study%end = time%times(size(time%times))
+      study%moves = study%end > 0.0_wp
+      if (.not. study%moves) study%end = 1.0_wp
       study%forces = forces
       drives = size(given%mechanism%actuators)
       call set_motion_up()
+      study%free_drives = moving%motion%free
+      study%zero_input = reference_input(given%mechanism, dimensions)
+      if (time%equilibria) then
+         study%rests = .true.
+         allocate (still, source=moving%motion)
+         call find_equilibria(still, moving%sizes(), time%starts, study%equilibria)
+         deallocate (still)
+      end if
       call begin_motion(speeds, study%end, time%tolerance, time%events, moving, valid)
       call make_rows(size(time%times))
       row = 0
@@ -293,8 +331,7 @@ contains
          study%drives(row, :, 1) = state%rate
          study%drives(row, :, 2) = state%accel
          study%drives(row, :, 0) = inputs
-         study%drives(row, 1, 0) = given%mechanism%reference + inputs(1)
-         if (.not. given%mechanism%from_drawing) study%drives(row, 1, 0) = dimensions%crnki + inputs(1)
+         study%drives(row, 1, 0) = study%zero_input + inputs(1)
          do d = 2, drives
             if (given%mechanism%actuators(d)%geared) study%drives(row, d, 0) = &
                set%sketch%drives(d)%ratio*study%drives(row, 1, 0) + set%sketch%drives(d)%phase
