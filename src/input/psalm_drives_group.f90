@@ -117,6 +117,9 @@ contains
             drive%geared = i <= last_ratio .and. ratio(i) /= 0.0_wp
             if (i == 1 .and. drive%geared) then
                call out_of(group, 'RATIO', 'the first drive is the one that the others follow; its own RATIO is 0', findings, 1)
+            else if (.not. drive%geared .and. abs(drive%phase) > 0.0_wp) then
+               call out_of(group, 'PHASE', 'drive '//trim(drive%name)//' has no RATIO; PHASE is added to RATIO times the first '// &
+                           'drive', findings, i)
             end if
          end associate
       end do

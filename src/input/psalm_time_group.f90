@@ -31,7 +31,7 @@ module psalm_time_group
    !> The items of the group.
    type(rule_t), parameter :: time_items(*) = [ &
       rule_t('TEND', a_number, '', 's', 'the last of TAT', '(0,)', &
-             'the end of the motion, which begins at 0 in the drawing (drives with PHASE: at that), with &LINKS at the '// &
+             'the end of the motion, which begins at 0 in the drawing (drives with RATIO: at their PHASE), with &LINKS at the '// &
              'reference position'), &
       rule_t('NTIME', a_whole, '', '', '100', '[1,100000]', &
              'results at so many even intervals of the time'), &

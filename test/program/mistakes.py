@@ -112,6 +112,8 @@ MISTAKES = [
     # drives
     (DRIVES, ", DELT2=0.0,5.0", "", "&DRIVES DELT2: drive E needs its values, DELT2, or a RATIO to the first drive"),
     (DRIVES, "DELT2=0.0,5.0", "DELT2=0.0,5.0, RATIO=0.0,2.0", "drive E has RATIO too; give one of both"),
+    (DRIVES, "DELT2=0.0,5.0", "DELT2=0.0,5.0, PHASE=10.0", "drive A has no RATIO; PHASE is added to RATIO times the first drive"),
+    (DRIVES, "DELT2=0.0,5.0", "DELT2=0.0,5.0, PHASE=0.0,10.0", "drive E has no RATIO; PHASE is added"),
     (DRIVES, "DELT2=0.0,5.0", "DELT2=0.0,5.0, NGRID=3,3, DLOW=0.0,0.0, DHIGH=5.0,5.0", "the grid NGRID gives the positions of all drives"),
     (DRIVES, "DELT2=0.0,5.0", "RATIO=0.0,2.0, NGRID=3,3, DLOW=0.0,0.0, DHIGH=5.0,5.0", "drive E follows the first by its RATIO; its NGRID is 0"),
     (DRIVES, "DELT2=0.0,5.0", "DELT2=0.0,5.0, DSPEED=1.0,0.0", "the first drive has the speed of &RATES; its entry here is 0"),
