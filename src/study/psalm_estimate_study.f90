@@ -11,7 +11,8 @@ module psalm_estimate_study
    use psalm_force_model, only: force_model_t
    use psalm_harmonic_bounds, only: extent_t, extent_of, harmonic_bound
    use psalm_joint_load, only: joint_load_t, find_joint_load
-   use psalm_kinds, only: wp, pi
+   use psalm_angles, only: unit_vector
+   use psalm_kinds, only: wp, half_turn
    use psalm_linear, only: solve_positive
    use psalm_link_cycle, only: link_cycle_t, find_link_cycle, moving_link
    use psalm_link_vibration, only: moving_link_t, coupling, mode_force
@@ -266,16 +267,20 @@ contains
       real(wp), intent(in) :: modes(:, :)        !! shape (positions, modes)
       real(wp), intent(out) :: greatest          !! m
       real(wp), intent(out) :: at                !! from the start, part of the length
-      real(wp) :: shapes(size(modes, 2), 0:samples), bent(0:samples), left, right
+      real(wp) :: shapes(size(modes, 2), 0:samples), bent(0:samples), left, right, cosine
       integer :: i, j, s
 
       do s = 0, samples
-         shapes(:, s) = [(sin(real(j*s, wp)*pi/real(samples, wp)), j=1, size(modes, 2))]
+         do j = 1, size(modes, 2)
+            call unit_vector(half_turn*real(j*s, wp)/real(samples, wp), cosine, shapes(j, s))
+         end do
       end do
       greatest = 0.0_wp
       at = 0.5_wp
       do i = 1, size(modes, 1)
-         bent = abs(matmul(modes(i, :), shapes))
+         do s = 0, samples
+            bent(s) = abs(dot_product(modes(i, :), shapes(:, s)))
+         end do
          s = maxloc(bent, 1) - 1
          if (bent(s) <= greatest) cycle
          greatest = bent(s)

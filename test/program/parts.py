@@ -121,6 +121,12 @@ def over_ranks(programs, mpi):
     """The programs over ranks; how many checks cannot be made."""
     if not all(shutil.which(tool + "." + mpi) for tool in ("mpifort", "mpiexec")):
         return 1
+    # other packages bring the programs of an MPI without what is needed to build with it
+    with tempfile.TemporaryDirectory() as place:
+        with open(os.path.join(place, "a.f90"), "w", encoding="ascii") as file:
+            file.write("use mpi_f08\nend\n")
+        if subprocess.run(["mpifort." + mpi, "-c", "a.f90"], cwd=place, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode:
+            return 1
     built = subprocess.run([os.path.join(TOP, "scripts", "cluster"), "--no-demo", mpi], capture_output=True, text=True,
                            env={**os.environ, "LIBRARY": os.path.dirname(programs)})
     check(mpi + ": it builds", built.returncode == 0, built.stderr)

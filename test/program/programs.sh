@@ -449,8 +449,8 @@ check 'MAXEVAL: few evaluations' awk '/EVALUATIONS/ { for (i = 1; i < NF; i++) i
 { cat needle_lsq.nml; echo ' &CONSTR IRANGE=2 &END'; } >turn.nml
 status 0 'IRANGE=2' "$psalm" turn.nml
 check 'IRANGE=2: margins over a full turn' grep -q 'MARGINS OF THE CONSTRAINTS, OVER A FULL TURN' out
-awk '/^! rank 2/ { exit } { print }' turn.dev7 >best.nml
-changed best.nml 's/LAST=0/LAST=1/' 's/NDES=20,/IKIN=1,/' '/DELT=/,/^! IVA/{/^! IVA/!d}' >whole.nml
+awk '/^! rank 2/ { exit } { sub(/LAST=0/, "LAST=1"); print }' turn.dev7 >best.nml
+changed best.nml 's/NDES=20,/IKIN=1,/' '/DELT=/,/^! IVA/{/^! IVA/!d}' >whole.nml
 status 0 'IRANGE=2: every degree of the turn obeys' "$psalm" whole.nml
 check 'IRANGE=2: 360 positions' test "$(grep -cE '^ +[0-9.]+ +[0-9.D+-]+$' out)" -ge 355
 { changed path5.nml 's/TANGLE=90.0/TANGLE=50.0/'
