@@ -210,7 +210,7 @@ def test_files_of_a_case():
 ASKING = {"analysis": "textile.nml", "summary": "textile.nml", "tolerances": "adjustable_stroke.nml", "sweep": "adjustable_stroke.nml",
           "allocation": "cheapest_tolerances.nml",
           "synthesis": "path5.nml", "exact": "exact/five_poses.nml", "kinds": "types/kinds_for_corner.nml", "proof": "geared_five_bar.nml",
-          "assemblies": "sketch_four_bar.nml", "rates": "engine.nml", "forces": "engine.nml", "machine": "engine.nml",
+          "assemblies": "sketch_four_bar.nml", "rates": "engine.nml", "forces": "engine.nml", "machine": "engine.nml", "time": "time/toggle.nml",
           "balance": "muscle/needle_balance.nml", "springs": "muscle/haines_spring.nml", "vibration": "rig_coupler.nml",
           "cams": "calm/conjugate_cams.nml", "clearance": "bridge/four_bar_haines.nml", "picture": "jansen.nml",
           "board": "jansen.nml"}

@@ -17,7 +17,8 @@ module psalm
    use psalm_exact_study, only: exact_study_t
    use psalm_family_study, only: family_t
    use psalm_force_study, only: force_study_t
-   use psalm_force_verbs, only: find_balance, find_clearance, find_forces, find_machine, find_rates, find_springs, find_vibration
+   use psalm_force_verbs, only: find_balance, find_clearance, find_forces, find_machine, find_rates, find_springs, find_time, &
+                                find_vibration
    use psalm_kind_search, only: kind_study_t
    use psalm_kinds, only: wp
    use psalm_machine_study, only: machine_study_t
@@ -41,6 +42,7 @@ module psalm
                               ended_iterations, ended_starts, ended_time, ended_on_request, ended_refused, ended_without_rates
    use psalm_tables, only: column_t, table_t, tables_t, table_for_plots => for_plots, table_kind_flag => kind_flag, &
                            table_kind_whole => kind_whole, table_kind_word => kind_word
+   use psalm_time_study, only: time_study_t
    use psalm_tolerance, only: tolerances_t
    use psalm_verbs, only: study, verb_t, verbs
    use psalm_version, only: version
@@ -57,6 +59,7 @@ module psalm
    public :: find_rates, rate_study_t
    public :: find_forces, force_study_t
    public :: find_machine, machine_study_t
+   public :: find_time, time_study_t
    public :: find_tolerances, tolerances_t
    public :: find_allocation, allocation_t
    public :: find_family, family_t

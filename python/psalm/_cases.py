@@ -400,6 +400,11 @@ class Case:
         """Motion from torque: steady cycle, run-up, flywheel. Needs &MOTOR."""
         return self.study("machine")
 
+    def time(self) -> Result:
+        """Motion in time: `tables["time"]` has a row for each time, inputs, outputs, forces, energies; `tables["events"]` what happens at
+        stops, `tables["equilibria"]` positions of rest. Needs &TIME."""
+        return self.study("time")
+
     def tolerances(self, threads: int = 0, progress: Progress = None) -> Result:
         """What the tolerances of &TOLER do to the output: bands for each position. `Error` if the linkage does not close."""
         result = self.study("tolerances", threads=threads, progress=progress)

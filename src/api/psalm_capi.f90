@@ -40,7 +40,8 @@ module psalm_capi
       trim(verbs(17)%name)//nul// &
       trim(verbs(18)%name)//nul// &
       trim(verbs(19)%name)//nul// &
-      trim(verbs(20)%name)//nul
+      trim(verbs(20)%name)//nul// &
+      trim(verbs(21)%name)//nul
 
    ! never changed; variables only so that they have an address
    character(len(version) + 1, c_char), target :: version_text = version//nul

@@ -23,9 +23,11 @@ module psalm_force_verbs
    use psalm_stop, only: stop_t
    use psalm_study_frame, only: frame_t, report_t, need_of_rates, warn, empty_motion
    use psalm_text, only: text_t
+   use psalm_time_list, only: report_time
+   use psalm_time_study, only: time_study_t, check_time, study_time => find_time
    implicit none (type, external)
    private
-   public :: find_rates, find_forces, find_machine, find_balance, find_springs, find_vibration, find_clearance
+   public :: find_rates, find_forces, find_machine, find_time, find_balance, find_springs, find_vibration, find_clearance
 
    integer, parameter :: accelerations = 2     !! orders of rates in tables
    type(memory_need_t), parameter :: need_of_muscle = memory_need_t(position=4000, arc=1000)
@@ -95,6 +97,27 @@ contains
       call report_dynamics(frame, rates, report, findings, .false., forces, machine)
    end subroutine find_machine
 
+   !> Motion in time, the groups TIME and STOPS.
+   subroutine find_time(case, time, findings, report)
+      type(case_t), intent(in) :: case
+      type(time_study_t), intent(out) :: time             !! empty if the case has errors
+      type(findings_t), intent(inout) :: findings
+      type(report_t), intent(out), optional :: report     !! tables: forces at the positions; motion, events, equilibria
+      type(frame_t) :: frame
+      type(rate_study_t), allocatable :: rates
+      type(force_study_t), allocatable :: forces
+
+      call frame%begin(case, findings, report, 'TIME', need=need_of_rates, reader='kalm')
+      if (.not. frame%ready) return
+      call check_time(frame%set, frame%prepared%mechanism, frame%noted)
+      if (frame%fails(findings)) return
+      allocate (forces)
+      call study_dynamics(frame, present(report), rates, forces)
+      call study_time(frame%set, frame%problem, frame%problem%given, forces, time)
+      if (.not. present(report)) return
+      call report_dynamics(frame, rates, report, findings, .false., forces, time=time)
+   end subroutine find_time
+
    !> Forces, and rates if a report is to have them: what these have analysed serves the forces.
    subroutine study_dynamics(frame, with_rates, rates, forces, by_unit_mass)
       type(frame_t), intent(inout) :: frame
@@ -113,7 +136,7 @@ contains
    end subroutine study_dynamics
 
    !> What kalm writes.
-   subroutine report_dynamics(frame, rates, report, findings, brief, forces, machine)
+   subroutine report_dynamics(frame, rates, report, findings, brief, forces, machine, time)
       type(frame_t), intent(inout) :: frame
       type(rate_study_t), intent(in) :: rates
       type(report_t), intent(inout) :: report
@@ -121,6 +144,7 @@ contains
       logical, intent(in), optional :: brief
       type(force_study_t), intent(in), optional :: forces
       type(machine_study_t), intent(in), optional :: machine
+      type(time_study_t), intent(in), optional :: time
       type(sketch_study_t) :: sketch
       logical :: short
 
@@ -139,11 +163,12 @@ contains
          call report_rates(frame%set, frame%problem, rates, frame%devices, forces, machine)
          if (frame%set%has_names()) call report_outputs(frame%set, sketch, rates%motion%beyond, accelerations, frame%devices)
       end if
+      if (present(time)) call report_time(frame%set, frame%problem, time, frame%devices)
       if (rates%is_violating()) call frame%devices%note_violation()
       if (present(forces)) then
          if (.not. forces%all_known()) call frame%devices%note_violation()
       end if
-      if (present(machine)) then
+      if (present(machine) .or. present(time)) then
          call frame%conclude(report, findings)
       else
          call frame%conclude(report)

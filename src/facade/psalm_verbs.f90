@@ -13,8 +13,8 @@ module psalm_verbs
    use psalm_exact_study, only: exact_study_t
    use psalm_family_study, only: family_t
    use psalm_force_study, only: force_study_t
-   use psalm_force_verbs, only: find_rates, find_forces, find_machine, find_balance, find_springs, find_vibration, &
-                                find_clearance
+   use psalm_force_verbs, only: find_rates, find_forces, find_machine, find_time, find_balance, find_springs, &
+                                find_vibration, find_clearance
    use psalm_kind_search, only: kind_study_t
    use psalm_machine_study, only: machine_study_t
    use psalm_motion_verbs, only: analyse, summarise, find_tolerances, find_allocation, find_family, proven_t, prove, find_assemblies
@@ -30,6 +30,7 @@ module psalm_verbs
    use psalm_summary, only: summary_t
    use psalm_synthesis, only: synthesis_t
    use psalm_text, only: lower_case, nearest_name
+   use psalm_time_study, only: time_study_t
    use psalm_tolerance, only: tolerances_t
    implicit none (type, external)
    private
@@ -59,6 +60,7 @@ module psalm_verbs
       verb_t('rates', 'kalm', 'RATES'), &
       verb_t('forces', 'kalm', 'MASSES LOADS SPRING FRICTN'), &
       verb_t('machine', 'kalm', 'MOTOR'), &
+      verb_t('time', 'kalm', 'TIME STOPS'), &
       verb_t('balance', 'muscle', 'BALANC'), &
       verb_t('springs', 'muscle', 'SPRNGS'), &
       verb_t('vibration', 'ssics', 'ESTIM VIBR DRIVEL HILL'), &
@@ -91,6 +93,7 @@ contains
       type(rate_study_t), allocatable :: rates
       type(force_study_t), allocatable :: forces
       type(machine_study_t), allocatable :: machine
+      type(time_study_t), allocatable :: time
       type(muscle_study_t), allocatable :: muscle
       type(steady_study_t), allocatable :: steady
       type(cams_t), allocatable :: cams
@@ -139,6 +142,9 @@ contains
       case ('machine')
          allocate (machine)
          call find_machine(case, machine, findings, report)
+      case ('time')
+         allocate (time)
+         call find_time(case, time, findings, report)
       case ('balance')
          allocate (muscle)
          call find_balance(case, muscle, findings, report, stop)

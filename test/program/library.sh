@@ -92,6 +92,7 @@ while read -r example program file words; do
     check "example $example: '$words' as $program lists it" says "$example" "$program" "$file" "$words"
 done <<'END'
 machine kalm engine.nml STEADY CYCLE
+time kalm time/toggle.nml EVENTS
 tolerances psalm adjustable_stroke.nml WORST CASE
 allocation psalm cheapest_tolerances.nml LOWER BOUND
 sweep psalm adjustable_stroke.nml FAMILY OF CURVES

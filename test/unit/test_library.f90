@@ -686,6 +686,7 @@ contains
          trial_t('kinds', 'data/types/kinds_for_corner.nml'), &
          trial_t('proof', 'data/geared_five_bar.nml'), trial_t('assemblies', 'data/sketch_four_bar.nml'), &
          trial_t('rates', 'data/engine.nml'), trial_t('forces', 'data/engine.nml'), trial_t('machine', 'data/engine.nml'), &
+         trial_t('time', 'data/time/toggle.nml'), &
          trial_t('balance', 'data/muscle/haines_bodies.nml'), trial_t('springs', 'data/muscle/haines_spring.nml'), &
          trial_t('vibration', 'data/ssics/hill.nml'), trial_t('vibration', 'data/rig_coupler.nml'), &
          trial_t('cams', 'data/calm/conjugate_cams.nml'), trial_t('clearance', 'data/bridge/four_bar_haines.nml'), &
