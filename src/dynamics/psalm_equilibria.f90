@@ -117,7 +117,8 @@ contains
          allocate (one, source=motion)
          call follow(one, unit, real(way, wp), found, largest, energy)
          deallocate (one)
-         if (found%whole_turn) exit
+         ! backwards there may be a stop before a turn is done
+         if (found%whole_turn .and. size(motion%stops) == 0) exit
       end do
       found%everywhere = largest <= same_everywhere*energy
       if (found%everywhere) found%list = [equilibrium_t ::]
@@ -132,7 +133,7 @@ contains
       real(wp), intent(inout) :: largest, energy     !! force on the drive, and potential energy, so far
       real(wp) :: q(1), before(1), force(1), force_before(1), force_first(1), step, whole, start
       integer :: k, halved, met
-      logical :: there, pressed
+      logical :: there, pressed, closed
 
       start = one%start(one%free(1))
       whole = 2.0_wp*pi*unit
@@ -141,7 +142,7 @@ contains
       call look()
       force_first = force
       ! on the way round a turn it is found at the end
-      if (way < 0.0_wp .and. .not. abs(force(1)) > 0.0_wp) call keep(one, q, [unit], 0, found)
+      if (way < 0.0_wp .and. .not. abs(force(1)) > 0.0_wp) call keep_once(q(1))
       call one%anchor()
       halved = 0
       do k = 1, steps_of_turn + most_halvings
@@ -161,12 +162,13 @@ contains
          end if
          call come_to_stop(one, unit, before(1), q(1), met, pressed)
          call look()
-         if (halved == 0 .and. k == steps_of_turn .and. met == 0 .and. .not. one%slides(one%free(1))) &
-            found%whole_turn = abs(force(1) - force_first(1)) <= same_turn*largest
+         closed = halved == 0 .and. k == steps_of_turn .and. met == 0 .and. .not. one%slides(one%free(1))
+         if (closed) closed = abs(force(1) - force_first(1)) <= same_turn*largest
+         found%whole_turn = found%whole_turn .or. closed
          ! the same rounding at both ends of a turn, so that what lies there is found once
-         if (found%whole_turn) force = force_first
+         if (closed) force = force_first
          if (force_before(1)*force(1) < 0.0_wp .or. (abs(force_before(1)) > 0.0_wp .and. .not. abs(force(1)) > 0.0_wp)) &
-            call refine(one, unit, before(1), force_before(1), q(1), force(1), found)
+            call refine(before(1), force_before(1), q(1), force(1))
          if (pressed) call keep(one, q, [unit], met, found)
          if (met > 0 .or. (halved == 0 .and. k == steps_of_turn)) exit
          call force_at(one, q, force, there)
@@ -184,26 +186,37 @@ contains
          energy = max(energy, abs(state%potential))
          largest = max(largest, abs(force(1)))
       end subroutine look
+
+      !> Where the force on the drive is 0.
+      subroutine refine(first, value_first, second, value_second)
+         real(wp), intent(in) :: first, value_first, second, value_second
+         type(root_search_t) :: search
+         real(wp) :: x, value(1)
+         logical :: closes
+
+         search = begin_search(first, value_first, second, value_second, epsilon(1.0_wp)*unit)
+         do while (.not. search%done())
+            x = search%next()
+            call force_at(one, [x], value, closes)
+            if (.not. closes) return
+            call search%put(x, value(1))
+         end do
+         call keep_once(search%root())
+      end subroutine refine
+
+      !> Backwards, what the whole turn forwards has seen is no other.
+      subroutine keep_once(place)
+         real(wp), intent(in) :: place
+         integer :: i
+
+         if (found%whole_turn .and. way < 0.0_wp) then
+            do i = 1, size(found%list)
+               if (abs(modulo(place - found%list(i)%q(1) + pi, 2.0_wp*pi) - pi) <= same_place) return
+            end do
+         end if
+         call keep(one, [place], [unit], 0, found)
+      end subroutine keep_once
    end subroutine follow
-
-   !> Where the force on the drive is 0.
-   subroutine refine(one, unit, first, value_first, second, value_second, found)
-      type(free_motion_t), intent(inout) :: one
-      real(wp), intent(in) :: unit, first, value_first, second, value_second
-      type(equilibria_t), intent(inout) :: found
-      type(root_search_t) :: search
-      real(wp) :: x, force(1)
-      logical :: there
-
-      search = begin_search(first, value_first, second, value_second, epsilon(1.0_wp)*unit)
-      do while (.not. search%done())
-         x = search%next()
-         call force_at(one, [x], force, there)
-         if (.not. there) return
-         call search%put(x, force(1))
-      end do
-      call keep(one, [search%root()], [unit], 0, found)
-   end subroutine refine
 
    !> The first stop on the way from `first` to q, where the linkage is: q is put there. `pressed`: the force holds it there.
    subroutine come_to_stop(one, unit, first, q, met, pressed)

@@ -187,6 +187,11 @@ def ends():
         found = KALM.tables(pendulum(x, y, f" &STOPS STNAME='O', STLOW={low!r}, STHIGH={high!r} &END\n"))[0]["equilibria"]
         check(f"pendulum between {low} and {high}: {found['input']}", len(found["input"]) == len(wanted) and
               np.allclose(found["input"], wanted, atol=1e-9))
+    # a stop backwards alone: a turn forwards is free, and the stop holds it none the less; what hangs is found once
+    found = KALM.tables(pendulum(-1.0, 0.0, " &STOPS STNAME='O', STLOW=-50.0 &END\n"))[0]["equilibria"]
+    check(f"pendulum, a stop backwards alone: {found['input']}", np.allclose(found["input"], [90.0, 270.0], atol=1e-9))
+    found = KALM.tables(pendulum(1.0, 0.0, " &STOPS STNAME='O', STLOW=-50.0 &END\n"))[0]["equilibria"]
+    check(f"pendulum pressed to it: {found['input']}", np.allclose(found["input"], [-50.0, 90.0, 270.0], atol=1e-9) and found["stop"][0] == 1)
     # of two stops in one step the first is met: the slide's, at 0.99 m from O, or the crank's
     for order in ((0, 1), (1, 0)):
         names, low = [("'O'", "'S1'")[k] for k in order], [(-10.3, -2.0e-3)[k] for k in order]
