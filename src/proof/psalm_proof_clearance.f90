@@ -397,7 +397,7 @@ contains
       right = max(right, left)
       where (shortest > 0.0_wp .and. right > 0.0_wp)
          low = max(low, (right/longest)*(1.0_wp - 8.0_wp*eps))
-      else where (shortest > 0.0_wp)
+      elsewhere (shortest > 0.0_wp)
          low = max(low, (right/shortest)*(1.0_wp + 8.0_wp*eps))
       end where
    end subroutine turn_with
