@@ -93,8 +93,8 @@ contains
       self%calls_before = state%counts%calls
       if (mod(state%iteration, self%every) == 0) then
          call self%device1%add(' ITERATION '//to_text(state%iteration)//'  BEST'//in_sentence(self%named, state%best)// &
-                               '  WORST'//in_sentence(self%named, state%worst)//'  EVALUATIONS '//to_text(state%evaluations)//'  REPAIRS '// &
-                               to_text(state%counts%repairs)//'  MOVES '//to_text(state%counts%moves))
+                               '  WORST'//in_sentence(self%named, state%worst)//'  EVALUATIONS '//to_text(state%evaluations)// &
+                               '  REPAIRS '//to_text(state%counts%repairs)//'  MOVES '//to_text(state%counts%moves))
       end if
       if (state%iteration > 0 .and. mod(state%iteration, self%every_vertex) == 0) then
          call self%device1%add(' CO-ORDINATES OF THE BEST VERTEX')

@@ -53,7 +53,7 @@ def main(directory):
             with open(case, encoding="utf-8") as file:
                 text = file.read()
             stem = os.path.basename(case)[:-4]
-            if "&CHAIN" not in text or stem in SLOW:
+            if "&CHAIN" not in text or "&LINKS" in text or stem in SLOW:
                 continue
             sketches += 1
             for program in ALWAYS + tuple(p for p, group in WHERE.items() if re.search(group, text)):
