@@ -9,7 +9,7 @@ import os
 import sys
 
 import numpy as np
-from scipy.optimize import minimize, root
+from scipy.optimize import brentq, minimize, root
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
 from tally import check, report
@@ -228,6 +228,34 @@ def ends():
     check("several drives and stops: said what is not looked for", "ONLY THOSE BETWEEN THE STOPS" in said)
 
 
+def garage_door():
+    """Where it stands between its stops: the potential by geometry, its slope by differences."""
+    found = KALM.tables(data("garage_door"))[0]["equilibria"]
+    p, q, a0, b0 = -.93 + 1.265j, -.825 + 1.325j, 1.1j, 2j
+    hook = p + .8*cmath.exp(1j*(cmath.phase(q - p) + math.radians(85.0)))
+
+    def potential(turn):
+        a = p + (a0 - p)*cmath.exp(1j*turn)
+        d, r, s = q - a, abs(b0 - a0), abs(b0 - q)
+        along = (r*r - s*s + abs(d)**2)/(2*abs(d))
+        # B on the side of the line from A to Q where it is drawn
+        across = math.copysign(math.sqrt(r*r - along*along), ((b0 - a0)/(q - a0)).imag)
+        b = a + d/abs(d)*(along + 1j*across)
+        mass = 45.0*a.imag + 6.0*(p + .47*(a - p)/abs(a - p)).imag + 4.0*(q + .53*(b - q)/abs(b - q)).imag
+        stretch = abs(hook - p - .4*(a - p)/abs(a - p)) - .25
+        return 9.81*mass + 1000.0*stretch**2
+
+    def slope(turn):
+        return potential(turn + 1e-5) - potential(turn - 1e-5)
+
+    check("garage door: its stops", np.allclose(np.array(found["input"])[[0, 2]], [0.0, 79.5]))
+    turn = brentq(slope, math.radians(5.0), math.radians(30.0), xtol=1e-14)
+    check(f"garage door: where it stands, {found['input'][1]} and {math.degrees(turn)}", abs(found["input"][1] - math.degrees(turn)) < 1e-5)
+    check("garage door: potential", np.allclose(np.array(found["potential"]) - found["potential"][0],
+          [potential(math.radians(v)) - potential(0.0) for v in found["input"]], atol=1e-9))
+    check("garage door: what is stable", list(found["stable"]) == [1, 0, 1])
+
+
 def mistakes():
     for case, words in ((data("pendulum", ("TEND=10.0", "IEQUIL=2")), "from 0 to 1"),
                         (data("pendulum", ("TEND=10.0", "IEQUIL=1, NTIME=3")), "without TEND there is no motion"),
@@ -241,5 +269,6 @@ published()
 five_bar()
 laws()
 ends()
+garage_door()
 mistakes()
 sys.exit(report())
