@@ -13,7 +13,7 @@ module psalm_force_list
    use psalm_text, only: text_t, cased, to_text
    implicit none (type, external)
    private
-   public :: list_forces, list_joint_forces, list_shares, add_forces, put_forces, failure_at
+   public :: list_forces, list_joint_forces, list_sizing, list_shares, add_forces, put_forces, failure_at
 
    integer, parameter :: name_columns = 18     !! of a name at the beginning of a line, unless it is longer
 
@@ -84,7 +84,7 @@ contains
          end do
          if (set%masses%about_given) call text%add(' P IS'//in_sentence(set%has_names(), set%masses%about(1))// &
                                                    in_sentence(set%has_names(), set%masses%about(2)))
-         if (any(known)) call list_sizing(study, text)
+         if (any(known)) call list_sizing(study, 'THE INPUT', text)
          if (size(study%harmonics) > 0) call list_harmonics(study, text)
       end associate
    end subroutine list_forces
@@ -114,14 +114,16 @@ contains
       end if
    end function failure_at
 
-   subroutine list_sizing(study, text)
+   !> Peaks and means, and where the peaks are.
+   subroutine list_sizing(study, where_at, text)
       type(force_study_t), intent(in) :: study
+      character(*), intent(in) :: where_at          !! what `at` is: of 9 characters
       type(text_t), intent(inout) :: text
       type(number_format_t) :: of_row, of_input
       integer :: k
 
       call text%add()
-      call text%add(' FOR SIZING                   PEAK    AT THE INPUT            RMS           MEAN')
+      call text%add(' FOR SIZING                   PEAK    AT '//where_at//'            RMS           MEAN')
       associate (by_joints => study%mechanism%has_joint_names())
          of_input = format_of(by_joints, study%sizing%at)
          do k = 1, size(study%sizing)

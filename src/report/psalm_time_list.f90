@@ -4,7 +4,7 @@ module psalm_time_list
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_error, only: problem_t
-   use psalm_force_list, only: add_forces
+   use psalm_force_list, only: add_forces, list_sizing
    use psalm_group_words, only: the_group
    use psalm_elementary, only: hypotenuse
    use psalm_kinds, only: wp, pi, degrees_per_radian
@@ -119,6 +119,7 @@ contains
          end do
          call text%add(line)
       end do
+      if (size(study%time) > 1) call list_sizing(study%forces, 'THE TIME ', text)
       if (size(study%events) > 0) call list_events()
       if (study%ended /= time_done) call text%add(' THE MOTION '//upper_case(ending_words(mechanism, study)))
 

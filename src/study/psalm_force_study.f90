@@ -17,7 +17,7 @@ module psalm_force_study
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: force_study_t, find_forces, take_motors_off
+   public :: force_study_t, find_forces, size_up, take_motors_off
 
    integer, parameter :: name_width = 40
    real(wp), parameter :: nothing = 64.0_wp*epsilon(1.0_wp) !! part of the largest value: a mean or harmonic below it is rounding
@@ -27,7 +27,7 @@ module psalm_force_study
    type :: sizing_t
       character(name_width) :: name = ''
       real(wp) :: peak = 0.0_wp                !! the value of the largest amount, with its sign
-      real(wp) :: at = 0.0_wp                  !! input there
+      real(wp) :: at = 0.0_wp                  !! input there, or time
       real(wp) :: rms = 0.0_wp, mean = 0.0_wp
       real(wp) :: largest = 0.0_wp             !! amount of it, or of that of which it is a component
    end type sizing_t
@@ -54,7 +54,7 @@ module psalm_force_study
       type(force_table_t) :: table
       real(wp), allocatable :: input(:)        !! shape (positions): degrees in a turn, or length
       real(wp), allocatable :: about(:)        !! shape (positions): frame moment about MOMX, MOMY
-      real(wp), allocatable :: drive_power(:)  !! shape (positions): of all drives, W
+      real(wp), allocatable :: drive_power(:)  !! shape (positions): of all drives, W; of a motion in time empty
       logical :: rubs = .false.                !! there is friction
       type(sizing_t), allocatable :: sizing(:)
       type(harmonic_t), allocatable :: harmonics(:)   !! empty where the positions do not divide a turn evenly
@@ -170,20 +170,33 @@ contains
    end subroutine name_sources
 
    !> Peak, RMS and mean of everything that sizes a part.
-   subroutine size_up(study)
+   subroutine size_up(study, in_time)
       type(force_study_t), intent(inout) :: study
+      logical, intent(in), optional :: in_time          !! `input` has times: means are over the time, by the trapezoidal rule
       logical :: known(size(study%input))
-      real(wp) :: frame(size(study%input))
+      real(wp) :: frame(size(study%input)), weight(size(study%input))
+      real(wp) :: force, moment                         !! largest of a motion in time: what is a rounding of it is 0
       integer :: k, j, c
 
       known = [(study%table%known(k), k=1, size(known))]
+      weight = 1.0_wp
+      force = 0.0_wp
+      moment = 0.0_wp
+      if (present(in_time)) then
+         associate (n => size(weight), t => study%input, v => study%table%value)
+            if (in_time .and. n > 1) weight = [t(2) - t(1), t(3:) - t(:n - 2), t(n) - t(n - 1)]
+            if (in_time) force = maxval(abs(v(:, column_fx:column_fy)))
+            if (in_time) moment = maxval(abs(v(:, [column_drive, column_moment])))
+         end associate
+      end if
+      if (allocated(study%sizing)) deallocate (study%sizing)
       allocate (study%sizing(0))
       associate (v => study%table%value, joints => study%joints)
-         call add('DRIVE', v(:, column_drive))
+         call add('DRIVE', v(:, column_drive), least=moment)
          do j = 2, size(study%drives)
             call add('DRIVE '//study%drives(j), v(:, size(v, 2) - size(study%drives) + j))
          end do
-         call add('DRIVE POWER', study%drive_power)
+         if (size(study%drive_power) == size(known)) call add('DRIVE POWER', study%drive_power)
          frame = hypotenuse(v(:, column_fx), v(:, column_fy))
          call add('FRAME FORCE', frame)
          call add('FRAME FX', v(:, column_fx), frame)
@@ -192,8 +205,8 @@ contains
          do j = 1, size(joints)
             c = column_of_joint(j)
             if (joints(j)%slides) then
-               call add(joints(j)%name//' N', v(:, c))
-               call add(joints(j)%name//' M', v(:, c + 1))
+               call add(joints(j)%name//' N', v(:, c), least=force)
+               call add(joints(j)%name//' M', v(:, c + 1), least=moment)
             else
                call add(joints(j)%name, hypotenuse(v(:, c), v(:, c + 1)))
             end if
@@ -202,20 +215,27 @@ contains
 
    contains
 
-      subroutine add(name, values, whole)
+      subroutine add(name, values, whole, least)
          character(*), intent(in) :: name
          real(wp), intent(in) :: values(:)
          real(wp), intent(in), optional :: whole(:) !! of which it is a component
+         real(wp), intent(in), optional :: least    !! values that are roundings of this are 0
          type(sizing_t) :: one
          integer :: at
 
          one%name = name
+         if (present(least)) then
+            if (all(abs(values) <= nothing*least .or. .not. known)) then
+               study%sizing = [study%sizing, one]
+               return
+            end if
+         end if
          if (any(known)) then
             at = maxloc(abs(values), dim=1, mask=known)
             one%peak = values(at)
             one%at = study%input(at)
-            one%rms = sqrt(sum(values**2, mask=known)/real(count(known), wp))
-            one%mean = sum(values, mask=known)/real(count(known), wp)
+            one%rms = sqrt(sum(weight*values**2, mask=known)/sum(weight, mask=known))
+            one%mean = sum(weight*values, mask=known)/sum(weight, mask=known)
             if (abs(one%mean) <= nothing*abs(one%peak)) one%mean = 0.0_wp
             one%largest = abs(one%peak)
             if (present(whole)) one%largest = maxval(whole, mask=known)

@@ -6,7 +6,7 @@ module psalm_time_study
    use psalm_error, only: problem_t
    use psalm_equilibria, only: equilibria_t, find_equilibria
    use psalm_force_model, only: moving_pair, vertices_of
-   use psalm_force_study, only: force_study_t, take_motors_off
+   use psalm_force_study, only: force_study_t, size_up, take_motors_off
    use psalm_free_motion, only: free_motion_t, free_state_t, make_free_motion
    use psalm_joint_stops, only: joint_stop_t, make_stops
    use psalm_kinds, only: wp, degrees_per_radian
@@ -218,6 +218,8 @@ contains
       if (row > 0) study%turnover = max(maxval(abs(study%forces%table%kinetic)), &
                                         maxval(abs(study%potential - study%potential(1))), maxval(abs(study%work)), &
                                         maxval(abs(study%lost)))
+      study%forces%drive_power = [real(wp) ::]
+      call size_up(study%forces, in_time=.true.)
 
    contains
 
