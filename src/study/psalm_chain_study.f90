@@ -226,8 +226,8 @@ contains
       end do
    end function turn_repeats
 
-   !> False if a turn of the first drive leaves a drive or a wheel elsewhere. A wheel that frame and driven links alone turn makes so
-   !> many turns as its teeth say; of a wheel on a link that swings only the turn itself tells.
+   !> False if a turn of the first drive leaves a drive or a wheel elsewhere. A wheel that frame and driven links turn makes so
+   !> many turns as the teeth say; of a wheel on a link that swings only the turn itself tells.
    pure logical function turn_may_repeat(set)
       type(data_set_t), intent(in) :: set
       real(wp), parameter :: whole = 1.0e-9_wp       ! turns; what rounding of ratios makes is far below

@@ -219,7 +219,7 @@ contains
       call compare(set)
    end subroutine geared_cranks
 
-   !> A wheel that stands elsewhere after a turn is told from the teeth, by the study of the turn as well.
+   !> The teeth say whether a wheel stands elsewhere after a turn, and so does the study of the turn.
    subroutine wheels_after_a_turn()
       call after_a_turn("GCARR='frame', GTA=30.0, GTB=40.0", .false.)
       call after_a_turn("GCARR='frame', GTA=40.0, GTB=20.0", .true.)
