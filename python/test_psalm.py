@@ -320,6 +320,14 @@ def test_import():
     check("the module is imported in a moment: %.3f s" % own, own < 0.1)
 
 
+def test_level():
+    """A build of the library for an instruction set that is not there is refused in words."""
+    where = {name: value for name, value in os.environ.items() if name != "PSALM_LIBRARY"}
+    where.update(PYTHONPATH=os.path.dirname(os.path.dirname(os.path.abspath(psalm.__file__))), PSALM_LEVEL="x86-64-v9")
+    ran = subprocess.run([sys.executable, "-c", "import psalm"], env=where, capture_output=True, text=True, check=False)
+    check("PSALM_LEVEL of no build: " + ran.stderr[-200:], ran.returncode == 1 and "ImportError: PSALM_LEVEL=x86-64-v9: there is no build" in ran.stderr)
+
+
 def timed(action):
     began = time.perf_counter()
     action()
@@ -437,7 +445,7 @@ def test_threads():
 
 
 for test in (test_analysis, test_made, test_linkage, test_tolerances, test_search, test_next_study, test_files_of_a_case, test_verbs,
-             test_errors, test_copies, test_names, test_fork, test_stopping, test_threads, test_speed, test_import):
+             test_errors, test_copies, test_names, test_fork, test_stopping, test_threads, test_speed, test_import, test_level):
     test()
 test_wrong_arguments(int(sys.argv[2]) if len(sys.argv) > 2 else 4000)
 PROJECT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "pyproject.toml")
