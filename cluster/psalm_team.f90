@@ -31,7 +31,7 @@ module psalm_team
       integer, private :: rank = 0, ranks = 1
       logical, private :: asked = .false.     !! one of the ranks was asked to end
       class(stop_request_t), pointer, private :: host => null()
-      integer, allocatable, private :: todo(:) !! items of the batch that are not known
+      integer, allocatable, private :: pending(:) !! items of the batch that are not known
       integer, pointer, private :: window(:) => null()
       type(MPI_Win), private :: handle
       integer(int64), private :: looked = 0_int64
@@ -189,7 +189,7 @@ contains
       integer :: i, before
 
       call self%parts_t%open(label, items)
-      self%todo = pack([(i, i=1, items)], [(.not. self%is_known(i), i=1, items)])
+      self%pending = pack([(i, i=1, items)], [(.not. self%is_known(i), i=1, items)])
       self%raised = .false.
       if (self%delivers) then
          call MPI_Fetch_and_op(0, before, MPI_INTEGER, 0, place(counter), MPI_REPLACE, self%handle)
@@ -215,7 +215,7 @@ contains
       call MPI_Win_flush(0, self%handle)
       !$omp end critical (psalm_ranks)
       item = 0
-      if (taken < size(self%todo)) item = self%todo(taken + 1)
+      if (taken < size(self%pending)) item = self%pending(taken + 1)
    end function next_item
 
    !> End a batch: all get what each has made.
@@ -243,18 +243,18 @@ contains
       call MPI_Allreduce(MPI_IN_PLACE, asked, 1, MPI_INTEGER, MPI_MAX, MPI_COMM_WORLD)
       self%asked = self%asked .or. asked > 0
       length = 0
-      do i = 1, size(self%todo)
-         if (self%is_known(self%todo(i))) then
-            call self%take(self%todo(i), numbers)
+      do i = 1, size(self%pending)
+         if (self%is_known(self%pending(i))) then
+            call self%take(self%pending(i), numbers)
             length = length + 2 + size(numbers)
          end if
       end do
       allocate (mine(length))
       at = 0
-      do i = 1, size(self%todo)
-         if (.not. self%is_known(self%todo(i))) cycle
-         call self%take(self%todo(i), numbers)
-         mine(at + 1) = real(self%todo(i), wp)
+      do i = 1, size(self%pending)
+         if (.not. self%is_known(self%pending(i))) cycle
+         call self%take(self%pending(i), numbers)
+         mine(at + 1) = real(self%pending(i), wp)
          mine(at + 2) = real(size(numbers), wp)
          mine(at + 3:at + 2 + size(numbers)) = numbers
          at = at + 2 + size(numbers)

@@ -4,7 +4,7 @@ module psalm_lapack
    use psalm_sort, only: ascending
    implicit none (type, external)
    private
-   public :: hermitian_eigenvalues, general_eigenvalues, solve_general
+   public :: hermitian_eigenvalues, general_eigenvalues, natural_modes, solve_general
 
    interface
       subroutine zheev(jobz, uplo, n, a, lda, w, work, lwork, rwork, info)
@@ -29,6 +29,16 @@ module psalm_lapack
          real(dp), intent(inout) :: vl(ldvl, *), vr(ldvr, *), work(*)
          integer, intent(out) :: info
       end subroutine dgeev
+
+      subroutine dsygv(itype, jobz, uplo, n, a, lda, b, ldb, w, work, lwork, info)
+         import :: dp
+         implicit none (type, external)
+         integer, intent(in) :: itype, n, lda, ldb, lwork
+         character, intent(in) :: jobz, uplo
+         real(dp), intent(inout) :: a(lda, *), b(ldb, *), work(*)
+         real(dp), intent(out) :: w(*)
+         integer, intent(out) :: info
+      end subroutine dsygv
 
       pure subroutine dgesv(n, nrhs, a, lda, ipiv, b, ldb, info)
          import :: dp
@@ -80,6 +90,34 @@ contains
       values = cmplx(wr, wi, wp)
       values = values(ascending(-abs(values)))
    end subroutine general_eigenvalues
+
+   !> Natural modes: K x = w2 H x for symmetric matrices, H positive definite; w2 ascending. Errors: `ok` false if H is not positive
+   !> definite, or an element of K no finite number.
+   subroutine natural_modes(k, h, squares, shapes, ok)
+      real(wp), intent(in) :: k(:, :), h(:, :)  !! shape (n, n)
+      real(wp), intent(out) :: squares(:)       !! shape (n): w2
+      real(wp), intent(out) :: shapes(:, :)     !! shape (n, n): vector, mode; the largest component of a vector is 1
+      logical, intent(out) :: ok
+      real(dp) :: a(size(squares), size(squares)), b(size(squares), size(squares)), w(size(squares)), &
+                  work((block + 2)*size(squares))
+      integer :: info, n, i
+      integer, parameter :: of_first_kind = 1   ! K x = w2 H x
+
+      n = size(squares)
+      squares = 0.0_wp
+      shapes = 0.0_wp
+      ok = .false.
+      a = real(k, dp)
+      b = real(h, dp)
+      if (.not. all(abs(a) <= huge(1.0_dp))) return
+      call dsygv(of_first_kind, 'V', 'U', n, a, n, b, n, w, work, size(work), info)
+      ok = info == 0
+      if (.not. ok) return
+      squares = real(w, wp)
+      do i = 1, n
+         shapes(:, i) = real(a(:, i)/a(maxloc(abs(a(:, i)), dim=1), i), wp)
+      end do
+   end subroutine natural_modes
 
    !> Solve matrix*x = right. Errors: `ok` false if the matrix is singular.
    pure subroutine solve_general(matrix, right, x, ok)

@@ -29,7 +29,8 @@ module psalm_tables
       character(:), allocatable :: plotted  !! its name on device 9
       integer :: kind = kind_real
       real(wp), allocatable :: values(:)    !! shape (rows); of words not allocated
-      logical, allocatable :: known(:)      !! shape (rows); device 9 has `NaN` for what is not known, CSV nothing, JSON `null`
+      logical, allocatable :: known(:)      !! shape (rows); for what is not known device 9 has `NaN`, of words `none`, CSV
+                                            !! nothing, JSON `null`
       character(:), allocatable :: words(:) !! shape (rows); of words alone
    end type column_t
 

@@ -45,40 +45,40 @@ contains
       group = stops_of(set)
       allocate (stops(size(group%joints)))
       do k = 1, size(stops)
-         associate (stop => stops(k), mechanism => problem%mechanism)
-            call moving_pair(set, mechanism, group%joints(k), stop%joint, stop%bodies)
-            if (stop%joint == 0) cycle
-            stop%entry = k
-            stop%restitution = group%restitution(k)
-            stop%slides = mechanism%joints(stop%joint)%kind == joint_prismatic
-            unit = merge(1.0_wp, radians_per_degree, stop%slides)
-            if (group%low(k) > -no_stop) stop%low = unit*group%low(k)
-            if (group%high(k) < no_stop) stop%high = unit*group%high(k)
-            if (.not. stop%slides) cycle
-            n = mechanism%joints(stop%joint)%slide
-            stop%slot = problem%plan%length_slot(n)
+         associate (one => stops(k), mechanism => problem%mechanism)
+            call moving_pair(set, mechanism, group%joints(k), one%joint, one%bodies)
+            if (one%joint == 0) cycle
+            one%entry = k
+            one%restitution = group%restitution(k)
+            one%slides = mechanism%joints(one%joint)%kind == joint_prismatic
+            unit = merge(1.0_wp, radians_per_degree, one%slides)
+            if (group%low(k) > -no_stop) one%low = unit*group%low(k)
+            if (group%high(k) < no_stop) one%high = unit*group%high(k)
+            if (.not. one%slides) cycle
+            n = mechanism%joints(one%joint)%slide
+            one%slot = problem%plan%length_slot(n)
             sense = 1.0_wp
             if (mechanism%arcs(n)%foot /= at_start) sense = -sense
-            if (mechanism%joints(stop%joint)%bodies(2) /= mechanism%arcs(n)%body) sense = -sense
-            if (group%joints(k)%slide > 0) stop%growth = set%traced%travels(group%joints(k)%slide)%sense
-            stop%slip = sense*stop%growth
+            if (mechanism%joints(one%joint)%bodies(2) /= mechanism%arcs(n)%body) sense = -sense
+            if (group%joints(k)%slide > 0) one%growth = set%traced%travels(group%joints(k)%slide)%sense
+            one%slip = sense*one%growth
          end associate
       end do
    end subroutine make_stops
 
    !> Place of a joint at the position just solved, whose bodies have been moved: radians, the nearest to `near`, or user's length.
-   real(wp) function place_at(problem, forces, stop, near)
+   real(wp) function place_at(problem, forces, one, near)
       type(problem_t), intent(in) :: problem
       type(forces_t), intent(in) :: forces
-      type(joint_stop_t), intent(in) :: stop
+      type(joint_stop_t), intent(in) :: one
       real(wp), intent(in) :: near
       real(wp) :: c, s
 
-      if (stop%slides) then
-         place_at = stop%growth*problem%linkage%store%v(1, problem%linkage%slide(stop%slot))/forces%unit
+      if (one%slides) then
+         place_at = one%growth*problem%linkage%store%v(1, problem%linkage%slide(one%slot))/forces%unit
          return
       end if
-      associate (a => forces%bodies(stop%bodies(1)), b => forces%bodies(stop%bodies(2)), w => forces%w%v)
+      associate (a => forces%bodies(one%bodies(1)), b => forces%bodies(one%bodies(2)), w => forces%w%v)
          c = w(1, a%ex)*w(1, b%ex) + w(1, a%ey)*w(1, b%ey)
          s = w(1, a%ex)*w(1, b%ey) - w(1, a%ey)*w(1, b%ex)
       end associate
@@ -86,16 +86,16 @@ contains
    end function place_at
 
    !> Its rate, or with order 2 its acceleration, for the rates and accelerations of the drives that were put in.
-   real(wp) function rate_at(problem, rates, forces, stop, order)
+   real(wp) function rate_at(problem, rates, forces, one, order)
       type(problem_t), intent(in) :: problem
       type(rates_t), intent(in) :: rates
       type(forces_t), intent(in) :: forces
-      type(joint_stop_t), intent(in) :: stop
+      type(joint_stop_t), intent(in) :: one
       integer, intent(in) :: order
 
-      associate (a => forces%bodies(stop%bodies(1)), b => forces%bodies(stop%bodies(2)), w => forces%w%v)
-         if (stop%slides) then
-            rate_at = stop%growth*rates%d(order)%v(1, problem%linkage%slide(stop%slot))/forces%unit
+      associate (a => forces%bodies(one%bodies(1)), b => forces%bodies(one%bodies(2)), w => forces%w%v)
+         if (one%slides) then
+            rate_at = one%growth*rates%d(order)%v(1, problem%linkage%slide(one%slot))/forces%unit
          else if (order == 1) then
             rate_at = w(1, b%w) - w(1, a%w)
          else
@@ -105,13 +105,13 @@ contains
    end function rate_at
 
    !> Put the force of a stop on the bodies.
-   subroutine press(problem, model, stop, force, forces)
+   subroutine press(problem, model, one, force, forces)
       type(problem_t), intent(in) :: problem
       type(force_model_t), intent(in) :: model
-      type(joint_stop_t), intent(in) :: stop
+      type(joint_stop_t), intent(in) :: one
       real(wp), intent(in) :: force         !! N m or N, positive: forwards
       type(forces_t), intent(inout) :: forces
 
-      call grip_joint(problem, model, stop%joint, stop%bodies, padded(1), spread(stop%slip*force, 1, padded(1)), forces)
+      call grip_joint(problem, model, one%joint, one%bodies, padded(1), spread(one%slip*force, 1, padded(1)), forces)
    end subroutine press
 end module psalm_joint_stops

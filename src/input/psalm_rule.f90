@@ -114,18 +114,10 @@ contains
       character(:), allocatable :: word
       integer :: i, first, last
 
+      first = 1
       last = 0
       do i = 1, k
-         first = last + 1
-         do while (first <= len(text))
-            if (text(first:first) /= ' ') exit
-            first = first + 1
-         end do
-         last = first - 1
-         do while (last < len(text))
-            if (text(last + 1:last + 1) == ' ') exit
-            last = last + 1
-         end do
+         call find_next_word(text, first, last)
       end do
       word = text(first:last)
    end function word_of
@@ -136,25 +128,34 @@ contains
       integer :: first, last, k
 
       word_number = 0
+      k = 0
       last = 0
-      do k = 1, len(text)
-         first = last + 1
-         do while (first <= len(text))
-            if (text(first:first) /= ' ') exit
-            first = first + 1
-         end do
-         if (first > len(text)) return
-         last = first
-         do while (last < len(text))
-            if (text(last + 1:last + 1) == ' ') exit
-            last = last + 1
-         end do
-         if (text(first:last) == word) then
-            word_number = k
-            return
-         end if
+      do
+         call find_next_word(text, first, last)
+         if (last < first) return
+         k = k + 1
+         if (text(first:last) == word) exit
       end do
+      word_number = k
    end function word_number
+
+   !> The word of a text behind position `last`, from `first` to `last`; empty if there is none.
+   pure subroutine find_next_word(text, first, last)
+      character(*), intent(in) :: text
+      integer, intent(out) :: first
+      integer, intent(inout) :: last
+
+      first = last + 1
+      do while (first <= len(text))
+         if (text(first:first) /= ' ') exit
+         first = first + 1
+      end do
+      last = first - 1
+      do while (last < len(text))
+         if (text(last + 1:last + 1) == ' ') exit
+         last = last + 1
+      end do
+   end subroutine find_next_word
 
    !> The words that may stand, for a message: `'RMS' or 'PEAK'`, `one of 'POINT', 'BODY', 'DISC'`.
    pure function one_of(words) result(text)

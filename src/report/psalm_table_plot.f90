@@ -1,5 +1,5 @@
 !> Tables on device 9, which plotting programs read: blocks two blank lines apart (gnuplot's `index`), comment begins with `#`, one
-!> row a line, `NaN` for what is not known.
+!> row a line; what is not known is `NaN` among numbers and `none` among words.
 module psalm_table_plot
    use psalm_columns, only: in_words
    use psalm_tables, only: column_t, table_t, for_programs, kind_short, kind_word
@@ -52,7 +52,11 @@ contains
       integer :: i
 
       if (.not. column%known(row)) then
-         call text%add_text('NaN')
+         if (column%kind == kind_word) then
+            call text%add_text('none')
+         else
+            call text%add_text('NaN')
+         end if
       else if (column%kind == kind_word) then
          word = trim(column%words(row))
          do i = 1, len(word)

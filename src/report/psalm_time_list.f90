@@ -40,7 +40,12 @@ contains
          call list_equilibria(set, problem%mechanism, study, devices%six)
          call put_equilibria(set, problem%mechanism, study, devices%cases(devices%last_case()))
       end if
-      if (.not. study%moves) return
+      if (.not. study%moves) then
+         if (study%ended == time_done) return
+         call devices%note_violation()
+         call devices%remark(set, 'there are no equilibria: '//reason_words(problem%mechanism, study))
+         return
+      end if
       call list_time(set, problem%mechanism, study, devices%six)
       call put_time(set, problem, study, devices%cases(devices%last_case()))
       if (study%ended == time_done) return
@@ -54,21 +59,29 @@ contains
       type(time_study_t), intent(in) :: study
       character(:), allocatable :: words
 
-      words = 'ends at '//plain_number(study%stopped)//' s of '//plain_number(study%end)//' s: '
+      words = 'ends at '//plain_number(study%stopped)//' s of '//plain_number(study%end)//' s: '//reason_words(mechanism, study)
+   end function ending_words
+
+   function reason_words(mechanism, study) result(words)
+      type(mechanism_t), intent(in) :: mechanism
+      type(time_study_t), intent(in) :: study
+      character(:), allocatable :: words
+
+      words = ''
       select case (study%ended)
       case (time_open)
-         words = words//the_group(mechanism, study%loop)//' does not close beyond'
+         words = the_group(mechanism, study%loop)//' does not close beyond'
       case (time_massless)
-         words = words//'some motion of the free drives moves no mass; give their links masses'
+         words = 'some motion of the free drives moves no mass; give their links masses'
       case (time_collapsed)
-         words = words//'no step keeps the tolerance TTOL: a dead point of a drive (another drive may pass there), a '// &
+         words = 'no step keeps the tolerance TTOL: a dead point of a drive (another drive may pass there), a '// &
                  'very stiff spring or damper, or TEND far too long'
       case (time_wound)
-         words = words//'torsional spring '//to_text(study%loop)//' is turned past half a turn from SFREE'
+         words = 'torsional spring '//to_text(study%loop)//' is turned past half a turn from SFREE'
       case (time_crowded)
-         words = words//'more events than NEVENT'
+         words = 'more events than NEVENT'
       end select
-   end function ending_words
+   end function reason_words
 
    subroutine list_time(set, mechanism, study, text)
       type(data_set_t), intent(in) :: set
@@ -157,7 +170,8 @@ contains
       f = size(study%free_drives)
       call text%add()
       call text%add(' EQUILIBRIA: DEGREES OR LENGTHS, JOULES; SMALL OSCILLATIONS: RADIANS A SECOND, GROWTH A SECOND')
-      if (study%equilibria%everywhere) call text%add(' NO FORCE ACTS ON THE FREE DRIVE, WHEREVER IT IS')
+      if (f > 1 .and. size(study%stop_names) > 0) call text%add(' OF SEVERAL FREE DRIVES ONLY THOSE BETWEEN THE STOPS, NOT ON THEM')
+      if (study%equilibria%everywhere) call text%add(' NO FORCE ACTS ON THE FREE DRIVES, WHEREVER THEY ARE')
       if (size(study%equilibria%list) == 0) then
          if (.not. study%equilibria%everywhere) call text%add(' NONE FOUND')
          return
@@ -181,8 +195,12 @@ contains
             line = line//figure(column(k, d), formats(d))
          end do
          associate (one => study%equilibria%list(k))
-            line = line//'   '//trim(merge('STABLE  ', 'UNSTABLE', one%stable()))
-            if (one%stop > 0) line = line//', HELD BY STOP '//trim(study%stop_names(one%stop))
+            if (one%neutral()) then
+               line = line//'   NEUTRAL'
+            else
+               line = line//'   '//trim(merge('STABLE  ', 'UNSTABLE', one%stable()))
+            end if
+            if (one%held_by > 0) line = line//', HELD BY STOP '//trim(study%stop_names(one%held_by))
             do m = 1, size(one%squares)
                if (one%squares(m) >= 0.0_wp) then
                   line = line//', '//plain_number(sqrt(one%squares(m)))//' RAD/S'
@@ -230,7 +248,7 @@ contains
       end do
       call table%add('potential', study%equilibria%list%potential, 'J')
       call table%add('stable', [(study%equilibria%list(k)%stable(), k=1, n)])
-      call table%add('stop', study%equilibria%list%stop)
+      call table%add('stop', study%equilibria%list%held_by)
       call tables%put(table)
       of = [((k, m=1, size(study%equilibria%list(k)%squares)), k=1, n)]
       mode = [((m, m=1, size(study%equilibria%list(k)%squares)), k=1, n)]
@@ -391,7 +409,7 @@ contains
          associate (list => study%equilibria%list)
             stable = count([(list(k)%stable(), k=1, size(list))])
             words = to_text(size(list))//', '//to_text(stable)//' stable'
-            if (study%equilibria%everywhere) words = 'everywhere: no force acts on the free drive'
+            if (study%equilibria%everywhere) words = 'everywhere: no force acts on the free drives'
             first = 0
             do k = 1, size(list)
                if (.not. list(k)%stable()) cycle

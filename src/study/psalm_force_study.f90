@@ -17,7 +17,7 @@ module psalm_force_study
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: force_study_t, find_forces
+   public :: force_study_t, find_forces, take_motors_off
 
    integer, parameter :: name_width = 40
    real(wp), parameter :: nothing = 64.0_wp*epsilon(1.0_wp) !! part of the largest value: a mean or harmonic below it is rounding
@@ -113,14 +113,12 @@ contains
       end if
       study%input = motion%input
       call analyse_forces(problem, study%model, set%pace(), set%change_of_pace(), motion%closed, motion%input, study%table)
+      if (.not. set%masses%motor_on_frame) call take_motors_off(study%mechanism, study%table%value)
       allocate (study%drive_power(size(study%input)), source=0.0_wp)
       do k = 1, size(study%drives)
          associate (actuator => study%mechanism%actuators(k), v => study%table%value)
             column = column_drive
             if (k > 1) column = column_of_other_drive(size(study%joints), k)
-            ! a flywheel elsewhere holds the speed: the frame does not feel the motor
-            if (.not. set%masses%motor_on_frame .and. .not. actuator%slides .and. actuator%joint > 0) &
-               v(:, column_moment) = v(:, column_moment) + v(:, column)
             rate = set%pace()
             rate = rate*actuator%by_first(1)
             if (actuator%slides) rate = rate*set%masses%metre
@@ -140,6 +138,20 @@ contains
       call size_up(study)
       call find_harmonics_of(study, merge(set%masses%harmonics, 0, size(study%drives) == 1))
    end subroutine find_forces
+
+   !> Moments of the frame where it does not feel the motors: a flywheel elsewhere holds the speed.
+   pure subroutine take_motors_off(mechanism, value)
+      type(mechanism_t), intent(in) :: mechanism
+      real(wp), intent(inout) :: value(:, :)   !! shape (positions, columns), as `force_table_t` has them
+      integer :: d, column
+
+      do d = 1, size(mechanism%actuators)
+         if (mechanism%actuators(d)%slides .or. mechanism%actuators(d)%joint == 0) cycle
+         column = column_drive
+         if (d > 1) column = column_of_other_drive(size(mechanism%joints), d)
+         value(:, column_moment) = value(:, column_moment) + value(:, column)
+      end do
+   end subroutine take_motors_off
 
    !> Names of the sources: inertia, weight, loads, springs.
    subroutine name_sources(loads, study)

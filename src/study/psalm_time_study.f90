@@ -4,10 +4,9 @@ module psalm_time_study
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
-   use psalm_force_analysis, only: column_moment, column_drive, column_of_other_drive
    use psalm_equilibria, only: equilibria_t, find_equilibria
    use psalm_force_model, only: moving_pair, vertices_of
-   use psalm_force_study, only: force_study_t
+   use psalm_force_study, only: force_study_t, take_motors_off
    use psalm_free_motion, only: free_motion_t, free_state_t, make_free_motion
    use psalm_joint_stops, only: joint_stop_t, make_stops
    use psalm_kinds, only: wp, degrees_per_radian
@@ -323,7 +322,7 @@ contains
       subroutine keep()
          real(wp) :: inputs(drives), values(highest_order, given%output%kind%components)
          real(wp) :: largest(2)
-         integer :: d, offset, n, r, c, column
+         integer :: d, offset, n, r, c
 
          study%time(row) = time%times(row)
          inputs = state%input
@@ -364,14 +363,7 @@ contains
          call shown%follow_from_here()
          associate (table => study%forces%table)
             table%value(row, :) = state%columns
-            do d = 1, drives
-               column = column_drive
-               if (d > 1) column = column_of_other_drive(size(study%forces%joints), d)
-               associate (actuator => given%mechanism%actuators(d))
-                  if (.not. set%masses%motor_on_frame .and. .not. actuator%slides .and. actuator%joint > 0) &
-                     table%value(row, column_moment) = table%value(row, column_moment) + table%value(row, column)
-               end associate
-            end do
+            if (.not. set%masses%motor_on_frame) call take_motors_off(given%mechanism, table%value(row:row, :))
             table%kinetic(row) = state%kinetic
             table%growth(row) = state%growth
             study%potential(row) = state%potential

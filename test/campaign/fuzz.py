@@ -46,7 +46,7 @@ MOST_BYTES = 64*2**20
 MOST_MEMORY = 4*2**30            # bytes of address space; an input that wants more gets the message for it
 ALIEN_WORDS = re.compile(rb"Fortran runtime|At line \d+ of file|[Bb]acktrace|Error termination|Program received signal|"
                          rb"libgomp:|runtime error:|AddressSanitizer|LeakSanitizer|terminate called|Segmentation|Aborted|"
-                         rb"IEEE_[A-Z]|\bSTOP\b")
+                         rb"IEEE_[A-Z]|^(?:ERROR )?STOP\b")     # asked of a line
 NO_NUMBER = re.compile(rb"(?<![\w.])[-+]?(?:NaN|Inf|Infinity)(?![\w.])|\*{4,}")
 # words one of which stands in whatever these find: asked first, because that takes a tenth of the time
 ALIEN_SIGNS = (b"untime", b"At line", b"acktrace", b"Error term", b"Program rec", b"libgomp", b"Sanitizer", b"terminate", b"Segment",
@@ -75,7 +75,7 @@ ODDITIES = TEXTS + [
     "$", "/", "(", ")", "!", "1 2", "1;2", "<b>&amp;", "]]>", "\\", "\x00", "\x7f", "\u00e9", "\u2028"]
 SUBSCRIPTS = ["(1)", "(2)", "(0)", "(-1)", "(1,1)", "(2,1)", "(2,3)", "(1,2,3)", "(1073741825,1)", "(99999999999)", "(2 7)",
               "(2:)", "(:)", "(", "()", "(1.5)", "(A)", " (1)"]
-TITLES = ["", " ", "&LINKS", "T"*80, "T\u00e4\u00df", "\x1b[31m", "</script><b>", "]]>", "'", '"', "!", "/", "a\tb", "-->"]
+TITLES = ["", " ", "STOP", "&LINKS", "T"*80, "T\u00e4\u00df", "\x1b[31m", "</script><b>", "]]>", "'", '"', "!", "/", "a\tb", "-->"]
 BYTES = [b"\x00", b"\r", b"\n", b"\t", b"&", b"'", b"=", b",", b"*", b"(", b"\xff\xfe", b"\xef\xbb\xbf"]
 
 
@@ -356,6 +356,16 @@ def sought(pattern, signs, text):
     return pattern.search(text) if any(sign in text for sign in signs) else None
 
 
+def alien_words(text, data):
+    """Words of a library in a listing or in messages; lines that stand in the input, as its titles, are the user's."""
+    if any(sign in text for sign in ALIEN_SIGNS):
+        for line in text.split(b"\n"):
+            found = ALIEN_WORDS.search(line)
+            if found and line.strip() not in data:
+                return found.group().decode("ascii", "replace")
+    return ""
+
+
 def no_number(name):
     raise ValueError(name + " is no JSON")
 
@@ -445,9 +455,9 @@ class Runner:
             return "killed by signal %d" % -status
         if status > 3:
             return "exit status %d" % status
-        alien = sought(ALIEN_WORDS, ALIEN_SIGNS, errors) or sought(ALIEN_WORDS, ALIEN_SIGNS, listing)
+        alien = alien_words(errors, content["case.nml"]) or alien_words(listing, content["case.nml"])
         if alien:
-            return "words of a library: " + alien.group().decode("ascii", "replace")
+            return "words of a library: " + alien
         if status >= 2 and not errors.strip():
             return "status %d without a message" % status
         for name in content:

@@ -166,7 +166,66 @@ def laws():
     check("pendulum between stops: it hangs on the lower one", list(found["stop"]) == [1] and abs(found["input"][0] - 45.0) < 1e-11)
     # no force anywhere
     _, said = KALM.tables(data("pendulum", ("TEND=10.0", "IEQUIL=1"), ("GRAVY=-9.81", "GRAVY=0.0")))
-    check("without weight it stays everywhere", "no force acts on the free drive" in said)
+    check("without weight it stays everywhere", "no force acts on the free drives" in said)
+    _, said = KALM.tables(TWO_BARS.replace("GRAVY=-9.81", "GRAVY=0.0") + " &TIME IEQUIL=1, NSTART=5 &END\n")
+    check("two bars without weight, too", "no force acts on the free drives" in said)
+
+
+def pendulum(x, y, more=""):
+    return f"""BAR
+ &CHAIN JNT='O','P', JX=0.0,{x!r}, JY=0.0,{y!r}, LNAME='frame','bar', LNK='O','O P' &END
+ &DRIVES DRIVE='O' &END
+""" + METHOD + " &MASSES MNAME='bar O', MASS=1.0, MDIST=1.0, GRAVY=-9.81 &END\n &TIME IEQUIL=1 &END\n" + more
+
+
+def ends():
+    # the drawing itself, and what lies between the last step and a stop
+    for x, y, low, high, inputs in ((0.0, -1.0, -20.0, 20.2, [0.0]), (1.0, .01, -90.7, 90.2, [-90.0, 90.0, 90.2]), (1.0, 0.0, -.1, .1, [-.1]),
+                                    (1.0, 0.0, 0.0, 10.0, [0.0]), (1.0, 0.0, -400.0, 500.0, [90.0, 270.0])):
+        turn = 0.0 if y == -1.0 else math.degrees(math.atan2(y, x))
+        wanted = [a - turn if abs(a) % 90.0 == 0.0 and a else a for a in inputs]
+        found = KALM.tables(pendulum(x, y, f" &STOPS STNAME='O', STLOW={low!r}, STHIGH={high!r} &END\n"))[0]["equilibria"]
+        check(f"pendulum between {low} and {high}: {found['input']}", len(found["input"]) == len(wanted) and
+              np.allclose(found["input"], wanted, atol=1e-9))
+    # a stop backwards alone: a turn forwards is free, and the stop holds it none the less; what hangs is found once
+    found = KALM.tables(pendulum(-1.0, 0.0, " &STOPS STNAME='O', STLOW=-50.0 &END\n"))[0]["equilibria"]
+    check(f"pendulum, a stop backwards alone: {found['input']}", np.allclose(found["input"], [90.0, 270.0], atol=1e-9))
+    found = KALM.tables(pendulum(1.0, 0.0, " &STOPS STNAME='O', STLOW=-50.0 &END\n"))[0]["equilibria"]
+    check(f"pendulum pressed to it: {found['input']}", np.allclose(found["input"], [-50.0, 90.0, 270.0], atol=1e-9) and found["stop"][0] == 1)
+    # of two stops in one step the first is met: the slide's, at 0.99 m from O, or the crank's
+    for order in ((0, 1), (1, 0)):
+        names, low = [("'O'", "'S1'")[k] for k in order], [(-10.3, -2.0e-3)[k] for k in order]
+        found = KALM.tables(f"""CRANK AND SLIDE
+ &CHAIN JNT='O','A','B', JX=0.0,0.5,1.5, JY=0.0,0.0,0.0, LNAME='frame','crank','rod','slide', LNK='O','O A','A B','B', NSLIDE=1,
+  SLNK='frame', SLNK2='slide', SLX=0.0, SLY=0.0, SLANG=0.0 &END
+ &DRIVES DRIVE='O' &END
+""" + METHOD + " &MASSES MNAME='crank O', MASS=1.0, MDIST=0.5, GRAVY=-9.81 &END\n &TIME IEQUIL=1 &END\n" +
+                            f" &STOPS STNAME={','.join(names)}, STLOW={low[0]!r},{low[1]!r} &END\n")[0]["equilibria"]
+        # .5 cos a + sqrt(1 - .25 sin^2 a) = 1.498
+        crank = -math.degrees(math.acos((.25 + 1.498**2 - 1.0)/1.498))
+        check(f"crank: the stop that is met first, {found['input']}, not {crank}", order[found["stop"].astype(int)[0] - 1] == 1 and
+              abs(found["input"][0] - crank) < 1e-9)
+    # a drive at half the pace: after a turn it is not where it was; four equilibria in two turns, by the potential's own roots
+    found = KALM.tables("""TWO BARS, ONE AT HALF THE PACE
+ &CHAIN JNT='A','P','B','Q', JX=0.0,1.0,3.0,4.0, JY=0.0,0.0,0.0,0.0, LNAME='frame','a','b', LNK='A B','A P','B Q' &END
+ &DRIVES DRIVE='A','B', DBASE='frame','frame', DLINK='a','b', RATIO=0.0,0.5 &END
+""" + METHOD + """ &MASSES MNAME='a A','b B', MASS=1.0,3.0, MDIST=0.5,0.5, MINERT=0.1,0.1, GRAVY=-9.81 &END
+ &TIME IEQUIL=1 &END
+""")[0]["equilibria"]
+    turned = np.radians(np.linspace(-360.0, 360.0, 100001))
+    force = .5*np.cos(turned) + .75*np.cos(turned/2)
+    roots = np.degrees(turned[:-1][force[:-1]*force[1:] < 0.0])
+    check(f"half the pace: {found['input.A']}, not {roots}", len(roots) == len(found["input.A"]) and
+          np.allclose(found["input.A"], roots, atol=.01))
+    # no mass at all
+    _, said = KALM.tables(pendulum(1.0, 0.0).replace("MASS=1.0", "MASS=0.0"), want=1)
+    check("nothing has mass: said so", "moves no mass" in said and "no force acts" not in said.lower())
+    # a spring between the frame and the end of two bars: positions on a circle
+    found, said = KALM.tables(TWO_BARS.replace("GRAVY=-9.81", "GRAVY=0.0") + " &SPRING ANAME='frame A', BNAME='bc C', STIFF=10.0, SFREE=0.5"
+                              " &END\n &TIME IEQUIL=1, NSTART=5 &END\n")
+    check("a circle of equilibria: none is stable, some neutral", sum(found["equilibria"]["stable"]) == 0 and "NEUTRAL" in said)
+    _, said = KALM.tables(TWO_BARS + " &TIME IEQUIL=1, NSTART=2 &END\n &STOPS STNAME='A', STLOW=-5.0 &END\n")
+    check("several drives and stops: said what is not looked for", "ONLY THOSE BETWEEN THE STOPS" in said)
 
 
 def mistakes():
@@ -181,5 +240,6 @@ def mistakes():
 published()
 five_bar()
 laws()
+ends()
 mistakes()
 sys.exit(report())
