@@ -116,7 +116,7 @@ void psalm_result_free(psalm_result *r);                                /* NULL 
 int psalm_cancel(psalm_case *c);
 int psalm_progress(psalm_case *c, int *made, int *most, double *best);
 
-/* Tables of a result. Names, units, words and lines are valid until the next call with this result. */
+/* Tables of a result; the first is the one that the study is about: positions, of a search the linkages found. Names, units, words and lines are valid until the next call with this result. */
 int psalm_table_count(const psalm_result *r);
 const char *psalm_table_name(psalm_result *r, int table);
 const char *psalm_table_about(psalm_result *r, int table);              /* what a row is */

@@ -105,7 +105,9 @@ def test_search():
     found = psalm.Case.from_file(os.path.join(DATA, "path5.nml")).synthesise(threads=2)
     check("linkages were found", len(found) >= 1)
     check("five points: as good as known", found[0].analyse().objective < 7.5e-7)
-    check("objectives are a column", abs(found["objective"][0] - found[0].analyse().objective) < 1e-12 and len(found) == len(list(found)))
+    objectives = [case.analyse().objective for case in found]
+    check("objectives are a column over the linkages", len(found) == len(found["objective"]) > 1 and
+          numpy.abs(found["objective"] - objectives).max() < 1e-12)
     check("the best objective", found.best_objective == found["objective"].min())
     check("best first", all(a.analyse().objective <= b.analyse().objective*(1 + 1e-9) for a, b in zip(found, found[1:])))
 
@@ -160,7 +162,8 @@ def test_linkage():
     rates = linkage.rates()
     check("speed of a joint of the crank", numpy.abs(numpy.hypot(rates["B"].vx, rates["B"].vy) - 62).max() < 1e-10)
     check("a rate is an attribute of its output", rates["angle_rocker"].v.shape == (36,))
-    check("a repr that tells", "Linkage" in repr(linkage) and "positions" in repr(motion) and "36" in repr(motion.table))
+    check("a repr that tells: %r" % linkage, repr(linkage) ==
+          "<psalm.Linkage 'LINKAGE': joints A B C D P; 4 links; &CHAIN &DRIVES &METHOD &OUTPUTS &RATES>" and "positions" in repr(motion) and "36" in repr(motion.table))
     check("a summary in words", "Closes" in linkage.summary())
     files = linkage.draw()
     check("pictures", files[".svg"].lstrip().startswith("<") and "ENTITIES" in files[".dxf"] and "<script" in files[".html"])
@@ -216,13 +219,18 @@ ASKING = {"analysis": "textile.nml", "summary": "textile.nml", "tolerances": "ad
           "board": "jansen.nml"}
 
 
+# the table that a result is about, if it is not called like the verb
+ABOUT = {"analysis": "positions", "rates": "positions", "forces": "positions", "machine": "positions", "synthesis": "found", "kinds": "found",
+         "proof": "limits", "vibration": "estimates", "cams": "cam"}
+
+
 def test_verbs():
     """Every verb, on a data set that asks for it: the listing is that of the program."""
     check("every verb is tried", set(ASKING) == set(psalm.verbs))
     for verb, file in ASKING.items():
         result = psalm.from_file(os.path.join(DATA, file)).study(verb)
         check(verb + " gives something", len(result.listing) > 100 or len(result.files) > 0)
-        check(verb + " has tables", verb in ("picture", "board", "summary") or len(result.tables) > 0)
+        check(verb + " has tables", verb in ("picture", "board") or result.table.name == ABOUT.get(verb, verb))
         for table in result.tables.values():
             check("%s: the columns of %s are as long" % (verb, table.name), all(len(table[n]) == table.rows for n in table))
         check(verb + " has linkages", verb not in ("synthesis", "exact", "kinds", "balance", "springs") or len(result.cases) > 0)

@@ -246,7 +246,8 @@ class Result:
 
     @property
     def table(self) -> Table:
-        """The table that the result is about: the first."""
+        """The table that the result is about, the first: of a search `found`, of motion in time `time`, else a row for each position or
+        what the study gives."""
         return self._table(1)
 
     def __contains__(self, name):

@@ -85,7 +85,7 @@ check 'the version is one in all descriptions' test 1 -eq "$(grep -hoE '^version
 check 'every group that a program reads for a study is one of a verb' "$venv/bin/python" -c "
 import re, subprocess, psalm
 text = open('$top/src/facade/psalm_verbs.f90').read()
-verbs = re.findall(r\"verb_t\('(\w+)', '(\w+)', '([^']*)'\)\", text)
+verbs = re.findall(r\"verb_t\('(\w+)', '(\w+)', '([^']*)', '\w*'\)\", text)
 assert [v[0] for v in verbs] == list(psalm.verbs), 'the list of the library'
 assert {v[1] for v in verbs} == {'psalm', 'kalm', 'balm', 'muscle', 'ssics', 'calm', 'bridge'}, 'every program'
 asked = {g for v in verbs for g in v[2].split()}
