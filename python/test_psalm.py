@@ -241,23 +241,40 @@ def test_wrong_arguments(calls):
     odd = [None, 0, 1, -1, 2**31, -2**40, 1.5, float("nan"), float("inf"), "", "A", "A B", "\0", "\n", "x"*5000, "'", "\u00e9\u4e2d", b"A",
            [], [1], [1.5], ["A"], [None], [[1, 2], [3]], {}, object(), True, numpy.zeros((2, 2)), numpy.array([]), ("A", "B"),
            {"A": 1}, "LINKS", "METHOD", "DELT", "analysis", range(3), lambda: 0]
-    names = [n for n in dir(psalm.Case) if not n.startswith("_") and n not in ("from_file", "synthesise", "exact", "plot", "found")]
+    odd += ["synthesis", "tolerances", "kinds", "proof", "time", "picture", slice(None), -7, 10**30, Ellipsis, complex(1, 2)]
+    words = ["threads", "progress", "listing", "number", "name", "fixed", "step", "inputs", "slides", "gears", "drive", "output", "reference",
+             "length", "METHOD", "nothing"]
+    left_out = ("from_file", "synthesise", "exact", "plot", "found", "to_dataframe", "to_xarray")
+    special = ("__getitem__", "__contains__", "__len__", "__copy__", "_repr_html_", "__repr__", "__getattr__")
     random = numpy.random.default_rng(1)
     raised = 0
-    case, rest = four_bar(), []
+    things, rest, tried = [], [], set()
+    search = psalm.from_file(os.path.join(DATA, "path5.nml")).synthesise()
     for call in range(calls):
         if call % 50 == 0:
             case = [four_bar(), psalm.Case.from_text(SLIDER), psalm.Case("T"), psalm.from_joints({}, [])][call//50 % 4]
+            motion = four_bar().analyse()
+            things = [case]*4 + [psalm.Case, psalm.Linkage, psalm, motion, motion.table, motion["P"], motion["input"], search]
+        thing = things[random.integers(len(things))]
+        names = [n for n in dir(thing) if not n.startswith("_") and n not in left_out and thing is not motion["input"]]
+        names += [n for n in special if hasattr(type(thing), n)]
+        if isinstance(thing, type):
+            names = ["from_text", "from_joints", "__call__"]
+        elif thing is psalm:
+            names = ["from_text", "from_joints", "from_file", "Case", "Linkage", "Error", "Group", "Table", "Result", "Search", "Motion"]
         name = names[random.integers(len(names))]
         arguments = [odd[random.integers(len(odd))] for _ in range(random.integers(0, 5))]
+        named = {words[random.integers(len(words))]: odd[random.integers(len(odd))] for _ in range(random.integers(0, 2))}
         try:
-            thing = getattr(case, name)
-            if callable(thing):
-                thing(*arguments)
-        except (psalm.Error, TypeError, ValueError, OverflowError, KeyError, AttributeError, UnicodeError):
+            part = thing if name == "__call__" else getattr(thing, name)
+            if callable(part):
+                part(*arguments, **named)
+        except (psalm.Error, TypeError, ValueError, OverflowError, KeyError, IndexError, AttributeError, UnicodeError):
             raised += 1
         except Exception as error:
-            rest.append((name, arguments, error))
+            rest.append((name, arguments, named, error))
+        tried.add((type(thing).__name__, name))
+    print("        %d wrong calls of %d functions: %d exceptions" % (calls, len(tried), raised))
     check("%d wrong calls: exceptions of a kind that is meant: %s" % (calls, rest[:2]), not rest)
     check("most of them raise", raised > calls//3)
     check("and the library works on", four_bar().analyse()["P"].x.shape == (36,))
@@ -268,11 +285,14 @@ def test_fork():
     case, path = four_bar(), psalm.from_file(os.path.join(DATA, "path5.nml"))
     path.set("SEARCH", NSTART=3)
     want, best = case.analyse()["P"].x, path.synthesise(threads=1).best_objective
-    child = os.fork()
-    if child == 0:
-        same = (case.analyse()["P"].x == want).all() and (four_bar().analyse()["P"].x == want).all()
-        os._exit(0 if same and path.synthesise(threads=1).best_objective == best else 1)
-    check("a child after fork", os.waitpid(child, 0)[1] == 0)
+    for threads in (1, 2):      # of two the parent has had a team before
+        path.synthesise(threads=threads)
+        child = os.fork()
+        if child == 0:
+            signal.alarm(60)    # ends a child that waits for threads which it has not
+            same = (case.analyse()["P"].x == want).all() and (four_bar().analyse()["P"].x == want).all()
+            os._exit(0 if same and path.synthesise(threads=threads).best_objective == best else 1)
+        check("a child after fork, %d threads" % threads, os.waitpid(child, 0)[1] == 0)
     check("the parent after it", (case.analyse()["P"].x == want).all())
 
 

@@ -354,6 +354,8 @@ class Case:
         `progress=True` shows a bar. Ctrl-C ends a study, too: as KeyboardInterrupt, whose `result` is what was found so far. Other
         threads run meanwhile. Without `listing` analysis, rates and forces are several times as fast.
         """
+        if not (progress is None or isinstance(progress, bool) or callable(progress)):
+            raise TypeError("progress must be a function, True or None, not %r" % (progress,))
         arguments = self._handle, _text(verb), 0 if listing else _library.BRIEF, _whole(threads)
         made = ctypes.c_void_p()
         if verb in _AT_ONCE:
@@ -393,7 +395,7 @@ class Case:
     def _result(self, status, made, verb):
         violated = self._check(status)
         findings = self.findings if library.psalm_findings(self._handle) else []
-        result = _KINDS.get(verb, Result)(made.value, findings, violated, verb)
+        result = _KINDS.get(verb, Result)(made, findings, violated, verb)
         if isinstance(result, Search):
             self.found = result
         return result
