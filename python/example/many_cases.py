@@ -24,7 +24,7 @@ def stroke(case):
 def main():
     sizes = [(crank, rod) for crank in (30, 40, 50) for rod in (120, 140, 160)]
     cases = [slider_crank(*size) for size in sizes]
-    # "spawn": a forked child must not start threads of the library again
+    # "spawn": a process forked while a thread works may wait for it for ever
     with concurrent.futures.ProcessPoolExecutor(mp_context=multiprocessing.get_context("spawn")) as pool:
         for (crank, rod), found in zip(sizes, pool.map(stroke, cases)):
             print(f"{crank:6.1f}{rod:8.1f}{found:12.5f}")
