@@ -420,18 +420,26 @@ def test_stopping():
             late = time.process_time() - sent[0]
             check("Ctrl-C ends a search at once: %.2f s" % late, late < 1)
         signal.signal(signal.SIGINT, before)
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    began = time.process_time()
-    threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
-    try:
-        psalm.from_file(os.path.join(DATA, "muscle", "haines_springs.nml")).springs()      # 18 s
-        check("Ctrl-C is heard by a search for springs", False)
-    except KeyboardInterrupt as interrupt:
-        check("the springs so far are kept", interrupt.result.violated and len(interrupt.result.cases) == 1)
-        late = time.process_time() - began
-        check("Ctrl-C ends a search for springs: %.2f s" % late, late < 2)
-    signal.signal(signal.SIGINT, before)
+    springs = psalm.from_file(os.path.join(DATA, "muscle", "haines_springs.nml"))   # 18 s
+    moving = psalm.from_file(os.path.join(DATA, "time", "pendulum.nml"))            # 8 s
+    moving.set("TIME", TEND=5000.0, NTIME=100000)
+    for name, action, kept in (("springs", springs.springs, lambda result: len(result.cases) == 1),
+                               ("time", moving.time, lambda result: 1 < result.table.rows < 100000)):
+        before = signal.signal(signal.SIGINT, signal.default_int_handler)
+        sent = []
+        timer = threading.Timer(0.5, lambda: (sent.append(time.process_time()), os.kill(os.getpid(), signal.SIGINT)))
+        timer.start()
+        try:
+            action()
+            timer.cancel()
+            check("Ctrl-C is heard: " + name, False)
+        except KeyboardInterrupt as interrupt:
+            late = time.process_time() - sent[0]
+            check("what there is so far is kept: " + name, interrupt.result.violated and kept(interrupt.result))
+            check("Ctrl-C ends it at once: %s, %.2f s" % (name, late), late < 1)
+        signal.signal(signal.SIGINT, before)
     raises("too many threads", "1024", lambda: endless().synthesise(2147483647))
+    raises("a negative number of threads", "-1 threads", lambda: endless().synthesise(-1))
     raises("too many threads for tolerances", "1024", lambda: endless().tolerances(100000))
 
 

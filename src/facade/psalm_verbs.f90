@@ -146,7 +146,7 @@ contains
          call find_machine(case, machine, findings, report)
       case ('time')
          allocate (time)
-         call find_time(case, time, findings, report)
+         call find_time(case, time, findings, report, stop)
       case ('balance')
          allocate (muscle)
          call find_balance(case, muscle, findings, report, stop)
