@@ -16,7 +16,8 @@ module psalm_curve_group
    use psalm_rule, only: rule_t, a_flag, a_number, a_text, a_whole, a_word
    use psalm_status, only: diagnostics_t
    use psalm_take, only: take
-   use psalm_text, only: full_precision, general, shortened, to_text
+   use psalm_number_format, only: number_words
+   use psalm_text, only: full_precision, shortened, to_text
    implicit none (type, external)
    private
    public :: curve_items, expand_curve
@@ -302,8 +303,8 @@ contains
          call findings%error('at pose '//to_text(minloc(distance, dim=1))//' both points of the body are at one place; its '// &
                              'angle is that from the first to the second')
       else if (maxval(distance) > (1.0_wp + stiff)*minval(distance)) then
-         call findings%warning('the two points of the body are from '//trim(adjustl(general(minval(distance))))//' to '// &
-                               trim(adjustl(general(maxval(distance))))//' apart; the first one and the angle are wanted')
+         call findings%warning('the two points of the body are from '//number_words(minval(distance))//' to '// &
+                               number_words(maxval(distance))//' apart; the first one and the angle are wanted')
       end if
    end subroutine doubt_body
 

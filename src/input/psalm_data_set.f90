@@ -35,7 +35,8 @@ module psalm_data_set
    use psalm_status, only: diagnostics_t
    use psalm_study_groups, only: study_groups
    use psalm_traced_loops, only: loops_t
-   use psalm_text, only: text_t, general, to_text
+   use psalm_number_format, only: number_words
+   use psalm_text, only: text_t, to_text
    use psalm_tolerance_group, only: tolerance_group_t, read_tolerance_group
    use psalm_wish_items, only: read_wishes, values_of
    implicit none (type, external)
@@ -496,7 +497,7 @@ contains
       if (size(set%method%delt) == 0) return
       if (.not. abs(set%method%crnki) > 0.0_wp .or. .not. abs(set%method%delt(1)) > 0.0_wp) return
       call group%origins%warning(findings, 'METHOD', 'CRNKI', 'counts from the drawing in a sketch, and DELT from there: the '// &
-                                 'first position is '//trim(adjustl(general(set%method%crnki + set%method%delt(1))))//' from '// &
+                                 'first position is '//number_words(set%method%crnki + set%method%delt(1))//' from '// &
                                  'the drawing; leave CRNKI out if DELT is counted from the drawing')
    end subroutine doubt_reference
 

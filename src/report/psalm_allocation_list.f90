@@ -3,9 +3,9 @@ module psalm_allocation_list
    use psalm_allocation, only: allocation_t, item_name, limit_largest, limit_least
    use psalm_allocation_group, only: rule_square, rule_worst, rule_yield
    use psalm_column_names, only: input_name, input_unit, position_name
-   use psalm_columns, only: left_column, right_column, in_words
+   use psalm_columns, only: left_column, right_column
    use psalm_kinds, only: wp
-   use psalm_number_format, only: figures_of, in_sentence
+   use psalm_number_format, only: error_words, figures_of, in_sentence, number_words
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_text, only: text_t, fixed, to_text, upper_case
    implicit none (type, external)
@@ -49,7 +49,7 @@ contains
                        ' PER CENT AT EACH POSITION')
       end select
       call text%add(' COST'//in_sentence(named, result%value)//'   LOWER BOUND'//in_sentence(named, result%bound)// &
-                    '   DUALITY GAP'//in_sentence(named, result%value - result%bound))
+                    '   DUALITY GAP'//error_words(named, result%value - result%bound))
       if (result%with_given) call text%add(' COST OF THE TOLERANCES OF TOLER'//in_sentence(named, result%cost_of_given)// &
          ', WHICH TAKE UP AT MOST '//part_words(result%use_of_given)//' PER CENT OF A BAND')
       call text%add(' DIMENSION                       TOLERANCE (+-)           COST  PER CENT  LIMIT    CLASS')
@@ -107,7 +107,7 @@ contains
       character(len(result%names)), allocatable :: names(:)
 
       table = table_of('allocation', 'a row for each dimension: its cheapest tolerance; cost '// &
-                       in_words(result%value)//', at least '//in_words(result%bound), &
+                       number_words(result%value)//', at least '//number_words(result%bound), &
                        audience=for_programs)
       names = result%names
       do i = 1, size(names)

@@ -6,7 +6,7 @@ module psalm_balance_list
    use psalm_columns, only: right_column
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
-   use psalm_number_format, only: figures_of, in_a_row, in_sentence
+   use psalm_number_format, only: error_words, figures_of, in_a_row, in_sentence
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
@@ -188,8 +188,8 @@ contains
 
       call list_weights(named, outcome, text)
       call text%add(' SUM OF MASSES'//in_sentence(named, outcome%total)//'   NONE ON THESE LINKS IS BELOW'// &
-                    in_sentence(named, outcome%bound)//'   DUALITY GAP'//in_sentence(named, outcome%gap)//'   RESIDUAL'// &
-                    in_sentence(named, outcome%residual))
+                    in_sentence(named, outcome%bound)//'   DUALITY GAP'//error_words(named, outcome%gap)//'   RESIDUAL'// &
+                    error_words(named, outcome%residual))
       call list_loads(named, study, outcome, text)
    end subroutine list_outcome
 
@@ -291,8 +291,8 @@ contains
          call text%add(' BEFORE'//in_sentence(named, study%composite)//'   AFTER'//in_sentence(named, found%value)// &
                        '   LOWER BOUND'//in_sentence(named, found%bound))
          if (found%convex) then
-            call text%add(' GLOBAL OPTIMUM OF A CONVEX PROBLEM: DUALITY GAP'//in_sentence(named, found%gap)//'   RESIDUAL'// &
-                          in_sentence(named, found%residual))
+            call text%add(' GLOBAL OPTIMUM OF A CONVEX PROBLEM: DUALITY GAP'//error_words(named, found%gap)//'   RESIDUAL'// &
+                          error_words(named, found%residual))
          else if (found%proven) then
             call text%add(' GLOBAL OPTIMUM: IT REACHES THE LOWER BOUND OF A CONVEX PROBLEM THAT CONTAINS THIS ONE; FOUND AT '// &
                           'START '//to_text(found%starts))

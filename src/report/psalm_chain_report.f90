@@ -4,12 +4,11 @@ module psalm_chain_report
    use psalm_chain_proof_list, only: list_chain_proof, put_chain_proof, links_of_group
    use psalm_chain_proof_study, only: chain_proof_t
    use psalm_chain_study, only: chain_study_t
-   use psalm_columns, only: in_words
    use psalm_constraint_group, only: range_positions
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_kinds, only: degrees_per_radian, wp
-   use psalm_number_format, only: rounding_error
+   use psalm_number_format, only: number_words, rounding_error
    use psalm_position_table, only: plot_sketch
    use psalm_sketch, only: numbers_of => columns_of, sketch_output_t, output_angle, output_between, output_distance, output_point, &
                            output_pose, output_slide, output_x, output_y
@@ -89,7 +88,8 @@ contains
       if (.not. any(study%closed)) return
       call study%find_range(n, least, most)
       if (least <= most) then
-         call text%add(label//trim(study%names(n))//' '//in_words(least, 'E')//' to '//in_words(most, 'E')//where_words)
+         call text%add(label//trim(study%names(n))//' '//number_words(least)//' to '// &
+                       number_words(most)//where_words)
       else
          call text%add(label//trim(study%names(n))//' has no value: it is a ratio to what stands still')
       end if

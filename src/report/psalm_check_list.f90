@@ -189,6 +189,10 @@ contains
       associate (mechanism => problem%mechanism)
          call text%add(' ASSUR GROUPS IN THE ORDER OF THEIR SOLUTION')
          do k = 1, mechanism%nloop
+            if (size(mechanism%groups(k)%members) == 0) then   ! the drives place all links
+               call text%add('  NONE')
+               cycle
+            end if
             line = '  '//group_heading(mechanism, k, small=.false.)//': '
             if (mechanism%is_dyad(k)) then
                line = line//'DYAD OF TYPE '//to_text(mechanism%groups(k)%kind)//', LINKS'
@@ -428,6 +432,7 @@ contains
             return
          end if
          if (mechanism%has_joint_names()) then
+            if (size(mechanism%groups(loop)%members) == 0) cycle
             call text%add(' '//group_heading(mechanism, loop, small=.false.)//'  '// &
                           fixed(warnings%joint(1, loop), wide_column, 4)// &
                           fixed(warnings%joint(2, loop), wide_column, 4))

@@ -1,6 +1,6 @@
 !> Exact linkages in words: listing, device 7 with a case for each, device 9 with the block exact.
 module psalm_exact_report
-   use psalm_columns, only: in_words, right_column
+   use psalm_columns, only: right_column
    use psalm_data_set, only: data_set_t, title_columns
    use psalm_defects, only: class_names, exact_linkage_t
    use psalm_devices, only: devices_t, header_of
@@ -12,7 +12,7 @@ module psalm_exact_report
    use psalm_function_points, only: generator_t
    use psalm_guided_six_bars, only: body_names
    use psalm_kinds, only: wp, degrees_per_radian
-   use psalm_number_format, only: error_words, figures_of, in_a_row, in_sentence
+   use psalm_number_format, only: error_words, figures_of, in_a_row, in_sentence, number_words
    use psalm_six_bar_motion, only: joints_of
    use psalm_six_bar_problem, only: type_names, watt_2
    use psalm_six_bars, only: six_bar_joints
@@ -450,7 +450,7 @@ contains
          associate (best => study%approximations(k))
             call devices%six%add(rank_column(k)//in_a_row(columns(:, k))//error(1, k)//'     '// &
                                  merge('+', '-', best%sense > 0)//'  '//word(best%alternates, 10))
-            call devices%seven%add('! rank '//to_text(k)//': largest error '//in_words(best%error, 'E')//' '//unit)
+            call devices%seven%add('! rank '//to_text(k)//': largest error '//number_words(best%error)//' '//unit)
             call write_case(set, study, k, merge(set%limits%last, 0, k == shown), devices%seven)
          end associate
       end do
@@ -512,7 +512,7 @@ contains
          end associate
          call devices%cases(devices%last_case())%put(table)
          do i = 1, shown
-            call devices%seven%add('! rank '//to_text(i)//': distance '//in_words(found%results(i)%after))
+            call devices%seven%add('! rank '//to_text(i)//': distance '//number_words(found%results(i)%after))
             call write_case(set, study, i, merge(set%limits%last, 0, i == shown), devices%seven)
          end do
       end associate
@@ -677,7 +677,7 @@ contains
          call list_places(joints(3:, :), six)
          do k = 1, shown
             call devices%seven%add('! rank '//to_text(k)//': least transmission angle '// &
-                                   in_words(transmission(k))//' degrees')
+                                   number_words(transmission(k))//' degrees')
             call write_case(set, study, k, merge(set%limits%last, 0, k == shown), devices%seven)
          end do
       end associate

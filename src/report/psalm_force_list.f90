@@ -36,6 +36,10 @@ contains
          do d = 1, size(of_column)
             of_column(d) = format_of(named, study%table%value(:, d), known)
          end do
+         do d = column_fx, column_fy
+            of_column(d) = format_of(named, study%table%value(:, d), known, pack(study%table%value(:, column_fx:column_fy), &
+                                                                                 spread(known, 2, 2)))
+         end do
          of_power = format_of(named, study%drive_power, known)
          of_energy = format_of(named, study%table%kinetic, known)
          if (set%masses%about_given) of_about = format_of(named, study%about, known)
@@ -122,7 +126,7 @@ contains
          of_input = format_of(by_joints, study%sizing%at)
          do k = 1, size(study%sizing)
             associate (of => study%sizing(k))
-               of_row = format_of(by_joints, [of%peak, of%rms, of%mean])
+               of_row = format_of(by_joints, [of%peak, of%rms, of%mean], among=[of%largest])
                call text%add(' '//named(of%name)//figure(of%peak, of_row)//' '//figure(of%at, of_input)// &
                              figure(of%rms, of_row)//figure(of%mean, of_row))
             end associate

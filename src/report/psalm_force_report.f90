@@ -28,14 +28,14 @@ contains
       resting = pack([(k, k=1, size(forces%input))], [(forces%table%at_rest(k) .and. forces%table%known(k), &
                                                        k=1, size(forces%input))])
       if (size(resting) > 0) call devices%remark(set, 'at '//to_text(size(resting))//' positions, first at '// &
-                                                 position_words(resting(1), forces%input(resting(1)))// &
+                                                 position_words(set, resting(1), forces%input(resting(1)))// &
                                                  ', a joint with friction does not move and has none')
       reported = 0
       do k = 1, size(forces%input)
          if (forces%table%known(k) .or. .not. forces%table%closed(k)) cycle   ! what is open is reported with the rates
          reported = reported + 1
          if (reported <= most_reported) call devices%remark(set, failure_at(forces, k, small=.true.)//' at '// &
-                                                    position_words(k, forces%input(k)))
+                                                    position_words(set, k, forces%input(k)))
       end do
       if (reported > most_reported) call devices%detail(set, 'and '//to_text(reported - most_reported)// &
                                                        ' more positions without forces')

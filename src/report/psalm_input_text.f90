@@ -1,11 +1,10 @@
 !> The input in words: its heading, its numbers, from where that of a sketch counts.
 module psalm_input_text
-   use psalm_columns, only: in_words
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: full_turn, wp
    use psalm_mechanism, only: mechanism_t
    use psalm_sketch, only: drive_turns
-   use psalm_number_format, only: number_format_t, figure
+   use psalm_number_format, only: number_format_t, figure, number_words
    use psalm_text, only: text_t, to_text, upper_case
    implicit none (type, external)
    private
@@ -55,12 +54,13 @@ contains
    end function angle_text
 
    !> A position and its input for a message.
-   pure function position_words(position, input) result(words)
+   pure function position_words(set, position, input) result(words)
+      type(data_set_t), intent(in) :: set
       integer, intent(in) :: position
       real(wp), intent(in) :: input                !! as shown
       character(:), allocatable :: words
 
-      words = 'position '//to_text(position)//', input '//in_words(input)
+      words = 'position '//to_text(position)//', input '//number_words(set%has_names(), input)
    end function position_words
 
    !> From where the inputs of a sketch count; empty where nothing need be said.
@@ -73,7 +73,7 @@ contains
       words = 'count from the drawing'
       ! the crank of the drawing may change in a search
       if (set%wants_search() .or. set%traced%floating .or. set%sketch%drives(1)%kind /= drive_turns) return
-      words = words//', where the crank is at '//in_words(set%traced%crank)//' degrees from the x axis'
+      words = words//', where the crank is at '//number_words(set%traced%crank)//' degrees from the x axis'
    end function zero_words
 
    !> Append to a listing what is special about a sketch: the zero of its input.

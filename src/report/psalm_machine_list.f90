@@ -6,7 +6,7 @@ module psalm_machine_list
    use psalm_machine, only: cycle_found, cycle_grows, cycle_falls, cycle_stalls, cycle_any_speed
    use psalm_machine_study, only: machine_study_t
    use psalm_motor_group, only: motor_group_t, motor_of
-   use psalm_number_format, only: figures_of, in_sentence
+   use psalm_number_format, only: error_words, figures_of, in_sentence
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
@@ -45,7 +45,7 @@ contains
                           in_sentence(named, of%greatest)//' AT'//in_sentence(named, of%greatest_at))
             call text%add(' MEAN SPEED'//in_sentence(named, of%mean)//', TIME OF A TURN'//in_sentence(named, of%period)// &
                           ', FLUCTUATION'//in_sentence(named, 2.0_wp*(of%greatest - of%least)/(of%greatest + of%least)))
-            call text%add(' ESTIMATED ERROR OF THE SPEEDS, RELATIVE'//in_sentence(named, of%error))
+            call text%add(' ESTIMATED ERROR OF THE SPEEDS, RELATIVE'//error_words(named, of%error))
             call text%add('          ANGLE          SPEED')
             step = ubound(of%speed, 1)/listed
             angle = figures_of(named, [(full_turn*real(k, wp)/real(listed, wp), k=0, listed)])
@@ -80,7 +80,7 @@ contains
          call text%add(' THE RUN-UP COULD NOT BE COMPUTED; A FLYWHEEL (FLYWHL) OR SMOOTHER TABLES OF TORQUE MAY HELP')
          return
       end if
-      if (size(study%run%time) > 0) call text%add(' ESTIMATED ERROR, RELATIVE'//in_sentence(named, study%run%error))
+      if (size(study%run%time) > 0) call text%add(' ESTIMATED ERROR, RELATIVE'//error_words(named, study%run%error))
       if (study%run%stopped_at >= 0.0_wp) call text%add(' IT STOPS AT'//in_sentence(named, study%run%stopped_at))
    end subroutine list_machine
 

@@ -3,14 +3,14 @@
 !> Ends are rounded inwards: what is printed stays true.
 module psalm_proof_list
    use psalm_column_names, only: input_unit
-   use psalm_columns, only: left_column, right_column, in_words
+   use psalm_columns, only: left_column, right_column
    use psalm_data_set, only: data_set_t
    use psalm_group_words, only: arc_heading, group_heading
    use psalm_kinds, only: wp, dp
    use psalm_margin_list, only: name_of_clearance, name_of_limit
    use psalm_markup, only: strings_t, add_string
    use psalm_margins, only: margin_angle, margin_guide, margin_slides
-   use psalm_number_format, only: number_format_t, figure, figures_of, format_of
+   use psalm_number_format, only: number_format_t, figure, figures_of, format_of, number_words
    use psalm_part_columns, only: add_groups, add_words
    use psalm_proven_margins, only: proven_margin_t
    use psalm_proof, only: proof_t, limit_t, touch_exact, piece_closes, piece_opens, piece_undecided, cause_too_short, &
@@ -174,7 +174,7 @@ contains
       call text%add('   PROVEN FOR DEVIATIONS OF ALL LENGTHS UP TO '//shown(study%tolerance, -1)// &
                     trim(merge(' (LARGER ONES NOT TRIED)', repeat(' ', 24), study%tolerance >= study%largest_tried)))
       if (study%worst_corner > 0.0_wp) call text%add('   THE WORST COMBINATION, TO FIRST ORDER, OPENS IT AT '// &
-                                                     in_words(study%worst_corner))
+                                                     short(study%worst_corner))
    end subroutine list_tolerance
 
    !> Least and greatest values over what closes.
@@ -364,6 +364,8 @@ contains
       character(:), allocatable :: text
       character(24) :: digits
       real(dp) :: number, read_back, unit
+      integer, parameter :: least_power = -4   ! of ten, of numbers without exponent
+      character(10) :: layout
       integer :: i, power
 
       number = real(value, dp)
@@ -374,8 +376,10 @@ contains
       write (digits, '(es16.7e3)') number
       read (digits(index(digits, 'E') + 1:), *) power
       unit = 10.0_dp**(power - 7)
+      layout = '(g16.8)'
+      if (power >= least_power .and. power < -1) write (layout, '("(f24.",i0,")")') 7 - power   ! g would write an exponent
       do i = 0, 2
-         write (digits, '(g16.8)') number + real(way*i, dp)*unit
+         write (digits, layout) number + real(way*i, dp)*unit
          read (digits, *) read_back
          if (real(way, dp)*(read_back - number) >= 0.0_dp) exit
       end do
@@ -498,12 +502,7 @@ contains
       real(wp), intent(in) :: value
       character(:), allocatable :: text
 
-      text = in_words(value)
-      if (index(text, 'D') > 0 .or. index(text, '.') == 0) return
-      do while (text(len(text):) == '0' .and. text(len(text) - 1:len(text) - 1) /= '.')
-         text = text(:len(text) - 1)
-      end do
-      if (text(len(text):) == '.') text = text//'0'
+      text = number_words(value)
    end function short
 
    !> An end of a part, rounded down (-1) or up (+1) to the digits printed; a length has all its digits.

@@ -6,7 +6,6 @@ module psalm_report
    use psalm_analysis, only: analysis_t
    use psalm_chain_report, only: range_lines, report_unreached, several_outputs
    use psalm_check_list, only: list_arcs, list_reference_joints, list_setup
-   use psalm_columns, only: in_words
    use psalm_data_set, only: data_set_t, title_columns
    use psalm_data_set_text, only: write_vertices, write_data_set
    use psalm_devices, only: devices_t, most_reported
@@ -44,6 +43,7 @@ module psalm_report
    use psalm_summary_text, only: plain_number, write_summary, write_wish_errors
    use psalm_synthesis, only: synthesis_t, ended_infeasible, ended_small_objective, ended_iterations, ended_time, &
                               ended_on_request, ended_without_rates
+   use psalm_number_format, only: number_words
    use psalm_text, only: text_t, lower_case, to_text
    use psalm_tables, only: tables_t
    use psalm_tolerance, only: tolerances_t
@@ -81,7 +81,7 @@ contains
 
       if (search%is_short()) call devices%note_violation()
       if (search%many) then
-         call log_starts(search%found%log, devices%one)
+         call log_starts(set%has_names(), search%found%log, devices%one)
          call report_starts(set, search, devices)
          return
       end if
@@ -120,7 +120,7 @@ contains
       end select
       line = to_text(search%state%iteration)//' iterations, '//to_text(search%state%evaluations)//' evaluations, '// &
              to_text(search%state%counts%calls)//' violations met, '//to_text(search%state%counts%repairs)//' repairs, '// &
-             to_text(search%state%counts%moves)//' moves; best objective '//in_words(search%state%best)
+             to_text(search%state%counts%moves)//' moves; best objective '//number_words(set%has_names(), search%state%best)
       call put_simplex(search, reason, devices%cases(devices%last_case()))
       call devices%one%add(' '//line//'; '//reason)
       call devices%remark(set, reason//' after '//line)
@@ -142,7 +142,7 @@ contains
          if (size(found%best) == 0) then
             line = 'no linkage that obeys the constraints was found; what is listed is the one given: '//line
          else
-            line = line//'; best objective '//in_words(found%best(1)%objective)
+            line = line//'; best objective '//number_words(set%has_names(), found%best(1)%objective)
          end if
          if (found%out_of_time) line = 'MAXTIME passed before the search was done: '//line
          if (found%refused) line = 'NLopt refuses '//trim(set%search%solver%name)//' for this problem: '//line
@@ -227,7 +227,7 @@ contains
          one%last = merge(set%limits%last, 0, i == size(found%best))
          rank = ', RANK '//to_text(i)
          one%title = trim(set%title(:min(len(set%title), title_columns - len(rank))))//rank
-         call text%add('! rank '//to_text(i)//', objective '//in_words(found%best(i)%objective, 'E'))
+         call text%add('! rank '//to_text(i)//', objective '//number_words(found%best(i)%objective))
          call write_data_set(set, problem, each, text, one)
       end do
    end subroutine write_found
@@ -558,7 +558,7 @@ contains
          if (rates%dead(k) == 0 .or. .not. rates%motion%closed(k)) cycle
          reported = reported + 1
          if (reported <= most_reported) call devices%remark(set, dead_point_words(problem%mechanism, rates%dead(k))//' at '// &
-                                                    position_words(k, rates%motion%input(k)))
+                                                    position_words(set, k, rates%motion%input(k)))
       end do
       if (reported > most_reported) call devices%detail(set, 'and '//to_text(reported - most_reported)//' more dead points')
    end subroutine report_rates

@@ -3,6 +3,7 @@ module psalm_search_log
    use psalm_columns, only: add_rows
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
+   use psalm_number_format, only: in_sentence
    use psalm_search, only: start_record_t
    use psalm_solver, only: observer_t, search_state_t
    use psalm_start, only: beginning_t, label_width, value_width, values_per_record
@@ -18,6 +19,7 @@ module psalm_search_log
       integer :: every = 20              !! NPRT: iterations between two lines of objectives
       integer :: every_vertex = 100      !! NPRINT: the same for co-ordinates
       integer :: violations = 30         !! NVIOL: more violations in an iteration are reported
+      logical :: named = .false.         !! joints have names: a sketch
       type(text_t) :: device1
       class(observer_t), pointer :: next => null()
       integer, private :: calls_before = 0
@@ -36,6 +38,7 @@ contains
       log%every = set%limits%nprt
       log%every_vertex = set%limits%nprint
       log%violations = set%limits%nviol
+      log%named = set%has_names()
       log%next => next
    end subroutine begin_log
 
@@ -89,9 +92,9 @@ contains
       end if
       self%calls_before = state%counts%calls
       if (mod(state%iteration, self%every) == 0) then
-         call self%device1%add(' ITERATION '//to_text(state%iteration)//'  BEST'//general(state%best)//'  WORST'// &
-                               general(state%worst)//'  EVALUATIONS '//to_text(state%evaluations)//'  REPAIRS '// &
-                               to_text(state%counts%repairs)//'  MOVES '//to_text(state%counts%moves))
+         call self%device1%add(' ITERATION '//to_text(state%iteration)//'  BEST'//in_sentence(self%named, state%best)// &
+                               '  WORST'//in_sentence(self%named, state%worst)//'  EVALUATIONS '//to_text(state%evaluations)// &
+                               '  REPAIRS '//to_text(state%counts%repairs)//'  MOVES '//to_text(state%counts%moves))
       end if
       if (state%iteration > 0 .and. mod(state%iteration, self%every_vertex) == 0) then
          call self%device1%add(' CO-ORDINATES OF THE BEST VERTEX')
@@ -102,7 +105,8 @@ contains
    end subroutine report
 
    !> A line for each start.
-   subroutine log_starts(starts, device1)
+   subroutine log_starts(named, starts, device1)
+      logical, intent(in) :: named               !! joints have names: a sketch
       type(start_record_t), intent(in) :: starts(:)
       type(text_t), intent(inout) :: device1
       character(:), allocatable :: name
@@ -112,7 +116,7 @@ contains
          name = ' START '//to_text(starts(i)%number)
          if (starts(i)%number < 0) name = ' SUPPLIED VERTEX '//to_text(-starts(i)%number)
          if (starts(i)%feasible) then
-            call device1%add(name//'  OBJECTIVE'//general(starts(i)%objective)//'  EVALUATIONS '// &
+            call device1%add(name//'  OBJECTIVE'//in_sentence(named, starts(i)%objective)//'  EVALUATIONS '// &
                              to_text(starts(i)%evaluations)//'  JACOBIANS '//to_text(starts(i)%jacobians))
          else
             call device1%add(name//'  NO LINKAGE THAT OBEYS THE CONSTRAINTS')

@@ -3,7 +3,7 @@ module psalm_spring_list
    use psalm_columns, only: left_column, right_column
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
-   use psalm_number_format, only: figures_of, in_a_row, in_sentence
+   use psalm_number_format, only: error_words, figures_of, in_a_row, in_sentence
    use psalm_place, only: place_t
    use psalm_spring_design_group, only: spring_design_group_t, spring_design_of, criterion_range, criterion_rms
    use psalm_spring_exact, only: exact_distance_varies, exact_possible
@@ -53,8 +53,8 @@ contains
                        to_text(size(study%phases)/2)//' PHASES')
       else if (study%search%convex) then
          call text%add(' GLOBAL OPTIMUM FOR THESE PLACES: LOWER BOUND'//in_sentence(named, study%search%bound)// &
-                       '   DUALITY GAP'//in_sentence(named, study%search%gap)//'   RESIDUAL'// &
-                       in_sentence(named, study%search%residual))
+                       '   DUALITY GAP'//error_words(named, study%search%gap)//'   RESIDUAL'// &
+                       error_words(named, study%search%residual))
       else
          call text%add(' LOCAL OPTIMUM, THE BEST OF '//to_text(study%search%starts)//' STARTS, '// &
                        to_text(study%search%ended_here)//' OF WHICH ENDED SO LOW')

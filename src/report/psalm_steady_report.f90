@@ -1,6 +1,5 @@
 !> Results of ssics become texts of the devices, remarks for standard error and the exit status. Nothing is computed here.
 module psalm_steady_report
-   use psalm_columns, only: in_words
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
    use psalm_drive_group, only: hill_group_t, hill_of, drive_group_t, drive_of
@@ -11,7 +10,8 @@ module psalm_steady_report
    use psalm_link_cycle, only: link_cycle_t
    use psalm_steady_study, only: steady_study_t
    use psalm_mechanism, only: mechanism_t
-   use psalm_text, only: general, lower_case, to_text
+   use psalm_number_format, only: in_sentence, number_words
+   use psalm_text, only: lower_case, to_text
    use psalm_vibration_group, only: estimate_group_t, estimates_of, vibration_group_t, vibration_of
    use psalm_vibration_list, only: list_vibration, list_estimates, list_drive, list_hill, stability_words, link_words
    use psalm_vibration_study, only: much_mixed
@@ -65,7 +65,7 @@ contains
             call devices%remark(set, 'mode '//to_text(k)//': the link '// &
                                 link_words(set, vibration%beam%link, ' in loop ', 'of arc ')//' buckles for a part of '// &
                                 'the turn, most at '// &
-                                in_words(study%vibration%modes(k)%least_at)//' degrees after the reference')
+                                number_words(set%has_names(), study%vibration%modes(k)%least_at)//' degrees after the reference')
          end do
          if (study%vibration%mixing > much_mixed) then
             call devices%remark(set, 'loads and springs on the link couple its modes: the deflection of a mode by itself is '// &
@@ -130,7 +130,8 @@ contains
       if (.not. stuck) return
       words = 'the crank cannot make a full turn: the linkage does not close'
       if (cycle_of%closes) words = the_group(mechanism, cycle_of%loop)//' passes a dead point'
-      words = words//' at'//general(cycle_of%sense*full_turn*real(cycle_of%failure - 1, wp)/real(points, wp))// &
+      words = words//' at'//in_sentence(set%has_names(), &
+                                        cycle_of%sense*full_turn*real(cycle_of%failure - 1, wp)/real(points, wp))// &
               ' degrees after the reference'
       call devices%six%add(' NO STEADY STATE: '//words)
       call devices%remark(set, words)

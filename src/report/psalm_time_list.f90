@@ -13,7 +13,7 @@ module psalm_time_list
    use psalm_position_table, only: add_joints, add_outputs
    use psalm_summary_text, only: add_line, plain_number
    use psalm_tables, only: table_t, tables_t, table_of
-   use psalm_text, only: text_t, general, to_text, upper_case
+   use psalm_text, only: text_t, to_text, upper_case
    use psalm_time_study, only: time_study_t, time_collapsed, time_crowded, time_done, time_massless, time_on_request, time_open, &
                                time_wound
    use psalm_time_motion, only: event_impact, event_rest, event_lift
@@ -91,6 +91,7 @@ contains
       type(time_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
       type(number_format_t), allocatable :: format(:)
+      type(number_format_t) :: of_time
       real(wp), allocatable :: column(:, :)
       character(:), allocatable :: line
       integer :: d, k, c, drives
@@ -105,6 +106,7 @@ contains
       column(:, 2*drives + 2) = study%potential
       column(:, 2*drives + 3) = study%work - study%lost
       format = [(format_of(set%has_names(), column(:, c)), c=1, size(format))]
+      of_time = format_of(set%has_names(), study%time)
       call text%add()
       call text%add(' MOTION IN TIME: SECONDS, DEGREES, RADIANS A SECOND, LENGTHS, JOULES')
       line = '           TIME'
@@ -113,7 +115,7 @@ contains
       end do
       call text%add(line//'        KINETIC      POTENTIAL      WORK DONE')
       do k = 1, size(study%time)
-         line = general(study%time(k))
+         line = figure(study%time(k), of_time)
          do c = 1, size(format)
             line = line//figure(column(k, c), format(c))
          end do
@@ -126,9 +128,10 @@ contains
 
       !> Impacts, and when joints rest on their stops and leave them.
       subroutine list_events()
-         type(number_format_t) :: formats(3)
+         type(number_format_t) :: of_event, formats(3)
          integer :: e
 
+         of_event = format_of(set%has_names(), study%events%time)
          formats(1) = format_of(set%has_names(), study%events%before)
          formats(2) = format_of(set%has_names(), study%events%after)
          formats(3) = format_of(set%has_names(), study%events%impulse)
@@ -137,7 +140,7 @@ contains
          call text%add('           TIME         BEFORE          AFTER        IMPULSE   EVENT')
          do e = 1, size(study%events)
             associate (event => study%events(e))
-               call text%add(general(event%time)//figure(event%before, formats(1))//figure(event%after, formats(2))// &
+               call text%add(figure(event%time, of_event)//figure(event%before, formats(1))//figure(event%after, formats(2))// &
                              figure(event%impulse, formats(3))//'   '//upper_case(trim(event_words(event%kind)))//' '// &
                              trim(study%stop_names(event%stop)))
             end associate

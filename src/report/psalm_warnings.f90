@@ -1,11 +1,11 @@
 !> Words on what is no violation and yet makes a result doubtful.
 module psalm_warnings
    use psalm_analysis, only: warnings_t
-   use psalm_columns, only: in_words
    use psalm_data_set, only: data_set_t
    use psalm_text, only: to_text
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
+   use psalm_number_format, only: number_words
    use psalm_parameters, only: length_name
    implicit none (type, external)
    private
@@ -27,12 +27,12 @@ contains
 
       words = 'a link of practically no length (the longest '// &
               trim(merge('length', 'arc   ', set%has_names()))//' is '// &
-              in_words(maxval(dimensions%arcl), 'E')//'): '
+              number_words(set%has_names(), maxval(dimensions%arcl))//'): '
       do i = 1, min(size(warnings%short), most_named)
          n = warnings%short(i)
          if (i > 1) words = words//', '
          words = words//length_name(mechanism, n)// &
-                 ' is '//in_words(dimensions%arcl(n), 'E')
+                 ' is '//number_words(set%has_names(), dimensions%arcl(n))
       end do
       if (size(warnings%short) > most_named) words = words//' and '//to_text(size(warnings%short) - most_named)//' more'
       words = words//'; limit the lengths ('// &

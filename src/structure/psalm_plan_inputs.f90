@@ -10,7 +10,8 @@ module psalm_plan_inputs
    use psalm_parameters, only: parameters_t, words_of, variable_length
    use psalm_sort, only: ascending
    use psalm_status, only: diagnostics_t
-   use psalm_text, only: general, to_text
+   use psalm_number_format, only: number_words
+   use psalm_text, only: to_text
    implicit none (type, external)
    private
    public :: find_output, check_dimensions, find_repeated
@@ -120,7 +121,7 @@ contains
          real(wp), intent(in) :: value
          character(:), allocatable :: text
 
-         text = trim(adjustl(general(value, 'E')))
+         text = number_words(value)
       end function limit
 
       subroutine short(item, got)
@@ -167,6 +168,6 @@ contains
       first = findloc(set%method%delt, sorted(i), dim=1)
       second = first + findloc(set%method%delt(first + 1:), sorted(i), dim=1)
       call set%origins%warning(findings, 'METHOD', 'DELT', 'positions '//to_text(first)//' and '//to_text(second)//' have the '// &
-                               'same input '//trim(adjustl(general(sorted(i), 'E'))), second)
+                               'same input '//number_words(sorted(i)), second)
    end subroutine find_repeated
 end module psalm_plan_inputs

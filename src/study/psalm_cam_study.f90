@@ -24,7 +24,8 @@ module psalm_cam_study
    use psalm_preparation, only: prepared_t
    use psalm_sketch_assembly, only: assemble_sketch
    use psalm_status, only: diagnostics_t
-   use psalm_text, only: general, to_text
+   use psalm_number_format, only: number_words
+   use psalm_text, only: to_text
    use psalm_shown_input, only: reference_input
    implicit none (type, external)
    private
@@ -137,8 +138,8 @@ contains
          if (.not. shape%flat) first = findloc(abs(samples%states%by_input) > 0.0_wp, .false., dim=1)
          if (first > 0) then
             call complain(set, k, merge('FOLJNT', 'NFOLLK', allocated(shape%motion%chain)), &
-                          'the follower does not move with the input at'//general(samples%angle(first))//' degrees; FOLLK is '// &
-                          'its distance from the arc''s end', findings)
+                          'the follower does not move with the input at '//number_words(samples%angle(first))// &
+                          ' degrees; FOLLK is its distance from the arc''s end', findings)
             return
          end if
          if (merge(cams(1)%conjugate, cams(2)%conjugate, k == 1)) then
@@ -158,7 +159,7 @@ contains
                first = findloc(faster .neqv. faster(1), .true., dim=1)
             end associate
          end if
-         if (first > 0) call complain(set, k, 'KFOL', 'the flat face turns with the cam at'//general(samples%angle(first))// &
+         if (first > 0) call complain(set, k, 'KFOL', 'the flat face turns with the cam at '//number_words(samples%angle(first))// &
                                       ' degrees: it touches nowhere', findings)
       end do
    end subroutine check_cam
@@ -185,9 +186,9 @@ contains
          real(wp), intent(in) :: radius
 
          if (.not. radius > largest_wheel*extent) return
-         call complain(set, cam, item, wheel//' of radius '//trim(adjustl(general(radius)))//', but '//what//' is at most '// &
-                       trim(adjustl(general(extent)))//' from the cam''s axis: give at most '// &
-                       trim(adjustl(general(largest_wheel*extent))), findings)
+         call complain(set, cam, item, wheel//' of radius '//number_words(radius)//', but '//what//' is at most '// &
+                       number_words(extent)//' from the cam''s axis: give at most '// &
+                       number_words(largest_wheel*extent), findings)
       end subroutine judge
    end subroutine judge_wheels
 
@@ -229,7 +230,7 @@ contains
       call shape%motion%trace(samples%angle, samples%piece, states)
       first = findloc(states%fault /= fault_none, .true., dim=1)
       if (first > 0) call complain(set, 1, 'NFOL2K', 'the linkage that carries the second roller does not close, or is at a '// &
-                                   'dead point, at'//general(samples%angle(first))//' degrees', findings)
+                                   'dead point, at '//number_words(samples%angle(first))//' degrees', findings)
    end subroutine check_second
 
    !> A table whose third derivative changes its sign much more often than its slope is coarse.
@@ -347,7 +348,7 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       character(:), allocatable :: place
 
-      place = 'the law rests at a dead point of the linkage at'//general(ways%faulty_at)//' degrees, and '
+      place = 'the law rests at a dead point of the linkage at '//number_words(ways%faulty_at)//' degrees, and '
       select case (ways%state)
       case (ways_jump)
          call complain(set, 1, 'LAW', place//'the velocity of the input would jump: the acceleration of the law must be the '// &
@@ -459,8 +460,8 @@ contains
          return
       end if
       if (law%state == law_beyond_tolerance) then
-         call complain(set, cam, 'TABTOL', 'no fit by least squares stays so near the points; the best misses one by'// &
-                       general(law%residual), findings)
+         call complain(set, cam, 'TABTOL', 'no fit by least squares stays so near the points; the best misses one by '// &
+                       number_words(law%residual), findings)
          return
       end if
       if (law%state /= law_velocity_jumps) then
@@ -470,9 +471,9 @@ contains
       end if
       joints = law%joints()
       k = maxloc(abs(joints%jump(1)), dim=1)
-      call set%origins%error(findings, group_of(cam), 'SEGVEL', 'the velocity jumps by'//general(joints(k)%jump(1))//' per '// &
-                             'radian of cam at'//general(joints(k)%at)//' degrees; SEGVEL gives both sides one velocity, and a '// &
-                             'ramp or dwell has its own', max(1, law%faulty))
+      call set%origins%error(findings, group_of(cam), 'SEGVEL', 'the velocity jumps by '//number_words(joints(k)%jump(1))// &
+                             ' per radian of cam at '//number_words(joints(k)%at)//' degrees; SEGVEL gives both sides one '// &
+                             'velocity, and a ramp or dwell has its own', max(1, law%faulty))
    end subroutine refuse_law
 
    !> Say where the motion first fails, and of an output out of reach the furthest.
@@ -495,11 +496,11 @@ contains
          end if
          if (allocated(motion%chain)) then
             if (states%fault(first) == fault_dead_point) then
-               call complain(set, cam, 'KOUT', 'the outputs with laws stand still at'//general(motion%chain%fault_at)// &
+               call complain(set, cam, 'KOUT', 'the outputs with laws stand still at '//number_words(motion%chain%fault_at)// &
                              ' degrees while the inputs move: a dead point, or the end of their range; to drive through it '// &
                              'give the law of the input, KOUT=0', findings)
             else
-               call complain(set, cam, 'SEGOUT', 'the linkage cannot follow at'//general(motion%chain%fault_at)// &
+               call complain(set, cam, 'SEGOUT', 'the linkage cannot follow at '//number_words(motion%chain%fault_at)// &
                              ' degrees: it does not close, or is at a dead point', findings)
             end if
             return
@@ -511,16 +512,18 @@ contains
             beyond = max(low - states%y(0, :), states%y(0, :) - high)
             k = maxloc(beyond, dim=1)
             item = merge('SEGOUT', 'TABOUT', size(cams(1)%table) == 0)
-            call complain(set, cam, item, 'the output wanted at'//general(samples%angle(k))//' degrees,'// &
-                          general(states%y(0, k))//', is out of range: the linkage gives'//general(low)//' to'//general(high)// &
-                          ' while its input goes from'//general(motion%q(1))//' to'//general(motion%q(size(motion%q))), findings)
+            call complain(set, cam, item, 'the output wanted at '//number_words(samples%angle(k))//' degrees, '// &
+                          number_words(states%y(0, k))//', is out of range: the linkage gives '//number_words(low)//' to '// &
+                          number_words(high)//' while its input goes from '//number_words(motion%q(1))//' to '// &
+                          number_words(motion%q(size(motion%q))), findings)
          case (fault_dead_point)
-            call complain(set, cam, 'KOUT', 'the output stands still at'//general(samples%angle(first))//' degrees while the '// &
-                          'input ('//trim(adjustl(general(states%q(0, first))))//') moves: a dead point; the law may rest '// &
-                          'at it where a segment ends; to drive through it give the law of the input, KOUT=0', findings)
+            call complain(set, cam, 'KOUT', 'the output stands still at '// &
+                          number_words(samples%angle(first))//' degrees while the input ('//number_words(states%q(0, first))// &
+                          ') moves: a dead point; the law may rest at it where a segment ends; '// &
+                          'to drive through it give the law of the input, KOUT=0', findings)
          case default
-            call complain(set, cam, 'NFOLLK', 'the linkage that carries the follower does not close, or is at a dead point, at'// &
-                          general(samples%angle(first))//' degrees (input'//general(states%q(0, first))//')', findings)
+            call complain(set, cam, 'NFOLLK', 'the linkage that carries the follower does not close, or is at a dead point, at '// &
+                          number_words(samples%angle(first))//' degrees (input '//number_words(states%q(0, first))//')', findings)
          end select
       end associate
    end subroutine refuse_motion
@@ -535,14 +538,14 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       character(:), allocatable :: angle, axis
 
-      angle = ' at '//trim(adjustl(general(samples%angle(first))))//' degrees'
-      axis = 'XCAM='//trim(adjustl(general(given%x)))//', YCAM='//trim(adjustl(general(given%y)))
+      angle = ' at '//number_words(samples%angle(first))//' degrees'
+      axis = 'XCAM='//number_words(given%x)//', YCAM='//number_words(given%y)
       if (samples%states%fault(first) == fault_on_axis) then
          call complain(set, cam, 'XCAM', 'the roller''s centre lies on the cam''s axis ('//axis//')'//angle//': there is no '// &
                        'base circle and no profile; move the axis or the roller until they are further apart than RROLL', findings)
       else if (given%slides) then
          call complain(set, cam, 'CAMLEN', 'the roller''s centre moves with the cam (CAMLEN='// &
-                       trim(adjustl(general(given%travel)))//')'//angle//': the pitch curve stands still and has no profile; '// &
+                       number_words(given%travel)//')'//angle//': the pitch curve stands still and has no profile; '// &
                        'change CAMLEN, CAMDIR or the law', findings)
       else
          call complain(set, cam, 'XCAM', 'the roller''s centre moves with the cam'//angle//': the pitch curve stands still '// &

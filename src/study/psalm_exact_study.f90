@@ -28,7 +28,8 @@ module psalm_exact_study
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t
    use psalm_symmetric_points, only: leave_a_curve
-   use psalm_text, only: general, to_text
+   use psalm_number_format, only: number_words
+   use psalm_text, only: to_text
    use psalm_tracker, only: polish, tracked_t
    use psalm_wanted_function, only: wanted_function_t, function_kind, function_table
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
@@ -149,7 +150,7 @@ contains
             if (is_missing(exact%angle(i)) .or. is_missing(exact%angle(k))) then
                text = 'points '//to_text(k)//' and '//to_text(i)//' coincide'
                if (abs(p(i) - p(k)) > coincident*span_of(p)) text = text//' but for '// &
-                  trim(adjustl(general(abs(p(i) - p(k)), 'E')))//', less than 1E-6 of the size of all points'
+                  number_words(abs(p(i) - p(k)))//', less than 1E-6 of the size of all points'
                text = text//': leave one of both out'
                if (outlier(p) > 0) text = text//', or mend point '//to_text(outlier(p))//', which lies far from all others'
                call complain('XP', text)

@@ -29,6 +29,7 @@ module psalm_force_study
       real(wp) :: peak = 0.0_wp                !! the value of the largest amount, with its sign
       real(wp) :: at = 0.0_wp                  !! input there
       real(wp) :: rms = 0.0_wp, mean = 0.0_wp
+      real(wp) :: largest = 0.0_wp             !! amount of it, or of that of which it is a component
    end type sizing_t
 
    !> Harmonics of a quantity over a turn: sum of amplitude(k) cos(k input - phase(k)).
@@ -172,6 +173,7 @@ contains
    subroutine size_up(study)
       type(force_study_t), intent(inout) :: study
       logical :: known(size(study%input))
+      real(wp) :: frame(size(study%input))
       integer :: k, j, c
 
       known = [(study%table%known(k), k=1, size(known))]
@@ -182,9 +184,10 @@ contains
             call add('DRIVE '//study%drives(j), v(:, size(v, 2) - size(study%drives) + j))
          end do
          call add('DRIVE POWER', study%drive_power)
-         call add('FRAME FORCE', hypotenuse(v(:, column_fx), v(:, column_fy)))
-         call add('FRAME FX', v(:, column_fx))
-         call add('FRAME FY', v(:, column_fy))
+         frame = hypotenuse(v(:, column_fx), v(:, column_fy))
+         call add('FRAME FORCE', frame)
+         call add('FRAME FX', v(:, column_fx), frame)
+         call add('FRAME FY', v(:, column_fy), frame)
          call add('FRAME MOMENT', v(:, column_moment))
          do j = 1, size(joints)
             c = column_of_joint(j)
@@ -199,9 +202,10 @@ contains
 
    contains
 
-      subroutine add(name, values)
+      subroutine add(name, values, whole)
          character(*), intent(in) :: name
          real(wp), intent(in) :: values(:)
+         real(wp), intent(in), optional :: whole(:) !! of which it is a component
          type(sizing_t) :: one
          integer :: at
 
@@ -213,6 +217,8 @@ contains
             one%rms = sqrt(sum(values**2, mask=known)/real(count(known), wp))
             one%mean = sum(values, mask=known)/real(count(known), wp)
             if (abs(one%mean) <= nothing*abs(one%peak)) one%mean = 0.0_wp
+            one%largest = abs(one%peak)
+            if (present(whole)) one%largest = maxval(whole, mask=known)
          end if
          study%sizing = [study%sizing, one]
       end subroutine add

@@ -2,7 +2,7 @@
 program test_number_format
    use check, only: checks_t
    use psalm_kinds, only: wp
-   use psalm_number_format, only: number_format_t, error_words, figure, figures_of, format_of, in_a_row, in_sentence
+   use psalm_number_format, only: number_format_t, error_words, figure, figures_of, format_of, in_a_row, in_sentence, number_words
    use psalm_text, only: general
    implicit none (type, external)
    type(checks_t) :: t
@@ -62,6 +62,9 @@ contains
       call t%equal_text(in_sentence(.true., 0.05_wp), ' 0.05', 'in a sentence: one blank')
       call t%equal_text(in_sentence(.true., 1.0e-12_wp), ' 1.000000E-12', 'engineering in a sentence')
       call t%equal_text(in_sentence(.false., 0.05_wp), general(0.05_wp), 'of loops in its width')
+      call t%equal_text(number_words(.true., 0.05_wp), '0.05', 'in words: no blank')
+      call t%equal_text(number_words(.false., 0.05_wp), trim(adjustl(general(0.05_wp))), 'of loops in words')
+      call t%equal_text(number_words(90.0_wp), '90.0', 'in a message')
    end subroutine whole_columns
 
    !> Digits that an error leaves open are blank, points stay below each other.
@@ -80,6 +83,7 @@ contains
       call t%equal_text(in_sentence(.true., 0.5_wp, 1.0e-3_wp), ' 0.5', 'in a sentence')
       call t%equal_text(error_words(.true., 8.2341e-13_wp), ' 8.2E-13', 'of an error its size')
       call t%equal_text(error_words(.true., 0.0_wp), ' 0.0', 'no error')
+      call t%equal_text(error_words(.true., -8.2341e-13_wp), ' -8.2E-13', 'an error below zero')
       call t%equal_text(error_words(.false., 8.2341e-13_wp), general(8.2341e-13_wp), 'loops: as the published listings')
       call t%equal_text(in_a_row(figures_of(.true., [12.123456_wp, 0.5_wp], error=2.0e-3_wp)), &
                         '       12.12           0.50   ', 'a column with an error')

@@ -7,7 +7,7 @@ module psalm_number_format
    use psalm_text, only: general, to_text
    implicit none (type, external)
    private
-   public :: number_format_t, format_of, figure, figures_of, in_a_row, in_sentence, error_words, rounding_error
+   public :: number_format_t, format_of, figure, figures_of, in_a_row, in_sentence, number_words, error_words, rounding_error
 
    integer, parameter :: seven_digits = -1        !! each number by itself, as the published listings
    integer, parameter :: engineering = -2         !! a multiple of three as exponent
@@ -17,6 +17,11 @@ module psalm_number_format
    integer, parameter :: width = 15               !! of a number, as that of `general`
    real(wp), parameter :: of_condition = 16.0_wp*epsilon(1.0_wp) !! largest error over condition number that was measured
                                                                  !! (doc/measured/accuracy.md)
+
+   !> A number in words: `number_words(named, value, error)` in a listing, `number_words(value)` in a message.
+   interface number_words
+      module procedure :: words_in_listing, words_in_message
+   end interface number_words
 
    !> How the numbers of a column are written.
    type :: number_format_t
@@ -156,17 +161,35 @@ contains
       if (named) text = ' '//trim(adjustl(text))
    end function in_sentence
 
-   !> An error above zero in a sentence of a listing: of a sketch two digits, as its size is all that it tells.
+   !> The same without blanks around it.
+   pure function words_in_listing(named, value, error) result(words)
+      logical, intent(in) :: named                  !! joints have names: a sketch
+      real(wp), intent(in) :: value
+      real(wp), intent(in), optional :: error       !! as above
+      character(:), allocatable :: words
+
+      words = trim(adjustl(in_sentence(named, value, error)))
+   end function words_in_listing
+
+   !> A number in a message, as in a sentence of the listing of a sketch, whatever the linkage.
+   pure function words_in_message(value) result(words)
+      real(wp), intent(in) :: value
+      character(:), allocatable :: words
+
+      words = words_in_listing(.true., value)
+   end function words_in_message
+
+   !> An error in a sentence of a listing: of a sketch two digits, as its size is all that it tells.
    pure function error_words(named, value) result(text)
       logical, intent(in) :: named                  !! joints have names: a sketch
       real(wp), intent(in) :: value
       character(:), allocatable :: text
       real(wp), parameter :: least = 1.0e-99_wp     ! of two digits in the exponent
-      character(7) :: buffer
+      character(8) :: buffer
 
       if (named .and. abs(value) >= least .and. abs(value) < 1.0_wp/least) then
-         write (buffer, '(es7.1e2)') real(value, dp)
-         text = ' '//buffer
+         write (buffer, '(es8.1e2)') real(value, dp)
+         text = ' '//trim(adjustl(buffer))
       else
          text = in_sentence(named, value)
       end if
