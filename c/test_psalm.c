@@ -155,6 +155,7 @@ static void made(void) {
   a = column(r, "positions", "output.a", NULL);
   rate = column(r, "positions", "output.first", NULL);
   check(rows == 24 && input && v && a && rate, "rates are columns");
+  check(psalm_find_table(r, "positions") == 1 && psalm_find_column(r, 1, "output.v") > 0, "rates: the first table has the positions");
   for (int i = 0; input && v && a && rate && i < rows; i++) {
     slide_at(input[i], of);
     worst = fmax(worst, fmax(fabs(v[i] - 2*of[1]), fmax(fabs(a[i] - 4*of[2]), fabs(rate[i] - of[1]))));
@@ -231,6 +232,7 @@ static void search(const char *data) {
   snprintf(name, sizeof name, "%s/path5.nml", data);
   check(psalm_read_file(name, 1, &c) == PSALM_DONE && c, "a case from a file");
   check(psalm_study(c, "synthesis", 0, 2, &r) == PSALM_DONE && psalm_case_count(r) >= 1, "a search");
+  check(psalm_find_table(r, "found") == 1 && psalm_row_count(r, 1) == psalm_case_count(r), "a search: the first table has the linkages");
   check(psalm_case_of(r, 1, &found) == PSALM_DONE && found, "what was found is a case");
   check(psalm_study(found, "analysis", 0, 0, &of_found) == PSALM_DONE && number(of_found, "totals", "objective") < 7.5e-7,
         "five points: as good as known");

@@ -102,21 +102,22 @@ int psalm_get_length(psalm_case *c, int loop, int arc, double *length);
 int psalm_get_angle(psalm_case *c, int loop, int arc, double *angle);
 
 /* Studies: psalm_verb(1), psalm_verb(2) ... are their names, NULL after the last. Each replaces the findings of the call before.
- * threads 0: THREADS of the case, or 1; at most 1024. *made is NULL if the status is PSALM_BAD_INPUT, PSALM_FILE_TROUBLE or
+ * threads 0: THREADS of the case, or 1; at most 1024, and not negative. *made is NULL if the status is PSALM_BAD_INPUT, PSALM_FILE_TROUBLE or
  * PSALM_MISUSE; else it is a result of its own, which does not depend on the case any more and must be freed. */
 const char *psalm_verb(int number);
 int psalm_study(psalm_case *c, const char *verb, int options, int threads, psalm_result **made);
 void psalm_result_free(psalm_result *r);                                /* NULL is allowed */
 
 /* While a study works on the case, another thread, or a signal handler, may end it and ask how far it is. psalm_cancel ends a search,
- * a sample of tolerances, a sweep, an exact synthesis, a proof, balance, springs, cams or a clearance, mostly within milliseconds: it
- * returns PSALM_VIOLATION, and what a search, a sample, a sweep or an exact synthesis found so far is there; of the others nothing is. Called before the study begins it has no effect. psalm_progress gives starts, iterations or paths made, how many there will
- * be at most, and the best objective so far; each pointer may be NULL. *made is 0 before the first. Free the case only after the study
- * has returned. */
+ * a sample of tolerances, a sweep, an exact synthesis, a proof, motion in time, balance, springs, cams or a clearance, mostly within
+ * milliseconds: it returns PSALM_VIOLATION, and what a search, a sample, a sweep, an exact synthesis or motion in time has so far is
+ * there; of the others nothing is. Called before the study begins it has no effect. psalm_progress gives starts, iterations or paths
+ * made, how many there will be at most, and the best objective so far; each pointer may be NULL. *made is 0 before the first. Free the
+ * case only after the study has returned. */
 int psalm_cancel(psalm_case *c);
 int psalm_progress(psalm_case *c, int *made, int *most, double *best);
 
-/* Tables of a result. Names, units, words and lines are valid until the next call with this result. */
+/* Tables of a result; the first is the one that the study is about: positions, of a search the linkages found. Names, units, words and lines are valid until the next call with this result. */
 int psalm_table_count(const psalm_result *r);
 const char *psalm_table_name(psalm_result *r, int table);
 const char *psalm_table_about(psalm_result *r, int table);              /* what a row is */

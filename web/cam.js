@@ -192,9 +192,28 @@ globalThis.calm = (() => {
       pen.lineWidth = 1.5;
       pen.fill();
       pen.stroke();
-      pen.fillStyle = pens.soft;
-      pen.font = '12px system-ui, sans-serif';
-      pen.fillText(one.name, X(p[0]) + 7, Y(p[1]) - 7);
+    });
+  }
+
+  /** Names beside their joints, each in the first corner that is free of rollers, joints and other names. */
+  function drawNames(pen) {
+    const { angle } = state, high = 12, round = [], boxes = [];
+    data.joints.forEach((one, j) => { if (one.name) round.push([...joint(j, angle), 4]); });
+    for (const cam of data.cams) {
+      if (!cam.flat) round.push([...point(cam, 'follower', angle), Math.max(view.k * cam.roller, 2)]);
+      if (cam.second > 0) round.push([...point(cam, 'second', angle), view.k * cam.second]);
+    }
+    pen.fillStyle = pens.ink;
+    pen.font = high + 'px system-ui, sans-serif';
+    data.joints.forEach((one, j) => {
+      if (!one.name) return;
+      const [x, y] = joint(j, angle), wide = pen.measureText(one.name).width;
+      const boxAt = ([dx, dy]) => { const l = X(x) + (dx > 0 ? dx : dx - wide), b = Y(y) + (dy > 0 ? dy + high : dy); return [l, b - high, l + wide, b]; };
+      const free = ([l, t, r, b]) => boxes.every(([l2, t2, r2, b2]) => r < l2 || r2 < l || b < t2 || b2 < t) && round.every(([cx, cy, radius]) =>
+        Math.hypot(X(cx) - Math.min(r, Math.max(l, X(cx))), Y(cy) - Math.min(b, Math.max(t, Y(cy)))) > radius);
+      const corners = [7, 20].flatMap((far) => [[far, -far], [-far, -far], [far, far], [-far, far]]).map(boxAt), box = corners.find(free) || corners[0];
+      boxes.push(box);
+      pen.fillText(one.name, box[0], box[3]);
     });
   }
 
@@ -206,6 +225,7 @@ globalThis.calm = (() => {
     data.cams.forEach((cam, i) => drawCam(pen, cam, i));
     drawLinkage(pen);
     for (const cam of data.cams) if (cam.drives || cam.name.startsWith('conjugate')) drawFollower(pen, cam);
+    drawNames(pen);
   }
 
   // ---- curves ----------------------------------------------------------------------------------------------------------
@@ -331,9 +351,10 @@ globalThis.calm = (() => {
     data.cams.forEach((cam, i) => {
       element('which').add(new Option(cam.name, String(i)));
       for (const [name, value, angle] of cam.facts) {
+        const [said, unit] = name.endsWith('angle') ? [name, '\u00b0'] : [name + ', length', ''];
         const row = rows.insertRow();
         if (!cam.sound) row.className = 'bad';
-        for (const words of [cam.name, name, rounded(value, data.view[2] - data.view[0]), angle.toFixed(2) + '\u00b0']) row.insertCell().textContent = words;
+        for (const words of [cam.name, said, rounded(value, data.view[2] - data.view[0]) + unit, angle.toFixed(2) + '\u00b0']) row.insertCell().textContent = words;
       }
     });
     element('chooser').hidden = data.cams.length < 2;

@@ -42,7 +42,15 @@ balm.curves = (() => {
     const { pens, linkColour } = balm.drawing, s = c.sweep, p = c.prescribed, list = [];
     const size = c.motion === 'angle' ? 360 : c.size, called = c.outputLabel || 'the output';
     const unit = c.motion === 'number' ? '' : c.motion === 'angle' ? ', degrees' : ', length';
-    const put = (group, panel) => list.push({ group, points: [], ...panel });
+    // the curves of a whole turn end where they begin; an angle that has turned ends whole turns further
+    const closed = (values, size) => {
+      if (!c.ring) return values;
+      const turns = size === 360 ? 360 * Math.round((values[s.n - 1] - values[0]) / 360) : 0;
+      return Float64Array.from({ length: s.n + 1 }, (_, i) => (i < s.n ? values[i] : values[0] + turns));
+    };
+    const put = (group, panel) => list.push({ group, points: [], ...panel,
+      band: panel.band && { square: closed(panel.band.square), worst: closed(panel.band.worst) },
+      lines: panel.lines.map((one) => ({ ...one, values: closed(one.values, panel.size) })) });
     const marks = (values) => Array.from(values, (v, i) => [c.at[i], v]);
     const output = (name, actual, desired, band) => put('position', { name, size, band,
       lines: [{ label: c.desired || band ? 'actual' : '', colour: pens.actual, values: s[actual] }],
@@ -56,7 +64,7 @@ balm.curves = (() => {
         lines: [{ label: '', colour: pens.actual, values: one.sweep }], points: [{ colour: pens.actual, marks: marks(one.prescribed) }] });
       if (c.drives.length > 1) {
         const unitOf = (one) => (one.turning ? ', degrees' : ', length'), alike = c.drives.every((one) => one.turning === c.drives[0].turning);
-        put('position', { name: 'drives' + (alike ? unitOf(c.drives[0]) : ',') + ' from the drawing', size: 0,
+        put('position', { name: 'drives' + (alike ? unitOf(c.drives[0]) : ',') + ' from the drawing', size: c.drives.every((one) => one.turning) ? 360 : c.size,
           lines: c.drives.map((one, i) => ({ label: one.name + (alike ? '' : unitOf(one)), colour: linkColour(i), values: one.sweep })) });
       }
     } else if (c.motion === 'point') {

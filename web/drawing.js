@@ -11,7 +11,9 @@ balm.drawing = (() => {
   const INSET = 68;              // half the side of a square for the polar diagram, or for the pin, pixels
   const CAPTION = 16;            // pixels of a line of words below a saved picture
   const ROUND = 2 * Math.PI;
-  const LETTER_TURNS = [0, 1, -1, 2, -2, 3, -3, 4].map((n) => n * ROUND / 8); // about the joint, from where it is put at first
+  const LEAN = 1;                // pixels by which a slanted letter stands out of its width
+  // about the joint, from where it is put at first, then further away: [turn, times as far]
+  const LETTER_PLACES = [1, 1.8].flatMap((far) => [0, 1, -1, 2, -2, 3, -3, 4].map((n) => [n * ROUND / 8, far]));
   const FAR = 1000;              // pixels: a letter so far away is left out
   const pens = {};               // colours of the scheme
   let canvas, pen, still;        // `still` holds what does not move
@@ -793,11 +795,11 @@ balm.drawing = (() => {
       c.joints.every((joint, j) => j === own || !joint.turning || !(Math.abs(x - c.px[j]) < half + 4 * view.small && Math.abs(y - 5 * view.u - c.py[j]) < 10 * view.u));
     c.joints.forEach((joint, j) => {
       if (!joint.name || !isFinite(c.px[j]) || Math.abs(joint.letter[0]) > FAR) return;
-      const half = g.measureText ? g.measureText(joint.name).width / 2 : 0.3 * high * joint.name.length, [dx, dy] = joint.letter;
-      const boxAt = (turn) => [c.px[j] + view.u * (Math.cos(turn) * dx - Math.sin(turn) * dy),
-        c.py[j] + view.u * (Math.sin(turn) * dx + Math.cos(turn) * dy + 5), half];
-      const tried = [view.letters[j] || 0, ...LETTER_TURNS], turn = tried.find((one) => free(boxAt(one), j)) ?? tried[0], box = boxAt(turn);
-      view.letters[j] = turn;
+      const half = LEAN * view.u + (g.measureText ? g.measureText(joint.name).width / 2 : 0.3 * high * joint.name.length), [dx, dy] = joint.letter;
+      const boxAt = ([turn, far]) => [c.px[j] + view.u * far * (Math.cos(turn) * dx - Math.sin(turn) * dy),
+        c.py[j] + view.u * (far * (Math.sin(turn) * dx + Math.cos(turn) * dy) + 5), half];
+      const tried = [view.letters[j] || LETTER_PLACES[0], ...LETTER_PLACES], place = tried.find((one) => free(boxAt(one), j)) ?? tried[0], box = boxAt(place);
+      view.letters[j] = place;
       boxes.push(box);
       g.fillText(joint.name, box[0], box[1]);
     });

@@ -345,12 +345,34 @@ module psalm_cam_page_text
    '      pen.lineWidth = 1.5;'//nl// &
    '      pen.fill();'//nl// &
    '      pen.stroke();'//nl// &
-   '      pen.fillStyle = pens.soft;'//nl// &
-   "      pen.font = '12px system-ui, sans-serif';"//nl// &
-   '      pen.fillText(one.name, X(p[0]) + 7, Y(p[1]) - 7);'//nl// &
-   '    });'//nl
+   '    });'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Names beside their joints, each in the first corner that is free of rollers, joints and other names. */'//nl
 
    character(*), parameter :: part_8 = &
+   '  function drawNames(pen) {'//nl// &
+   '    const { angle } = state, high = 12, round = [], boxes = [];'//nl// &
+   '    data.joints.forEach((one, j) => { if (one.name) round.push([...joint(j, angle), 4]); });'//nl// &
+   '    for (const cam of data.cams) {'//nl// &
+   "      if (!cam.flat) round.push([...point(cam, 'follower', angle), Math.max(view.k * cam.roller, 2)]);"//nl// &
+   "      if (cam.second > 0) round.push([...point(cam, 'second', angle), view.k * cam.second]);"//nl// &
+   '    }'//nl// &
+   '    pen.fillStyle = pens.ink;'//nl// &
+   "    pen.font = high + 'px system-ui, sans-serif';"//nl// &
+   '    data.joints.forEach((one, j) => {'//nl// &
+   '      if (!one.name) return;'//nl// &
+   '      const [x, y] = joint(j, angle), wide = pen.measureText(one.name).width;'//nl// &
+   '      const boxAt = ([dx, dy]) => { const l = X(x) + (dx > 0 ? dx : dx - wide), b = Y(y) + (dy > 0 ? dy + high : dy); r'// &
+   'eturn [l, b - high, l + wide, b]; };'//nl// &
+   '      const free = ([l, t, r, b]) => boxes.every(([l2, t2, r2, b2]) => r < l2 || r2 < l || b < t2 || b2 < t) && round.e'// &
+   'very(([cx, cy, radius]) =>'//nl// &
+   '        Math.hypot(X(cx) - Math.min(r, Math.max(l, X(cx))), Y(cy) - Math.min(b, Math.max(t, Y(cy)))) > radius);'//nl// &
+   '      const corners = [7, 20].flatMap((far) => [[far, -far], [-far, -far], [far, far], [-far, far]]).map(boxAt), box = '// &
+   'corners.find(free) || corners[0];'//nl// &
+   '      boxes.push(box);'//nl// &
+   '      pen.fillText(one.name, box[0], box[3]);'//nl// &
+   '    });'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function drawMachine() {'//nl// &
@@ -362,6 +384,7 @@ module psalm_cam_page_text
    '    data.cams.forEach((cam, i) => drawCam(pen, cam, i));'//nl// &
    '    drawLinkage(pen);'//nl// &
    "    for (const cam of data.cams) if (cam.drives || cam.name.startsWith('conjugate')) drawFollower(pen, cam);"//nl// &
+   '    drawNames(pen);'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  // ---- curves ------------------------------------------------------------------------------------------------------'// &
@@ -440,7 +463,9 @@ module psalm_cam_page_text
    '    state.angle = angle > 360 || angle < 0 ? ((angle % 360) + 360) % 360 : angle;'//nl// &
    '    draw();'//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_9 = &
    '  function play(on) {'//nl// &
    '    state.playing = on;'//nl// &
    "    element('play').textContent = on ? 'Pause' : 'Play';"//nl// &
@@ -460,9 +485,7 @@ module psalm_cam_page_text
    '    let held = null;'//nl// &
    "    canvas.addEventListener('pointerdown', (event) => {"//nl// &
    '      play(false);'//nl// &
-   '      held = move(event, null);'//nl
-
-   character(*), parameter :: part_9 = &
+   '      held = move(event, null);'//nl// &
    '      canvas.setPointerCapture(event.pointerId);'//nl// &
    '    });'//nl// &
    "    canvas.addEventListener('pointermove', (event) => { if (held !== null) held = move(event, held); });"//nl// &
@@ -498,10 +521,11 @@ module psalm_cam_page_text
    '    data.cams.forEach((cam, i) => {'//nl// &
    "      element('which').add(new Option(cam.name, String(i)));"//nl// &
    '      for (const [name, value, angle] of cam.facts) {'//nl// &
+   "        const [said, unit] = name.endsWith('angle') ? [name, '\u00b0'] : [name + ', length', ''];"//nl// &
    '        const row = rows.insertRow();'//nl// &
    "        if (!cam.sound) row.className = 'bad';"//nl// &
-   "        for (const words of [cam.name, name, rounded(value, data.view[2] - data.view[0]), angle.toFixed(2) + '\u00b0'])"// &
-   " row.insertCell().textContent = words;"//nl// &
+   "        for (const words of [cam.name, said, rounded(value, data.view[2] - data.view[0]) + unit, angle.toFixed(2) + '\u"// &
+   "00b0']) row.insertCell().textContent = words;"//nl// &
    '      }'//nl// &
    '    });'//nl// &
    "    element('chooser').hidden = data.cams.length < 2;"//nl// &

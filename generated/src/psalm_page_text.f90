@@ -562,8 +562,9 @@ module psalm_page_text
    '  const INSET = 68;              // half the side of a square for the polar diagram, or for the pin, pixels'//nl// &
    '  const CAPTION = 16;            // pixels of a line of words below a saved picture'//nl// &
    '  const ROUND = 2 * Math.PI;'//nl// &
-   '  const LETTER_TURNS = [0, 1, -1, 2, -2, 3, -3, 4].map((n) => n * ROUND / 8); // about the joint, from where it is put '// &
-   'at first'//nl// &
+   '  const LEAN = 1;                // pixels by which a slanted letter stands out of its width'//nl// &
+   '  // about the joint, from where it is put at first, then further away: [turn, times as far]'//nl// &
+   '  const LETTER_PLACES = [1, 1.8].flatMap((far) => [0, 1, -1, 2, -2, 3, -3, 4].map((n) => [n * ROUND / 8, far]));'//nl// &
    '  const FAR = 1000;              // pixels: a letter so far away is left out'//nl// &
    '  const pens = {};               // colours of the scheme'//nl// &
    '  let canvas, pen, still;        // `still` holds what does not move'//nl// &
@@ -602,11 +603,11 @@ module psalm_page_text
    '  /** Sizes, colours, everything that does not move. */'//nl// &
    '  function layOut(c) {'//nl// &
    '    const { state } = balm;'//nl// &
-   '    readColours();'//nl// &
-   '    c.ink = null;'//nl// &
-   '    const [w, h] = panels.fit(canvas, still), overlays = shownOverlays();'//nl
+   '    readColours();'//nl
 
    character(*), parameter :: part_10 = &
+   '    c.ink = null;'//nl// &
+   '    const [w, h] = panels.fit(canvas, still), overlays = shownOverlays();'//nl// &
    '    let box = c.view.slice();'//nl// &
    '    if (state.other) box = withOthers(c, box);'//nl// &
    '    for (const { view: v } of overlays)'//nl// &
@@ -711,11 +712,11 @@ module psalm_page_text
    '      g.closePath();'//nl// &
    '    }'//nl// &
    "    g.lineJoin = 'round';"//nl// &
-   '    g.strokeStyle = pens.link2;'//nl// &
-   '    g.lineWidth = 3 * view.u;'//nl// &
-   '    g.stroke();'//nl
+   '    g.strokeStyle = pens.link2;'//nl
 
    character(*), parameter :: part_11 = &
+   '    g.lineWidth = 3 * view.u;'//nl// &
+   '    g.stroke();'//nl// &
    '    g.fillStyle = g.strokeStyle = pens.paper;'//nl// &
    '    g.lineWidth = 0.5;'//nl// &
    '    g.fill();'//nl// &
@@ -814,11 +815,11 @@ module psalm_page_text
    '    let down = false;'//nl// &
    '    for (let i = 0; i <= (c.ring ? s.n : s.n - 1); i++) {'//nl// &
    '      const at = [i % s.n, i % s.n, 0], x = mixed(s.x[j], at), y = mixed(s.y[j], at);'//nl// &
-   '      if (!isFinite(x)) { down = false; continue; }'//nl// &
-   '      if (down) g.lineTo(X(x), Y(y)); else g.moveTo(X(x), Y(y));'//nl// &
-   '      down = true;'//nl
+   '      if (!isFinite(x)) { down = false; continue; }'//nl
 
    character(*), parameter :: part_12 = &
+   '      if (down) g.lineTo(X(x), Y(y)); else g.moveTo(X(x), Y(y));'//nl// &
+   '      down = true;'//nl// &
    '    }'//nl// &
    '    g.stroke();'//nl// &
    '  }'//nl// &
@@ -917,11 +918,11 @@ module psalm_page_text
    '    pen.drawImage(still, 0, 0, view.w, view.h);'//nl// &
    '    drawMoving(c, t);'//nl// &
    '  }'//nl// &
-   ''//nl// &
-   '  /** The whole picture at the place t on another pen: a file, a film; paper below it. */'//nl// &
-   '  function picture(c, t, g) {'//nl
+   ''//nl
 
    character(*), parameter :: part_13 = &
+   '  /** The whole picture at the place t on another pen: a file, a film; paper below it. */'//nl// &
+   '  function picture(c, t, g) {'//nl// &
    '    const own = pen;'//nl// &
    '    pen = g;'//nl// &
    '    g.fillStyle = pens.paper;'//nl// &
@@ -1020,11 +1021,11 @@ module psalm_page_text
    '  /** The pin of a spring: on the frame with a triangle below it, else with a thin line to the link that holds it. */'//nl// &
    '  function drawSpringEnd(g, x, y, frame, footx, footy) {'//nl// &
    '    const r = 2.6 * view.u, width = g.lineWidth;'//nl// &
-   '    g.beginPath();'//nl// &
-   '    if (frame) {'//nl// &
-   '      g.moveTo(x, y);'//nl
+   '    g.beginPath();'//nl
 
    character(*), parameter :: part_14 = &
+   '    if (frame) {'//nl// &
+   '      g.moveTo(x, y);'//nl// &
    '      g.lineTo(x - 2 * r, y + 3.5 * r);'//nl// &
    '      g.lineTo(x + 2 * r, y + 3.5 * r);'//nl// &
    '      g.closePath();'//nl// &
@@ -1122,11 +1123,11 @@ module psalm_page_text
    '      line(g, c.px[v.joint], c.py[v.joint], x, y);'//nl// &
    '      g.beginPath();'//nl// &
    '      g.arc(c.px[v.joint], c.py[v.joint], 9 * u, 0, ROUND);'//nl// &
-   '      g.stroke();'//nl// &
-   '    }'//nl// &
-   '    g.fillStyle = pens.paper;'//nl
+   '      g.stroke();'//nl
 
    character(*), parameter :: part_15 = &
+   '    }'//nl// &
+   '    g.fillStyle = pens.paper;'//nl// &
    '    g.strokeStyle = pens.frame;'//nl// &
    '    g.beginPath();'//nl// &
    '    g.arc(x, y, hole + 9 * u, 0, ROUND);'//nl// &
@@ -1225,11 +1226,11 @@ module psalm_page_text
    '  function drawBars(c, at, main) {'//nl// &
    '    const g = pen, px = c.px, py = c.py, thin = (c.joints.length > MANY ? 0.7 : 1) * view.u;'//nl// &
    '    for (const bar of c.bars) {'//nl// &
-   '      if (bar.from === bar.to || !isFinite(px[bar.from]) || !isFinite(px[bar.to])) continue;'//nl// &
-   '      const fixed = bar.body >= 0 && c.bodies[bar.body].frame;'//nl// &
-   '      g.strokeStyle = colourOf(c, bar.body);'//nl
+   '      if (bar.from === bar.to || !isFinite(px[bar.from]) || !isFinite(px[bar.to])) continue;'//nl
 
    character(*), parameter :: part_16 = &
+   '      const fixed = bar.body >= 0 && c.bodies[bar.body].frame;'//nl// &
+   '      g.strokeStyle = colourOf(c, bar.body);'//nl// &
    '      g.lineWidth = (bar === balm.state.hover && main ? 5 : fixed ? 1.4 : 2.8) * thin;'//nl// &
    '      if (fixed) g.setLineDash([6, 5]);'//nl// &
    '      if (main && isBent(c, bar)) drawBent(c, at);'//nl// &
@@ -1328,11 +1329,11 @@ module psalm_page_text
    '    g.lineWidth = 1.6 * m;'//nl// &
    '    g.strokeStyle = pens.ink;'//nl// &
    '    g.fillStyle = pens.paper;'//nl// &
-   '    g.beginPath();'//nl// &
-   '    c.joints.forEach((joint, j) => {'//nl// &
-   '      if (!joint.turning || !joint.fixed || !isFinite(px[j])) return;'//nl
+   '    g.beginPath();'//nl
 
    character(*), parameter :: part_17 = &
+   '    c.joints.forEach((joint, j) => {'//nl// &
+   '      if (!joint.turning || !joint.fixed || !isFinite(px[j])) return;'//nl// &
    '      g.moveTo(px[j], py[j]);'//nl// &
    '      g.lineTo(px[j] - 9 * m, py[j] + 15 * m);'//nl// &
    '      g.lineTo(px[j] + 9 * m, py[j] + 15 * m);'//nl// &
@@ -1376,13 +1377,13 @@ module psalm_page_text
    'th.abs(y - 5 * view.u - c.py[j]) < 10 * view.u));'//nl// &
    '    c.joints.forEach((joint, j) => {'//nl// &
    '      if (!joint.name || !isFinite(c.px[j]) || Math.abs(joint.letter[0]) > FAR) return;'//nl// &
-   '      const half = g.measureText ? g.measureText(joint.name).width / 2 : 0.3 * high * joint.name.length, [dx, dy] = joi'// &
-   'nt.letter;'//nl// &
-   '      const boxAt = (turn) => [c.px[j] + view.u * (Math.cos(turn) * dx - Math.sin(turn) * dy),'//nl// &
-   '        c.py[j] + view.u * (Math.sin(turn) * dx + Math.cos(turn) * dy + 5), half];'//nl// &
-   '      const tried = [view.letters[j] || 0, ...LETTER_TURNS], turn = tried.find((one) => free(boxAt(one), j)) ?? tried[0'// &
-   '], box = boxAt(turn);'//nl// &
-   '      view.letters[j] = turn;'//nl// &
+   '      const half = LEAN * view.u + (g.measureText ? g.measureText(joint.name).width / 2 : 0.3 * high * joint.name.lengt'// &
+   'h), [dx, dy] = joint.letter;'//nl// &
+   '      const boxAt = ([turn, far]) => [c.px[j] + view.u * far * (Math.cos(turn) * dx - Math.sin(turn) * dy),'//nl// &
+   '        c.py[j] + view.u * (far * (Math.sin(turn) * dx + Math.cos(turn) * dy) + 5), half];'//nl// &
+   '      const tried = [view.letters[j] || LETTER_PLACES[0], ...LETTER_PLACES], place = tried.find((one) => free(boxAt(one'// &
+   '), j)) ?? tried[0], box = boxAt(place);'//nl// &
+   '      view.letters[j] = place;'//nl// &
    '      boxes.push(box);'//nl// &
    '      g.fillText(joint.name, box[0], box[1]);'//nl// &
    '    });'//nl// &
@@ -1437,11 +1438,11 @@ module psalm_page_text
    "    strip = document.getElementById('strip');"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Least and greatest of all values of a panel that are seen from `from` to `to`. */'//nl// &
-   '  function extent(panel, from, to) {'//nl// &
-   '    let low = Infinity, high = -Infinity;'//nl
+   '  /** Least and greatest of all values of a panel that are seen from `from` to `to`. */'//nl
 
    character(*), parameter :: part_18 = &
+   '  function extent(panel, from, to) {'//nl// &
+   '    let low = Infinity, high = -Infinity;'//nl// &
    '    const see = (t, v) => {'//nl// &
    '      if (!isFinite(v) || t < from - 1e-6 || t > to + 1e-6) return;'//nl// &
    '      low = Math.min(low, v);'//nl// &
@@ -1463,7 +1464,15 @@ module psalm_page_text
    '    const { pens, linkColour } = balm.drawing, s = c.sweep, p = c.prescribed, list = [];'//nl// &
    "    const size = c.motion === 'angle' ? 360 : c.size, called = c.outputLabel || 'the output';"//nl// &
    "    const unit = c.motion === 'number' ? '' : c.motion === 'angle' ? ', degrees' : ', length';"//nl// &
-   '    const put = (group, panel) => list.push({ group, points: [], ...panel });'//nl// &
+   '    // the curves of a whole turn end where they begin; an angle that has turned ends whole turns further'//nl// &
+   '    const closed = (values, size) => {'//nl// &
+   '      if (!c.ring) return values;'//nl// &
+   '      const turns = size === 360 ? 360 * Math.round((values[s.n - 1] - values[0]) / 360) : 0;'//nl// &
+   '      return Float64Array.from({ length: s.n + 1 }, (_, i) => (i < s.n ? values[i] : values[0] + turns));'//nl// &
+   '    };'//nl// &
+   '    const put = (group, panel) => list.push({ group, points: [], ...panel,'//nl// &
+   '      band: panel.band && { square: closed(panel.band.square), worst: closed(panel.band.worst) },'//nl// &
+   '      lines: panel.lines.map((one) => ({ ...one, values: closed(one.values, panel.size) })) });'//nl// &
    '    const marks = (values) => Array.from(values, (v, i) => [c.at[i], v]);'//nl// &
    "    const output = (name, actual, desired, band) => put('position', { name, size, band,"//nl// &
    "      lines: [{ label: c.desired || band ? 'actual' : '', colour: pens.actual, values: s[actual] }],"//nl// &
@@ -1479,7 +1488,8 @@ module psalm_page_text
    '      if (c.drives.length > 1) {'//nl// &
    "        const unitOf = (one) => (one.turning ? ', degrees' : ', length'), alike = c.drives.every((one) => one.turning ="// &
    "== c.drives[0].turning);"//nl// &
-   "        put('position', { name: 'drives' + (alike ? unitOf(c.drives[0]) : ',') + ' from the drawing', size: 0,"//nl// &
+   "        put('position', { name: 'drives' + (alike ? unitOf(c.drives[0]) : ',') + ' from the drawing', size: c.drives.ev"// &
+   "ery((one) => one.turning) ? 360 : c.size,"//nl// &
    "          lines: c.drives.map((one, i) => ({ label: one.name + (alike ? '' : unitOf(one)), colour: linkColour(i), value"// &
    "s: one.sweep })) });"//nl// &
    '      }'//nl// &
@@ -1539,7 +1549,9 @@ module psalm_page_text
    "    return list.length > 1 ? [['all', 'all'], ...list] : list;"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** The group that is shown unasked: all, if there is room; else all but the rates; else the output alone. */'//nl// &
+   '  /** The group that is shown unasked: all, if there is room; else all but the rates; else the output alone. */'//nl
+
+   character(*), parameter :: part_19 = &
    '  function firstGroup(c) {'//nl// &
    "    const list = allPanels(c), usual = list.filter((panel) => panel.group !== 'rates').length;"//nl// &
    "    return list.length <= ROOM ? 'all' : usual <= ROOM ? 'usual' : 'position';"//nl// &
@@ -1550,9 +1562,7 @@ module psalm_page_text
    "    balm.state.group === 'usual' && group !== 'rates');"//nl// &
    ''//nl// &
    '  /** Name of a panel and of its lines, each in its colour. */'//nl// &
-   '  const headOf = (panel) => [[panel.name, balm.drawing.pens.ink],'//nl
-
-   character(*), parameter :: part_19 = &
+   '  const headOf = (panel) => [[panel.name, balm.drawing.pens.ink],'//nl// &
    '    ...[...panel.lines, ...panel.points].filter((one) => one.label).map((one) => [one.label, one.colour])];'//nl// &
    ''//nl// &
    '  /** Everything but the cursor. */'//nl// &
@@ -1645,7 +1655,9 @@ module psalm_page_text
    '    }'//nl// &
    '    g.stroke();'//nl// &
    '    g.setLineDash([]);'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_20 = &
    ''//nl// &
    '  function drawPoints(g, panel, { marks, colour, joined }) {'//nl// &
    '    const sorted = marks.filter(([, v]) => isFinite(v)).sort((a, b) => a[0] - b[0]);'//nl// &
@@ -1655,9 +1667,7 @@ module psalm_page_text
    '      g.globalAlpha = 0.5;'//nl// &
    '      g.beginPath();'//nl// &
    '      for (const [t, v] of sorted) g.lineTo(plot.x(t), panel.y(v));'//nl// &
-   '      g.stroke();'//nl
-
-   character(*), parameter :: part_20 = &
+   '      g.stroke();'//nl// &
    '      g.globalAlpha = 1;'//nl// &
    '    }'//nl// &
    '    for (const [t, v] of sorted) {'//nl// &
@@ -1747,7 +1757,9 @@ module psalm_page_text
    '    if (v && v.speeds.some(([, a]) => a !== null)) list.push(drawSpeeds);'//nl// &
    '    if (v && v.chart.length) list.push(drawChart);'//nl// &
    '    box.hidden = !list.length;'//nl// &
-   '    if (box.hidden) return;'//nl// &
+   '    if (box.hidden) return;'//nl
+
+   character(*), parameter :: part_21 = &
    '    const below = box.clientWidth < NARROW;'//nl// &
    '    u = balm.drawing.sizeOf(box.clientWidth / WIDE, Infinity);'//nl// &
    "    canvas.style.height = (below ? list.length : 1) * HEIGHT * u + 'px';"//nl// &
@@ -1757,9 +1769,7 @@ module psalm_page_text
    '    list.forEach((panel, i) => {'//nl// &
    '      const left = (i % across) * each, top = Math.floor(i / across) * HEIGHT * u;'//nl// &
    '      panel(g, v, { left: left + 64 * u, right: left + each - 16 * u, top, bottom: top + (HEIGHT - 40) * u });'//nl// &
-   '    });'//nl
-
-   character(*), parameter :: part_21 = &
+   '    });'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Axes with their ticks below a heading; gives the functions from values to pixels. */'//nl// &
@@ -1850,7 +1860,9 @@ module psalm_page_text
    "    if (c.motion === 'point') text += 'x ' + value('actual') + ', y ' + value('actual_y');"//nl// &
    "    else text += c.motion + ' ' + value('actual') + (c.motion === 'angle' ? '\u00b0' : '');"//nl// &
    "    if ((near >= 0 ? p.closed[near] : s.closed[at[0]]) === '0') text += ' (does not close)';"//nl// &
-   '    if (near < 0) return text;'//nl// &
+   '    if (near < 0) return text;'//nl
+
+   character(*), parameter :: part_22 = &
    "    text += ', position ' + (near + 1);"//nl// &
    '    if (!c.desired) return text;'//nl// &
    "    if (c.motion === 'point') return text + ', error ' + short(p.error[near]) + ', ' + short(p.error_y[near]);"//nl// &
@@ -1860,9 +1872,7 @@ module psalm_page_text
    '  /** The same of a sketch with several drives or outputs. */'//nl// &
    '  function factsOfDrives(c, at, near) {'//nl// &
    '    const value = (one) => near >= 0 ? one.prescribed[near] : mixed(one.sweep, at);'//nl// &
-   '    const digits = (v) => short(isFinite(v) ? Number(v.toPrecision(6)) : v);'//nl
-
-   character(*), parameter :: part_22 = &
+   '    const digits = (v) => short(isFinite(v) ? Number(v.toPrecision(6)) : v);'//nl// &
    "    const parts = c.drives.map((one) => one.name + ' ' + digits(value(one)) + (one.turning ? '\u00b0' : ''));"//nl// &
    "    for (const one of c.curves.slice(0, MOST_OUTPUTS)) parts.push(one.name.replace(/, [^,]*$/, '') + ' ' + digits(value"// &
    "(one)) +"//nl// &
@@ -1954,7 +1964,9 @@ module psalm_page_text
    '  function tip(words, x, y, box) {'//nl// &
    "    const element = $('tip');"//nl// &
    '    element.hidden = !words;'//nl// &
-   '    if (!words) return;'//nl// &
+   '    if (!words) return;'//nl
+
+   character(*), parameter :: part_23 = &
    '    setText(element, words);'//nl// &
    "    element.style.left = Math.max(4, Math.min(x + 14, box.width - element.offsetWidth - 6)) + 'px';"//nl// &
    "    element.style.top = Math.min(y + 16, box.height - 30) + 'px';"//nl// &
@@ -1964,9 +1976,7 @@ module psalm_page_text
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
-   '// Moving: buttons, keys, the time line, dragging the picture and the cursor of the curves.'//nl
-
-   character(*), parameter :: part_23 = &
+   '// Moving: buttons, keys, the time line, dragging the picture and the cursor of the curves.'//nl// &
    "'use strict';"//nl// &
    ''//nl// &
    'balm.controls = (() => {'//nl// &
@@ -2057,7 +2067,9 @@ module psalm_page_text
    '  function pull(event) {'//nl// &
    "    if (!drag) { if (event.pointerType !== 'touch') hover(event); return; }"//nl// &
    '    const c = shown(), s = c.sweep, { t } = balm.state, box = balm.drawing.canvas.getBoundingClientRect();'//nl// &
-   '    const x0 = drag.x - box.left, y0 = drag.y - box.top, x = event.clientX - box.left, y = event.clientY - box.top;'//nl// &
+   '    const x0 = drag.x - box.left, y0 = drag.y - box.top, x = event.clientX - box.left, y = event.clientY - box.top;'//nl
+
+   character(*), parameter :: part_24 = &
    '    // a finger is never quite still'//nl// &
    "    if (event.pointerType === 'touch' && !drag.moved && Math.hypot(x - x0, y - y0) < 4) return;"//nl// &
    '    drag = { x: event.clientX, y: event.clientY, moved: true, joint: drag.joint ?? movingJoint(c, x0, y0) };'//nl// &
@@ -2067,9 +2079,7 @@ module psalm_page_text
    '      const px = c.px[c.bar.from], py = c.py[c.bar.from];'//nl// &
    '      const turn = Math.atan2(py - y, x - px) - Math.atan2(py - y0, x0 - px);'//nl// &
    '      go(t + c.sense * Math.atan2(Math.sin(turn), Math.cos(turn)) * 180 / Math.PI);'//nl// &
-   '    } else {'//nl
-
-   character(*), parameter :: part_24 = &
+   '    } else {'//nl// &
    '      const at = between(c, t), k = c.bar.slide, whole = s.delt[s.n - 1] - s.delt[0];'//nl// &
    '      const along = ((x - x0) * mixed(s.ux[k], at) - (y - y0) * mixed(s.uy[k], at)) / balm.drawing.scale;'//nl// &
    '      if (whole) go(t + along / whole * (s.n - 1));'//nl// &
@@ -2163,7 +2173,9 @@ module psalm_page_text
    '  }'//nl// &
    ''//nl// &
    '  /** Everything that listens; `refresh` is called where the picture must be laid out anew. */'//nl// &
-   '  function begin(refresh) {'//nl// &
+   '  function begin(refresh) {'//nl
+
+   character(*), parameter :: part_25 = &
    '    const { state } = balm, picture = balm.drawing.canvas, curves = balm.curves.canvas;'//nl// &
    "    $('play').addEventListener('click', () => setPlaying(!state.playing));"//nl// &
    "    $('speed').addEventListener('change', () => { state.speed = Number($('speed').value); });"//nl// &
@@ -2174,9 +2186,7 @@ module psalm_page_text
    "      if (shown().sound) go(beforeTurn(Number($('time').value)));"//nl// &
    '    });'//nl// &
    "    for (const name of ['whole', 'other', 'traces', 'letters', 'forces', 'bent', 'pin']) $(name).addEventListener('chan"// &
-   "ge', () => {"//nl
-
-   character(*), parameter :: part_25 = &
+   "ge', () => {"//nl// &
    '      state[name] = $(name).checked;'//nl// &
    '      refresh();'//nl// &
    '    });'//nl// &
@@ -2276,7 +2286,9 @@ module psalm_page_text
    "        '"" text-anchor=""' + anchor + '"">' + escaped(text) + '</text>');"//nl// &
    '    }'//nl// &
    '    text(title) {'//nl// &
-   '      // the name of the format, in two for it looks like an address'//nl// &
+   '      // the name of the format, in two for it looks like an address'//nl
+
+   character(*), parameter :: part_26 = &
    "      return '<svg xmlns=""http:/' + '/www.w3.org/2000/svg"" width=""' + this.width + '"" height=""' + this.height + '"// &
    """ viewBox=""0 0 ' + this.width + ' ' +"//nl// &
    "        this.height + '"">\n<title>' + escaped(title) + '</title>\n' + this.parts.join('\n') + '\n</svg>\n';"//nl// &
@@ -2288,9 +2300,7 @@ module psalm_page_text
    ''//nl// &
    '  /** The picture as it stands, as SVG. */'//nl// &
    '  function svg() {'//nl// &
-   '    const pen = new SvgPen(...balm.drawing.sizeAt(shown(), balm.state.t));'//nl
-
-   character(*), parameter :: part_26 = &
+   '    const pen = new SvgPen(...balm.drawing.sizeAt(shown(), balm.state.t));'//nl// &
    '    balm.drawing.picture(shown(), balm.state.t, pen);'//nl// &
    "    return pen.text(shown().title + ', ' + $('facts').textContent);"//nl// &
    '  }'//nl// &
@@ -2381,7 +2391,9 @@ module psalm_page_text
    '</script>'//nl// &
    '<script>'//nl// &
    '// Start, state, choice of the case.'//nl// &
-   "'use strict';"//nl// &
+   "'use strict';"//nl
+
+   character(*), parameter :: part_27 = &
    ''//nl// &
    '(() => {'//nl// &
    '  const { scene, drawing, curves, charts, messages, controls, save } = balm;'//nl// &
@@ -2391,9 +2403,7 @@ module psalm_page_text
    '    c: 0,                   // case shown'//nl// &
    '    t: 0,                   // place on its sweep'//nl// &
    '    playing: false,'//nl// &
-   '    speed: 1,'//nl
-
-   character(*), parameter :: part_27 = &
+   '    speed: 1,'//nl// &
    '    forth: 1,               // -1: a part of a turn is played backwards'//nl// &
    '    whole: true,            // the whole turn, not only what is prescribed'//nl// &
    '    other: false,           // other assemblies'//nl// &
@@ -2483,7 +2493,9 @@ module psalm_page_text
    '    const groups = curves.groupsOf(c);'//nl// &
    '    state.group = curves.firstGroup(c);'//nl// &
    "    if (state.group === 'usual') groups.splice(1, 0, ['usual', 'all but velocity, acceleration']);"//nl// &
-   "    $('groupbox').hidden = groups.length < 2;"//nl// &
+   "    $('groupbox').hidden = groups.length < 2;"//nl
+
+   character(*), parameter :: part_28 = &
    "    $('group').replaceChildren(...groups.map(([group, words]) => new Option(words, group)));"//nl// &
    "    $('group').value = state.group;"//nl// &
    '  }'//nl// &
@@ -2493,9 +2505,7 @@ module psalm_page_text
    '    state.paths.clear();'//nl// &
    '    const named = c.joints.map((joint, j) => [joint, j]).filter(([joint]) => joint.name && !joint.fixed);'//nl// &
    "    $('pathbox').hidden = !named.length || Boolean(c.meshes);"//nl// &
-   "    $('paths').replaceChildren(...named.map(([joint, j]) => {"//nl
-
-   character(*), parameter :: part_28 = &
+   "    $('paths').replaceChildren(...named.map(([joint, j]) => {"//nl// &
    "      const label = document.createElement('label'), box = document.createElement('input');"//nl// &
    "      box.type = 'checkbox';"//nl// &
    '      box.dataset.path = String(j);'//nl// &
@@ -2585,7 +2595,9 @@ module psalm_page_text
    '    joint: (j) => drawing.machine(shown().px[j], shown().py[j]),'//nl// &
    '    /** Where a joint is on the screen. */'//nl// &
    '    screen(j) {'//nl// &
-   '      const box = drawing.canvas.getBoundingClientRect();'//nl// &
+   '      const box = drawing.canvas.getBoundingClientRect();'//nl
+
+   character(*), parameter :: part_29 = &
    '      return [box.left + shown().px[j], box.top + shown().py[j]];'//nl// &
    '    },'//nl// &
    '  };'//nl// &
@@ -2605,6 +2617,7 @@ contains
       text = part_1//colours_css//part_2//frame_css//part_3//part_4//part_5//scales_js// &
              part_6//panels_js//part_7//part_8//part_9//part_10//part_11//part_12// &
              part_13//part_14//part_15//part_16//part_17//part_18//part_19//part_20// &
-             part_21//part_22//part_23//part_24//part_25//part_26//part_27//part_28
+             part_21//part_22//part_23//part_24//part_25//part_26//part_27//part_28// &
+             part_29
    end function page_text
 end module psalm_page_text

@@ -1,8 +1,10 @@
 """A sweep over two lengths on all processors: cases are pickled by their text and analysed by worker processes.
 
-joblib does the same: joblib.Parallel(n_jobs=-1)(joblib.delayed(stroke)(case) for case in cases)."""
+usage: many_cases.py [joblib]    by concurrent.futures, or by joblib
+"""
 import concurrent.futures
 import multiprocessing
+import sys
 
 import numpy
 import psalm
@@ -21,13 +23,23 @@ def stroke(case):
     return float(numpy.ptp(case.analyse()["C"].x))
 
 
+def by_futures(cases):
+    # "spawn": a process forked while a thread works may wait for it for ever
+    with concurrent.futures.ProcessPoolExecutor(mp_context=multiprocessing.get_context("spawn")) as pool:
+        return list(pool.map(stroke, cases))
+
+
+def by_joblib(cases):
+    import joblib
+    return joblib.Parallel(n_jobs=-1)(joblib.delayed(stroke)(case) for case in cases)
+
+
 def main():
     sizes = [(crank, rod) for crank in (30, 40, 50) for rod in (120, 140, 160)]
     cases = [slider_crank(*size) for size in sizes]
-    # "spawn": a forked child must not start threads of the library again
-    with concurrent.futures.ProcessPoolExecutor(mp_context=multiprocessing.get_context("spawn")) as pool:
-        for (crank, rod), found in zip(sizes, pool.map(stroke, cases)):
-            print(f"{crank:6.1f}{rod:8.1f}{found:12.5f}")
+    spread = by_joblib if sys.argv[1:] == ["joblib"] else by_futures
+    for (crank, rod), found in zip(sizes, spread(cases)):
+        print(f"{crank:6.1f}{rod:8.1f}{found:12.5f}")
 
 
 if __name__ == "__main__":

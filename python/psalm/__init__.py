@@ -13,8 +13,8 @@ from 1.
     (36,)
 
 Errors of a case raise `psalm.Error`, which has the findings; what is only violated is a warning in the findings of the result.
-Different cases may be used by different threads at the same time, one case by one thread only. After a study by two or more threads a
-forked child must not start such a study again (multiprocessing: take the start method "spawn").
+Different cases may be used by different threads at the same time, one case by one thread only. A forked child goes on with its cases
+and may use threads again, if no other thread was in a study when it was forked (multiprocessing: the start method "spawn" is always safe).
 """
 from ._cases import Case, Linkage
 from ._library import verbs, version

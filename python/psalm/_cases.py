@@ -1,6 +1,7 @@
 """Cases: linkages and what is asked of them."""
 import ctypes
 import os
+import re
 import sys
 import threading
 import time
@@ -12,9 +13,13 @@ from . import _library
 from ._library import library
 from ._results import Error, Finding, Motion, Result, Search, frame_of
 
+if typing.TYPE_CHECKING:
+    import matplotlib.axes
+
 Numbers = typing.Union[typing.Sequence[float], numpy.ndarray]
 Progress = typing.Union[None, bool, typing.Callable[[int, int, float], typing.Any]]
 _AT_ONCE = ("analysis", "rates", "forces", "summary")   # studies so short that no thread is made for them
+_SHOWN = 12      # joints that a repr names
 _KINDS = {"analysis": Motion, "rates": Motion, "forces": Motion, "machine": Motion, "synthesis": Search, "exact": Search, "kinds": Search}
 
 
@@ -170,13 +175,15 @@ class Case:
         """The case in the notation of the manual: what a file would have."""
         return library.psalm_case_text(self._handle).decode(errors="replace")
 
-    def __copy__(self):
+    def copy(self) -> "Case":
+        """The same case once more, to be changed without this one."""
         return type(self)._made(library.psalm_copy, self._handle)
 
-    def __deepcopy__(self, memo):
-        return self.__copy__()
+    def __copy__(self):
+        return self.copy()
 
-    copy = __copy__
+    def __deepcopy__(self, memo):
+        return self.copy()
 
     def __reduce__(self):
         text = self.text
@@ -185,8 +192,16 @@ class Case:
         return _case_from_text, (type(self), text)
 
     def __repr__(self):
-        loops = library.psalm_loop_count(self._handle)
-        return "<psalm.%s %r%s>" % (type(self).__name__, self.title, ": %d loop%s" % (loops, "s"[loops == 1:]) if loops else "")
+        """Its title, joints and links of a sketch or the number of loops, and the groups that it has."""
+        text, loops = self.text, library.psalm_loop_count(self._handle)
+        joints, links = _words_of(text, "JNT"), _words_of(text, "LNK")
+        parts = []
+        if joints:
+            parts.append("joints %s; %d link%s" % (" ".join(joints[:_SHOWN]) + " ..."*(len(joints) > _SHOWN), len(links), "s"[len(links) == 1:]))
+        elif loops:
+            parts.append("%d loop%s" % (loops, "s"[loops == 1:]))
+        parts.append(" ".join(dict.fromkeys("&" + name for name in re.findall(r"^ *&(?!END\b)(\w+)", text, re.M | re.I))))
+        return "<psalm.%s %r%s>" % (type(self).__name__, self.title, "".join("; " + p for p in parts if p).replace(";", ":", 1))
 
     def _repr_html_(self):
         """The page on which the linkage moves, in a frame that can reach nothing outside it."""
@@ -339,6 +354,8 @@ class Case:
         `progress=True` shows a bar. Ctrl-C ends a study, too: as KeyboardInterrupt, whose `result` is what was found so far. Other
         threads run meanwhile. Without `listing` analysis, rates and forces are several times as fast.
         """
+        if not (progress is None or isinstance(progress, bool) or callable(progress)):
+            raise TypeError("progress must be a function, True or None, not %r" % (progress,))
         arguments = self._handle, _text(verb), 0 if listing else _library.BRIEF, _whole(threads)
         made = ctypes.c_void_p()
         if verb in _AT_ONCE:
@@ -378,7 +395,7 @@ class Case:
     def _result(self, status, made, verb):
         violated = self._check(status)
         findings = self.findings if library.psalm_findings(self._handle) else []
-        result = _KINDS.get(verb, Result)(made.value, findings, violated, verb)
+        result = _KINDS.get(verb, Result)(made, findings, violated, verb)
         if isinstance(result, Search):
             self.found = result
         return result
@@ -488,7 +505,7 @@ class Case:
         """The drawing board with this sketch: a page on which it is changed and saved."""
         return self.study("board").files[".edit.html"]
 
-    def plot(self, axes=None):
+    def plot(self, axes: "typing.Optional[matplotlib.axes.Axes]" = None) -> "matplotlib.axes.Axes":
         """Paths of all joints and points, by matplotlib; returns its axes."""
         import matplotlib.pyplot as pyplot
         axes = axes or pyplot.gca()
@@ -504,18 +521,23 @@ class Case:
 
 
 class Linkage(Case):
-    """A linkage drawn by its joints and links: `Linkage(joints={...}, links=[...], ...)` takes the arguments of `from_joints`."""
+    """A linkage drawn by its joints and links: `Linkage(joints={...}, links=[...], ...)` takes the arguments of `Case.from_joints`."""
 
-    def __init__(self, joints=None, links=(), *, title="LINKAGE", **more):
-        if joints is None:
-            super().__init__(title)
-            return
-        made = Case.from_joints(joints, links, title=title, **more)
+    def __init__(self, joints: typing.Optional[typing.Mapping[str, typing.Tuple[float, float]]] = None,
+                 links: typing.Union[typing.Sequence, typing.Mapping[str, typing.Any]] = (), *, fixed: typing.Iterable[str] = (),
+                 drive: typing.Union[None, str, typing.Sequence[str]] = None,
+                 output: typing.Union[None, str, typing.Sequence[str], typing.Mapping[str, str]] = None,
+                 slides: typing.Iterable = (), gears: typing.Iterable = (), step: typing.Optional[int] = None,
+                 inputs: typing.Optional[Numbers] = None, title: str = "LINKAGE", **groups: typing.Mapping[str, typing.Any]):
+        """The arguments of `Case.from_joints`; without joints a case to be filled."""
+        made = Case.from_joints(joints or {}, links, fixed=fixed, drive=drive, output=output, slides=slides, gears=gears, step=step,
+                                inputs=inputs, title=title, **groups)
         self._begin()
         self._handle, made._handle = made._handle, None
 
     @classmethod
-    def from_joints(cls, joints, links=(), **more):
+    def from_joints(cls, joints, links=(), **more) -> "Linkage":
+        """`Linkage(joints, links, ...)`."""
         return cls(joints, links, **more)
 
 
@@ -535,6 +557,12 @@ class _Bar:
     def end(self):
         if self._shown:
             sys.stderr.write("\n")
+
+
+def _words_of(text, item):
+    """The words that an item has in the notation of the manual."""
+    found = re.search(r"\b%s(?:\(1\))?\s*=\s*((?:'(?:[^']|'')*'[,\s]*)+)" % item, text, re.I)
+    return [word.replace("''", "'") for word in re.findall(r"'((?:[^']|'')*)'", found[1])] if found else []
 
 
 def _case_from_text(kind, text):

@@ -35,9 +35,18 @@ def _place():
         return os.environ["PSALM_LIBRARY"]
     level = os.environ.get("PSALM_LEVEL")
     flags = _flags() if platform.machine() == "x86_64" else set()
-    for name, needs in _BUILDS:
-        place = os.path.join(HERE, name, "libpsalm.so.1")
-        if os.path.exists(place) and (name == level if level else needs <= flags):
+    builds = {name: (needs - flags, os.path.join(HERE, name, "libpsalm.so.1")) for name, needs in _BUILDS
+              if os.path.exists(os.path.join(HERE, name, "libpsalm.so.1"))}
+    if level:
+        if level not in builds:
+            raise ImportError("PSALM_LEVEL=%s: there is no build of the library for it, but for %s" %
+                              (level, ", ".join(builds) or "one instruction set only"))
+        lacking, place = builds[level]
+        if lacking:
+            raise ImportError("PSALM_LEVEL=%s: this processor lacks %s" % (level, ", ".join(sorted(lacking))))
+        return place
+    for lacking, place in builds.values():
+        if not lacking:
             return place
     for place in (os.path.join(HERE, "libpsalm.so"), os.path.join(HERE, "..", "..", "build", "lib", "libpsalm.so"),
                   os.path.join(sys.prefix, "lib", "libpsalm.so.1")):

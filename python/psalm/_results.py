@@ -21,8 +21,10 @@ class Error(Exception):
     """A case has errors, a file cannot be read, or a call is wrong. `findings` says what, each with its line."""
 
     def __init__(self, status: int, findings: typing.Sequence[Finding] = (), words: str = ""):
+        if not isinstance(status, int):
+            raise TypeError("a status is expected, not %r" % (status,))
         self.status, self.findings = status, list(findings)
-        super().__init__("\n".join(f.text for f in self.findings) or words or library.psalm_status_text(status).decode())
+        super().__init__("\n".join(f.text for f in self.findings) or words or library.psalm_status_text(ctypes.c_int(status)).decode())
 
     def __reduce__(self):
         return Error, (self.status, self.findings, str(self))
@@ -33,11 +35,14 @@ class _Owner:
     so that its memory is free as soon as the last is gone."""
     __slots__ = ("handle",)
 
-    def __init__(self, handle: int):
-        self.handle = handle
+    def __init__(self, made: ctypes.c_void_p):
+        # a number would be taken for an address
+        if not isinstance(made, ctypes.c_void_p) or not made.value:
+            raise TypeError("a result is made by a study, as case.analyse()")
+        self.handle = made.value
 
     def __del__(self):
-        if library:
+        if library and hasattr(self, "handle"):
             library.psalm_result_free(self.handle)
 
     def __reduce__(self):
@@ -88,6 +93,8 @@ class Group:
     """Columns of one name: `motion["P"].x` is the column `P.x`. `xy` is an array of the shape (rows, 2)."""
 
     def __init__(self, table: "Table", name: str):
+        if not isinstance(table, Table):
+            raise TypeError("columns are those of a table, as motion['P']")
         self._table, self._name = table, name
 
     def __getattr__(self, name: str) -> Column:
@@ -120,6 +127,8 @@ class Table(typing.Mapping):
     """
 
     def __init__(self, owner: _Owner, number: int):
+        if not isinstance(owner, _Owner):
+            raise TypeError("a table is one of a result, as case.analyse().table")
         self._owner, self._handle, self._number, self._read = owner, owner.handle, number, {}
         lines = library.psalm_columns(self._handle, number)
         if lines is None:
@@ -229,8 +238,9 @@ class Result:
     limit is violated, or that a search stopped early; `findings` has warnings and remarks.
     """
 
-    def __init__(self, handle: int, findings: typing.List[Finding], violated: bool, verb: str):
-        self._owner, self._handle, self._tables, self._cases = _Owner(handle), handle, {}, None
+    def __init__(self, made: ctypes.c_void_p, findings: typing.List[Finding], violated: bool, verb: str):
+        self._owner, self._tables, self._cases = _Owner(made), {}, None
+        self._handle = self._owner.handle
         self.findings, self.violated, self.verb = findings, violated, verb
 
     def _table(self, number):
@@ -246,7 +256,8 @@ class Result:
 
     @property
     def table(self) -> Table:
-        """The table that the result is about: the first."""
+        """The table that the result is about, the first: of a search `found`, of motion in time `time`, else a row for each position or
+        what the study gives."""
         return self._table(1)
 
     def __contains__(self, name):

@@ -116,18 +116,21 @@ contains
          deallocate (result)
          return
       end if
-      call finish_result(result)
+      call finish_result(result, text_of(verb))
       call hand_over(made, c_loc(result))
    end function psalm_study
 
    !> What is handed out as long as the result lives.
-   subroutine finish_result(result)
+   subroutine finish_result(result, verb)
       type(result_handle_t), intent(inout) :: result
-      integer :: i
+      character(*), intent(in) :: verb                    !! what the table is that comes first
+      integer :: i, first
 
       associate (report => result%report)
          result%tables = pack([(i, i=1, report%tables%count)], &
                               [(report%tables%tables(i)%audience /= table_for_plots, i=1, report%tables%count)])
+         first = report%find(trim(verbs(findloc(verbs%name == verb, .true., dim=1))%table))
+         if (first > 0) result%tables = [first, pack(result%tables, result%tables /= first)]
          result%listing = as_c(report%listing)
          result%data_set = as_c(report%data_set)
          result%reported = as_c('')

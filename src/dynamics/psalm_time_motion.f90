@@ -9,6 +9,7 @@ module psalm_time_motion
    use psalm_kinds, only: wp
    use psalm_ode, only: ode_t, advance, next_step, one_step
    use psalm_root, only: root_search_t, begin_search
+   use psalm_stop, only: stop_t
    use psalm_time_events, only: passage_t, marks_t, crossings_of, value_of
    implicit none (type, external)
    private
@@ -52,6 +53,8 @@ module psalm_time_motion
       integer :: steps = 0
       integer :: most_events = huge(1)
       logical :: crowded = .false.                    !! there were more events than that
+      type(stop_t) :: host                            !! who may ask for the end
+      logical :: asked = .false.                      !! it was asked for
       type(event_t), allocatable :: events(:)
    contains
       procedure :: rates
@@ -149,7 +152,7 @@ contains
    end function tolerances
 
    !> Go on to a time. `reached` is false where no step that counts keeps the tolerance, a torsional spring is wound half a
-   !> turn, or there are too many events; it stands at the time before then, or at that.
+   !> turn, there are too many events, or the host asks for the end; it stands at the time before then, or at that.
    subroutine advance_to(self, target, reached)
       class(time_motion_t), intent(inout) :: self
       real(wp), intent(in) :: target
@@ -164,6 +167,9 @@ contains
       short = 0
       shortest = collapsed*self%end
       do while (self%time < target)
+         self%asked = self%host%requested()
+         reached = .not. self%asked
+         if (.not. reached) return
          longest = self%longest_step()
          wanted = min(self%step, longest)
          last = wanted >= (1.0_wp - sqrt(epsilon(1.0_wp)))*(target - self%time)

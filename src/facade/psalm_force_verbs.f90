@@ -98,11 +98,12 @@ contains
    end subroutine find_machine
 
    !> Motion in time, the groups TIME and STOPS.
-   subroutine find_time(case, time, findings, report)
+   subroutine find_time(case, time, findings, report, stop)
       type(case_t), intent(in) :: case
       type(time_study_t), intent(out) :: time             !! empty if the case has errors
       type(findings_t), intent(inout) :: findings
       type(report_t), intent(out), optional :: report     !! tables: forces at the positions; motion, events, equilibria
+      type(stop_t), intent(in), optional :: stop          !! by which the host can end it; the times so far are there
       type(frame_t) :: frame
       type(rate_study_t), allocatable :: rates
       type(force_study_t), allocatable :: forces
@@ -113,7 +114,7 @@ contains
       if (frame%fails(findings)) return
       allocate (forces)
       call study_dynamics(frame, present(report), rates, forces)
-      call study_time(frame%set, frame%problem, frame%problem%given, forces, time)
+      call study_time(frame%set, frame%problem, frame%problem%given, forces, time, stop)
       if (.not. present(report)) return
       call report_dynamics(frame, rates, report, findings, .false., forces, time=time)
    end subroutine find_time

@@ -171,15 +171,19 @@ contains
       if (present(threads)) threads_of = max(0, threads)
    end function threads_of
 
-   !> False, with an error, if more threads are asked for than THREADS may be.
+   !> False, with an error, if more threads are asked for than THREADS may be, or a negative number.
    logical function may_share(threads, findings)
       integer, intent(in), optional :: threads
       type(findings_t), intent(inout) :: findings
 
       may_share = .true.
-      if (present(threads)) may_share = threads <= most_search_threads
-      if (.not. may_share) call findings%error(to_text(threads)//' threads are too many; give at most '// &
-                                               to_text(most_search_threads))
+      if (present(threads)) may_share = threads >= 0 .and. threads <= most_search_threads
+      if (may_share) return
+      if (threads < 0) then
+         call findings%error(to_text(threads)//' threads are no number of them; give 0 for that of the case')
+      else
+         call findings%error(to_text(threads)//' threads are too many; give at most '//to_text(most_search_threads))
+      end if
    end function may_share
 
    ! ---- reports -----------------------------------------------------------------------------------------------------

@@ -36,38 +36,40 @@ module psalm_verbs
    private
    public :: verb_t, verbs, study
 
-   integer, parameter :: verb_length = 12, program_length = 6, groups_length = 30
+   integer, parameter :: verb_length = 12, program_length = 6, groups_length = 30, table_length = 10
 
-   !> A verb: its name, the program of the suite that has it, the groups that ask for it (none: every case may be asked).
+   !> A verb: its name, the program of the suite that has it, the groups that ask for it (none: every case may be asked), and the
+   !> table that its report is about (none: the first).
    type :: verb_t
       character(verb_length) :: name
       character(program_length) :: program
       character(groups_length) :: groups
+      character(table_length) :: table
    end type verb_t
 
    !> All verbs that `study` knows.
    type(verb_t), parameter :: verbs(*) = [ &
-      verb_t('analysis', 'psalm', ''), &
-      verb_t('summary', 'psalm', ''), &
-      verb_t('tolerances', 'psalm', 'TOLER'), &
-      verb_t('allocation', 'psalm', 'ALLOC'), &
-      verb_t('sweep', 'psalm', 'SWEEP'), &
-      verb_t('synthesis', 'psalm', 'SEARCH'), &
-      verb_t('exact', 'psalm', 'EXACT'), &
-      verb_t('kinds', 'psalm', 'KINDS'), &
-      verb_t('proof', 'psalm', 'LIMITS CONSTR'), &
-      verb_t('assemblies', 'psalm', 'CHAIN'), &
-      verb_t('rates', 'kalm', 'RATES'), &
-      verb_t('forces', 'kalm', 'MASSES LOADS SPRING FRICTN'), &
-      verb_t('machine', 'kalm', 'MOTOR'), &
-      verb_t('time', 'kalm', 'TIME STOPS'), &
-      verb_t('balance', 'muscle', 'BALANC'), &
-      verb_t('springs', 'muscle', 'SPRNGS'), &
-      verb_t('vibration', 'ssics', 'ESTIM VIBR DRIVEL HILL'), &
-      verb_t('cams', 'calm', 'CAM CAM2'), &
-      verb_t('clearance', 'bridge', 'CLEAR'), &
-      verb_t('picture', 'balm', 'DXF'), &
-      verb_t('board', 'balm', 'CHAIN')]
+      verb_t('analysis', 'psalm', '', 'positions'), &
+      verb_t('summary', 'psalm', '', ''), &
+      verb_t('tolerances', 'psalm', 'TOLER', ''), &
+      verb_t('allocation', 'psalm', 'ALLOC', ''), &
+      verb_t('sweep', 'psalm', 'SWEEP', ''), &
+      verb_t('synthesis', 'psalm', 'SEARCH', 'found'), &
+      verb_t('exact', 'psalm', 'EXACT', ''), &
+      verb_t('kinds', 'psalm', 'KINDS', 'found'), &
+      verb_t('proof', 'psalm', 'LIMITS CONSTR', ''), &
+      verb_t('assemblies', 'psalm', 'CHAIN', ''), &
+      verb_t('rates', 'kalm', 'RATES', 'positions'), &
+      verb_t('forces', 'kalm', 'MASSES LOADS SPRING FRICTN', 'positions'), &
+      verb_t('machine', 'kalm', 'MOTOR', 'positions'), &
+      verb_t('time', 'kalm', 'TIME STOPS', 'time'), &
+      verb_t('balance', 'muscle', 'BALANC', ''), &
+      verb_t('springs', 'muscle', 'SPRNGS', ''), &
+      verb_t('vibration', 'ssics', 'ESTIM VIBR DRIVEL HILL', ''), &
+      verb_t('cams', 'calm', 'CAM CAM2', ''), &
+      verb_t('clearance', 'bridge', 'CLEAR', ''), &
+      verb_t('picture', 'balm', 'DXF', ''), &
+      verb_t('board', 'balm', 'CHAIN', '')]
 
 contains
 
@@ -144,7 +146,7 @@ contains
          call find_machine(case, machine, findings, report)
       case ('time')
          allocate (time)
-         call find_time(case, time, findings, report)
+         call find_time(case, time, findings, report, stop)
       case ('balance')
          allocate (muscle)
          call find_balance(case, muscle, findings, report, stop)

@@ -4,7 +4,7 @@
 !> sweep is a whole turn of a drive that can make one; else the way from position to position, all drives together.
 module psalm_chain_scene
    use psalm_angles, only: unit_vector
-   use psalm_chain_study, only: chain_study_t, inputs_at, study_chain, turn_repeats
+   use psalm_chain_study, only: chain_study_t, inputs_at, study_chain, turn_may_repeat
    use psalm_closure, only: closure_t, state_t
    use psalm_column_names, only: number_unit, per_time
    use psalm_data_set, only: data_set_t
@@ -170,11 +170,9 @@ contains
          call study_chain(set, set%rates%speed, set%rates%accel, sweep, inputs, by_loops=.true., other=own)
       end subroutine run
 
-      !> False where a turn need not be tried: the drives stand elsewhere after it, or the linkage does not go so far. Of gears
-      !> only the turn itself tells.
+      !> False where a turn need not be tried: drives or wheels stand elsewhere after it, or the linkage does not go so far.
       logical function may_come_back()
-         may_come_back = turn_repeats(set)
-         if (allocated(set%sketch%gears)) may_come_back = may_come_back .or. size(set%sketch%gears) > 0
+         may_come_back = turn_may_repeat(set)
          if (may_come_back .and. allocated(own%looped)) then
             associate (reach => own%looped%reach)
                if (reach%known .and. reach%followed(1) >= full_turn) &

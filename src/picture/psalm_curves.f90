@@ -57,6 +57,7 @@ contains
       if (allocated(scene%forces)) call add_forces(scene%forces, sweep%x, like, plots)
       if (allocated(scene%vibration)) call add_deflection(scene, sweep%x, like, plots)
       if (allocated(scene%clearance)) call add_contact(scene, sweep%x, like, plots)
+      if (.not. scene%sliding) call close_turn(sweep%x, scene%sense*full_turn, plots)
       call add_progress(progress, plots)
    end subroutine make_curves
 
@@ -155,6 +156,37 @@ contains
          if (scene%prescribed%closed(i)) before = own%y(i, 1)
       end do
    end subroutine take_rows
+
+   !> The curves of a whole turn end where they begin; an angle that has turned ends whole turns further.
+   pure subroutine close_turn(sweep, turn, plots)
+      real(wp), intent(in) :: sweep(:)            !! places on the axis
+      real(wp), intent(in) :: turn                !! degrees, with the sense
+      type(plot_t), intent(inout) :: plots(:)
+      integer :: p, k, n
+
+      n = size(sweep)
+      do p = 1, size(plots)
+         do k = 1, size(plots(p)%lines)
+            associate (line => plots(p)%lines(k))
+               if (all(line%look /= [look_line, look_thin, look_dashed, look_dotted, look_area]) .or. size(line%x) /= n) cycle
+               line%x = [line%x, sweep(1) + turn]
+               line%y = [line%y, again(line%y, plots(p)%scale)]
+               line%known = [line%known, line%known(1)]
+               if (allocated(line%other)) line%other = [line%other, again(line%other, plots(p)%scale)]
+            end associate
+         end do
+      end do
+
+   contains
+
+      pure real(wp) function again(y, scale)
+         real(wp), intent(in) :: y(:)
+         real(wp), intent(in) :: scale            !! a full turn: of an angle
+
+         again = y(1)
+         if (scale == full_turn) again = again + full_turn*anint((y(n) - again)/full_turn)
+      end function again
+   end subroutine close_turn
 
    !> The output of the loops: bands of tolerance, sweep, prescribed positions, what is desired there.
    subroutine add_output(scene, own, sweep, like, plots)

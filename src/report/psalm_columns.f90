@@ -1,10 +1,10 @@
 !> Columns of listings: words and numbers brought to a width, numbers within a sentence, rows of numbers.
 module psalm_columns
    use psalm_kinds, only: wp
-   use psalm_text, only: text_t, general, to_text
+   use psalm_text, only: text_t, full_precision, general, to_text
    implicit none (type, external)
    private
-   public :: left_column, right_column, heading_of, in_words, add_rows
+   public :: left_column, right_column, heading_of, in_words, add_rows, add_item
 
    interface right_column
       module procedure :: right_text, right_number
@@ -83,4 +83,28 @@ contains
          call text%add(line)
       end do
    end subroutine add_rows
+
+   !> Append the numbers of an item of a data set, with all digits.
+   pure subroutine add_item(name, values, text)
+      character(*), intent(in) :: name         !! with what stands before the first number
+      real(wp), intent(in) :: values(:)
+      type(text_t), intent(inout) :: text
+      integer, parameter :: line_length = 100  ! columns
+      character(:), allocatable :: line
+      integer :: k
+
+      line = '  '//name
+      do k = 1, size(values)
+         if (len(line) > line_length) then
+            call text%add(line)
+            line = '  '
+         end if
+         if (values(k) == 0.0_wp) then
+            line = line//'0.0,'
+         else
+            line = line//full_precision(values(k))//','
+         end if
+      end do
+      call text%add(line)
+   end subroutine add_item
 end module psalm_columns

@@ -3,6 +3,7 @@
 !> Numbers of the data set have as many digits as it takes to read the same bits back. The vertices stand in comment lines,
 !> so that `psalm` reads the file as a case; as device 4 it supplies vertices.
 module psalm_data_set_text
+   use psalm_columns, only: add_item
    use psalm_data_set, only: data_set_t
    use psalm_limits_group, only: proof_by_default
    use psalm_kinds, only: wp, right_angle
@@ -143,48 +144,27 @@ contains
          real(wp), intent(in) :: values(:, :)
 
          do loop = 1, size(values, 2)
-            call real_row(merge(name//'=', repeat(' ', len(name) + 1), loop == 1), values(:, loop))
+            call add_item(merge(name//'=', repeat(' ', len(name) + 1), loop == 1), values(:, loop), text)
          end do
       end subroutine real_rows
-
-      subroutine real_row(head, values)
-         character(*), intent(in) :: head
-         real(wp), intent(in) :: values(:)
-         character(:), allocatable :: line
-         integer :: a
-
-         line = '  '//head
-         do a = 1, size(values)
-            if (len(line) > line_length) then
-               call text%add(line)
-               line = '  '
-            end if
-            if (values(a) == 0.0_wp) then
-               line = line//'0.0,'
-            else
-               line = line//full_precision(values(a))//','
-            end if
-         end do
-         call text%add(line)
-      end subroutine real_row
 
       subroutine write_positions()
          type(output_kind_t) :: kind
 
          call text%add('  NDES='//to_text(set%method%ndes)//',')
-         call real_row('DELT=', own%delt)
+         call add_item('DELT=', own%delt, text)
          if (.not. set%method%desired) return
          kind = output_kind(set%motion())
          if (kind%components > 1) then
             call text%add('  XADD='//full_precision(set%method%xadd)//', YADD='//full_precision(set%method%yadd)//',')
-            call real_row('DESX=', set%method%desx)
-            call real_row('DESY=', set%method%desy)
-            call real_row('XMULT=', set%method%xmult)
-            call real_row('YMULT=', set%method%ymult)
+            call add_item('DESX=', set%method%desx, text)
+            call add_item('DESY=', set%method%desy, text)
+            call add_item('XMULT=', set%method%xmult, text)
+            call add_item('YMULT=', set%method%ymult, text)
          end if
          if (kind%components /= 2) then
-            call real_row('DESANG=', set%method%desang)
-            call real_row('ANMULT=', set%method%anmult)
+            call add_item('DESANG=', set%method%desang, text)
+            call add_item('ANMULT=', set%method%anmult, text)
          end if
          if (allocated(set%method%rate_wanted)) call write_rates(wanted_rows(set%method%rate_weight))
       end subroutine write_positions
@@ -195,8 +175,8 @@ contains
          integer :: i
 
          do i = 1, size(rows)
-            call real_row(trim(rows(i)%item)//'=', set%method%rate_wanted(:, rows(i)%component, rows(i)%order))
-            call real_row(trim(rows(i)%weigher)//'=', set%method%rate_weight(:, rows(i)%component, rows(i)%order))
+            call add_item(trim(rows(i)%item)//'=', set%method%rate_wanted(:, rows(i)%component, rows(i)%order), text)
+            call add_item(trim(rows(i)%weigher)//'=', set%method%rate_weight(:, rows(i)%component, rows(i)%order), text)
          end do
       end subroutine write_rates
 

@@ -1,6 +1,7 @@
 !> An exact linkage as a data set with a sketch: device 7 and whatever reads it.
 module psalm_exact_text
    use psalm_angles, only: degrees_of
+   use psalm_columns, only: add_item
    use psalm_defects, only: crank_angles, exact_linkage_t
    use psalm_exact_group, only: exact_group_t, kind_motion
    use psalm_function_points, only: generator_t, output_of
@@ -10,8 +11,6 @@ module psalm_exact_text
    implicit none (type, external)
    private
    public :: write_linkage, write_generator, write_six_bar, write_guided
-
-   integer, parameter :: line_length = 100            !! columns of a line of values
 
 contains
 
@@ -28,31 +27,31 @@ contains
       call text%add(title)
       if (one%slides) then
          call text%add(" &CHAIN JNT='A','C','D','P',")
-         call numbers('JX=', real([one%a, one%c(1), one%d(1), one%p(1)], wp), text)
-         call numbers('JY=', aimag([one%a, one%c(1), one%d(1), one%p(1)]), text)
+         call add_item('JX=', real([one%a, one%c(1), one%d(1), one%p(1)], wp), text)
+         call add_item('JY=', aimag([one%a, one%c(1), one%d(1), one%p(1)]), text)
          call text%add("  LNAME='frame','crank','coupler','slider', LNK='A','A C','C D P','D',")
          call text%add("  NSLIDE=1, SLNK='frame', SLNK2='slider', SLX="//full_precision(real(one%d(1), wp))//', SLY='// &
                        full_precision(aimag(one%d(1)))//',')
          call text%add('  SLANG='//full_precision(degrees_of(real(one%guide, wp), aimag(one%guide)))//' &END')
       else if (one%swings) then
          call text%add(" &CHAIN JNT='A','B','C','P',")
-         call numbers('JX=', real([one%a, one%b, one%c(1), one%p(1)], wp), text)
-         call numbers('JY=', aimag([one%a, one%b, one%c(1), one%p(1)]), text)
+         call add_item('JX=', real([one%a, one%b, one%c(1), one%p(1)], wp), text)
+         call add_item('JY=', aimag([one%a, one%b, one%c(1), one%p(1)]), text)
          call text%add("  LNAME='frame','crank','coupler','block', LNK='A B','A C','C P','B',")
          call text%add("  NSLIDE=1, SLNK='coupler', SLNK2='block', SLX="//full_precision(real(one%b, wp))//', SLY='// &
                        full_precision(aimag(one%b))//',')
          call text%add('  SLANG='//full_precision(degrees_of(real(one%guide, wp), aimag(one%guide)))//' &END')
       else
          call text%add(" &CHAIN JNT='A','B','C','D','P',")
-         call numbers('JX=', real([one%a, one%b, one%c(1), one%d(1), one%p(1)], wp), text)
-         call numbers('JY=', aimag([one%a, one%b, one%c(1), one%d(1), one%p(1)]), text)
+         call add_item('JX=', real([one%a, one%b, one%c(1), one%d(1), one%p(1)], wp), text)
+         call add_item('JY=', aimag([one%a, one%b, one%c(1), one%d(1), one%p(1)]), text)
          call text%add("  LNAME='frame','crank','coupler','follower', LNK='A B','A C','C D P','B D' &END")
       end if
       call text%add(" &DRIVES DRIVE='A', DBASE='frame', DLINK='crank' &END")
       call text%add(" &OUTPUTS OUTPUT='point P'"//trim(merge(",'angle coupler'", "                ", exact%kind == kind_motion))// &
                     ' &END')
       call text%add(' &METHOD NDES='//to_text(n)//',')
-      call numbers('DELT=', crank_angles(one, exact%closed), text)
+      call add_item('DELT=', crank_angles(one, exact%closed), text)
       call text%add(' &END')
       call text%add(' &LIMITS TANGLE=90.0, LAST='//to_text(last)//' &END')
    end subroutine write_linkage
@@ -77,8 +76,8 @@ contains
       if (one%slides) then
          d = cmplx(first - one%psi0, one%r4, wp)
          call text%add(" &CHAIN JNT='A','C','D',")
-         call numbers('JX=', real([(0.0_wp, 0.0_wp), c, d], wp), text)
-         call numbers('JY=', aimag([(0.0_wp, 0.0_wp), c, d]), text)
+         call add_item('JX=', real([(0.0_wp, 0.0_wp), c, d], wp), text)
+         call add_item('JY=', aimag([(0.0_wp, 0.0_wp), c, d]), text)
          call text%add("  LNAME='frame','crank','coupler','slider', LNK='A','A C','C D','D',")
          call text%add("  NSLIDE=1, SLNK='frame', SLNK2='slider', SLX="//full_precision(real(d, wp))//', SLY='// &
                        full_precision(aimag(d))//', SLANG=0.0 &END')
@@ -88,14 +87,14 @@ contains
          scale = frame
          d = 1.0_wp + one%r4*cmplx(cos(first + one%psi0), sin(first + one%psi0), wp)
          call text%add(" &CHAIN JNT='A','B','C','D',")
-         call numbers('JX=', scale*real([(0.0_wp, 0.0_wp), (1.0_wp, 0.0_wp), c, d], wp), text)
-         call numbers('JY=', scale*aimag([(0.0_wp, 0.0_wp), (1.0_wp, 0.0_wp), c, d]), text)
+         call add_item('JX=', scale*real([(0.0_wp, 0.0_wp), (1.0_wp, 0.0_wp), c, d], wp), text)
+         call add_item('JY=', scale*aimag([(0.0_wp, 0.0_wp), (1.0_wp, 0.0_wp), c, d]), text)
          call text%add("  LNAME='frame','crank','coupler','follower', LNK='A B','A C','C D','B D' &END")
          call text%add(" &DRIVES DRIVE='A', DBASE='frame', DLINK='crank' &END")
          call text%add(" &OUTPUTS OUTPUT='angle follower' &END")
       end if
       call text%add(' &METHOD NDES='//to_text(size(phi))//',')
-      call numbers('DELT=', (phi - phi(1))*degrees_per_radian, text)
+      call add_item('DELT=', (phi - phi(1))*degrees_per_radian, text)
       call text%add(' &END')
       call text%add(' &LIMITS TANGLE=90.0, LAST='//to_text(last)//' &END')
    end subroutine write_generator
@@ -112,14 +111,14 @@ contains
 
       call text%add(title)
       call text%add(" &CHAIN JNT='A','B','C','D','E','G','H',")
-      call numbers('JX=', real(joints, wp), text)
-      call numbers('JY=', aimag(joints), text)
+      call add_item('JX=', real(joints, wp), text)
+      call add_item('JY=', aimag(joints), text)
       call text%add("  LNAME='frame','crank','coupler','follower','link','output',")
       call text%add("  LNK='A B E','A C',"//merge("'C D','B D G',", "'C D G','B D',", watt)//"'G H','E H' &END")
       call text%add(" &DRIVES DRIVE='A', DBASE='frame', DLINK='crank' &END")
       call text%add(" &OUTPUTS OUTPUT='angle output' &END")
       call text%add(' &METHOD NDES='//to_text(size(phi))//',')
-      call numbers('DELT=', (phi - phi(1))*degrees_per_radian, text)
+      call add_item('DELT=', (phi - phi(1))*degrees_per_radian, text)
       call text%add(' &END')
       call text%add(' &LIMITS TANGLE=90.0, LAST='//to_text(last)//' &END')
    end subroutine write_six_bar
@@ -148,35 +147,16 @@ contains
       end do
       call text%add(title)
       call text%add(" &CHAIN JNT='A','B','C','P','G','W','H','K',")
-      call numbers('JX=', real(joints, wp), text)
-      call numbers('JY=', aimag(joints), text)
+      call add_item('JX=', real(joints, wp), text)
+      call add_item('JY=', aimag(joints), text)
       call text%add("  LNAME='frame','crank','arm','body','link','last',")
       call text%add("  LNK='"//trim(of_body(0))//"','"//trim(of_body(1))//"','"//trim(of_body(2))//"','"//trim(of_body(3))// &
                     "','"//trim(of_body(4))//"','H K' &END")
       call text%add(" &DRIVES DRIVE='A', DBASE='frame', DLINK='crank' &END")
       call text%add(" &OUTPUTS OUTPUT='point P','angle body' &END")
       call text%add(' &METHOD NDES='//to_text(size(one%crank))//',')
-      call numbers('DELT=', one%crank*degrees_per_radian, text)
+      call add_item('DELT=', one%crank*degrees_per_radian, text)
       call text%add(' &END')
       call text%add(' &LIMITS TANGLE=90.0, LAST='//to_text(last)//' &END')
    end subroutine write_guided
-
-   !> Append an item of several numbers.
-   subroutine numbers(head, values, text)
-      character(*), intent(in) :: head
-      real(wp), intent(in) :: values(:)
-      type(text_t), intent(inout) :: text
-      character(:), allocatable :: line
-      integer :: i
-
-      line = '  '//head
-      do i = 1, size(values)
-         if (len(line) > line_length) then
-            call text%add(line)
-            line = '  '
-         end if
-         line = line//full_precision(values(i))//','
-      end do
-      call text%add(line)
-   end subroutine numbers
 end module psalm_exact_text

@@ -1,6 +1,6 @@
 !> Springs that were found: in the listing, as tables and as the group SPRING.
 module psalm_spring_list
-   use psalm_columns, only: left_column, right_column
+   use psalm_columns, only: add_item, left_column, right_column
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
    use psalm_number_format, only: error_words, figures_of, in_a_row, in_sentence
@@ -10,7 +10,7 @@ module psalm_spring_list
    use psalm_spring_study, only: spring_study_t, spring_result_t
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_text, only: text_t, to_text
-   use psalm_weight_text, only: place_words, write_places, write_reals
+   use psalm_weight_text, only: place_words, write_places
    implicit none (type, external)
    private
    public :: list_springs, put_springs, write_springs
@@ -214,10 +214,10 @@ contains
             line = line//trim(merge('1,', '0,', old%torsional(k)))
          end do
          call text%add(line//repeat('0,', size(springs)))
-         call write_reals('STIFF', [old%stiffness, springs%stiffness], text)
-         call write_reals('SFREE', [old%free, springs%free], text)
-         call write_reals('SPRE', [old%preload, none], text)
-         call write_reals('SDAMP', [old%damping, none], text)
+         call add_item('STIFF=', [old%stiffness, springs%stiffness], text)
+         call add_item('SFREE=', [old%free, springs%free], text)
+         call add_item('SPRE=', [old%preload, none], text)
+         call add_item('SDAMP=', [old%damping, none], text)
          call text%add(' &END')
       end associate
    end subroutine write_springs

@@ -14,7 +14,7 @@ module psalm_time_list
    use psalm_summary_text, only: add_line, plain_number
    use psalm_tables, only: table_t, tables_t, table_of
    use psalm_text, only: text_t, to_text, upper_case
-   use psalm_time_study, only: time_study_t, time_collapsed, time_crowded, time_done, time_massless, time_open, &
+   use psalm_time_study, only: time_study_t, time_collapsed, time_crowded, time_done, time_massless, time_on_request, time_open, &
                                time_wound
    use psalm_time_motion, only: event_impact, event_rest, event_lift
    implicit none (type, external)
@@ -80,6 +80,8 @@ contains
          words = 'torsional spring '//to_text(study%loop)//' is turned past half a turn from SFREE'
       case (time_crowded)
          words = 'more events than NEVENT'
+      case (time_on_request)
+         words = 'the end was asked for'
       end select
    end function reason_words
 

@@ -1,6 +1,7 @@
 !> Counterweights and springs found, as groups that kalm and balm read.
 module psalm_weight_text
    use psalm_balance_study, only: outcome_t
+   use psalm_columns, only: add_item
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
    use psalm_mechanism, only: mechanism_t, at_start
@@ -8,7 +9,7 @@ module psalm_weight_text
    use psalm_text, only: quoted, text_t, full_precision, to_text
    implicit none (type, external)
    private
-   public :: place_words, write_masses, write_places, write_reals
+   public :: place_words, write_masses, write_places
 
    integer, parameter :: line_length = 100  !! columns of a line of values
 
@@ -42,8 +43,8 @@ contains
          if (masses%added + size(outcome%weights) > 0) &
             call text%add('  MADDED='//to_text(masses%added + size(outcome%weights))//', ! the last entries are counterweights')
          call write_places(set, 'M', places, text)
-         call write_reals('MASS', [masses%mass, outcome%weights%mass], text)
-         call write_reals('MINERT', inertia, text)
+         call add_item('MASS=', [masses%mass, outcome%weights%mass], text)
+         call add_item('MINERT=', inertia, text)
          call text%add('  UNITL='//full_precision(masses%metre)//', GRAVX='//full_precision(masses%gravity(1))//', GRAVY='// &
                        full_precision(masses%gravity(2))//',')
          if (masses%about_given) then
@@ -71,8 +72,8 @@ contains
             call break_line(line, text)
          end do
          if (len_trim(line) > 0) call text%add(line)
-         call write_reals(letter//'DIST', places%written(1), text)
-         call write_reals(letter//'ANG', places%written(2), text)
+         call add_item(letter//'DIST=', places%written(1), text)
+         call add_item(letter//'ANG=', places%written(2), text)
          return
       end if
       line = '  '//letter//'LINK='
@@ -87,8 +88,8 @@ contains
          call break_line(line, text)
       end do
       if (len_trim(line) > 0) call text%add(line)
-      call write_reals(letter//'DIST', places%distance, text)
-      call write_reals(letter//'ANG', places%angle, text)
+      call add_item(letter//'DIST=', places%distance, text)
+      call add_item(letter//'ANG=', places%angle, text)
    end subroutine write_places
 
    !> A place on the line of a link, by the names of its joints.
@@ -116,21 +117,6 @@ contains
          if (place%joint > 0 .and. place%line(1) == place%joint) words = words//' '//trim(sketch%joint_name(place%line(2)))
       end associate
    end function place_words
-
-   subroutine write_reals(name, values, text)
-      character(*), intent(in) :: name
-      real(wp), intent(in) :: values(:)
-      type(text_t), intent(inout) :: text
-      character(:), allocatable :: line
-      integer :: k
-
-      line = '  '//name//'='
-      do k = 1, size(values)
-         line = line//full_precision(values(k))//','
-         call break_line(line, text)
-      end do
-      if (len_trim(line) > 0) call text%add(line)
-   end subroutine write_reals
 
    subroutine break_line(line, text)
       character(:), allocatable, intent(inout) :: line

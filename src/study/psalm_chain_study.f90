@@ -6,14 +6,14 @@ module psalm_chain_study
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp, full_turn, radians_per_degree
    use psalm_link_poses, only: find_poses, looped_t, make_looped
-   use psalm_sketch, only: drive_turns, output_ratio, columns_of
+   use psalm_sketch, only: drive_turns, frame_link, output_ratio, columns_of
    use psalm_sketch_assembly, only: assemble_sketch
    use psalm_sketch_outputs, only: names_of_numbers, unwrap
    use psalm_sketch_study, only: sketch_study_t
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
-   public :: chain_study_t, study_chain, inputs_at, inputs_of_drives, turn_repeats
+   public :: chain_study_t, study_chain, inputs_at, inputs_of_drives, turn_repeats, turn_may_repeat
 
    !> What the sketch does.
    type, extends(sketch_study_t) :: chain_study_t
@@ -225,6 +225,47 @@ contains
          end associate
       end do
    end function turn_repeats
+
+   !> False if a turn of the first drive leaves a drive or a wheel elsewhere. A wheel that frame and driven links turn makes so
+   !> many turns as the teeth say; of a wheel on a link that swings only the turn itself tells.
+   pure logical function turn_may_repeat(set)
+      type(data_set_t), intent(in) :: set
+      real(wp), parameter :: whole = 1.0e-9_wp       ! turns; what rounding of ratios makes is far below
+      real(wp), allocatable :: turns(:)              ! of links, after a turn of the first drive
+      logical, allocatable :: known(:)
+      integer :: d, g, pass
+
+      turn_may_repeat = turn_repeats(set)
+      if (turn_may_repeat .or. .not. allocated(set%sketch%gears)) return
+      if (size(set%sketch%gears) == 0 .or. set%sketch%drives(1)%kind /= drive_turns) return
+      associate (sketch => set%sketch)
+         allocate (turns(size(sketch%links)), source=0.0_wp)
+         known = [(d == frame_link, d=1, size(sketch%links))]
+         do d = 1, size(sketch%drives)
+            associate (drive => sketch%drives(d))
+               if (d > 1 .and. .not. drive%geared) return
+               if (drive%kind /= drive_turns .or. .not. known(drive%base)) cycle
+               turns(drive%link) = turns(drive%base) + merge(drive%ratio, 1.0_wp, drive%geared)
+               known(drive%link) = .true.
+            end associate
+         end do
+         do pass = 1, size(sketch%gears)
+            do g = 1, size(sketch%gears)
+               associate (a => sketch%gears(g)%wheels(1), b => sketch%gears(g)%wheels(2), carrier => sketch%gears(g)%carrier, &
+                          ratio => sketch%gears(g)%ratio)
+                  if (.not. known(carrier) .or. (known(a) .eqv. known(b))) cycle
+                  if (known(a)) then
+                     turns(b) = turns(carrier) + ratio*(turns(a) - turns(carrier))
+                  else
+                     turns(a) = turns(carrier) + (turns(b) - turns(carrier))/ratio
+                  end if
+                  known([a, b]) = .true.
+               end associate
+            end do
+         end do
+      end associate
+      turn_may_repeat = all(abs(turns - anint(turns)) <= whole)
+   end function turn_may_repeat
 
    !> Radians a degree for a drive that turns, else 1.
    pure real(wp) function unit_of(kind)

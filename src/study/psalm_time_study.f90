@@ -22,11 +22,12 @@ module psalm_time_study
    use psalm_time_group, only: time_group_t, time_of
    use psalm_stops_group, only: stops_group_t, stops_of
    use psalm_time_motion, only: time_motion_t, event_t, begin_motion
+   use psalm_stop, only: stop_t
    use psalm_text, only: to_text
    implicit none (type, external)
    private
    public :: time_study_t, find_time, check_time
-   public :: time_done, time_open, time_massless, time_collapsed, time_wound, time_crowded
+   public :: time_done, time_open, time_massless, time_collapsed, time_wound, time_crowded, time_on_request
 
    integer, parameter :: rates_shown = 2          !! orders of rates of drives and outputs
 
@@ -35,8 +36,8 @@ module psalm_time_study
    integer, parameter :: time_massless = 2        !! the free drives move no mass
    integer, parameter :: time_collapsed = 3       !! no step keeps the tolerance
    integer, parameter :: time_wound = 4           !! a torsional spring is turned past half a turn of SFREE
-
    integer, parameter :: time_crowded = 5         !! more events than NEVENT
+   integer, parameter :: time_on_request = 6      !! the host asked for the end
 
    !> The motion at the times that were asked for, up to where it ended.
    type :: time_study_t
@@ -150,12 +151,13 @@ contains
    end function free_drives
 
    !> Follow a case that `check_time` found no fault with.
-   subroutine find_time(set, given, dimensions, forces, study)
+   subroutine find_time(set, given, dimensions, forces, study, stop)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       type(force_study_t), intent(in) :: forces         !! at the positions: names, model
       type(time_study_t), intent(out) :: study
+      type(stop_t), intent(in), optional :: stop        !! asked before every step; the times so far are there then
       class(problem_t), allocatable :: problem, shown   ! large, as the others are: they would fill a small stack
       type(time_motion_t), allocatable :: moving
       type(rates_t), allocatable :: rates
@@ -212,6 +214,7 @@ contains
             study%loop = moving%motion%wound
          end if
          if (moving%crowded) study%ended = time_crowded
+         if (moving%asked) study%ended = time_on_request
       end if
       study%events = moving%events
       call make_rows(row)
@@ -259,6 +262,7 @@ contains
             accel = 0.0_wp
          end where
          allocate (moving)
+         if (present(stop)) moving%host = stop
          allocate (moving%motion)
          call make_stops(set, problem, stops)
          call make_free_motion(problem, forces%model, motor_of(set), study%free, start, speed, accel, stops, moving%motion)

@@ -9,12 +9,15 @@ import json
 import os
 import re
 import sys
+import tempfile
 import traceback
 from contextlib import redirect_stdout
 
-HERE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python", "example")
+HERE = os.path.abspath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "python", "example"))
 PAGE = os.path.join(HERE, "..", "..", "doc", "tutorial", "notebook.md")
 passed = failed = 0
+place = tempfile.TemporaryDirectory()     # for files that a notebook writes
+os.chdir(place.name)
 
 
 def check(law, right, words=""):
@@ -60,6 +63,9 @@ for path in sorted(glob.glob(os.path.join(HERE, "*.ipynb"))):
             break
     if os.path.basename(path) == "four_bar.ipynb":
         check_page(cells, shown.getvalue())
+        for name, has in (("four_bar.dxf", "ENTITIES"), ("four_bar.html", "<script")):
+            with open(name, encoding="utf-8") as file:
+                check("the notebook writes " + name, has in file.read())
     check("%s says something" % os.path.basename(path), len(shown.getvalue()) > 500)
 print("%d passed, %d failed" % (passed, failed))
 sys.exit(failed > 0)

@@ -2,7 +2,7 @@
 program test_sketch_outputs
    use check, only: checks_t
    use psalm_cases, only: read_cases, read_case_text
-   use psalm_chain_study, only: chain_study_t, study_chain
+   use psalm_chain_study, only: chain_study_t, study_chain, turn_may_repeat
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t, motion_t, make_problem
@@ -32,6 +32,7 @@ program test_sketch_outputs
    call change_point()
    call sliding_input()
    call geared_cranks()
+   call wheels_after_a_turn()
    call tolerances()
    call t%report()
 
@@ -217,6 +218,30 @@ contains
                     ' &METHOD NDES=7, DELT=0.0,90.0,180.0,360.0,540.0,720.0,-60.0 &END'//nl, set)
       call compare(set)
    end subroutine geared_cranks
+
+   !> The teeth say whether a wheel stands elsewhere after a turn, and so does the study of the turn.
+   subroutine wheels_after_a_turn()
+      call after_a_turn("GCARR='frame', GTA=30.0, GTB=40.0", .false.)
+      call after_a_turn("GCARR='frame', GTA=40.0, GTB=20.0", .true.)
+   end subroutine wheels_after_a_turn
+
+   subroutine after_a_turn(gears, repeats)
+      character(*), intent(in) :: gears
+      logical, intent(in) :: repeats
+      type(data_set_t) :: set
+      type(chain_study_t) :: study
+
+      call read_one('WHEEL'//nl//" &CHAIN JNT='A','B','C','D','W','V', JX=0.0,0.0,60.0,70.0,50.0,60.0,"//nl// &
+                    " JY=0.0,20.0,60.0,0.0,0.0,0.0,"//nl// &
+                    " LNAME='frame','crank','coupler','rocker','wheel', LNK='A D W','A B','B C','C D','W V',"//nl// &
+                    " GEARA='crank', GEARB='wheel', "//gears//' &END'//nl//" &DRIVES DRIVE='A' &END"//nl// &
+                    " &OUTPUTS OUTPUT='point V' &END"//nl//' &METHOD NDES=2, DELT=0.0,360.0 &END'//nl, set)
+      call t%is_true(turn_may_repeat(set) .eqv. repeats, 'the teeth tell where the wheel is after a turn')
+      call study_chain(set, 1.0_wp, 0.0_wp, study)
+      call t%is_true(all(study%closed), 'the wheel turns')
+      call t%is_true((maxval(abs(study%values(:, 0, 2) - study%values(:, 0, 1))) < 1.0e-9_wp) .eqv. repeats, &
+                     'the study of the turn says the same')
+   end subroutine after_a_turn
 
    !> Bands of all outputs against differences, dimension by dimension; those of the first output are the old ones.
    subroutine tolerances()

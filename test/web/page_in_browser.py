@@ -304,12 +304,15 @@ def collisions(page):
 def test_letters(browser):
     """Nothing that is written lies on other words, on a phone, a desk and a large screen; messages stand beside the picture."""
     os.makedirs("letters")
-    cases = ["engine", "rig_coupler", "jansen", "needle_masses", os.path.join("bridge", "four_bar_haines")]
+    cases = ["engine", "rig_coupler", "jansen", "needle_masses", "excavator_envelope", "umbrella", "stephenson3_rod_driven",
+             os.path.join("bridge", "four_bar_haines"), os.path.join("time", "crane"), os.path.join("muscle", "haines_limits")]
+    cams = ["conjugate_cams", "five_bar_cams", "knuckle_press", "wedge_cam"]
     for case in cases:
         balm("--quiet", "--output-dir", "letters", os.path.join(DATA, case + ".nml"))
-    run(os.path.join(picture_tools.programs, "calm"), "--quiet", "--output-dir", "letters", os.path.join(DATA, "calm", "conjugate_cams.nml"))
+    for case in cams:
+        run(os.path.join(picture_tools.programs, "calm"), "--quiet", "--output-dir", "letters", os.path.join(DATA, "calm", case + ".nml"))
     for width, height in ((390, 844), (1280, 800), (1920, 1080)):
-        for name in [os.path.basename(case) + ".html" for case in cases] + ["conjugate_cams.calm.html"]:
+        for name in [os.path.basename(case) + ".html" for case in cases] + [case + ".calm.html" for case in cams]:
             law = "%s, %d pixels: " % (name, width)
             one = Page(browser, os.path.join("letters", name), width, height)
             one.ask(WATCH)
@@ -317,9 +320,11 @@ def test_letters(browser):
             one.page.wait_for_timeout(120)
             found = collisions(one.page)
             for place in range(0, 360, 30):
-                if "calm" not in name:
-                    one.ask("balm.go(%d)" % place)
+                one.ask("calm.turnTo(%d)" % place if "calm" in name else "balm.go(%d)" % place)
                 found += collisions(one.page)
+            if "calm" in name:
+                check(law + "every extreme has its unit", one.ask("[...document.querySelectorAll('#extremes tbody tr')].every((row) => "
+                                                                  "/, length$/.test(row.cells[1].textContent) || /\u00b0$/.test(row.cells[2].textContent))"))
             check(law + "no words lie on others", not found, str(found[:4]))
             check(law + "nothing is wider than the screen", one.ask("document.documentElement.scrollWidth <= innerWidth"))
             beside = "(id) => { const e = document.getElementById(id); if (!e || e.hidden) return true;" \

@@ -986,7 +986,7 @@ def test_rate_curves():
     drawn = {p.name.split(" of ")[0]: p for p in plots_of("rated.curves.svg")}
     for key, name in (("velocity", "actual_per_s"), ("acceleration", "actual_per_s2")):
         points = [p[1] for p in drawn[key].line("")]
-        check("rates: the curve of the %s" % key, len(points) == len(rows) and all(abs(v - float(r[names.index(name)])) <= drawn[key].error() for v, r in zip(points, rows)))
+        check("rates: the curve of the %s, which closes" % key, len(points) == len(rows) + 1 and points[-1] == points[0] and all(abs(v - float(r[names.index(name)])) <= drawn[key].error() for v, r in zip(points, rows)))
     names, rows = next(block for block in device9("rated.dev9") if "worst_case" in block[0])
     told = {n: [float(r[names.index(n)]) for r in rows] for n in names if n in ("worst_case", "root_sum_square")}
     band = case["band"]
