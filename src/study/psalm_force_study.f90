@@ -225,7 +225,7 @@ contains
 
          one%name = name
          if (present(least)) then
-            if (all(abs(values) <= nothing*least .or. .not. known)) then
+            if (least > 0.0_wp .and. all(abs(values) <= nothing*least .or. .not. known)) then
                study%sizing = [study%sizing, one]
                return
             end if
