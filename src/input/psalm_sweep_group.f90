@@ -45,7 +45,7 @@ module psalm_sweep_group
              'the loop of that arc'), &
       rule_t('SWJNT', a_text, '1', '', '', '', &
              'of a sketch, in place of SWHAT, SWLINK and SWLOOP: a length by its joints, `''D E''`, or the angle from one line '// &
-             'of a link to another, `''angle C D D E''`')]
+             'of a link to another, `''angle C D D E''`; the last joint, E, moves')]
 
 contains
 

@@ -397,9 +397,8 @@ contains
       right = max(right, left)
       where (shortest > 0.0_wp .and. right > 0.0_wp)
          low = max(low, (right/longest)*(1.0_wp - 8.0_wp*eps))
-      else where (shortest > 0.0_wp)
-         low = max(low, (right/shortest)*(1.0_wp + 8.0_wp*eps))
       end where
+      where (shortest > 0.0_wp .and. .not. right > 0.0_wp) low = max(low, (right/shortest)*(1.0_wp + 8.0_wp*eps))
    end subroutine turn_with
 
    !> Distance from lines to the right of which both ends stay.

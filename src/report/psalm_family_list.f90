@@ -21,13 +21,11 @@ contains
       type(family_t), intent(in) :: family
       logical, intent(in) :: found               !! there is one
       type(devices_t), intent(inout) :: devices
-      character(:), allocatable :: why
       integer :: k, open
 
       if (.not. found) then
-         why = 'an arc that slides, or that is not there'
-         if (set%has_names()) why = 'its loops do not have it'
-         call devices%remark(set, 'no family of curves: the dimension of &SWEEP cannot be set by itself: '//why)
+         call devices%remark(set, 'no family of curves: the dimension of &SWEEP cannot be set by itself: an arc that slides, '// &
+                             'or that is not there')
          call devices%note_violation()
          return
       end if

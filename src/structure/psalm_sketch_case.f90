@@ -13,7 +13,8 @@ module psalm_sketch_case
    use psalm_moving_joints, only: sketch_motion_t
    use psalm_sketch, only: sketch_t, drive_turns
    use psalm_sketch_assembly, only: assemble_sketch, move_slides
-   use psalm_sketch_dimensions, only: check_sweep, fill_tolerances, fill_variables, take_dimensions
+   use psalm_dimension_change, only: check_sweep
+   use psalm_sketch_dimensions, only: fill_tolerances, fill_variables, take_dimensions
    use psalm_sketch_loops, only: make_loops
    use psalm_sketch_places, only: fill_places, fill_regions
    use psalm_status, only: diagnostics_t

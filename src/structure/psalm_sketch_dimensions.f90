@@ -6,14 +6,12 @@ module psalm_sketch_dimensions
    use psalm_output_kind, only: motion_point, motion_distance, motion_pose
    use psalm_sketch, only: sketch_t, variation_t, frame_link, vary_length, vary_angle, vary_place, vary_input, vary_all
    use psalm_status, only: diagnostics_t
-   use psalm_sweep_group, only: sweep_group_t, sweep_of
    use psalm_text, only: to_text
    use psalm_traced_loops, only: loops_t, arc_with, traced_determined, traced_link, traced_slide, traced_crank, traced_actuator, &
                                  traced_frame
    implicit none (type, external)
    private
-   public :: take_dimensions, fill_variables, fill_tolerances, check_sweep, quadrant_angle, locate_dimension
-   public :: dimension_length, dimension_angle, dimension_outlk, dimension_outang
+   public :: take_dimensions, fill_variables, fill_tolerances, quadrant_angle, dimension_words, none_such
 
    integer, parameter :: dimension_none = 0, dimension_length = 1, dimension_angle = 2, dimension_outlk = 3, dimension_outang = 4
    integer, parameter :: most_named = 12 !! lengths named in a message
@@ -356,24 +354,6 @@ contains
          end associate
       end do
    end subroutine fill_tolerances
-
-   !> Error: the loops have not the dimension that SWEEP sets.
-   subroutine check_sweep(loops, sketch, set, findings)
-      type(loops_t), intent(in) :: loops
-      type(sketch_t), intent(in) :: sketch
-      type(data_set_t), intent(in) :: set
-      type(diagnostics_t), intent(inout) :: findings
-      type(sweep_group_t) :: sweep
-      real(wp) :: sense, zero
-      integer :: what, arc
-
-      if (.not. set%gives('SWEEP')) return
-      sweep = sweep_of(set)
-      if (all(sweep%dimension%kind /= [vary_length, vary_angle])) return
-      call locate_dimension(loops, sweep%dimension, what, arc, sense, zero)
-      if (what == dimension_none) call set%origins%error(findings, 'SWEEP', 'SWJNT', &
-                                                         dimension_words(sketch, sweep%dimension)//none_such(loops, sketch))
-   end subroutine check_sweep
 
    !> By arc: it is the given one, or repeats it.
    pure function repeats(loops, arc)

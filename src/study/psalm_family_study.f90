@@ -30,8 +30,7 @@ module psalm_family_study
    end type family_t
 
    interface
-      !> Of a linkage of dyads. `found` is false if its dimension cannot be set: a sliding arc has no length of its own; between the
-      !> joints of a sketch there must be an arc of its loops.
+      !> Of a linkage of dyads. `found` is false if its dimension cannot be set: a sliding arc has no length of its own.
       module subroutine find_family(set, mechanism, dimensions, delt, family, found, stop)
          implicit none (type, external)
          type(data_set_t), intent(in) :: set
@@ -44,10 +43,9 @@ module psalm_family_study
       end subroutine find_family
 
       !> True if the dimension of SWEEP is the length of one of some arcs of a sketch.
-      pure module logical function sets_one_of(set, mechanism, which)
+      module logical function sets_one_of(set, which)
          implicit none (type, external)
          type(data_set_t), intent(in) :: set
-         type(mechanism_t), intent(in) :: mechanism
          logical, intent(in) :: which(:)                 !! shape (arcs)
       end function sets_one_of
    end interface

@@ -1,6 +1,7 @@
 !> How families of curves are computed. Only this knows the group SWEEP.
 submodule(psalm_family_study) psalm_family_study_body
    use psalm_column_names, only: output_name
+   use psalm_dimension_change, only: set_dimension
    use psalm_error, only: problem_t, motion_t, new_problem, own_inputs_at, follows_drawing
    use psalm_kinds, only: full_turn
    use psalm_output_kind, only: output_kind_t, output_kind
@@ -9,7 +10,7 @@ submodule(psalm_family_study) psalm_family_study_body
    use psalm_sweep_group, only: sweep_group_t, sweep_of, swept_length, swept_angle, swept_outlk, swept_outang, swept_origlk, &
                                 swept_origng
    use psalm_sketch, only: sketch_t, variation_t, vary_angle
-   use psalm_sketch_dimensions, only: locate_dimension, dimension_length, dimension_angle, dimension_outlk, dimension_outang
+   use psalm_sketch_mechanism, only: traced_dimensions
    use psalm_stop, only: is_to_end
    use psalm_sketch_study, only: sketch_study_t, study_sketch
    implicit none (type, external)
@@ -18,15 +19,24 @@ contains
 
    module procedure sets_one_of
       type(sweep_group_t) :: sweep
-      type(parameters_t) :: parameters
-      real(wp) :: sense, zero
+      type(dimensions_t) :: drawn, changed
+      character(:), allocatable :: why
+      real(wp) :: settings(2)
+      integer :: k
 
       sets_one_of = .false.
       if (.not. set%gives('SWEEP')) return
       sweep = sweep_of(set)
-      parameters = no_parameters(mechanism)
-      call vary_by_name(set, mechanism, sweep%dimension, parameters, sense, zero)
-      sets_one_of = any(which .and. (parameters%length_variable > 0 .or. parameters%angle_variable > 0))
+      drawn = traced_dimensions(set%traced)
+      ! one of them may be as drawn
+      settings = [sweep%low, sweep%high]
+      do k = 1, size(settings)
+         changed = drawn
+         call set_dimension(set%traced, set%sketch, sweep%dimension, settings(k), changed, why)
+         if (allocated(why)) return
+         sets_one_of = sets_one_of .or. any(which .and. (abs(changed%arcl - drawn%arcl) > 0.0_wp .or. &
+                                                         abs(changed%gama - drawn%gama) > 0.0_wp))
+      end do
    end procedure sets_one_of
 
    module procedure find_family
@@ -37,22 +47,26 @@ contains
       type(motion_t) :: motion
       type(output_kind_t) :: kind
       logical :: by_name                               ! a sketch: all its outputs
-      real(wp) :: sense, zero                          ! from a setting to the value of the dimension
+      character(:), allocatable :: why
       integer :: k, c
 
       sweep = sweep_of(set)
       parameters = no_parameters(mechanism)
-      sense = 1.0_wp
-      zero = 0.0_wp
       if (set%has_names()) then
-         call vary_by_name(set, mechanism, sweep%dimension, parameters, sense, zero)
+         changed = dimensions
+         call set_dimension(set%traced, set%sketch, sweep%dimension, sweep%low, changed, why)
+         found = .not. allocated(why)
+         if (.not. found) return
+         family%name = named(set%sketch, sweep%dimension)
+         family%sets_angle = sweep%dimension%kind == vary_angle
       else
          call vary_by_arc(mechanism, sweep, parameters)
+         found = size(parameters%variables) == 1
+         if (.not. found) return
+         family%name = name_of(parameters%variables(1))
+         family%sets_angle = any(parameters%variables(1)%kind == [variable_gama, variable_outang, variable_origng]) .or. &
+                             (parameters%variables(1)%kind == variable_crnki .and. .not. mechanism%sliding_input)
       end if
-      found = size(parameters%variables) == 1
-      if (.not. found) return
-      family%name = name_of(parameters%variables(1))
-      if (set%has_names()) family%name = named(set%sketch, sweep%dimension)
       family%setting = settings_of(sweep)
       allocate (problem)
       call new_problem(mechanism, dimensions, parameters, delt, mechanism%whole, problem, own_inputs_at(set, delt))
@@ -68,14 +82,16 @@ contains
       end do
       family%angle = [(c == kind%angle, c=1, kind%components)]
       family%slides = mechanism%sliding_input
-      family%sets_angle = any(parameters%variables(1)%kind == [variable_gama, variable_outang, variable_origng]) .or. &
-                          (parameters%variables(1)%kind == variable_crnki .and. .not. family%slides)
       by_name = size(set%sketch%outputs) > 0
       do k = 1, size(family%setting)
          family%stopped = is_to_end(stop)
          if (family%stopped) exit
          changed = dimensions
-         call parameters%apply([sense*family%setting(k) + zero], changed)
+         if (set%has_names()) then
+            call set_dimension(set%traced, set%sketch, sweep%dimension, family%setting(k), changed, why)
+         else
+            call parameters%apply([family%setting(k)], changed)
+         end if
          call problem%analyse(changed, motion)
          family%closed(:, k) = motion%closed
          if (allocated(motion%beyond)) family%beyond(:, k) = motion%beyond
@@ -121,29 +137,6 @@ contains
       family%actual(:, :, k) = transpose(study%values(:, 0, :))
       if (.not. set%has_stand_in()) family%actual(:, :size(motion%actual, 2), k) = motion%actual
    end subroutine take_outputs
-
-   !> Vary the length or angle of a sketch that SWJNT names; nothing if its loops do not have it. The value is that of the name
-   !> times `sense`, plus `zero` degrees.
-   pure subroutine vary_by_name(set, mechanism, dimension, parameters, sense, zero)
-      type(data_set_t), intent(in) :: set
-      type(mechanism_t), intent(in) :: mechanism
-      type(variation_t), intent(in) :: dimension
-      type(parameters_t), intent(inout) :: parameters
-      real(wp), intent(out) :: sense, zero
-      integer :: what, arc
-
-      call locate_dimension(set%traced, dimension, what, arc, sense, zero)
-      select case (what)
-      case (dimension_length)
-         call parameters%vary_length(mechanism, arc)
-      case (dimension_angle)
-         call parameters%vary_angle(mechanism, arc)
-      case (dimension_outlk)
-         call parameters%vary(mechanism, variable_outlk)
-      case (dimension_outang)
-         call parameters%vary(mechanism, variable_outang)
-      end select
-   end subroutine vary_by_name
 
    !> Vary what SWHAT names of a linkage of loops; nothing if it is no dimension.
    subroutine vary_by_arc(mechanism, sweep, parameters)

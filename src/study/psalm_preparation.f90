@@ -154,7 +154,7 @@ contains
       if (.not. any(braced)) return
       if (set%toler%given) call set%origins%error(findings, 'TOLER', '', why)
       if (set%gives('ALLOC')) call set%origins%error(findings, 'ALLOC', '', why)
-      if (sets_one_of(set, mechanism, braced)) call set%origins%error(findings, 'SWEEP', '', why)
+      if (sets_one_of(set, braced)) call set%origins%error(findings, 'SWEEP', '', why)
       if (any(braced .and. (parameters%length_variable > 0 .or. parameters%angle_variable > 0))) &
          call set%origins%error(findings, 'CHAIN', 'VARY', why)
    end subroutine refuse_changes

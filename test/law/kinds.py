@@ -717,7 +717,7 @@ allocation.proven = keeps_the_band
 @study("an adjustable dimension (&SWEEP)")
 def sweep(k):
     length = k.sought_length()
-    which = "SWLINK=3, SWLOOP=1" if k.arcs else "SWJNT='%s %s'" % (k.sought[1], k.sought[0])
+    which = "SWLINK=3, SWLOOP=1" if k.arcs else "SWJNT='%s %s'" % tuple(sorted(k.sought, key=lambda joint: joint == "P"))
     return item("SWEEP", which, "SWLOW=%.9g" % (0.99*length), "SWHIGH=%.9g" % (1.01*length))
 
 

@@ -107,7 +107,8 @@ def test_family():
         ours = [v for v, s in zip(family["slide_S1"], family["setting"]) if s == setting]
         check("family of an angle: each curve is the analysis of a drawing with that angle", len(ours) == len(theirs) == 24 and all(
             abs((a - ours[0]) - (b - theirs[0])) < 1e-9 for a, b in zip(ours, theirs)), str(list(zip(ours, theirs))[:3]))
-    for old, new, words in (("SWJNT='D E'", "SWJNT='place A'", "a length or an angle is swept"), ("SWJNT='D E'", "SWJNT='C E'", "is no dimension of the loops"),
+    for old, new, words in (("SWJNT='D E'", "SWJNT='place A'", "a length or an angle is swept"), ("SWJNT='D E'", "SWJNT='angle C D E D'", "is between two lines that both move with joint D"),
+                            ("SWJNT='D E'", "SWJNT='D A'", "would move joint A, from which the line of a slide is counted: name that joint first"),
                             ("SWJNT='D E'", "SWJNT='A E'", "no link has all these joints"), ("SWJNT='D E'", "SWJNT='D G'", "no joint is called 'G'"),
                             ("SWHIGH=100.0", "SWHIGH=50.0", "must be above SWLOW"), ("SWJNT='D E'", "SWLINK=3", "of a sketch a length or an angle is swept"),
                             ("NSWEEP=5", "NSWEEP=1", "must be from 2 to 99"), ("SWLOW=60.0, ", "", "the lowest setting")):
