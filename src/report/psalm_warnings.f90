@@ -27,12 +27,12 @@ contains
 
       words = 'a link of practically no length (the longest '// &
               trim(merge('length', 'arc   ', set%has_names()))//' is '// &
-              number_words(set%has_names(), maxval(dimensions%arcl))//'): '
+              number_words(maxval(dimensions%arcl))//'): '
       do i = 1, min(size(warnings%short), most_named)
          n = warnings%short(i)
          if (i > 1) words = words//', '
          words = words//length_name(mechanism, n)// &
-                 ' is '//number_words(set%has_names(), dimensions%arcl(n))
+                 ' is '//number_words(dimensions%arcl(n))
       end do
       if (size(warnings%short) > most_named) words = words//' and '//to_text(size(warnings%short) - most_named)//' more'
       words = words//'; limit the lengths ('// &
