@@ -192,9 +192,10 @@ contains
       if (allocated(study%sizing)) deallocate (study%sizing)
       allocate (study%sizing(0))
       associate (v => study%table%value, joints => study%joints)
-         call add('DRIVE', v(:, column_drive), least=moment)
+         call add('DRIVE', v(:, column_drive), least=merge(force, moment, study%drive_slides(1)))
          do j = 2, size(study%drives)
-            call add('DRIVE '//study%drives(j), v(:, size(v, 2) - size(study%drives) + j))
+            call add('DRIVE '//study%drives(j), v(:, size(v, 2) - size(study%drives) + j), &
+                     least=merge(force, moment, study%drive_slides(j)))
          end do
          if (size(study%drive_power) == size(known)) call add('DRIVE POWER', study%drive_power)
          frame = hypotenuse(v(:, column_fx), v(:, column_fy))

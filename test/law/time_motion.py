@@ -9,6 +9,7 @@ accelerations and multipliers from one linear system, SciPy's DOP853. It shares 
 import math
 import os
 import random
+import re
 import sys
 
 import numpy as np
@@ -333,6 +334,21 @@ def trebuchet():
     check(f"trebuchet: place of the stone, {worst:.1e} m", worst < 1e-9)
 
 
+def sizing():
+    """Peaks, their times and means of the listing are those of the table, means over the time by the trapezoidal rule."""
+    def area(y, x):
+        return float(np.sum(np.diff(x)*(y[1:] + y[:-1])/2.0))
+
+    for name, joint in (("press", "O"), ("crane", "C.bar")):
+        t, said = run(data(name, *([("NTIME=800", "NTAT=5, TAT=0.1,0.2,1.7,4.0,8.0")] if name == "press" else [])))
+        row = re.search(r"AT THE TIME.*?^ %s +(\S+) +(\S+) +(\S+) +(\S+)$" % re.escape(joint), said, re.M | re.S)
+        force = np.hypot(t[joint + "_fx"], t[joint + "_fy"])
+        span = t["time"][-1] - t["time"][0]
+        want = [force.max(), t["time"][force.argmax()], math.sqrt(area(force**2, t["time"])/span), area(force, t["time"])/span]
+        got = [float(word) for word in row.groups()] if row else []
+        check(f"sizing of {joint} of {name}: {got} instead of {want}", len(got) == 4 and np.allclose(got, want, rtol=2e-5, atol=0.01))
+
+
 def mistakes():
     base = data("pendulum")
     for old, new, words in (
@@ -377,5 +393,6 @@ known_numbers()
 random_mechanisms()
 laws()
 trebuchet()
+sizing()
 mistakes()
 sys.exit(report())
