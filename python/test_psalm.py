@@ -3,9 +3,11 @@
 
 usage: test_psalm.py DATA_DIRECTORY [WRONG_CALLS], with the module on the path. Last line: N passed, N failed, with
 N skipped where packages are missing."""
+import contextlib
 import copy
 import ctypes
 import importlib
+import io
 import os
 import pickle
 import re
@@ -398,6 +400,18 @@ def endless():
         return psalm.Case.from_text(re.sub(r"NSTART=\d+", "NSTART=1000000", file.read()))
 
 
+def test_bar():
+    """progress=True draws a bar on standard error, and ends its line."""
+    case = endless()
+    case.set("SEARCH", NSTART=200)
+    with contextlib.redirect_stderr(io.StringIO()) as shown:
+        case.synthesise(progress=True)
+    bars = [re.fullmatch(r"\[(#*) *\] (\d+) of 200  \d+ s(?:  best [\d.e+-]+)? \n?", bar) for bar in shown.getvalue().split("\r")[1:]]
+    check("a bar is drawn: %r" % shown.getvalue()[-200:], len(bars) > 0 and all(bars) and shown.getvalue().endswith("\n"))
+    check("its length is the part that is made", all(len(bar[1]) == 40*int(bar[2])//200 for bar in bars if bar))
+    check("the bar grows", [int(bar[2]) for bar in bars if bar] == sorted(int(bar[2]) for bar in bars if bar))
+
+
 def test_stopping():
     """A search that would take days ends when it is asked to."""
     calls = []
@@ -481,7 +495,7 @@ def test_threads():
 
 
 for test in (test_analysis, test_made, test_linkage, test_tolerances, test_search, test_next_study, test_files_of_a_case, test_verbs,
-             test_errors, test_copies, test_names, test_fork, test_stopping, test_threads, test_speed, test_import, test_level):
+             test_errors, test_copies, test_names, test_fork, test_bar, test_stopping, test_threads, test_speed, test_import, test_level):
     test()
 test_wrong_arguments(int(sys.argv[2]) if len(sys.argv) > 2 else 4000)
 PROJECT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "pyproject.toml")
