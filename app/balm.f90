@@ -11,7 +11,8 @@ program balm
    use psalm_picture_files, only: write_pictures, name_of
    use psalm_mark, only: mark_t
    use psalm_picture_report, only: report_picture
-   use psalm_picture_study, only: pictured_t, make_scenes
+   use psalm_picture_study, only: make_scenes
+   use psalm_pictured, only: pictured_t
    use psalm_source, only: joined, line_t, read_lines
    use psalm_status, only: diagnostics_t, exit_done, exit_file_error
    use psalm_system, only: finish_program, write_standard_error

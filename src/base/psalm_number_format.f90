@@ -184,7 +184,7 @@ contains
       logical, intent(in) :: named                  !! joints have names: a sketch
       real(wp), intent(in) :: value
       character(:), allocatable :: text
-      real(wp), parameter :: least = 1.0e-99_wp     ! of two digits in the exponent
+      real(wp), parameter :: least = 10.0_wp**(-min(99, range(1.0_wp) - 1)) ! of two digits in the exponent
       character(8) :: buffer
 
       if (named .and. abs(value) >= least .and. abs(value) < 1.0_wp/least) then

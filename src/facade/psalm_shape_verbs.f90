@@ -16,7 +16,8 @@ module psalm_shape_verbs
    use psalm_devices, only: drawing_t
    use psalm_drawing, only: picture_t, draw_file
    use psalm_picture_report, only: report_picture
-   use psalm_picture_study, only: pictured_t, make_scenes
+   use psalm_picture_study, only: make_scenes
+   use psalm_pictured, only: pictured_t
    use psalm_source, only: line_t, split_lines
    use psalm_status, only: findings_t => diagnostics_t
    use psalm_stop, only: stop_t, is_to_end

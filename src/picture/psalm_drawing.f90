@@ -5,7 +5,7 @@ module psalm_drawing
    use psalm_data_set, only: data_set_t
    use psalm_dxf, only: write_dxf, write_flat_dxf
    use psalm_page, only: write_page
-   use psalm_picture_study, only: pictured_t
+   use psalm_pictured, only: pictured_t
    use psalm_plot, only: plot_t
    use psalm_plot_svg, only: write_plots
    use psalm_pole_svg, only: write_pole_svg

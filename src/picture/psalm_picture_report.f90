@@ -2,7 +2,7 @@
 module psalm_picture_report
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t, most_reported
-   use psalm_picture_study, only: pictured_t
+   use psalm_pictured, only: pictured_t
    use psalm_text, only: to_text
    implicit none (type, external)
    private

@@ -5,12 +5,13 @@ module psalm_picture_study
    use psalm_clearance_scene, only: clearance_scene_t, make_clearance_scene
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: most_reported
-   use psalm_dxf_group, only: dxf_group_t, dxf_of
+   use psalm_dxf_group, only: dxf_of
    use psalm_error, only: problem_t, motion_t, make_problem
    use psalm_finale, only: describe_violation
    use psalm_kinds, only: wp
    use psalm_markup, only: strings_t, add_string
-   use psalm_pole_scene, only: pole_scene_t, asks_for_poles, check_poles, make_pole_scene
+   use psalm_pictured, only: new_pictures, pictured_t
+   use psalm_pole_scene, only: asks_for_poles, check_poles, make_pole_scene
    use psalm_preparation, only: memory_need_t, prepared_t, prepare
    use psalm_row_study, only: row_study_t, study_rows
    use psalm_scene, only: scene_t, add_curves, make_scene, message_scene
@@ -20,19 +21,10 @@ module psalm_picture_study
    use psalm_vibration_scene, only: vibration_scene_t, make_vibration_scene
    implicit none (type, external)
    private
-   public :: pictured_t, make_scenes
+   public :: make_scenes
 
    integer, parameter :: most_drawn = 2000 !! positions of a picture; more of them make one black band
    type(memory_need_t), parameter :: need = memory_need_t(position=1000, arc=500, ktheta_only=.false.)
-
-   !> One case as it is to be drawn.
-   type :: pictured_t
-      type(scene_t) :: scene
-      type(scene_t), allocatable :: parts         !! for CAD, where the scene is of loops, which lack joints that they do not need
-      type(dxf_group_t) :: dxf                    !! how the drawing for CAD is to be
-      type(pole_scene_t), allocatable :: poles    !! in place of a linkage: four poses of &EXACT
-      type(strings_t), allocatable :: undrawn(:)  !! first violations at all positions, where not all are drawn
-   end type pictured_t
 
 contains
 
@@ -51,7 +43,8 @@ contains
       integer :: k
       logical :: by_links
 
-      allocate (cases(size(sets)), prepared)
+      call new_pictures(size(sets), cases)
+      allocate (prepared)
       read = finding_list(findings)
       do k = 1, size(sets)
          allocate (cases(k)%undrawn(0))

@@ -131,7 +131,7 @@ def kinds():
     check("poses: angles, turned on", near(items["DESANG"], [math.degrees(a) for p, a in poses], 1e-10), items)
     check("poses: a rigid body is not doubted", "apart" not in said, said)
     said = run("FILE='w.csv', WHAT='POSES', CLOSED=0", method="MOTION=4", files=[("w.csv", "0,0,1,0\n0,0,2,0\n1,1,3,1\n")])[1]
-    check("poses: no rigid body", "from 1.000000 to 2.000000 apart" in said, said)
+    check("poses: no rigid body", "from 1.0 to 2.0 apart" in said, said)
 
 
 def sampling():

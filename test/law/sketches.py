@@ -522,7 +522,7 @@ def one_crank_angle(programs):
             done, _ = run_psalm(programs, folder, name, text)
             with open(os.path.join(folder, name + ".csv"), encoding="ascii") as file:
                 angles.append([float(row["crank_angle"]) for row in csv.DictReader(file)])
-            yield "crank angle, %s: done" % name, done.returncode in (0, 1) and "crank is at 90.00000 degrees" in done.stderr, done.stderr
+            yield "crank angle, %s: done" % name, done.returncode in (0, 1) and "crank is at 90.0 degrees" in done.stderr, done.stderr
         yield "crank angle: that of A B", all(abs(a - b) < 1e-9 for some in angles for a, b in zip(some, (90, 100))), angles
 
 

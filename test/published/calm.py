@@ -254,8 +254,8 @@ def bad_input(place):
             ("swinging_roller", [("OUT0=130.0", "TZONE=1,2,1,1,0,0,0, OUT0=130.0"), ("'MODSINE'", "'TRIG'")], "one side has no width"),
             ("swinging_roller", [("OUT0=130.0", "TZONE=1,2,1,1,1,1,1, OUT0=130.0")], "only 'TRIG' has zones"),
             ("swinging_roller", [("RCUT=10.0", "RCUT=0.0")], "the cutter needs a radius above 0"),
-            ("swinging_roller", [("RCUT=10.0", "RCUT=1E15")], "&CAM RCUT: a cutter of radius 0.1000000D+16"),
-            ("translating_roller", [("RROLL=8.0", "RROLL=1E15")], "&CAM RROLL: a roller of radius 0.1000000D+16"),
+            ("swinging_roller", [("RCUT=10.0", "RCUT=1E15")], "&CAM RCUT: a cutter of radius 1.000000E+15"),
+            ("translating_roller", [("RROLL=8.0", "RROLL=1E15")], "&CAM RROLL: a roller of radius 1.000000E+15"),
             ("swinging_roller", [("RCUT=10.0", "NFOLLP=2")], "there is no loop 2"),
             ("swinging_roller", [("RCUT=10.0", "KTURN=2")], "must be 1 (anticlockwise) or -1"),
             ("swinging_roller", [("NSEG=4", "NSEGM=4")], "did you mean NSEG?"),
@@ -268,16 +268,16 @@ def bad_input(place):
             # the roller's centre on the cam's axis: in a dwell, nearly, within the rise; that of the conjugate cam
             ("yoke", [("ORIGLK=40.0", "ORIGLK=0.0")], "&CAM XCAM: the roller's centre lies on the cam's axis (XCAM=0.0, YCAM=0.0) at 0.0 degrees"),
             ("yoke", [("ORIGLK=40.0", "ORIGLK=1E-12")], "there is no base circle and no profile"),
-            ("yoke", [("ORIGLK=40.0", "ORIGLK=-10.0")], "(XCAM=0.0, YCAM=0.0) at 80.00000 degrees"),
+            ("yoke", [("ORIGLK=40.0", "ORIGLK=-10.0")], "(XCAM=0.0, YCAM=0.0) at 80.0 degrees"),
             ("conjugate_cams", [("FOLLK2=70.0", "XCAM=%.12f, YCAM=%.12f, FOLLK2=70.0" % (80 + 70*math.cos(math.radians(230)), 70*math.sin(math.radians(230))))],
              "lies on the cam's axis (XCAM=35.00487, YCAM=-53.62311)"),
             # it keeps to one point of the cam, which turns or slides
             ("conjugate_cams", [("NSEG=4", "XCAM=80.0, NSEG=3"), ("110.0,160.0,290.0,360.0", "60.0,80.0,360.0"), ("OUT0=130.0", "OUT0=118.0"),
                                 ("106.0,106.0,130.0,130.0", "108.0,128.0,118.0"), ("'MODSINE','DWELL','POLY4567','DWELL'", "'POLY345','RAMP','POLY345'")],
-             "the roller's centre moves with the cam at 60.00000 degrees"),
+             "the roller's centre moves with the cam at 60.0 degrees"),
             ("translating_roller", [("NSEG=4", "KCAM=2, CAMDIR=90.0, CAMLEN=36.0, YCAM=-30.0, NSEG=1"), ("90.0,150.0,270.0,360.0", "360.0"),
                                     ("20.0,20.0,0.0,0.0", "36.0"), ("'POLY345','DWELL','MODTRAP','DWELL'", "'RAMP'")],
-             "&CAM CAMLEN: the roller's centre moves with the cam (CAMLEN=36.00000)"),
+             "&CAM CAMLEN: the roller's centre moves with the cam (CAMLEN=36.0)"),
             ("needle_cam", [(" &CAM", " &CAMS")], "did you mean &CAM?")):
         run = Run(data(name, *changes), place)
         check(run.code == 2 and words in run.error and not run.table, "refused: " + words, run.error)
