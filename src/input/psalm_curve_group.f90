@@ -17,7 +17,7 @@ module psalm_curve_group
    use psalm_status, only: diagnostics_t
    use psalm_take, only: take
    use psalm_number_format, only: number_words
-   use psalm_text, only: full_precision, shortened, to_text
+   use psalm_text, only: full_precision, to_text
    implicit none (type, external)
    private
    public :: curve_items, expand_curve

@@ -12,7 +12,6 @@ module psalm_dimension_change
    use psalm_sketch_mechanism, only: traced_dimensions
    use psalm_status, only: diagnostics_t
    use psalm_sweep_group, only: sweep_group_t, sweep_of
-   use psalm_text, only: to_text
    use psalm_traced_loops, only: loops_t, traced_t, traced_actuator, traced_crank, traced_determined, traced_frame, traced_link, &
                                  traced_slide
    implicit none (type, external)
