@@ -14,7 +14,7 @@ module psalm_chain_study
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
-   public :: chain_study_t, study_chain, inputs_at, inputs_of_drives, turn_repeats, turn_may_repeat, turn_is_open
+   public :: chain_study_t, study_chain, inputs_at, inputs_of_drives, turn_repeats, turn_may_repeat, turn_is_open, inputs_of_row
 
    !> What the sketch does.
    type, extends(sketch_study_t) :: chain_study_t
@@ -212,6 +212,20 @@ contains
          end associate
       end do
    end function inputs_at
+
+   !> Values of all drives, from the drawing, at the positions of a row that is solved: degrees or length.
+   pure function inputs_of_row(set, row) result(inputs)
+      type(data_set_t), intent(in) :: set
+      type(solved_row_t), intent(in) :: row
+      real(wp), allocatable :: inputs(:, :)         !! shape (drives, positions)
+      integer :: d
+
+      inputs = inputs_at(set, row%problem%delt)
+      if (.not. allocated(row%problem%own_delt)) return
+      do d = 2, size(inputs, 1)
+         if (.not. set%sketch%drives(d)%geared) inputs(d, :) = row%problem%own_delt(:, d - 1)
+      end do
+   end function inputs_of_row
 
    !> True if after a turn of the first drive all drives stand as before. Not with gears: a wheel that the drive turns stands
    !> elsewhere then, unless the numbers of teeth are just so.
