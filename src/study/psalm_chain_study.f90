@@ -127,14 +127,18 @@ contains
    !> Leave the last position out.
    subroutine leave_last_out(self)
       class(chain_study_t), intent(inout) :: self
+      real(wp), allocatable :: values(:, :, :)      ! orders count from 0, which a section forgets
+      complex(wp), allocatable :: joints(:, :, :)
 
       associate (n => size(self%closed) - 1)
          self%inputs = self%inputs(:, :n)
          self%closed = self%closed(:n)
          self%dead = self%dead(:n)
-         self%values = self%values(:, :, :n)
+         allocate (values(size(self%values, 1), 0:most_orders, n), source=self%values(:, :, :n))
+         call move_alloc(values, self%values)
          self%by_drive = self%by_drive(:, :, :n)
-         self%joints = self%joints(:, :, :n)
+         allocate (joints(size(self%joints, 1), 0:most_orders, n), source=self%joints(:, :, :n))
+         call move_alloc(joints, self%joints)
          self%motion%closed = self%motion%closed(:n)
          self%motion%dead = self%motion%dead(:n)
          self%motion%group = self%motion%group(:n)
