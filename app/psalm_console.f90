@@ -323,7 +323,8 @@ contains
          case ('--json')
             arguments%json = program /= 'balm'
             if (.not. arguments%json) then
-               call say(program, '--json is an option of the programs that compute: results as CSV and JSON; see --help')
+               call say(program, '--json is an option of the programs that compute: psalm (positions, with IPLOT=1 the whole '// &
+                        'turn), kalm (rates, forces, motion in time), muscle, ssics, bridge, calm')
                arguments%code = exit_bad_input
             end if
          case ('--items')

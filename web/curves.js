@@ -279,7 +279,8 @@ balm.curves = (() => {
     g.drawImage(still, 0, 0, plot.w, plot.h);
     g.strokeStyle = balm.drawing.pens.ink;
     g.lineWidth = plot.u;
-    line(g, x, 14 * plot.u, x, plot.h - 34 * plot.u);
+    // headings stay free of it
+    for (const panel of plot.panels) line(g, x, panel.top - 3 * plot.u, x, panel.bottom + 3 * plot.u);
     for (const panel of plot.panels) for (const one of panel.lines) {
       const v = mixed(one.values, at);
       if (!isFinite(v)) continue;

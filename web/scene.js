@@ -170,7 +170,7 @@ balm.scene = (() => {
 
   /** The table of the sweep: names, and a row of numbers for each of its positions; what is not known is no number. */
   function table(c) {
-    const s = c.sweep, names = ['input', 'closed'], columns = [Array.from({ length: s.n }, (_, i) => inputAt(c, i)),
+    const s = c.sweep, names = [c.time ? 'time' : 'input', 'closed'], columns = [Array.from({ length: s.n }, (_, i) => inputAt(c, i)),
       Array.from(s.closed, Number)];
     const add = (name, values) => { names.push(name); columns.push(values); };
     if (c.drives) for (const one of c.drives) add('drive ' + one.name, one.sweep);

@@ -479,7 +479,8 @@ module psalm_page_text
    ''//nl// &
    '  /** The table of the sweep: names, and a row of numbers for each of its positions; what is not known is no number. */'//nl// &
    '  function table(c) {'//nl// &
-   "    const s = c.sweep, names = ['input', 'closed'], columns = [Array.from({ length: s.n }, (_, i) => inputAt(c, i)),"//nl// &
+   "    const s = c.sweep, names = [c.time ? 'time' : 'input', 'closed'], columns = [Array.from({ length: s.n }, (_, i) => "// &
+   "inputAt(c, i)),"//nl// &
    '      Array.from(s.closed, Number)];'//nl// &
    '    const add = (name, values) => { names.push(name); columns.push(values); };'//nl// &
    "    if (c.drives) for (const one of c.drives) add('drive ' + one.name, one.sweep);"//nl// &
@@ -1723,7 +1724,8 @@ module psalm_page_text
    '    g.drawImage(still, 0, 0, plot.w, plot.h);'//nl// &
    '    g.strokeStyle = balm.drawing.pens.ink;'//nl// &
    '    g.lineWidth = plot.u;'//nl// &
-   '    line(g, x, 14 * plot.u, x, plot.h - 34 * plot.u);'//nl// &
+   '    // headings stay free of it'//nl// &
+   '    for (const panel of plot.panels) line(g, x, panel.top - 3 * plot.u, x, panel.bottom + 3 * plot.u);'//nl// &
    '    for (const panel of plot.panels) for (const one of panel.lines) {'//nl// &
    '      const v = mixed(one.values, at);'//nl// &
    '      if (!isFinite(v)) continue;'//nl// &
@@ -1762,10 +1764,10 @@ module psalm_page_text
    ''//nl// &
    '  /** Panels side by side, on a phone one below the other; nothing for a case without them. */'//nl// &
    '  function layOut(c) {'//nl// &
-   '    const v = c.vibration, list = [];'//nl// &
-   '    if (v && v.speeds.some(([, a]) => a !== null)) list.push(drawSpeeds);'//nl
+   '    const v = c.vibration, list = [];'//nl
 
    character(*), parameter :: part_21 = &
+   '    if (v && v.speeds.some(([, a]) => a !== null)) list.push(drawSpeeds);'//nl// &
    '    if (v && v.chart.length) list.push(drawChart);'//nl// &
    '    box.hidden = !list.length;'//nl// &
    '    if (box.hidden) return;'//nl// &
@@ -1866,11 +1868,11 @@ module psalm_page_text
    '    const value = (key) => shortOutput(c, near >= 0 ? p[key][near] : mixed(s[key], at));'//nl// &
    '    const input = near >= 0 ? p.input[near] : c.ring ? modulo(inputAt(c, t), 360) : inputAt(c, t);'//nl// &
    "    if (c.time) return 'time ' + timeAt(c, t) + ' s, ' + (c.motion === 'point' ? 'x ' + shortOutput(c, mixed(s.actual, "// &
-   "at)) + ', y ' +"//nl// &
-   "      shortOutput(c, mixed(s.actual_y, at)) : c.motion + ' ' + shortOutput(c, mixed(s.actual, at)) + (c.motion === 'ang"// &
-   "le' ? '\u00b0' : ''));"//nl
+   "at)) + ', y ' +"//nl
 
    character(*), parameter :: part_22 = &
+   "      shortOutput(c, mixed(s.actual_y, at)) : c.motion + ' ' + shortOutput(c, mixed(s.actual, at)) + (c.motion === 'ang"// &
+   "le' ? '\u00b0' : ''));"//nl// &
    "    let text = (c.sliding || c.inputLabel ? 'input ' : 'crank ') + short(input) + (c.sliding ? ', ' : '\u00b0, ');"//nl// &
    "    if (c.motion === 'point') text += 'x ' + value('actual') + ', y ' + value('actual_y');"//nl// &
    "    else text += c.motion + ' ' + value('actual') + (c.motion === 'angle' ? '\u00b0' : '');"//nl// &
@@ -1971,10 +1973,10 @@ module psalm_page_text
    '      [dx, dy] = [ux, uy];'//nl// &
    '    }'//nl// &
    '    const angle = modulo(Math.atan2(dy, dx) * 180 / Math.PI, 360);'//nl// &
-   '    const link = bar.body >= 0 && c.bodies[bar.body].name;'//nl// &
-   "    return (link ? 'link ' + link : bar.loop ? 'loop ' + bar.loop + ', arc ' + bar.arc : 'output arc') +"//nl
+   '    const link = bar.body >= 0 && c.bodies[bar.body].name;'//nl
 
    character(*), parameter :: part_23 = &
+   "    return (link ? 'link ' + link : bar.loop ? 'loop ' + bar.loop + ', arc ' + bar.arc : 'output arc') +"//nl// &
    "      ': length ' + short(Number(length.toPrecision(6))) + ', angle ' + angle.toFixed(2) + '\u00b0' +"//nl// &
    "      (bar.others ? ' (also ' + bar.others + ')' : '');"//nl// &
    '  }'//nl// &
@@ -2073,10 +2075,10 @@ module psalm_page_text
    '  }'//nl// &
    ''//nl// &
    '  function speed(way) {'//nl// &
-   "    const box = $('speed');"//nl// &
-   '    box.selectedIndex = Math.min(box.options.length - 1, Math.max(0, box.selectedIndex + way));'//nl
+   "    const box = $('speed');"//nl
 
    character(*), parameter :: part_24 = &
+   '    box.selectedIndex = Math.min(box.options.length - 1, Math.max(0, box.selectedIndex + way));'//nl// &
    '    balm.state.speed = Number(box.value);'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -2180,10 +2182,10 @@ module psalm_page_text
    '-'//nl// &
    ''//nl// &
    '  function key(event) {'//nl// &
-   '    if (event.altKey || event.ctrlKey || event.metaKey || !shown().sound) return;'//nl// &
-   "    const own = event.target.tagName, button = (own === 'BUTTON' || own === 'INPUT') && event.target.type !== 'range';"//nl
+   '    if (event.altKey || event.ctrlKey || event.metaKey || !shown().sound) return;'//nl
 
    character(*), parameter :: part_25 = &
+   "    const own = event.target.tagName, button = (own === 'BUTTON' || own === 'INPUT') && event.target.type !== 'range';"//nl// &
    "    if (own === 'SELECT') return;"//nl// &
    '    const far = event.shiftKey ? 10 : 1, [from, to] = limits();'//nl// &
    '    const actions = {'//nl// &
@@ -2288,10 +2290,10 @@ module psalm_page_text
    "    closePath() { if (this.begun) this.d += 'Z'; }"//nl// &
    "    rect(x, y, w, h) { this.d += 'M' + [x, y].map(digits).join(' ') + 'h' + digits(w) + 'v' + digits(h) + 'h' + digits("// &
    "-w) + 'Z'; this.begun = true; }"//nl// &
-   '    arc(x, y, r, from, to) {'//nl// &
-   "      const turn = Math.min(2 * Math.PI, to - from), size = 'A' + digits(r) + ' ' + digits(r) + ' 0 0 1 ';"//nl
+   '    arc(x, y, r, from, to) {'//nl
 
    character(*), parameter :: part_26 = &
+   "      const turn = Math.min(2 * Math.PI, to - from), size = 'A' + digits(r) + ' ' + digits(r) + ' 0 0 1 ';"//nl// &
    '      this.lineTo(x + r * Math.cos(from), y + r * Math.sin(from));'//nl// &
    '      // in two, for a whole circle ends where it begins'//nl// &
    "      for (const part of [0.5, 1]) this.d += size + digits(x + r * Math.cos(from + part * turn)) + ' ' + digits(y + r *"// &
@@ -2398,10 +2400,10 @@ module psalm_page_text
    '    button.disabled = true;'//nl// &
    "    button.textContent = 'recording \u2026';"//nl// &
    '    try {'//nl// &
-   "      give(await film(balm.controls.duration()), '.film.' + kindOfFilm()[1]);"//nl// &
-   '    } finally {'//nl
+   "      give(await film(balm.controls.duration()), '.film.' + kindOfFilm()[1]);"//nl
 
    character(*), parameter :: part_27 = &
+   '    } finally {'//nl// &
    '      button.disabled = false;'//nl// &
    '      button.textContent = words;'//nl// &
    '    }'//nl// &
@@ -2500,10 +2502,10 @@ module psalm_page_text
    '    if (!c.sound) return;'//nl// &
    '    drawing.layOut(c);'//nl// &
    '    curves.layOut(c);'//nl// &
-   '    charts.layOut(c);'//nl// &
-   "    for (const box of $('overlays').querySelectorAll('input')) {"//nl
+   '    charts.layOut(c);'//nl
 
    character(*), parameter :: part_28 = &
+   "    for (const box of $('overlays').querySelectorAll('input')) {"//nl// &
    '      const on = box.checked && !box.disabled;'//nl// &
    "      box.parentNode.style.color = on ? drawing.linkColour(Number(box.dataset.overlay) + 1) : '';"//nl// &
    '    }'//nl// &
@@ -2602,10 +2604,10 @@ module psalm_page_text
    '    const before = state.t, [from, to] = controls.limits(), began = performance.now();'//nl// &
    '    for (let i = 0; i < count; i++) {'//nl// &
    '      state.t = from + (to - from) * ((i * 0.618034) % 1);'//nl// &
-   '      draw();'//nl// &
-   '      if (raster) for (const pen of [drawing.pen, curves.chart]) pen.getImageData(0, 0, 1, 1);'//nl
+   '      draw();'//nl
 
    character(*), parameter :: part_29 = &
+   '      if (raster) for (const pen of [drawing.pen, curves.chart]) pen.getImageData(0, 0, 1, 1);'//nl// &
    '    }'//nl// &
    '    const mean = (performance.now() - began) / count;'//nl// &
    '    state.t = before;'//nl// &

@@ -1,4 +1,4 @@
-!> Where the letters of the joints go: beside their joint, off the links, off each other.
+!> Where the letters of the joints go: beside their joint, off links, springs and centres of mass, off each other.
 module psalm_labels
    use psalm_angles, only: unit_vector
    use psalm_elementary, only: hypotenuse
@@ -18,6 +18,7 @@ module psalm_labels
    real(wp), parameter :: cost_of_round = 8.0_wp
    real(wp), parameter :: room_symbol = 5.0_wp      !! more for the symbol of a prismatic joint
    real(wp), parameter :: room_bar = 13.0_wp, room_joint = 22.0_wp, room_letter = 20.0_wp, room_dot = 10.0_wp !! wanted, pixels
+   real(wp), parameter :: room_mass = 16.0_wp       !! from a centre of mass, pixels
 
 contains
 
@@ -27,9 +28,11 @@ contains
       real(wp), intent(in) :: k, ox, oy      !! pixels per unit of length; place of the view's low corner
       real(wp), intent(out) :: at(:, :)      !! shape (2, joints)
       real(wp) :: x(size(scene%joints)), y(size(scene%joints)), try(2), c, s, reach, score, best
-      logical :: shown(size(scene%joints))
+      logical :: shown(size(scene%joints)), has_forces
       integer :: j, w, round
 
+      has_forces = allocated(scene%forces)
+      if (has_forces) has_forces = scene%forces%prescribed%table%known(scene%reference)
       at = -huge(1.0_wp)
       shown = scene%prescribed%known(:, scene%reference)
       x = ox + k*(scene%prescribed%x(:, scene%reference) - scene%low(1))
@@ -80,14 +83,27 @@ contains
                                                                   p(2) - oy + k*(scene%prescribed%y(m, i) - scene%low(2))))
             end do
          end do
+         if (.not. has_forces) return
+         do m = 1, size(scene%forces%prescribed%centre, 3)
+            associate (centre => scene%forces%prescribed%centre(:, scene%reference, m))
+               crowd = crowd + 2.0_wp*max(0.0_wp, room_mass - to_piece(p, centre, centre))
+            end associate
+         end do
       end function crowd
 
-      !> Distance from the nearest direction of the output and from the pairs that do not meet, pixels.
+      !> Distance from the nearest direction of the output, pair that does not meet, or spring, pixels.
       pure real(wp) function to_lines(p) result(least)
          real(wp), intent(in) :: p(2)
          integer :: i, loop
 
          least = huge(least)
+         if (has_forces) then
+            do i = 1, size(scene%forces%torsional)
+               associate (ends => scene%forces%prescribed%spring_at(:, scene%reference, :, i))
+                  least = min(least, to_piece(p, ends(:, 1), ends(:, 2)))
+               end associate
+            end do
+         end if
          associate (row => scene%prescribed)
             if (scene%motion == motion_angle .and. row%n <= most_dots) then
                do i = 1, row%n

@@ -66,7 +66,7 @@ contains
       if (problem%motion == motion_pose) unit = 'length and degrees'
       about = name//'; input in '//trim(merge('length ', 'degrees', problem%mechanism%sliding_input))
       if (.not. problem%mechanism%outputs(1)%stands_in) about = about//', output in '//unit
-      table = table_of(block, name, notes=title//nl//about, &
+      table = table_of(block, 'a row for each position, '//name, notes=title//nl//about, &
                        named=.false., audience=merge(for_plots, for_all, prescribed))
       call add_motion(problem, motion, table)
       if (problem%desired) call add_desired(problem, size(motion%input), prescribed, table)

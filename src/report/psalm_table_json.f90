@@ -1,4 +1,4 @@
-!> Tables as JSON: one object a file, `include/psalm_results.schema.json` says what is in it.
+!> Tables as JSON: one object a file, `doc/reference/results.schema.json` says what is in it.
 module psalm_table_json
    use psalm_json, only: json_number, json_text, comma
    use psalm_tables, only: column_t, table_t, tables_t, for_plots, kind_real, kind_short, kind_word

@@ -6,6 +6,7 @@ usage: reading.py BIN   (directory with the programs). Languages that are not in
 N failed.
 """
 import concurrent.futures
+import glob
 import json
 import os
 import re
@@ -32,7 +33,7 @@ TYPES = {"object": dict, "array": list, "string": str, "number": (int, float), "
 def faults(value, schema, root, place="results"):
     """Where a value breaks a schema; the words of JSON Schema that ours uses, none other."""
     unknown = set(schema) - {"$schema", "$defs", "$ref", "title", "description", "type", "enum", "pattern", "required", "properties",
-                             "additionalProperties", "items"}
+                             "patternProperties", "additionalProperties", "items"}
     if unknown:
         yield "the schema has %s" % unknown
     if "$ref" in schema:
@@ -49,7 +50,8 @@ def faults(value, schema, root, place="results"):
         for name in set(schema.get("required", ())) - set(value):
             yield "%s has no %s" % (place, name)
         for name, one in value.items():
-            rule = schema.get("properties", {}).get(name, schema.get("additionalProperties", {}))
+            by_pattern = [rule for pattern, rule in schema.get("patternProperties", {}).items() if re.search(pattern, name)]
+            rule = schema.get("properties", {}).get(name, (by_pattern + [schema.get("additionalProperties", {})])[0])
             if rule is False:
                 yield "%s has %s" % (place, name)
             else:
@@ -81,8 +83,8 @@ def has_rates(case):
         return re.search("[&$](RATES|MASSES|LOADS|SPRING|MOTOR|FRICTN)", file.read()) is not None
 
 
-def every_data_set(directory):
-    """All that the programs write as JSON is JSON: of every data set by the programs that it is for."""
+def every_data_set(directory, schema):
+    """All that the programs write as JSON is JSON that keeps to the schema: of every data set by the programs that it is for."""
     try:
         strict('{"closes": NaN}')
         check("the parser refuses NaN", False)
@@ -97,11 +99,15 @@ def every_data_set(directory):
         if text is None:
             continue
         try:
-            strict(text)
-            fault = ""
+            fault = list(faults(strict(text), schema, schema))[:3]
         except ValueError as error:
             fault = str(error)
-        check("%s, %s: strict JSON" % (program, case), not fault, fault)
+        check("%s, %s: strict JSON, described by the schema" % (program, case), not fault, fault)
+    blocks = schema["$defs"]["case"]["properties"]["blocks"]["properties"]
+    for path in glob.glob(os.path.join(TOP, "src", "report", "*.f90")):
+        with open(path, encoding="utf-8") as file:
+            for name, more in re.findall(r"table_of\('(\w+)'(.*(?:&\n.*)*)", file.read()):
+                check("the schema has the block " + name, name in blocks or "for_plots" in more, path)
 
 
 def has_package(name):
@@ -158,7 +164,7 @@ def main(directory):
                 check("the schema refuses what it does not know", list(faults(whole, schema, schema)))
                 del whole["run"]
                 check("the schema misses the mark", any("run" in fault for fault in faults(whole, schema, schema)))
-        every_data_set(os.path.abspath(directory))
+        every_data_set(os.path.abspath(directory), schema)
         skipped = read_in_languages(work)
     return report(skipped)
 

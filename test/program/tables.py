@@ -329,7 +329,7 @@ def main(directory):
         check("desired values of a further output: a row for each", wishes["position"] == [1, 2, 3] and all(
             abs(float(d) - float(a) - float(e)) < 1e-9 for d, a, e in zip(wishes["desired"], wishes["actual"], wishes["error"])), str(wishes))
         done = subprocess.run([os.path.join(directory, "balm"), "--json", sketches[0]], capture_output=True, text=True, check=False)
-        check("--json is no option of balm", done.returncode == 2 and "--json is an option of the programs that compute" in done.stderr, done.stderr)
+        check("--json is no option of balm", done.returncode == 2 and "--json is an option of the programs that compute: psalm" in done.stderr, done.stderr)
         bare = "A CASE WITHOUT OUTPUTS\n &CHAIN JNT='A','B','C','D', JX=0.,0.,40.,70., JY=0.,30.,60.,0., LNK='A D','A B','B C','C D' &END\n" \
                " &DRIVES DRIVE='A' &END\n &METHOD IKIN=30 &END\n &LIMITS TANGLE=85., LAST=%d &END\n"
         with open("bare.nml", "w", encoding="utf-8") as file:
