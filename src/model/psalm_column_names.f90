@@ -13,6 +13,7 @@
 !> | `OUTPUT.v` `.a` `.j` | first to third derivative by time | `actual_per_s`, `actual_per_s2` ..., of points `x_per_s` ... |
 !> | `OUTPUT.first` `.second` `.third` | derivatives by the input | `actual_per_rad` ..., of points `x_per_rad`; in the block
 !> `derivatives` `actual_x_per_rad` |
+!> | `before.x` `.y`, `after.x` `.y` | load that springs are to lessen | `before`, `after`, both components |
 !>
 !> This module is the one place for these names and for those that device 9 keeps from the time when it was the only table.
 module psalm_column_names
@@ -23,7 +24,7 @@ module psalm_column_names
    private
    public :: input_name, closed_name, position_name, output_name, desired_name, joint_name, by_time, by_input, per_time, per_input
    public :: condition_name, crank_name, wished_name
-   public :: plotted_output, plotted_desired, plotted_component, plotted_rate
+   public :: plotted_output, plotted_desired, plotted_component, plotted_rate, plotted_load
    public :: input_unit, drive_unit, output_unit, rate_unit, number_unit
 
    character(*), parameter :: closed_name = 'closed', position_name = 'position', condition_name = 'condition'
@@ -257,6 +258,14 @@ contains
       name = 'actual'
       if (kind%components > 1) name = trim(kind%suffix(component)(2:))
    end function plotted_component
+
+   !> A load that springs are to lessen: its components are called alike.
+   pure function plotted_load(column) result(name)
+      character(*), intent(in) :: column       !! of the component
+      character(:), allocatable :: name
+
+      name = column(:scan(column//'.', '.') - 1)
+   end function plotted_load
 
    !> A derivative of what has a name there.
    pure function plotted_rate(name, per, order) result(rate)

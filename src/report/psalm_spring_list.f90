@@ -1,5 +1,6 @@
 !> Springs that were found: in the listing, as tables and as the group SPRING.
 module psalm_spring_list
+   use psalm_column_names, only: plotted_load
    use psalm_columns, only: add_item, left_column, right_column
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
@@ -182,7 +183,7 @@ contains
          do c = 1, size(values, 2)
             column = name
             if (size(values, 2) > 1) column = name//'.'//axes(c)
-            call table%add(column, values(:, c), unit, plotted=name)
+            call table%add(column, values(:, c), unit, plotted=plotted_load(column))
          end do
       end subroutine add_load
    end subroutine put_springs
