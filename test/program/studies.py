@@ -15,7 +15,8 @@ from tally import check, report
 TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 COUNTED = {"analysed": "__psalm_error_MOD_analyse", "located": "__psalm_joint_location_MOD_locate_sketch",
            "set up": "__psalm_setup_MOD_set_up", "posed": "__psalm_chain_study_MOD_study_chain",
-           "clearance": "__psalm_clearance_study_MOD_find_clearance", "cam": "__psalm_cam_study_MOD_find_cam"}
+           "clearance": "__psalm_clearance_study_MOD_find_clearance", "cam": "__psalm_cam_study_MOD_find_cam",
+           "followed": "__psalm_time_study_MOD_find_time"}
 # A run analyses its positions and, where it has one, the sweep between and beyond them. A sketch is set up once more where its
 # loops are checked against the drawing, which is no position of the run
 EXPECTED = {
@@ -39,6 +40,9 @@ EXPECTED = {
     ("balm", "planet_back"): {"posed": 3, "analysed": 3},
     # the links laid flat, of a sketch that is drawn from its loops: positions, sweep, the position chosen
     ("balm", "laser_cut_lift"): {"analysed": 3, "set up": 2},
+    # a motion in time: the positions of the case, for the names of its forces; its states, and those of them that are marked
+    ("balm", "time/press"): {"analysed": 3, "followed": 1},
+    ("balm", "time/trebuchet"): {"analysed": 3, "followed": 1, "posed": 2},
     # pictures that a program writes beside its listing
     ("bridge", "bridge/four_bar_haines"): {"clearance": 1},
     ("calm", "calm/translating_roller"): {"cam": 1},
