@@ -18,13 +18,14 @@ module psalm_picture_study
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t, finding_t, level_error
    use psalm_text, only: to_text
-   use psalm_time_scene, only: time_frames_t, find_frames, put_in_time
+   use psalm_time_scene, only: time_frames_t, find_frames, largest_turn, put_in_time
    use psalm_time_study, only: check_time
    use psalm_vibration_scene, only: vibration_scene_t, make_vibration_scene
    implicit none (type, external)
    private
    public :: make_scenes
 
+   real(wp), parameter :: rough = 30.0_wp  !! degrees between two states of a motion in time, which pictures join by straight lines
    integer, parameter :: most_drawn = 2000 !! positions of a picture; more of them make one black band
    type(memory_need_t), parameter :: need = memory_need_t(position=1000, arc=500, ktheta_only=.false.)
 
@@ -163,12 +164,13 @@ contains
       type(prepared_t), intent(in) :: prepared
       logical, intent(in) :: by_links                 !! it is drawn in the poses of its links
       type(diagnostics_t), intent(inout) :: noted
-      type(finding_t), intent(in) :: own(:)           !! findings so far
+      type(finding_t), intent(in) :: own(:)           !! findings of reading
       type(pictured_t), intent(inout) :: case
       logical, intent(out) :: drawn
       real(wp), intent(in), optional :: chosen        !! increment of the input for a drawing for CAD
       class(time_frames_t), allocatable :: frames     ! large, as the rows are: they would fill a small stack
       class(row_study_t), allocatable :: rows
+      type(finding_t), allocatable :: all_findings(:)
       character(:), allocatable :: why
 
       allocate (frames, rows)
@@ -177,14 +179,19 @@ contains
          if (len(why) > 0) call set%origins%warning(noted, 'TIME', '', 'the motion in time is not drawn: '//why)
          return
       end if
+      if (largest_turn(frames) > rough) call set%origins%warning(noted, 'TIME', 'TEND', 'a drive turns by up to '// &
+         to_text(nint(largest_turn(frames)))//' degrees between two of the '//to_text(size(frames%motion%time))// &
+         ' states that pictures show; between them they are rough')
       call study_times(set, prepared%mechanism, prepared%given, prepared%parameters, frames%motion, frames%marks, rows, chosen)
+      all_findings = own
+      if (noted%count > 0) all_findings = [own, noted%list(:noted%count)]
       if (by_links) then
-         call make_chain_scene(set, own, case%scene, chosen, rows=rows)
+         call make_chain_scene(set, all_findings, case%scene, chosen, rows=rows)
       else
-         call make_scene(set, rows, .false., own, case%scene)
+         call make_scene(set, rows, .false., all_findings, case%scene)
          if (set%is_drawn() .and. case%scene%valid .and. (case%dxf%flat .or. case%dxf%width > 0.0_wp)) then
             allocate (case%parts)
-            call make_chain_scene(set, own, case%parts, chosen, rows=rows)
+            call make_chain_scene(set, all_findings, case%parts, chosen, rows=rows)
          end if
       end if
       drawn = case%scene%valid

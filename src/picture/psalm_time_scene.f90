@@ -5,7 +5,7 @@ module psalm_time_scene
    use psalm_error, only: problem_t, make_problem
    use psalm_force_analysis, only: column_drive, column_fx, column_fy, column_moment, column_of_other_drive
    use psalm_force_study, only: force_study_t, find_forces
-   use psalm_kinds, only: wp, full_turn
+   use psalm_kinds, only: wp, degrees_per_radian, full_turn
    use psalm_markup, only: add_string
    use psalm_output_kind, only: kind_of_output
    use psalm_panels, only: add_line, begin_panel, group_energy, group_forces, group_position, group_rates, most_outputs, &
@@ -20,7 +20,7 @@ module psalm_time_scene
    use psalm_trace, only: position_row_t
    implicit none (type, external)
    private
-   public :: time_frames_t, find_frames, put_in_time
+   public :: time_frames_t, find_frames, put_in_time, largest_turn
 
    integer, parameter :: least_frames = 360, most_frames = 3000 !! steps of the motion
    real(wp), parameter :: frames_a_second = 60.0_wp
@@ -66,6 +66,21 @@ contains
       n = size(frames%motion%time)
       frames%marks = [(i, i=1, n, max(1, (n - 2)/most_marks + 1))]
    end subroutine find_frames
+
+   !> How far a drive turns between two frames, at most: degrees.
+   pure real(wp) function largest_turn(frames)
+      type(time_frames_t), intent(in) :: frames
+      integer :: d
+
+      largest_turn = 0.0_wp
+      associate (motion => frames%motion)
+         do d = 1, size(motion%free)
+            if (motion%forces%drive_slides(d)) cycle
+            largest_turn = max(largest_turn, maxval(abs(motion%drives(:, d, 1)))*degrees_per_radian)
+         end do
+         largest_turn = largest_turn*(motion%time(2) - motion%time(1))
+      end associate
+   end function largest_turn
 
    !> How many steps: of even times so many that each of them is a frame, if these are not too many.
    pure integer function steps_of(times) result(n)

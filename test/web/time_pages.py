@@ -140,6 +140,16 @@ def test_animation():
     check("stars at even times", case["prescribed"]["n"] == 41 and abs(case["prescribed"]["input"][1] - 0.04) < 1e-12)
 
 
+def test_long_motion():
+    """Too many turns for the states of a picture are told; the animation has the beginning."""
+    write("long.nml", changed(LOOPS, "TEND=.1, NTIME=50", "TEND=60.0, NTIME=60"))
+    code, _, said = picture_tools.balm("--animate", "long.nml")
+    case = page_data("long.html")[0]
+    check("long: a drive turns far between two states", code == 0 and case["sweep"]["n"] <= 3001 and
+          "turns by up to" in said and any("turns by up to" in words for words in case["warnings"]), said)
+    check("long: the animation has the first 20 s", set(re.findall(r' dur="([^"]+)"', read("long.move.svg"))) == {"20s"})
+
+
 def test_browser():
     """At speed 1 a second is a second."""
     with sync_playwright() as playwright:
@@ -199,6 +209,7 @@ def main():
         test_states()
         test_loops()
         test_animation()
+        test_long_motion()
         test_browser()
         test_early_end()
         os.chdir("/")
