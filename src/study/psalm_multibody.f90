@@ -32,8 +32,9 @@ module psalm_multibody
    integer, parameter :: most_checked = 720      !! positions at which the result is checked
    real(wp), parameter :: misfit = 1.0e-8_wp     !! part of the size, and radians, by which joints may gape there
    real(wp), parameter :: largest_machine = 20.0_wp !! metres; a larger one may have been drawn in millimetres
-   real(wp), parameter :: most_felt = 4.0_wp     !! times the least inertia
+   real(wp), parameter :: most_felt = 2.0_wp     !! times the least inertia
    real(wp), parameter :: bar_mass = 1.0_wp      !! kg for a metre of link, where no link has a mass
+   real(wp), parameter :: shortest_bar = 0.1_wp  !! part of the size: blocks are taken for bars of this length
    real(wp), parameter :: light = 1.0e-4_wp      !! a link without a mass among others that have one: so much of their mean
    real(wp), parameter :: least_radius = 1.0e-3_wp !! of gyration, as part of the size: programs refuse a body without inertia
 
@@ -570,8 +571,9 @@ contains
                call longest(body%points, ends, length)
                body%centre = 0.5_wp*(ends(:, 1) + ends(:, 2))
                if (size(body%points, 2) == 0) body%centre = placed(pose, 1, b, origin, [0.0_wp, 0.0_wp])
+               length = max(length, shortest_bar*model%size)
                body%mass = light*sum_of/real(max(heavy, 1), wp)
-               if (heavy == 0) body%mass = bar_mass*merge(length, least_radius*model%size, length > 0.0_wp)
+               if (heavy == 0) body%mass = bar_mass*length
                body%inertia = max(body%inertia, body%mass*length**2/12.0_wp)  ! of a uniform bar
             else
                body%centre = placed(pose, 1, b, origin, own([parameter_mx, parameter_my])/body%mass)
