@@ -5,7 +5,7 @@ module psalm_sdf
    use psalm_angles, only: degrees_of
    use psalm_kinds, only: wp, radians_per_degree, right_angle
    use psalm_elementary, only: hypotenuse
-   use psalm_multibody, only: multibody_t, pair_t
+   use psalm_multibody, only: multibody_t, tree_joint_t
    use psalm_robot_names, only: bar_radius, bars_of, robot_names_t, robot_names, row_of
    use psalm_status, only: diagnostics_t
    use psalm_text, only: text_t, to_text
@@ -110,7 +110,7 @@ contains
    end subroutine begin_joint_of_sdf
 
    pure function axis_of(joint) result(axis)
-      type(pair_t), intent(in) :: joint
+      type(tree_joint_t), intent(in) :: joint
       real(wp) :: axis(3)
 
       axis = [0.0_wp, 0.0_wp, 1.0_wp]

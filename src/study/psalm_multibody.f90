@@ -27,7 +27,7 @@ module psalm_multibody
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: multibody_t, rigid_body_t, pair_t, relation_t, link_spring_t, marked_point_t, make_multibody
+   public :: multibody_t, tree_joint_t, make_multibody
 
    integer, parameter :: most_checked = 720      !! positions at which the result is checked
    real(wp), parameter :: misfit = 1.0e-8_wp     !! part of the size, and radians, by which joints may gape there
@@ -49,7 +49,7 @@ module psalm_multibody
    end type rigid_body_t
 
    !> A joint.
-   type :: pair_t
+   type :: tree_joint_t
       character(:), allocatable :: name
       logical :: slides = .false.
       integer :: bodies(2) = 0                   !! in the tree the first is nearer to the frame
@@ -60,7 +60,7 @@ module psalm_multibody
       integer :: number = 0                      !! of the mechanism's joint; 0: between rod and barrel
       integer :: drive = 0                       !! the actuator that moves it,
       real(wp) :: sense = 1.0_wp                 !! in this sense
-   end type pair_t
+   end type tree_joint_t
 
    !> The sum of `factors` times the co-ordinates of the joints is 0, or the stroke of a drive from here, rad or m.
    type :: relation_t
@@ -88,7 +88,7 @@ module psalm_multibody
    type :: multibody_t
       character(:), allocatable :: name
       type(rigid_body_t), allocatable :: bodies(:) !! those of the tree after the body that they hang on
-      type(pair_t), allocatable :: joints(:)
+      type(tree_joint_t), allocatable :: joints(:)
       type(relation_t), allocatable :: relations(:)
       type(marked_point_t), allocatable :: marked(:)
       type(link_spring_t), allocatable :: springs(:)
@@ -370,8 +370,8 @@ contains
    !> Choose the joints of the tree, and turn them so that they lead away from the frame. `order` has the bodies, each after the one
    !> that it hangs on.
    !>
-   !> Drives come first; then slides, for one that closes a loop is hard to state; then pins of links that a drive moves, and of links
-   !> without a mass: a drive must bear more than such a link in the tree where loops are closed by stiff springs.
+   !> Drives come first; then slides, for one that closes a loop is hard to state; then pins of links that a drive moves, and of
+   !> links without a mass: a drive must bear more than such a link in the tree where loops are closed by stiff springs.
    pure subroutine plant_tree(model, order)
       type(multibody_t), intent(inout) :: model
       integer, allocatable, intent(out) :: order(:)
@@ -527,7 +527,7 @@ contains
       integer, intent(in) :: position
       real(wp), intent(in) :: origin(2)
       real(wp), intent(in) :: pace              !! of the input, rad/s or user's length/s
-      type(pair_t), intent(inout) :: joints(:)  !! where they are at that position
+      type(tree_joint_t), intent(inout) :: joints(:)  !! where they are at that position
       integer :: j
 
       do j = 1, size(joints)
@@ -650,7 +650,7 @@ contains
       type(multibody_t), intent(inout) :: model        !! gets the inertia that the drive feels
       type(diagnostics_t), intent(inout) :: findings
       type(body_motion_t) :: motion
-      type(pair_t), allocatable :: joints(:)
+      type(tree_joint_t), allocatable :: joints(:)
       real(wp), allocatable :: felt(:)
       real(wp) :: ends(2, 2), before(2), after(2), gap, turn, v(2), rate
       integer :: i, j, k, b
