@@ -10,8 +10,7 @@ module psalm_mjcf
    private
    public :: write_mjcf
 
-   real(wp), parameter :: steps_of_turn = 10000.0_wp !! time steps in a turn of the crank, or in the way of a cylinder as long as the
-                                                    !! linkage is large
+   real(wp), parameter :: steps_of_turn = 10000.0_wp !! time steps in a turn of the crank, or in a stroke as long as the linkage
    real(wp), parameter :: relaxation = 5.0_wp       !! time steps in which a gap of a loop fades; with 2 a Jansen leg is unstable
    real(wp), parameter :: longest_step = 1.0e-3_wp  !! s
    real(wp), parameter :: response = 5.0_wp         !! time steps in which a drive answers
