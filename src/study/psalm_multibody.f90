@@ -1,8 +1,8 @@
 !> A mechanism as multibody programs read it: bodies with inertias, joints that make a tree of them, joints that close the loops.
 !>
-!> Everything is given where the mechanism stands at one position, in metres and machine axes. The co-ordinate of a joint is 0 there:
-!> the turn of its second body in the first, or how far that slides along the joint's line. Wheels in gear, drives that follow
-!> others and drives between links that have no joint in common are linear relations of these co-ordinates.
+!> Everything is given where the mechanism stands at one position, in metres and machine axes. The co-ordinate of a joint is 0
+!> there: the turn of its second body in the first, or how far that slides along the joint's line. Wheels in gear, drives that
+!> follow others and drives between links that have no joint in common are linear relations of these co-ordinates.
 !>
 !> The result is checked before it is given: at all positions of the case the pins of both bodies must meet, slides stay on their
 !> lines, and the relations hold.
@@ -174,8 +174,8 @@ contains
       at = metre*prepared%given%origlk*at
    end function origin_of
 
-   !> Put the linkage where it is to be described: at the reference position, of a sketch its drawing; where it does not close there, or
-   !> has several drives of their own, at the first position that closes.
+   !> Put the linkage where it is to be described: at the reference position, of a sketch its drawing; where it does not close
+   !> there, or has several drives of their own, at the first position that closes.
    !>
    !> `wider` is not allocated if it closes nowhere; else it has positions that close.
    subroutine stand(set, prepared, problem, wider, model, findings)
