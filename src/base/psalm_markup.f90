@@ -1,14 +1,12 @@
-!> Text and numbers inside SVG, HTML and JSON: what a user may have written in a title must not end a string there.
+!> Text and numbers inside SVG and HTML: what a user may have written in a title must not end an element there. JSON: `psalm_json`.
 module psalm_markup
    use, intrinsic :: iso_fortran_env, only: int64
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use psalm_kinds, only: wp
-   use psalm_text, only: text_t, full_precision, to_text
+   use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
-   public :: truth, comma
-   public :: clean_text, xml_text, json_text, number_or_null, short_or_null, short_number, sentence_case, wrapped, &
-             strings_t, add_string
+   public :: clean_text, xml_text, short_number, sentence_case, wrapped, strings_t, add_string
 
    integer, parameter :: significant = 9 !! digits of `short_number`
 
@@ -107,72 +105,6 @@ contains
       end do
       escaped = out%content()
    end function xml_text
-
-   !> The text as a JSON string, quotes included, that may stand inside a script element.
-   pure function json_text(text) result(quoted)
-      character(*), intent(in) :: text
-      character(:), allocatable :: quoted, clean
-      type(text_t) :: out         ! grows without being copied for every letter
-      integer :: i
-
-      clean = clean_text(text)
-      call out%add_text('"')
-      do i = 1, len(clean)
-         select case (clean(i:i))
-         case ('"')
-            call out%add_text(achar(92)//'"')
-         case (achar(92))
-            call out%add_text(achar(92)//achar(92))
-         case ('<')
-            call out%add_text(achar(92)//'u003c')
-         case ('>')
-            call out%add_text(achar(92)//'u003e')
-         case ('&')
-            call out%add_text(achar(92)//'u0026')
-         case default
-            call out%add_text(clean(i:i))
-         end select
-      end do
-      call out%add_text('"')
-      quoted = out%content()
-   end function json_text
-
-   !> A truth value of JSON.
-   pure function truth(value) result(word)
-      logical, intent(in) :: value
-      character(:), allocatable :: word
-
-      word = trim(merge('true ', 'false', value))
-   end function truth
-
-   !> What stands before the i-th element of a JSON list.
-   pure function comma(i) result(mark)
-      integer, intent(in) :: i
-      character(:), allocatable :: mark
-
-      mark = ','
-      if (i == 1) mark = ''
-   end function comma
-
-   !> All digits of a number, or `null` if it is not known.
-   pure function number_or_null(value, known) result(text)
-      real(wp), intent(in) :: value
-      logical, intent(in) :: known
-      character(:), allocatable :: text
-
-      text = 'null'
-      if (known .and. ieee_is_finite(value)) text = full_precision(value)
-   end function number_or_null
-
-   !> Nine digits of a number, or `null` if it is not known.
-   pure function short_or_null(value, known) result(text)
-      real(wp), intent(in) :: value
-      logical, intent(in) :: known
-      character(:), allocatable :: text
-
-      text = 'null'
-      if (known) text = short_number(value)
-   end function short_or_null
 
    !> Nine significant digits, or as many as wanted, without needless zeros. What is no number is 0: a picture has no place for it.
    pure function short_number(value, wanted) result(text)

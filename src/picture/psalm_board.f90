@@ -1,7 +1,8 @@
 !> The drawing board as one self-contained HTML page; a data set may be on it.
 module psalm_board
    use psalm_board_text, only: board_text
-   use psalm_markup, only: json_text, xml_text
+   use psalm_json, only: json_text
+   use psalm_markup, only: xml_text
    use psalm_shared_text, only: title_mark, data_mark
    use psalm_source, only: line_t
    use psalm_text, only: text_t

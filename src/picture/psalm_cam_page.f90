@@ -6,8 +6,8 @@ module psalm_cam_page
    use psalm_cam_shape, only: cam_extreme_t, measure_base, measure_outer, measure_pressure, measure_convex, measure_concave
    use psalm_cam_study, only: cam_study_t, role_cam, role_conjugate
    use psalm_kinds, only: wp, radians_per_degree
-   use psalm_markup, only: json_text, short_number, xml_text, comma, truth
-   use psalm_page_rows, only: integers
+   use psalm_json, only: add_numbers, comma, json_integers, json_number, json_text, truth
+   use psalm_markup, only: xml_text
    use psalm_shared_text, only: title_mark, data_mark
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
@@ -69,8 +69,8 @@ contains
          end do
          call text%add_text('],"bodies":[')
          do j = 1, size(linkage%bodies)
-            call text%add_text(comma(j)//'{"frame":'//truth(linkage%bodies(j)%frame)//',"hull":['// &
-                               integers(linkage%bodies(j)%hull - 1)//']}')
+            call text%add_text(comma(j)//'{"frame":'//truth(linkage%bodies(j)%frame)//',"hull":'// &
+                               json_integers(linkage%bodies(j)%hull - 1)//'}')
          end do
          call text%add_text('],"rails":[')
          do j = 1, size(linkage%slides)
@@ -179,23 +179,20 @@ contains
       character(*), intent(in) :: name
       real(wp), intent(in) :: values(:)
       type(text_t), intent(inout) :: text
-      integer :: i
 
+      call text%add_text('"'//name//'":')
       if (maxval(values) - minval(values) <= 0.0_wp) then
-         call text%add_text('"'//name//'":'//number(values(1)))
-         return
+         call text%add_text(number(values(1)))
+      else
+         call add_numbers(values, text, digits=digits_shown)
+         call text%add()
       end if
-      call text%add_text('"'//name//'":[')
-      do i = 1, size(values)
-         call text%add_text(comma(i)//number(values(i)))
-      end do
-      call text%add(']')
    end subroutine add_row
 
    pure function number(value) result(digits)
       real(wp), intent(in) :: value
       character(:), allocatable :: digits
 
-      digits = short_number(value, digits_shown)
+      digits = json_number(value, digits=digits_shown)
    end function number
 end module psalm_cam_page

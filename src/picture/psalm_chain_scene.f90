@@ -4,7 +4,7 @@
 !> sweep is a whole turn of a drive that can make one; else the way from position to position, all drives together.
 module psalm_chain_scene
    use psalm_angles, only: unit_vector
-   use psalm_chain_study, only: chain_study_t, inputs_at, study_chain, turn_may_repeat
+   use psalm_chain_study, only: chain_study_t, inputs_at, study_chain, turn_is_open, turn_may_repeat
    use psalm_closure, only: closure_t, state_t
    use psalm_column_names, only: number_unit, per_time
    use psalm_data_set, only: data_set_t
@@ -15,10 +15,12 @@ module psalm_chain_scene
    use psalm_panels, only: add_study_panels, with_unit
    use psalm_parts, only: drawn_bar_t, edge_t, drawn_joint_t, drawn_slide_t, wheel_t, convex_hull
    use psalm_scene, only: scene_t, message_scene, choose_view, find_rails, motion_number
+   use psalm_row_study, only: row_study_t, solved_row_t
    use psalm_sketch, only: columns_of, sketch_t, drive_turns, frame_link, grid_digits, output_angle, &
                            output_point, output_pose, output_slide
    use psalm_sort, only: ascending
    use psalm_status, only: finding_t
+   use psalm_sweep, only: sweep_sense
    use psalm_trace, only: position_row_t
    implicit none (type, external)
    private
@@ -39,28 +41,42 @@ module psalm_chain_scene
 contains
 
    !> The scene of a case. Errors among its findings make it a scene of messages.
-   subroutine make_chain_scene(set, findings, scene, chosen, inputs)
+   subroutine make_chain_scene(set, findings, scene, chosen, inputs, rows)
       type(data_set_t), intent(in) :: set
       type(finding_t), intent(in) :: findings(:)    !! of this case
       type(scene_t), intent(out) :: scene
       real(wp), intent(in), optional :: chosen      !! increment of the drive at one more position, for DXF
       real(wp), intent(in), optional :: inputs(:, :) !! shape (drives, positions): in place of those of the case
+      type(row_study_t), intent(in), optional :: rows !! its loops at its positions, over a sweep and at the position chosen: then
+                                                    !! nothing is solved again
       type(chain_study_t), allocatable :: own, sweep
       type(foot_t), allocatable :: feet(:)
 
       call message_scene(set, findings, scene)
       if (size(scene%errors) > 0) return
       allocate (own)
-      call study_chain(set, set%rates%speed, set%rates%accel, own, inputs, by_loops=.true.)
+      if (present(rows)) then
+         call study_row(rows%prescribed)
+      else
+         call study_chain(set, set%rates%speed, set%rates%accel, own, inputs, by_loops=.true.)
+      end if
       if (.not. own%valid) return
       scene%valid = .true.
       scene%tangle = set%limits%tangle
-      call make_sweep(set, own, scene, sweep)
+      if (present(rows)) then
+         call take_sweep()
+      else
+         call make_sweep(set, own, scene, sweep)
+      end if
       call make_parts(set%sketch, own%closure, own%start, scene, feet)
       call choose_output(set%sketch, own, scene)
       call trace_chain(set%sketch, own, feet, scene, scene%prescribed)
       call trace_chain(set%sketch, sweep, feet, scene, scene%sweep)
-      if (present(chosen)) call trace_chosen(set, own, chosen, feet, scene)
+      if (present(chosen) .and. present(rows)) then
+         call trace_chosen(set, own, chosen, feet, scene, rows%chosen)
+      else if (present(chosen)) then
+         call trace_chosen(set, own, chosen, feet, scene)
+      end if
       call tell_open(set%sketch, own, scene%prescribed)
       call tell_open(set%sketch, sweep, scene%sweep)
       scene%prescribed%violated = .not. all(scene%prescribed%closed)
@@ -74,19 +90,43 @@ contains
       ! the way through a grid has no speed, nor has one from position to position without one
       if (count(.not. set%sketch%drives%geared) > 1) return
       call add_study_panels(set, sweep, size(set%sketch%outputs) + 1, maxval(scene%high - scene%low), scene%panels)
+
+   contains
+
+      !> The prescribed positions, solved already.
+      subroutine study_row(row)
+         type(solved_row_t), intent(in) :: row
+
+         call study_chain(set, set%rates%speed, set%rates%accel, own, inputs_at(set, row%problem%delt), by_loops=.true., solved=row)
+      end subroutine study_row
+
+      !> The sweep as it is solved already.
+      subroutine take_sweep()
+         scene%sliding = rows%problem%mechanism%sliding_input
+         scene%sense = sweep_sense(rows%problem)
+         scene%prescribed%n = size(own%inputs, 2)
+         scene%prescribed%delt = own%inputs(1, :)
+         scene%prescribed%input = own%inputs(1, :)
+         allocate (sweep)
+         call study_chain(set, set%rates%speed, set%rates%accel, sweep, inputs_at(set, rows%sweep%problem%delt), by_loops=.true., &
+                          other=own, solved=rows%sweep)
+         scene%sweep%delt = sweep%inputs(1, :)
+         scene%sweep%input = sweep%inputs(1, :)
+      end subroutine take_sweep
    end subroutine make_chain_scene
 
    !> One more position, by its increment.
-   subroutine trace_chosen(set, own, increment, feet, scene)
+   subroutine trace_chosen(set, own, increment, feet, scene, solved)
       type(data_set_t), intent(in) :: set
       type(chain_study_t), intent(in) :: own
       real(wp), intent(in) :: increment
       type(foot_t), intent(in) :: feet(:)
       type(scene_t), intent(inout) :: scene
+      type(solved_row_t), intent(in), optional :: solved !! its loops there
       type(chain_study_t), allocatable :: study
 
       allocate (study)
-      call study_chain(set, 1.0_wp, 0.0_wp, study, inputs_at(set, [increment]), other=own)
+      call study_chain(set, 1.0_wp, 0.0_wp, study, inputs_at(set, [increment]), by_loops=.true., other=own, solved=solved)
       call trace_chain(set%sketch, study, feet, scene, scene%chosen)
    end subroutine trace_chosen
 
@@ -170,7 +210,8 @@ contains
          call study_chain(set, set%rates%speed, set%rates%accel, sweep, inputs, by_loops=.true., other=own)
       end subroutine run
 
-      !> False where a turn need not be tried: drives or wheels stand elsewhere after it, or the linkage does not go so far.
+      !> False where a turn need not be tried: drives or wheels stand elsewhere after it, or the linkage does not go so far. Where
+      !> only the turn itself tells how its wheels turn, the one position after it shows whether they are back.
       logical function may_come_back()
          may_come_back = turn_may_repeat(set)
          if (may_come_back .and. allocated(own%looped)) then
@@ -179,16 +220,25 @@ contains
                   may_come_back = reach%ends(1) - reach%ends(2) >= (1.0_wp - back_again)*full_turn
             end associate
          end if
+         if (.not. may_come_back .or. .not. turn_is_open(set)) return
+         call run([own%inputs(1, 1) + scene%sense*full_turn])
+         if (sweep%motion%closed(1) .and. own%motion%closed(1)) may_come_back = are_together(own%motion%states(1), &
+                                                                                             sweep%motion%states(1))
       end function may_come_back
 
       !> True if a whole turn closes everywhere and ends where it began.
       logical function came_back()
          came_back = all(sweep%motion%closed)
          if (.not. came_back) return
-         associate (first => sweep%motion%states(1)%joint(:, 0), last => sweep%motion%states(size(sweep%motion%states))%joint(:, 0))
-            came_back = maxval(abs(first - last)) < back_again*own%closure%size
-         end associate
+         came_back = are_together(sweep%motion%states(1), sweep%motion%states(size(sweep%motion%states)))
       end function came_back
+
+      !> True if all joints of the one state are where those of the other are.
+      pure logical function are_together(one, other)
+         type(state_t), intent(in) :: one, other
+
+         are_together = maxval(abs(one%joint(:, 0) - other%joint(:, 0))) < back_again*own%closure%size
+      end function are_together
 
       !> Values at places between those of a row.
       pure function along(values, places) result(between)

@@ -1,9 +1,7 @@
 !> A joint with clearance as data of the moving page: its pin in the hole, load and force of contact over the sweep.
 module psalm_clearance_page
    use psalm_clearance_scene, only: clearance_scene_t
-   use psalm_kinds, only: wp
-   use psalm_markup, only: json_text, short_number
-   use psalm_page_rows, only: add_values
+   use psalm_json, only: add_member, json_number, json_text
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
@@ -18,23 +16,12 @@ contains
       type(text_t), intent(inout) :: text
 
       call text%add_text('{"name":'//json_text(clearance%name)//',"joint":'//to_text(joint)//',"diametral":'// &
-                         short_number(clearance%diametral))
-      call add_row('px', clearance%pin(1, :))
-      call add_row('py', clearance%pin(2, :))
-      call add_row('fx', clearance%load(1, :))
-      call add_row('fy', clearance%load(2, :))
-      call add_row('force', clearance%force)
+                         json_number(clearance%diametral))
+      call add_member('px', clearance%pin(1, :), text)
+      call add_member('py', clearance%pin(2, :), text)
+      call add_member('fx', clearance%load(1, :), text)
+      call add_member('fy', clearance%load(2, :), text)
+      call add_member('force', clearance%force, text)
       call text%add_text('}')
-
-   contains
-
-      subroutine add_row(name, values)
-         character(*), intent(in) :: name
-         real(wp), intent(in) :: values(:)
-
-         call text%add(',"'//name//'":[')
-         call add_values(values, text)
-         call text%add_text(']')
-      end subroutine add_row
    end subroutine write_clearance_data
 end module psalm_clearance_page

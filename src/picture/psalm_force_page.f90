@@ -3,8 +3,7 @@ module psalm_force_page
    use psalm_force_scene, only: force_scene_t, words_of_added
    use psalm_force_analysis, only: column_drive, column_fx, column_fy, column_moment
    use psalm_kinds, only: wp
-   use psalm_markup, only: json_text, short_number, comma, truth
-   use psalm_page_rows, only: add_values
+   use psalm_json, only: add_member, comma, json_number, json_text, truth
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
@@ -34,7 +33,7 @@ contains
          end if
          call text%add_text(',"weights":[')
          do j = 1, size(forces%radius)
-            call text%add_text(comma(j)//'{"radius":'//short_number(forces%radius(j)))
+            call text%add_text(comma(j)//'{"radius":'//json_number(forces%radius(j)))
             call add_row('x', sweep%weight_at(1, :, j))
             call add_row('y', sweep%weight_at(2, :, j))
             call text%add('}')
@@ -87,9 +86,7 @@ contains
          real(wp), intent(in) :: values(:)
          integer :: i
 
-         call text%add_text(',"'//name//'":[')
-         call add_values(values, text, [(forces%sweep%table%known(i), i=1, size(values))])
-         call text%add(']')
+         call add_member(name, values, text, [(forces%sweep%table%known(i), i=1, size(values))])
       end subroutine add_row
    end subroutine write_force_data
 end module psalm_force_page

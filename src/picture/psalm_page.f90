@@ -7,15 +7,15 @@ module psalm_page
    use psalm_kinds, only: wp
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance
    use psalm_labels, only: place_labels
-   use psalm_markup, only: xml_text, json_text, short_number, strings_t, comma, truth
-   use psalm_page_rows, only: add_values, integers
+   use psalm_json, only: add_member, add_numbers, add_strings, comma, json_integers, json_number, json_text, truth
+   use psalm_markup, only: strings_t, xml_text
    use psalm_page_text, only: page_text
    use psalm_panels, only: tolerance_band_t, panel_t
    use psalm_parts, only: drawn_bar_t, drawn_body_t
    use psalm_proof_page, only: write_proof_data
    use psalm_scene, only: place_on_sweep, scene_t, motion_number
    use psalm_shared_text, only: title_mark, data_mark
-   use psalm_text, only: text_t, full_precision, to_text
+   use psalm_text, only: text_t, to_text
    use psalm_trace, only: position_row_t
    use psalm_vibration_page, only: write_vibration_data
    implicit none (type, external)
@@ -67,12 +67,11 @@ contains
       call add_messages('breaches', scene%breaches)
       if (scene%valid) then
          call text%add_text(',"motion":"'//motion_name(scene%motion)//'","sliding":'//truth(scene%sliding)//',"desired":'// &
-                            truth(scene%desired)//',"limits":['//full_precision(90.0_wp - scene%tangle)//','// &
-                            full_precision(90.0_wp + scene%tangle)//'],"sense":'//short_number(scene%sense)//',"loops":'// &
-                            to_text(scene%loops)//',"output":'//to_text(scene%output - 1)//',"base":'// &
-                            to_text(scene%output_base - 1)//',"reference":'//to_text(scene%reference - 1)//',"view":['// &
-                            short_number(scene%low(1))//','//short_number(scene%low(2))//','// &
-                            short_number(scene%high(1))//','//short_number(scene%high(2))//']')
+                            truth(scene%desired)//',"sense":'//json_number(scene%sense)//',"loops":'//to_text(scene%loops)// &
+                            ',"output":'//to_text(scene%output - 1)//',"base":'//to_text(scene%output_base - 1)// &
+                            ',"reference":'//to_text(scene%reference - 1))
+         call add_member('limits', [90.0_wp - scene%tangle, 90.0_wp + scene%tangle], text, exact=.true.)
+         call add_member('view', [scene%low, scene%high], text)
          call write_parts(scene, text)
          if (allocated(scene%drives)) call write_chain_parts(scene, text)
          call text%add(',"prescribed":{')
@@ -115,14 +114,9 @@ contains
       subroutine add_messages(name, messages)
          character(*), intent(in) :: name
          type(strings_t), intent(in) :: messages(:)
-         integer :: i
 
-         call text%add_text('"'//name//'":[')
-         do i = 1, size(messages)
-            if (i > 1) call text%add_text(',')
-            call text%add_text(json_text(messages(i)%text))
-         end do
-         call text%add_text(']')
+         call text%add_text('"'//name//'":')
+         call add_strings(messages, text)
       end subroutine add_messages
    end subroutine write_scene
 
@@ -139,7 +133,7 @@ contains
          associate (joint => scene%joints(i))
             call text%add_text(comma(i)//'{"name":'//json_text(joint%name)//',"turning":'//truth(joint%turning)//',"slides":'// &
                                truth(joint%slides)//',"fixed":'//truth(joint%fixed)//',"letter":['// &
-                               short_number(letters(1, i))//','//short_number(letters(2, i))//']}')
+                               json_number(letters(1, i))//','//json_number(letters(2, i))//']}')
          end associate
       end do
       call text%add('],"bars":[')
@@ -148,20 +142,20 @@ contains
             call text%add_text(comma(i)//'{"from":'//to_text(bar%start - 1)//',"to":'//to_text(bar%finish - 1)//',"loop":'// &
                                to_text(bar%loop)//',"arc":'//to_text(bar%arc)//',"others":'//json_text(bar%others)//',"slide":'// &
                                to_text(bar%slide - 1)//',"body":'//to_text(bar%body - 1)//',"length":'// &
-                               full_precision(bar%length)//barrel_of(bar)//'}')
+                               json_number(bar%length, exact=.true.)//barrel_of(bar)//'}')
          end associate
       end do
       call text%add('],"bodies":[')
       do i = 1, size(scene%bodies)
-         call text%add_text(comma(i)//'{"frame":'//truth(scene%bodies(i)%frame)//',"hull":['// &
-                            integers(scene%bodies(i)%hull - 1)//']'//name_of(scene%bodies(i))//'}')
+         call text%add_text(comma(i)//'{"frame":'//truth(scene%bodies(i)%frame)//',"hull":'// &
+                            json_integers(scene%bodies(i)%hull - 1)//name_of(scene%bodies(i))//'}')
       end do
       call text%add('],"slides":[')
       do i = 1, size(scene%slides)
          associate (slide => scene%slides(i))
             call text%add_text(comma(i)//'{"guide":'//to_text(slide%guide - 1)//',"block":'//to_text(slide%block - 1)// &
-                               ',"sense":'//short_number(slide%sense)//',"low":'//short_number(slide%low)//',"high":'// &
-                               short_number(slide%high)//'}')
+                               ',"sense":'//json_number(slide%sense)//',"low":'//json_number(slide%low)//',"high":'// &
+                               json_number(slide%high)//'}')
          end associate
       end do
       call text%add('],"pairs":[')
@@ -174,9 +168,9 @@ contains
       call text%add('],"regions":[')
       do i = 1, size(scene%regions)
          associate (region => scene%regions(i))
-            call text%add_text(comma(i)//'{"kind":"'//region_name(region%kind)//'","inside":'//truth(region%stay_inside)// &
-                               ',"at":['//full_precision(region%at(1))//','//full_precision(region%at(2))//','// &
-                               full_precision(region%at(3))//','//full_precision(region%at(4))//']}')
+            call text%add_text(comma(i)//'{"kind":"'//region_name(region%kind)//'","inside":'//truth(region%stay_inside))
+            call add_member('at', region%at(:4), text, exact=.true.)
+            call text%add_text('}')
          end associate
       end do
       call text%add_text(']')
@@ -208,7 +202,7 @@ contains
       character(:), allocatable :: member
 
       member = ''
-      if (bar%cylinder) member = ',"barrel":'//short_number(bar%barrel)
+      if (bar%cylinder) member = ',"barrel":'//json_number(bar%barrel)
    end function barrel_of
 
    !> The name of a link of a sketch, if it is one.
@@ -245,7 +239,7 @@ contains
       do i = 1, size(scene%wheels)
          associate (wheel => scene%wheels(i))
             call text%add_text(comma(i)//'{"body":'//to_text(wheel%body - 1)//',"centre":'//to_text(wheel%centre - 1)//',"rim":'// &
-                               to_text(wheel%rim - 1)//',"radius":'//short_number(wheel%radius)//'}')
+                               to_text(wheel%rim - 1)//',"radius":'//json_number(wheel%radius)//'}')
          end associate
       end do
       call text%add_text(']')
@@ -254,7 +248,7 @@ contains
       do i = 1, size(scene%meshes, 3)
          call text%add_text(comma(i)//'[')
          do m = 1, 4
-            call text%add_text(comma(m)//short_number(scene%meshes(1, m, i))//','//short_number(scene%meshes(2, m, i)))
+            call text%add_text(comma(m)//json_number(scene%meshes(1, m, i))//','//json_number(scene%meshes(2, m, i)))
          end do
          call text%add_text(']')
       end do
@@ -267,11 +261,9 @@ contains
          real(wp), intent(in) :: prescribed(:), sweep(:)
          logical, intent(in) :: closing
 
-         call text%add(',"prescribed":[')
-         call add_values(prescribed, text, scene%prescribed%closed .or. .not. closing, exact=.true.)
-         call text%add('],"sweep":[')
-         call add_values(sweep, text, scene%sweep%closed .or. .not. closing)
-         call text%add(']}')
+         call add_member('prescribed', prescribed, text, scene%prescribed%closed .or. .not. closing, exact=.true.)
+         call add_member('sweep', sweep, text, scene%sweep%closed .or. .not. closing)
+         call text%add('}')
       end subroutine add_both
    end subroutine write_chain_parts
 
@@ -285,10 +277,10 @@ contains
       do i = 1, size(scene%panels)
          associate (panel => scene%panels(i))
             call text%add_text(comma(i)//'{"name":'//json_text(name_with_note(panel))//',"group":"'//trim(panel%group)// &
-                               '","scale":'//short_number(panel%scale)//',"lines":[')
+                               '","scale":'//json_number(panel%scale)//',"lines":[')
             do k = 1, size(panel%lines)
-               call text%add_text(comma(k)//'{"label":'//json_text(trim(panel%lines(k)%label))//',"values":')
-               call write_known(panel%lines(k)%values, panel%lines(k)%known, text)
+               call text%add_text(comma(k)//'{"label":'//json_text(trim(panel%lines(k)%label)))
+               call add_member('values', panel%lines(k)%values, text, panel%lines(k)%known)
                call text%add_text('}')
             end do
             call text%add(']}')
@@ -314,24 +306,12 @@ contains
       call text%add(',"band":[')
       do c = 1, band%components
          call text%add_text(comma(c)//'{"square":')
-         call write_known(band%square(:, c), band%known, text)
-         call text%add_text(',"worst":')
-         call write_known(band%worst(:, c), band%known, text)
+         call add_numbers(band%square(:, c), text, band%known)
+         call add_member('worst', band%worst(:, c), text, band%known)
          call text%add_text('}')
       end do
       call text%add(']')
    end subroutine write_band
-
-   !> Values as an array, `null` where they are not known.
-   subroutine write_known(values, known, text)
-      real(wp), intent(in) :: values(:)
-      logical, intent(in) :: known(:)
-      type(text_t), intent(inout) :: text
-
-      call text%add_text('[')
-      call add_values(values, text, known)
-      call text%add(']')
-   end subroutine write_known
 
    !> A row of positions: prescribed ones with all digits, a sweep with nine.
    subroutine write_row(scene, row, exact, text)
@@ -345,23 +325,23 @@ contains
 
       all_known = .true.
       call text%add_text('"n":'//to_text(row%n))
-      call add_numbers('delt', row%delt, all_known)
-      call add_numbers('input', row%input, all_known)
-      call add_numbers('actual', row%actual, row%closed)
-      call add_numbers('actual_y', row%actual_y, row%closed)
+      call add_row('delt', row%delt, all_known)
+      call add_row('input', row%input, all_known)
+      call add_row('actual', row%actual, row%closed)
+      call add_row('actual_y', row%actual_y, row%closed)
       if (size(row%wanted) > 0) then
-         call add_numbers('desired', row%wanted, all_known)
-         call add_numbers('error', row%error, row%closed)
+         call add_row('desired', row%wanted, all_known)
+         call add_row('error', row%error, row%closed)
          if (size(row%wanted_y) > 0) then
-            call add_numbers('desired_y', row%wanted_y, all_known)
-            call add_numbers('error_y', row%error_y, row%closed)
+            call add_row('desired_y', row%wanted_y, all_known)
+            call add_row('error_y', row%error_y, row%closed)
          end if
-         call add_numbers('wish_x', row%wish(1, :), all_known)
-         call add_numbers('wish_y', row%wish(2, :), all_known)
+         call add_row('wish_x', row%wish(1, :), all_known)
+         call add_row('wish_y', row%wish(2, :), all_known)
       end if
       if (scene%motion == motion_angle) then
-         call add_numbers('aim_x', row%aim(1, :), row%closed)
-         call add_numbers('aim_y', row%aim(2, :), row%closed)
+         call add_row('aim_x', row%aim(1, :), row%closed)
+         call add_row('aim_y', row%aim(2, :), row%closed)
       end if
       call text%add_text(',"closed":"')
       do i = 1, row%n
@@ -389,9 +369,9 @@ contains
          if (scene%pairs(loop)%joint_type /= assur_rrr) cycle
          if (.not. first) call text%add_text(',')
          first = .false.
-         call text%add_text('{"loop":'//to_text(loop)//',"name":'//json_text(scene%pairs(loop)%name)//',"values":[')
-         call add_values(row%angle(loop, :), text, row%valid(loop, :), exact)
-         call text%add(']}')
+         call text%add_text('{"loop":'//to_text(loop)//',"name":'//json_text(scene%pairs(loop)%name))
+         call add_member('values', row%angle(loop, :), text, row%valid(loop, :), exact)
+         call text%add('}')
       end do
       call text%add('],"broken":[')
       call add_broken(row)
@@ -406,15 +386,13 @@ contains
 
    contains
 
-      subroutine add_numbers(name, values, known)
+      subroutine add_row(name, values, known)
          character(*), intent(in) :: name
          real(wp), intent(in) :: values(:)
          logical, intent(in) :: known(:)
 
-         call text%add(',"'//name//'":[')
-         call add_values(values, text, known, exact)
-         call text%add(']')
-      end subroutine add_numbers
+         call add_member(name, values, text, known, exact)
+      end subroutine add_row
 
       !> What does not move in a sweep is one number.
       subroutine add_array(j, values, known, still)
@@ -424,12 +402,10 @@ contains
 
          if (j > 1) call text%add(',')
          if (still .and. .not. exact) then
-            call add_values(values(:1), text, known(:1))
-            return
+            call text%add_text(json_number(values(1), known(1)))
+         else
+            call add_numbers(values, text, known, exact)
          end if
-         call text%add_text('[')
-         call add_values(values, text, known, exact)
-         call text%add_text(']')
       end subroutine add_array
 
       !> Pairs that do not meet: position, loop, where p and q end.
@@ -444,7 +420,7 @@ contains
                count = count + 1
                call text%add_text(comma(count)//'['//to_text(k - 1)//','//to_text(l - 1))
                do m = 1, 4
-                  call text%add_text(','//short_number(row%tip(m, l, k)))
+                  call text%add_text(','//json_number(row%tip(m, l, k)))
                end do
                call text%add(']')
             end do
@@ -458,9 +434,7 @@ contains
       type(text_t), intent(inout) :: text
       integer :: i
 
-      call text%add_text(',"at":[')
-      call add_values([(place_on_sweep(scene, i), i=1, scene%prescribed%n)], text, exact=.true.)
-      call text%add(']')
+      call add_member('at', [(place_on_sweep(scene, i), i=1, scene%prescribed%n)], text, exact=.true.)
    end subroutine write_places
 
    !> The common joint of each pair in its other assembly, where there is one.
@@ -475,23 +449,12 @@ contains
       do loop = 1, scene%loops
          if (.not. any(row%other_known(loop, :))) cycle
          count = count + 1
-         call text%add_text(comma(count)//'{"pair":'//to_text(loop - 1)//',"x":')
-         call add_places(1)
-         call text%add_text(',"y":')
-         call add_places(2)
+         call text%add_text(comma(count)//'{"pair":'//to_text(loop - 1))
+         call add_member('x', row%other(1, loop, :), text, row%other_known(loop, :))
+         call add_member('y', row%other(2, loop, :), text, row%other_known(loop, :))
          call text%add('}')
       end do
       call text%add(']')
-
-   contains
-
-      subroutine add_places(k)
-         integer, intent(in) :: k
-
-         call text%add_text('[')
-         call add_values(row%other(k, loop, :), text, row%other_known(loop, :))
-         call text%add_text(']')
-      end subroutine add_places
    end subroutine write_others
 
    pure function motion_name(motion) result(name)

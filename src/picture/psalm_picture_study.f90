@@ -86,7 +86,7 @@ contains
                if (scene%valid) call add_curves(each, study, scene)
                if (each%is_drawn() .and. scene%valid .and. (cases(k)%dxf%flat .or. cases(k)%dxf%width > 0.0_wp)) then
                   allocate (cases(k)%parts)
-                  call make_chain_scene(each, own, cases(k)%parts, chosen)
+                  call make_chain_scene(each, own, cases(k)%parts, chosen, rows=study)
                end if
                if (each%gives('VIBR') .and. scene%valid) call add_vibration(each, prepared, scene)
                if (each%gives('CLEAR') .and. scene%valid) call add_clearance(each, prepared, scene)

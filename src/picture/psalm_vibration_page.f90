@@ -1,8 +1,7 @@
 !> A vibrating link as data of the moving page: its deflection over the sweep, amplitudes over speeds, the chart of stability.
 module psalm_vibration_page
    use psalm_kinds, only: wp
-   use psalm_markup, only: number_or_null, short_number, comma
-   use psalm_page_rows, only: add_values
+   use psalm_json, only: add_numbers, comma, json_number, truth
    use psalm_steady_curves, only: most_shown_modes
    use psalm_text, only: text_t, to_text
    use psalm_vibration_list, only: root_of
@@ -23,32 +22,32 @@ contains
       integer :: j, p, k
 
       associate (study => vibration%study)
-         call text%add_text('{"from":'//to_text(from)//',"to":'//to_text(to)//',"factor":'//short_number(vibration%factor)// &
-                            ',"settles":'//trim(merge('true ', 'false', vibration%settles))//',"ratio":'// &
-                            short_number(study%ratio)//',"e":'//short_number(vibration%study%given_e)//',"modes":[')
+         call text%add_text('{"from":'//to_text(from)//',"to":'//to_text(to)//',"factor":'//json_number(vibration%factor)// &
+                            ',"settles":'//truth(vibration%settles)//',"ratio":'// &
+                            json_number(study%ratio)//',"e":'//json_number(vibration%study%given_e)//',"modes":[')
          do j = 1, min(size(study%modes), most_shown_modes)
-            call text%add_text(comma(j)//'[')
-            call add_values(vibration%deflection(:, j), text)
-            call text%add(']')
+            call text%add_text(comma(j))
+            call add_numbers(vibration%deflection(:, j), text)
+            call text%add()
          end do
          speeds = study%speeds%speed
          amplitudes = study%speeds%amplitude/vibration%metre
          known = study%speeds%known
          call text%add_text('],"speeds":[')
          do k = 1, size(speeds)
-            call text%add_text(comma(k)//'['//short_number(speeds(k))//','//number_or_null(amplitudes(k), known(k))//']')
+            call text%add_text(comma(k)//'['//json_number(speeds(k))//','//json_number(amplitudes(k), known(k), exact=.true.)//']')
          end do
          call text%add('],"bands":[')
          do k = 1, size(study%bands)
-            call text%add_text(comma(k)//'['//short_number(study%bands(k)%from)//','//short_number(study%bands(k)%to)//']')
+            call text%add_text(comma(k)//'['//json_number(study%bands(k)%from)//','//json_number(study%bands(k)%to)//']')
          end do
          call text%add('],"chart":[')
          do k = 1, size(study%chart)
-            call text%add_text(comma(k)//'{"e":'//short_number(study%chart(k)%e)//',"bounds":[')
+            call text%add_text(comma(k)//'{"e":'//json_number(study%chart(k)%e)//',"bounds":[')
             associate (b => study%chart(k)%exact)
                do p = 0, ubound(b%low, 1)
-                  call text%add_text(comma(p + 1)//'['//short_number(root_of(b%low(p)))//','// &
-                                     short_number(root_of(b%high(p)))//']')
+                  call text%add_text(comma(p + 1)//'['//json_number(root_of(b%low(p)))//','// &
+                                     json_number(root_of(b%high(p)))//']')
                end do
             end associate
             call text%add(']}')

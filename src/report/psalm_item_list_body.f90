@@ -18,7 +18,7 @@ submodule(psalm_item_list) psalm_item_list_body
    use psalm_limits_group, only: limit_items
    use psalm_links_group, only: link_items
    use psalm_load_group, only: load_items
-   use psalm_markup, only: json_text
+   use psalm_json, only: json_text
    use psalm_mass_group, only: mass_items
    use psalm_method_group, only: method_items
    use psalm_motor_group, only: motor_items

@@ -1,7 +1,7 @@
 !> Tables as JSON: one object a file, `include/psalm_results.schema.json` says what is in it.
 module psalm_table_json
-   use psalm_markup, only: json_text, comma
-   use psalm_tables, only: column_t, table_t, tables_t, for_plots, kind_word
+   use psalm_json, only: json_number, json_text, comma
+   use psalm_tables, only: column_t, table_t, tables_t, for_plots, kind_real, kind_short, kind_word
    use psalm_table_field, only: add_number
    use psalm_text, only: text_t
    implicit none (type, external)
@@ -50,11 +50,7 @@ contains
          call text%add_text(json_text(table%columns(c)%name)//':[')
          do k = 1, table%rows
             if (k > 1) call text%add_text(',')
-            if (.not. table%columns(c)%known(k)) then
-               call text%add_text('null')
-            else
-               call add_field(table%columns(c), k, text)
-            end if
+            call add_field(table%columns(c), k, text)
          end do
          call text%add(']'//trim(merge(',', ' ', c < table%count)))
       end do
@@ -66,10 +62,17 @@ contains
       integer, intent(in) :: row
       type(text_t), intent(inout) :: text
 
-      if (column%kind == kind_word) then
-         call text%add_text(json_text(trim(column%words(row))))
-      else
-         call add_number(column, row, text)
+      if (.not. column%known(row)) then
+         call text%add_text('null')
+         return
       end if
+      select case (column%kind)
+      case (kind_word)
+         call text%add_text(json_text(trim(column%words(row))))
+      case (kind_real, kind_short)
+         call text%add_text(json_number(column%values(row), exact=.true.))
+      case default
+         call add_number(column, row, text)
+      end select
    end subroutine add_field
 end module psalm_table_json

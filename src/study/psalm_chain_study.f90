@@ -6,14 +6,15 @@ module psalm_chain_study
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp, full_turn, radians_per_degree
    use psalm_link_poses, only: find_poses, looped_t, make_looped
-   use psalm_sketch, only: drive_turns, frame_link, output_ratio, columns_of
+   use psalm_row_study, only: solved_row_t
+   use psalm_sketch, only: sketch_t, drive_turns, frame_link, output_ratio, columns_of
    use psalm_sketch_assembly, only: assemble_sketch
    use psalm_sketch_outputs, only: names_of_numbers, unwrap
    use psalm_sketch_study, only: sketch_study_t
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
-   public :: chain_study_t, study_chain, inputs_at, inputs_of_drives, turn_repeats, turn_may_repeat
+   public :: chain_study_t, study_chain, inputs_at, inputs_of_drives, turn_repeats, turn_may_repeat, turn_is_open
 
    !> What the sketch does.
    type, extends(sketch_study_t) :: chain_study_t
@@ -30,7 +31,7 @@ contains
 
    !> Positions, rates by time and outputs. `speed` and `accel` are those of the first drive; the others follow by their ratio or
    !> have their own.
-   subroutine study_chain(set, speed, accel, study, inputs, by_loops, other)
+   subroutine study_chain(set, speed, accel, study, inputs, by_loops, other, solved)
       type(data_set_t), intent(in) :: set
       real(wp), intent(in) :: speed, accel          !! radians or length a second
       type(chain_study_t), intent(out) :: study
@@ -38,6 +39,7 @@ contains
                                                     !! those of the case
       logical, intent(in), optional :: by_loops     !! take the poses from its loops, if there are: for pictures
       type(chain_study_t), intent(in), optional :: other !! of the same sketch at other inputs
+      type(solved_row_t), intent(in), optional :: solved !! its loops at these inputs: with `by_loops` they are not solved again
       type(diagnostics_t) :: findings
       real(wp), allocatable :: angles(:, :), rate(:, :, :)
       real(wp) :: unit
@@ -80,11 +82,11 @@ contains
          if (looped) then
             if (.not. allocated(study%looped)) then
                allocate (study%looped)
-               call make_looped(set, study%looped)
+               call make_looped(set, study%looped, solved)
             end if
             associate (timed => set%counts_time())
                call find_poses(set, study%closure, study%inputs, merge(set%pace(), speed, timed), &
-                               merge(set%change_of_pace(), accel, timed), study%looped, study, study%motion)
+                               merge(set%change_of_pace(), accel, timed), study%looped, study, study%motion, solved)
             end associate
             do k = 1, positions
                allocate (study%motion%states(k)%input(size(drives), 0:most_orders))
@@ -227,45 +229,72 @@ contains
    end function turn_repeats
 
    !> False if a turn of the first drive leaves a drive or a wheel elsewhere. A wheel that frame and driven links turn makes so
-   !> many turns as the teeth say; of a wheel on a link that swings only the turn itself tells.
+   !> many turns as the teeth say; of a wheel on a link that swings only the turn itself tells (`turn_is_open`).
    pure logical function turn_may_repeat(set)
       type(data_set_t), intent(in) :: set
       real(wp), parameter :: whole = 1.0e-9_wp       ! turns; what rounding of ratios makes is far below
       real(wp), allocatable :: turns(:)              ! of links, after a turn of the first drive
       logical, allocatable :: known(:)
-      integer :: d, g, pass
 
       turn_may_repeat = turn_repeats(set)
-      if (turn_may_repeat .or. .not. allocated(set%sketch%gears)) return
-      if (size(set%sketch%gears) == 0 .or. set%sketch%drives(1)%kind /= drive_turns) return
-      associate (sketch => set%sketch)
-         allocate (turns(size(sketch%links)), source=0.0_wp)
-         known = [(d == frame_link, d=1, size(sketch%links))]
-         do d = 1, size(sketch%drives)
-            associate (drive => sketch%drives(d))
-               if (d > 1 .and. .not. drive%geared) return
-               if (drive%kind /= drive_turns .or. .not. known(drive%base)) cycle
-               turns(drive%link) = turns(drive%base) + merge(drive%ratio, 1.0_wp, drive%geared)
-               known(drive%link) = .true.
-            end associate
-         end do
-         do pass = 1, size(sketch%gears)
-            do g = 1, size(sketch%gears)
-               associate (a => sketch%gears(g)%wheels(1), b => sketch%gears(g)%wheels(2), carrier => sketch%gears(g)%carrier, &
-                          ratio => sketch%gears(g)%ratio)
-                  if (.not. known(carrier) .or. (known(a) .eqv. known(b))) cycle
-                  if (known(a)) then
-                     turns(b) = turns(carrier) + ratio*(turns(a) - turns(carrier))
-                  else
-                     turns(a) = turns(carrier) + (turns(b) - turns(carrier))/ratio
-                  end if
-                  known([a, b]) = .true.
-               end associate
-            end do
-         end do
-      end associate
+      if (turn_may_repeat .or. .not. has_wheels(set) .or. set%sketch%drives(1)%kind /= drive_turns) return
+      if (any(.not. set%sketch%drives(2:)%geared)) return
+      call find_turns(set%sketch, turns, known)
       turn_may_repeat = all(abs(turns - anint(turns)) <= whole)
    end function turn_may_repeat
+
+   !> True if a wheel is on a link of which only a whole turn of the first drive tells how it turns.
+   pure logical function turn_is_open(set)
+      type(data_set_t), intent(in) :: set
+      real(wp), allocatable :: turns(:)
+      logical, allocatable :: known(:)
+      integer :: g
+
+      turn_is_open = .false.
+      if (.not. has_wheels(set)) return
+      call find_turns(set%sketch, turns, known)
+      turn_is_open = .not. all([(known(set%sketch%gears(g)%wheels), g=1, size(set%sketch%gears))])
+   end function turn_is_open
+
+   pure logical function has_wheels(set)
+      type(data_set_t), intent(in) :: set
+
+      has_wheels = .false.
+      if (allocated(set%sketch%gears)) has_wheels = size(set%sketch%gears) > 0
+   end function has_wheels
+
+   !> How far links have turned after a turn of the first drive, where drives and teeth tell.
+   pure subroutine find_turns(sketch, turns, known)
+      type(sketch_t), intent(in) :: sketch
+      real(wp), allocatable, intent(out) :: turns(:)   !! shape (links): turns; 0 where it is not known
+      logical, allocatable, intent(out) :: known(:)    !! shape (links)
+      integer :: d, g, pass
+
+      allocate (turns(size(sketch%links)), source=0.0_wp)
+      known = [(d == frame_link, d=1, size(sketch%links))]
+      do d = 1, size(sketch%drives)
+         associate (drive => sketch%drives(d))
+            if (drive%kind /= drive_turns .or. .not. known(drive%base)) cycle
+            if (d > 1 .and. .not. drive%geared) cycle
+            turns(drive%link) = turns(drive%base) + merge(drive%ratio, 1.0_wp, drive%geared)
+            known(drive%link) = .true.
+         end associate
+      end do
+      do pass = 1, size(sketch%gears)
+         do g = 1, size(sketch%gears)
+            associate (a => sketch%gears(g)%wheels(1), b => sketch%gears(g)%wheels(2), carrier => sketch%gears(g)%carrier, &
+                       ratio => sketch%gears(g)%ratio)
+               if (.not. known(carrier) .or. (known(a) .eqv. known(b))) cycle
+               if (known(a)) then
+                  turns(b) = turns(carrier) + ratio*(turns(a) - turns(carrier))
+               else
+                  turns(a) = turns(carrier) + (turns(b) - turns(carrier))/ratio
+               end if
+               known([a, b]) = .true.
+            end associate
+         end do
+      end do
+   end subroutine find_turns
 
    !> Radians a degree for a drive that turns, else 1.
    pure real(wp) function unit_of(kind)

@@ -9,6 +9,7 @@ module psalm_link_poses
    use psalm_kinds, only: wp
    use psalm_mechanism, only: body_frame, mechanism_t
    use psalm_parameters, only: no_parameters, parameters_t
+   use psalm_row_study, only: solved_row_t
    use psalm_setup, only: set_up
    use psalm_sketch_study, only: link_poses_t, sketch_study_t, study_sketch
    use psalm_status, only: diagnostics_t
@@ -27,22 +28,28 @@ module psalm_link_poses
 contains
 
    !> Set a sketch up.
-   subroutine make_looped(set, looped)
+   subroutine make_looped(set, looped, solved)
       type(data_set_t), intent(in) :: set               !! a sketch with its loops
       type(looped_t), intent(out) :: looped
+      type(solved_row_t), intent(in), optional :: solved !! it is set up already
       class(parameters_t), allocatable :: parameters    ! large: they would fill a small stack
       type(diagnostics_t) :: findings
       integer :: l
 
-      allocate (parameters)
-      call set_up(set, looped%mechanism, looped%dimensions, parameters, findings)
+      if (present(solved)) then
+         looped%mechanism = solved%problem%mechanism
+         looped%dimensions = solved%problem%given
+      else
+         allocate (parameters)
+         call set_up(set, looped%mechanism, looped%dimensions, parameters, findings)
+      end if
       looped%links%parts = set%traced%moving
       call add_link_axes(set, looped%links%parts)
       looped%links%axis = [(axis_of(looped%mechanism, l), l=1, size(set%sketch%links))]
    end subroutine make_looped
 
    !> All that a sketch does at inputs of its drives, and where its links are.
-   subroutine find_poses(set, closure, inputs, speed, accel, looped, study, motion)
+   subroutine find_poses(set, closure, inputs, speed, accel, looped, study, motion, solved)
       type(data_set_t), intent(in) :: set               !! a sketch with its loops
       type(closure_t), intent(in) :: closure            !! its parts
       real(wp), intent(in) :: inputs(:, :)              !! shape (drives, positions): degrees or length, from the drawing
@@ -50,19 +57,26 @@ contains
       type(looped_t), intent(inout) :: looped
       class(sketch_study_t), intent(inout) :: study
       type(chain_motion_t), intent(out) :: motion
+      type(solved_row_t), intent(in), optional :: solved !! its loops at these inputs
       class(problem_t), allocatable :: problem          ! large, as those below: they would fill a small stack
       class(motion_t), allocatable :: found
       class(sketch_study_t), allocatable :: outputs
       class(link_poses_t), allocatable :: poses
       integer :: k
 
-      allocate (problem, found, outputs)
+      allocate (outputs)
       allocate (poses, source=looped%links)
       associate (dimensions => looped%dimensions)
-         call new_problem(looped%mechanism, dimensions, no_parameters(looped%mechanism), &
-                          inputs(1, :) - (dimensions%crnki - dimensions%drawn), .true., problem, transpose(inputs(2:, :)))
-         problem%followed = follows_drawing(set, looped%mechanism)
-         call problem%analyse(dimensions, found, looped%reach)
+         if (present(solved)) then
+            allocate (problem, source=solved%problem)
+            allocate (found, source=solved%motion)
+         else
+            allocate (problem, found)
+            call new_problem(looped%mechanism, dimensions, no_parameters(looped%mechanism), &
+                             inputs(1, :) - (dimensions%crnki - dimensions%drawn), .true., problem, transpose(inputs(2:, :)))
+            problem%followed = follows_drawing(set, looped%mechanism)
+            call problem%analyse(dimensions, found, looped%reach)
+         end if
          call study_sketch(set, problem, dimensions, found%closed, speed, accel, outputs, poses=poses)
       end associate
       study%closed = outputs%closed

@@ -3,9 +3,11 @@ program test_markup
    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan, ieee_negative_inf
    use check, only: checks_t
    use psalm_kinds, only: wp
-   use psalm_markup, only: clean_text, json_text, number_or_null, sentence_case, short_number, strings_t, wrapped, &
+   use psalm_json, only: add_member, json_integers, json_number, json_text
+   use psalm_markup, only: clean_text, sentence_case, short_number, strings_t, wrapped, &
                            xml_text
    use psalm_parts, only: convex_hull
+   use psalm_text, only: text_t
    implicit none (type, external)
    type(checks_t) :: t
 
@@ -71,14 +73,20 @@ contains
    end function utf8
 
    subroutine numbers()
+      type(text_t) :: text
+
       call t%equal_text(short_number(0.0_wp), '0', 'zero')
       call t%equal_text(short_number(0.5_wp), '0.5', 'a digit before the point: JSON wants it')
       call t%equal_text(short_number(-12.25_wp), '-12.25', 'a negative number')
       call t%equal_text(short_number(1234567.0_wp), '1234567', 'no needless point')
       call t%equal_text(short_number(1.0_wp/3.0_wp), '0.333333333', 'nine digits')
       call t%equal_text(short_number(2.5e20_wp), '2.5E20', 'a large number')
-      call t%equal_text(number_or_null(1.0_wp, .false.), 'null', 'what is not known is null')
-      call t%equal_text(number_or_null(ieee_value(1.0_wp, ieee_quiet_nan), .true.), 'null', 'what is no number is null')
+      call t%equal_text(json_number(1.0_wp, .false.), 'null', 'what is not known is null')
+      call t%equal_text(json_number(0.1_wp, exact=.true.), '1.0000000000000001E-01', 'a number of a table has all digits')
+      call add_member('x"y', [1.0_wp, 0.25_wp, 3.0_wp], text, [.true., .true., .false.])
+      call t%equal_text(text%content(), ',"x'//achar(92)//'"y":[1,0.25,null]'//new_line('a'), 'a further member of an object')
+      call t%equal_text(json_integers([3, 1]), '[3,1]', 'integers')
+      call t%equal_text(json_number(ieee_value(1.0_wp, ieee_quiet_nan), .true.), 'null', 'what is no number is null')
       call t%equal_text(short_number(ieee_value(1.0_wp, ieee_quiet_nan)), '0', 'no number')
       call t%equal_text(short_number(ieee_value(1.0_wp, ieee_negative_inf)), '0', 'nor is infinity')
       call all_sizes()
