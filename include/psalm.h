@@ -109,10 +109,10 @@ int psalm_study(psalm_case *c, const char *verb, int options, int threads, psalm
 void psalm_result_free(psalm_result *r);                                /* NULL is allowed */
 
 /* While a study works on the case, another thread, or a signal handler, may end it and ask how far it is. psalm_cancel ends every study
- * but the summary, a picture and the board, mostly within milliseconds: psalm_study then returns PSALM_VIOLATION. What there is so far
+ * but the summary and the board, mostly within milliseconds: psalm_study then returns PSALM_VIOLATION. What there is so far
  * is the result: linkages of a search, springs, the sample, the rows of a sweep, of a motion in time or of vibration over speeds,
  * assemblies, and of motion from torque the forces and, if it was found, the steady cycle. Of analysis, rates, forces, a proof,
- * counterweights and a clearance there is nothing. Reading the case and writing the listing are not ended. Called before the study
+ * counterweights, a clearance and a picture there is nothing. Reading the case and writing the listing are not ended. Called before the study
  * begins it has no effect. psalm_progress gives starts, iterations, paths, turns or rows made, how many there will be at most, and the
  * best objective so far; each pointer may be NULL. *made is 0 before the first. Free the case only after the study has returned. */
 int psalm_cancel(psalm_case *c);

@@ -163,7 +163,7 @@ contains
          allocate (clearance)
          call find_clearance(case, clearance, findings, report, stop)
       case ('picture')
-         call draw(case, files, findings, report)
+         call draw(case, files, findings, report, stop)
       case ('board')
          call make_board(case, files, findings, report)
       case default
