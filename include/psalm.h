@@ -108,12 +108,13 @@ const char *psalm_verb(int number);
 int psalm_study(psalm_case *c, const char *verb, int options, int threads, psalm_result **made);
 void psalm_result_free(psalm_result *r);                                /* NULL is allowed */
 
-/* While a study works on the case, another thread, or a signal handler, may end it and ask how far it is. psalm_cancel ends a search,
- * a sample of tolerances, a sweep, an exact synthesis, a proof, motion in time, balance, springs, cams or a clearance, mostly within
- * milliseconds: it returns PSALM_VIOLATION, and what a search, a sample, a sweep, an exact synthesis or motion in time has so far is
- * there; of the others nothing is. Called before the study begins it has no effect. psalm_progress gives starts, iterations or paths
- * made, how many there will be at most, and the best objective so far; each pointer may be NULL. *made is 0 before the first. Free the
- * case only after the study has returned. */
+/* While a study works on the case, another thread, or a signal handler, may end it and ask how far it is. psalm_cancel ends every study
+ * but the summary and the board, mostly within milliseconds: psalm_study then returns PSALM_VIOLATION. What there is so far
+ * is the result: linkages of a search, springs, the sample, the rows of a sweep, of a motion in time or of vibration over speeds,
+ * assemblies, and of motion from torque the forces and, if it was found, the steady cycle. Of analysis, rates, forces, a proof,
+ * counterweights, a clearance and a picture there is nothing. Reading the case and writing the listing are not ended. Called before the study
+ * begins it has no effect. psalm_progress gives starts, iterations, paths, turns or rows made, how many there will be at most, and the
+ * best objective so far; each pointer may be NULL. *made is 0 before the first. Free the case only after the study has returned. */
 int psalm_cancel(psalm_case *c);
 int psalm_progress(psalm_case *c, int *made, int *most, double *best);
 

@@ -400,6 +400,24 @@ def endless():
         return psalm.Case.from_text(re.sub(r"NSTART=\d+", "NSTART=1000000", file.read()))
 
 
+def legs_in_a_row(bodies):
+    """Bodies pinned in a row, on legs of which one stands on the crank: one group of bodies + 1 loops, C(2n, n) paths to its assemblies."""
+    joints, links, fixed, legs = {"O": (0, 0), "A": (0.3, 0.6)}, ["O A"], ["O"], 0
+    for body in range(bodies):
+        own = ["P%d" % k for k in (body, body + 1) if 0 < k < bodies]
+        joints["P%d" % (body + 1)] = (2*body + 3, 3 + 0.3*(body % 2))
+        for leg in range(1 + (body == 0) + (body == bodies - 1)):
+            legs += 1
+            joints["L%d" % legs] = (2*body + 1.2 + 0.9*leg + 0.05*legs, 2.2 - 0.4*leg + 0.1*(legs % 3))
+            joints["F%d" % legs] = (2*body + 1.5 + 1.1*leg + 0.2*(legs % 2), -0.3*(legs % 3))
+            own.append("L%d" % legs)
+            fixed += ["F%d" % legs]*(legs > 1)
+            links.append("%s L%d" % ("F%d" % legs if legs > 1 else "A", legs))
+        links.append(own)
+    del joints["P%d" % bodies], joints["F1"]
+    return psalm.from_joints(joints, links, fixed=fixed, drive="O", output="point L2", step=30)
+
+
 def test_bar():
     """progress=True draws a bar on standard error, and ends its line."""
     case = endless()
@@ -435,10 +453,25 @@ def test_stopping():
             check("Ctrl-C ends a search at once: %.2f s" % late, late < 1)
         signal.signal(signal.SIGINT, before)
     springs = psalm.from_file(os.path.join(DATA, "muscle", "haines_springs.nml"))   # 18 s
+    running = psalm.from_file(os.path.join(DATA, "dyad4_slider_crank.nml"))         # a minute
+    running.set("RATES", SPEED=10.0, UNITS="RAD/S")
+    running.set("MASSES", MLINK=[-2], MLOOP=[1], MASS=[0.5], MDIST=[45.0], UNITL=0.001)
+    running.set("MOTOR", MTORQ=1.0, MSPEED=20.0, FLYWHL=0.1, NTURN=100000)
+    shaking = psalm.from_file(os.path.join(DATA, "rig_coupler.nml"))                # a minute
+    shaking.set("VIBR", NVSPED=10000)
     moving = psalm.from_file(os.path.join(DATA, "time", "pendulum.nml"))            # 8 s
+    links = psalm.from_file(os.path.join(DATA, "hard", "chain64.nml"))              # 18 s
     moving.set("TIME", TEND=5000.0, NTIME=100000)
     for name, action, kept in (("springs", springs.springs, lambda result: len(result.cases) == 1),
-                               ("time", moving.time, lambda result: 1 < result.table.rows < 100000)):
+                               ("time", moving.time, lambda result: 1 < result.table.rows < 100000),
+                               ("machine", running.machine, lambda result: "machine_cycle" in result.tables and
+                                "run_up" not in result.tables),
+                               ("vibration", shaking.vibration, lambda result: 0 < result.tables["speeds"].rows < 10000 and
+                                "unstable_speeds" not in result.tables),
+                               ("picture", lambda: shaking.study("picture"), lambda result: not result.files),
+                               ("proof", links.prove, lambda result: not result.tables),
+                               ("assemblies", legs_in_a_row(5).assemblies, lambda result: 1 <= result.table.rows <= 6 and
+                                abs(result["P1"].x[0] - 3) < 1e-9)):
         before = signal.signal(signal.SIGINT, signal.default_int_handler)
         sent = []
         timer = threading.Timer(0.5, lambda: (sent.append(time.process_time()), os.kill(os.getpid(), signal.SIGINT)))
@@ -452,6 +485,10 @@ def test_stopping():
             check("what there is so far is kept: " + name, interrupt.result.violated and kept(interrupt.result))
             check("Ctrl-C ends it at once: %s, %.2f s" % (name, late), late < 1)
         signal.signal(signal.SIGINT, before)
+        if name in ("picture", "proof"):    # nothing is counted there
+            continue
+        result = action(progress=lambda *state: True)
+        check("a function of the caller ends it: " + name, result.violated and kept(result))
     raises("too many threads", "1024", lambda: endless().synthesise(2147483647))
     raises("a negative number of threads", "-1 threads", lambda: endless().synthesise(-1))
     raises("too many threads for tolerances", "1024", lambda: endless().tolerances(100000))

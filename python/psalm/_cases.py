@@ -18,7 +18,8 @@ if typing.TYPE_CHECKING:
 
 Numbers = typing.Union[typing.Sequence[float], numpy.ndarray]
 Progress = typing.Union[None, bool, typing.Callable[[int, int, float], typing.Any]]
-_AT_ONCE = ("analysis", "rates", "forces", "summary")   # studies so short that no thread is made for them
+_AT_ONCE = ("analysis", "rates", "forces", "summary")   # studies so short that no thread is made for them,
+_SHORT = 50000   # of a case that is at most so long, characters: some thousand positions
 _SHOWN = 12      # joints that a repr names
 _KINDS = {"analysis": Motion, "rates": Motion, "forces": Motion, "machine": Motion, "synthesis": Search, "exact": Search, "kinds": Search}
 
@@ -75,6 +76,7 @@ class Case:
 
     def _begin(self):
         self._handle = None
+        self._size = 0
         #: what the last search found, kept if it is ended by Ctrl-C
         self.found: typing.Optional[Search] = None
 
@@ -84,12 +86,16 @@ class Case:
         path = os.fsencode(name)
         if b"\0" in path:
             raise ValueError("a text must not have the character 0")
-        return cls._made(library.psalm_read_file, path, _whole(number))
+        made = cls._made(library.psalm_read_file, path, _whole(number))
+        made._size = os.path.getsize(path)
+        return made
 
     @classmethod
     def from_text(cls, text: str, number: int = 1) -> "Case":
         """The case of that number of a text in the notation of the manual, or in JSON."""
-        return cls._made(library.psalm_read_text, _text(text), _whole(number))
+        made = cls._made(library.psalm_read_text, _text(text), _whole(number))
+        made._size = len(text)
+        return made
 
     @classmethod
     def from_joints(cls, joints: typing.Mapping[str, typing.Tuple[float, float]],
@@ -177,7 +183,9 @@ class Case:
 
     def copy(self) -> "Case":
         """The same case once more, to be changed without this one."""
-        return type(self)._made(library.psalm_copy, self._handle)
+        other = type(self)._made(library.psalm_copy, self._handle)
+        other._size = self._size
+        return other
 
     def __copy__(self):
         return self.copy()
@@ -299,6 +307,7 @@ class Case:
         elif array.dtype.kind == "f":
             array, at = _reals(array)
             function = library.psalm_set_reals
+            self._size = max(self._size, array.nbytes)
         else:
             raise TypeError("a word, a number or a sequence of either is expected, not %r" % (values,))
         self._check(function(self._handle, *names, array.size, at))
@@ -349,8 +358,9 @@ class Case:
     def study(self, verb: str, *, threads: int = 0, progress: Progress = None, listing: bool = True) -> Result:
         """Any study by its name (`psalm.verbs`).
 
-        `progress(made, most, best)` is called some twenty times a second with the starts, iterations or paths made, how many there
-        will be at most, and the best objective; if it returns something true the study ends, and what it found so far is returned.
+        `progress(made, most, best)` is called some twenty times a second with the starts, iterations, paths, turns or rows made, how
+        many there will be at most, and the best objective; if it returns something true the study ends, and what it found so far is
+        returned.
         `progress=True` shows a bar. Ctrl-C ends a study, too: as KeyboardInterrupt, whose `result` is what was found so far. Other
         threads run meanwhile. Without `listing` analysis, rates and forces are several times as fast.
         """
@@ -358,7 +368,7 @@ class Case:
             raise TypeError("progress must be a function, True or None, not %r" % (progress,))
         arguments = self._handle, _text(verb), 0 if listing else _library.BRIEF, _whole(threads)
         made = ctypes.c_void_p()
-        if verb in _AT_ONCE:
+        if verb in _AT_ONCE and self._size <= _SHORT:
             return self._result(library.psalm_study(*arguments, ctypes.byref(made)), made, verb)
         # an event, not the thread, is asked for the end: Python 3.11 takes a thread for ended whose join was interrupted
         status, ended = [], threading.Event()
@@ -413,14 +423,14 @@ class Case:
         """Forces of drive, joints and frame, a row for each position. Needs &MASSES, &LOADS or &SPRING."""
         return self.study("forces", listing=listing)
 
-    def machine(self) -> Motion:
+    def machine(self, progress: Progress = None) -> Motion:
         """Motion from torque: steady cycle, run-up, flywheel. Needs &MOTOR."""
-        return self.study("machine")
+        return self.study("machine", progress=progress)
 
-    def time(self) -> Result:
+    def time(self, progress: Progress = None) -> Result:
         """Motion in time: `tables["time"]` has a row for each time, inputs, outputs, forces, energies; `tables["events"]` what happens at
         stops, `tables["equilibria"]` positions of rest. Needs &TIME."""
-        return self.study("time")
+        return self.study("time", progress=progress)
 
     def tolerances(self, threads: int = 0, progress: Progress = None) -> Result:
         """What the tolerances of &TOLER do to the output: bands for each position. `Error` if the linkage does not close."""
@@ -436,9 +446,9 @@ class Case:
             raise Error(_library.VIOLATION, result.findings)
         return result
 
-    def sweep(self) -> Result:
+    def sweep(self, progress: Progress = None) -> Result:
         """The output for the settings of an adjustable dimension, &SWEEP."""
-        return self.study("sweep")
+        return self.study("sweep", progress=progress)
 
     def synthesise(self, threads: int = 0, progress: Progress = None) -> Search:
         """Search for better dimensions. Returns the linkages found, best first; `[0]` is a case without variables."""
@@ -457,21 +467,21 @@ class Case:
         """What can be proven of the motion over the range of the input (IPROOF)."""
         return self.study("proof")
 
-    def assemblies(self) -> Result:
+    def assemblies(self, progress: Progress = None) -> Result:
         """Every way in which the links of a sketch can be put together: a row for each."""
-        return self.study("assemblies")
+        return self.study("assemblies", progress=progress)
 
     def balance(self) -> Result:
         """Counterweights, &BALANC. `cases[0]` is the linkage with its weights."""
         return self.study("balance")
 
-    def springs(self) -> Result:
+    def springs(self, progress: Progress = None) -> Result:
         """Springs, &SPRNGS. `cases[0]` is the linkage with its springs."""
-        return self.study("springs")
+        return self.study("springs", progress=progress)
 
-    def vibration(self) -> Result:
+    def vibration(self, progress: Progress = None) -> Result:
         """Vibration and stability of links and drives: &ESTIM, &VIBR, &DRIVEL, &HILL."""
-        return self.study("vibration")
+        return self.study("vibration", progress=progress)
 
     def cams(self) -> Result:
         """The cam that makes the output follow a law, &CAM: profile, cutter path; `files` has .dxf, .svg, .html, .nc."""

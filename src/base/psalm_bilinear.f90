@@ -9,6 +9,7 @@
 module psalm_bilinear
    use psalm_kinds, only: wp
    use psalm_linear, only: eliminate, product_of
+   use psalm_stop, only: stop_t, is_to_end, tell_host
    use psalm_xoshiro, only: xoshiro_t, purpose_sample
    implicit none (type, external)
    private
@@ -36,9 +37,10 @@ module psalm_bilinear
 contains
 
    !> Follow all paths. Equal input gives equal roots, to the last bit.
-   subroutine find_bilinear_roots(forms, roots)
+   subroutine find_bilinear_roots(forms, roots, stop)
       complex(wp), intent(in) :: forms(:, :, :)     !! shape (n+1, n+1, 2n): M_j
       type(bilinear_roots_t), intent(out) :: roots
+      type(stop_t), intent(in), optional :: stop    !! asked before each path: the ends so far are there
       complex(wp) :: a(size(forms, 1), size(forms, 1), size(forms, 3)), d(size(forms, 1), size(forms, 1), size(forms, 3))
       complex(wp) :: to_x(size(forms, 1), size(forms, 1)), to_y(size(forms, 1), size(forms, 1))
       complex(wp) :: alpha(size(forms, 1), size(forms, 3)), beta(size(forms, 1), size(forms, 3))
@@ -69,6 +71,13 @@ contains
          end do
          chosen = [(j, j=1, n)]
          do k = 1, paths
+            if (is_to_end(stop)) then
+               roots%x = roots%x(:, :k - 1)
+               roots%y = roots%y(:, :k - 1)
+               roots%simple = roots%simple(:k - 1)
+               roots%complete = .false.
+               return
+            end if
             call begin(alpha(:, chosen), v(:n))
             call begin(beta(:, pack([(j, j=1, 2*n)], [(all(chosen /= j), j=1, 2*n)])), v(n + 1:))
             call follow_path(a, d, 0.25_wp**(round - 1), v, simple, roots%steps)
@@ -78,6 +87,7 @@ contains
             roots%y(:, k) = point/sqrt(sum(abs(point)**2))
             roots%simple(k) = simple
             call next_choice(chosen, 2*n)
+            call tell_host(stop, k, paths)
          end do
          roots%complete = all(roots%simple)
          if (.not. any_equal(roots)) exit

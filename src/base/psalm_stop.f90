@@ -8,7 +8,7 @@ module psalm_stop
    use psalm_shared_work, only: sharing_t
    implicit none (type, external)
    private
-   public :: stop_request_t, stop_t, is_to_end
+   public :: stop_request_t, stop_t, is_to_end, tell_host
 
    !> What a host extends to be able to end a study, and, if it wants to, to show how far one is.
    type, abstract :: stop_request_t
@@ -51,7 +51,7 @@ module psalm_stop
 
 contains
 
-   !> So many of the paths of a study are followed: nothing is done with it here. Called often, from one thread.
+   !> So many of the paths, turns or rows of a study are done: nothing is done with it here. Called often, from one thread.
    subroutine reported(self, done, of)
       class(stop_request_t), intent(inout) :: self
       integer, intent(in) :: done, of
@@ -166,13 +166,21 @@ contains
       if (present(stop)) is_to_end = stop%waiting()
    end function is_to_end
 
-   !> Tell the host, if there is one, that so many paths are followed.
+   !> Tell the host, if there is one, that so many paths, turns or rows are done.
    subroutine tell(self, done, of)
       class(stop_t), intent(in) :: self
       integer, intent(in) :: done, of
 
       if (associated(self%request)) call self%request%reported(done, of)
    end subroutine tell
+
+   !> Tell the host of a study that was given a token, or none, that so many of its steps are done.
+   subroutine tell_host(stop, done, of)
+      type(stop_t), intent(in), optional :: stop
+      integer, intent(in) :: done, of
+
+      if (present(stop)) call stop%tell(done, of)
+   end subroutine tell_host
 
    !> True if the time is up.
    logical function late(self)

@@ -20,11 +20,11 @@ module psalm_force_verbs
    use psalm_status, only: findings_t => diagnostics_t
    use psalm_steady_report, only: report_steady
    use psalm_steady_study, only: steady_study_t, check_steady, study_steady => find_steady
-   use psalm_stop, only: stop_t
+   use psalm_stop, only: stop_t, is_to_end
    use psalm_study_frame, only: frame_t, report_t, need_of_rates, warn, empty_motion
    use psalm_text, only: text_t
    use psalm_time_list, only: report_time
-   use psalm_time_study, only: time_study_t, check_time, study_time => find_time
+   use psalm_time_study, only: time_study_t, check_time, study_time => find_time, time_on_request
    implicit none (type, external)
    private
    public :: find_rates, find_forces, find_machine, find_time, find_balance, find_springs, find_vibration, find_clearance
@@ -35,43 +35,68 @@ module psalm_force_verbs
 contains
 
    !> Velocities, accelerations and jerks of a case as given.
-   subroutine find_rates(case, rates, findings, report, brief)
+   subroutine find_rates(case, rates, findings, report, brief, stop)
       type(case_t), intent(in) :: case
       type(rate_study_t), intent(out) :: rates            !! empty if the case has errors
       type(findings_t), intent(inout) :: findings
       type(report_t), intent(out), optional :: report     !! tables: inputs, outputs and joints with their rates
       logical, intent(in), optional :: brief              !! no listing
+      type(stop_t), intent(in), optional :: stop          !! by which the host can end it; then there is no result
       type(frame_t) :: frame
 
-      call empty_motion(rates%motion)
-      allocate (rates%by_input(0, 0, 0), rates%by_time(0, 0, 0), rates%dead(0))
+      call no_rates(rates)
       call frame%begin(case, findings, report, need=need_of_rates, reader='kalm')
       if (.not. frame%ready) return
-      call study_rates(frame%set, frame%problem, frame%problem%given, rates)
+      call study_rates(frame%set, frame%problem, frame%problem%given, rates, stop=stop)
+      if (is_to_end(stop)) then
+         call no_rates(rates)
+         call frame%end_early(report, findings)
+         return
+      end if
       call warn(frame%problem, rates%motion, findings)
       if (present(report)) call report_dynamics(frame, rates, report, findings, brief)
    end subroutine find_rates
+
+   pure subroutine no_rates(rates)
+      type(rate_study_t), intent(out) :: rates
+
+      call empty_motion(rates%motion)
+      allocate (rates%by_input(0, 0, 0), rates%by_time(0, 0, 0), rates%dead(0))
+   end subroutine no_rates
+
+   pure subroutine no_forces(forces)
+      type(force_study_t), intent(out) :: forces
+
+      allocate (forces%input(0), forces%table%value(0, 0))
+   end subroutine no_forces
 
    !> Forces of a case with masses, loads or springs: drive, frame, every joint, at the positions of the case.
    !>
    !> With `by_unit_mass` also the inertia forces of unit masses, in which every force is linear: shape (positions, columns, 4,
    !> bodies), see `loads_of_unit_masses`. Columns:
    !> drive, force x and y and moment on the frame, two for each joint, then further drives.
-   subroutine find_forces(case, forces, findings, report, by_unit_mass, brief)
+   subroutine find_forces(case, forces, findings, report, by_unit_mass, brief, stop)
       type(case_t), intent(in) :: case
       type(force_study_t), intent(out) :: forces          !! empty if the case has errors
       type(findings_t), intent(inout) :: findings
       type(report_t), intent(out), optional :: report     !! tables: those of `find_rates` with the forces
       real(wp), allocatable, intent(out), optional :: by_unit_mass(:, :, :, :)
       logical, intent(in), optional :: brief              !! no listing
+      type(stop_t), intent(in), optional :: stop          !! by which the host can end it; then there is no result
       type(frame_t) :: frame
       type(rate_study_t), allocatable :: rates
 
-      allocate (forces%input(0), forces%table%value(0, 0))
+      call no_forces(forces)
       if (present(by_unit_mass)) allocate (by_unit_mass(0, 0, 0, 0))
       call frame%begin(case, findings, report, need=need_of_rates, reader='kalm')
       if (.not. frame%ready) return
-      call study_dynamics(frame, present(report), rates, forces, by_unit_mass)
+      call study_dynamics(frame, present(report), rates, forces, stop, by_unit_mass)
+      if (is_to_end(stop)) then
+         call no_forces(forces)
+         if (present(by_unit_mass)) by_unit_mass = by_unit_mass(:0, :0, :, :0)
+         call frame%end_early(report, findings)
+         return
+      end if
       if (.not. forces%all_known()) call findings%warning('forces are not known at every position: the linkage does not '// &
                                                           'close, is at a dead point, or friction locks it')
       if (.not. present(report)) return
@@ -79,11 +104,13 @@ contains
    end subroutine find_forces
 
    !> Motion from torque, the group MOTOR: steady cycle, run-up, flywheel.
-   subroutine find_machine(case, machine, findings, report)
+   subroutine find_machine(case, machine, findings, report, stop)
       type(case_t), intent(in) :: case
       type(machine_study_t), intent(out) :: machine       !! empty if the case has errors
       type(findings_t), intent(inout) :: findings
       type(report_t), intent(out), optional :: report     !! tables: forces, and the cycle
+      type(stop_t), intent(in), optional :: stop          !! by which the host can end it; the forces are there then, and the cycle
+                                                          !! if it was found
       type(frame_t) :: frame
       type(rate_study_t), allocatable :: rates
       type(force_study_t), allocatable :: forces
@@ -91,10 +118,23 @@ contains
       call frame%begin(case, findings, report, 'MOTOR', need=need_of_rates, reader='kalm')
       if (.not. frame%ready) return
       allocate (forces)
-      call study_dynamics(frame, present(report), rates, forces)
-      call study_machine(frame%set, frame%problem, forces%model, machine)
+      call study_dynamics(frame, present(report), rates, forces, stop)
+      if (is_to_end(stop)) then
+         machine%stopped = .true.
+         call frame%end_early(report, findings)
+         return
+      end if
+      call study_machine(frame%set, frame%problem, forces%model, machine, stop)
+      if (machine%stopped) then
+         call findings%warning('the study was ended before it had found all of the motion from torque')
+         call frame%devices%note_violation()
+      end if
       if (.not. present(report)) return
-      call report_dynamics(frame, rates, report, findings, .false., forces, machine)
+      if (machine%stopped .and. .not. machine%turns) then
+         call report_dynamics(frame, rates, report, findings, .false., forces)
+      else
+         call report_dynamics(frame, rates, report, findings, .false., forces, machine)
+      end if
    end subroutine find_machine
 
    !> Motion in time, the groups TIME and STOPS.
@@ -113,26 +153,33 @@ contains
       call check_time(frame%set, frame%prepared%mechanism, frame%noted)
       if (frame%fails(findings)) return
       allocate (forces)
-      call study_dynamics(frame, present(report), rates, forces)
+      call study_dynamics(frame, present(report), rates, forces, stop)
+      if (is_to_end(stop)) then
+         time%ended = time_on_request
+         call frame%end_early(report, findings)
+         return
+      end if
       call study_time(frame%set, frame%problem, frame%problem%given, forces, time, stop)
       if (.not. present(report)) return
       call report_dynamics(frame, rates, report, findings, .false., forces, time=time)
    end subroutine find_time
 
    !> Forces, and rates if a report is to have them: what these have analysed serves the forces.
-   subroutine study_dynamics(frame, with_rates, rates, forces, by_unit_mass)
+   subroutine study_dynamics(frame, with_rates, rates, forces, stop, by_unit_mass)
       type(frame_t), intent(inout) :: frame
       logical, intent(in) :: with_rates
       type(rate_study_t), allocatable, intent(out) :: rates  !! not allocated without them
       type(force_study_t), intent(inout) :: forces
+      type(stop_t), intent(in), optional :: stop             !! what the host ends is of no use
       real(wp), allocatable, intent(inout), optional :: by_unit_mass(:, :, :, :) !! see `find_forces`
 
       if (with_rates) then
          allocate (rates)
-         call study_rates(frame%set, frame%problem, frame%problem%given, rates)
-         call study_forces(frame%set, frame%problem, frame%problem%given, forces, by_unit_mass, analysed=rates%motion)
+         call study_rates(frame%set, frame%problem, frame%problem%given, rates, stop=stop)
+         if (is_to_end(stop)) return
+         call study_forces(frame%set, frame%problem, frame%problem%given, forces, by_unit_mass, rates%motion, stop)
       else
-         call study_forces(frame%set, frame%problem, frame%problem%given, forces, by_unit_mass)
+         call study_forces(frame%set, frame%problem, frame%problem%given, forces, by_unit_mass, stop=stop)
       end if
    end subroutine study_dynamics
 
@@ -223,11 +270,12 @@ contains
    end subroutine find_what_balances
 
    !> Vibration and stability: the groups ESTIM, VIBR, DRIVEL and HILL; what a case asks for is allocated.
-   subroutine find_vibration(case, steady, findings, report)
+   subroutine find_vibration(case, steady, findings, report, stop)
       type(case_t), intent(in) :: case
       type(steady_study_t), intent(out) :: steady         !! empty if the case has errors
       type(findings_t), intent(inout) :: findings
       type(report_t), intent(out), optional :: report     !! tables: responses, boundaries of stability
+      type(stop_t), intent(in), optional :: stop          !! by which the host can end it; what was found so far is there
       type(frame_t) :: frame
       class(data_set_t), allocatable :: set
       type(findings_t) :: unused
@@ -245,7 +293,15 @@ contains
          call check_steady(frame%set, frame%prepared, frame%noted)
          if (frame%fails(findings)) return
       end if
-      call study_steady(frame%set, frame%problem, frame%prepared, steady)
+      call study_steady(frame%set, frame%problem, frame%prepared, steady, stop)
+      if (steady%stopped) then
+         if (steady%is_empty()) then
+            call frame%end_early(report, findings)
+            return
+         end if
+         call findings%warning('the study was ended before it had found all that the case asks for')
+         call frame%devices%note_violation()
+      end if
       if (.not. present(report)) return
       call report_steady(frame%set, frame%problem%mechanism, steady, frame%devices)
       call frame%conclude(report, findings)

@@ -22,7 +22,7 @@ module psalm_motion_verbs
    use psalm_report, only: report_allocation, report_analysis, report_proof, report_summary, report_tolerances
    use psalm_sketch_study, only: sketch_study_t, study_sketch
    use psalm_status, only: findings_t => diagnostics_t
-   use psalm_stop, only: stop_t
+   use psalm_stop, only: stop_t, is_to_end
    use psalm_study_frame, only: frame_t, report_t, warn, empty_motion, threads_of, may_share
    use psalm_summary, only: summary_t
    use psalm_tables, only: table_t, table_of
@@ -45,13 +45,14 @@ contains
    !> Analyse a case as given: what it does at its input positions.
    !>
    !> Findings: errors of the case, and a warning for every violation of closure or a limit.
-   subroutine analyse(case, analysis, findings, wanted, report, brief)
+   subroutine analyse(case, analysis, findings, wanted, report, brief, stop)
       type(case_t), intent(in) :: case
       type(analysis_t), intent(out) :: analysis           !! empty if the case has errors
       type(findings_t), intent(inout) :: findings
       type(wanted_t), intent(in), optional :: wanted      !! what is wanted besides the motion; of a report as the case says
       type(report_t), intent(out), optional :: report     !! tables: inputs, outputs, of a sketch all joints
       logical, intent(in), optional :: brief              !! no listing
+      type(stop_t), intent(in), optional :: stop          !! by which the host can end it; then there is no result
       type(wanted_t) :: all_wanted
       type(frame_t) :: frame
       type(sketch_study_t) :: sketch
@@ -61,12 +62,17 @@ contains
 
       if (present(wanted)) all_wanted = wanted
       call frame%begin(case, findings, report, every_loop=all_wanted%arcs, need=need_of_psalm)
-      call empty_motion(analysis%motion)
+      call no_analysis(analysis)
       if (.not. frame%ready) return
       short = .false.
       if (present(brief)) short = brief
       if (present(report) .and. .not. present(wanted) .and. .not. short) all_wanted = wanted_by(frame%set)
-      call study_analysis(frame%set, frame%problem, frame%problem%given, all_wanted, analysis)
+      call study_analysis(frame%set, frame%problem, frame%problem%given, all_wanted, analysis, stop)
+      if (is_to_end(stop)) then
+         call no_analysis(analysis)
+         call frame%end_early(report, findings)
+         return
+      end if
       call warn(frame%problem, analysis%motion, findings)
       if (allocated(analysis%margins)) then
          do i = 1, size(analysis%margins)
@@ -94,6 +100,12 @@ contains
       call frame%devices%cases(1)%put(totals)
       call frame%conclude(report)
    end subroutine analyse
+
+   pure subroutine no_analysis(analysis)
+      type(analysis_t), intent(out) :: analysis
+
+      call empty_motion(analysis%motion)
+   end subroutine no_analysis
 
    !> What a linkage does over the whole range of its input: where it closes, dead points, stroke, time ratio, extremes.
    subroutine summarise(case, summary, findings, report)
@@ -231,11 +243,12 @@ contains
    end subroutine prove
 
    !> Every way in which the links of a sketch can be put together.
-   subroutine find_assemblies(case, assemblies, findings, report)
+   subroutine find_assemblies(case, assemblies, findings, report, stop)
       type(case_t), intent(in) :: case
       type(assembly_study_t), intent(out) :: assemblies   !! empty if the case has errors
       type(findings_t), intent(inout) :: findings
       type(report_t), intent(out), optional :: report     !! tables: joints of every assembly
+      type(stop_t), intent(in), optional :: stop          !! by which the host can end it; the assemblies so far are there
       type(frame_t) :: frame
 
       call frame%begin(case, findings, report)
@@ -244,7 +257,14 @@ contains
          frame%ready = .false.
       end if
       if (.not. frame%ready) return
-      call study_assemblies(frame%set, assemblies)
+      call study_assemblies(frame%set, assemblies, stop)
+      if (assemblies%found%stopped) then
+         if (size(assemblies%found%states) == 0) then
+            call frame%end_early(report, findings)
+            return
+         end if
+         call frame%devices%note_violation()
+      end if
       if (.not. present(report)) return
       if (assemblies%valid) call report_assemblies(frame%set, assemblies, frame%devices)
       call frame%conclude(report, findings)

@@ -93,11 +93,12 @@ contains
    end subroutine find_cams
 
    !> Pictures of a case as given: .svg, .dxf, with FLAT of the group DXF .flat.dxf, and .html, the moving page.
-   subroutine draw(case, files, findings, report)
+   subroutine draw(case, files, findings, report, stop)
       type(case_t), intent(in) :: case
       type(drawing_t), allocatable, intent(out) :: files(:) !! ending and content; empty if the case has errors
       type(findings_t), intent(inout) :: findings
       type(report_t), intent(out), optional :: report
+      type(stop_t), intent(in), optional :: stop            !! by which the host can end it; then there are no pictures
       type(frame_t) :: frame
       type(data_set_t), allocatable :: sets(:)
       type(pictured_t), allocatable :: cases(:)
@@ -112,8 +113,12 @@ contains
       type is (data_set_t)
          sets(1) = set
       end select
-      call make_scenes(sets, frame%noted, cases)
+      call make_scenes(sets, frame%noted, cases, stop)
       if (frame%fails(findings)) return
+      if (is_to_end(stop)) then
+         call frame%end_early(report, findings)
+         return
+      end if
       call report_picture(sets(1), cases(1), frame%devices)
       call draw_file(cases, .false., .true., '', pictures)
       do k = 1, size(pictures)

@@ -80,7 +80,7 @@ contains
       type(report_t), intent(out) :: report
       type(findings_t), intent(inout) :: findings
       integer, intent(in), optional :: threads            !! that share the work; default THREADS of the case, or 1
-      type(stop_t), intent(in), optional :: stop          !! by which the host can end a search, a sample, an exact synthesis
+      type(stop_t), intent(in), optional :: stop          !! by which the host can end every study that may take long
       class(observer_t), intent(inout), optional :: monitor !! informed of the progress of a search
       logical, intent(in), optional :: brief
       type(analysis_t), allocatable :: analysis
@@ -107,7 +107,7 @@ contains
       select case (verb)
       case ('analysis')
          allocate (analysis)
-         call analyse(case, analysis, findings, report=report, brief=brief)
+         call analyse(case, analysis, findings, report=report, brief=brief, stop=stop)
       case ('summary')
          allocate (summary)
          call summarise(case, summary, findings, report)
@@ -134,16 +134,16 @@ contains
          call prove(case, proven, findings, report, stop)
       case ('assemblies')
          allocate (assemblies)
-         call find_assemblies(case, assemblies, findings, report)
+         call find_assemblies(case, assemblies, findings, report, stop)
       case ('rates')
          allocate (rates)
-         call find_rates(case, rates, findings, report, brief)
+         call find_rates(case, rates, findings, report, brief, stop)
       case ('forces')
          allocate (forces)
-         call find_forces(case, forces, findings, report, brief=brief)
+         call find_forces(case, forces, findings, report, brief=brief, stop=stop)
       case ('machine')
          allocate (machine)
-         call find_machine(case, machine, findings, report)
+         call find_machine(case, machine, findings, report, stop)
       case ('time')
          allocate (time)
          call find_time(case, time, findings, report, stop)
@@ -155,7 +155,7 @@ contains
          call find_springs(case, muscle, findings, report, stop)
       case ('vibration')
          allocate (steady)
-         call find_vibration(case, steady, findings, report)
+         call find_vibration(case, steady, findings, report, stop)
       case ('cams')
          allocate (cams)
          call find_cams(case, cams, findings, report, stop)
@@ -163,7 +163,7 @@ contains
          allocate (clearance)
          call find_clearance(case, clearance, findings, report, stop)
       case ('picture')
-         call draw(case, files, findings, report)
+         call draw(case, files, findings, report, stop)
       case ('board')
          call make_board(case, files, findings, report)
       case default

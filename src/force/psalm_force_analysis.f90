@@ -7,6 +7,7 @@ module psalm_force_analysis
                                   external_power, joint_rows, listed_rows, sources_of, source_inertia
    use psalm_mechanism, only: body_frame
    use psalm_rates, only: rates_t, prepare_rates, differentiate, is_dead
+   use psalm_stop, only: stop_t, is_to_end
    implicit none (type, external)
    private
    public :: force_table_t, analyse_forces, share_of_sources, loads_of_unit_masses, loads_of_unit_wrenches, &
@@ -74,14 +75,16 @@ contains
       column_of_joint = fixed_columns + 2*joint - 1
    end function column_of_joint
 
-   !> All forces. The problem is bound and its plan has every loop, every root and all vertices (`vertices_of`).
-   subroutine analyse_forces(problem, model, speed, accel, closed, input, table)
+   !> All forces. The problem is bound and its plan has every loop, every root and all vertices (`vertices_of`). What the host
+   !> ends is not whole and of no use.
+   subroutine analyse_forces(problem, model, speed, accel, closed, input, table, stop)
       type(problem_t), intent(inout) :: problem
       type(force_model_t), intent(in) :: model
       real(wp), intent(in) :: speed, accel     !! of the input: rad/s or length/s, and per second
       logical, intent(in) :: closed(:)         !! shape (positions)
       real(wp), intent(in) :: input(:)         !! shape (positions): degrees or length
       type(force_table_t), intent(out) :: table
+      type(stop_t), intent(in), optional :: stop !! asked before each block
       type(rates_t) :: rates
       type(forces_t) :: forces
       integer :: block, offset, n, source
@@ -93,6 +96,7 @@ contains
       call prepare_rates(problem, rates)
       call prepare_forces(problem, model, forces)
       do block = 1, problem%blocks()
+         if (is_to_end(stop)) return
          call problem%solve_block(block, offset, n)
          call differentiate(problem, rates, n, 2)
          call note_dead(problem, rates, offset, n, table)

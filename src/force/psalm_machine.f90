@@ -6,6 +6,8 @@
 !> stiff. In the first turn phi = s**2 takes the root out of a speed that begins at rest, and gives short steps to a speed that
 !> changes fast. The same with twice the step estimates the error. J and what weight, loads and springs do are found from the
 !> forces at unit speed, in closed form at every node. Friction of joints (&FRICTN) is no part of this.
+!>
+!> The host is asked before each turn and each block of nodes; what it ends is of no use.
 module psalm_machine
    use psalm_error, only: problem_t
    use psalm_force_model, only: force_model_t
@@ -13,6 +15,7 @@ module psalm_machine
    use psalm_linear, only: solve_three
    use psalm_motor_group, only: motor_group_t
    use psalm_reduced, only: reduced_t, reduce_machine
+   use psalm_stop, only: stop_t, is_to_end, tell_host
    implicit none (type, external)
    private
    public :: machine_t, cycle_t, machine_run_t, make_machine, settle_machine, steady_cycle, run_up, flywheel_for, motor_torque
@@ -80,35 +83,39 @@ module psalm_machine
 contains
 
    !> The machine over one turn of its crank, at `steps` steps (a multiple of 4; without it the least there are).
-   subroutine make_machine(problem, model, motor, machine, steps)
+   subroutine make_machine(problem, model, motor, machine, steps, stop)
       type(problem_t), intent(inout) :: problem
       type(force_model_t), intent(in) :: model
       type(motor_group_t), intent(in) :: motor
       type(machine_t), intent(out) :: machine
       integer, intent(in), optional :: steps
+      type(stop_t), intent(in), optional :: stop
       integer :: k
 
       if (present(steps)) machine%steps = steps
       machine%motor = motor
       machine%flywheel = motor%flywheel
-      call reduce_machine(problem, model, [(full_turn*real(k, wp)/real(2*machine%steps, wp), k=0, 2*machine%steps)], machine%turn)
+      call reduce_machine(problem, model, [(full_turn*real(k, wp)/real(2*machine%steps, wp), k=0, 2*machine%steps)], machine%turn, &
+                          stop)
    end subroutine make_machine
 
    !> The machine and its steady cycle, with steps so short that the error is small. `machine` has an inertia and no dead point at
    !> its own steps; with more of them one may be found: `machine%turn%failure`.
-   subroutine settle_machine(problem, model, given, machine, cycle)
+   subroutine settle_machine(problem, model, given, machine, cycle, stop)
       type(problem_t), intent(inout) :: problem
       type(force_model_t), intent(in) :: model
       real(wp), intent(in) :: given             !! rad/s at CRNKI, where any speed would do
       type(machine_t), intent(inout) :: machine
       type(cycle_t), intent(out) :: cycle
+      type(stop_t), intent(in), optional :: stop
       type(motor_group_t) :: motor
 
       motor = machine%motor
       do
-         call steady_cycle(machine, given, cycle)
+         call steady_cycle(machine, given, cycle, stop)
+         if (is_to_end(stop)) return
          if (cycle%error <= wanted_error .or. machine%steps >= most_steps) exit
-         call make_machine(problem, model, motor, machine, 2*machine%steps)
+         call make_machine(problem, model, motor, machine, 2*machine%steps, stop)
          if (machine%turn%failure > 0) return
       end do
       if (cycle%error > worst_error) cycle%state = cycle_unknown
@@ -312,15 +319,16 @@ contains
    end subroutine work_of_turn
 
    !> The steady cycle and its error, by the same with twice the step. `given` is the speed at CRNKI where any speed would do.
-   subroutine steady_cycle(machine, given, cycle)
+   subroutine steady_cycle(machine, given, cycle, stop)
       type(machine_t), intent(in) :: machine
       real(wp), intent(in) :: given
       type(cycle_t), intent(out) :: cycle
+      type(stop_t), intent(in), optional :: stop
       type(cycle_t) :: coarse
       integer :: n
 
-      call find_cycle(machine, 1, given, cycle)
-      call find_cycle(machine, 2, given, coarse)
+      call find_cycle(machine, 1, given, cycle, stop)
+      call find_cycle(machine, 2, given, coarse, stop)
       cycle%error = never
       if (cycle%state == cycle_unknown .or. coarse%state /= cycle%state) return
       cycle%error = 0.0_wp
@@ -334,11 +342,12 @@ contains
    !> Two runs never cross in the plane of angle and energy: the speed after a turn grows with the speed before it. So what begins
    !> below a run that stops, stops too. A torque that falls with the speed has one steady cycle at most, for the work of any run
    !> above it is less. Then a speed that falls over a turn has the cycle below it, one that rises above it.
-   subroutine find_cycle(machine, stride, given, cycle)
+   subroutine find_cycle(machine, stride, given, cycle, stop)
       type(machine_t), intent(in) :: machine
       integer, intent(in) :: stride
       real(wp), intent(in) :: given
       type(cycle_t), intent(out) :: cycle
+      type(stop_t), intent(in), optional :: stop
       real(wp) :: low, high, work, amount, after, after_high, before, balance, last, last_balance, strongest, top, next, greatest
       real(wp) :: lost
       integer :: k, ended, low_is
@@ -380,6 +389,7 @@ contains
          call work_of_turn(machine, high, work, amount)
          if (work < 0.0_wp) then
             cycle%state = cycle_unknown
+            if (is_to_end(stop)) return
             call one_turn(machine, stride, high, cycle, after, ended)
             if (ended == turn_done .and. after < high) exit
          end if
@@ -401,6 +411,7 @@ contains
          ! secants, bisected now and then so that the bracket shrinks in any case
          if (.not. (next > low .and. next < high) .or. modulo(k, 5) == 0) next = 0.5_wp*(low + high)
          before = next
+         if (is_to_end(stop)) exit
          call one_turn(machine, stride, before, cycle, after, ended)
          if (ended /= turn_done) then
             if (ended == turn_failed .and. before >= after_high) return
@@ -427,6 +438,7 @@ contains
          last = before
          last_balance = balance
       end do
+      if (is_to_end(stop)) return
       if (low_is == turn_done) then
          cycle%state = cycle_found
          call find_extremes(machine, cycle)
@@ -440,6 +452,7 @@ contains
       ! the torque rises somewhere with the speed: only the turns themselves, from above all cycles, show that there is none
       before = greatest
       do k = 1, most_turns
+         if (is_to_end(stop)) return
          call one_turn(machine, stride, before, cycle, after, ended)
          if (ended /= turn_done .or. abs(after - before) <= settled*before) exit
          before = after
@@ -497,11 +510,12 @@ contains
 
    !> The first turns from a speed at CRNKI, 0: from rest, with steps so short that the error is small.
    !> `problem` is needed for the first turn, whose nodes lie closer at its beginning.
-   subroutine run_up(problem, model, machine, run)
+   subroutine run_up(problem, model, machine, run, stop)
       type(problem_t), intent(inout) :: problem
       type(force_model_t), intent(in) :: model
       type(machine_t), intent(in) :: machine
       type(machine_run_t), intent(out) :: run
+      type(stop_t), intent(in), optional :: stop
       type(machine_t) :: finer
       type(reduced_t) :: first
       type(machine_run_t) :: coarse
@@ -513,9 +527,10 @@ contains
       do
          width = sqrt(2.0_wp*pi)/real(finer%steps, wp)
          stretch = [(width*real(k, wp), k=0, 2*finer%steps)]   ! 2 s at half steps
-         call reduce_machine(problem, model, 0.25_wp*stretch**2*degrees_per_radian, first)
-         call run_through(finer, first, stretch, 1, run)
-         call run_through(finer, first, stretch, 2, coarse)
+         call reduce_machine(problem, model, 0.25_wp*stretch**2*degrees_per_radian, first, stop)
+         call run_through(finer, first, stretch, 1, run, stop)
+         call run_through(finer, first, stretch, 2, coarse, stop)
+         if (is_to_end(stop)) return
          run%error = never
          associate (turns => size(run%time))
             if (size(coarse%time) == turns .and. run%computed .and. coarse%computed) then
@@ -523,7 +538,7 @@ contains
             end if
          end associate
          if (run%error <= wanted_error .or. finer%steps >= most_steps) exit
-         call make_machine(problem, model, machine%motor, finer, 2*finer%steps)
+         call make_machine(problem, model, machine%motor, finer, 2*finer%steps, stop)
          finer%flywheel = machine%flywheel
          if (finer%turn%failure > 0) exit
       end do
@@ -537,12 +552,13 @@ contains
    end subroutine run_up
 
    !> The turns of a run-up at steps of `stride`; `first` is the machine at the nodes of its first turn.
-   subroutine run_through(machine, first, stretch, stride, run)
+   subroutine run_through(machine, first, stretch, stride, run, stop)
       type(machine_t), intent(in) :: machine
       type(reduced_t), intent(in) :: first
       real(wp), intent(in) :: stretch(0:)              !! shape (0:2*steps)
       integer, intent(in) :: stride
       type(machine_run_t), intent(out) :: run
+      type(stop_t), intent(in), optional :: stop
       type(cycle_t) :: cycle
       real(wp) :: width, before, after, time
       integer :: steps, turn, turns, ended, last
@@ -554,6 +570,7 @@ contains
       before = machine%motor%start
       time = 0.0_wp
       do turn = 1, turns
+         if (is_to_end(stop)) return
          if (turn > 1) then
             call one_turn(machine, stride, before, cycle, after, ended)
          else
@@ -574,6 +591,7 @@ contains
          run%least(turn) = minval(cycle%speed)
          run%greatest(turn) = maxval(cycle%speed)
          before = after
+         call tell_host(stop, turn, turns)
       end do
 
    contains
@@ -591,10 +609,11 @@ contains
    ! ---- flywheel ----------------------------------------------------------------------------------------------------
 
    !> Flywheel with which the steady cycle fluctuates as wanted: the exact cycle, by bisection. Negative: there is none.
-   subroutine flywheel_for(machine, fluctuation, given, flywheel)
+   subroutine flywheel_for(machine, fluctuation, given, flywheel, stop)
       type(machine_t), intent(in) :: machine
       real(wp), intent(in) :: fluctuation, given
       real(wp), intent(out) :: flywheel
+      type(stop_t), intent(in), optional :: stop
       type(machine_t) :: tried
       real(wp) :: low, high
       integer :: k
@@ -606,6 +625,7 @@ contains
       high = maxval(abs(machine%turn%inertia))
       flywheel = -1.0_wp
       do k = 1, most_iterations
+         if (is_to_end(stop)) return
          if (fluctuates_at_most(high)) exit
          low = high
          high = 4.0_wp*high
@@ -613,7 +633,7 @@ contains
       end do
       do k = 1, most_iterations
          flywheel = 0.5_wp*(low + high)
-         if (high - low <= settled*high) exit
+         if (high - low <= settled*high .or. is_to_end(stop)) exit
          if (fluctuates_at_most(flywheel)) then
             high = flywheel
          else
@@ -628,7 +648,7 @@ contains
          type(cycle_t) :: cycle
 
          tried%flywheel = wheel
-         call find_cycle(tried, 1, given, cycle)
+         call find_cycle(tried, 1, given, cycle, stop)
          fluctuates_at_most = cycle%state == cycle_found .or. cycle%state == cycle_any_speed
          if (fluctuates_at_most) fluctuates_at_most = cycle%greatest - cycle%least <= &
                                                       0.5_wp*fluctuation*(cycle%greatest + cycle%least)

@@ -4,6 +4,7 @@ module psalm_reduced
    use psalm_force_analysis, only: force_table_t, analyse_forces, column_drive, column_of_other_drive
    use psalm_force_model, only: force_model_t, friction_t, load_t, spring_t, vertices_of
    use psalm_kinds, only: wp
+   use psalm_stop, only: stop_t
    implicit none (type, external)
    private
    public :: reduced_t, reduce_machine
@@ -19,12 +20,14 @@ module psalm_reduced
 
 contains
 
-   !> Inertia and torque on the crank at increments of the input. `problem` is left at these inputs.
-   subroutine reduce_machine(problem, model, delt, reduced)
+   !> Inertia and torque on the crank at increments of the input. `problem` is left at these inputs. What the host ends is of no
+   !> use.
+   subroutine reduce_machine(problem, model, delt, reduced, stop)
       type(problem_t), intent(inout) :: problem
       type(force_model_t), intent(in) :: model
       real(wp), intent(in) :: delt(:)               !! degrees from CRNKI
       type(reduced_t), intent(out) :: reduced
+      type(stop_t), intent(in), optional :: stop    !! asked now and then
       type(force_model_t) :: only
       type(force_table_t) :: table
       type(motion_t) :: motion
@@ -32,14 +35,14 @@ contains
 
       call problem%set_inputs(delt)
       call problem%want_derivatives(.true., vertices_of(problem%mechanism))
-      call problem%analyse(problem%given, motion)
+      call problem%analyse(problem%given, motion, stop=stop)
       ! masses alone: the drive at unit speed is half of J'
       only = model
       only%gravity = 0.0_wp
       only%loads = [load_t ::]
       only%springs = [spring_t ::]
       only%friction = [friction_t ::]
-      call analyse_forces(problem, only, 1.0_wp, 0.0_wp, motion%closed, motion%input, table)
+      call analyse_forces(problem, only, 1.0_wp, 0.0_wp, motion%closed, motion%input, table, stop)
       reduced%inertia = 2.0_wp*table%kinetic
       ! drives geared to the crank are moved through it
       reduced%slope = 2.0_wp*table%value(:, column_drive)*merge(model%metre, 1.0_wp, problem%mechanism%sliding_input)
@@ -54,14 +57,14 @@ contains
       only = model
       only%friction = [friction_t ::]
       only%springs%damping = 0.0_wp
-      call analyse_forces(problem, only, 1.0_wp, 0.0_wp, motion%closed, motion%input, table)
+      call analyse_forces(problem, only, 1.0_wp, 0.0_wp, motion%closed, motion%input, table, stop)
       reduced%torque = table%power
       only%gravity = 0.0_wp
       only%loads = [load_t ::]
       only%springs = model%springs
       only%springs%stiffness = 0.0_wp
       only%springs%preload = 0.0_wp
-      call analyse_forces(problem, only, 1.0_wp, 0.0_wp, motion%closed, motion%input, table)
+      call analyse_forces(problem, only, 1.0_wp, 0.0_wp, motion%closed, motion%input, table, stop)
       reduced%damping = -table%power
    end subroutine reduce_machine
 end module psalm_reduced

@@ -17,6 +17,7 @@ module psalm_error
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
    use psalm_sketch, only: wish_column_t
+   use psalm_stop, only: stop_t, is_to_end
    use psalm_parameters, only: parameters_t
    use psalm_place, only: beside_t
    use psalm_shown_input, only: crank_angle_at, input_at, shows_crank
@@ -710,11 +711,14 @@ contains
    end subroutine measure_of
 
    !> The whole motion of a linkage: actual values, errors, and every violation of closure or transmission limits.
-   subroutine analyse(self, dimensions, motion, reach)
+   !>
+   !> What the host ends is not whole and of no use.
+   subroutine analyse(self, dimensions, motion, reach, stop)
       class(problem_t), intent(inout) :: self
       type(dimensions_t), intent(in) :: dimensions
       type(motion_t), intent(out) :: motion
       type(reach_t), intent(inout), optional :: reach !! of this linkage, from an analysis at other inputs; or not known yet
+      type(stop_t), intent(in), optional :: stop      !! asked before each block
       type(reach_t) :: own
       integer :: block, offset, n, m, i, k, l, c, components, noted
       integer, allocatable :: open_violation(:)
@@ -735,6 +739,7 @@ contains
       if (shows_crank(self%mechanism)) motion%crank = crank_angle_at(self%mechanism, dimensions, self%delt)
       call self%bind(dimensions)
       do block = 1, self%blocks()
+         if (is_to_end(stop)) return
          call self%solve_block(block, offset, n)
          m = padded(n)
          do l = 1, self%mechanism%nloop

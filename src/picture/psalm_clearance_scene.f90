@@ -3,6 +3,7 @@ module psalm_clearance_scene
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
    use psalm_preparation, only: prepared_t
+   use psalm_stop, only: stop_t
    implicit none (type, external)
    private
    public :: clearance_scene_t, make_clearance_scene
@@ -19,13 +20,14 @@ module psalm_clearance_scene
 
    interface
       !> Of a case with the group CLEAR. Errors: `found` false if bridge would refuse it, or the contact cannot be followed.
-      module subroutine make_clearance_scene(set, prepared, sweep, scene, found)
+      module subroutine make_clearance_scene(set, prepared, sweep, scene, found, stop)
          implicit none (type, external)
          type(data_set_t), intent(in) :: set
          type(prepared_t), intent(in) :: prepared
          real(wp), intent(in) :: sweep(:)           !! increments of the input, degrees
          type(clearance_scene_t), intent(out) :: scene
          logical, intent(out) :: found
+         type(stop_t), intent(in), optional :: stop !! asked now and then; nothing is found then
       end subroutine make_clearance_scene
    end interface
 end module psalm_clearance_scene

@@ -25,7 +25,8 @@ contains
       if (findings%failed()) return
       allocate (problem)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
-      call find_clearance(set, clearance, problem, prepared%mechanism, prepared%given, study)
+      call find_clearance(set, clearance, problem, prepared%mechanism, prepared%given, study, &
+                          stop)
       if (.not. (study%done .and. study%followed)) return
       found = .true.
       scene%name = trim(prepared%mechanism%joints(study%joint)%name)

@@ -17,6 +17,7 @@ module psalm_picture_study
    use psalm_scene, only: scene_t, add_curves, make_scene, message_scene
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t, finding_t, level_error
+   use psalm_stop, only: stop_t
    use psalm_text, only: to_text
    use psalm_time_scene, only: time_frames_t, find_frames, largest_turn, put_in_time
    use psalm_time_study, only: check_time
@@ -31,11 +32,13 @@ module psalm_picture_study
 
 contains
 
-   !> Scenes of all cases of a file, in their order; those with faults become scenes of messages.
-   subroutine make_scenes(sets, findings, cases)
+   !> Scenes of all cases of a file, in their order; those with faults become scenes of messages. What the host ends is
+   !> not whole and of no use.
+   subroutine make_scenes(sets, findings, cases, stop)
       type(data_set_t), intent(in) :: sets(:)
       type(diagnostics_t), intent(inout) :: findings  !! of reading the file; SETUP's are added
       type(pictured_t), allocatable, intent(out) :: cases(:)
+      type(stop_t), intent(in), optional :: stop      !! asked by what takes long: vibration and clearance
       type(finding_t), allocatable :: read(:), own(:)
       type(diagnostics_t) :: noted
       type(line_t) :: none(0)
@@ -98,8 +101,8 @@ contains
                   allocate (cases(k)%parts)
                   call make_chain_scene(each, own, cases(k)%parts, chosen, rows=study)
                end if
-               if (each%gives('VIBR') .and. scene%valid) call add_vibration(each, prepared, scene)
-               if (each%gives('CLEAR') .and. scene%valid) call add_clearance(each, prepared, scene)
+               if (each%gives('VIBR') .and. scene%valid) call add_vibration(each, prepared, scene, stop)
+               if (each%gives('CLEAR') .and. scene%valid) call add_clearance(each, prepared, scene, stop)
             end associate
             if (allocated(cases(k)%scene%prescribed%beyond)) then
                if (any(cases(k)%scene%prescribed%beyond)) &
@@ -199,26 +202,28 @@ contains
    end subroutine add_motion
 
    !> The link that the group VIBR names; a case that ssics refuses is drawn without.
-   subroutine add_vibration(set, prepared, scene)
+   subroutine add_vibration(set, prepared, scene, stop)
       type(data_set_t), intent(in) :: set
       type(prepared_t), intent(in) :: prepared
       type(scene_t), intent(inout) :: scene
+      type(stop_t), intent(in), optional :: stop
       type(vibration_scene_t) :: vibration
       logical :: found
 
-      call make_vibration_scene(set, prepared, scene%sweep%delt, vibration, found)
+      call make_vibration_scene(set, prepared, scene%sweep%delt, vibration, found, stop)
       if (found) scene%vibration = vibration
    end subroutine add_vibration
 
    !> The joint that the group CLEAR names; a case that bridge refuses is drawn without.
-   subroutine add_clearance(set, prepared, scene)
+   subroutine add_clearance(set, prepared, scene, stop)
       type(data_set_t), intent(in) :: set
       type(prepared_t), intent(in) :: prepared
       type(scene_t), intent(inout) :: scene
+      type(stop_t), intent(in), optional :: stop
       type(clearance_scene_t) :: clearance
       logical :: found
 
-      call make_clearance_scene(set, prepared, scene%sweep%delt, clearance, found)
+      call make_clearance_scene(set, prepared, scene%sweep%delt, clearance, found, stop)
       if (found) scene%clearance = clearance
    end subroutine add_clearance
 

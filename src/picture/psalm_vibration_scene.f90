@@ -3,6 +3,7 @@ module psalm_vibration_scene
    use psalm_data_set, only: data_set_t
    use psalm_kinds, only: wp
    use psalm_preparation, only: prepared_t
+   use psalm_stop, only: stop_t
    use psalm_vibration_study, only: vibration_study_t
    implicit none (type, external)
    private
@@ -20,13 +21,14 @@ module psalm_vibration_scene
 
    interface
       !> Of a case with the group VIBR. Errors: `found` false if ssics would refuse it, or there is no periodic deflection.
-      module subroutine make_vibration_scene(set, prepared, sweep, scene, found)
+      module subroutine make_vibration_scene(set, prepared, sweep, scene, found, stop)
          implicit none (type, external)
          type(data_set_t), intent(in) :: set
          type(prepared_t), intent(in) :: prepared
          real(wp), intent(in) :: sweep(:)           !! increments of the input, degrees
          type(vibration_scene_t), intent(out) :: scene
          logical, intent(out) :: found
+         type(stop_t), intent(in), optional :: stop !! asked now and then; nothing is found then
       end subroutine make_vibration_scene
    end interface
 end module psalm_vibration_scene

@@ -6,6 +6,7 @@ submodule(psalm_vibration_scene) psalm_vibration_scene_body
    use psalm_periodic, only: periodic_t, periodic_from_samples
    use psalm_status, only: diagnostics_t
    use psalm_steady_study, only: check_steady, model_with_links
+   use psalm_stop, only: is_to_end
    use psalm_vibration_group, only: vibration_group_t, vibration_of
    use psalm_vibration_study, only: find_vibration
    implicit none (type, external)
@@ -32,8 +33,8 @@ contains
       call make_force_model(set, prepared%mechanism, prepared%given, model, findings)
       n = prepared%mechanism%seq(vibration%beam%link%loop, vibration%beam%link%arc)
       model = model_with_links(set, prepared%mechanism, prepared%given, n, model)
-      call find_vibration(set, problem, prepared%given, model, scene%study)
-      if (size(scene%study%modes) == 0) return
+      call find_vibration(set, problem, prepared%given, model, scene%study, stop)
+      if (size(scene%study%modes) == 0 .or. is_to_end(stop)) return
       scene%metre = model%metre
       scene%bar = prepared%mechanism%arcs(n)%bar
       scene%reversed = prepared%mechanism%arcs(n)%reversed

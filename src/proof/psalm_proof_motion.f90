@@ -16,6 +16,7 @@ module psalm_proof_motion
                                 signal_away, signal_turn_sign, signal_slide_sign, signal_square, signal_depart, &
                                 signal_turned_by, signal_turned_less, signal_longer, signal_farther, unbounded
    use psalm_proof_signs, only: piece_t, find_pieces
+   use psalm_stop, only: stop_t, is_to_end
    use psalm_taylor, only: lanes
    implicit none (type, external)
    private
@@ -73,12 +74,13 @@ module psalm_proof_motion
 
 contains
 
-   !> Everything over what closes.
-   subroutine prove_movement(linkage, proof, dwell, movement)
+   !> Everything over what closes. What the host ends is not whole and of no use.
+   subroutine prove_movement(linkage, proof, dwell, movement, stop)
       type(proof_linkage_t), intent(in) :: linkage          !! bound, of the same proof
       type(proof_t), intent(in) :: proof
       real(wp), intent(in) :: dwell                   !! amount of a dwell, degrees or length; 0: none are looked for
       type(movement_t), intent(out) :: movement
+      type(stop_t), intent(in), optional :: stop      !! asked before each quantity
       type(proof_models_t) :: moving
       type(signal_t) :: rate, sign
       type(proven_dead_point_t), allocatable :: own(:)
@@ -104,7 +106,9 @@ contains
       if (moves) then
          call find_dead_points(linkage, proof, moving, sign, quantity_output, 0, 0, own)
          movement%dead = own
+         if (is_to_end(stop)) return
          call find_ratio(linkage, proof, moving, rate, movement)
+         if (is_to_end(stop)) return
          if (linkage%output_motion == motion_distance) call find_distance(linkage, proof, moving, movement)
          if (rate%kind == signal_turn) call follow_angle(linkage, proof, moving, rate%which, own, movement)
          call find_time_ratio(proof, own, movement)
@@ -113,6 +117,7 @@ contains
       do k = 1, size(linkage%plan%steps)
          associate (step => linkage%plan%steps(k))
             if (.not. step%dyad) cycle
+            if (is_to_end(stop)) return
             call add_link(step%p, step%loop, step%places(1))
             if (linkage%plan%root(step%q) /= linkage%plan%root(step%p)) then
                call add_link(step%q, step%loop, step%places(2))

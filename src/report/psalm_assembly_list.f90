@@ -31,7 +31,9 @@ contains
          line = ' ASSEMBLIES AT THE INPUTS OF THE DRAWING: '//to_text(size(found%states))
          if (found%more) line = line//' AND MORE'
          if (found%unknown > 0) line = line//'; OTHERS OF THE GROUP OF '//name_of(found%unknown)//' ARE NOT KNOWN (GEARS OR KOVER)'
-         if (found%unknown == 0 .and. .not. found%complete) line = line//'; AT A DEAD POINT OR AT INFINITY SOME PATHS HAVE NO END'
+         if (found%stopped) line = line//'; STOPPED BY REQUEST'
+         if (found%unknown == 0 .and. .not. (found%complete .or. found%stopped)) &
+            line = line//'; AT A DEAD POINT OR AT INFINITY SOME PATHS HAVE NO END'
          call devices%six%add(line)
          do g = 1, size(groups)
             if (size(groups(g)%links) < 2) cycle

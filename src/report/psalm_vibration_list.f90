@@ -101,7 +101,9 @@ contains
          end associate
          call text%add(' LARGEST ERROR OF A DETERMINANT'//error_words(named, maxval(study%speeds%determinant_error)))
          call text%add()
-         if (size(study%bands) == 0) then
+         if (.not. study%bands_known) then
+            call text%add(' STOPPED BY REQUEST BEFORE IT WAS KNOWN WHERE MODE 1 GROWS')
+         else if (size(study%bands) == 0) then
             call text%add(' MODE 1 GROWS AT NONE OF THESE SPEEDS')
          else
             call text%add(' MODE 1 GROWS AT SPEEDS FROM           TO   (RPM        FROM             TO)')

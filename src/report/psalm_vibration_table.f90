@@ -53,6 +53,8 @@ contains
          associate (rows => study%speeds)
             call put_speeds('speeds', 'm', rows%speed, rows%amplitude, rows%known, rows%stable, tables)
          end associate
+      end if
+      if (study%bands_known .and. size(study%speeds) > 0) then
          table = table_of('unstable_speeds', 'a row for each range of speeds at which mode 1 grows', audience=for_programs)
          call table%add('speed_from', study%bands%from, 'rad/s')
          call table%add('speed_to', study%bands%to, 'rad/s')

@@ -14,6 +14,7 @@ module psalm_assemblies
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_linear, only: product_of
    use psalm_sketch, only: frame_link
+   use psalm_stop, only: stop_t, is_to_end
    implicit none (type, external)
    private
    public :: assemblies_t, group_assemblies_t, find_assemblies, find_group_assemblies
@@ -39,17 +40,19 @@ module psalm_assemblies
       integer, allocatable :: per_group(:)           !! shape (groups): real assemblies, all else as it is drawn
       logical :: complete = .true.                   !! none can be missing
       logical :: more = .false.                      !! there are more than were asked for
+      logical :: stopped = .false.                   !! the host asked for the end: those so far
       integer :: unknown = 0                         !! a group that has equations of another kind; 0: none
    end type assemblies_t
 
 contains
 
    !> All assemblies with the inputs of `drawn`, at most `most` of them.
-   subroutine find_assemblies(closure, drawn, most, found)
+   subroutine find_assemblies(closure, drawn, most, found, stop)
       type(closure_t), intent(in) :: closure
       type(state_t), intent(in) :: drawn
       integer, intent(in) :: most
       type(assemblies_t), intent(out) :: found
+      type(stop_t), intent(in), optional :: stop     !! asked before each path of a group: the assemblies so far are there
 
       allocate (found%states(0), found%dead(0), found%per_group(size(closure%groups)))
       found%per_group = 0
@@ -77,7 +80,10 @@ contains
             return
          end if
          if (found%more) return
-         call find_group_assemblies(closure, group, state, here)
+         found%stopped = found%stopped .or. is_to_end(stop)
+         if (found%stopped) return
+         call find_group_assemblies(closure, group, state, here, stop)
+         found%stopped = found%stopped .or. is_to_end(stop)
          if (.not. here%known) found%unknown = group
          found%complete = found%complete .and. here%complete
          if (as_drawn) found%per_group(group) = size(here%states)
@@ -88,11 +94,12 @@ contains
    end subroutine find_assemblies
 
    !> All assemblies of one group; the one nearest to where it stands in `state` comes first, the others as they are found.
-   subroutine find_group_assemblies(closure, group, state, found)
+   subroutine find_group_assemblies(closure, group, state, found, stop)
       type(closure_t), intent(in) :: closure
       integer, intent(in) :: group
       type(state_t), intent(in) :: state
       type(group_assemblies_t), intent(out) :: found
+      type(stop_t), intent(in), optional :: stop     !! asked before each path; the assembly of `state` is there in any case
       complex(wp), allocatable :: forms(:, :, :), places(:, :), turns(:, :)
       type(bilinear_roots_t) :: roots
       type(state_t) :: nearest
@@ -118,11 +125,13 @@ contains
          call take([(1.0_wp, 0.0_wp)], [(1.0_wp, 0.0_wp)])
          found%complete = .true.
       else
-         call find_bilinear_roots(forms, roots)
+         call find_bilinear_roots(forms, roots, stop)
          found%complete = roots%complete
          do k = 1, size(roots%simple)
             call take(roots%x(:, k), roots%y(:, k))
          end do
+         ! its path may not have been followed yet
+         if (is_to_end(stop)) call keep(state)
       end if
       best = 0
       least = huge(least)

@@ -9,6 +9,7 @@ module psalm_analysis
    use psalm_error, only: problem_t, motion_t, reach_t
    use psalm_kinds, only: wp, full_turn
    use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated
+   use psalm_stop, only: stop_t, is_to_end
    use psalm_summary, only: summary_t, summarise
    use psalm_sweep, only: sweep_inputs
    use psalm_output_wishes, only: output_wishes_t, compare_with_wishes, sum_of_wish_errors
@@ -77,19 +78,21 @@ contains
       wanted%warnings = .true.
    end function wanted_by
 
-   !> Analyse a linkage. `problem` is bound to it afterwards.
-   subroutine analyse(set, problem, dimensions, wanted, analysis)
+   !> Analyse a linkage. `problem` is bound to it afterwards. What the host ends is of no use.
+   subroutine analyse(set, problem, dimensions, wanted, analysis, stop)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(inout) :: problem        !! made from `set`; its inputs may have been moved
       type(dimensions_t), intent(in) :: dimensions
       type(wanted_t), intent(in) :: wanted
       type(analysis_t), intent(out) :: analysis
+      type(stop_t), intent(in), optional :: stop       !! asked before each block of positions
       class(inspector_t), allocatable :: inspector
       class(problem_t), allocatable :: fine    ! large: it would fill a small stack
       type(reach_t) :: reach
 
       analysis%dimensions = dimensions
-      call problem%analyse(dimensions, analysis%motion, reach)
+      call problem%analyse(dimensions, analysis%motion, reach, stop)
+      if (is_to_end(stop)) return
       if (allocated(problem%rate_wanted)) call add_rates_to_motion(problem, dimensions, analysis%motion)
       if (allocated(problem%wish_values)) then
          allocate (analysis%wishes)

@@ -8,6 +8,7 @@ module psalm_drive_study
    use psalm_hill, only: hill_t
    use psalm_kinds, only: wp
    use psalm_link_cycle, only: link_cycle_t
+   use psalm_stop, only: stop_t
    implicit none (type, external)
    private
    public :: drive_study_t, hill_study_t, inertia_t, find_drive, find_hill, matters
@@ -70,13 +71,14 @@ module psalm_drive_study
       end function matters
 
       !> Steady state of the drive at the speed of RATES.
-      module subroutine find_drive(set, given, dimensions, model, study)
+      module subroutine find_drive(set, given, dimensions, model, study, stop)
          implicit none (type, external)
          type(data_set_t), intent(in) :: set
          type(problem_t), intent(in) :: given
          type(dimensions_t), intent(in) :: dimensions
          type(force_model_t), intent(in) :: model
          type(drive_study_t), intent(out) :: study
+         type(stop_t), intent(in), optional :: stop !! asked now and then; the speeds so far are there
       end subroutine find_drive
 
       !> Steady state of the Hill equation of the tables.

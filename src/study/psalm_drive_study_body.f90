@@ -10,6 +10,7 @@ submodule(psalm_drive_study) psalm_drive_study_body
    use psalm_mechanism, only: mechanism_t, body_frame, joint_revolute
    use psalm_periodic, only: periodic_t, periodic_from_samples
    use psalm_rate_study, only: rate_study_t, find_rates
+   use psalm_stop, only: is_to_end, tell_host
    implicit none (type, external)
 
    real(wp), parameter :: tolerance = 1.0e-10_wp
@@ -79,6 +80,7 @@ contains
          study%stiffness = drive%stiffness
          study%d = sqrt(study%stiffness/study%of_crank%mean)/(waves*speed)
       end if
+      if (is_to_end(stop)) return
       study%found = .true.
       call mean_ratio(inertia, study%d, study%ratio, study%ratio_real, acting)
       study%ratio = waves*study%ratio
@@ -100,12 +102,17 @@ contains
       deallocate (study%speeds)
       allocate (study%speeds(drive%speeds))
       do i = 1, drive%speeds
+         if (is_to_end(stop)) then
+            study%speeds = study%speeds(:i - 1)
+            return
+         end if
          associate (row => study%speeds(i), first => drive%slowest, last => drive%fastest)
             row%speed = first
             if (drive%speeds > 1) row%speed = first + (last - first)*real(i - 1, wp)/real(drive%speeds - 1, wp)
             if (study%loaded) acting = acting_at(study, row%speed)
             call find_row(inertia, natural/(waves*row%speed), waves, drive%damping, row, acting)
          end associate
+         call tell_host(stop, i, drive%speeds)
       end do
    end procedure find_drive
 

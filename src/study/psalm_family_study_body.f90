@@ -11,7 +11,7 @@ submodule(psalm_family_study) psalm_family_study_body
                                 swept_origng
    use psalm_sketch, only: sketch_t, variation_t, vary_angle
    use psalm_sketch_mechanism, only: traced_dimensions
-   use psalm_stop, only: is_to_end
+   use psalm_stop, only: is_to_end, tell_host
    use psalm_sketch_study, only: sketch_study_t, study_sketch
    implicit none (type, external)
 
@@ -101,6 +101,7 @@ contains
          else
             family%actual(:, :, k) = motion%actual
          end if
+         call tell_host(stop, k, size(family%setting))
       end do
       if (family%stopped) then
          family%setting = family%setting(:k - 1)

@@ -14,6 +14,7 @@ module psalm_force_study
    use psalm_kinetostatics, only: source_inertia, source_weight
    use psalm_mechanism, only: mechanism_t, joint_prismatic
    use psalm_status, only: diagnostics_t
+   use psalm_stop, only: stop_t, is_to_end
    use psalm_text, only: to_text
    implicit none (type, external)
    private
@@ -74,14 +75,16 @@ contains
       all_known = all([(self%table%known(k), k=1, size(self%input))])
    end function all_known
 
-   !> Forces of a case that the preparation found no fault with. All loops are solved, whatever the given problem solves.
-   subroutine find_forces(set, given, dimensions, study, by_unit_mass, analysed)
+   !> Forces of a case that the preparation found no fault with. All loops are solved, whatever the given problem solves. What the
+   !> host ends is of no use.
+   subroutine find_forces(set, given, dimensions, study, by_unit_mass, analysed, stop)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       type(force_study_t), intent(out) :: study
       real(wp), allocatable, intent(inout), optional :: by_unit_mass(:, :, :, :) !! see `loads_of_unit_masses`
       type(motion_t), intent(in), optional :: analysed !! what `given` does, if that is known
+      type(stop_t), intent(in), optional :: stop       !! asked before each block of positions
       class(problem_t), allocatable :: problem      ! large: it would fill a small stack
       type(motion_t) :: motion
       logical :: every_loop
@@ -110,10 +113,12 @@ contains
          motion = analysed
          call problem%bind(dimensions)
       else
-         call problem%analyse(dimensions, motion)
+         call problem%analyse(dimensions, motion, stop=stop)
       end if
       study%input = motion%input
-      call analyse_forces(problem, study%model, set%pace(), set%change_of_pace(), motion%closed, motion%input, study%table)
+      call analyse_forces(problem, study%model, set%pace(), set%change_of_pace(), motion%closed, motion%input, study%table, &
+                          stop)
+      if (is_to_end(stop)) return
       if (.not. set%masses%motor_on_frame) call take_motors_off(study%mechanism, study%table%value)
       allocate (study%drive_power(size(study%input)), source=0.0_wp)
       do k = 1, size(study%drives)

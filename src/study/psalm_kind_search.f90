@@ -155,7 +155,7 @@ contains
       floor = max(set%method%fmin, real(set%method%ndes, wp)*(exact*extent_of(set))**2)
       handicap = real(set%method%ndes, wp)*(behind*extent_of(set))**2
       call draw_contenders(set, asked, study, contenders, of_glances)
-      call glance(contenders, threads, of_glances, of_rounds_only, floor, handicap)
+      call glance(contenders, threads, of_glances, of_rounds_only, floor, handicap, set%search%nstart)
       call make_rounds(set, asked, contenders, threads, of_rounds_only, floor, handicap, study)
       call take_results(asked, contenders, threads, of_all, study)
       if (of_all%requested()) study%ending = kinds_request
@@ -278,12 +278,13 @@ contains
    end subroutine draw_case
 
    !> Few random linkages of each.
-   subroutine glance(contenders, threads, stop, later, floor, handicap)
+   subroutine glance(contenders, threads, stop, later, floor, handicap, most)
       type(assembly_in_search_t), intent(inout) :: contenders(:)
       integer, intent(in) :: threads
       type(stop_t), intent(in) :: stop, later     !! of glances; of what follows
       real(wp), intent(in) :: floor               !! objective below which a linkage is exact
       real(wp), intent(in) :: handicap            !! of linkages that do not obey
+      integer, intent(in) :: most                 !! starts of each
       integer :: i, first, last
 
       do first = 1, size(contenders), glanced_at_once
@@ -293,9 +294,21 @@ contains
             if (i == 1 .or. .not. stop%waiting()) call glance_at(contenders(i), stop, later, handicap)
          end do
          !$omp end parallel do
+         call tell_starts(contenders, most, stop)
          if (minval(contenders(:last)%best) <= floor) return
       end do
    end subroutine glance
+
+   !> Tell the host how many starts were made, glances included, of how many at most.
+   subroutine tell_starts(contenders, most, stop)
+      type(assembly_in_search_t), intent(in) :: contenders(:)
+      integer, intent(in) :: most                 !! starts of each
+      type(stop_t), intent(in) :: stop
+      real(wp) :: of
+
+      of = min(real(size(contenders), wp)*real(1 + most, wp), real(huge(most), wp))
+      call stop%tell(count(contenders%glanced) + sum(contenders%starts), int(of))
+   end subroutine tell_starts
 
    subroutine glance_at(one, stop, later, handicap)
       type(assembly_in_search_t), intent(inout) :: one
@@ -361,6 +374,7 @@ contains
                end do
                !$omp end parallel do
             end if
+            call tell_starts(contenders, set%search%nstart, stop)
             if (count(left) == 1 .or. stop%waiting()) exit
             call keep_best(contenders%promise, (count(left) + 1)/2, left)
             starts = 2*starts

@@ -7,11 +7,13 @@ module psalm_machine_study
    use psalm_machine, only: machine_t, cycle_t, machine_run_t, make_machine, settle_machine, run_up, flywheel_for, cycle_found, &
                             cycle_any_speed
    use psalm_motor_group, only: motor_group_t, motor_of
+   use psalm_stop, only: stop_t, is_to_end
    implicit none (type, external)
    private
    public :: machine_study_t, find_machine
 
    type :: machine_study_t
+      logical :: stopped = .false.           !! the host asked for the end; what is not marked below is not there
       logical :: turns = .false.             !! the crank turns fully, without a dead point, and J > 0: the rest is valid
       integer :: failure_at = 0              !! degrees from CRNKI, rounded: where it does not turn, or has no inertia
       logical :: massless = .false.          !! it has no inertia there
@@ -37,30 +39,49 @@ contains
    end function is_complete
 
    !> Steady cycle, run-up and flywheel of a machine with a turning crank.
-   subroutine find_machine(set, given, model, study)
+   !>
+   !> Where the host ends it, the steady cycle is there if it was found; the run-up and the flywheel that were looked for are not.
+   subroutine find_machine(set, given, model, study, stop)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: given
       type(force_model_t), intent(in) :: model
       type(machine_study_t), intent(out) :: study
+      type(stop_t), intent(in), optional :: stop    !! asked now and then
       type(motor_group_t) :: motor
       class(problem_t), allocatable :: problem      ! large: it would fill a small stack
       type(machine_t), allocatable :: machine
 
       motor = motor_of(set)
-      study%runs_up = motor%turns > 0
-      study%wants_flywheel = motor%fluctuation > 0.0_wp
       allocate (problem, source=given)
       allocate (machine)
-      call make_machine(problem, model, motor, machine)
+      call make_machine(problem, model, motor, machine, stop=stop)
+      study%stopped = is_to_end(stop)
+      if (study%stopped) return
       call find_failure()
-      if (.not. study%turns) return
-      call settle_machine(problem, model, set%rates%speed, machine, study%cycle)
-      call find_failure()
+      if (study%turns) then
+         call settle_machine(problem, model, set%rates%speed, machine, study%cycle, stop)
+         study%stopped = is_to_end(stop)
+         if (study%stopped) then
+            study%turns = .false.
+            return
+         end if
+         call find_failure()
+      end if
+      study%runs_up = motor%turns > 0
+      study%wants_flywheel = motor%fluctuation > 0.0_wp
       if (.not. study%turns) return
       study%inertia_least = minval(machine%turn%inertia) + machine%flywheel
       study%inertia_greatest = maxval(machine%turn%inertia) + machine%flywheel
-      if (study%runs_up) call run_up(problem, model, machine, study%run)
-      if (study%wants_flywheel) call flywheel_for(machine, motor%fluctuation, set%rates%speed, study%flywheel)
+      if (study%runs_up) then
+         call run_up(problem, model, machine, study%run, stop)
+         study%stopped = is_to_end(stop)
+         study%runs_up = .not. study%stopped
+      end if
+      if (study%wants_flywheel) then
+         if (.not. study%stopped) call flywheel_for(machine, motor%fluctuation, set%rates%speed, study%flywheel, stop)
+         study%stopped = is_to_end(stop)
+         study%wants_flywheel = .not. study%stopped
+      end if
 
    contains
 

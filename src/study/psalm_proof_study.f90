@@ -117,7 +117,7 @@ contains
       call bound%bind(dimensions)
       study%kinds = kinds_of(bound, dimensions, .true.)
       study%dwell = set%limits%dwell
-      call prove_movement(linkage, study%proof, set%limits%dwell, study%movement)
+      call prove_movement(linkage, study%proof, set%limits%dwell, study%movement, stop)
       call add_output(study)
       study%stopped = is_to_end(stop)
       if (study%stopped) return

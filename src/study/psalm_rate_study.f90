@@ -15,6 +15,7 @@ module psalm_rate_study
    use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, derivatives_of, in_time, is_dead, &
                           highest_order
    use psalm_dimensions, only: dimensions_t
+   use psalm_stop, only: stop_t, is_to_end
    implicit none (type, external)
    private
    public :: rate_study_t, arc_rates_t, find_rates, output_at_origin, highest_order
@@ -44,14 +45,15 @@ module psalm_rate_study
 
 contains
 
-   !> Rates of a linkage. `problem` finds derivatives afterwards and is bound to the linkage.
-   subroutine find_rates(set, problem, dimensions, rates, every_arc, motion)
+   !> Rates of a linkage. `problem` finds derivatives afterwards and is bound to the linkage. What the host ends is of no use.
+   subroutine find_rates(set, problem, dimensions, rates, every_arc, motion, stop)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(inout) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(rate_study_t), intent(out) :: rates
       logical, intent(in), optional :: every_arc !! and not the output alone; without it as KTHETA says
       type(motion_t), intent(in), optional :: motion !! of these positions, if they have been analysed
+      type(stop_t), intent(in), optional :: stop !! asked before each block of positions
       type(rates_t), allocatable :: of_block
       logical :: everywhere
       integer :: block, offset, n, i, k, c, loop
@@ -65,7 +67,7 @@ contains
          if (.not. everywhere) rates%motion%closed = motion%output_known
          call problem%bind(dimensions)
       else
-         call problem%analyse(dimensions, rates%motion)
+         call problem%analyse(dimensions, rates%motion, stop=stop)
       end if
       associate (m => problem%positions, components => problem%output%kind%components)
          allocate (rates%by_input(highest_order, components, m))
@@ -79,6 +81,7 @@ contains
       allocate (of_block)
       call prepare_rates(problem, of_block)
       do block = 1, problem%blocks()
+         if (is_to_end(stop)) return
          call problem%solve_block(block, offset, n)
          call differentiate(problem, of_block, n, highest_order)
          do i = 1, n

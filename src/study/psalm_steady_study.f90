@@ -9,6 +9,7 @@ module psalm_steady_study
    use psalm_mechanism, only: mechanism_t
    use psalm_preparation, only: prepared_t
    use psalm_status, only: diagnostics_t
+   use psalm_stop, only: stop_t
    use psalm_vibration_study, only: vibration_study_t
    implicit none (type, external)
    private
@@ -20,6 +21,9 @@ module psalm_steady_study
       type(vibration_study_t), allocatable :: vibration
       type(drive_study_t), allocatable :: drive
       type(hill_study_t), allocatable :: hill
+      logical :: stopped = .false.                   !! the host asked for the end: what was found so far
+   contains
+      procedure :: is_empty
    end type steady_study_t
 
    interface
@@ -33,12 +37,13 @@ module psalm_steady_study
       end subroutine check_steady
 
       !> Studies of a case that `check_steady` found no fault with.
-      module subroutine find_steady(set, problem, prepared, study)
+      module subroutine find_steady(set, problem, prepared, study, stop)
          implicit none (type, external)
          type(data_set_t), intent(in) :: set
          type(problem_t), intent(in) :: problem     !! of no meaning without a linkage
          type(prepared_t), intent(in) :: prepared
          type(steady_study_t), intent(out) :: study
+         type(stop_t), intent(in), optional :: stop !! asked now and then
       end subroutine find_steady
 
       !> The force model with the masses of the uniform links of all groups, but for the link of an arc, which is studied.
@@ -52,4 +57,14 @@ module psalm_steady_study
          type(force_model_t) :: all
       end function model_with_links
    end interface
+
+contains
+
+   !> True if nothing was found.
+   pure logical function is_empty(self)
+      class(steady_study_t), intent(in) :: self
+
+      is_empty = .not. (allocated(self%estimates) .or. allocated(self%vibration) .or. allocated(self%drive) .or. &
+                        allocated(self%hill))
+   end function is_empty
 end module psalm_steady_study

@@ -6,6 +6,7 @@ submodule(psalm_steady_study) psalm_steady_study_body
    use psalm_force_model, only: make_force_model
    use psalm_kinds, only: wp
    use psalm_link_cycle, only: check_link, add_uniform_link
+   use psalm_stop, only: is_to_end
    use psalm_vibration_group, only: estimate_group_t, vibration_group_t, estimates_of, vibration_of
    use psalm_vibration_study, only: find_vibration
    implicit none (type, external)
@@ -104,6 +105,11 @@ contains
       if (asked%estimates%given) then
          allocate (study%estimates(size(asked%estimates%beams)))
          do k = 1, size(study%estimates)
+            study%stopped = is_to_end(stop)
+            if (study%stopped) then
+               deallocate (study%estimates)
+               return
+            end if
             associate (link => asked%estimates%beams(k)%link)
                with_links = model_with_links(set, prepared%mechanism, prepared%given, prepared%mechanism%seq(link%loop, link%arc), &
                                              model)
@@ -119,14 +125,26 @@ contains
             with_links = model_with_links(set, prepared%mechanism, prepared%given, prepared%mechanism%seq(link%loop, link%arc), &
                                           model)
          end associate
-         call find_vibration(set, problem, prepared%given, with_links, study%vibration)
+         call find_vibration(set, problem, prepared%given, with_links, study%vibration, stop)
+         study%stopped = is_to_end(stop)
+         if (study%stopped) then
+            if (.not. study%vibration%found) deallocate (study%vibration)
+            return
+         end if
       end if
       if (asked%drive%given) then
          allocate (study%drive)
          with_links = model_with_links(set, prepared%mechanism, prepared%given, 0, model)
-         call find_drive(set, problem, prepared%given, with_links, study%drive)
+         call find_drive(set, problem, prepared%given, with_links, study%drive, stop)
+         study%stopped = is_to_end(stop)
+         if (study%stopped) then
+            if (.not. study%drive%found) deallocate (study%drive)
+            return
+         end if
       end if
       if (asked%hill%given) then
+         study%stopped = is_to_end(stop)
+         if (study%stopped) return
          allocate (study%hill)
          call find_hill(set, study%hill)
       end if

@@ -22,7 +22,7 @@ module psalm_time_study
    use psalm_time_group, only: time_group_t, time_of
    use psalm_stops_group, only: stops_group_t, stops_of
    use psalm_time_motion, only: time_motion_t, event_t, begin_motion
-   use psalm_stop, only: stop_t
+   use psalm_stop, only: stop_t, tell_host
    use psalm_text, only: to_text
    implicit none (type, external)
    private
@@ -202,6 +202,7 @@ contains
             call moving%observe(state)
             row = k
             call keep()
+            call tell_host(stop, k, size(time%times))
          end do
       end if
       study%stopped = moving%time

@@ -801,6 +801,7 @@ contains
             sample%trials = sample%trials + made(k)
             sample%open = sample%open + unclosed(k)
          end do
+         call ending%tell(sample%trials, trials)
          if (ending%waiting()) exit
       end do
       sample%any_closed = sample%open < sample%trials

@@ -11,6 +11,7 @@ module psalm_vibration_study
    use psalm_kinds, only: wp
    use psalm_link_cycle, only: link_cycle_t
    use psalm_stability, only: boundaries_t
+   use psalm_stop, only: stop_t
    implicit none (type, external)
    private
    public :: vibration_study_t, mode_t, chart_row_t, find_vibration, harmonics_listed
@@ -50,6 +51,7 @@ module psalm_vibration_study
    end type chart_row_t
 
    type :: vibration_study_t
+      logical :: found = .false.                 !! all of the given speed; or the crank cannot turn
       type(link_cycle_t) :: cycle
       real(wp) :: frequency = 0.0_wp             !! first of the link at rest, rad/s, with shear if asked for
       real(wp) :: ratio = 0.0_wp                 !! to the speed
@@ -61,6 +63,7 @@ module psalm_vibration_study
       real(wp) :: determinant_error = 0.0_wp     !! of the period of all modes together, relative
       type(speed_row_t), allocatable :: speeds(:)
       type(speed_band_t), allocatable :: bands(:)      !! within the range of these speeds
+      logical :: bands_known = .false.                 !! all speeds were looked at
       type(chart_row_t), allocatable :: chart(:)
       real(wp) :: given_e = 1.0_wp, greatest_e = 0.0_wp !! of the chart: of the masses as given, the last row
       real(wp) :: resolution = 0.0_wp            !! what the positions leave open of the coefficients
@@ -71,13 +74,14 @@ module psalm_vibration_study
    interface
       !> Vibration of a link that `check_link` found no fault with. `study%cycle%failure` tells where the crank cannot turn: then
       !> there is nothing else.
-      module subroutine find_vibration(set, given, dimensions, model, study)
+      module subroutine find_vibration(set, given, dimensions, model, study, stop)
          implicit none (type, external)
          type(data_set_t), intent(in) :: set
          type(problem_t), intent(in) :: given
          type(dimensions_t), intent(in) :: dimensions
          type(force_model_t), intent(in) :: model
          type(vibration_study_t), intent(out) :: study
+         type(stop_t), intent(in), optional :: stop !! asked now and then; once `found`, the speeds so far are there
       end subroutine find_vibration
    end interface
 end module psalm_vibration_study

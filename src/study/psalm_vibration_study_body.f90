@@ -8,6 +8,7 @@ submodule(psalm_vibration_study) psalm_vibration_study_body
    use psalm_periodic, only: periodic_t, periodic_constant, periodic_from_samples
    use psalm_sort, only: ascending
    use psalm_stability, only: stability_boundaries, series_boundaries
+   use psalm_stop, only: is_to_end, tell_host
    use psalm_vibration_group, only: vibration_group_t, vibration_of
    implicit none (type, external)
 
@@ -45,7 +46,8 @@ contains
       associate (v => vibration, beam => vibration%beam)
          call find_link_cycle(given, dimensions, model, beam, v%points, sign(1.0_wp, set%rates%speed), study%cycle)
          allocate (study%modes(0), study%speeds(0), study%bands(0), study%chart(0), study%multipliers(0))
-         if (study%cycle%failure > 0) return
+         study%found = study%cycle%failure > 0
+         if (study%found) return
          speed = abs(set%rates%speed)
          euler = first_frequency(study%cycle%length, beam%gyration, beam%modulus, beam%density)
          study%frequency = euler*sqrt(mode_factor(set, study%cycle%length, 1))
@@ -55,29 +57,44 @@ contains
          deallocate (study%modes)
          allocate (study%modes(v%modes))
          do j = 1, v%modes
+            if (is_to_end(stop)) return
             call find_mode(set, vibration, link, j, w, study%cycle%length, study%modes(j))
          end do
          f = mode_stiffness(link, 1)
          study%resolution = f%resolution()
          if (allocated(link%acting)) study%mixing = mixing_of(set, vibration, link, w, study%cycle%length)
+         if (is_to_end(stop)) return
          call find_multipliers(set, vibration, link, w, study)
+         study%found = .true.
+         study%given_e = v%given_e
          deallocate (study%speeds)
          allocate (study%speeds(v%speeds))
          do i = 1, v%speeds
+            if (is_to_end(stop)) then
+               study%speeds = study%speeds(:i - 1)
+               return
+            end if
             study%speeds(i) = row_at(set, vibration, study%cycle, euler, v%slowest + (v%fastest - v%slowest)*part(i, v%speeds), &
                                      table_tolerance)
+            call tell_host(stop, i, v%speeds)
          end do
-         if (v%speeds > 1) call find_bands(set, vibration, euler, study)
-         study%given_e = v%given_e
-         study%greatest_e = v%greatest_e
+         if (v%speeds > 1) call find_bands(set, vibration, euler, study, stop)
+         if (is_to_end(stop)) return
+         study%bands_known = .true.
          if (v%greatest_e > 0.0_wp) then
             deallocate (study%chart)
             allocate (study%chart(v%in_chart))
             do i = 1, v%in_chart
+               if (is_to_end(stop)) then
+                  deallocate (study%chart)
+                  allocate (study%chart(0))
+                  return
+               end if
                study%chart(i)%e = v%greatest_e*part(i, v%in_chart)
                link = moving_link(study%cycle, 0.0_wp, study%chart(i)%e/v%given_e)
                study%chart(i)%exact = stability_boundaries(mode_stiffness(link, 1), v%last)
             end do
+            study%greatest_e = v%greatest_e
          end if
       end associate
    end procedure find_vibration
@@ -211,11 +228,13 @@ contains
 
    !> Speeds at which mode 1 grows, with its damping and at each speed its own weight and loads. Looked at are the
    !> speeds of the table, some between each two boundaries of the given speed, and one in each gap, so that nothing narrow is lost.
-   subroutine find_bands(set, vibration, euler, study)
+   !> None where the host ends it.
+   subroutine find_bands(set, vibration, euler, study, stop)
       type(data_set_t), intent(in) :: set
       type(vibration_group_t), intent(in) :: vibration
       real(wp), intent(in) :: euler
       type(vibration_study_t), intent(inout) :: study
+      type(stop_t), intent(in), optional :: stop
       real(wp) :: edge, low, high
       real(wp), allocatable :: places(:)
       logical, allocatable :: grows(:)
@@ -236,6 +255,7 @@ contains
       places = places(ascending(places))
       allocate (grows(size(places)))
       do i = 1, size(places)
+         if (is_to_end(stop)) return
          grows(i) = grows_at(places(i))
       end do
       deallocate (study%bands)
@@ -244,6 +264,11 @@ contains
       do i = 2, size(places)
          if (grows(i) .neqv. grows(i - 1)) then
             edge = edge_between(places(i - 1), places(i), grows(i - 1))
+            if (is_to_end(stop)) then
+               deallocate (study%bands)
+               allocate (study%bands(0))
+               return
+            end if
             if (grows(i)) low = edge
             if (grows(i - 1)) study%bands = [study%bands, speed_band_t(low, edge)]
          end if
@@ -274,7 +299,7 @@ contains
 
          a = from
          b = to
-         do while (b - a > sharpness*b)
+         do while (b - a > sharpness*b .and. .not. is_to_end(stop))
             middle = 0.5_wp*(a + b)
             if (grows_at(middle) .eqv. grows_first) then
                a = middle

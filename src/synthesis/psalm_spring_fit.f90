@@ -30,16 +30,17 @@ module psalm_spring_fit
 contains
 
    !> Improve springs; `value` is the criterion at the end: `criterion_rms` or `criterion_spread`.
-   subroutine fit_springs(bare, rooms, criterion, springs, value)
+   subroutine fit_springs(bare, rooms, criterion, springs, value, stop)
       real(wp), intent(in) :: bare(:, :)           !! shape (positions, components): the load without these springs
       type(spring_limits_t), intent(in) :: rooms(:)
       integer, intent(in) :: criterion
       type(found_spring_t), intent(inout) :: springs(:)
       real(wp), intent(out) :: value
+      type(stop_t), intent(in), optional :: stop   !! asked in every iteration: the best so far is there
       class(fit_t), allocatable :: problem
       type(least_squares_t) :: solver
       type(ending_t) :: ending
-      type(stop_t) :: stop
+      type(stop_t) :: host
       real(wp), allocatable :: x(:)
       real(wp) :: slopes(size(bare, 1), size(bare, 2), each), limit
       integer :: k, e, first
@@ -75,7 +76,8 @@ contains
          end associate
       end do
       solver%least_gain = least_gain
-      call solver%minimise(problem, x, stop, ending)
+      if (present(stop)) host = stop
+      call solver%minimise(problem, x, host, ending)
       do k = 1, size(rooms)
          call take(problem, x, k, springs(k))
       end do

@@ -13,7 +13,7 @@ module psalm_spring_search
    use psalm_spring_fit, only: fit_springs
    use psalm_spring_load, only: spring_limits_t, found_spring_t, load_with, criterion_of, add_slopes, stiffest_in, &
                                 criterion_spread
-   use psalm_stop, only: stop_t, is_to_end
+   use psalm_stop, only: stop_t, is_to_end, tell_host
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    private
@@ -53,7 +53,7 @@ contains
       type(spring_limits_t), intent(in) :: rooms(:)
       integer, intent(in) :: criterion, starts, seed
       type(spring_search_t), intent(out) :: search
-      type(stop_t), intent(in), optional :: stop   !! asked before each start: the best so far is there
+      type(stop_t), intent(in), optional :: stop   !! asked before each start, each step: the best so far is there
       type(spring_search_t) :: tried
       type(found_spring_t) :: springs(size(rooms)), best(size(rooms), followed)
       type(xoshiro_t) :: random
@@ -70,7 +70,7 @@ contains
          do k = 1, size(rooms)
             call draw(random, rooms(k), springs(k))
          end do
-         call go_by_tangents(bare, rooms, criterion, springs, search)
+         call go_by_tangents(bare, rooms, criterion, springs, search, stop)
          search%starts = 1
          search%ended_here = 1
          return
@@ -82,6 +82,7 @@ contains
       allocate (values(most_times*starts))
       do start = 1, most_times*starts
          if (made > 0 .and. is_to_end(stop)) exit
+         if (start > 1) call tell_host(stop, start - 1, most_times*starts)
          call random%use_stream(start)
          ! every other start draws but one spring anew, in one of the best that there are
          again = modulo(start, 2) == 0 .and. made > 0 .and. size(rooms) > 1
@@ -90,9 +91,9 @@ contains
             if (again .and. modulo(start/2, size(rooms)) + 1 /= k) cycle
             call draw(random, rooms(k), springs(k))
          end do
-         call go_by_tangents(bare, rooms, smooth, springs, tried, steps=1)
+         call go_by_tangents(bare, rooms, smooth, springs, tried, stop, steps=1)
          if (.not. tried%found) cycle
-         call fit_springs(bare, rooms, smooth, tried%springs, value)
+         call fit_springs(bare, rooms, smooth, tried%springs, value, stop)
          made = made + 1
          values(made) = value
          if (value < least(1)*(1.0_wp - as_low) - nothing) last_better = start
@@ -104,7 +105,7 @@ contains
       do k = 1, min(followed, made)
          if (k > 1 .and. is_to_end(stop)) return
          if (least(k) >= huge(least)) exit
-         call go_by_tangents(bare, rooms, criterion, best(:, k), tried)
+         call go_by_tangents(bare, rooms, criterion, best(:, k), tried, stop)
          call keep(count(abs(values(:made) - least(k)) <= as_low*least(k) + nothing))
       end do
       if (size(rooms) == 1) return
@@ -115,7 +116,7 @@ contains
          springs = search%springs
          springs%stiffness = 0.0_wp
          springs(k) = tried%springs(1)
-         call go_by_tangents(bare, rooms, criterion, springs, tried)
+         call go_by_tangents(bare, rooms, criterion, springs, tried, stop)
          call keep(1)
       end do
 
@@ -174,13 +175,15 @@ contains
       spring%free = room%free(1) + draw_now*(room%free(2) - room%free(1))
    end subroutine draw
 
-   !> A local optimum from a start. The first step gives the best stiffness for its places; `steps` limits their number.
-   subroutine go_by_tangents(bare, rooms, criterion, begin, best, steps)
+   !> A local optimum from a start. The first step gives the best stiffness for its places; `steps` limits their number. Before each
+   !> further step the host is asked.
+   subroutine go_by_tangents(bare, rooms, criterion, begin, best, stop, steps)
       real(wp), intent(in) :: bare(:, :)
       type(spring_limits_t), intent(in) :: rooms(:)
       integer, intent(in) :: criterion
       type(found_spring_t), intent(in) :: begin(:)
       type(spring_search_t), intent(out) :: best
+      type(stop_t), intent(in), optional :: stop
       integer, intent(in), optional :: steps
       type(spring_search_t) :: tried
       type(found_spring_t) :: springs(size(begin))
@@ -194,6 +197,7 @@ contains
       best%convex = all([(rooms(k)%reach, k=1, size(rooms))] <= 0.0_wp)
       move = 0.0_wp    ! first the best stiffness for these places
       do step = 1, last
+         if (step > 1 .and. is_to_end(stop)) exit
          call solve_step(bare, rooms, criterion, springs, move, tried)
          if (.not. tried%found) then
             if (step == 1) return
