@@ -13,6 +13,7 @@ program balm
    use psalm_picture_report, only: report_picture
    use psalm_picture_study, only: make_scenes
    use psalm_pictured, only: pictured_t
+   use psalm_robot_files, only: draw_models
    use psalm_source, only: joined, line_t, read_lines
    use psalm_status, only: diagnostics_t, exit_done, exit_file_error
    use psalm_system, only: finish_program, write_standard_error
@@ -20,7 +21,7 @@ program balm
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
    character(*), parameter :: endings(*) = [character(11) :: '.svg', '.html', '.dxf', '.flat.dxf', '.curves.svg', &
-                                           '.edit.html', '.move.svg', '.sheet.html']
+                                           '.edit.html', '.move.svg', '.sheet.html', '.mjcf.xml', '.sdf', '.urdf']
    type(arguments_t) :: arguments
    logical :: finished
    integer :: code, i
@@ -37,6 +38,9 @@ program balm
       '  --assemblies      the SVG shows the other assembly of each dyad in grey'//nl// &
       '  --animate         CASE.move.svg too: the linkage moves, without a script'//nl// &
       '  --sheet           CASE.sheet.html too: all cases of the file moving on one page (with --animate)'//nl// &
+      '  --mjcf            CASE.mjcf.xml too: the links as bodies with their masses and joints, for MuJoCo'//nl// &
+      '  --sdf             CASE.sdf too: the same for Gazebo'//nl// &
+      '  --urdf            CASE.urdf too: the same for ROS; joints that close loops stand in a tag for Gazebo'//nl// &
       common_options// &
       nl//'Exit status: 0 done; 1 done, but the linkage violates closure or transmission limits; 2 the input is wrong'//nl// &
       '(the pictures show the messages); 3 a file could not be read or written.'//nl, &
@@ -61,7 +65,7 @@ contains
       type(data_set_t), allocatable :: sets(:)
       type(pictured_t), allocatable :: cases(:)
       type(devices_t) :: devices
-      type(picture_t), allocatable :: pictures(:)
+      type(picture_t), allocatable :: pictures(:), models(:)
       type(line_t), allocatable :: progress(:)
       type(mark_t) :: mark
       character(:), allocatable :: stem
@@ -71,11 +75,14 @@ contains
       mark = begin_mark(arguments%program)
       if (arguments%assemblies) call mark%add('--assemblies')
       if (arguments%animate) call mark%add('--animate')
+      if (arguments%robots%any()) call mark%add(arguments%robots%options())
       call read_cases(file, sets, findings, program='balm', mark=mark)
       call make_scenes(sets, findings, cases)
       do k = 1, size(cases)
          call report_picture(sets(k), cases(k), devices)
       end do
+      allocate (models(0))
+      if (arguments%robots%any()) call draw_models(sets, cases, arguments%robots, mark%name(), findings, models)
       if (findings%failed() .or. .not. arguments%quiet) call show_findings(findings)
       if (.not. arguments%quiet) call show_findings(devices%remarks)
       code = max(code, findings%exit_code(), devices%code)
@@ -87,6 +94,9 @@ contains
       if (size(pictures) == 0) return
       if (arguments%curves) call draw_curves(cases, progress, mark%name(), pictures)
       if (arguments%sheet) call add_sheet(file, name_of(stem), sets, cases, pictures)
+      do k = 1, size(models)
+         call add_picture(pictures, trim(models(k)%ending), models(k)%content)
+      end do
       call prepare_outputs(arguments, stem, pictures%ending, ready, code)
       if (.not. ready) return
       call write_pictures(arguments, stem, pictures, code)

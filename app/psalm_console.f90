@@ -8,6 +8,7 @@ module psalm_console
    use psalm_kinds, only: dp, wp
    use psalm_mark, only: mark_t
    use psalm_number, only: parse_integer
+   use psalm_robot_formats, only: robot_formats_t
    use psalm_solver, only: observer_t, search_state_t
    use psalm_status, only: diagnostics_t, exit_bad_input, exit_done, exit_file_error
    use psalm_system, only: identity_t, begin_program, error_is_terminal, error_text, identity_of, identity_of_open, &
@@ -51,6 +52,7 @@ module psalm_console
       logical :: kinds = .false.            !! psalm: kinds of linkages are listed, not searched
       logical :: curves = .false., assemblies = .false. !! curves too; psalm, balm: all assemblies
       logical :: animate = .false.                 !! balm: an SVG that moves
+      type(robot_formats_t) :: robots              !! balm: models of the bodies for other programs
       ! psalm, bridge: numbered work
       integer :: part = 0, parts = 0             !! --part K/N; 0: not given
       logical :: merge = .false., so_far = .false. !! go on from files of parts; report what they have
@@ -278,7 +280,7 @@ contains
             arguments%version = .true.
          case ('--quiet', '-q')
             arguments%quiet = .true.
-         case ('--curves', '--assemblies', '--edit', '--animate', '--sheet')
+         case ('--curves', '--assemblies', '--edit', '--animate', '--sheet', '--mjcf', '--sdf', '--urdf')
             if (program /= 'balm' .and. .not. (program == 'ssics' .and. word == '--curves') .and. &
                 .not. (program == 'psalm' .and. word == '--assemblies')) then
                call say(program, "'"//word//"' is an option of balm"// &
@@ -291,6 +293,9 @@ contains
             arguments%assemblies = arguments%assemblies .or. word == '--assemblies'
             arguments%animate = arguments%animate .or. word == '--animate' .or. word == '--sheet'
             arguments%sheet = arguments%sheet .or. word == '--sheet'
+            arguments%robots%mjcf = arguments%robots%mjcf .or. word == '--mjcf'
+            arguments%robots%sdf = arguments%robots%sdf .or. word == '--sdf'
+            arguments%robots%urdf = arguments%robots%urdf .or. word == '--urdf'
          case ('--links')
             if (program /= 'psalm') then
                call say(program, "unknown option '"//word//"'; see --help")
@@ -356,9 +361,10 @@ contains
          end select
       end do
       arguments%no_case = size(arguments%files) == 0
-      if (arguments%edit .and. (arguments%curves .or. arguments%assemblies .or. arguments%animate)) then
-         call say(program, '--edit makes the drawing board and no pictures; leave --curves, --assemblies '// &
-                  'and --animate out')
+      if (arguments%edit .and. (arguments%curves .or. arguments%assemblies .or. arguments%animate .or. &
+                                arguments%robots%any())) then
+         call say(program, '--edit makes the drawing board and no pictures or models; leave --curves, --assemblies, --animate, '// &
+                  '--mjcf, --sdf and --urdf out')
          arguments%code = exit_bad_input
       end if
       if (count([arguments%parts > 0, arguments%merge, arguments%so_far]) > 1) then

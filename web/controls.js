@@ -3,11 +3,13 @@
 
 balm.controls = (() => {
   const { between, mixed, prescribedNext, within } = balm.scene;
+  const REST = 0.7;                      // seconds that the end of a motion in time is shown
   const TURN_TIME = 8, RANGE_TIME = 4;   // seconds at speed 1 for a whole turn, for a part of it
   const BEFORE_TURN = 1e-6;              // the end of a whole turn is its beginning: the time line stops short of it
   const NEAR = 12;                       // part of the sweep that a joint may be dragged at a time
   const $ = (id) => document.getElementById(id);
   let last = 0;                          // time of the frame before
+  let resting = 0;                       // seconds that the end of a motion in time has been shown
   let drag = null;                       // where the pointer was last; null: nothing is dragged
   let pointing = false;                  // the cursor of the curves is dragged
 
@@ -17,6 +19,7 @@ balm.controls = (() => {
   /** Seconds that the whole motion takes at the speed chosen: a turn, or a part of one there and back. */
   function duration() {
     const [from, to] = limits(), turns = shown().ring && to - from >= 360;
+    if (shown().time) return shown().time / balm.state.speed;
     return (turns ? TURN_TIME : 2 * RANGE_TIME) / balm.state.speed;
   }
 
@@ -45,8 +48,15 @@ balm.controls = (() => {
     const { state } = balm;
     if (!state.playing) return;
     const [from, to] = limits(), turns = shown().ring && to - from >= 360;
-    const dt = last ? Math.min(0.1, (now - last) / 1000) : 0;
+    const passed = last ? (now - last) / 1000 : 0, dt = Math.min(0.1, passed);
     last = now;
+    if (shown().time) {
+      // in true time at speed 1; its end is shown for a moment, then it begins anew
+      resting = state.t >= to ? resting + passed : 0;
+      go(resting > REST ? from : state.t + state.speed * passed * (to - from) / shown().time);
+      requestAnimationFrame(tick);
+      return;
+    }
     let t = state.t + state.forth * state.speed * dt * (to - from) / (turns ? TURN_TIME : RANGE_TIME);
     if (!turns && t >= to) { t = to; state.forth = -1; }
     if (!turns && t <= from) { t = from; state.forth = 1; }
@@ -93,6 +103,8 @@ balm.controls = (() => {
     if (event.pointerType === 'touch' && !drag.moved && Math.hypot(x - x0, y - y0) < 4) return;
     drag = { x: event.clientX, y: event.clientY, moved: true, joint: drag.joint ?? movingJoint(c, x0, y0) };
     if (c.drives) {
+      follow(c, drag.joint, x, y);
+    } else if (c.time) {
       follow(c, drag.joint, x, y);
     } else if (c.ring) {
       const px = c.px[c.bar.from], py = c.py[c.bar.from];

@@ -35,7 +35,7 @@ balm.curves = (() => {
   // ---- panels -------------------------------------------------------------------------------------------------------
 
   const GROUPS = { position: 'output', tolerance: 'tolerances', rates: 'velocity, acceleration', forces: 'forces',
-    vibration: 'vibration', contact: 'contact' };
+    energy: 'energy', vibration: 'vibration', contact: 'contact' };
 
   /** What the panels show: lines over the sweep, points at the prescribed positions; each belongs to a group. */
   function allPanels(c) {
@@ -61,7 +61,8 @@ balm.curves = (() => {
     };
     if (c.curves) {
       for (const one of c.curves.slice(0, MOST)) put('position', { name: one.name, size: one.angle ? 360 : c.size,
-        lines: [{ label: '', colour: pens.actual, values: one.sweep }], points: [{ colour: pens.actual, marks: marks(one.prescribed) }] });
+        lines: [{ label: '', colour: pens.actual, values: one.sweep }],
+        points: c.time ? [] : [{ colour: pens.actual, marks: marks(one.prescribed) }] });
       if (c.drives.length > 1) {
         const unitOf = (one) => (one.turning ? ', degrees' : ', length'), alike = c.drives.every((one) => one.turning === c.drives[0].turning);
         put('position', { name: 'drives' + (alike ? unitOf(c.drives[0]) : ',') + ' from the drawing', size: c.drives.every((one) => one.turning) ? 360 : c.size,
@@ -102,6 +103,8 @@ balm.curves = (() => {
       shown('force on the frame, N', f.force, [...bare('', 'fx'), ...bare('', 'fy'), curve('x', pens.link0, f.fx), curve('y', pens.link1, f.fy)]);
       shown('moment on the frame, N m', f.turning, [...bare('', 'moment'), curve('', pens.link3, f.moment)]);
     }
+    further('forces');
+    further('energy');
     if (c.vibration) put('vibration', { name: 'deflection of the link, length' + (c.vibration.settles ? '' : ' (not settled)'), size: 0,
       zero: true, lines: c.vibration.modes.map((values, j) => ({ label: 'mode ' + (j + 1),
         colour: linkColour(j), values })) });

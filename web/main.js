@@ -63,6 +63,9 @@
     $('pinbox').hidden = !c.clearance;
     $('whole').checked = state.whole;
     $('wholebox').hidden = !c.limited;
+    $('clock').hidden = !c.time;
+    $('speed').title = c.time ? 'times true time' : '';
+    $('time').setAttribute('aria-label', c.time ? 'time' : 'input');
     $('other').parentNode.hidden = !c.pairs.length;
     refresh();
   }

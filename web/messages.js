@@ -14,9 +14,11 @@ balm.messages = (() => {
   /** The position in one line: input, output, and at a prescribed one the errors. */
   function factsOf(c, t) {
     const p = c.prescribed, s = c.sweep, at = between(c, t), near = prescribedAt(c, t);
-    if (c.drives) return factsOfDrives(c, at, near);
+    if (c.drives) return (c.time ? 'time ' + timeAt(c, t) + ' s, ' : '') + factsOfDrives(c, at, c.time ? -1 : near);
     const value = (key) => shortOutput(c, near >= 0 ? p[key][near] : mixed(s[key], at));
     const input = near >= 0 ? p.input[near] : c.ring ? modulo(inputAt(c, t), 360) : inputAt(c, t);
+    if (c.time) return 'time ' + timeAt(c, t) + ' s, ' + (c.motion === 'point' ? 'x ' + shortOutput(c, mixed(s.actual, at)) + ', y ' +
+      shortOutput(c, mixed(s.actual_y, at)) : c.motion + ' ' + shortOutput(c, mixed(s.actual, at)) + (c.motion === 'angle' ? '\u00b0' : ''));
     let text = (c.sliding || c.inputLabel ? 'input ' : 'crank ') + short(input) + (c.sliding ? ', ' : '\u00b0, ');
     if (c.motion === 'point') text += 'x ' + value('actual') + ', y ' + value('actual_y');
     else text += c.motion + ' ' + value('actual') + (c.motion === 'angle' ? '\u00b0' : '');
@@ -27,6 +29,9 @@ balm.messages = (() => {
     if (c.motion === 'point') return text + ', error ' + short(p.error[near]) + ', ' + short(p.error_y[near]);
     return text + ', desired ' + short(p.desired[near]) + ', error ' + short(p.error[near]);
   }
+
+  /** Seconds, to a thousandth of the whole. */
+  const timeAt = (c, t) => inputAt(c, t).toFixed(Math.max(0, 3 - Math.floor(Math.log10(c.time))));
 
   /** The same of a sketch with several drives or outputs. */
   function factsOfDrives(c, at, near) {
@@ -44,6 +49,7 @@ balm.messages = (() => {
   function show(c, t) {
     const i = between(c, t)[0], wrong = c.wrong[i], open = c.status[i] === OPEN, alert = $('alert');
     setText($('facts'), factsOf(c, t));
+    if (c.time) setText($('clock'), timeAt(c, t) + ' of ' + timeAt(c, c.ends[1]) + ' s');
     // its room stays while the linkage moves
     alert.hidden = !c.status.some(Boolean) && !wrong.length;
     alert.style.visibility = wrong.length || open ? '' : 'hidden';
@@ -95,7 +101,7 @@ balm.messages = (() => {
     const link = (violation) => goTo(violation.text, c.at[violation.first]);
     part(c.sound ? 'Errors' : 'The input is wrong; there is no linkage to draw', c.errors, 'error', plain);
     if (c.sound) part('Closure and limits at the prescribed positions', c.prescribed.violations, 'error', link);
-    part('Constraints', c.breaches, 'error', plain);
+    part(c.time ? 'Constraints, end of the motion' : 'Constraints', c.breaches, 'error', plain);
     part('Warnings', c.warnings, 'warning', plain);
     if (c.proof) part('Proven', c.proof.marks, 'proof', mark => 't' in mark ? goTo(mark.text, mark.t) : mark.text);
   }

@@ -73,6 +73,10 @@ module psalm_page_text
    '  max-width: 90%;'//nl// &
    '}'//nl// &
    ''//nl// &
+   '#clock {'//nl// &
+   '  font-variant-numeric: tabular-nums;'//nl// &
+   '  white-space: nowrap;'//nl// &
+   '}'//nl// &
    '#track {'//nl// &
    '  flex: 1 1 260px;'//nl// &
    '  min-width: 180px;'//nl// &
@@ -117,13 +121,13 @@ module psalm_page_text
    ''//nl// &
    'legend {'//nl// &
    '  float: left;'//nl// &
-   '  color: var(--soft);'//nl// &
+   '  color: var(--soft);'//nl
+
+   character(*), parameter :: part_4 = &
    '  margin-right: 10px;'//nl// &
    '}'//nl// &
    ''//nl// &
-   '#messages {'//nl
-
-   character(*), parameter :: part_4 = &
+   '#messages {'//nl// &
    '  padding: 4px 18px 18px;'//nl// &
    '  font-size: .9rem;'//nl// &
    '}'//nl// &
@@ -219,13 +223,13 @@ module psalm_page_text
    '<body>'//nl// &
    '<header>'//nl// &
    '  <h1 id="title"></h1>'//nl// &
-   '  <span id="facts"></span>'//nl// &
+   '  <span id="facts"></span>'//nl
+
+   character(*), parameter :: part_5 = &
    '  <label id="chooser" hidden>case <select id="case" aria-label="case shown"></select></label>'//nl// &
    '</header>'//nl// &
    '<main id="stage">'//nl// &
-   '  <figure>'//nl
-
-   character(*), parameter :: part_5 = &
+   '  <figure>'//nl// &
    '    <canvas id="linkage" role="img" tabindex="0" aria-label="the linkage; drag to move its input"></canvas>'//nl// &
    '    <div id="tip" hidden></div>'//nl// &
    '    <figcaption>'//nl// &
@@ -241,17 +245,20 @@ module psalm_page_text
    '    <button id="play" type="button" aria-label="play" aria-pressed="false">Play</button>'//nl// &
    '    <label>speed'//nl// &
    '      <select id="speed" aria-label="speed">'//nl// &
+   '        <option value="0.01">0.01</option>'//nl// &
    '        <option value="0.1">0.1</option>'//nl// &
    '        <option value="0.25">0.25</option>'//nl// &
    '        <option value="0.5">0.5</option>'//nl// &
    '        <option value="1" selected>1</option>'//nl// &
    '        <option value="2">2</option>'//nl// &
    '        <option value="4">4</option>'//nl// &
+   '        <option value="10">10</option>'//nl// &
    '      </select></label>'//nl// &
    '    <button id="before" type="button" aria-label="prescribed position before"'//nl// &
    '      title="prescribed position before ([)">&#9664;</button>'//nl// &
    '    <button id="after" type="button" aria-label="next prescribed position"'//nl// &
    '      title="next prescribed position (])">&#9654;</button>'//nl// &
+   '    <output id="clock" hidden></output>'//nl// &
    '    <div id="track">'//nl// &
    '      <canvas id="strip" aria-hidden="true"></canvas>'//nl// &
    '      <input id="time" type="range" min="0" max="359" step="any" value="0" aria-label="input">'//nl// &
@@ -1457,7 +1464,7 @@ module psalm_page_text
    '-'//nl// &
    ''//nl// &
    "  const GROUPS = { position: 'output', tolerance: 'tolerances', rates: 'velocity, acceleration', forces: 'forces',"//nl// &
-   "    vibration: 'vibration', contact: 'contact' };"//nl// &
+   "    energy: 'energy', vibration: 'vibration', contact: 'contact' };"//nl// &
    ''//nl// &
    '  /** What the panels show: lines over the sweep, points at the prescribed positions; each belongs to a group. */'//nl// &
    '  function allPanels(c) {'//nl// &
@@ -1483,8 +1490,8 @@ module psalm_page_text
    '    };'//nl// &
    '    if (c.curves) {'//nl// &
    "      for (const one of c.curves.slice(0, MOST)) put('position', { name: one.name, size: one.angle ? 360 : c.size,"//nl// &
-   "        lines: [{ label: '', colour: pens.actual, values: one.sweep }], points: [{ colour: pens.actual, marks: marks(on"// &
-   "e.prescribed) }] });"//nl// &
+   "        lines: [{ label: '', colour: pens.actual, values: one.sweep }],"//nl// &
+   '        points: c.time ? [] : [{ colour: pens.actual, marks: marks(one.prescribed) }] });'//nl// &
    '      if (c.drives.length > 1) {'//nl// &
    "        const unitOf = (one) => (one.turning ? ', degrees' : ', length'), alike = c.drives.every((one) => one.turning ="// &
    "== c.drives[0].turning);"//nl// &
@@ -1531,6 +1538,8 @@ module psalm_page_text
    "e('y', pens.link1, f.fy)]);"//nl// &
    "      shown('moment on the frame, N m', f.turning, [...bare('', 'moment'), curve('', pens.link3, f.moment)]);"//nl// &
    '    }'//nl// &
+   "    further('forces');"//nl// &
+   "    further('energy');"//nl// &
    "    if (c.vibration) put('vibration', { name: 'deflection of the link, length' + (c.vibration.settles ? '' : ' (not set"// &
    "tled)'), size: 0,"//nl// &
    "      zero: true, lines: c.vibration.modes.map((values, j) => ({ label: 'mode ' + (j + 1),"//nl// &
@@ -1546,12 +1555,12 @@ module psalm_page_text
    '  function groupsOf(c) {'//nl// &
    '    const has = new Set(allPanels(c).map((panel) => panel.group));'//nl// &
    '    const list = Object.entries(GROUPS).filter(([group]) => has.has(group));'//nl// &
-   "    return list.length > 1 ? [['all', 'all'], ...list] : list;"//nl// &
-   '  }'//nl// &
-   ''//nl// &
-   '  /** The group that is shown unasked: all, if there is room; else all but the rates; else the output alone. */'//nl
+   "    return list.length > 1 ? [['all', 'all'], ...list] : list;"//nl
 
    character(*), parameter :: part_19 = &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** The group that is shown unasked: all, if there is room; else all but the rates; else the output alone. */'//nl// &
    '  function firstGroup(c) {'//nl// &
    "    const list = allPanels(c), usual = list.filter((panel) => panel.group !== 'rates').length;"//nl// &
    "    return list.length <= ROOM ? 'all' : usual <= ROOM ? 'usual' : 'position';"//nl// &
@@ -1652,12 +1661,12 @@ module psalm_page_text
    '      if (!isFinite(values[i])) { down = false; continue; }'//nl// &
    '      if (down) g.lineTo(plot.x(i), panel.y(values[i])); else g.moveTo(plot.x(i), panel.y(values[i]));'//nl// &
    '      down = true;'//nl// &
-   '    }'//nl// &
-   '    g.stroke();'//nl// &
-   '    g.setLineDash([]);'//nl// &
-   '  }'//nl
+   '    }'//nl
 
    character(*), parameter :: part_20 = &
+   '    g.stroke();'//nl// &
+   '    g.setLineDash([]);'//nl// &
+   '  }'//nl// &
    ''//nl// &
    '  function drawPoints(g, panel, { marks, colour, joined }) {'//nl// &
    '    const sorted = marks.filter(([, v]) => isFinite(v)).sort((a, b) => a[0] - b[0]);'//nl// &
@@ -1754,12 +1763,12 @@ module psalm_page_text
    '  /** Panels side by side, on a phone one below the other; nothing for a case without them. */'//nl// &
    '  function layOut(c) {'//nl// &
    '    const v = c.vibration, list = [];'//nl// &
-   '    if (v && v.speeds.some(([, a]) => a !== null)) list.push(drawSpeeds);'//nl// &
-   '    if (v && v.chart.length) list.push(drawChart);'//nl// &
-   '    box.hidden = !list.length;'//nl// &
-   '    if (box.hidden) return;'//nl
+   '    if (v && v.speeds.some(([, a]) => a !== null)) list.push(drawSpeeds);'//nl
 
    character(*), parameter :: part_21 = &
+   '    if (v && v.chart.length) list.push(drawChart);'//nl// &
+   '    box.hidden = !list.length;'//nl// &
+   '    if (box.hidden) return;'//nl// &
    '    const below = box.clientWidth < NARROW;'//nl// &
    '    u = balm.drawing.sizeOf(box.clientWidth / WIDE, Infinity);'//nl// &
    "    canvas.style.height = (below ? list.length : 1) * HEIGHT * u + 'px';"//nl// &
@@ -1853,21 +1862,28 @@ module psalm_page_text
    '  /** The position in one line: input, output, and at a prescribed one the errors. */'//nl// &
    '  function factsOf(c, t) {'//nl// &
    '    const p = c.prescribed, s = c.sweep, at = between(c, t), near = prescribedAt(c, t);'//nl// &
-   '    if (c.drives) return factsOfDrives(c, at, near);'//nl// &
+   "    if (c.drives) return (c.time ? 'time ' + timeAt(c, t) + ' s, ' : '') + factsOfDrives(c, at, c.time ? -1 : near);"//nl// &
    '    const value = (key) => shortOutput(c, near >= 0 ? p[key][near] : mixed(s[key], at));'//nl// &
    '    const input = near >= 0 ? p.input[near] : c.ring ? modulo(inputAt(c, t), 360) : inputAt(c, t);'//nl// &
+   "    if (c.time) return 'time ' + timeAt(c, t) + ' s, ' + (c.motion === 'point' ? 'x ' + shortOutput(c, mixed(s.actual, "// &
+   "at)) + ', y ' +"//nl// &
+   "      shortOutput(c, mixed(s.actual_y, at)) : c.motion + ' ' + shortOutput(c, mixed(s.actual, at)) + (c.motion === 'ang"// &
+   "le' ? '\u00b0' : ''));"//nl
+
+   character(*), parameter :: part_22 = &
    "    let text = (c.sliding || c.inputLabel ? 'input ' : 'crank ') + short(input) + (c.sliding ? ', ' : '\u00b0, ');"//nl// &
    "    if (c.motion === 'point') text += 'x ' + value('actual') + ', y ' + value('actual_y');"//nl// &
    "    else text += c.motion + ' ' + value('actual') + (c.motion === 'angle' ? '\u00b0' : '');"//nl// &
    "    if ((near >= 0 ? p.closed[near] : s.closed[at[0]]) === '0') text += ' (does not close)';"//nl// &
-   '    if (near < 0) return text;'//nl
-
-   character(*), parameter :: part_22 = &
+   '    if (near < 0) return text;'//nl// &
    "    text += ', position ' + (near + 1);"//nl// &
    '    if (!c.desired) return text;'//nl// &
    "    if (c.motion === 'point') return text + ', error ' + short(p.error[near]) + ', ' + short(p.error_y[near]);"//nl// &
    "    return text + ', desired ' + short(p.desired[near]) + ', error ' + short(p.error[near]);"//nl// &
    '  }'//nl// &
+   ''//nl// &
+   '  /** Seconds, to a thousandth of the whole. */'//nl// &
+   '  const timeAt = (c, t) => inputAt(c, t).toFixed(Math.max(0, 3 - Math.floor(Math.log10(c.time))));'//nl// &
    ''//nl// &
    '  /** The same of a sketch with several drives or outputs. */'//nl// &
    '  function factsOfDrives(c, at, near) {'//nl// &
@@ -1886,6 +1902,7 @@ module psalm_page_text
    '  function show(c, t) {'//nl// &
    "    const i = between(c, t)[0], wrong = c.wrong[i], open = c.status[i] === OPEN, alert = $('alert');"//nl// &
    "    setText($('facts'), factsOf(c, t));"//nl// &
+   "    if (c.time) setText($('clock'), timeAt(c, t) + ' of ' + timeAt(c, c.ends[1]) + ' s');"//nl// &
    '    // its room stays while the linkage moves'//nl// &
    '    alert.hidden = !c.status.some(Boolean) && !wrong.length;'//nl// &
    "    alert.style.visibility = wrong.length || open ? '' : 'hidden';"//nl// &
@@ -1938,7 +1955,7 @@ module psalm_page_text
    '    const link = (violation) => goTo(violation.text, c.at[violation.first]);'//nl// &
    "    part(c.sound ? 'Errors' : 'The input is wrong; there is no linkage to draw', c.errors, 'error', plain);"//nl// &
    "    if (c.sound) part('Closure and limits at the prescribed positions', c.prescribed.violations, 'error', link);"//nl// &
-   "    part('Constraints', c.breaches, 'error', plain);"//nl// &
+   "    part(c.time ? 'Constraints, end of the motion' : 'Constraints', c.breaches, 'error', plain);"//nl// &
    "    part('Warnings', c.warnings, 'warning', plain);"//nl// &
    "    if (c.proof) part('Proven', c.proof.marks, 'proof', mark => 't' in mark ? goTo(mark.text, mark.t) : mark.text);"//nl// &
    '  }'//nl// &
@@ -1955,7 +1972,9 @@ module psalm_page_text
    '    }'//nl// &
    '    const angle = modulo(Math.atan2(dy, dx) * 180 / Math.PI, 360);'//nl// &
    '    const link = bar.body >= 0 && c.bodies[bar.body].name;'//nl// &
-   "    return (link ? 'link ' + link : bar.loop ? 'loop ' + bar.loop + ', arc ' + bar.arc : 'output arc') +"//nl// &
+   "    return (link ? 'link ' + link : bar.loop ? 'loop ' + bar.loop + ', arc ' + bar.arc : 'output arc') +"//nl
+
+   character(*), parameter :: part_23 = &
    "      ': length ' + short(Number(length.toPrecision(6))) + ', angle ' + angle.toFixed(2) + '\u00b0' +"//nl// &
    "      (bar.others ? ' (also ' + bar.others + ')' : '');"//nl// &
    '  }'//nl// &
@@ -1964,9 +1983,7 @@ module psalm_page_text
    '  function tip(words, x, y, box) {'//nl// &
    "    const element = $('tip');"//nl// &
    '    element.hidden = !words;'//nl// &
-   '    if (!words) return;'//nl
-
-   character(*), parameter :: part_23 = &
+   '    if (!words) return;'//nl// &
    '    setText(element, words);'//nl// &
    "    element.style.left = Math.max(4, Math.min(x + 14, box.width - element.offsetWidth - 6)) + 'px';"//nl// &
    "    element.style.top = Math.min(y + 16, box.height - 30) + 'px';"//nl// &
@@ -1981,11 +1998,13 @@ module psalm_page_text
    ''//nl// &
    'balm.controls = (() => {'//nl// &
    '  const { between, mixed, prescribedNext, within } = balm.scene;'//nl// &
+   '  const REST = 0.7;                      // seconds that the end of a motion in time is shown'//nl// &
    '  const TURN_TIME = 8, RANGE_TIME = 4;   // seconds at speed 1 for a whole turn, for a part of it'//nl// &
    '  const BEFORE_TURN = 1e-6;              // the end of a whole turn is its beginning: the time line stops short of it'//nl// &
    '  const NEAR = 12;                       // part of the sweep that a joint may be dragged at a time'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
    '  let last = 0;                          // time of the frame before'//nl// &
+   '  let resting = 0;                       // seconds that the end of a motion in time has been shown'//nl// &
    '  let drag = null;                       // where the pointer was last; null: nothing is dragged'//nl// &
    '  let pointing = false;                  // the cursor of the curves is dragged'//nl// &
    ''//nl// &
@@ -1995,6 +2014,7 @@ module psalm_page_text
    '  /** Seconds that the whole motion takes at the speed chosen: a turn, or a part of one there and back. */'//nl// &
    '  function duration() {'//nl// &
    '    const [from, to] = limits(), turns = shown().ring && to - from >= 360;'//nl// &
+   '    if (shown().time) return shown().time / balm.state.speed;'//nl// &
    '    return (turns ? TURN_TIME : 2 * RANGE_TIME) / balm.state.speed;'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -2023,8 +2043,15 @@ module psalm_page_text
    '    const { state } = balm;'//nl// &
    '    if (!state.playing) return;'//nl// &
    '    const [from, to] = limits(), turns = shown().ring && to - from >= 360;'//nl// &
-   '    const dt = last ? Math.min(0.1, (now - last) / 1000) : 0;'//nl// &
+   '    const passed = last ? (now - last) / 1000 : 0, dt = Math.min(0.1, passed);'//nl// &
    '    last = now;'//nl// &
+   '    if (shown().time) {'//nl// &
+   '      // in true time at speed 1; its end is shown for a moment, then it begins anew'//nl// &
+   '      resting = state.t >= to ? resting + passed : 0;'//nl// &
+   '      go(resting > REST ? from : state.t + state.speed * passed * (to - from) / shown().time);'//nl// &
+   '      requestAnimationFrame(tick);'//nl// &
+   '      return;'//nl// &
+   '    }'//nl// &
    '    let t = state.t + state.forth * state.speed * dt * (to - from) / (turns ? TURN_TIME : RANGE_TIME);'//nl// &
    '    if (!turns && t >= to) { t = to; state.forth = -1; }'//nl// &
    '    if (!turns && t <= from) { t = from; state.forth = 1; }'//nl// &
@@ -2047,7 +2074,9 @@ module psalm_page_text
    ''//nl// &
    '  function speed(way) {'//nl// &
    "    const box = $('speed');"//nl// &
-   '    box.selectedIndex = Math.min(box.options.length - 1, Math.max(0, box.selectedIndex + way));'//nl// &
+   '    box.selectedIndex = Math.min(box.options.length - 1, Math.max(0, box.selectedIndex + way));'//nl
+
+   character(*), parameter :: part_24 = &
    '    balm.state.speed = Number(box.value);'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -2067,13 +2096,13 @@ module psalm_page_text
    '  function pull(event) {'//nl// &
    "    if (!drag) { if (event.pointerType !== 'touch') hover(event); return; }"//nl// &
    '    const c = shown(), s = c.sweep, { t } = balm.state, box = balm.drawing.canvas.getBoundingClientRect();'//nl// &
-   '    const x0 = drag.x - box.left, y0 = drag.y - box.top, x = event.clientX - box.left, y = event.clientY - box.top;'//nl
-
-   character(*), parameter :: part_24 = &
+   '    const x0 = drag.x - box.left, y0 = drag.y - box.top, x = event.clientX - box.left, y = event.clientY - box.top;'//nl// &
    '    // a finger is never quite still'//nl// &
    "    if (event.pointerType === 'touch' && !drag.moved && Math.hypot(x - x0, y - y0) < 4) return;"//nl// &
    '    drag = { x: event.clientX, y: event.clientY, moved: true, joint: drag.joint ?? movingJoint(c, x0, y0) };'//nl// &
    '    if (c.drives) {'//nl// &
+   '      follow(c, drag.joint, x, y);'//nl// &
+   '    } else if (c.time) {'//nl// &
    '      follow(c, drag.joint, x, y);'//nl// &
    '    } else if (c.ring) {'//nl// &
    '      const px = c.px[c.bar.from], py = c.py[c.bar.from];'//nl// &
@@ -2152,7 +2181,9 @@ module psalm_page_text
    ''//nl// &
    '  function key(event) {'//nl// &
    '    if (event.altKey || event.ctrlKey || event.metaKey || !shown().sound) return;'//nl// &
-   "    const own = event.target.tagName, button = (own === 'BUTTON' || own === 'INPUT') && event.target.type !== 'range';"//nl// &
+   "    const own = event.target.tagName, button = (own === 'BUTTON' || own === 'INPUT') && event.target.type !== 'range';"//nl
+
+   character(*), parameter :: part_25 = &
    "    if (own === 'SELECT') return;"//nl// &
    '    const far = event.shiftKey ? 10 : 1, [from, to] = limits();'//nl// &
    '    const actions = {'//nl// &
@@ -2173,9 +2204,7 @@ module psalm_page_text
    '  }'//nl// &
    ''//nl// &
    '  /** Everything that listens; `refresh` is called where the picture must be laid out anew. */'//nl// &
-   '  function begin(refresh) {'//nl
-
-   character(*), parameter :: part_25 = &
+   '  function begin(refresh) {'//nl// &
    '    const { state } = balm, picture = balm.drawing.canvas, curves = balm.curves.canvas;'//nl// &
    "    $('play').addEventListener('click', () => setPlaying(!state.playing));"//nl// &
    "    $('speed').addEventListener('change', () => { state.speed = Number($('speed').value); });"//nl// &
@@ -2260,7 +2289,9 @@ module psalm_page_text
    "    rect(x, y, w, h) { this.d += 'M' + [x, y].map(digits).join(' ') + 'h' + digits(w) + 'v' + digits(h) + 'h' + digits("// &
    "-w) + 'Z'; this.begun = true; }"//nl// &
    '    arc(x, y, r, from, to) {'//nl// &
-   "      const turn = Math.min(2 * Math.PI, to - from), size = 'A' + digits(r) + ' ' + digits(r) + ' 0 0 1 ';"//nl// &
+   "      const turn = Math.min(2 * Math.PI, to - from), size = 'A' + digits(r) + ' ' + digits(r) + ' 0 0 1 ';"//nl
+
+   character(*), parameter :: part_26 = &
    '      this.lineTo(x + r * Math.cos(from), y + r * Math.sin(from));'//nl// &
    '      // in two, for a whole circle ends where it begins'//nl// &
    "      for (const part of [0.5, 1]) this.d += size + digits(x + r * Math.cos(from + part * turn)) + ' ' + digits(y + r *"// &
@@ -2286,9 +2317,7 @@ module psalm_page_text
    "        '"" text-anchor=""' + anchor + '"">' + escaped(text) + '</text>');"//nl// &
    '    }'//nl// &
    '    text(title) {'//nl// &
-   '      // the name of the format, in two for it looks like an address'//nl
-
-   character(*), parameter :: part_26 = &
+   '      // the name of the format, in two for it looks like an address'//nl// &
    "      return '<svg xmlns=""http:/' + '/www.w3.org/2000/svg"" width=""' + this.width + '"" height=""' + this.height + '"// &
    """ viewBox=""0 0 ' + this.width + ' ' +"//nl// &
    "        this.height + '"">\n<title>' + escaped(title) + '</title>\n' + this.parts.join('\n') + '\n</svg>\n';"//nl// &
@@ -2370,7 +2399,9 @@ module psalm_page_text
    "    button.textContent = 'recording \u2026';"//nl// &
    '    try {'//nl// &
    "      give(await film(balm.controls.duration()), '.film.' + kindOfFilm()[1]);"//nl// &
-   '    } finally {'//nl// &
+   '    } finally {'//nl
+
+   character(*), parameter :: part_27 = &
    '      button.disabled = false;'//nl// &
    '      button.textContent = words;'//nl// &
    '    }'//nl// &
@@ -2391,9 +2422,7 @@ module psalm_page_text
    '</script>'//nl// &
    '<script>'//nl// &
    '// Start, state, choice of the case.'//nl// &
-   "'use strict';"//nl
-
-   character(*), parameter :: part_27 = &
+   "'use strict';"//nl// &
    ''//nl// &
    '(() => {'//nl// &
    '  const { scene, drawing, curves, charts, messages, controls, save } = balm;'//nl// &
@@ -2457,6 +2486,9 @@ module psalm_page_text
    "    $('pinbox').hidden = !c.clearance;"//nl// &
    "    $('whole').checked = state.whole;"//nl// &
    "    $('wholebox').hidden = !c.limited;"//nl// &
+   "    $('clock').hidden = !c.time;"//nl// &
+   "    $('speed').title = c.time ? 'times true time' : '';"//nl// &
+   "    $('time').setAttribute('aria-label', c.time ? 'time' : 'input');"//nl// &
    "    $('other').parentNode.hidden = !c.pairs.length;"//nl// &
    '    refresh();'//nl// &
    '  }'//nl// &
@@ -2469,7 +2501,9 @@ module psalm_page_text
    '    drawing.layOut(c);'//nl// &
    '    curves.layOut(c);'//nl// &
    '    charts.layOut(c);'//nl// &
-   "    for (const box of $('overlays').querySelectorAll('input')) {"//nl// &
+   "    for (const box of $('overlays').querySelectorAll('input')) {"//nl
+
+   character(*), parameter :: part_28 = &
    '      const on = box.checked && !box.disabled;'//nl// &
    "      box.parentNode.style.color = on ? drawing.linkColour(Number(box.dataset.overlay) + 1) : '';"//nl// &
    '    }'//nl// &
@@ -2493,9 +2527,7 @@ module psalm_page_text
    '    const groups = curves.groupsOf(c);'//nl// &
    '    state.group = curves.firstGroup(c);'//nl// &
    "    if (state.group === 'usual') groups.splice(1, 0, ['usual', 'all but velocity, acceleration']);"//nl// &
-   "    $('groupbox').hidden = groups.length < 2;"//nl
-
-   character(*), parameter :: part_28 = &
+   "    $('groupbox').hidden = groups.length < 2;"//nl// &
    "    $('group').replaceChildren(...groups.map(([group, words]) => new Option(words, group)));"//nl// &
    "    $('group').value = state.group;"//nl// &
    '  }'//nl// &
@@ -2571,7 +2603,9 @@ module psalm_page_text
    '    for (let i = 0; i < count; i++) {'//nl// &
    '      state.t = from + (to - from) * ((i * 0.618034) % 1);'//nl// &
    '      draw();'//nl// &
-   '      if (raster) for (const pen of [drawing.pen, curves.chart]) pen.getImageData(0, 0, 1, 1);'//nl// &
+   '      if (raster) for (const pen of [drawing.pen, curves.chart]) pen.getImageData(0, 0, 1, 1);'//nl
+
+   character(*), parameter :: part_29 = &
    '    }'//nl// &
    '    const mean = (performance.now() - began) / count;'//nl// &
    '    state.t = before;'//nl// &
@@ -2595,9 +2629,7 @@ module psalm_page_text
    '    joint: (j) => drawing.machine(shown().px[j], shown().py[j]),'//nl// &
    '    /** Where a joint is on the screen. */'//nl// &
    '    screen(j) {'//nl// &
-   '      const box = drawing.canvas.getBoundingClientRect();'//nl
-
-   character(*), parameter :: part_29 = &
+   '      const box = drawing.canvas.getBoundingClientRect();'//nl// &
    '      return [box.left + shown().px[j], box.top + shown().py[j]];'//nl// &
    '    },'//nl// &
    '  };'//nl// &

@@ -33,6 +33,7 @@ module psalm_force_analysis
       real(wp), allocatable :: loss(:)         !! shape (positions): power lost in friction, W
    contains
       procedure :: known
+      procedure :: at_rows
    end type force_table_t
 
 contains
@@ -44,6 +45,21 @@ contains
 
       known = self%closed(k) .and. self%dead(k) == 0 .and. self%sweeps(k) > 0
    end function known
+
+   !> Some of the positions. Power and loss, which a motion in time has not, are left out.
+   pure function at_rows(self, rows) result(some)
+      class(force_table_t), intent(in) :: self
+      integer, intent(in) :: rows(:)
+      type(force_table_t) :: some
+
+      some%value = self%value(rows, :)
+      some%closed = self%closed(rows)
+      some%dead = self%dead(rows)
+      some%sweeps = self%sweeps(rows)
+      some%at_rest = self%at_rest(rows)
+      some%kinetic = self%kinetic(rows)
+      some%growth = self%growth(rows)
+   end function at_rows
 
    !> Column of a drive: those after the first follow the joints.
    pure integer function column_of_other_drive(joints, drive) result(column)

@@ -28,7 +28,7 @@ module psalm_force_trace
 contains
 
    !> Forces, and where they act. The problem is as `analyse_forces` wants it.
-   subroutine trace_forces(problem, model, speed, accel, closed, input, added, trace)
+   subroutine trace_forces(problem, model, speed, accel, closed, input, added, trace, known)
       type(problem_t), intent(inout) :: problem
       type(force_model_t), intent(in) :: model
       real(wp), intent(in) :: speed, accel
@@ -36,12 +36,17 @@ contains
       real(wp), intent(in) :: input(:)
       integer, intent(in) :: added               !! so many of the last masses are counterweights
       type(force_trace_t), intent(out) :: trace
+      type(force_table_t), intent(in), optional :: known !! the forces, where another motion than that of the speed has them
       type(rates_t) :: rates
       type(forces_t) :: forces
       type(location_t) :: location
       integer :: block, offset, n, k, b, l
 
-      call analyse_forces(problem, model, speed, accel, closed, input, trace%table)
+      if (present(known)) then
+         trace%table = known
+      else
+         call analyse_forces(problem, model, speed, accel, closed, input, trace%table)
+      end if
       trace%bodies = pack([(b, b=1, size(model%reference))], &
                           [(abs(model%inertia(parameter_mass, b)) > 0.0_wp .and. b /= body_frame, b=1, size(model%reference))])
       associate (m => problem%positions, joints => size(problem%mechanism%joints))

@@ -2,7 +2,7 @@
 !>
 !> Places are pixels to the tenth, one value for each frame; browsers go straight from one to the next. Where the motion closes on
 !> itself the last frame is the first; else it goes forth and back over the longest stretch on which every joint is known, between
-!> the prescribed positions where these span less than most of a turn.
+!> the prescribed positions where these span less than most of a turn. A motion in time takes its time and begins anew.
 module psalm_animation
    use psalm_angles, only: degrees_of
    use psalm_kinds, only: wp, full_turn
@@ -20,6 +20,8 @@ module psalm_animation
    real(wp), parameter :: width = 640.0_wp, tallest = 520.0_wp, margin = 34.0_wp !! sizes, pixels
    integer, parameter :: most_frames = 72           !! of a turn, or of a stretch one way: steps of 5 degrees
    real(wp), parameter :: seconds_a_frame = 1.0_wp/18.0_wp
+   integer, parameter :: most_times = 400           !! frames of a motion in time
+   real(wp), parameter :: times_a_second = 30.0_wp
    real(wp), parameter :: leap = 3.0_wp             !! a motion is closed if its ends are at most so many longest steps apart
    real(wp), parameter :: most_of_a_turn = 300.0_wp !! degrees: positions over less than this bound the motion shown
    integer, parameter :: many = 60                  !! joints above which symbols are smaller
@@ -80,6 +82,12 @@ contains
       logical :: closed
 
       n = scene%sweep%n
+      if (scene%time > 0.0_wp) then
+         frames = min(n, most_times, max(most_frames, nint(min(times_a_second*scene%time, real(most_times, wp)))))
+         film%frames = [(1 + nint(real(i, wp)*real(n - 1, wp)/real(frames - 1, wp)), i=0, frames - 1)]
+         film%timing = ' dur="'//short_number(scene%time, 5)//'s" repeatCount="indefinite"'
+         return
+      end if
       good = all(scene%sweep%known, 1) .and. within_positions(scene)
       closed = on_itself(scene, good)
       first = 1

@@ -4,7 +4,7 @@
 !> sweep is a whole turn of a drive that can make one; else the way from position to position, all drives together.
 module psalm_chain_scene
    use psalm_angles, only: unit_vector
-   use psalm_chain_study, only: chain_study_t, inputs_at, study_chain, turn_is_open, turn_may_repeat
+   use psalm_chain_study, only: chain_study_t, inputs_at, inputs_of_row, study_chain, turn_is_open, turn_may_repeat
    use psalm_closure, only: closure_t, state_t
    use psalm_column_names, only: number_unit, per_time
    use psalm_data_set, only: data_set_t
@@ -86,6 +86,7 @@ contains
       call find_rails(scene)
       scene%pointer = own%closure%size
       call make_curves(set%sketch, own, sweep, scene)
+      if (present(rows)) return
       call make_envelope(set%sketch, own, scene)
       ! the way through a grid has no speed, nor has one from position to position without one
       if (count(.not. set%sketch%drives%geared) > 1) return
@@ -97,7 +98,7 @@ contains
       subroutine study_row(row)
          type(solved_row_t), intent(in) :: row
 
-         call study_chain(set, set%rates%speed, set%rates%accel, own, inputs_at(set, row%problem%delt), by_loops=.true., solved=row)
+         call study_chain(set, set%rates%speed, set%rates%accel, own, inputs_of_row(set, row), by_loops=.true., solved=row)
       end subroutine study_row
 
       !> The sweep as it is solved already.
@@ -108,7 +109,7 @@ contains
          scene%prescribed%delt = own%inputs(1, :)
          scene%prescribed%input = own%inputs(1, :)
          allocate (sweep)
-         call study_chain(set, set%rates%speed, set%rates%accel, sweep, inputs_at(set, rows%sweep%problem%delt), by_loops=.true., &
+         call study_chain(set, set%rates%speed, set%rates%accel, sweep, inputs_of_row(set, rows%sweep), by_loops=.true., &
                           other=own, solved=rows%sweep)
          scene%sweep%delt = sweep%inputs(1, :)
          scene%sweep%input = sweep%inputs(1, :)

@@ -73,7 +73,7 @@ contains
          forces%on_frame(:, j) = model%springs(j)%ends%body == body_frame
       end do
       forces%springs_added = set%springs%added
-      if (set%masses%added + set%springs%added == 0) return
+      if (set%masses%added + set%springs%added == 0 .or. allocated(study%sweep%forces)) return
       call make_force_model(set, problem%mechanism, study%dimensions, model, unused, without_added=.true.)
       allocate (forces%bare)
       associate (motion => study%sweep%motion)
@@ -92,7 +92,7 @@ contains
          call problem%want_derivatives(.true., vertices_of(problem%mechanism))
          call problem%bind(study%dimensions)
          call trace_forces(problem, model, set%pace(), set%change_of_pace(), row%motion%closed, row%motion%input, &
-                           set%masses%added, trace)
+                           set%masses%added, trace, row%forces)
       end subroutine trace_row_forces
    end subroutine make_force_scene
 

@@ -72,6 +72,7 @@ contains
                             ',"reference":'//to_text(scene%reference - 1))
          call add_member('limits', [90.0_wp - scene%tangle, 90.0_wp + scene%tangle], text, exact=.true.)
          call add_member('view', [scene%low, scene%high], text)
+         if (scene%time > 0.0_wp) call text%add_text(',"time":'//json_number(scene%time, exact=.true.))
          call write_parts(scene, text)
          if (allocated(scene%drives)) call write_chain_parts(scene, text)
          call text%add(',"prescribed":{')

@@ -20,7 +20,7 @@ module psalm_panels
    implicit none (type, external)
    private
    public :: panel_t, tolerance_band_t, add_rate_panels, add_study_panels, add_family_panels, find_band, flat
-   public :: with_unit
+   public :: with_unit, begin_panel, add_line, group_position, group_rates, group_forces, group_energy, most_outputs
 
    integer, parameter :: name_length = 96      !! characters of a panel's name
    integer, parameter :: label_length = 32     !! characters of a line's name
@@ -28,7 +28,7 @@ module psalm_panels
    real(wp), parameter :: flat = 1.0e-8_wp   !! a curve that varies by less than this part of its scale is constant
    real(wp), parameter :: absurd = 1.0e4_wp  !! rates above this times their scale are those beside a dead point: left out
 
-   character(*), parameter :: group_position = 'position', group_rates = 'rates'
+   character(*), parameter :: group_position = 'position', group_rates = 'rates', group_forces = 'forces', group_energy = 'energy'
 
    !> A line of a panel.
    type :: panel_line_t

@@ -13,12 +13,14 @@ module psalm_picture_study
    use psalm_pictured, only: new_pictures, pictured_t
    use psalm_pole_scene, only: asks_for_poles, check_poles, make_pole_scene
    use psalm_preparation, only: memory_need_t, prepared_t, prepare
-   use psalm_row_study, only: row_study_t, study_rows
+   use psalm_row_study, only: row_study_t, study_rows, study_times
    use psalm_scene, only: scene_t, add_curves, make_scene, message_scene
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t, finding_t, level_error
    use psalm_stop, only: stop_t
    use psalm_text, only: to_text
+   use psalm_time_scene, only: time_frames_t, find_frames, put_in_time
+   use psalm_time_study, only: check_time
    use psalm_vibration_scene, only: vibration_scene_t, make_vibration_scene
    implicit none (type, external)
    private
@@ -44,7 +46,7 @@ contains
       real(wp), allocatable :: chosen             ! not allocated: absent where it is an argument, as is `kept`
       integer, allocatable :: kept(:)
       integer :: k
-      logical :: by_links
+      logical :: by_links, timed
 
       call new_pictures(size(sets), cases)
       allocate (prepared)
@@ -70,16 +72,23 @@ contains
          end if
          by_links = .false.
          if (allocated(sets(k)%traced)) by_links = .not. sets(k)%traced%are_of_one_crank()
+         timed = sets(k)%gives('TIME')
+         if (timed .or. .not. by_links) call prepare(sets(k), none, prepared, noted, need)
+         if (timed .and. prepared%ready) then
+            call check_time(sets(k), prepared%mechanism, noted)
+            prepared%ready = .not. noted%failed()
+         end if
+         if (timed .and. prepared%ready) call add_motion(sets(k), prepared, by_links, noted, own, cases(k), timed, chosen)
+         if (allocated(kept)) deallocate (kept)
+         if (.not. (timed .or. by_links) .and. prepared%ready .and. sets(k)%method%ikin == 0 .and. &
+             sets(k)%method%ndes > most_drawn) kept = positions_drawn(sets(k), noted)
+         own = [own, finding_list(noted)]
+         call findings%append(noted)
+         if (timed .and. prepared%ready) cycle
          if (by_links) then
             call make_chain_scene(sets(k), own, cases(k)%scene, chosen)
             cycle
          end if
-         call prepare(sets(k), none, prepared, noted, need)
-         if (allocated(kept)) deallocate (kept)
-         if (prepared%ready .and. sets(k)%method%ikin == 0 .and. sets(k)%method%ndes > most_drawn) &
-            kept = positions_drawn(sets(k), noted)
-         own = [own, finding_list(noted)]
-         call findings%append(noted)
          if (prepared%ready) then
             associate (each => sets(k), scene => cases(k)%scene)
                if (allocated(study)) deallocate (study)
@@ -149,6 +158,41 @@ contains
       deallocate (case%poles)
       call noted%error('degenerate: these poses have no curves that can be drawn', line=set%title_line, group='EXACT')
    end subroutine add_poles
+
+   !> The motion in time of a case that is ready. `drawn` is false, with a warning where it ends at its beginning, if its positions
+   !> are to be drawn in place of it.
+   subroutine add_motion(set, prepared, by_links, noted, own, case, drawn, chosen)
+      type(data_set_t), intent(in) :: set
+      type(prepared_t), intent(in) :: prepared
+      logical, intent(in) :: by_links                 !! it is drawn in the poses of its links
+      type(diagnostics_t), intent(inout) :: noted
+      type(finding_t), intent(in) :: own(:)           !! findings so far
+      type(pictured_t), intent(inout) :: case
+      logical, intent(out) :: drawn
+      real(wp), intent(in), optional :: chosen        !! increment of the input for a drawing for CAD
+      class(time_frames_t), allocatable :: frames     ! large, as the rows are: they would fill a small stack
+      class(row_study_t), allocatable :: rows
+      character(:), allocatable :: why
+
+      allocate (frames, rows)
+      call find_frames(set, prepared, frames, drawn, why)
+      if (.not. drawn) then
+         if (len(why) > 0) call set%origins%warning(noted, 'TIME', '', 'the motion in time is not drawn: '//why)
+         return
+      end if
+      call study_times(set, prepared%mechanism, prepared%given, prepared%parameters, frames%motion, frames%marks, rows, chosen)
+      if (by_links) then
+         call make_chain_scene(set, own, case%scene, chosen, rows=rows)
+      else
+         call make_scene(set, rows, .false., own, case%scene)
+         if (set%is_drawn() .and. case%scene%valid .and. (case%dxf%flat .or. case%dxf%width > 0.0_wp)) then
+            allocate (case%parts)
+            call make_chain_scene(set, own, case%parts, chosen, rows=rows)
+         end if
+      end if
+      drawn = case%scene%valid
+      if (drawn) call put_in_time(set, frames, case%scene)
+   end subroutine add_motion
 
    !> The link that the group VIBR names; a case that ssics refuses is drawn without.
    subroutine add_vibration(set, prepared, scene, stop)

@@ -48,6 +48,7 @@ module psalm_scene
       integer :: motion = motion_point
       logical :: sliding = .false., desired = .false., everywhere = .false. !! sliding input; desired values; KTHETA=1
       real(wp) :: tangle = 90.0_wp, sense = 1.0_wp
+      real(wp) :: time = 0.0_wp                           !! a motion in time: the rows count it, up to here, s; else 0
       integer :: loops = 0
       type(drawn_joint_t), allocatable :: joints(:)
       type(drawn_bar_t), allocatable :: bars(:)

@@ -152,15 +152,18 @@ contains
       type(scene_t), intent(in) :: scene
       character(:), allocatable :: line
 
-      if (allocated(scene%drives)) then
+      if (scene%time > 0.0_wp) then
+         line = 'motion in time, drawn at 0 of '//number(scene%time)//' s; '
+      else if (allocated(scene%drives)) then
          line = subtitle_of_drives(scene)
          return
+      else
+         line = 'crank angle'
+         if (scene%sliding) line = 'input length'
+         if (allocated(scene%input_label)) line = 'input'
+         line = 'drawn at '//line//' '// &
+                number(scene%prescribed%input(scene%reference))//trim(merge('           ', ' degrees   ', scene%sliding))//'; '
       end if
-      line = 'crank angle'
-      if (scene%sliding) line = 'input length'
-      if (allocated(scene%input_label)) line = 'input'
-      line = 'drawn at '//line//' '// &
-             number(scene%prescribed%input(scene%reference))//trim(merge('           ', ' degrees   ', scene%sliding))//'; '
       if (allocated(scene%output_label)) then
          line = line//'output: '//scene%output_label
       else
@@ -175,7 +178,11 @@ contains
             line = line//'output: length of a slide'
          end select
       end if
-      line = line//positions_of(scene)
+      if (scene%time > 0.0_wp) then
+         line = line//', marked every '//number(scene%prescribed%input(2))//' s'
+      else
+         line = line//positions_of(scene)
+      end if
    end function subtitle
 
    !> How many positions, and how many of them do not close.

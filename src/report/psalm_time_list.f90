@@ -19,7 +19,7 @@ module psalm_time_list
    use psalm_time_motion, only: event_impact, event_rest, event_lift
    implicit none (type, external)
    private
-   public :: report_time, summarise_time
+   public :: report_time, summarise_time, ending_words
 
    character(*), parameter :: time_block = 'time', event_block = 'events'
    character(*), parameter :: event_words(*) = [character(6) :: 'impact', 'rest', 'lift'] !! by `event_...`

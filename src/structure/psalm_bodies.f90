@@ -176,8 +176,9 @@ contains
          associate (arc => mechanism%arcs(n))
             if (arc%kind == arc_determined .or. arc%representative /= n) cycle
             call ends_and_bodies(n, ends, bodies)
-            call seat(seats, bodies(1), ends(1))
-            call seat(seats, bodies(2), ends(2))
+            ! that a foot is a point of its guide is for the guide's own arcs to say
+            if (arc%foot /= at_start) call seat(seats, bodies(1), ends(1))
+            if (arc%foot /= at_finish) call seat(seats, bodies(2), ends(2))
          end associate
          mechanism%arcs(n)%attached = .true.
       end do

@@ -14,7 +14,7 @@ module psalm_chain_study
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
    private
-   public :: chain_study_t, study_chain, inputs_at, inputs_of_drives, turn_repeats, turn_may_repeat, turn_is_open
+   public :: chain_study_t, study_chain, inputs_at, inputs_of_drives, turn_repeats, turn_may_repeat, turn_is_open, inputs_of_row
 
    !> What the sketch does.
    type, extends(sketch_study_t) :: chain_study_t
@@ -127,14 +127,18 @@ contains
    !> Leave the last position out.
    subroutine leave_last_out(self)
       class(chain_study_t), intent(inout) :: self
+      real(wp), allocatable :: values(:, :, :)      ! orders count from 0, which a section forgets
+      complex(wp), allocatable :: joints(:, :, :)
 
       associate (n => size(self%closed) - 1)
          self%inputs = self%inputs(:, :n)
          self%closed = self%closed(:n)
          self%dead = self%dead(:n)
-         self%values = self%values(:, :, :n)
+         allocate (values(size(self%values, 1), 0:most_orders, n), source=self%values(:, :, :n))
+         call move_alloc(values, self%values)
          self%by_drive = self%by_drive(:, :, :n)
-         self%joints = self%joints(:, :, :n)
+         allocate (joints(size(self%joints, 1), 0:most_orders, n), source=self%joints(:, :, :n))
+         call move_alloc(joints, self%joints)
          self%motion%closed = self%motion%closed(:n)
          self%motion%dead = self%motion%dead(:n)
          self%motion%group = self%motion%group(:n)
@@ -212,6 +216,20 @@ contains
          end associate
       end do
    end function inputs_at
+
+   !> Values of all drives, from the drawing, at the positions of a row that is solved: degrees or length.
+   pure function inputs_of_row(set, row) result(inputs)
+      type(data_set_t), intent(in) :: set
+      type(solved_row_t), intent(in) :: row
+      real(wp), allocatable :: inputs(:, :)         !! shape (drives, positions)
+      integer :: d
+
+      inputs = inputs_at(set, row%problem%delt)
+      if (.not. allocated(row%problem%own_delt)) return
+      do d = 2, size(inputs, 1)
+         if (.not. set%sketch%drives(d)%geared) inputs(d, :) = row%problem%own_delt(:, d - 1)
+      end do
+   end function inputs_of_row
 
    !> True if after a turn of the first drive all drives stand as before. Not with gears: a wheel that the drive turns stands
    !> elsewhere then, unless the numbers of teeth are just so.

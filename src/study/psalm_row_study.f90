@@ -6,19 +6,22 @@ module psalm_row_study
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t, motion_t, reach_t, make_problem
+   use psalm_force_analysis, only: force_table_t
    use psalm_kinds, only: wp
    use psalm_mechanism, only: mechanism_t
    use psalm_parameters, only: parameters_t
    use psalm_sketch_study, only: sketch_study_t, study_sketch
    use psalm_sweep, only: sweep_inputs
+   use psalm_time_study, only: time_study_t, increments_of
    implicit none (type, external)
    private
-   public :: solved_row_t, row_study_t, study_rows, find_sweep_outputs
+   public :: solved_row_t, row_study_t, study_rows, study_times, find_sweep_outputs
 
    !> A row of inputs.
    type :: solved_row_t
       class(problem_t), allocatable :: problem  !! bound; its plan has every loop and the point that the output arc begins at
       class(motion_t), allocatable :: motion
+      type(force_table_t), allocatable :: forces !! of a motion in time: as it has them
    end type solved_row_t
 
    !> All rows of a linkage.
@@ -58,14 +61,45 @@ contains
       call solve_row(study, [chosen], study%chosen)
    end subroutine study_rows
 
+   !> Solve a linkage at the states of its motion in time: all of them in place of the sweep, some as prescribed positions.
+   subroutine study_times(set, mechanism, dimensions, parameters, time, marks, study, chosen)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      type(parameters_t), intent(in) :: parameters
+      type(time_study_t), intent(in) :: time
+      integer, intent(in) :: marks(:)           !! numbers of its times that are prescribed positions
+      type(row_study_t), intent(out) :: study
+      real(wp), intent(in), optional :: chosen  !! as `study_rows` has it
+      real(wp), allocatable :: inputs(:, :)
+
+      inputs = increments_of(time)
+      study%dimensions = dimensions
+      allocate (study%problem)
+      call make_problem(set, mechanism, dimensions, parameters, study%problem)
+      ! it came there
+      study%problem%followed = .false.
+      call study%problem%set_inputs(inputs(marks, 1), inputs(marks, 2:))
+      allocate (study%prescribed%problem, source=study%problem)
+      call study%prescribed%problem%want_derivatives(.true., with_point=.true.)
+      call analyse_row(study, study%prescribed)
+      call solve_row(study, inputs(:, 1), study%sweep, inputs(:, 2:))
+      study%sweep%forces = time%forces%table
+      study%prescribed%forces = time%forces%table%at_rows(marks)
+      if (.not. present(chosen)) return
+      allocate (study%chosen)
+      call solve_row(study, [chosen], study%chosen)
+   end subroutine study_times
+
    !> The linkage of the prescribed positions at other inputs.
-   subroutine solve_row(study, delt, row)
+   subroutine solve_row(study, delt, row, own)
       type(row_study_t), intent(inout) :: study
       real(wp), intent(in) :: delt(:)           !! increments
       type(solved_row_t), intent(inout) :: row
+      real(wp), intent(in), optional :: own(:, :) !! those of further drives, as `set_inputs` has them
 
       allocate (row%problem, source=study%prescribed%problem)
-      call row%problem%set_inputs(delt)
+      call row%problem%set_inputs(delt, own)
       call analyse_row(study, row)
    end subroutine solve_row
 

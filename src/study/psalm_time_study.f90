@@ -26,7 +26,7 @@ module psalm_time_study
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: time_study_t, find_time, check_time
+   public :: time_study_t, find_time, check_time, increments_of
    public :: time_done, time_open, time_massless, time_collapsed, time_wound, time_crowded, time_on_request
 
    integer, parameter :: rates_shown = 2          !! orders of rates of drives and outputs
@@ -151,13 +151,14 @@ contains
    end function free_drives
 
    !> Follow a case that `check_time` found no fault with.
-   subroutine find_time(set, given, dimensions, forces, study, stop)
+   subroutine find_time(set, given, dimensions, forces, study, stop, times)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       type(force_study_t), intent(in) :: forces         !! at the positions: names, model
       type(time_study_t), intent(out) :: study
       type(stop_t), intent(in), optional :: stop        !! asked before every step; the times so far are there then
+      real(wp), intent(in), optional :: times(:)        !! s, ascending, the first 0: in place of those of the case
       class(problem_t), allocatable :: problem, shown   ! large, as the others are: they would fill a small stack
       type(time_motion_t), allocatable :: moving
       type(rates_t), allocatable :: rates
@@ -175,6 +176,7 @@ contains
       logical :: valid
 
       time = time_of(set)
+      if (present(times)) time%times = times
       study%free = free_drives(set, time)
       study%end = time%times(size(time%times))
       study%moves = study%end > 0.0_wp
@@ -402,4 +404,14 @@ contains
          call move_alloc(joints, study%sketch%joints)
       end subroutine keep_orders
    end subroutine find_time
+
+   !> Increments of the drives at the times, degrees or length: of the first from the reference position, of others from the
+   !> drawing.
+   pure function increments_of(study) result(increments)
+      type(time_study_t), intent(in) :: study
+      real(wp) :: increments(size(study%time), size(study%free))  !! shape (rows, drives)
+
+      increments = study%drives(:, :, 0)
+      increments(:, 1) = increments(:, 1) - study%zero_input
+   end function increments_of
 end module psalm_time_study

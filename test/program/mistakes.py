@@ -57,6 +57,13 @@ DYADS = """A FOUR-BAR AND THREE DYADS ON ITS COUPLER
  &OUTPUTS OUTPUT='angle K L' &END
  &METHOD NDES=2, DELT=0.0,5.0, DESANG=1.0,2.0 &END
 """
+CARRIED = """A GUIDE ON A LINK THAT SLIDES, FROM THE FOOT OF ITS SLIDE
+ &LINKS NLOOP=3, MAXARC=6, ILINK=1,2,3,4,0,0, 1,-2,-3,-4,-4,0, 1,2,-3,4,5,-4,
+  ILOOP=1,0,0,1,0,0, 1,1,-2,0,1,0, 2,2,2,-3,-6,1,
+  ARCL=25.7,102.0,101.1,79.4,0,0, 0.0,27.5,0.0,133.5,117.3,0, 0.0,0.0,81.5,0.0,0.0,126.6,
+  GAMA=0.0,0.0,0.0,178.9,0,0, 0.0,-31.7,0.0,0.0,143.0,0, 0.0,0.0,151.3,0.0,0.0,-153.5, NOUTLK=-5, NOUTLP=3 &END
+ &METHOD MOTION=0, CRNKI=35.5, NDES=2, DELT=0.0,12.0 &END
+"""
 FOUR_BAR = """A FOUR-BAR
  &LINKS NLOOP=1, MAXARC=4, ILINK=1,-2,-3,4, ILOOP=1,0,0,1, ARCL=40.0,120.0,80.0,130.0, GAMA=3*0.0,180.0, NOUTLK=3, NOUTLP=1 &END
  &METHOD MOTION=1, IKIN=30 &END
@@ -222,6 +229,12 @@ MISTAKES = [
     (NAMED, "DPSI=60.0", "DPSI=0.0", "&EXACT DPSI: must not be 0"),
 ]
 
+# the same by another program
+REFUSED = [
+    ("kalm", CARRIED, " &METHOD", " &MASSES NMASS=1, MLINK=-2, MLOOP=1, MASS=1.0, UNITL=0.001 &END\n &METHOD",
+     "&LINKS ILINK: joint S3 of loop 3 is no point of both links that it joins"),
+]
+
 # program, base, what is changed into what, what is said; the run goes on
 DOUBTS = [
     ("psalm", SKETCH, "LNK='A D','A B','B C P','C D'", "LNK='A B','B C P','C D','A D'",
@@ -279,12 +292,12 @@ def doubts(place):
 def main():
     with tempfile.TemporaryDirectory() as place:
         name = os.path.join(place, "case.nml")
-        for base, old, new, said in MISTAKES:
+        for program, base, old, new, said in [("psalm", *mistake) for mistake in MISTAKES] + REFUSED:
             text = base.replace(old, new)
             check("something is changed", text != base, old)
             with open(name, "w", encoding="utf-8") as file:
                 file.write(text)
-            done = subprocess.run([os.path.join(BIN, "psalm"), name], capture_output=True, text=True, check=False)
+            done = subprocess.run([os.path.join(BIN, program), name], capture_output=True, text=True, check=False)
             check("refused: " + said, done.returncode == 2, (done.returncode, done.stderr))
             check("said: " + said, said in done.stderr, done.stderr)
             check("nothing is written: " + said, os.listdir(place) == ["case.nml"], os.listdir(place))

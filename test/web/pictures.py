@@ -1102,6 +1102,7 @@ def test_chains():
           if isinstance(slides["sweep"]["uy"][k], list) for i in range(slides["sweep"]["n"])) and len(slides["slides"]) == 2)
     larger_group()
     test_planetary()
+    test_turn_of_wheels()
     test_envelope()
 
 
@@ -1122,6 +1123,27 @@ def test_planetary():
     last, arm = scene["sweep"]["n"] - 1, 60
     # a planet on a sun that stands: (1 + 40/20) turns of the arm
     check("planet: its rim turns with it", near(math.remainder(turn(planet, last) - turn(planet, 0) - 3 * arm, 360), 0, 1e-5))
+
+
+def test_turn_of_wheels():
+    """Curves over a whole turn that is drawn in the poses of the links: the output is where its joint is, its velocity is its slope."""
+    write("rolling.nml", "A WHEEL ON THE FOLLOWER OF A DRAG LINK\n &CHAIN JNT='A','B','C','D','V', JX=0.0,0.0,28.0,10.0,38.0,\n"
+          "  JY=0.0,30.0,30.0,0.0,30.0, LNAME='frame','crank','coupler','follower','planet', LNK='A D','A B','B C','C D','C V',\n"
+          "  GEARA='frame', GEARB='planet', GCARR='follower', GTA=40.0, GTB=20.0 &END\n &DRIVES DRIVE='A' &END\n"
+          " &OUTPUTS OUTPUT='point V' &END\n &METHOD NDES=3, DELT=0.0,100.0,200.0 &END\n")
+    code, _, errors = balm("--quiet", "rolling.nml")
+    scene = page_data("rolling.html")[0]
+    check("rolling wheel: is drawn over a whole turn", code == 0 and not scene["sliding"] and scene["sweep"]["n"] == 360, errors)
+    joint = next(j for j, one in enumerate(scene["joints"]) if one["name"] == "V")
+    for c, curve in zip("xy", scene["curves"]):
+        places = scene["sweep"][c][joint]
+        check("rolling wheel: curve of %s" % c, all(near(a, b, 1e-8, 1.0) for a, b in zip(curve["sweep"], places)))
+        check("rolling wheel: prescribed positions lie on it", all(near(curve["sweep"][int(at)], value, 1e-8, 1.0)
+              for at, value in zip(scene["prescribed"]["at"], curve["prescribed"])))
+        velocity = next(one["values"] for panel in scene["panels"] if panel["name"].startswith("velocity of point_V")
+                        for one in panel["lines"] if one["label"] == c)
+        slopes = [(places[(i + 1) % 360] - places[i - 1]) / math.radians(2.0) for i in range(360)]
+        check("rolling wheel: velocity of %s" % c, max(abs(a - b) for a, b in zip(slopes, velocity)) < 2e-3 * max(map(abs, velocity)))
 
 
 def test_envelope():

@@ -1,0 +1,210 @@
+#!/usr/bin/env python3
+"""Pages of balm that play a motion in time: its states are those of kalm, its clock is true.
+
+usage: test/web/time_pages.py PROGRAM_DIRECTORY. Last line: N passed, N failed.
+"""
+import glob
+import json
+import os
+import re
+import shutil
+import sys
+import tempfile
+
+from playwright.sync_api import sync_playwright
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(HERE, "..", "tools"))
+import picture_tools
+from page_in_browser import Page
+from picture_tools import DATA, FLAGS, changed, check, page_data, read, run, write
+
+NINE_DIGITS = 1e-8     # of the size: pages have nine digits
+LOOPS = """OFFSET SLIDER-CRANK THAT A MOTOR STARTS
+ &LINKS NLOOP=1, MAXARC=4, ILINK=1,-2,3,4, ILOOP=1,0,-4,1, ARCL=40.0,140.0,0.0,10.0, GAMA=3*0.0,270.0, NOUTLK=3, NOUTLP=1 &END
+ &METHOD MOTION=3, NDES=1, DELT=0.0 &END
+ &MASSES MLINK=-1,-2,-3, MLOOP=3*1, MASS=.1,.2,.3, MDIST=10.0,20.0,30.0, MANG=10.0,20.0,30.0, MINERT=1E-4,2E-4,3E-4, UNITL=.001 &END
+ &LOADS LLINK=-1, LLOOP=1, LMOM=-5.0 &END
+ &MOTOR MTORQ=20.0, MSPEED=100.0 &END
+ &TIME TEND=.1, NTIME=50 &END
+"""
+
+
+def both(name, codes=(0, 0)):
+    """A case NAME.nml by kalm and by balm: blocks of tables, the case of the page."""
+    for program, more, code in (("kalm", ["--json"], codes[0]), ("balm", ["--animate", "--curves"], codes[1])):
+        done = run(os.path.join(picture_tools.programs, program), *more, "--quiet", name + ".nml")
+        check("%s %s ends with %d" % (program, name, code), done[0] == code, "%d %s" % (done[0], done[2]))
+    with open(name + ".kalm.json", encoding="utf-8") as file:
+        blocks = json.load(file)["cases"][0]["blocks"]
+    return {block: table["columns"] for block, table in blocks.items()}, page_data(name + ".html")[0]
+
+
+def frames_of(case, times):
+    """The frame at each time; all of them are frames."""
+    frames = [time/case["time"]*(case["sweep"]["n"] - 1) for time in times]
+    check("times of the case are frames of its page", all(abs(frame - round(frame)) < 1e-9 for frame in frames))
+    return [round(frame) for frame in frames]
+
+
+def value(row, frame):
+    return row[frame] if isinstance(row, list) else row
+
+
+def line(case, name, label=""):
+    """Values of a line of a panel."""
+    return next(one["values"] for panel in case["panels"] if panel["name"] == name for one in panel["lines"] if one["label"] == label)
+
+
+def near(law, found, wanted, scale):
+    worst = max((abs(a - b) for a, b in zip(found, wanted)), default=1.0)
+    check(law, len(found) == len(wanted) and worst <= NINE_DIGITS*scale, "%g of %g" % (worst, scale))
+
+
+def test_states():
+    """Joints, inputs and energies at the times that kalm lists."""
+    for path in sorted(glob.glob(os.path.join(DATA, "time", "*.nml"))):
+        name = os.path.basename(path)[:-len(".nml")]
+        shutil.copy(path, ".")
+        blocks, case = both(name)
+        time, sweep = blocks["time"], case["sweep"]
+        check(name + ": up to the end of its motion", case["time"] == time["time"][-1] and "0" not in sweep["closed"])
+        check(name + ": over the time", case["inputLabel"] == "time, s" and case["sliding"])
+        frames = frames_of(case, time["time"])
+        size = max(case["view"][2] - case["view"][0], case["view"][3] - case["view"][1])
+        for j, joint in enumerate(case["joints"]):
+            if joint["name"] + ".x" not in time:
+                continue
+            for axis in "xy":
+                near("%s: %s.%s" % (name, joint["name"], axis), [value(sweep[axis][j], frame) for frame in frames],
+                     time["%s.%s" % (joint["name"], axis)], size)
+        kinetic = line(case, "energy, J", "kinetic")
+        near(name + ": kinetic energy", [kinetic[frame] for frame in frames], time["kinetic"], max(time["kinetic"]))
+        for drive in case.get("drives", []):
+            if "input." + drive["name"] not in time:
+                continue
+            column = time["input." + drive["name"]]
+            near("%s: drive %s" % (name, drive["name"]), [drive["sweep"][frame] for frame in frames], column, max(map(abs, column)))
+        for key in time:
+            if key.startswith("stop."):
+                stop = line(case, "stop %s, N m" % key[len("stop."):])
+                near(name + ": force of a stop", [stop[frame] for frame in frames], time[key], max(map(abs, time[key])))
+
+
+def test_loops():
+    """A linkage by its loops: output, drive, frame."""
+    write("loops.nml", LOOPS)
+    blocks, case = both("loops")
+    time = blocks["time"]
+    frames = frames_of(case, time["time"])
+    near("loops: output", [case["sweep"]["actual"][frame] for frame in frames], time["output"], 100.0)
+    forces = case["forces"]
+    for key, column in (("drive", "drive"), ("fx", "frame_fx"), ("fy", "frame_fy"), ("moment", "frame_m")):
+        near("loops: " + column, [forces[key][frame] for frame in frames], time[column], max(map(abs, time[column])))
+    velocity, steps = line(case, "velocity of the output, length/s"), case["sweep"]["n"] - 1
+    actual, step = case["sweep"]["actual"], case["time"]/steps
+    worst = max(abs((actual[i + 1] - actual[i - 1])/(2.0*step) - velocity[i]) for i in range(1, steps))
+    check("loops: the velocity is the slope of the output", worst < 2e-3*max(map(abs, velocity)), worst)
+
+
+def test_early_end():
+    """A motion that ends before its time is shown as far as it goes."""
+    with open(os.path.join(DATA, "time", "four_bars.nml"), encoding="utf-8") as file:
+        write("four_bars.nml", changed(file.read(), "TEND=0.7, NTIME=70", "TEND=1.0, NTIME=100"))
+    blocks, case = both("four_bars", (1, 1))
+    last = blocks["time"]["time"][-1]
+    check("ends early: as far as it goes", last <= case["time"] < last + 0.01 and "0" not in case["sweep"]["closed"], case["time"])
+    check("ends early: says so", any("ends at 0.71" in words and "of 1 s" in words for words in case["breaches"]), case["breaches"])
+    with open(os.path.join(DATA, "time", "pendulum.nml"), encoding="utf-8") as file:
+        write("no_masses.nml", re.sub(r" &MASSES.*?&END\n", "", file.read(), flags=re.S))
+    done = picture_tools.balm("no_masses.nml")
+    check("without masses: refused as by kalm", done[0] == 2 and "motion in time needs masses" in done[2], done)
+    with open(os.path.join(DATA, "time", "sprung_four_bar.nml"), encoding="utf-8") as file:
+        write("rest.nml", re.sub(r"&TIME .*?&END", "&TIME IEQUIL=1 &END", file.read(), flags=re.S))
+    picture_tools.balm("--quiet", "rest.nml")
+    check("equilibria alone: the positions are drawn", "time" not in page_data("rest.html")[0])
+
+
+def test_animation():
+    """The SVG takes the time of the motion; its frames are states of it."""
+    svg, case = read("trebuchet.move.svg"), page_data("trebuchet.html")[0]
+    check("animation: true time", set(re.findall(r' dur="([^"]+)"', svg)) == {"1.6s"})
+    lists = re.findall(r'translate".*? values="([^"]+)"', svg)
+    lengths = {len(one.split(";")) for one in lists}
+    check("animation: as many frames in every part", len(lengths) == 1 and lengths.pop() >= 48, lengths)
+    check("animation: it does not go back", lists[-1].split(";")[0] != lists[-1].split(";")[-1])
+    check("SVG: says which time it shows", "motion in time, drawn at 0 of 1.6 s" in read("trebuchet.svg") and
+          "marked every 0.04 s" in read("trebuchet.svg"))
+    curves = read("trebuchet.curves.svg")
+    check("curves: over the time", "time, s" in curves and "energy, J" in curves and "speed of drive B, rad/s" in curves)
+    check("stars at even times", case["prescribed"]["n"] == 41 and abs(case["prescribed"]["input"][1] - 0.04) < 1e-12)
+
+
+def test_browser():
+    """At speed 1 a second is a second."""
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
+        for name in ("trebuchet", "press", "garage_door", "loops"):
+            for width, scheme in ((390, "dark"), (1280, "light")):
+                one = Page(browser, name + ".html", width=width, scheme=scheme)
+                page, case = one.page, page_data(name + ".html")[0]
+                last, seconds = case["sweep"]["n"] - 1, case["time"]
+                check(name + ": loads without complaint", not one.complaints, one.complaints)
+                check(name + ": begins at 0", one.ask("balm.position") == 0 and "time 0.0" in page.text_content("#facts"))
+                check(name + ": a clock", page.text_content("#clock").endswith("%g" % seconds + " s") or
+                      " of %g" % seconds in page.text_content("#clock"), page.text_content("#clock"))
+                check(name + ": nothing is wider than the window", one.ask(
+                    "document.documentElement.scrollWidth <= document.documentElement.clientWidth"))
+                if width == 1280:
+                    true_time(one, name, last, seconds)
+                one.ask("balm.go(%d)" % last)
+                for j, joint in enumerate(case["joints"]):
+                    if joint["name"] and not joint["fixed"]:
+                        drawn = one.ask("balm.joint(%d)" % j)
+                        at = [value(case["sweep"][axis][j], last) for axis in "xy"]
+                        check("%s: joint %s at the end" % (name, joint["name"]), max(abs(a - b) for a, b in zip(drawn, at)) <
+                              1e-6*max(case["view"][2] - case["view"][0], 1.0), (drawn, at))
+                one.context.close()
+        browser.close()
+
+
+def true_time(one, name, last, seconds):
+    for speed in ("0.1", "1", "10"):
+        one.page.select_option("#speed", speed)
+        # between two frames of the browser, before the motion begins anew
+        passed, gone = one.ask("""async () => {
+            const frame = () => new Promise(requestAnimationFrame);
+            let seen = null;
+            balm.go(0);
+            balm.play();
+            await frame();
+            let before = [await frame(), balm.position], now = before;
+            while (now[0] - before[0] < 120) {
+                now = [await frame(), balm.position];
+                if (now[1] >= %d) break;
+                if (now[1] < before[1]) before = now;
+                seen = [now[0] - before[0], now[1] - before[1]];
+            }
+            balm.pause();
+            return seen;
+        }""" % last) or (0.0, 0.0)     # it came to its end within a frame
+        want = float(speed)*passed/1000.0*last/seconds
+        check("%s: in true time, at speed %s" % (name, speed), abs(gone - want) <= 1e-6*last + 0.02*want, (gone, want))
+
+
+def main():
+    picture_tools.programs = os.path.realpath(sys.argv[1])
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        test_states()
+        test_loops()
+        test_animation()
+        test_browser()
+        test_early_end()
+        os.chdir("/")
+    print("%d passed, %d failed" % (picture_tools.passed, picture_tools.failed))
+    return picture_tools.failed > 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
