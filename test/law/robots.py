@@ -313,6 +313,7 @@ def test_urdf(name, work, model, poses):
 
 test_urdf.own = {}
 with tempfile.TemporaryDirectory() as folder:
+    os.chdir(folder)    # MuJoCo writes a log where it stands
     for case in sys.argv[2:] or CASES:
         with open(os.path.join(folder, case + ".nml"), "w", encoding="utf-8") as out:
             out.write(CASES[case]())
