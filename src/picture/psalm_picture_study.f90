@@ -38,7 +38,7 @@ contains
       type(data_set_t), intent(in) :: sets(:)
       type(diagnostics_t), intent(inout) :: findings  !! of reading the file; SETUP's are added
       type(pictured_t), allocatable, intent(out) :: cases(:)
-      type(stop_t), intent(in), optional :: stop      !! asked by what takes long: vibration and clearance
+      type(stop_t), intent(in), optional :: stop      !! asked by what takes long: vibration, clearance, motion in time
       type(finding_t), allocatable :: read(:), own(:)
       type(diagnostics_t) :: noted
       type(line_t) :: none(0)
@@ -79,7 +79,8 @@ contains
             call check_time(sets(k), prepared%mechanism, noted)
             prepared%ready = .not. noted%failed()
          end if
-         if (timed .and. prepared%ready) call add_motion(sets(k), prepared, by_links, noted, own, cases(k), timed, chosen)
+         if (timed .and. prepared%ready) call add_motion(sets(k), prepared, by_links, noted, own, cases(k), timed, &
+                                                                 chosen, stop)
          if (allocated(kept)) deallocate (kept)
          if (.not. (timed .or. by_links) .and. prepared%ready .and. sets(k)%method%ikin == 0 .and. &
              sets(k)%method%ndes > most_drawn) kept = positions_drawn(sets(k), noted)
@@ -162,7 +163,7 @@ contains
 
    !> The motion in time of a case that is ready. `drawn` is false, with a warning where it ends at its beginning, if its positions
    !> are to be drawn in place of it.
-   subroutine add_motion(set, prepared, by_links, noted, own, case, drawn, chosen)
+   subroutine add_motion(set, prepared, by_links, noted, own, case, drawn, chosen, stop)
       type(data_set_t), intent(in) :: set
       type(prepared_t), intent(in) :: prepared
       logical, intent(in) :: by_links                 !! it is drawn in the poses of its links
@@ -171,13 +172,14 @@ contains
       type(pictured_t), intent(inout) :: case
       logical, intent(out) :: drawn
       real(wp), intent(in), optional :: chosen        !! increment of the input for a drawing for CAD
+      type(stop_t), intent(in), optional :: stop
       class(time_frames_t), allocatable :: frames     ! large, as the rows are: they would fill a small stack
       class(row_study_t), allocatable :: rows
       type(finding_t), allocatable :: all_findings(:)
       character(:), allocatable :: why
 
       allocate (frames, rows)
-      call find_frames(set, prepared, frames, drawn, why)
+      call find_frames(set, prepared, frames, drawn, why, stop)
       if (.not. drawn) then
          if (len(why) > 0) call set%origins%warning(noted, 'TIME', '', 'the motion in time is not drawn: '//why)
          return

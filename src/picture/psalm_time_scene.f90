@@ -14,6 +14,7 @@ module psalm_time_scene
    use psalm_proof_scene, only: proof_scene_t
    use psalm_scene, only: scene_t
    use psalm_sketch, only: columns_of, output_ratio
+   use psalm_stop, only: stop_t
    use psalm_time_group, only: time_group_t, time_of
    use psalm_time_list, only: ending_words
    use psalm_time_study, only: time_study_t, time_done, find_time
@@ -37,12 +38,13 @@ contains
 
    !> Follow the motion of a case with the group TIME that `check_time` found no fault with. `found` is false if there is none to be
    !> shown: TIME asks for equilibria alone, or `why` says how it ends at its beginning.
-   subroutine find_frames(set, prepared, frames, found, why)
+   subroutine find_frames(set, prepared, frames, found, why, stop)
       type(data_set_t), intent(in) :: set
       type(prepared_t), intent(in) :: prepared
       type(time_frames_t), intent(out) :: frames
       logical, intent(out) :: found
       character(:), allocatable, intent(out) :: why
+      type(stop_t), intent(in), optional :: stop      !! asked before every step; the times so far are there then
       class(force_study_t), allocatable :: forces
       type(time_group_t) :: time
       real(wp) :: end
@@ -57,7 +59,8 @@ contains
       allocate (frames%problem, frames%motion, forces)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, frames%problem)
       call find_forces(set, frames%problem, prepared%given, forces)
-      call find_time(set, frames%problem, prepared%given, forces, frames%motion, times=[(end*(real(i, wp)/real(n, wp)), i=0, n)])
+      call find_time(set, frames%problem, prepared%given, forces, frames%motion, stop, &
+                     [(end*(real(i, wp)/real(n, wp)), i=0, n)])
       found = size(frames%motion%time) > 1
       if (.not. found) then
          why = ending_words(prepared%mechanism, frames%motion)
