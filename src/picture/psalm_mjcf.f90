@@ -16,6 +16,9 @@ module psalm_mjcf
    real(wp), parameter :: response = 5.0_wp         !! time steps in which a drive answers
    real(wp), parameter :: endless = 1.0e6_wp        !! rad or m that a drive may go
    real(wp), parameter :: flat(3) = [0.6_wp, 0.6_wp, 1.0_wp] !! of a plate: the first two together not below the third
+   character(*), parameter :: frame_colour = '0.55 0.55 0.55 1' !! red, green, blue, opacity
+   character(*), parameter :: colours(*) = [character(16) :: '0.12 0.42 0.75 1', '0.80 0.40 0.10 1', '0.18 0.55 0.25 1', &
+                                            '0.50 0.25 0.65 1', '0.75 0.60 0.10 1', '0.10 0.60 0.62 1']
    real(wp), parameter :: ghost = 1.0e-4_wp         !! mass of a body that only closes a loop by a slide, as part of the mean
 
 contains
@@ -45,7 +48,7 @@ contains
       call text%add('  </custom>')
       call text%add('  <statistic extent="'//row_of([2.0_wp*model%size])//'"/>')
       call text%add('  <default>')
-      call text%add('    <geom type="capsule" contype="0" conaffinity="0" mass="0" rgba="0.27 0.45 0.65 1"/>')
+      call text%add('    <geom type="capsule" contype="0" conaffinity="0" mass="0"/>')
       call text%add('    <equality solref="'//row_of([relaxation*step])//' 1" solimp="0.9999 0.9999 0.001 0.5 2"/>')
       call text%add('  </default>')
       call text%add('  <worldbody>')
@@ -91,12 +94,14 @@ contains
             end if
             bars = bars_of(body%points, model%size)
             do i = 1, size(bars, 3)
-               call text%add(indent//'  <geom size="'//row_of([bar_radius(model)])//'" fromto="'// &
+               call text%add(indent//'  <geom rgba="'//colour_of(b)//'" size="'//row_of([bar_radius(model)])//'" fromto="'// &
                              row_of([bars(:, 1, i) - from, 0.0_wp, bars(:, 2, i) - from, 0.0_wp])//'"/>')
             end do
             if (size(bars, 3) == 0 .and. size(body%points, 2) > 0) &
-               call text%add(indent//'  <geom type="sphere" size="'//row_of([1.5_wp*bar_radius(model)])//'" pos="'// &
-                             row_of([body%points(:, 1) - from, 0.0_wp])//'"/>')
+               call text%add(indent//'  <geom type="sphere" rgba="'//colour_of(b)//'" size="'// &
+                             row_of([2.0_wp*bar_radius(model)])//'" pos="'//row_of([body%points(:, 1) - from, 0.0_wp])//'"/>')
+            if (b > 1) call text%add(indent//'  <geom type="sphere" rgba="0.15 0.15 0.15 1" size="'// &
+                                     row_of([1.5_wp*bar_radius(model)])//'"/>')
             do i = 1, size(model%marked)
                if (model%marked(i)%body == b) call text%add(indent//'  <site name="'//names%marked(i)%text//'" size="'// &
                                                             row_of([1.5_wp*bar_radius(model)])//'" pos="'// &
@@ -125,6 +130,15 @@ contains
          end associate
          call text%add(indent//'</body>')
       end subroutine write_body
+
+      !> The frame is grey, links have colours in turn.
+      pure function colour_of(b) result(colour)
+         integer, intent(in) :: b
+         character(:), allocatable :: colour
+
+         colour = trim(frame_colour)
+         if (b > 1) colour = trim(colours(modulo(b - 2, size(colours)) + 1))
+      end function colour_of
 
       !> A joint of the body that it stands in.
       subroutine write_joint(j, indent)
