@@ -4,7 +4,7 @@
 module psalm_mjcf
    use psalm_kinds, only: wp, full_turn, radians_per_degree, right_angle
    use psalm_multibody, only: multibody_t
-   use psalm_robot_names, only: bar_radius, bars_of, robot_names_t, robot_names, row_of
+   use psalm_robot_names, only: bar_radius, bars_of, flat, robot_names_t, robot_names, row_of
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
@@ -15,7 +15,6 @@ module psalm_mjcf
    real(wp), parameter :: longest_step = 1.0e-3_wp  !! s
    real(wp), parameter :: response = 5.0_wp         !! time steps in which a drive answers
    real(wp), parameter :: endless = 1.0e6_wp        !! rad or m that a drive may go
-   real(wp), parameter :: flat(3) = [0.6_wp, 0.6_wp, 1.0_wp] !! of a plate: the first two together not below the third
    character(*), parameter :: frame_colour = '0.55 0.55 0.55 1' !! red, green, blue, opacity
    character(*), parameter :: colours(*) = [character(16) :: '0.12 0.42 0.75 1', '0.80 0.40 0.10 1', '0.18 0.55 0.25 1', &
                                             '0.50 0.25 0.65 1', '0.75 0.60 0.10 1', '0.10 0.60 0.62 1']

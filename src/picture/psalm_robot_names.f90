@@ -8,9 +8,11 @@ module psalm_robot_names
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: robot_names_t, robot_names, row_of, bars_of, bar_radius
+   public :: robot_names_t, robot_names, row_of, bars_of, bar_radius, flat
 
    integer, parameter :: digits = 15
+   real(wp), parameter :: flat(3) = [0.6_wp, 0.6_wp, 1.0_wp] !! moments of inertia of a plate by that about its normal: the first
+                                                      !! two together not below the third
    real(wp), parameter :: shortest = 1.0e-6_wp       !! bar, as part of the size
    real(wp), parameter :: slenderness = 60.0_wp      !! size of the linkage over the radius of a bar
 

@@ -6,7 +6,7 @@ module psalm_sdf
    use psalm_kinds, only: wp, radians_per_degree, right_angle
    use psalm_elementary, only: hypotenuse
    use psalm_multibody, only: multibody_t, tree_joint_t
-   use psalm_robot_names, only: bar_radius, bars_of, robot_names_t, robot_names, row_of
+   use psalm_robot_names, only: bar_radius, bars_of, flat, robot_names_t, robot_names, row_of
    use psalm_status, only: diagnostics_t
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
@@ -14,7 +14,6 @@ module psalm_sdf
    public :: write_sdf, write_urdf
 
    real(wp), parameter :: upright(3) = [right_angle*radians_per_degree, 0.0_wp, 0.0_wp] !! roll, pitch, yaw, radians
-   real(wp), parameter :: flat(3) = [0.6_wp, 0.6_wp, 1.0_wp] !! of a plate: the first two together not below the third
    real(wp), parameter :: beyond = 2.0_wp   !! sizes of the linkage that a slide may move, where a format asks for a limit
    real(wp), parameter :: free = 1.0e6_wp   !! effort or speed, where a format asks for a limit
 
