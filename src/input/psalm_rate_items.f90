@@ -1,6 +1,6 @@
 !> Derivatives of the output by the input that are wanted at the positions: DVELX, DACCX ... of &METHOD, weights WVELX, WACCX ...
 !>
-!> Source of the wish for derivatives at precision points: Oldham (1977), 9.1.1. Sketches have theirs in `psalm_wish_items`.
+!> Source of the target for derivatives at precision points: Oldham (1977), 9.1.1. Sketches have theirs in `psalm_target_items`.
 module psalm_rate_items
    use psalm_group, only: group_t, out_of
    use psalm_kinds, only: wp
