@@ -501,7 +501,7 @@ contains
          if (small == 'v') p(2) = p(1)
       end subroutine take
 
-      !> Make relative co-ordinates absolute.
+      !> Make relative coordinates absolute.
       subroutine shift()
          integer :: k
 

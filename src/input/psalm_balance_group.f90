@@ -88,14 +88,14 @@ module psalm_balance_group
       rule_t('WMOST', a_number, '1 to NWEIGH', 'kg', '0', '[0,)', &
              'greatest mass; 0: a hundred times the linkage''s mass'), &
       rule_t('WXLOW', a_number, '1 to NWEIGH', 'length', '-WREACH', '', &
-             'least co-ordinate of a weight''s centre from its anchor along the link''s line, the arc of WLINK''s link or '// &
+             'least coordinate of a weight''s centre from its anchor along the link''s line, the arc of WLINK''s link or '// &
              'of a sketch the line between its first two joints; where it equals the greatest it is fixed'), &
       rule_t('WXHIGH', a_number, '1 to NWEIGH', 'length', 'WREACH', '', &
-             'greatest co-ordinate along it'), &
+             'greatest coordinate along it'), &
       rule_t('WYLOW', a_number, '1 to NWEIGH', 'length', '-WREACH', '', &
-             'least co-ordinate across it, a quarter turn anticlockwise from it'), &
+             'least coordinate across it, a quarter turn anticlockwise from it'), &
       rule_t('WYHIGH', a_number, '1 to NWEIGH', 'length', 'WREACH', '', &
-             'greatest co-ordinate across it'), &
+             'greatest coordinate across it'), &
       rule_t('WXSTRT', a_number, '1 to NWEIGH', 'length', '0', '', &
              'the first start of the search: the centre along the link''s line'), &
       rule_t('WYSTRT', a_number, '1 to NWEIGH', 'length', '0', '', &
@@ -373,7 +373,7 @@ contains
          character(*), intent(in) :: item
 
          if (balance%centre_low(axis, k) > balance%centre_high(axis, k)) then
-            call out_of(group, item, 'entry '//to_text(k)//': the least co-ordinate is above the greatest', findings, k)
+            call out_of(group, item, 'entry '//to_text(k)//': the least coordinate is above the greatest', findings, k)
          end if
       end subroutine assess_box
 

@@ -12,7 +12,7 @@ module psalm_rate_items
    public :: rate_row_t, read_rate_items, wanted_rows, gives_rates
 
    integer, parameter :: in_x = 1, in_y = 2, in_other = 3
-   !> Items by order and number: x, y, and what is no co-ordinate of a point.
+   !> Items by order and number: x, y, and what is no coordinate of a point.
    character(*), parameter :: rate_items(most_rates, most_components) = reshape( &
       [character(7) :: 'DVELX', 'DACCX', 'DVELY', 'DACCY', 'DVELANG', 'DACCANG'], [most_rates, most_components])
    character(*), parameter :: rate_weights(most_rates, most_components) = reshape( &

@@ -96,7 +96,7 @@ module psalm_error
       real(wp), allocatable :: own_delt(:, :)      !! shape (positions, drives after the first): of drives that are not geared
       logical :: desired = .false.                 !! there are desired values of the output
       logical :: blank = .false.                   !! there are those of a sketch's outputs alone: `wanted` has no weight
-      real(wp), allocatable :: wanted(:, :)        !! shape (positions, components): desired, points in machine co-ordinates
+      real(wp), allocatable :: wanted(:, :)        !! shape (positions, components): desired, points in machine coordinates
       real(wp), allocatable :: toward_x(:), toward_y(:) !! unit vectors of desired angles
       real(wp), allocatable :: weight(:, :)        !! shape as `wanted`: weights, 0 for padding
       ! derivatives of the output by the input that are wanted; not allocated: none

@@ -72,7 +72,7 @@ module psalm_linkage
                                                  !! the last `bind`; 0: nowhere, or `mixed`
       type(rows_t) :: store                      !! one block of positions: position i of a row is store%v(i, row)
       integer, allocatable :: root_x(:), root_y(:)   !! by root: rows of its unit vector
-      integer, allocatable :: point_x(:), point_y(:) !! by point, 0 the input pivot: rows of its scaled co-ordinates
+      integer, allocatable :: point_x(:), point_y(:) !! by point, 0 the input pivot: rows of its scaled coordinates
       integer, allocatable :: slide(:)               !! by varying length: row of the scaled length
       integer, allocatable :: measure(:)             !! by loop: row of its dyad's closure measure, scaled
       integer :: out(2) = 0, direction(2) = 0, miss = 0 !! rows for the output: lengths, unit vector, deviation

@@ -1,6 +1,6 @@
 !> A scene as SVG: one file, readable in print and on a dark screen.
 !>
-!> Geometry stands in machine co-ordinates with all digits inside one group that flips and scales; symbols, strokes and
+!> Geometry stands in machine coordinates with all digits inside one group that flips and scales; symbols, strokes and
 !> letters have sizes of the drawing. Symbols are those of Oldham (1977), section 15.1: circles for revolute joints, single
 !> triangles for frame joints, a pair of triangles vertex to vertex for prismatic joints, five-pointed stars for the output.
 module psalm_svg
@@ -258,7 +258,7 @@ contains
    end subroutine draw_linkage
 
    !> What does not move: regions, what is reached, the path of the output point, the places wanted of it. In machine
-   !> co-ordinates.
+   !> coordinates.
    subroutine draw_still(scene, k, text)
       type(scene_t), intent(in) :: scene
       real(wp), intent(in) :: k               !! pixels per unit of length

@@ -22,7 +22,7 @@ module psalm_check_list
    public :: list_input, list_setup, list_arcs, list_reference_joints
 
    integer, parameter :: column = 10      !! width of a dimension
-   integer, parameter :: wide_column = 14 !! width of a co-ordinate
+   integer, parameter :: wide_column = 14 !! width of a coordinate
    integer, parameter :: name_column = 30 !! of the name of a line
    integer, parameter :: per_row = 5      !! values in a row of positions
    real(wp), parameter :: link_mark = 1.0_wp    !! SLIDE and CONFIG: a link

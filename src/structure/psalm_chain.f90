@@ -1,7 +1,7 @@
 !> The kinematic chain of a mechanism: its points and the bars between them.
 !>
 !> Many loops run through the same points; here every point and every arc that is really there stands once, whatever loops
-!> trace it. Nothing but topology: co-ordinates come later.
+!> trace it. Nothing but topology: coordinates come later.
 module psalm_chain
    use psalm_mechanism, only: mechanism_t, ring_t, bar_t, point_t, pivot
    implicit none (type, external)

@@ -17,7 +17,7 @@ module psalm_force_balance
    real(wp), parameter :: kept = 1.0e-7_wp         !! missing room that is rounding
    real(wp), parameter :: heaviest = 100.0_wp      !! masses of the linkage: a weight is not heavier, where the user sets no limit
 
-   !> What moves, in complex co-ordinates along an orthonormal basis of all that the columns and the imbalance span.
+   !> What moves, in complex coordinates along an orthonormal basis of all that the columns and the imbalance span.
    type :: force_balance_t
       complex(wp), allocatable :: turning(:, :)    !! shape (rank, links): exp(i theta)
       complex(wp), allocatable :: moving(:, :)     !! shape (rank, links): anchors, m

@@ -567,7 +567,7 @@ contains
       end do
    end function slope
 
-   !> Errors of one co-ordinate at all positions. Only the upper triangle of the matrix is added to.
+   !> Errors of one coordinate at all positions. Only the upper triangle of the matrix is added to.
    subroutine add_errors(nvar, weight, error, d, equations)
       integer, intent(in) :: nvar
       real(wp), intent(in), contiguous :: weight(:), error(:) !! shape (positions)

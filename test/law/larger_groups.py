@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every study of a six-bar whose coupler, rockers and rod are one group of four links, against a solver in co-ordinates.
+"""Every study of a six-bar whose coupler, rockers and rod are one group of four links, against a solver in coordinates.
 
 usage: larger_groups.py BIN   (directory with the programs). The last line is N passed, N failed.
 

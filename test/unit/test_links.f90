@@ -65,7 +65,7 @@ contains
       call t%close_to(slope, 0.0_wp, 1.0e-5_wp, 'gradient of the signed distance')
    end subroutine separations
 
-   !> The distance with one co-ordinate changed; a point is moved as a whole.
+   !> The distance with one coordinate changed; a point is moved as a whole.
    subroutine move(p, q, i, j, by, moved)
       real(wp), intent(in) :: p(2, 2), q(:, :), by
       integer, intent(in) :: i, j
