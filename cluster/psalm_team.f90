@@ -4,8 +4,8 @@
 !> numbered is divided. Items go to whoever asks next: a counter in a window of rank 0, raised by MPI_Fetch_and_op, numbers portions
 !> of items, large ones first and single items at last, so that the counter is asked seldom and all ranks end at the same time
 !> (source: guided self-scheduling, Polychronopoulos and Kuck (1987), with half its portions). At the end of a batch every rank
-!> gets what the others have made. Rank 0 alone writes results; every rank writes what it has made to a file of its own now and then,
-!> from which a later run goes on.
+!> gets what the others have made. Rank 0 alone writes results; every rank writes what it has made to a file of its own now and
+!> then, from which a later run goes on.
 !>
 !> A run ends where rank 0 says so: its clock is the one that counts for MAXTIME. Within a batch whoever finds that it must end
 !> raises a flag beside the counter.
