@@ -105,9 +105,10 @@ contains
             call text%add(' PROOF OF THE WORST CASE: '//to_text(count(proof%verdict == band_certified))//' OF '// &
                           to_text(size(proof%verdict))//' BANDS CERTIFIED')
             if (result%scaled < 1.0_wp) then
-               call text%add(' ALL TOLERANCES WERE MULTIPLIED BY'//in_sentence(named, result%scaled)//' FOR IT')
+               call text%add(' ALL TOLERANCES WERE MULTIPLIED BY '//trim(adjustl(in_sentence(named, result%scaled)))//' FOR IT')
             else if (proof%factor > 0.0_wp .and. proof%factor < 1.0_wp) then
-               call text%add(' ALL TOLERANCES TIMES'//in_sentence(named, proof%factor)//' WOULD CERTIFY ALL BANDS')
+               call text%add(' ALL TOLERANCES TIMES '//trim(adjustl(in_sentence(named, proof%factor)))// &
+                             ' WOULD CERTIFY ALL BANDS')
             end if
             if (.not. any(shown)) return
             call text%add(' NUMBER          POSITION          INPUT      BAND (+-)         LOWEST        HIGHEST  VERDICT'// &
