@@ -762,7 +762,7 @@ contains
                end if
             end associate
          end do
-         allocate (joint(size(sketch%drawn), problem%linkage%room), moved(size(sketch%arcs), problem%linkage%room))
+         allocate (joint(size(sketch%drawn), problem%linkage%capacity), moved(size(sketch%arcs), problem%linkage%capacity))
          call find_numbers(all, sketch, joint, moved, problem, .true., miss(:, components + 1:))
          do k = 1, size(all%known)
             if (all%angle(k)) then
