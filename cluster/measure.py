@@ -279,21 +279,6 @@ def main():
     for p in counts:
         out("| %d | %.3g | %.3g | %.3g | %.3g | %.3g |" % (p, *(1e6*x for x in (here[p]["counter"], here[p]["barrier"], *here[p]["exchange"]))))
 
-    out("\n## Runs on this machine\n\nThe four-bar, the least of %d runs; %d cores, which other work used too (load %.1f).\n"
-        % (asked.runs, CORES, os.getloadavg()[0]))
-    out("| ranks | seconds | simulated | of the processor | efficiency by the processor | efficiency by the clock |\n| --- | --- | --- | --- | --- | --- |")
-    tiny = changed(case, tempfile.mkdtemp(dir=place), "NSTART=4000 ", "NSTART=1 ") if not asked.case else None
-    alone = min(run(case, 1, "psalm") for _ in range(asked.runs))
-    least = min(run(case, 1, "psalm")[1] for _ in range(asked.runs))
-    out("| one process | %.2f | %.2f | %.2f | | |" % (alone[0], total, least))
-    for p in counts:
-        runs = [run(case, p) for _ in range(asked.runs)]
-        begin = min(run(tiny, p)[0] for _ in range(asked.runs)) if tiny else 0.0
-        seconds, processor = min(r[0] for r in runs), min(r[1] for r in runs)
-        expected = simulate_here(batches, 0.0, p, here[p]) + begin
-        out("| %d | %.2f | %.2f | %.2f | %.2f | %.2f |" % (p, seconds, expected, processor, least/processor,
-                                                         alone[0]/(min(p, CORES)*seconds)))
-
     out("\n## More ranks\n")
     out("| item | ranks | shortest round, starts a rank | starts of the round | efficiency, model | efficiency, simulated | tail, ms "
         "| exchange, ms | ranking, ms |\n| --- | --- | --- | --- | --- | --- | --- | --- | --- |")
@@ -320,6 +305,20 @@ def main():
     for p in (CORES, 10, 1000, 100000):
         seconds = kind_rest + 8*model(spread, p, 1.25e6, kind_gap, each, kind_numbers)
         out("| %d | %.1f | %.3f | %.4g |" % (p, 1.25e6/p, whole/(p*seconds), seconds/3600))
+    out("\n## Runs on this machine\n\nThe four-bar, the least of %d runs; %d cores, which other work used too (load %.1f).\n"
+        % (asked.runs, CORES, os.getloadavg()[0]))
+    out("| ranks | seconds | simulated | of the processor | efficiency by the processor | efficiency by the clock |\n| --- | --- | --- | --- | --- | --- |")
+    tiny = changed(case, tempfile.mkdtemp(dir=place), "NSTART=4000 ", "NSTART=1 ") if not asked.case else None
+    alone = min(run(case, 1, "psalm") for _ in range(asked.runs))
+    least = min(run(case, 1, "psalm")[1] for _ in range(asked.runs))
+    out("| one process | %.2f | %.2f | %.2f | | |" % (alone[0], total, least))
+    for p in counts:
+        runs = [run(case, p) for _ in range(asked.runs)]
+        begin = min(run(tiny, p)[0] for _ in range(asked.runs)) if tiny else 0.0
+        seconds, processor = min(r[0] for r in runs), min(r[1] for r in runs)
+        expected = simulate_here(batches, 0.0, p, here[p]) + begin
+        out("| %d | %.2f | %.2f | %.2f | %.2f | %.2f |" % (p, seconds, expected, processor, least/processor,
+                                                         alone[0]/(min(p, CORES)*seconds)))
     shutil.rmtree(place)
 
 

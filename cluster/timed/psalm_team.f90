@@ -1,7 +1,7 @@
 !> Who does the numbered work of a run: this process, with a clock. `cluster/measure.py` builds psalm with it.
 !>
 !> It writes the file work.times: `open SECONDS LABEL ITEMS` where a batch begins, `item NUMBER SECONDS NUMBERS` for each item (what it
-!> took, how many numbers it led to), `close SECONDS` where the batch ends, `end SECONDS` at last. Seconds of the lines without item
+!> took, how many numbers it led to), `close SECONDS` where all items of the batch are made, `end SECONDS` at last. Seconds of the lines without item
 !> count from the beginning of the run. They are of the processor, so that other work on the machine does not count. One thread only: an
 !> item is timed from when it is asked for until it is handed over.
 module psalm_team
@@ -88,9 +88,40 @@ contains
    subroutine close_batch(self)
       class(team_t), intent(inout) :: self
 
-      call self%parts_t%close()
       write (self%unit, '(a, f0.6)') 'close ', seconds()
+      call take_all(self)
+      call self%parts_t%close()
    end subroutine close_batch
+
+   !> What every rank of a job does with the results of all at the end of a batch, but for the exchange.
+   subroutine take_all(self)
+      class(team_t), intent(inout) :: self
+      real(wp), allocatable :: all_of_it(:), numbers(:)
+      integer :: i, at, length
+
+      length = 0
+      do i = 1, self%items()
+         if (.not. self%is_known(i)) cycle
+         call self%take(i, numbers)
+         length = length + 1 + size(numbers)
+      end do
+      allocate (all_of_it(length))
+      at = 0
+      do i = 1, self%items()
+         if (.not. self%is_known(i)) cycle
+         call self%take(i, numbers)
+         all_of_it(at + 1) = real(size(numbers), wp)
+         all_of_it(at + 2:at + 1 + size(numbers)) = numbers
+         at = at + 1 + size(numbers)
+      end do
+      at = 0
+      do i = 1, self%items()
+         if (.not. self%is_known(i)) cycle
+         length = nint(all_of_it(at + 1))
+         call self%put(i, all_of_it(at + 2:at + 1 + length))
+         at = at + 1 + length
+      end do
+   end subroutine take_all
 
    !> Seconds of the processor since the program began.
    real(dp) function seconds()

@@ -430,19 +430,22 @@ contains
       integer, intent(in) :: most
       type(candidate_t), intent(in) :: candidates(:)
       integer, allocatable, intent(out) :: best(:)
+      real(wp) :: objective(size(candidates))   ! together in memory: every process of a cluster ranks the results of all
       logical :: left(size(candidates))
       integer :: i, k
 
       allocate (best(0))
       left = candidates%feasible
-      do while (any(left) .and. size(best) < most)
-         i = minloc(candidates%objective, dim=1, mask=left)
+      objective = candidates%objective
+      do while (size(best) < most)
+         i = minloc(objective, dim=1, mask=left)
+         if (i == 0) exit
          best = [best, i]
          associate (next => candidates(i))
             do k = 1, size(left)
                if (.not. left(k)) cycle
-               left(k) = any(rules%compared .and. abs(candidates(k)%x - next%x) > alike*abs(next%x)) .or. &
-                         candidates(k)%objective - next%objective > alike*max(next%objective, rules%small)
+               if (objective(k) - objective(i) > alike*max(objective(i), rules%small)) cycle
+               left(k) = any(rules%compared .and. abs(candidates(k)%x - next%x) > alike*abs(next%x))
             end do
          end associate
          left(i) = .false.

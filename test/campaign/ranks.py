@@ -24,7 +24,7 @@ TIMED = os.path.join(TOP, "build", "cluster", "timed", "bin", "psalm-timed")
 SET = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
        "OMPI_MCA_mpi_yield_when_idle": "1"}
 with open(os.path.join(TOP, "data", "slopes.nml"), encoding="utf-8") as source:
-    CASE = source.read().replace("&SEARCH", "&TOLER TOLLEN=0.001, NTRIAL=20000 &END\n &SEARCH", 1).replace("NSTART=60", "NSTART=4000")
+    CASE = source.read().replace("&SEARCH", "&TOLER TOLLEN=0.001, NTRIAL=20000 &END\n &SEARCH", 1).replace("NSTART=60", "NSTART=2500")
 
 
 def place_of_case():
