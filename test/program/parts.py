@@ -123,6 +123,30 @@ def killed_once(programs, text):
         check("and its bytes", case.files() == expected)
 
 
+def from_python(programs):
+    """The examples in Python, by processes of this machine: the parts of a case, and many cases."""
+    found = {**os.environ, "PATH": programs + os.pathsep + os.environ["PATH"]}
+    expected, code = whole(programs, "psalm", SEARCH)
+    case = Case(programs, "psalm", SEARCH)
+    done = subprocess.run([os.path.join(TOP, "cluster", "parts.py"), "c.nml", "2", "2", "processes"], cwd=case.place, env=found,
+                          capture_output=True)
+    case.listing = done.stdout
+    check("cluster/parts.py: the bytes of one run", done.returncode == code and case.files() == expected, done.stderr.decode())
+    names = ["hill", "link_loads"]
+    place = tempfile.mkdtemp()
+    done = subprocess.run([os.path.join(TOP, "cluster", "cases.py"), "processes", "ssics", "--output-dir", place,
+                           *(os.path.join(DATA, "ssics", name + ".nml") for name in names)], env=found, capture_output=True)
+    codes = []
+    for name in names:
+        alone = Case(programs, "ssics", read("ssics", name + ".nml"))
+        codes.append(alone.run())
+        with open(os.path.join(place, name + ".listing"), "rb") as file:
+            check("cluster/cases.py: the listing of " + name, file.read() == alone.listing)
+    check("cluster/cases.py: the highest exit status", done.returncode == max(codes), done.stderr.decode())
+    done = subprocess.run([os.path.join(TOP, "cluster", "cases.py"), "processes", "nosuch", "a.nml"], env=found, capture_output=True)
+    check("cluster/cases.py: no program", done.returncode == 2 and b"no program" in done.stderr, done.stderr)
+
+
 def over_ranks(programs, mpi):
     """The programs over ranks; how many checks cannot be made."""
     if not all(shutil.which(tool + "." + mpi) for tool in ("mpifort", "mpiexec")):
@@ -212,6 +236,7 @@ def main():
         parts_of(programs, "bridge", CHART, "charts", 2, 1)
         refusals(programs)
         killed(programs)
+        from_python(programs)
         skipped = over_ranks(programs, "openmpi") + over_ranks(programs, "mpich")
         os.chdir("/")
     if skipped:
