@@ -2,9 +2,9 @@
 !>
 !> Dimension v deviates uniformly within +-t_v, independently of the others: to first order the mean of the square of an error e is
 !> e**2 + sum over v of (s_v t_v)**2/3, s_v being the change of the output with v. With TOLOBJ = q the objective has residuals
-!> sqrt(q/3) s_v t_v beside the errors, of the same weights; their slopes by the dimensions that vary are central differences of the
-!> exact s_v. Near a dead point s_v grows without bound: deviations d = s_v t_v are taken as d/(1 + (d/c)**4)**(1/4), c a tenth of the
-!> size of the linkage or of a radian, and where the linkage does not close as c.
+!> sqrt(q/3) s_v t_v beside the errors, of the same weights; their slopes by the dimensions that vary are central differences of
+!> the exact s_v. Near a dead point s_v grows without bound: deviations d = s_v t_v are taken as d/(1 + (d/c)**4)**(1/4), c a tenth
+!> of the size of the linkage or of a radian, and where the linkage does not close as c.
 module psalm_tolerance_spread
    use psalm_data_set, only: data_set_t
    use psalm_deviating_dimensions, only: deviating_dimensions, tolerance_of
