@@ -577,7 +577,7 @@ contains
                                                   'NITER', 'NCHECK', 'SMALL'], &
                                  of_searches(*) = [character(name_length) :: of_simplex, 'NGUESS', 'VAR', 'FMIN'], &
                                  of_ways(*) = [character(name_length) :: 'SOLVER', 'NSTART', 'FIRST', 'NBEST', 'DIFFER', 'PARETO', &
-                                               'RANKING', 'MAXEVAL']
+                                               'NEARLY', 'RANKING', 'MAXEVAL']
       type(output_kind_t) :: kind
       character(:), allocatable :: no_search
 

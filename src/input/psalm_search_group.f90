@@ -46,6 +46,7 @@ module psalm_search_group
       real(wp) :: differ = 0.05_wp         !! by how much a length, of itself, or an angle, in radians, makes a linkage another
       integer :: ranking = ranking_none    !! linkages of all cases of the file that ask for it are ranked together
       integer :: pareto = pareto_none      !! linkages kept are those unbeaten in the objective and this
+      real(wp) :: nearly = 1.0_wp          !! linkages up to this many times the best objective: the least sensitive first
       integer :: maxeval = 0               !! evaluations of each start; 0: as many as it takes
       real(wp) :: maxtime = 0.0_wp         !! seconds; 0: no limit
       integer :: threads = 0               !! 0: as the command line says
@@ -78,6 +79,9 @@ module psalm_search_group
              '''LARGEST'', ''ANGLE'', ''RATIO'', ''ROOM'' or ''BAND'': the NBEST linkages are those of which '// &
              'none other is better both in the objective and in this', &
              'must be one of ''LARGEST'', ''ANGLE'', ''RATIO'', ''ROOM'', ''BAND'''), &
+      rule_t('NEARLY', a_number, '', '', '1', '[1,)', &
+             'factor: of the NBEST linkages those whose objective is at most this many times the best come first, the least '// &
+             'sensitive one before the others: by the cost of their tolerances with &ALLOC, else by the band of &TOLER'), &
       rule_t('MAXEVAL', a_whole, '', '', '0', '[0,)', &
              'evaluations of each start, with NFEW in each of its stages; 0: no limit'), &
       rule_t('MAXTIME', a_number, '', 's', '0', '[0,)', &
@@ -116,6 +120,11 @@ contains
       call take(group, 'DIFFER', search%differ, findings)
       call take(group, 'PARETO', pareto, findings)
       search%pareto = pareto - 1   ! NONE is 0
+      call take(group, 'NEARLY', search%nearly, findings)
+      if (search%nearly > 1.0_wp .and. search%pareto > pareto_none) &
+         call out_of(group, 'NEARLY', 'PARETO ranks by the objective; give one of them', findings)
+      if (search%nearly > 1.0_wp .and. search%nbest == 1) &
+         call out_of(group, 'NEARLY', 'linkages to choose from are wanted; give NBEST', findings)
       call take(group, 'RANKING', search%ranking, findings)
       call take(group, 'MAXEVAL', search%maxeval, findings)
       call take(group, 'MAXTIME', search%maxtime, findings)
@@ -130,6 +139,7 @@ contains
          if (search%nstart > 1) call other_solver('NSTART')
          if (search%nbest > 1) call other_solver('NBEST')
          if (search%pareto > pareto_none) call other_solver('PARETO')
+         if (search%nearly > 1.0_wp) call other_solver('NEARLY')
          if (search%ranking > ranking_none) call other_solver('RANKING')
          if (search%first > 1) call other_solver('FIRST')
          if (search%maxeval > 0) call other_solver('MAXEVAL')

@@ -26,6 +26,7 @@ module psalm_tolerance_group
       real(wp) :: of_pivot(2) = 0.0_wp             !! of a sketch: distance and direction of the input pivot
       logical :: adjusted = .false.                !! ADJUST=1: every dimension as the adjustable one
       real(wp) :: outtol = 0.0_wp                  !! of the output; 0: not given
+      real(wp) :: in_objective = 0.0_wp            !! TOLOBJ: weight of deviations in the objective of a search
       integer :: ntrial = 0                        !! linkages of the Monte-Carlo sample
       real(wp) :: tollen = 0.0_wp, tolang = 0.0_wp !! of all lengths, of all angles
       type(variation_t), allocatable :: named(:)   !! dimensions of a sketch with tolerances of their own,
@@ -62,6 +63,9 @@ module psalm_tolerance_group
       rule_t('OUTTOL', a_number, '', '', '0', '[0,)', &
              'tolerance of the output itself, to either side, for ADJUST', &
              'is the largest deviation of the output to either side; not negative'), &
+      rule_t('TOLOBJ', a_number, '', '', '0', '[0,)', &
+             'weight of deviations in the objective of a search; 1: the objective is its mean over linkages within the '// &
+             'tolerances, to first order'), &
       rule_t('NTRIAL', a_whole, '', '', '0', '[0,1000000000]', &
              'linkages of a Monte-Carlo sample')]
 
@@ -110,6 +114,7 @@ contains
       call take(group, 'OUTTOL', toler%outtol, findings)
       if (toler%adjusted .and. method%motion == motion_pose) call out_of(group, 'ADJUST', &
          'the deviations of a pose are lengths and angles; ask for its point or its angle', findings)
+      call take(group, 'TOLOBJ', toler%in_objective, findings)
       call take(group, 'NTRIAL', toler%ntrial, findings)
       if (any(toler%tolarc >= links%arcl .and. links%arcl > 0.0_wp)) then
          call group%origins%error(findings, 'TOLER', '', 'the tolerance of a length is not smaller than the length')

@@ -47,7 +47,7 @@ contains
       type(text_t), intent(inout) :: text
       type(target_group_t), allocatable :: groups(:)
       character(:), allocatable :: line
-      character(15) :: first(size(ranked), 5), qualities(size(ranked), quality_columns)
+      character(15) :: first(size(ranked), 5), cost(size(ranked)), qualities(size(ranked), quality_columns)
       integer :: i
 
       associate (named => set%has_names(), best => found%best(:size(ranked)))
@@ -57,6 +57,8 @@ contains
          first(:, 4) = figures_of(named, ranked%longest_arc)
          first(:, 5) = figures_of(named, best%distance)
          qualities = qualities_of(named, ranked)
+         cost = figures_of(named, ranked%cost, ranked%has_cost .and. ranked%cost < huge(1.0_wp))
+         where (cost == '') cost = none
       end associate
       call text%add()
       call text%add(' LINKAGES FOUND (DEVICE 7 HAS THEM ALL)')
@@ -66,9 +68,12 @@ contains
          if (found%best(i)%start < 0) line = 'SUPPLIED '//to_text(-found%best(i)%start)
          call text%add(rank_column(i)//in_a_row(first(i, :))//'   '//line)
       end do
-      call text%add('  RANK'//heads//'   CRANK')
+      line = ''
+      if (any(ranked%has_cost)) line = ' TOLERANCE COST'
+      call text%add('  RANK'//heads//line//'   CRANK')
       do i = 1, size(ranked)
-         call text%add(rank_column(i)//in_a_row(qualities(i, :))//'   '//turning(ranked(i)))
+         if (any(ranked%has_cost)) line = cost(i)
+         call text%add(rank_column(i)//in_a_row(qualities(i, :))//line//'   '//turning(ranked(i)))
       end do
       if (problem%blank) then
          groups = target_groups(set%sketch)
@@ -79,6 +84,10 @@ contains
                     ' DEGREES (DIFFER='//plain_number(set%search%differ)//');')
       call text%add(' WHERE THE OBJECTIVES ARE THE SAME, IF A LENGTH DOES BY TEN TIMES AS MUCH')
       call text%add(' TRANSMISSION ANGLE AND ROOM: OVER THE FULL TURN, OR THE PRESCRIBED INPUTS WHERE THE CRANK DOES NOT TURN')
+      if (set%search%nearly > 1.0_wp) call text%add(' THOSE WITH AN OBJECTIVE OF AT MOST '//plain_number(set%search%nearly)// &
+         ' TIMES THE BEST STAND BY THEIR '//trim(merge('TOLERANCE COST', 'TOLERANCE BAND', all(ranked%has_cost)))//' (NEARLY)')
+      if (set%toler%in_objective > 0.0_wp) call text%add(' THE OBJECTIVE HAS DEVIATIONS WITHIN TOLERANCES IN IT (TOLOBJ='// &
+                                                         plain_number(set%toler%in_objective)//')')
       if (set%search%pareto /= pareto_none) call text%add(' NONE OF THEM IS BEATEN IN BOTH THE OBJECTIVE AND THE '// &
                                                           weighed(set%search%pareto))
       if (any(found%by_default)) call list_default_bounds(set, problem, found, text)
@@ -268,6 +277,7 @@ contains
       call table%add('room_width', ranked%width, 'length')
       call table%add('room_height', ranked%height, 'length')
       call table%add('tolerance_band', ranked%band, output_unit(problem%output%kind%angle == 1), ranked%has_band)
+      if (any(ranked%has_cost)) call table%add('tolerance_cost', ranked%cost, known=ranked%has_cost)
       call table%add('turns', ranked%turns, .not. ranked%sliding_input)
       call tables%put(table)
 

@@ -19,6 +19,7 @@ module psalm_preparation
    use psalm_status, only: diagnostics_t
    use psalm_system, only: memory_to_be_had, threads_to_be_had
    use psalm_text, only: to_text
+   use psalm_tolerance_spread, only: check_spread
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
    use psalm_parameters, only: parameters_t
@@ -88,6 +89,9 @@ contains
       call refuse_changes(set, prepared%mechanism, prepared%parameters, own)
       call check_regions(set%constr, prepared%mechanism, own)
       call check_allocation(set, prepared%mechanism, prepared%given, own)
+      call check_spread(set, prepared%mechanism, own)
+      if (set%search%nearly > 1.0_wp .and. .not. (set%toler%given .or. set%gives('ALLOC'))) call set%origins%error(own, 'SEARCH', &
+         'NEARLY', 'how sensitive a linkage is, is its band by &TOLER or the cost of its tolerances by &ALLOC; give one of them')
       if (set%search%by_dyads .and. prepared%parameters%has_search()) then
          if (maxval(dyads_of_variables(prepared%mechanism, prepared%parameters)) == 1) &
             call set%origins%error(own, 'SEARCH', 'IDYAD', 'all dimensions that vary belong to one dyad: leave IDYAD out')

@@ -4,6 +4,7 @@
 !> Errors, transmission angle and turning are those of `psalm_summary`. The box is sampled every degree (a sliding input: in 360
 !> steps), over the full turn if the linkage closes there, else over the prescribed inputs.
 module psalm_ranking
+   use psalm_allocation, only: allocation_t, study_allocation
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_elementary, only: hypotenuse
@@ -16,11 +17,13 @@ module psalm_ranking
    use psalm_search_group, only: pareto_largest, pareto_angle, pareto_ratio, pareto_room, pareto_band
    use psalm_sketch, only: columns_of
    use psalm_samples, only: sample_set_t, prepare_samples, evaluate_samples
+   use psalm_sort, only: ascending
+   use psalm_stop, only: stop_t
    use psalm_summary, only: summary_t, summarise, unit_width
    use psalm_tolerance, only: deviating_t, tolerance_t, find_tolerances
    implicit none (type, external)
    private
-   public :: ranked_t, rate_linkage, figure_of, unbeaten
+   public :: ranked_t, rate_linkage, figure_of, unbeaten, least_sensitive_first
 
    integer, parameter :: box_steps = 360          !! of the sweep by which the box is found
 
@@ -41,6 +44,8 @@ module psalm_ranking
       logical :: has_band = .false.                !! the data set has tolerances
       real(wp) :: band = 0.0_wp                    !! largest root-sum-square deviation at a position, unit of the output;
                                                    !! huge: the linkage is at a dead point
+      logical :: has_cost = .false.                !! tolerances are to be allotted
+      real(wp) :: cost = 0.0_wp                    !! of the cheapest; huge: there are none, or there is a dead point
    end type ranked_t
 
 contains
@@ -79,6 +84,7 @@ contains
       ranked%ratio = ratio_of_links(problem, dimensions)
       call find_box(problem, dimensions, summary%everywhere, ranked%width, ranked%height)
       if (set%toler%given) call find_band(set, problem, dimensions, found%delt, ranked)
+      if (set%gives('ALLOC')) call find_cost(set, problem, dimensions, found%delt, ranked)
    end subroutine rate_linkage
 
    !> Longest to shortest arc of a fixed length, the frame's included; those of no length do not count.
@@ -163,6 +169,39 @@ contains
          ranked%band = maxval(hypotenuse(linear%square(:, 1), linear%square(:, 2)))
       end if
    end subroutine find_band
+
+   !> What the cheapest tolerances within the bands cost.
+   subroutine find_cost(set, problem, dimensions, delt, ranked)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(dimensions_t), intent(in) :: dimensions
+      real(wp), intent(in) :: delt(:)              !! shape (positions)
+      type(ranked_t), intent(inout) :: ranked
+      type(allocation_t), allocatable :: allocation
+
+      allocate (allocation)
+      call study_allocation(set, problem%mechanism, dimensions, 1, stop_t(), allocation, delt, unchecked=.true.)
+      ranked%has_cost = .true.
+      ranked%cost = huge(1.0_wp)
+      if (allocation%solved .and. .not. any(allocation%dead)) ranked%cost = allocation%value
+   end subroutine find_cost
+
+   !> The order in which linkages whose objective is at most `nearly` times the best come first, the least sensitive before the
+   !> others; the rest stays as it is.
+   pure function least_sensitive_first(objective, ranked, nearly) result(order)
+      real(wp), intent(in) :: objective(:)         !! shape (linkages), rising
+      type(ranked_t), intent(in) :: ranked(:)
+      real(wp), intent(in) :: nearly
+      integer, allocatable :: order(:)
+      real(wp) :: figure(size(ranked))
+      integer :: i, n
+
+      order = [(i, i=1, size(ranked))]
+      n = count(objective <= nearly*objective(1))
+      figure = ranked%band
+      if (all(ranked%has_cost)) figure = ranked%cost
+      order(:n) = order(ascending(figure(:n)))
+   end function least_sensitive_first
 
    !> What a list of PARETO compares beside the objective, so that less is better.
    pure real(wp) function figure_of(ranked, pareto) result(figure)

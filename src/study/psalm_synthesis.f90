@@ -8,7 +8,7 @@ module psalm_synthesis
    use psalm_few_positions, only: stage_sizes, positions_of_stage, take_positions
    use psalm_kinds, only: wp
    use psalm_margins, only: inspector_t, prepare_inspector
-   use psalm_ranking, only: ranked_t, rate_linkage, figure_of, unbeaten
+   use psalm_ranking, only: ranked_t, rate_linkage, figure_of, least_sensitive_first, unbeaten
    use psalm_search, only: result_t, search_many
    use psalm_search_group, only: pareto_none, ranking_none
    use psalm_simplx, only: simplex_t, simplex_rules_t, search_simplex
@@ -216,6 +216,10 @@ contains
          if (found%interrupted) result%ending = ended_on_request
       end associate
       call look_at_found(set, problem, result)
+      if (set%search%nearly > 1.0_wp .and. size(result%found%best) > 0) then
+         call problem%parameters%apply(result%found%best(1)%values, dimensions)
+         if (set%method%ifree /= 0) call problem%move_inputs(result%found%best(1)%delt)
+      end if
    end subroutine search_from_starts
 
    !> True if the search found nothing, or ended before it was done.
@@ -247,6 +251,11 @@ contains
       do i = 1, size(result%ranked)
          call rate_linkage(set, each, inspector, result%found%best(i), result%ranked(i))
       end do
+      if (set%search%nearly > 1.0_wp) then
+         chosen = least_sensitive_first(result%found%best%objective, result%ranked, set%search%nearly)
+         result%ranked = result%ranked(chosen)
+         result%found%best = result%found%best(chosen)
+      end if
       if (set%search%pareto == pareto_none) return
       chosen = unbeaten([(figure_of(result%ranked(i), set%search%pareto), i=1, size(result%ranked))], set%search%nbest)
       result%ranked = result%ranked(chosen)

@@ -25,6 +25,7 @@ module psalm_merit
    use psalm_desired_rates, only: desired_rates_t, prepare_desired_rates, find_desired_rates, differentiate_desired_rates, &
                                  sum_of_rate_errors, all_rates_exist
    use psalm_dimensions, only: dimensions_t
+   use psalm_tolerance_spread, only: tolerance_spread_t, prepare_spread, find_spread, differentiate_spread, sum_of_spread
    use psalm_parameters, only: variable_aside, variable_length, variable_outlk
    implicit none (type, external)
    private
@@ -50,6 +51,7 @@ module psalm_merit
       class(sample_set_t), allocatable :: few            !! those of them where constraints are violated, if they are few
       logical :: has_range = .false.                 !! there are such places
       class(desired_rates_t), allocatable :: rates     !! derivatives of the output by the input, where they are wanted
+      class(tolerance_spread_t), allocatable :: tolerances !! how far the output spreads within tolerances, where that counts
       class(output_targets_t), allocatable :: targets   !! desired values of further outputs, where there are any
       class(problem_t), allocatable :: final          !! with the user's limits: what counts in the end
       type(dimensions_t) :: dimensions
@@ -130,6 +132,10 @@ contains
                         *merge(1.0_wp, merit%size, problem%motion == motion_angle)**2, sqrt(tiny(1.0_wp)))
       if (allocated(problem%rate_desired)) call want_rates(problem, merit)
       if (allocated(problem%target_values)) call want_outputs(set, problem, merit)
+      if (set%toler%in_objective > 0.0_wp) then
+         allocate (merit%tolerances)
+         call prepare_spread(set, merit%main%problem, merit%main%columns, merit%size, merit%tolerances)
+      end if
       call list_clearances(set%constr, problem%mechanism, problem%given%outlk <= 0.0_wp, merit%clearances, joints, beside)
       merit%has_range = merit%irange /= range_positions .or. size(merit%clearances) > 0
       if (merit%has_range) then
@@ -322,6 +328,7 @@ contains
          if (merit%has_range .and. merit%range%timed) call merit%range%problem%move_inputs(delt)
          if (allocated(merit%rates) .and. merit%free) call merit%rates%problem%move_inputs(delt)
          if (allocated(merit%targets) .and. merit%free) call merit%targets%problem%move_inputs(delt)
+         if (allocated(merit%tolerances) .and. merit%free) call merit%tolerances%problem%move_inputs(delt)
          if (order_weighs(merit)) merit%late = (merit%sense*(delt - cshift(delt, 1)) &
                                                 - [spread(0.0_wp, 1, size(delt) - 1), merit%span])/unit_of_input(merit)
          ! the variables of `final` are the user's; those of a set of samples may have one more for the input
@@ -363,6 +370,7 @@ contains
       call evaluate_samples(merit%main, merit%dimensions)
       if (allocated(merit%rates)) call find_desired_rates(merit%rates, merit%dimensions)
       if (allocated(merit%targets)) call find_output_targets(merit%targets, merit%dimensions)
+      if (allocated(merit%tolerances)) call find_spread(merit%tolerances, merit%dimensions)
       merit%seen = x
       if (merit%has_range) call look_over_range(merit)
    end subroutine see
@@ -388,6 +396,7 @@ contains
       end associate
       if (allocated(merit%rates)) sum_of_errors = sum_of_errors + sum_of_rate_errors(merit%rates)
       if (allocated(merit%targets)) sum_of_errors = sum_of_errors + sum_of_desired_errors(merit%targets)
+      if (allocated(merit%tolerances)) sum_of_errors = sum_of_errors + sum_of_spread(merit%tolerances)
    end function sum_of_errors
 
    !> Sum of the squared violations of the linkage last looked at.
@@ -488,6 +497,21 @@ contains
                end if
                do r = 1, size(targets%miss, 2)
                   call add_errors(nvar, targets%problem%target_weights(:, r), targets%miss(:, r), targets%by(:, :, r), equations)
+               end do
+            end associate
+         end if
+         if (allocated(self%tolerances)) then
+            call differentiate_spread(self%tolerances, self%final%parameters, x(:nvar), self%dimensions)
+            associate (tolerances => self%tolerances)
+               if (allocated(main%held)) then
+                  do a = 1, nvar
+                     if (main%held(a)) tolerances%by(:, a, :, :) = 0.0_wp
+                  end do
+               end if
+               do r = 1, size(tolerances%miss, 3)
+                  do b = 1, size(tolerances%miss, 2)
+                     call add_errors(nvar, tolerances%weight(:, r), tolerances%miss(:, b, r), tolerances%by(:, :, b, r), equations)
+                  end do
                end do
             end associate
          end if
@@ -679,6 +703,10 @@ contains
          objective = objective + sum_of_desired_errors(self%targets)
          feasible = feasible .and. all(self%targets%exists)
       end if
+      if (allocated(self%tolerances)) then
+         call find_spread(self%tolerances, self%dimensions)
+         objective = objective + sum_of_spread(self%tolerances)
+      end if
       if (.not. feasible) return
       call evaluate_samples(self%main, self%dimensions)
       self%seen = x
@@ -822,7 +850,7 @@ contains
       class(merit_t), intent(inout) :: merit
 
       if (size(merit%clearances) > 0 .or. (merit%free .and. merit%irange == range_inputs) .or. allocated(merit%rates)) return
-      if (allocated(merit%targets)) return
+      if (allocated(merit%targets) .or. allocated(merit%tolerances)) return
       allocate (merit%linear)
       call prepare_linear_unknowns(merit%final, merit%free, merit%low, merit%high, merit%linear)
       if (.not. merit%linear%applies) deallocate (merit%linear)

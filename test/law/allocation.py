@@ -1,6 +1,6 @@
 """The cheapest tolerances of random four-bars against SciPy, on a model of their own.
 
-usage: allocation.py PROGRAM_DIRECTORY [--cases N]. The changes of the coupler point with every length are differences of positions
+usage: allocation.py PROGRAM_DIRECTORY [--cases N] [--starts N] [--sample N] [--only PART]. The changes of the coupler point with every length are differences of positions
 computed here. Of each case SLSQP has several starts; no allocation may be dearer than its best, leave a band, or lie below its bound.
 Of a yield random linkages of this model are drawn. Proofs of the worst case are compared with all corners of the box. Last line: N passed, N failed.
 """
@@ -22,6 +22,7 @@ RULES = ("WORST", "RSS", "YIELD")
 YIELD = 0.95
 DRAWN = 200000          # linkages of a yield
 STARTS = 4
+SAMPLE = 20000          # linkages that the program itself draws
 PROOFS = 6              # four-bars whose worst case is proven
 CASE = """RANDOM FOUR-BAR
  &CHAIN JNT='A','B','C','D','P', JX=%s, JY=%s, LNK='A D','A B','B C P','C D' &END
@@ -57,7 +58,7 @@ def random_case(random):
     return lengths, start, side, carried
 
 
-def cheapest(cost, power, low, high, classes, shares, order, random):
+def cheapest(cost, power, low, high, classes, shares, order, random, starts):
     """SLSQP over the logarithms of the tolerances: the best of several starts that keeps the bands."""
     first = {k: i for i, k in reversed(list(enumerate(classes))) if k > 0}
     groups = [first.get(k, i) if k > 0 else i for i, k in enumerate(classes)]
@@ -78,7 +79,7 @@ def cheapest(cost, power, low, high, classes, shares, order, random):
         each = -order*shares*numpy.exp(order*y[at])
         return numpy.stack([each[:, at == c].sum(axis=1) for c in range(len(free))], axis=1)
     best = numpy.inf
-    for _ in range(STARTS):
+    for _ in range(starts):
         y = numpy.log((1.0/(len(cost)*shares.max()))**(1/order)*(0.2 + 0.8*random.random(len(free))))
         y = numpy.clip(y, [b[0] for b in bounds], [b[1] for b in bounds])
         found = minimize(total, y, jac=slopes, bounds=bounds, constraints={"type": "ineq", "fun": left, "jac": of_left}, method="SLSQP",
@@ -88,7 +89,7 @@ def cheapest(cost, power, low, high, classes, shares, order, random):
     return best
 
 
-def one(program, folder, number, random):
+def one(program, folder, number, random, starts):
     lengths, start, side, carried = random_case(random)
     crank = start + numpy.radians(15)*numpy.arange(POSITIONS)
     b = lengths[0]*numpy.exp(1j*start)
@@ -156,7 +157,7 @@ def one(program, folder, number, random):
     tally.check(where + ": within the bands", used.max() < 1 + 1e-6, used.max())
     tally.check(where + ": within the limits", (tolerance <= high*(1 + 1e-9)).all())
     tally.check(where + ": classes are equal", len({t for t, k in zip(tolerance, classes) if k == 7}) < 2)
-    best = cheapest(cost, power, low, high, classes, shares, order, random)
+    best = cheapest(cost, power, low, high, classes, shares, order, random, starts)
     tally.check(where + ": SLSQP keeps the bands from some start", numpy.isfinite(best))
     tally.check(where + ": not dearer than SLSQP", total <= best*(1 + 1e-6), "%r %r" % (total, best))
     tally.check(where + ": the bound is below every allocation", bound <= min(total, best)*(1 + 2e-6), "%r %r" % (bound, best))
@@ -215,6 +216,29 @@ def proofs(program, folder, random):
         fullest = max(max(-float(row["lowest"]), float(row["highest"]))/float(row["band"]) for row in bands)
         tally.check(where + ": one is full", 1 - 1e-6 < fullest <= 1, fullest)
     tally.check("proofs: some bands are violated, some certified", {"certified", "violated"} <= verdicts, verdicts)
+
+
+def sampled(program, folder, count):
+    """The share of the linkages within each band against those of a large sample of the linkage itself, for every law."""
+    with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "data", "cheapest_tolerances.nml"), encoding="utf-8") as f:
+        text = f.read()
+    path = os.path.join(folder, "sampled.nml")
+    for law in ("UNIFORM", "TRIANGLE", "NORMAL"):
+        with open(path, "w", encoding="utf-8") as f:
+            # so narrow that linear bands are those of the linkage
+            f.write(text.replace("ALBAND=0.2", "ALBAND=0.0002, ALLAW='%s'" % law).replace("ALTRY=10000", "ALTRY=%d" % count))
+        done = subprocess.run([program, "--quiet", "--json", "--threads", "2", "--output-dir", folder, path], capture_output=True, text=True, check=False)
+        tally.check("sample of %d, %s: done" % (count, law), done.returncode == 0, done.stderr)
+        with open(os.path.join(folder, "sampled.allocation_bands.csv"), encoding="utf-8") as f:
+            bands = list(csv.DictReader(f))
+        shares = numpy.array([float(row["share_within"]) for row in bands])
+        beyond = numpy.array([float(row["sample_beyond"]) for row in bands])/count
+        error = numpy.sqrt(shares*(1 - shares)/count)
+        off = (1 - shares - beyond)/numpy.maximum(error, 1/count)
+        if count > 10**6:
+            print("%s: share in the fullest band %.7f, of %d linkages %.7f, standard error %.1e; farthest of all bands %.2f of them" % (
+                law, shares.min(), count, 1 - beyond[shares.argmin()], error[shares.argmin()], abs(off).max()))
+        tally.check("sample of %d, %s: every share is within four standard errors" % (count, law), abs(off).max() < 4, off)
 
 
 def by_loops(program, folder):
@@ -286,14 +310,21 @@ def main():
     parser = argparse.ArgumentParser(usage=__doc__)
     parser.add_argument("programs")
     parser.add_argument("--cases", type=int, default=60)
+    parser.add_argument("--starts", type=int, default=STARTS)
+    parser.add_argument("--sample", type=int, default=SAMPLE)
+    parser.add_argument("--only", choices=("cases", "sample"))
     options = parser.parse_args()
     random = numpy.random.default_rng(41)
+    program = os.path.join(os.path.abspath(options.programs), "psalm")
     with tempfile.TemporaryDirectory() as folder:
-        by_loops(os.path.join(os.path.abspath(options.programs), "psalm"), folder)
-        edges(os.path.join(os.path.abspath(options.programs), "psalm"), folder)
-        proofs(os.path.join(os.path.abspath(options.programs), "psalm"), folder, numpy.random.default_rng(42))
-        for number in range(options.cases):
-            one(os.path.join(os.path.abspath(options.programs), "psalm"), folder, number, random)
+        if options.only is None:
+            by_loops(program, folder)
+            edges(program, folder)
+            proofs(program, folder, numpy.random.default_rng(42))
+        if options.only != "cases":
+            sampled(program, folder, options.sample)
+        for number in range(0 if options.only == "sample" else options.cases):
+            one(program, folder, number, random, options.starts)
     return tally.report()
 
 

@@ -69,6 +69,8 @@ FOUR_BAR = """A FOUR-BAR
  &METHOD MOTION=1, IKIN=30 &END
  &LIMITS TANGLE=90.0 &END
 """
+with open(os.path.join(TOP, "data", "path18.nml"), encoding="utf-8") as path_file:
+    PATH_SEARCH = path_file.read()
 PATH = "POINTS\n &EXACT XP=0.0,1.0,2.0,3.0, YP=0.0,0.5,0.4,0.1 &END\n"
 POSES = "POSES\n &EXACT KIND='MOTION', XP=0.0,1.0,2.0,3.0,4.0, YP=0.0,0.5,0.4,0.1,0.0, ANGP=0.0,5.0,9.0,20.0,30.0 &END\n"
 TABLE = "TABLE\n &EXACT KIND='FUNCTION', PHI=0.0,20.0,40.0,60.0,80.0, PSI=0.0,15.0,35.0,50.0,70.0 &END\n"
@@ -170,6 +172,15 @@ MISTAKES = [
      "is one weight, or one for each of NDES=3 positions; found 2"),
     (SKETCH, "OUTPUT='point P'", "OUTPUT='angle B C','angle C D','ratio angle_B_C angle_C_D', DVEL3=1.0,2.0",
      "output ratio_angle_B_C_angle_C_D is a ratio of rates; of that no derivative can be prescribed"),
+    # tolerances in searches
+    (PATH_SEARCH, " &SEARCH", " &TOLER TOLLEN=0.005, TOLOBJ=-1.0 &END\n &SEARCH", "TOLOBJ: must not be negative"),
+    (PATH_SEARCH, " &SEARCH SOLVER='LSQ', NSTART=200, NBEST=3", " &TOLER TOLLEN=0.005, TOLOBJ=1.0 &END\n &SEARCH SOLVER='SIMPLEX'",
+     "TOLOBJ: is for searches by other solvers than SOLVER='SIMPLEX'"),
+    (PATH_SEARCH, " &SEARCH", " &TOLER TOLOBJ=1.0 &END\n &SEARCH", "TOLOBJ: no dimension has a tolerance above 0"),
+    (PATH_SEARCH, "NBEST=3", "NBEST=3, NEARLY=1.1", "&SEARCH NEARLY: how sensitive a linkage is, is its band by &TOLER"),
+    (PATH_SEARCH, "NBEST=3", "NBEST=3, NEARLY=1.1, PARETO='BAND'", "NEARLY: PARETO ranks by the objective; give one of them"),
+    (PATH_SEARCH, "NBEST=3", "NEARLY=1.1", "NEARLY: linkages to choose from are wanted; give NBEST"),
+    (PATH_SEARCH, "NBEST=3", "NEARLY=0.9, NBEST=2", "NEARLY: must be at least 1"),
     # cheapest tolerances
     (FOUR_BAR, " &LIMITS", " &ALLOC ALRULE='RSS' &END\n &LIMITS", "&ALLOC ALBAND: missing; this item is required"),
     (FOUR_BAR, " &LIMITS", " &ALLOC ALBAND=0.0 &END\n &LIMITS", "&ALLOC ALBAND: entry 1: must be above 0"),
