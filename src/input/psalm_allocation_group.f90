@@ -14,8 +14,10 @@ module psalm_allocation_group
    public :: allocation_items
    public :: allocation_group_t, allocation_of
    public :: rule_worst, rule_square, rule_yield
+   public :: proof_none, proof_scale
 
    integer, parameter :: rule_worst = 1, rule_square = 2, rule_yield = 3 !! words of ALRULE in their order
+   integer, parameter :: proof_none = 1, proof_scale = 3 !! words of ALPROF in their order; between them: the bands as they are
    real(wp), parameter :: percent = 0.01_wp
    integer, parameter :: text_length = 120       !! characters of a name
 
@@ -32,6 +34,7 @@ module psalm_allocation_group
       real(wp), allocatable :: power(:)        !! ALEXP
       real(wp), allocatable :: low(:), high(:) !! ALMIN, ALMAX; 0: as by default
       integer, allocatable :: class(:)         !! ALCLAS; 0: in none
+      integer :: proof = proof_none            !! ALPROF: one of `proof_...`
       integer :: trials = 0                    !! ALTRY: linkages of the sample
    contains
       procedure :: read => read_allocation
@@ -69,6 +72,9 @@ module psalm_allocation_group
              'largest tolerance, in the order of ALNAM; 0: a tenth of the length, 5 degrees'), &
       rule_t('ALCLAS', a_whole, 'n', '', '0', '[0,)', &
              'class, in the order of ALNAM: tolerances of a class are equal; 0: in none'), &
+      rule_t('ALPROF', a_word, '', '', 'NO', 'NO CHECK SCALE', &
+             'proof of the worst case: whether every linkage within the tolerances keeps the bands; SCALE: all tolerances are '// &
+             'multiplied by the factor that makes it so'), &
       rule_t('ALTRY', a_whole, '', '', '0', '[0,1000000000]', &
              'linkages of a Monte-Carlo sample within the tolerances found')]
 
@@ -105,6 +111,9 @@ contains
       call take(group, 'ALTRY', self%trials, findings)
       if (group%given('ALLAW') .and. self%rule /= rule_yield .and. self%trials == 0) &
          call out_of(group, 'ALLAW', "is for ALRULE='YIELD' and for a sample (ALTRY)", findings)
+      call take(group, 'ALPROF', self%proof, findings)
+      if (self%proof /= proof_none .and. self%rule /= rule_worst) &
+         call out_of(group, 'ALPROF', "is for ALRULE='WORST'", findings)
       call group%get_texts('ALNAM', texts, findings)
       n = size(texts)
       self%names = [character(text_length) :: (adjustl(texts(i)), i=1, n)]

@@ -175,6 +175,8 @@ MISTAKES = [
     (FOUR_BAR, " &LIMITS", " &ALLOC ALBAND=0.0 &END\n &LIMITS", "&ALLOC ALBAND: entry 1: must be above 0"),
     (FOUR_BAR, " &LIMITS", " &ALLOC ALBAND=0.1, ALYLD=99.0 &END\n &LIMITS", "ALYLD: is for ALRULE='YIELD'"),
     (FOUR_BAR, " &LIMITS", " &ALLOC ALBAND=0.1, ALLAW='NORMAL' &END\n &LIMITS", "ALLAW: is for ALRULE='YIELD' and for a sample"),
+    (FOUR_BAR, " &LIMITS", " &ALLOC ALBAND=0.1, ALRULE='RSS', ALPROF='CHECK' &END\n &LIMITS", "ALPROF: is for ALRULE='WORST'"),
+    (FOUR_BAR, " &LIMITS", " &ALLOC ALBAND=0.1, ALPROF='MAYBE' &END\n &LIMITS", "one of 'NO', 'CHECK', 'SCALE'"),
     (FOUR_BAR, " &LIMITS", " &ALLOC ALBAND=0.1, ALNAM='length A B' &END\n &LIMITS",
      "no dimension with a tolerance is called 'length A B'; there are 'length of arc 1 in loop 1'"),
     (FOUR_BAR, " &LIMITS", " &ALLOC ALBAND=0.1, ALNAM='*', ALMIN=0.2, ALMAX=0.1 &END\n &LIMITS", "the least tolerance of * is above the largest"),
