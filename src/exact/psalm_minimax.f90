@@ -1,12 +1,10 @@
 !> Function generators whose largest error is least, by exchange (Remez).
 !>
 !> A four-bar or slider-crank has five parameters, so the error of a best approximation alternates at six points. Starts are all
-!> exact linkages at Chebyshev's five nodes and at nodes near them. Where six alternations are not found, linear programs in a
-!> region of trust go on. Six alternations are a local optimum: all distinct ones are kept and ranked. Sources: Remez (1934);
-!> Freudenstein (1955); Osborne and Watson (1969) for the linear programs.
+!> exact linkages at Chebyshev's five nodes and at nodes near them; psalm_error_levelling leads them to optima. All distinct ones
+!> are kept and ranked. Source: Freudenstein (1955).
 module psalm_minimax
-   use psalm_conic, only: conic_t, conic_solution_t, solve_conic
-   use psalm_dense, only: factors_t, factorise, solve
+   use psalm_error_levelling, only: error_family_t, hopeless, level_errors
    use psalm_function_points, only: generator_t, generators_t, five_points
    use psalm_kinds, only: wp, pi, degrees_per_radian
    use psalm_desired_function, only: desired_function_t
@@ -17,17 +15,10 @@ module psalm_minimax
 
    integer, parameter :: unknowns = 5, alternations = unknowns + 1
    integer, parameter :: node_sets = 25              !! sets of five nodes that starts come from
-   integer, parameter :: coarse = 201, fine = 2001   !! points at which the error is looked at
-   integer, parameter :: in_program = 61             !! points of a linear program
-   integer, parameter :: most_exchanges = 40, most_halvings = 30
    integer, parameter :: few_programs = 5, many_programs = 60 !! linear programs of a start: at first, and where nothing was found
    integer, parameter :: seed = 1
    real(wp), parameter :: spread_of_nodes = 0.45_wp  !! of a node about Chebyshev's, over the distance of neighbours
-   real(wp), parameter :: wanted_level = 1.0e-9_wp   !! relative excess of the largest error over the levelled one
    real(wp), parameter :: same_error = 1.0e-6_wp     !! relative difference of two optima that are one
-   real(wp), parameter :: worth_it = 1.0e-5_wp       !! relative gain of a linear program that goes on
-   real(wp), parameter :: first_trust = 0.2_wp, last_trust = 1.0e-7_wp
-   real(wp), parameter :: hopeless = 40.0_wp         !! error of a start, degrees or per cent of the travel, that is not followed
 
    !> A linkage and its error.
    type :: approximation_t
@@ -37,6 +28,17 @@ module psalm_minimax
       real(wp) :: at(alternations) = 0.0_wp          !! inputs where it is reached, from 0 to 1
       logical :: alternates = .false.                !! six times: a local optimum
    end type approximation_t
+
+   !> Four-bars or slider-cranks of one assembly.
+   type, extends(error_family_t) :: generator_family_t
+      type(desired_function_t) :: wanted
+      integer :: assembly = 1
+      logical :: slides = .false.
+      real(wp) :: longest = huge(1.0_wp)             !! link
+   contains
+      procedure :: errors
+      procedure :: runs_away
+   end type generator_family_t
 
 contains
 
@@ -149,29 +151,24 @@ contains
       real(wp), intent(in) :: longest                !! a link that grows beyond it ends the search
       integer, intent(in) :: programs                !! linear programs at most
       type(approximation_t), intent(out) :: one
-      real(wp) :: q(unknowns), largest, at(alternations), trust
-      integer :: assembly, round
-      logical :: levelled, gained
+      type(generator_family_t) :: family
+      real(wp) :: q(unknowns), largest, at(alternations)
+      integer :: assembly
+      logical :: levelled
 
       one%linkage = start
       one%sense = wanted%sense
-      call parameters_of(start, q)
+      family%wanted = wanted
+      family%slides = start%slides
+      family%longest = longest
+      if (.not. wanted%continuous) call family%look_at(wanted%place_of([(assembly, assembly=1, size(wanted%table_input))]))
       do assembly = 1, -1, -2
          if (start%assembly /= 0 .and. assembly /= start%assembly) cycle
          if (start%slides .and. start%assembly == 0 .and. assembly < 0) cycle
+         family%assembly = assembly
          call parameters_of(start, q)
-         call error_over(wanted, q, assembly, coarse, largest)
+         call level_errors(family, programs, q, largest, at, levelled)
          if (largest > hopeless) cycle
-         trust = first_trust
-         levelled = .false.
-         do round = 0, programs
-            call exchange(wanted, assembly, coarse, q, largest, at, levelled)
-            if (levelled .or. longest_of(q, assembly, start%slides) > longest) exit
-            if (round == programs) exit
-            call linear_program(wanted, assembly, q, largest, trust, gained)
-            if (.not. gained) exit
-         end do
-         if (wanted%continuous .and. levelled) call exchange(wanted, assembly, fine, q, largest, at, levelled)
          if (largest < one%error) then
             one%error = largest
             one%at = at
@@ -269,6 +266,31 @@ contains
       if (.not. slides) linkage%psi0 = modulo(linkage%psi0 + pi, 2.0_wp*pi) - pi
    end subroutine generator_of
 
+   !> Errors of a member of the family.
+   pure subroutine errors(self, q, at, error, slopes)
+      class(generator_family_t), intent(in) :: self
+      real(wp), intent(in) :: q(:), at(:)
+      real(wp), intent(out) :: error(:)
+      real(wp), intent(out), optional :: slopes(:, :)
+      integer :: i
+
+      do i = 1, size(at)
+         if (present(slopes)) then
+            call error_of(self%wanted, q, self%assembly, at(i), error(i), slopes(:, i))
+         else
+            call error_of(self%wanted, q, self%assembly, at(i), error(i))
+         end if
+      end do
+   end subroutine errors
+
+   !> True if a link has become too long.
+   pure logical function runs_away(self, q)
+      class(generator_family_t), intent(in) :: self
+      real(wp), intent(in) :: q(:)
+
+      runs_away = longest_of(q, self%assembly, self%slides) > self%longest
+   end function runs_away
+
    !> Error at an input from 0 to 1: degrees, of a slider per cent of the travel; `slopes` its derivatives by the parameters.
    !> Where the linkage does not close the error is `huge`.
    pure subroutine error_of(wanted, q, assembly, at, error, slopes)
@@ -320,206 +342,4 @@ contains
       slopes(5) = sine*(1.0_wp + q(5)*q(3))/r
       slopes = unit*slopes
    end subroutine error_of
-
-   !> Points at which the error is looked at.
-   pure function places(wanted, points) result(at)
-      type(desired_function_t), intent(in) :: wanted
-      integer, intent(in) :: points
-      real(wp), allocatable :: at(:)
-      integer :: i
-
-      if (wanted%continuous) then
-         at = [(real(i - 1, wp)/real(points - 1, wp), i=1, points)]
-      else
-         at = [(wanted%place_of(i), i=1, size(wanted%table_input))]
-      end if
-   end function places
-
-   !> Largest error over the range.
-   pure subroutine error_over(wanted, q, assembly, points, largest)
-      type(desired_function_t), intent(in) :: wanted
-      real(wp), intent(in) :: q(unknowns)
-      integer, intent(in) :: assembly, points
-      real(wp), intent(out) :: largest
-      real(wp), allocatable :: at(:)
-      real(wp) :: error
-      integer :: i
-
-      largest = 0.0_wp
-      at = places(wanted, points)
-      do i = 1, size(at)
-         call error_of(wanted, q, assembly, at(i), error)
-         largest = max(largest, abs(error))
-      end do
-   end subroutine error_over
-
-   !> The largest error of each run of one sign, refined by a parabola; of these the six in a row whose smallest is largest.
-   pure subroutine extremes(wanted, q, assembly, points, at, sides, largest, enough)
-      type(desired_function_t), intent(in) :: wanted
-      real(wp), intent(in) :: q(unknowns)
-      integer, intent(in) :: assembly, points
-      real(wp), intent(out) :: at(alternations), sides(alternations), largest
-      logical, intent(out) :: enough
-      real(wp), allocatable :: place(:), error(:), peak(:), peak_at(:)
-      integer :: n, i, runs, best, k
-
-      place = places(wanted, points)
-      n = size(place)
-      allocate (error(n), peak(n), peak_at(n))
-      do i = 1, n
-         call error_of(wanted, q, assembly, place(i), error(i))
-      end do
-      largest = maxval(abs(error))
-      enough = .false.
-      at = 0.0_wp
-      sides = 0.0_wp
-      if (largest > hopeless) return
-      runs = 0
-      best = 0
-      do i = 1, n
-         if (runs > 0) then
-            if (error(i)*peak(runs) > 0.0_wp) then
-               if (abs(error(i)) > abs(error(best))) best = i
-               call refine(best, peak(runs), peak_at(runs))
-               cycle
-            end if
-         end if
-         runs = runs + 1
-         best = i
-         call refine(best, peak(runs), peak_at(runs))
-      end do
-      largest = max(largest, maxval(abs(peak(:runs))))
-      enough = runs >= alternations
-      if (.not. enough) return
-      k = 1
-      do i = 2, runs - alternations + 1
-         if (minval(abs(peak(i:i + alternations - 1))) > minval(abs(peak(k:k + alternations - 1)))) k = i
-      end do
-      at = peak_at(k:k + alternations - 1)
-      sides = sign(1.0_wp, peak(k:k + alternations - 1))
-
-   contains
-
-      !> The peak of a run at sample i.
-      pure subroutine refine(i, own_peak, own_place)
-         integer, intent(in) :: i
-         real(wp), intent(out) :: own_peak, own_place
-         real(wp) :: bend, slope, value
-
-         own_peak = error(i)
-         own_place = place(i)
-         if (.not. wanted%continuous .or. i == 1 .or. i == n) return
-         bend = error(i + 1) - 2.0_wp*error(i) + error(i - 1)
-         slope = 0.5_wp*(error(i + 1) - error(i - 1))
-         if (.not. abs(bend) > abs(slope)) return
-         own_place = place(i) - slope/bend/real(n - 1, wp)
-         call error_of(wanted, q, assembly, own_place, value)
-         if (abs(value) > abs(error(i)) .and. value*error(i) > 0.0_wp) then
-            own_peak = value
-         else
-            own_place = place(i)
-         end if
-      end subroutine refine
-   end subroutine extremes
-
-   !> Newton's method on equal errors of alternating sign, with extremes found anew for each step.
-   subroutine exchange(wanted, assembly, points, q, largest, at, levelled)
-      type(desired_function_t), intent(in) :: wanted
-      integer, intent(in) :: assembly, points
-      real(wp), intent(inout) :: q(unknowns)
-      real(wp), intent(out) :: largest, at(alternations)
-      logical, intent(out) :: levelled
-      real(wp) :: m(alternations, alternations), right(alternations), step(alternations), sides(alternations), part, trial_largest
-      real(wp) :: trial(unknowns), error(alternations), slopes(unknowns)
-      type(factors_t) :: factors
-      logical :: enough
-      integer :: round, i, halving
-
-      levelled = .false.
-      do round = 1, most_exchanges
-         call extremes(wanted, q, assembly, points, at, sides, largest, enough)
-         if (.not. enough) return
-         do i = 1, alternations
-            call error_of(wanted, q, assembly, at(i), error(i), slopes)
-            m(i, :unknowns) = slopes
-         end do
-         levelled = largest - minval(abs(error)) < wanted_level*largest
-         if (levelled) return
-         m(:, alternations) = -sides
-         right = -error
-         call factorise(m, factors)
-         if (factors%reciprocal_condition < epsilon(1.0_wp)) return
-         step = solve(factors, right)
-         part = 1.0_wp
-         do halving = 0, most_halvings
-            trial = q + part*step(:unknowns)
-            call extremes(wanted, trial, assembly, points, at, sides, trial_largest, enough)
-            if (trial_largest < largest) exit
-            part = 0.5_wp*part
-         end do
-         if (halving > most_halvings) then
-            ! no lower one within rounding: levelled as far as numbers go
-            call extremes(wanted, q, assembly, points, at, sides, largest, enough)
-            levelled = enough .and. largest - minval(abs(error)) < sqrt(wanted_level)*largest
-            return
-         end if
-         q = trial
-         largest = trial_largest
-      end do
-   end subroutine exchange
-
-   !> One step of least largest error of the linearised errors within a region of trust.
-   subroutine linear_program(wanted, assembly, q, largest, trust, gained)
-      type(desired_function_t), intent(in) :: wanted
-      integer, intent(in) :: assembly
-      real(wp), intent(inout) :: q(unknowns), largest, trust
-      logical, intent(out) :: gained
-      real(wp), allocatable :: at(:)
-      type(conic_t) :: program
-      type(conic_solution_t) :: solution
-      real(wp) :: error, slopes(unknowns), trial(unknowns), reached, scale(unknowns)
-      integer :: n, i, j
-
-      gained = .false.
-      at = places(wanted, in_program)
-      n = size(at)
-      call error_over(wanted, q, assembly, coarse, largest)
-      scale = max(abs(q), 0.1_wp)
-      allocate (program%q(unknowns + 1), program%g(2*n + 2*unknowns, unknowns + 1), program%h(2*n + 2*unknowns), source=0.0_wp)
-      allocate (program%cones(0))
-      program%lines = 2*n + 2*unknowns
-      ! unknowns: steps over their region, and the level over the largest error
-      program%q(unknowns + 1) = 1.0_wp
-      do while (trust > last_trust)
-         do i = 1, n
-            call error_of(wanted, q, assembly, at(i), error, slopes)
-            slopes = slopes*scale*trust/largest
-            error = error/largest
-            program%g(2*i - 1, :) = [slopes, -1.0_wp]
-            program%h(2*i - 1) = -error
-            program%g(2*i, :) = [-slopes, -1.0_wp]
-            program%h(2*i) = error
-         end do
-         do j = 1, unknowns
-            program%g(2*n + 2*j - 1, j) = 1.0_wp
-            program%g(2*n + 2*j, j) = -1.0_wp
-         end do
-         program%h(2*n + 1:) = 1.0_wp
-         call solve_conic(program, solution)
-         if (.not. solution%solved) return
-         trial = q + trust*scale*solution%x(:unknowns)
-         call error_over(wanted, trial, assembly, coarse, reached)
-         associate (promise => largest*(1.0_wp - solution%x(unknowns + 1)), gain => largest - reached)
-            if (promise < worth_it*largest) return
-            if (gain > 0.0_wp) then
-               if (gain > 0.75_wp*promise) trust = min(2.0_wp*trust, 1.0_wp)
-               q = trial
-               gained = gain > worth_it*largest
-               largest = reached
-               return
-            end if
-         end associate
-         trust = 0.25_wp*trust
-      end do
-   end subroutine linear_program
 end module psalm_minimax

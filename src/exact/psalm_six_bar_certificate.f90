@@ -35,11 +35,13 @@ contains
       complex(qp), allocatable :: numbers(:)
       complex(wp), allocatable :: starts(:, :)
       integer, allocatable :: unknown(:), keys(:), partner(:)
-      integer :: i, j, k
+      integer :: i, j, k, square
 
       at%n = problem%unknowns
       at%m = problem%points
-      allocate (numbers(at%angle(1, 1, at%m + 1)), source=(0.0_qp, 0.0_qp))
+      ! behind the angles the square of a given length
+      square = at%angle(1, 1, at%m + 1)
+      allocate (numbers(square), source=(0.0_qp, 0.0_qp))
       do j = 0, at%m
          numbers(at%angle(0, 0, j)) = exp(cmplx(0.0_wp, phi(j), qp))
          numbers(at%angle(0, 1, j)) = exp(cmplx(0.0_wp, psi(j), qp))
@@ -54,6 +56,7 @@ contains
             unknown = [unknown, k]
          end if
       end do
+      if (problem%length_of > 0) numbers(square) = cmplx(data%known(problem%length_of), kind=qp)
       keys = unknown
       unknown = [unknown, [(at%t(0, j), j=1, at%m)], [(at%t(1, j), j=1, at%m)]]
       call sums%begin(size(numbers), unknown)
@@ -65,6 +68,11 @@ contains
          call sums%add(1, [at%t(0, j), at%t(1, j)])
          call sums%add(-1, [integer ::])
       end do
+      if (problem%length_of > 0) then
+         call sums%next_equation()
+         call sums%add(1, [problem%length_of, at%n + problem%length_of])
+         call sums%add(-1, [square])
+      end if
       partner = sums%place([(other_of(unknown(k)), k=1, size(unknown))])
       allocate (starts(size(unknown), size(solutions, 2)))
       do i = 1, size(solutions, 2)

@@ -24,6 +24,7 @@ module psalm_six_bar_loops
    real(wp), parameter :: window = 1.0e-6_wp         !! of the sums that solutions are sorted by
    integer, parameter :: idle_passes = 4             !! that turn by any angle and find nothing new
    integer, parameter :: most_draws = 200
+   integer, parameter :: found_rarely = 4000         !! one in so many is almost none
    ! the real problem: points over so many radians, moved by up to so much of their distance
    real(wp), parameter :: range = 1.4_wp, disturbed = 0.8_wp
 
@@ -66,6 +67,7 @@ contains
       end do
       call data_of_angles(phi, psi, loops%data(1))
       do k = 1, n
+         if (problem%length_of == k) loops%data(1)%known(k) = abs(gaussian(random))**2
          if (.not. problem%is_given(k)) cycle
          loops%data(1)%known(k) = gaussian(random)
          loops%data(1)%known(n + k) = conjg(loops%data(1)%known(k))
@@ -85,7 +87,7 @@ contains
    end subroutine begin_loops
 
    !> One pass: all solutions known of one problem are followed to the other. With `expected` it is done when so many of the first
-   !> are known.
+   !> are known, without it when almost none is found any more.
    subroutine next_loop(loops, expected, stop, stopped)
       type(start_set_t), intent(inout) :: loops
       integer, intent(in) :: expected                !! 0: not known
@@ -96,7 +98,7 @@ contains
       complex(wp), allocatable :: starts(:, :), ends(:, :)
       logical, allocatable :: arrived(:)
       complex(wp) :: l, m
-      integer :: before, steps, from
+      integer :: before, steps, from, few
       real(wp) :: largest
 
       call random%seed(loops%seed, purpose_starts)
@@ -134,7 +136,9 @@ contains
          call add_to(loops%first, ends)
          call add_to(loops%first, conjugates(loops%problem, ends))
       end if
-      if (size(loops%first, 2) + size(loops%second, 2) == before) then
+      few = 0
+      if (expected == 0) few = before/found_rarely
+      if (size(loops%first, 2) + size(loops%second, 2) - before <= few) then
          loops%idle = loops%idle + 1
       else
          loops%idle = 0

@@ -7,11 +7,12 @@
 module psalm_six_bar_motion
    use psalm_angles, only: degrees_of
    use psalm_kinds, only: wp, pi, radians_per_degree, right_angle
-   use psalm_six_bar_problem, only: at_c, at_p, at_q, at_r, at_s, six_bar_problem_t, watt_2
+   use psalm_six_bar_problem, only: at_c, at_output, at_p, at_q, at_r, at_s, six_bar_problem_t, stephenson_2, watt_2
    use psalm_desired_function, only: desired_function_t
    implicit none (type, external)
    private
-   public :: moving_six_bar_t, assess_motion, joints_of
+   public :: moving_six_bar_t, six_bar_place_t, assess_motion, go_to, joints_of, leg_at, lengths_of, longest_of, &
+             settle
 
    integer, parameter :: legs = 2
    real(wp), parameter :: step = radians_per_degree  !! of the driver
@@ -28,9 +29,13 @@ module psalm_six_bar_motion
       real(wp) :: phi(2) = 0.0_wp                    !! input and output at the first point
       logical :: by_input = .false., by_output = .false. !! it meets all points on one branch, driven there
       logical :: over_range = .false.                !! driven at the input it reaches both ends of the function's range
-      real(wp) :: transmission = 0.0_wp              !! least angle of both dyads over the range, degrees
+      !> Least angle of both dyads over the range, degrees. Stephenson II has no dyads: the arcsine of the determinant over the
+      !> product of the lengths in it.
+      real(wp) :: transmission = 0.0_wp
       real(wp) :: longest = 0.0_wp                   !! link over the frame; Watt II: each half over its own
-      real(wp) :: error = 0.0_wp                     !! largest over the range, radians; of a table 0
+      real(wp) :: error = 0.0_wp                     !! largest over the range, radians; of a table that is met 0
+      real(wp) :: before = 0.0_wp                    !! that of the exact linkage it was made from (psalm_six_bar_minimax)
+      logical :: alternates = .false.                !! so made, its error is a local optimum
    end type moving_six_bar_t
 
    !> A place on the way.
@@ -191,13 +196,15 @@ contains
             end if
             by_angle(k) = derivative(z, by_other)
             ! the dyad of a leg: it and the link that it moves
-            if (driver == 1) then
+            if (driver == 1 .and. problem%type /= stephenson_2) then
                associate (moved => merge(t*one%x(problem%q(k)), by_other, k == 1))
                   place%sine = min(place%sine, abs(derivative(z, moved))/(2.0_wp*abs(z)*abs(moved)))
                end associate
             end if
          end do
          place%determinant = by_turn(1)*by_angle(2) - by_turn(2)*by_angle(1)
+         if (driver == 1 .and. problem%type == stephenson_2) place%sine = abs(place%determinant)/ &
+            (4.0_wp*sqrt(product(lengths))*abs(one%x(at_output))*sum(abs(one%x(problem%q))))
          if (.not. abs(place%determinant) > 0.0_wp) return
          if (largest < converged) exit
          change(1) = -(value(1)*by_angle(2) - value(2)*by_angle(1))/place%determinant
@@ -256,20 +263,25 @@ contains
       end do
    end subroutine lengths_of
 
+   !> Longest link over the frame, from the squares of the lengths of the legs.
    pure real(wp) function longest_of(problem, one, lengths)
       type(six_bar_problem_t), intent(in) :: problem
       type(moving_six_bar_t), intent(in) :: one
       real(wp), intent(in) :: lengths(legs)
 
       longest_of = max(1.0_wp, maxval(abs(one%x(:problem%unknowns))), maxval(sqrt(lengths)))
-      if (problem%type /= watt_2) longest_of = max(longest_of, abs(one%x(at_q) - one%x(at_r)))
+      if (problem%type /= watt_2) longest_of = max(longest_of, abs(one%x(problem%q(1)) - one%x(problem%q(2))))
+      if (problem%type == stephenson_2) longest_of = max(longest_of, abs(one%x(problem%a(1)) - one%x(problem%a(2))))
    end function longest_of
 
    !> Joints at the first point, the frame A-B from 0 to 1: A, B, C, D, third fixed pivot E, G and H, as psalm_exact_text draws a
-   !> six-bar. Watt II: the second half is as long as the first, with E on the line of A and B.
-   pure function joints_of(problem, one) result(joints)
+   !> six-bar. Watt II: E is at `third`, 2 where the second half is as long as the first, with E on the line of A and B.
+   !> Stephenson II: C and D on the input link, E between the output link and the floating link, which G (from C) and H (from D)
+   !> are on.
+   pure function joints_of(problem, one, third) result(joints)
       type(six_bar_problem_t), intent(in) :: problem
       type(moving_six_bar_t), intent(in) :: one
+      complex(wp), intent(in) :: third
       complex(wp) :: joints(7), e, f
 
       e = unit(one%phi(1))
@@ -279,9 +291,13 @@ contains
       joints(3) = one%x(at_p)*e
       if (problem%type == watt_2) then
          joints(4) = 1.0_wp - one%x(at_q)
-         joints(5) = (2.0_wp, 0.0_wp)
-         joints(6) = 1.0_wp + one%x(at_r)
-         joints(7) = 2.0_wp - one%x(at_s)*f
+         joints(5) = third
+         joints(6) = 1.0_wp + (third - 1.0_wp)*one%x(at_r)
+         joints(7) = third - (third - 1.0_wp)*one%x(at_s)*f
+      else if (problem%type == stephenson_2) then
+         joints(3:4) = one%x(problem%a)*e
+         joints(5) = 1.0_wp - one%x(at_output)*f
+         joints(6:7) = joints(5) - one%x(problem%q)
       else
          joints(4) = joints(3) + one%x(at_q)
          joints(5) = -one%x(at_c)

@@ -1,4 +1,4 @@
-!> Six-bars that generate a function exactly: one system for Watt II and Stephenson III.
+!> Six-bars that generate a function exactly: one system for Watt II, Stephenson III and Stephenson II.
 !>
 !> Input and output turn by e and f, numbers of modulus 1, the floating link by t from the first point. It has two legs of constant
 !> length, of which z is the vector at a point:
@@ -7,6 +7,8 @@
 !> b, c and q that are not constant:
 !>    Watt II          p e - 1 + t q,          s f - 1 + t r           p q r s
 !>    Stephenson III   p e - 1 + t q,          p e + s f + c + t r     p q r s c
+!>    Stephenson II    p1 e - 1 + s f + t q1,  p2 e - 1 + s f + t q2   p1 p2 s q1 q2
+!> Of a problem whose points leave one dimension free the length of one unknown may be given.
 !> Sources: Plecnik and McCarthy (2016), Computational design of Stephenson II six-bar function generators for 11 accuracy points;
 !> Plecnik and McCarthy (2014) for Watt II.
 module psalm_six_bar_problem
@@ -16,16 +18,18 @@ module psalm_six_bar_problem
    implicit none (type, external)
    private
    public :: six_bar_problem_t, six_bar_data_t, make_six_bar_problem, data_of_angles, scale_data, scale_unknowns, draw_six_bar, &
-             near_data, unit_phase, watt_2, stephenson_3, most_six_bar_points, most_unknowns, type_names, &
-             at_p, at_q, at_r, at_s, at_c
+             near_data, unit_phase, watt_2, stephenson_3, stephenson_2, most_six_bar_points, most_unknowns, type_names, &
+             number_name, at_p, at_q, at_r, at_s, at_c, at_output, at_first_arm
 
-   integer, parameter :: watt_2 = 1, stephenson_3 = 2
-   character(*), parameter :: type_names(2) = [character(14) :: 'Watt II', 'Stephenson III']
+   integer, parameter :: watt_2 = 1, stephenson_3 = 2, stephenson_2 = 3
+   character(*), parameter :: type_names(3) = [character(14) :: 'Watt II', 'Stephenson III', 'Stephenson II']
    integer, parameter :: most_six_bar_points = 10    !! beyond the first
    integer, parameter :: most_unknowns = 5
    integer, parameter :: legs = 2
    !> Places of the unknowns.
    integer, parameter :: at_p = 1, at_q = 2, at_r = 3, at_s = 4, at_c = 5
+   !> Those of Stephenson II: pins on the input link, output link, arms of the floating link.
+   integer, parameter :: at_first_pin = 1, at_second_pin = 2, at_output = 3, at_first_arm = 4, at_second_arm = 5
    integer, parameter :: newton_steps = 60           !! of a point that is drawn
    real(wp), parameter :: drawn_well = 1.0e-13_wp    !! largest correction left of it
 
@@ -38,6 +42,7 @@ module psalm_six_bar_problem
       integer :: c(legs) = 0                         !! likewise; 0: -1
       integer :: q(legs) = 0
       logical :: is_given(most_unknowns) = .false.   !! numbers that are given
+      integer :: length_of = 0                       !! unknown whose length is given; 0: none
    contains
       procedure :: key
    end type six_bar_problem_t
@@ -46,14 +51,16 @@ module psalm_six_bar_problem
    type :: six_bar_data_t
       complex(wp) :: e0 = (1.0_wp, 0.0_wp), f0 = (1.0_wp, 0.0_wp) !! at the first point
       complex(wp) :: de(most_six_bar_points) = (0.0_wp, 0.0_wp), df(most_six_bar_points) = (0.0_wp, 0.0_wp) !! from there
-      complex(wp) :: known(2*most_unknowns) = (0.0_wp, 0.0_wp) !! numbers that are given, partners behind all numbers
+      !> Numbers that are given, partners behind all numbers; of a given length its square.
+      complex(wp) :: known(2*most_unknowns) = (0.0_wp, 0.0_wp)
    end type six_bar_data_t
 
 contains
 
    !> A problem of a type: `points` beyond the first.
-   pure subroutine make_six_bar_problem(type, points, is_given, problem)
+   pure subroutine make_six_bar_problem(type, points, is_given, length_of, problem)
       integer, intent(in) :: type, points
+      integer, intent(in) :: length_of               !! unknown whose length is given; 0: none
       logical, intent(in) :: is_given(most_unknowns)
       type(six_bar_problem_t), intent(out) :: problem
 
@@ -61,10 +68,15 @@ contains
       problem%points = points
       problem%unknowns = merge(4, 5, type == watt_2)
       problem%q = [at_q, at_r]
+      problem%length_of = length_of
       select case (type)
       case (watt_2)
          problem%a = [at_p, 0]
          problem%b = [0, at_s]
+      case (stephenson_2)
+         problem%a = [at_first_pin, at_second_pin]
+         problem%b = [at_output, at_output]
+         problem%q = [at_first_arm, at_second_arm]
       case default
          problem%a = [at_p, at_p]
          problem%b = [0, at_s]
@@ -77,7 +89,6 @@ contains
    pure function key(self) result(word)
       class(six_bar_problem_t), intent(in) :: self
       character(:), allocatable :: word
-      character(*), parameter :: names = 'pqrsc'
       character(2) :: number
       integer :: k
 
@@ -85,13 +96,29 @@ contains
       select case (self%type)
       case (watt_2)
          word = 'watt2-'//number
+      case (stephenson_2)
+         word = 'stephenson2-'//number
       case default
          word = 'stephenson3-'//number
       end select
       do k = 1, self%unknowns
-         if (self%is_given(k)) word = word//'-'//names(k:k)
+         if (self%is_given(k)) word = word//'-'//number_name(k, self%type)
+         if (self%length_of == k) word = word//'-length_'//number_name(k, self%type)
       end do
    end function key
+
+   !> The letter of an unknown of a type, with a number where there are two.
+   pure function number_name(unknown, type) result(name)
+      integer, intent(in) :: unknown, type
+      character(:), allocatable :: name
+      character(*), parameter :: of_dyads(*) = ['p', 'q', 'r', 's', 'c'], of_stephenson_2(*) = ['p1', 'p2', 's ', 'q1', 'q2']
+
+      if (type == stephenson_2) then
+         name = trim(of_stephenson_2(unknown))
+      else
+         name = of_dyads(unknown)
+      end if
+   end function number_name
 
    !> The numbers of a real problem.
    pure subroutine data_of_angles(phi, psi, data)
@@ -240,6 +267,7 @@ contains
       end do
       do k = 1, n
          if (problem%is_given(k)) data%known([k, n + k]) = x([k, n + k])
+         if (problem%length_of == k) data%known(k) = x(k)*x(n + k)
       end do
    end subroutine draw_six_bar
 

@@ -28,7 +28,7 @@ contains
    !> The start set of a problem: fewer solutions than `expected` if a stop came before it was made, or if no seed led to so many.
    subroutine starts_of(problem, expected, stop, loops)
       type(six_bar_problem_t), intent(in) :: problem
-      integer, intent(in) :: expected                !! solutions of the kind
+      integer, intent(in) :: expected                !! solutions of the kind; 0: not known, what the loops find is taken
       type(stop_t), intent(in), optional :: stop
       type(start_set_t), intent(out) :: loops
       character(:), allocatable :: file
@@ -39,7 +39,7 @@ contains
       call read_loops(file, problem, loops, kept)
       first = 1
       if (kept) then
-         if (loops%done .and. size(loops%first, 2) == expected) return
+         if (loops%done .and. (expected == 0 .or. size(loops%first, 2) == expected)) return
          ! what a seed that failed has left is no reason to begin with it again
          first = loops%seed + merge(1, 0, loops%done)
          kept = .not. loops%done
@@ -55,7 +55,7 @@ contains
             if (stopped) return
             call write_loops(file, loops)
          end do
-         if (size(loops%first, 2) == expected) exit
+         if (expected == 0 .or. size(loops%first, 2) == expected) exit
       end do
    end subroutine starts_of
 

@@ -12,19 +12,23 @@ module psalm_exact_group
    private
    public :: exact_items
    public :: exact_group_t, exact_of, is_missing, kind_path, kind_motion, kind_function, exact_kinds, &
-             six_bar_none, six_bar_stephenson, six_bar_watt
+             six_bar_none, six_bar_stephenson, six_bar_watt, six_bar_stephenson_2
 
    integer, parameter :: kind_path = 1, kind_motion = 2, kind_function = 3
    character(*), parameter :: exact_kinds(3) = [character(8) :: 'PATH', 'MOTION', 'FUNCTION']
    !> Items that only KIND='FUNCTION' has.
    character(*), parameter :: of_functions(*) = [character(6) :: 'FUNC', 'FXLOW', 'FXHIGH', 'FPOWER', 'DPHI', 'DPSI', 'PSI', &
-                                                 'PHI0', 'PSI0', 'SIXBAR', 'NPOINT', 'CRANK']
+                                                 'PHI0', 'PSI0', 'SIXBAR', 'NPOINT', 'CRANK', 'OUTPIN', &
+                                                 'ARMLEN', 'START']
    character(*), parameter :: functions(*) = [character(7) :: 'LOG10', 'LN', 'EXP', 'SIN', 'COS', 'TAN', 'POWER']
    integer, parameter :: most_points = 60, most_exact_points = 9, most_in_table = 200, fewest_in_table = 3
    integer, parameter :: exact_in_table = 5          !! entries of a table that a linkage can meet exactly
-   integer, parameter :: watt_points = 9, stephenson_points = 7 !! that six-bars meet of which all are found
    real(wp), parameter :: of_frame = 1.0e-6_wp       !! difference of lengths that are the same
-   integer, parameter :: six_bar_none = 1, six_bar_stephenson = 2, six_bar_watt = 3
+   integer, parameter :: six_bar_none = 1, six_bar_stephenson = 2, six_bar_watt = 3, six_bar_stephenson_2 = 4
+   !> Points that a six-bar of each kind is determined by if nothing of it is given, and those whose start set is made without
+   !> being asked for.
+   integer, parameter :: free_points(4) = [0, 11, 9, 11], kept_at_once(4) = [0, 7, 9, 8]
+   integer, parameter :: with_pivot = 9, with_pivot_and_crank = 7 !! of Stephenson III
    real(wp), parameter :: not_given = -huge(1.0_wp)
 
    type, extends(case_group_t) :: exact_group_t
@@ -48,6 +52,9 @@ module psalm_exact_group
       integer :: six_bar = six_bar_none              !! SIXBAR
       integer :: precision_points = 5                !! NPOINT: of a six-bar that generates FUNC
       real(wp) :: crank(2) = not_given               !! CRANK: pin of a six-bar's crank at input 0
+      real(wp) :: output_pin(2) = not_given          !! OUTPIN: pin of Stephenson II's output link at output 0, from B
+      real(wp) :: arm_length = not_given             !! ARMLEN
+      logical :: start = .false.                     !! START: a start set that takes long is wanted
       integer :: grid = 6                            !! NGRID: values of each dimension of a six-bar's driver
       logical :: has_arm = .false.                   !! ARM was given
       real(wp) :: arm(6) = not_given                 !! ARM: joints of a chain in the first pose
@@ -61,6 +68,7 @@ module psalm_exact_group
    contains
       procedure :: read => read_exact
       procedure :: wants_every_six_bar
+      procedure :: points_determined
    end type exact_group_t
 
    !> The items of the group.
@@ -78,7 +86,8 @@ module psalm_exact_group
              'angle of the crank at each point; a point without one is untimed'), &
       rule_t('PIVOTS', a_number, '4', 'length', 'free', '', &
              'x, y of the crank''s fixed pivot, x, y of the follower''s; `PIVOTS=0.0,0.0` gives the first alone. Of a '// &
-             'six-bar through seven points the third fixed pivot, from A on the line to B'), &
+             'six-bar the third fixed pivot, from A on the line to B: of Stephenson III it counts as given, of Watt II '// &
+             'it is only drawn there'), &
       rule_t('SLIDER', a_whole, '', '', '0', '[0,2]', &
              '1: a slider on a straight line in place of the follower; 2: a line of the coupler goes through a '// &
              'block at a fixed pivot (''MOTION'' only)'), &
@@ -98,7 +107,7 @@ module psalm_exact_group
              'turn of the follower over the range; of a slider its travel'), &
       rule_t('PHI', a_number, 'n', 'degrees', '', '', &
              'a table in place of FUNC: angles of the crank, from a free zero line; five points (four with one '// &
-             'of PHI0 and PSI0, three with both) to be met, seven or nine by a six-bar (SIXBAR), more with MINIMAX=1'), &
+             'of PHI0 and PSI0, three with both) to be met, seven to eleven by a six-bar (SIXBAR), more with MINIMAX=1'), &
       rule_t('PSI', a_number, 'n', 'degrees, length', '', '', &
              'the angles of the follower, or the travel of the slider'), &
       rule_t('PHI0', a_number, '', 'degrees', '', '', &
@@ -108,15 +117,25 @@ module psalm_exact_group
       rule_t('FRAME', a_number, '', 'length', '1', '(0,)', &
              'length of a four-bar''s frame'), &
       rule_t('MINIMAX', a_flag, '', '', '0', '', &
-             '1: make the largest error least; 0: meet five points (of FUNC those of Chebyshev)'), &
-      rule_t('SIXBAR', a_word, '', '', 'NONE', 'NONE STEPHENSON WATT', &
-             'a six-bar that generates a function: through five points a sample of them; ''WATT'' through nine, '// &
-             '''STEPHENSON'' through seven with PIVOTS and CRANK, all there are', &
-             'must be ''STEPHENSON'' or ''WATT'''), &
-      rule_t('NPOINT', a_whole, '', '', '5', '[5,9]', &
-             'six-bars: points of FUNC, those of Chebyshev, that are met: 5; ''STEPHENSON'' also 7, ''WATT'' also 9'), &
-      rule_t('CRANK', a_number, '2', 'length', 'required with seven points', '', &
-             'six-bars through seven points: x, y from A of the crank''s pin at input 0'), &
+             '1: make the largest error least, of six-bars from all exact ones; 0: meet points (of FUNC those of Chebyshev)'), &
+      rule_t('SIXBAR', a_word, '', '', 'NONE', 'NONE STEPHENSON WATT STEPHENSON2', &
+             'a six-bar that generates a function: ''WATT'' (II), ''STEPHENSON'' (III) and ''STEPHENSON2''; through five '// &
+             'points a sample of the first two, through the points in NPOINT all there are', &
+             'must be ''STEPHENSON'', ''WATT'' or ''STEPHENSON2'''), &
+      rule_t('NPOINT', a_whole, '', '', '5', '[5,11]', &
+             'six-bars: points of FUNC, those of Chebyshev, that are met: 5 (not ''STEPHENSON2''); ''WATT'' 9, with ARMLEN 8; '// &
+             '''STEPHENSON'' 7 with PIVOTS and CRANK, 9 with PIVOTS, 11; ''STEPHENSON2'' 8 with OUTPIN and ARMLEN, 11 '// &
+             '(with MINIMAX it need not be given)'), &
+      rule_t('CRANK', a_number, '2', 'length', 'free', '', &
+             'of ''STEPHENSON'' through seven points: x, y from A of the crank''s pin at input 0'), &
+      rule_t('OUTPIN', a_number, '2', 'length', 'free', '', &
+             'of ''STEPHENSON2'' through eight points: x, y from B of the output link''s pin at output 0'), &
+      rule_t('ARMLEN', a_number, '', 'length', 'free', '(0,)', &
+             'of ''WATT'' through eight points the arm B D of the middle link; of ''STEPHENSON2'' the arm E G of the '// &
+             'floating link'), &
+      rule_t('START', a_flag, '', '', '0', '', &
+             'six-bars through 9 (''STEPHENSON'') or 11 points: 1: their start set is made once, which takes from a quarter '// &
+             'of an hour to hours (the message without it says how long)'), &
       rule_t('NGRID', a_whole, '', '', '6', '[2,12]', &
              'six-bars: values of each dimension that is sampled'), &
       rule_t('TRMIN', a_number, '', 'degrees', 'six-bars: 20, else none', '[0,90)', &
@@ -273,6 +292,9 @@ contains
       call take(group, 'SIXBAR', exact%six_bar, findings)
       call take(group, 'NPOINT', exact%precision_points, findings)
       call take(group, 'CRANK', exact%crank, findings)
+      call take(group, 'OUTPIN', exact%output_pin, findings)
+      call take(group, 'ARMLEN', exact%arm_length, findings)
+      call take(group, 'START', exact%start, findings)
       call take(group, 'NGRID', exact%grid, findings)
       call take(group, 'TRMIN', exact%least_transmission, findings)
       exact%has_least_transmission = group%given('TRMIN')
@@ -290,8 +312,7 @@ contains
          end do
          return
       end if
-      if (exact%six_bar /= six_bar_none .and. (exact%slider .or. exact%minimax)) call out_of(group, 'SIXBAR', &
-         'a six-bar here has no slider and meets points (MINIMAX=0)', findings)
+      if (exact%six_bar /= six_bar_none .and. exact%slider) call out_of(group, 'SIXBAR', 'a six-bar here has no slider', findings)
       if (allocated(exact%function_name) .eqv. n > 0) then
          call out_of(group, 'FUNC', "KIND='FUNCTION' needs either FUNC, a name, or PHI and PSI, a table", findings)
          return
@@ -339,63 +360,146 @@ contains
    !> A six-bar: how many points it meets and what is given with them.
    subroutine check_six_bar(group, exact, entries, findings)
       type(group_t), intent(inout) :: group
-      type(exact_group_t), intent(in) :: exact
+      type(exact_group_t), intent(inout) :: exact    !! its NPOINT may be determined by what is given
       integer, intent(in) :: entries                 !! of the table, 0: a function
       type(diagnostics_t), intent(inout) :: findings
+      character(*), parameter :: of_six_bars(*) = [character(6) :: 'NPOINT', 'CRANK', 'OUTPIN', 'ARMLEN']
+      character(*), parameter :: chosen(*) = [character(6) :: 'PIVOTS', 'CRANK', 'OUTPIN', 'ARMLEN']
       character(:), allocatable :: item
-      integer :: points
+      integer :: points, i
 
       if (exact%six_bar == six_bar_none) then
-         if (group%given('NPOINT') .or. group%given('CRANK')) call out_of(group, merge('NPOINT', 'CRANK ', &
-            group%given('NPOINT')), "is for six-bars: SIXBAR='WATT' or 'STEPHENSON'", findings)
+         do i = 1, size(of_six_bars)
+            if (.not. group%given(trim(of_six_bars(i)))) cycle
+            call out_of(group, trim(of_six_bars(i)), "is for six-bars: SIXBAR='WATT', 'STEPHENSON' or 'STEPHENSON2'", findings)
+            return
+         end do
          return
       end if
       if (group%given('PHI0') .or. group%given('PSI0')) call out_of(group, merge('PHI0', 'PSI0', group%given('PHI0')), &
          'is for four-bars and slider-cranks through three or four points; of a six-bar the zero lines are free', findings)
       if (entries > 0 .and. group%given('NPOINT')) call out_of(group, 'NPOINT', 'is for FUNC; a table has its own points', findings)
+      if (exact%minimax .and. .not. group%given('NPOINT')) exact%precision_points = exact%points_determined()
       points = merge(entries, exact%precision_points, entries > 0)
       item = trim(merge('PHI   ', 'NPOINT', entries > 0))
-      if (points == exact_in_table) then
-         if (group%given('CRANK')) call out_of(group, 'CRANK', 'of a six-bar through five points is sampled (NGRID)', findings)
-         if (group%given('PIVOTS')) call out_of(group, 'PIVOTS', 'of a six-bar through five points are sampled (NGRID)', findings)
-      else if (exact%six_bar == six_bar_watt) then
-         if (points /= watt_points) call out_of(group, item, 'a six-bar of Watt II is made for 5 points (a sample) or 9 (all '// &
-            'there are); more are approximated by MINIMAX=1 with four links', findings)
-         if (group%given('CRANK') .or. group%given('PIVOTS')) call out_of(group, trim(merge('CRANK ', 'PIVOTS', &
-            group%given('CRANK'))), 'nine points leave nothing of a six-bar of Watt II to choose', findings)
-      else
-         if (points /= stephenson_points) then
-            call out_of(group, item, 'a six-bar of Stephenson III is made for 5 points (a sample) or, with PIVOTS and CRANK, '// &
-                        '7 (all there are)', findings)
+      if (exact%minimax .and. entries > 0) then
+         if (entries <= exact%points_determined()) call out_of(group, item, to_text(entries)//' entries are met, for there are '// &
+            'six-bars through '//to_text(exact%points_determined())//': leave MINIMAX out, or give more', findings)
+         points = exact%points_determined()
+      end if
+      if (points == exact_in_table .and. exact%six_bar /= six_bar_stephenson_2 .and. .not. exact%minimax) then
+         do i = 1, size(chosen)
+            if (group%given(trim(chosen(i)))) call out_of(group, trim(chosen(i)), 'of a six-bar through five points is sampled '// &
+                                                          '(NGRID)', findings)
+         end do
+         return
+      end if
+      if (group%given('NGRID')) call out_of(group, 'NGRID', 'is for six-bars through five points; through more all are found', &
+                                            findings)
+      select case (exact%six_bar)
+      case (six_bar_watt)
+         if (points /= exact%points_determined()) call out_of(group, item, &
+            'a six-bar of Watt II is made for 5 points (a sample), 8 with ARMLEN or 9 without (all there are); '// &
+            'more are approximated by MINIMAX=1', findings)
+         if (group%given('CRANK') .or. group%given('OUTPIN')) call out_of(group, trim(merge('CRANK ', 'OUTPIN', &
+            group%given('CRANK'))), 'is not to be chosen in a six-bar of Watt II; ARMLEN is, with 8 points', findings)
+      case (six_bar_stephenson)
+         if (group%given('OUTPIN') .or. group%given('ARMLEN')) call out_of(group, merge('OUTPIN', 'ARMLEN', &
+            group%given('OUTPIN')), "is not to be chosen in a six-bar of Stephenson III, but PIVOTS and CRANK", findings)
+         if (points == with_pivot_and_crank .and. (exact%points_determined() /= points .or. exact%follower_pivot)) then
+            call out_of(group, trim(merge('CRANK ', 'PIVOTS', exact%crank_pivot .and. .not. exact%follower_pivot)), &
+               'seven points of a six-bar of Stephenson III need the third fixed pivot, PIVOTS=x,y, and the crank, CRANK=x,y', &
+               findings)
             return
          end if
-         if (.not. exact%crank_pivot .or. exact%follower_pivot .or. any(is_missing(exact%crank))) call out_of(group, &
-            trim(merge('CRANK ', 'PIVOTS', exact%crank_pivot .and. .not. exact%follower_pivot)), &
-            'seven points of a six-bar of Stephenson III need the third fixed pivot, PIVOTS=x,y, and the crank, CRANK=x,y', &
-            findings)
-         if (.not. exact%frame > 0.0_wp) return
-         if (exact%crank_pivot) then
-            if (hypot(exact%pivots(1), exact%pivots(2)) < of_frame*exact%frame) call out_of(group, 'PIVOTS', &
-               'the third fixed pivot is at A, where the crank has its own; move it away', findings)
-            if (hypot(exact%pivots(1) - exact%frame, exact%pivots(2)) < of_frame*exact%frame) call out_of(group, 'PIVOTS', &
-               'the third fixed pivot is at B, FRAME from A, where the rocker has its own; move it away', findings)
+         if (points /= exact%points_determined() .or. (points == with_pivot .and. .not. exact%crank_pivot)) then
+            call out_of(group, item, 'a six-bar of Stephenson III is made for 5 points (a sample) or, with PIVOTS and CRANK, '// &
+                        '7 (all there are), and with START=1 for 9 with PIVOTS alone and 11; more are approximated by MINIMAX=1', &
+                        findings)
+            return
          end if
-         if (any(is_missing(exact%crank))) return
+      case default
+         if (group%given('CRANK') .or. group%given('PIVOTS')) call out_of(group, trim(merge('CRANK ', 'PIVOTS', &
+            group%given('CRANK'))), 'is not to be chosen in a six-bar of Stephenson II, but OUTPIN and ARMLEN', findings)
+         if (points /= exact%points_determined() .or. (group%given('OUTPIN') .neqv. group%given('ARMLEN'))) call out_of( &
+            group, item, 'a six-bar of Stephenson II is made for 8 points with OUTPIN and ARMLEN (all there are), and with '// &
+            'START=1 for 11; more are approximated by MINIMAX=1', findings)
+      end select
+      if (exact%points_determined() > kept_at_once(exact%six_bar) .and. .not. exact%start) call out_of(group, 'START', &
+         hours_of(exact%six_bar, exact%points_determined())//' START=1 asks for them', findings)
+      if (exact%points_determined() <= kept_at_once(exact%six_bar) .and. group%given('START')) call out_of(group, 'START', &
+         'is for six-bars of Stephenson through 9 or 11 points; the start set of others is made without it', findings)
+      if (exact%frame > 0.0_wp) call check_given_lengths(group, exact, findings)
+   end subroutine check_six_bar
+
+   !> How long the start set of a problem takes that is made on request only, by doc/measured/six_bars.md.
+   pure function hours_of(six_bar, points) result(text)
+      integer, intent(in) :: six_bar, points
+      character(:), allocatable :: text
+
+      if (six_bar == six_bar_stephenson .and. points == with_pivot) then
+         text = 'nine points of Stephenson III have about 117 000 solutions; to make their start set takes 1 GB and about a '// &
+                'quarter of an hour of one thread, once:'
+      else if (six_bar == six_bar_stephenson) then
+         text = 'eleven points of Stephenson III have about 830 000 solutions; to make their start set takes 4 GB and about '// &
+                'three hours of one thread, once, and every problem half an hour:'
+      else
+         text = 'eleven points of Stephenson II have about 1 520 000 solutions, each linkage twice; to make their start set '// &
+                'takes 8 GB and about six hours of one thread, once, and every problem an hour:'
+      end if
+   end function hours_of
+
+   !> Given numbers of a six-bar that leave infinitely many.
+   subroutine check_given_lengths(group, exact, findings)
+      type(group_t), intent(inout) :: group
+      type(exact_group_t), intent(in) :: exact
+      type(diagnostics_t), intent(inout) :: findings
+
+      if (exact%crank_pivot) then
+         if (hypot(exact%pivots(1), exact%pivots(2)) < of_frame*exact%frame) call out_of(group, 'PIVOTS', &
+            'the third fixed pivot is at A, where the crank has its own; move it away', findings)
+         if (hypot(exact%pivots(1) - exact%frame, exact%pivots(2)) < of_frame*exact%frame) call out_of(group, 'PIVOTS', &
+            'the third fixed pivot is at B, FRAME from A, where the rocker has its own; move it away', findings)
+      end if
+      if (.not. any(is_missing(exact%crank))) then
          if (hypot(exact%crank(1), exact%crank(2)) < of_frame*exact%frame) call out_of(group, 'CRANK', &
             'has no length: its pin is at A', findings)
          if (abs(hypot(exact%crank(1), exact%crank(2)) - exact%frame) < of_frame*exact%frame) call out_of(group, 'CRANK', &
             'is as long as the frame: kites and parallelograms, infinitely many, pass the points; change it a little', findings)
       end if
-      if (group%given('NGRID') .and. points /= exact_in_table) call out_of(group, 'NGRID', &
-         'is for six-bars through five points; through more all are found', findings)
-   end subroutine check_six_bar
+      if (.not. any(is_missing(exact%output_pin))) then
+         if (hypot(exact%output_pin(1), exact%output_pin(2)) < of_frame*exact%frame) call out_of(group, 'OUTPIN', &
+            'has no length: the pin is at B', findings)
+         if (abs(hypot(exact%output_pin(1), exact%output_pin(2)) - exact%frame) < of_frame*exact%frame) call out_of(group, &
+            'OUTPIN', 'is as long as the frame: the pin may come to A, where infinitely many linkages fold up; change it a '// &
+            'little', findings)
+      end if
+      if (exact%six_bar == six_bar_watt .and. abs(exact%arm_length - exact%frame) < of_frame*exact%frame) call out_of(group, &
+         'ARMLEN', 'is the length of the frame: kites and parallelograms, infinitely many, pass the points; change it a little', &
+         findings)
+   end subroutine check_given_lengths
+
+   !> How many points a six-bar of this kind is determined by, with what is given of it.
+   pure integer function points_determined(self)
+      class(exact_group_t), intent(in) :: self
+
+      points_determined = free_points(self%six_bar)
+      if (self%six_bar == six_bar_stephenson) then
+         if (self%crank_pivot) points_determined = points_determined - 2
+         if (.not. any(is_missing(self%crank))) points_determined = points_determined - 2
+      end if
+      if (self%six_bar == six_bar_stephenson_2) then
+         if (.not. any(is_missing(self%output_pin))) points_determined = points_determined - 2
+      end if
+      if (self%six_bar /= six_bar_stephenson .and. .not. is_missing(self%arm_length)) points_determined = points_determined - 1
+   end function points_determined
 
    !> True if all six-bars through more than five points are wanted.
    pure logical function wants_every_six_bar(self)
       class(exact_group_t), intent(in) :: self
 
       wants_every_six_bar = self%kind == kind_function .and. self%six_bar /= six_bar_none
-      if (.not. wants_every_six_bar) return
+      if (.not. wants_every_six_bar .or. self%minimax) return
       if (allocated(self%function_name)) then
          wants_every_six_bar = self%precision_points > exact_in_table
       else

@@ -8,13 +8,14 @@ module psalm_exact_report
    use psalm_exact_study, only: exact_study_t, obeys_transmission, results_of, way_burmester, way_curves, way_generators, &
                                 way_every_six_bar, way_guided, way_legs, way_minimax, way_nine, way_six_bars, &
                                 way_subsets
-   use psalm_exact_text, only: write_generator, write_guided, write_linkage, write_six_bar
+   use psalm_exact_text, only: links_of_stephenson_2, links_of_stephenson_3, links_of_watt_2, write_generator, write_guided, &
+                               write_linkage, write_six_bar
    use psalm_function_points, only: generator_t
    use psalm_guided_six_bars, only: body_names
    use psalm_kinds, only: wp, degrees_per_radian
    use psalm_number_format, only: error_words, figures_of, in_a_row, in_sentence, number_words
    use psalm_six_bar_motion, only: joints_of
-   use psalm_six_bar_problem, only: type_names, watt_2
+   use psalm_six_bar_problem, only: number_name, stephenson_2, type_names, watt_2
    use psalm_six_bars, only: six_bar_joints
    use psalm_proof_list, only: shown
    use psalm_proof_study, only: proof_of_turn
@@ -570,16 +571,18 @@ contains
       type(exact_group_t), intent(in) :: exact
       type(exact_study_t), intent(in) :: study
       type(devices_t), intent(inout) :: devices
-      character(*), parameter :: numbers(5) = ['p', 'q', 'r', 's', 'c']
       complex(wp), allocatable :: joints(:, :)
       type(table_t) :: table
+      character(:), allocatable :: about
       integer :: i, k, shown
 
+      about = ''
+      if (.not. study%every%certain) about = 'about '
       associate (every => study%every, six => devices%six)
          call six%add('  '//trim(type_names(every%problem%type))//' through '//to_text(every%problem%points + 1)//' points')
          if (study%stopped .and. study%paths == 0 .and. every%known < every%expected) then
             call six%add('  not complete: '//reason_of(study)//' while the start set was made, '//to_text(every%known)//' of '// &
-                         to_text(every%expected)//' solutions known')
+                         about//to_text(every%expected)//' solutions known')
          else
             call six%add('  '//sentence_of(study))
             if (every%found%lost_far + every%found%lost_near > 0) call six%add('  paths lost: '// &
@@ -596,6 +599,9 @@ contains
             if (every%too_long > 0) call six%add('  '//to_text(every%too_long)//' left out: a link longer than RLONG')
             if (every%flat > 0) call six%add('  '//to_text(every%flat)//' left out: transmission angle less than'// &
                                              in_sentence(.true., exact%least_transmission)//' (TRMIN)')
+            if (every%minimax) call six%add('  largest error made less: '//to_text(size(every%best))//' linkages, '// &
+                                            to_text(count(every%best%alternates))//' of them local optima; '// &
+                                            to_text(every%unrefined)//' exact ones lead to none')
          end if
          if (.not. study%complete) then
             call devices%remark(set, sentence_of(study))
@@ -619,18 +625,45 @@ contains
          end if
          allocate (joints(7, shown))
          do k = 1, shown
-            joints(:, k) = exact%frame*joints_of(every%problem, every%best(k))
+            joints(:, k) = exact%frame*joints_of(every%problem, every%best(k), third_pivot(exact))
          end do
          associate (best => every%best(:shown))
             call list_six_bars(set, study, best%transmission, best%longest, best%error, joints, devices, table, best%by_output)
+            if (every%minimax) then
+               call table%add('before', best%before*degrees_per_radian, 'deg')
+               call table%add('alternates', best%alternates)
+            end if
             do i = 1, every%problem%unknowns
-               call table%add('number_'//numbers(i)//'x', real(best%x(i), wp))
-               call table%add('number_'//numbers(i)//'y', aimag(best%x(i)))
+               call table%add('number_'//number_name(i, every%problem%type)//'x', real(best%x(i), wp))
+               call table%add('number_'//number_name(i, every%problem%type)//'y', aimag(best%x(i)))
             end do
          end associate
          call devices%cases(devices%last_case())%put(table)
       end associate
    end subroutine report_every_six_bar
+
+   !> Links of a type of six-bar as a sketch has them.
+   pure function links_of(type) result(links)
+      integer, intent(in) :: type
+      character(len(links_of_watt_2)) :: links
+
+      select case (type)
+      case (watt_2)
+         links = links_of_watt_2
+      case (stephenson_2)
+         links = links_of_stephenson_2
+      case default
+         links = links_of_stephenson_3
+      end select
+   end function links_of
+
+   !> Where the third fixed pivot of Watt II is drawn, over the frame from A.
+   pure complex(wp) function third_pivot(exact)
+      type(exact_group_t), intent(in) :: exact
+
+      third_pivot = (2.0_wp, 0.0_wp)
+      if (exact%crank_pivot) third_pivot = cmplx(exact%pivots(1), exact%pivots(2), wp)/exact%frame
+   end function third_pivot
 
    !> What has removed six-bars.
    pure function left_out(too_long, flat) result(text)
@@ -656,19 +689,28 @@ contains
       character(15), allocatable :: columns(:, :)
       character(:), allocatable :: line
       integer :: i, k, shown
+      logical :: with_error
 
       shown = size(error)
+      ! a table wants its entries only: where they are met there is no error
+      with_error = study%wanted%continuous .or. study%every%minimax
       associate (six => devices%six)
          call six%add()
          line = '  RANK   TRANSMISSION   LONGEST LINK'
-         ! a table wants its entries only, and they are met
-         if (study%wanted%continuous) line = line//'     ERROR (DEG)'
+         if (with_error) line = line//'     ERROR (DEG)'
+         if (study%every%minimax) line = line//'        AS EXACT  ALTERNATES'
          if (present(by_output)) line = line//'  DRIVEN AT'
          call six%add(line)
-         columns = in_columns(reshape([transmission, longest, error*degrees_per_radian], [shown, 3]))
+         if (study%every%minimax) then
+            columns = in_columns(reshape([transmission, longest, error*degrees_per_radian, &
+                                          study%every%best(:shown)%before*degrees_per_radian], [shown, 4]))
+         else
+            columns = in_columns(reshape([transmission, longest, error*degrees_per_radian], [shown, 3]))
+         end if
          do k = 1, shown
             line = rank_column(k)//in_a_row(columns(:2, k))
-            if (study%wanted%continuous) line = line//' '//columns(3, k)
+            if (with_error) line = line//' '//columns(3, k)
+            if (study%every%minimax) line = line//' '//columns(4, k)//'  '//word(study%every%best(k)%alternates, 10)
             if (present(by_output)) line = line//'  '//trim(merge('either', 'input ', by_output(k)))
             call six%add(line)
          end do
@@ -685,7 +727,7 @@ contains
       call table%add('rank', [(k, k=1, shown)])
       call table%add('transmission', transmission, 'deg')
       call table%add('longest', longest, 'length')
-      if (study%wanted%continuous) call table%add('error', error*degrees_per_radian, 'deg')
+      if (with_error) call table%add('error', error*degrees_per_radian, 'deg')
       do i = 3, size(joints, 1)
          call add_point(names(i), joints(i, :), table)
       end do
@@ -727,12 +769,19 @@ contains
          end associate
       case (way_six_bars)
          associate (one => study%six_bars%best(rank))
-            call write_six_bar(title, one%watt, exact%frame*six_bar_joints(one, study%phi(1)), study%phi, last, text)
+            call write_six_bar(title, merge(links_of_watt_2, links_of_stephenson_3, one%watt), &
+                               exact%frame*six_bar_joints(one, study%phi(1)), study%phi, last, text)
          end associate
       case (way_every_six_bar)
          associate (every => study%every)
-            call write_six_bar(title, every%problem%type == watt_2, exact%frame*joints_of(every%problem, every%best(rank)), &
-                               study%phi, last, text)
+            associate (joints => exact%frame*joints_of(every%problem, every%best(rank), third_pivot(exact)))
+               if (every%minimax .and. study%wanted%continuous) then
+                  call write_six_bar(title, links_of(every%problem%type), joints, &
+                                     study%wanted%input_at([(real(i - 1, wp)/real(samples - 1, wp), i=1, samples)]), last, text)
+               else
+                  call write_six_bar(title, links_of(every%problem%type), joints, study%phi, last, text)
+               end if
+            end associate
          end associate
       case (way_subsets)
          call write_linkage(title, study%subsets%results(rank)%linkage, exact, last, text)

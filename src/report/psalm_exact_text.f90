@@ -10,7 +10,16 @@ module psalm_exact_text
    use psalm_text, only: text_t, full_precision, to_text
    implicit none (type, external)
    private
-   public :: write_linkage, write_generator, write_six_bar, write_guided
+   public :: write_linkage, write_generator, write_six_bar, write_guided, links_of_watt_2, links_of_stephenson_3, &
+             links_of_stephenson_2
+
+   !> Names and joints of the links of six-bars.
+   character(*), parameter :: all_links(3) = [character(120) :: &
+      "LNAME='frame','crank','coupler','follower','link','output', LNK='A B E','A C','C D','B D G','G H','E H' &END", &
+      "LNAME='frame','crank','coupler','follower','link','output', LNK='A B E','A C','C D G','B D','G H','E H' &END", &
+      "LNAME='frame','crank','output','floating','link','second', LNK='A B','A C D','B E','E G H','C G','D H' &END"]
+   character(*), parameter :: links_of_watt_2 = all_links(1), links_of_stephenson_3 = all_links(2), &
+                              links_of_stephenson_2 = all_links(3)
 
 contains
 
@@ -101,9 +110,9 @@ contains
 
    !> Append a six-bar, drawn at the first input: A, B, C, D, third fixed pivot E, G on the link that the driver moves, H on the
    !> output link.
-   subroutine write_six_bar(title, watt, joints, phi, last, text)
+   subroutine write_six_bar(title, links, joints, phi, last, text)
       character(*), intent(in) :: title
-      logical, intent(in) :: watt
+      character(*), intent(in) :: links              !! one of the above
       complex(wp), intent(in) :: joints(7)
       real(wp), intent(in) :: phi(:)                 !! radians
       integer, intent(in) :: last
@@ -113,8 +122,8 @@ contains
       call text%add(" &CHAIN JNT='A','B','C','D','E','G','H',")
       call add_item('JX=', real(joints, wp), text)
       call add_item('JY=', aimag(joints), text)
-      call text%add("  LNAME='frame','crank','coupler','follower','link','output',")
-      call text%add("  LNK='A B E','A C',"//merge("'C D','B D G',", "'C D G','B D',", watt)//"'G H','E H' &END")
+      call text%add('  '//links(:index(links, 'LNK') - 2))
+      call text%add('  '//trim(links(index(links, 'LNK'):)))
       call text%add(" &DRIVES DRIVE='A', DBASE='frame', DLINK='crank' &END")
       call text%add(" &OUTPUTS OUTPUT='angle output' &END")
       call text%add(' &METHOD NDES='//to_text(size(phi))//',')

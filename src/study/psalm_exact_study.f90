@@ -7,7 +7,8 @@ module psalm_exact_study
    use psalm_defects, only: exact_linkage_t, cognates_of, place_pins
    use psalm_dense, only: factors_t, factorise, solve
    use psalm_every_six_bar, only: every_six_bar_t, find_every_six_bar
-   use psalm_exact_group, only: exact_of, exact_group_t, is_missing, kind_function, kind_motion, six_bar_none, six_bar_watt
+   use psalm_exact_group, only: exact_of, exact_group_t, is_missing, kind_function, kind_motion, six_bar_none, &
+                               six_bar_stephenson_2, six_bar_watt
    use psalm_exact_results, only: exact_proof_t, exact_result_t, add_result, is_better, assessed, pair_of, rank, span_of
    use psalm_exact_subsets, only: find_by_subsets, subset_study_t
    use psalm_function_points, only: generators_t, five_points, four_points, three_points
@@ -23,7 +24,8 @@ module psalm_exact_study
    use psalm_nine_points, only: in_place, nine_point_orbits, nine_points_t, solve_nine_points
    use psalm_pole_curves, only: curve_sample_t, find_lines, find_pairs, sample_curve
    use psalm_six_bar_certificate, only: certify_six_bars
-   use psalm_six_bar_problem, only: at_c, at_p, make_six_bar_problem, most_unknowns, six_bar_problem_t, stephenson_3, watt_2
+   use psalm_six_bar_problem, only: at_c, at_first_arm, at_output, at_p, at_q, make_six_bar_problem, most_unknowns, &
+                                    six_bar_problem_t, stephenson_2, stephenson_3, watt_2
    use psalm_six_bars, only: six_bars_t, find_stephenson, find_watt
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t
@@ -847,6 +849,7 @@ contains
 
       if (exact%six_bar == six_bar_none) return
       call wanted_of(exact, wanted, phi, psi)
+      if (exact%minimax .and. .not. wanted%continuous) call choose_entries(exact%points_determined(), wanted, phi, psi)
       if (.not. maxval(angle_between(psi - psi(1))) > apart) then
          call set%origins%error(findings, 'EXACT', trim(merge('FUNC', 'PSI ', wanted%continuous)), &
                                 'the output stands still, as far as whole turns do not count: no linkage is needed', 1)
@@ -886,10 +889,10 @@ contains
       real(wp) :: unit
       logical :: exists
 
-      study%way = merge(way_minimax, way_generators, exact%minimax)
+      study%way = merge(way_minimax, way_generators, exact%minimax .and. exact%six_bar == six_bar_none)
       unit = merge(1.0_wp, radians_per_degree, exact%slider)
       call wanted_of(exact, study%wanted, phi, psi)
-      if (exact%minimax) then
+      if (exact%minimax .and. exact%six_bar == six_bar_none) then
          call approximate(study%wanted, exact%longest, study%approximations, study%too_long)
          return
       end if
@@ -948,6 +951,26 @@ contains
       places = [(0.5_wp - 0.5_wp*cos(pi*(2.0_wp*real(k, wp) - 1.0_wp)/real(2*points, wp)), k=1, points)]
    end function chebyshev
 
+   !> Of a table with more entries those that exact six-bars are to meet: the nearest to Chebyshev's points, each once.
+   pure subroutine choose_entries(points, wanted, phi, psi)
+      integer, intent(in) :: points
+      type(desired_function_t), intent(in) :: wanted
+      real(wp), allocatable, intent(inout) :: phi(:), psi(:)
+      integer :: entry(points), i, k, n, before
+      real(wp) :: place(points)
+
+      n = size(wanted%table_input)
+      place = chebyshev(points)
+      before = 0
+      do i = 1, points
+         entry(i) = minloc(abs(wanted%place_of([(k, k=1, n)]) - place(i)), dim=1)
+         entry(i) = min(max(entry(i), before + 1), n - points + i)
+         before = entry(i)
+      end do
+      phi = wanted%table_input(entry)
+      psi = wanted%table_output(entry)
+   end subroutine choose_entries
+
    !> All six-bars through the points of a function.
    subroutine find_all_six_bars(exact, stop, study)
       type(exact_group_t), intent(in) :: exact
@@ -956,21 +979,38 @@ contains
       type(six_bar_problem_t) :: problem
       complex(wp) :: given(most_unknowns)
       logical :: is_given(most_unknowns)
+      real(wp), allocatable :: phi(:), psi(:)
+      integer :: type, length_of
 
       study%way = way_every_six_bar
       given = (0.0_wp, 0.0_wp)
       is_given = .false.
-      if (exact%six_bar /= six_bar_watt) then
-         is_given([at_p, at_c]) = .true.
-         given(at_p) = cmplx(exact%crank(1), exact%crank(2), wp)/exact%frame
-         given(at_c) = -cmplx(exact%pivots(1), exact%pivots(2), wp)/exact%frame
-      end if
-      call make_six_bar_problem(merge(watt_2, stephenson_3, exact%six_bar == six_bar_watt), size(study%phi) - 1, is_given, &
-                                problem)
-      call find_every_six_bar(problem, study%wanted, study%phi, study%psi, given, exact%least_transmission, exact%longest, &
+      length_of = 0
+      select case (exact%six_bar)
+      case (six_bar_watt)
+         type = watt_2
+         if (.not. is_missing(exact%arm_length)) length_of = at_q
+      case (six_bar_stephenson_2)
+         type = stephenson_2
+         is_given(at_output) = .not. is_missing(exact%output_pin(1))
+         if (is_given(at_output)) given(at_output) = -cmplx(exact%output_pin(1), exact%output_pin(2), wp)/exact%frame
+         if (.not. is_missing(exact%arm_length)) length_of = at_first_arm
+      case default
+         type = stephenson_3
+         is_given(at_p) = .not. is_missing(exact%crank(1))
+         is_given(at_c) = exact%crank_pivot
+         if (is_given(at_p)) given(at_p) = cmplx(exact%crank(1), exact%crank(2), wp)/exact%frame
+         if (is_given(at_c)) given(at_c) = -cmplx(exact%pivots(1), exact%pivots(2), wp)/exact%frame
+      end select
+      phi = study%phi
+      psi = study%psi
+      if (exact%minimax .and. .not. study%wanted%continuous) call choose_entries(exact%points_determined(), study%wanted, phi, psi)
+      call make_six_bar_problem(type, size(phi) - 1, is_given, length_of, problem)
+      if (length_of > 0) given(length_of) = (exact%arm_length/exact%frame)**2
+      call find_every_six_bar(problem, study%wanted, phi, psi, given, exact%least_transmission, exact%longest, exact%minimax, &
                               study%every, stop)
       associate (found => study%every%found)
-         study%expected = study%every%expected
+         study%expected = merge(study%every%expected, 0, study%every%certain)
          study%generic = study%every%known
          study%ends = size(found%ends, 2)
          study%paths = found%paths
@@ -978,14 +1018,14 @@ contains
          study%passes = found%passes
          study%stopped = found%stopped
          study%real_ends = size(study%every%real_ones)
-         study%complete = found%complete() .and. study%generic == study%expected
+         study%complete = found%complete() .and. study%every%certain .and. study%generic == study%expected
       end associate
       study%linkages = study%real_ends
       if (.not. exact%certify .or. study%stopped) return
       study%examined = .true.
       if (study%real_ends == 0) return
       associate (every => study%every)
-         call certify_six_bars(problem, every%data, study%phi, study%psi, every%found%ends(:, every%real_ones), study%certificate)
+         call certify_six_bars(problem, every%data, phi, psi, every%found%ends(:, every%real_ones), study%certificate)
       end associate
    end subroutine find_all_six_bars
 end module psalm_exact_study

@@ -2,7 +2,8 @@
 """Every six-bar through the points of a function: counts, a linkage made here is found, and each that is listed meets its points.
 
 usage: test/published/six_bars.py [BIN]    default: build/local/bin
-       test/published/six_bars.py BIN all  Watt II through nine points too: minutes for its start set
+       test/published/six_bars.py BIN all  Watt II through nine and eight points and Stephenson II through eight too: minutes for
+                                           their start sets
 The linkage is made here with intersections of circles; what is listed is run again as a sketch by the suite's own analysis."""
 import cmath
 import math
@@ -122,6 +123,71 @@ WATT = """X**2
 """
 
 
+EIGHT = """LOG10
+ &EXACT KIND='FUNCTION', SIXBAR='WATT', NPOINT=8, FUNC='LOG10', FXLOW=1.0, FXHIGH=50.0, DPHI=90.0, DPSI=90.0, ARMLEN=0.75,
+  TRMIN=0.0, RLONG=50.0, NBEST=100, CERTIFY=1 &END
+"""
+SECOND = """X**2
+ &EXACT KIND='FUNCTION', SIXBAR='STEPHENSON2', NPOINT=8, FUNC='POWER', FPOWER=2.0, FXLOW=0.0, FXHIGH=1.0, DPHI=90.0, DPSI=90.0,
+  OUTPIN=-0.8,-0.3, ARMLEN=1.2, TRMIN=0.0, NBEST=100, CERTIFY=1 &END
+"""
+
+
+def turned_by(row, degrees, steps):
+    """Output turns in degrees of a Stephenson III at inputs from 0, followed with intersections of circles."""
+    a, b = 0j, 1 + 0j
+    c, d, e, g, h = (complex(row[n + "x"], row[n + "y"]) for n in "cdegh")
+    side_d = 1 if ((b - c).conjugate()*(d - c)).imag > 0 else -1
+    side_h = 1 if ((g - e).conjugate()*(h - e)).imag > 0 else -1
+    turns = []
+    for i in range(steps + 1):
+        pin = a + (c - a)*cmath.exp(1j*math.radians(degrees*i/steps))
+        other = circles(pin, abs(d - c), b, abs(d - b), side_d)
+        coupler = pin + (g - c)*(other - pin)/(d - c)
+        output = circles(e, abs(h - e), coupler, abs(h - g), side_h)
+        turns.append(math.degrees(cmath.phase((output - e)/(h - e))))
+    return turns
+
+
+def least_errors(folder):
+    """Six-bars whose largest error is made least: it is what intersections of circles say, and less than that of the exact ones."""
+    text = FUNCTION.replace("TRMIN=0.0, NBEST=100, CERTIFY=1", "TRMIN=20.0, MINIMAX=1")
+    status, listing, errors = psalm("least", text, folder)
+    check("MINIMAX: all exact ones are found first", status == 0 and "complete: 1286 of 1286" in listing, listing + errors)
+    rows = table_of(os.path.join(folder, "least.dev9"), "exact")
+    check("MINIMAX: linkages are listed", rows, listing)
+    for row in rows:
+        places = 900
+        errors = [t - 90.0*(i/places)**2 for i, t in enumerate(turned_by(row, 90.0, places))]
+        # where the range begins the output need not be where it is wanted
+        middle = 0.5*(max(errors) + min(errors))
+        largest = max(errors) - middle
+        check("MINIMAX: the error listed", abs(largest - row["error"]) < 2e-3*row["error"], (largest, row["error"]))
+        check("MINIMAX: less than before", row["error"] < row["before"], row)
+        check("MINIMAX: TRMIN is kept", row["transmission"] > 20.0 - 0.01, row["transmission"])
+    # a table of more entries than an exact linkage meets
+    places = [k/14 for k in range(15)]
+    entries = FUNCTION[:FUNCTION.index("NPOINT")] + "PHI=%s,\n  PSI=%s,\n  PIVOTS=-1.4,-0.5, CRANK=0.4,0.1, TRMIN=20.0, MINIMAX=1 &END\n" % (
+        ",".join("%.15g" % (90.0*p + 7.0) for p in places), ",".join("%.15g" % (90.0*p*p - 3.0) for p in places))
+    status, listing, errors = psalm("entries", entries, folder)
+    rows = table_of(os.path.join(folder, "entries.dev9"), "exact") if status == 0 else []
+    check("MINIMAX of a table: linkages are listed", rows, listing + errors)
+    for row in rows:
+        errors = [t - 90.0*p*p for t, p in zip(turned_by(row, 90.0, 14), places)]
+        largest = 0.5*(max(errors) - min(errors))
+        check("MINIMAX of a table: the error listed", abs(largest - row["error"]) < 2e-2*row["error"] + 1e-9, (largest, row["error"]))
+    for name, change, words in (
+            ("points", ("NPOINT=7", "NPOINT=9"), "a six-bar of Stephenson III is made for"),
+            ("hours", ("NPOINT=7", "NPOINT=9, CRANK=,"), "START=1 asks for them"),
+            ("start", ("NPOINT=7", "NPOINT=7, START=1"), "through 9 or 11 points"),
+            ("arm", ("NPOINT=7", "NPOINT=7, ARMLEN=1.0"), "is not to be chosen in a six-bar of Stephenson III")):
+        text = FUNCTION.replace(*change)
+        if name == "hours":
+            text = text.replace("NPOINT=9, CRANK=,", "NPOINT=9").replace(", CRANK=0.4,0.1", "")
+        status, _, errors = psalm(name, text, folder)
+        check("refused: " + name, status == 2 and words in errors, (status, errors))
+
+
 def left_out(folder):
     """Limits that leave nothing are named with what they remove."""
     status, _, errors = psalm("flat", SINE.replace("TRMIN=0.0", "TRMIN=89.0"), folder)
@@ -195,6 +261,7 @@ def main():
               all(abs(a["longest"] - b["longest"]) < 1e-6 for a, b in zip(other, found)), listing + errors)
         check("a table has no error between its entries", "ERROR" not in listing and "error" not in found[0], listing)
         left_out(folder)
+        least_errors(folder)
         cut_short(folder, kept)
         status, listing, _ = psalm("cut", WATT.replace("NBEST=100", "MAXTIME=0.5"), folder)
         check("stopped early", status == 1 and "not complete: stopped after MAXTIME while the start set was made" in listing, listing)
@@ -205,6 +272,16 @@ def main():
             meet("watt", folder, [90.0*x*x for x in chebyshev(9)])
             best = table_of(os.path.join(folder, "watt.dev9"), "exact")[0]["error"]
             check("watt: least error", abs(best - 3.73e-5) < 1e-6, best)
+            # counts of an independent program: 676 and 590 real ones
+            for name, text, count, real, function in (
+                    ("eight", EIGHT, 16908, 676, lambda x: 90.0*math.log10(1.0 + 49.0*x)/math.log10(50.0)),
+                    ("second", SECOND, 7324, 590, lambda x: 90.0*x*x)):
+                status, listing, errors = psalm(name, text, folder)
+                check(name + ": all ends", status == 0 and "complete: %d of %d ends distinct" % (count, count) in listing, listing + errors)
+                check(name + ": real ones", "%d real" % real in listing, listing)
+                check(name + ": certificate", "certified: of %d real ones %d exist, %d apart from all others, %d are real"
+                      % (real, real, real, real) in listing, listing)
+                meet(name, folder, [function(x) for x in chebyshev(8)])
     return tally.report()
 
 
