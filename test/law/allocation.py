@@ -1,11 +1,13 @@
 """The cheapest tolerances of random four-bars against SciPy, on a model of their own.
 
-usage: allocation.py PROGRAM_DIRECTORY [--cases N]. The changes of the coupler point with every length are differences of positions
+usage: allocation.py PROGRAM_DIRECTORY [--cases N] [--steps N]. The changes of the coupler point with every length are differences of positions
 computed here. Of each case SLSQP has several starts; no allocation may be dearer than its best, leave a band, or lie below its bound.
-Of a yield random linkages of this model are drawn. Last line: N passed, N failed.
+Of a yield random linkages of this model are drawn. Grades and steps are compared with every choice there is. Last line: N passed, N failed.
 """
 import argparse
 import csv
+import itertools
+import math
 import os
 import subprocess
 import sys
@@ -30,6 +32,16 @@ CASE = """RANDOM FOUR-BAR
  &LIMITS IPROOF=0 &END
  &ALLOC ALBAND=%r, ALRULE='%s', ALNAM=%s, ALCOST=%s, ALEXP=%s, ALMIN=%s, ALMAX=%s, ALCLAS=%s, ALPOS=%s%s &END
 """
+STEPS = """RANDOM FOUR-BAR
+ &CHAIN JNT='A','B','C','D','P', JX=%s, JY=%s, LNK='A D','A B','B C P','C D' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point P' &END
+ &METHOD IKIN=15 &END
+ &LIMITS IPROOF=0 &END
+ &ALLOC %s &END
+"""
+IT = {30: (33, 52, 84), 50: (39, 62, 100), 80: (46, 74, 120), 120: (54, 87, 140)} # IT8 to IT10 up to these sizes in mm: ISO 286-1, micrometres
+NORMAL_WIDTH = 1.959963984540054 # standard deviations to either side that hold 95 per cent
 
 
 def coupler_point(lengths, crank, carried, side):
@@ -162,6 +174,160 @@ def one(program, folder, number, random):
     tally.check(where + ": the bound is near", total - bound < 2e-6*total, "%r %r" % (bound, total))
 
 
+def share_of_uniform(effects, band):
+    """Share of the sums of uniform deviations within +-effects, of the shape (..., n), that is within +-band: by inclusion and exclusion."""
+    effects = numpy.maximum(abs(effects), 1e-3*abs(effects).max(axis=-1, keepdims=True))
+    n = effects.shape[-1]
+    total = 0.0
+    for signs in itertools.product((-1, 1), repeat=n):
+        e = effects @ numpy.array(signs)
+        total = total + numpy.prod(signs)*(numpy.maximum(band + e, 0)**n - numpy.maximum(-band + e, 0)**n)
+    return total/(2**n*math.factorial(n)*numpy.prod(effects, axis=-1))
+
+
+def changes_of(lengths, start, side, carried, turned):
+    """Changes of x and of y of the coupler point with every length, at every position: (positions, lengths) each."""
+    crank = start + numpy.radians(15)*numpy.arange(POSITIONS)
+    step = 1e-4
+    moves = [(coupler_point(lengths + step*e, crank, carried, side) - coupler_point(lengths - step*e, crank, carried, side))/(2*step)*turned
+             for e in numpy.eye(5)]
+    moves = numpy.stack(moves, axis=1)
+    return moves.real, moves.imag
+
+
+def discrete(program, folder, number, random):
+    """Steps of tables and grades against every choice: all five lengths in steps, or three and two of any size."""
+    lengths, start, side, carried = random_case(random)
+    b = lengths[0]*numpy.exp(1j*start)
+    p = coupler_point(lengths, numpy.array([start]), carried, side)[0]
+    c = b + (p - b)/(lengths[4]*carried)*lengths[1]
+    turned = numpy.exp(1j*random.random()*6)
+    joints = numpy.array((0, b, c, lengths[3], p))*turned
+    rule = ("WORST", "RSS", "YIELD", "NORMAL")[number % 4]
+    mixed = number % 5 == 4
+    if mixed and rule == "YIELD":
+        rule = "RSS"
+    graded = number % 3 == 2
+    band = 0.1 + 0.4*random.random()
+    classes = [0]*5
+    if random.random() < 0.5 and not mixed:
+        classes[0] = classes[3] = 3
+    steps, costs = [], []
+    cost, power = 10**(random.random(5) - 0.5), 0.4 + 1.6*random.random(5)
+    for i in range(5):
+        if graded:
+            widths = [IT[next(k for k in sorted(IT) if lengths[i] <= k)][g] for g in range(3)]
+            steps.append(numpy.array(widths)*1e-3/2)
+            costs.append(cost[i]*steps[-1]**-power[i])
+        else:
+            k = 3 + random.integers(2)
+            steps.append(numpy.sort(0.15*random.random(k) + 0.004))
+            costs.append(numpy.sort(random.random(k)*4 + 0.1)[::-1])
+    if classes[0] and not graded:
+        steps[3], costs[3] = steps[0], costs[0]
+    any_size = [1, 2] if mixed else []
+    items = ["ALBAND=%r" % band, "ALRULE='%s'" % rule.replace("NORMAL", "YIELD"), "ALNAM=" + ",".join("'%s'" % n for n in LENGTHS),
+             "ALCLAS=" + ",".join(map(str, classes))]
+    if rule in ("YIELD", "NORMAL"):
+        items.append("ALYLD=%r" % (100*YIELD))
+    if rule == "NORMAL":
+        items.append("ALLAW='NORMAL'")
+
+    def listed(values):
+        return ",".join(repr(float(v)) for v in values)
+    if graded:
+        first = 8
+        items += ["ALGRAD=" + ",".join("0" if i in any_size else str(first) for i in range(5)), "ALGRDC=5*%d" % (first + 2),
+                  "ALCOST=" + listed(cost), "ALEXP=" + listed(power)]
+    else:
+        tables = [i for i in range(5) if i not in any_size and not (classes[0] and i == 3)]
+        items += ["ALTAB=" + ",".join("0" if i in any_size else "1" if classes[0] and i == 3 else str(i + 1) for i in range(5)),
+                  "ALSTEP=" + ",".join(listed(steps[i]) for i in tables), "ALSCST=" + ",".join(listed(costs[i]) for i in tables),
+                  "ALSTAB=" + ",".join(str(i + 1) for i in tables for _ in steps[i])]
+        if mixed:
+            items += ["ALCOST=" + listed(c if i in any_size else 1.0 for i, c in enumerate(cost)),
+                      "ALEXP=" + listed(c if i in any_size else 1.0 for i, c in enumerate(power))]
+    path = os.path.join(folder, "case.nml")
+    with open(path, "w", encoding="utf-8") as f:
+        f.write(STEPS % (listed(joints.real), listed(joints.imag), ",\n  ".join(items)))
+    for name in ("allocation", "allocation_bands"):
+        if os.path.exists(os.path.join(folder, "case.%s.csv" % name)):
+            os.remove(os.path.join(folder, "case.%s.csv" % name))
+    done = subprocess.run([program, "--json", "--output-dir", folder, path], capture_output=True, text=True, check=False)
+    where = "steps %d, %s%s%s" % (number, rule, ", mixed" if mixed else "", ", grades" if graded else "")
+    changes = numpy.concatenate(changes_of(lengths, start, side, carried, turned))
+    in_steps = [i for i in range(5) if i not in any_size]
+    choices = numpy.array([k for k in itertools.product(*(range(len(steps[i])) for i in in_steps))
+                           if not classes[0] or k[0] == k[in_steps.index(3)]])
+    tolerances = numpy.zeros((len(choices), 5))
+    for column, i in enumerate(in_steps):
+        tolerances[:, i] = steps[i][choices[:, column]]
+    totals = sum(costs[i][choices[:, column]] for column, i in enumerate(in_steps))
+    if mixed:
+        order = numpy.argsort(totals)
+        best = numpy.inf
+        for k in order:
+            if totals[k] >= best:
+                break
+            found = two_more(changes, tolerances[k], any_size, cost, power, band, rule, lengths)
+            if found is not None:
+                best = min(best, totals[k] + found)
+    else:
+        kept = keeps(changes, tolerances, band, rule)
+        best = totals[kept].min() if kept.any() else numpy.inf
+    if not numpy.isfinite(best):
+        tally.check(where + ": no choice keeps the bands, and the program says so", done.returncode == 1 and "no tolerances are allotted: the least ones" in
+                    done.stderr, done.stderr)
+        return
+    tally.check(where + ": done", done.returncode == 0, done.stderr)
+    if done.returncode != 0:
+        return
+    with open(os.path.join(folder, "case.allocation.csv"), encoding="utf-8") as f:
+        rows = {row["dimension"].lower(): row for row in csv.DictReader(f)}
+    mine = sum(float(rows[n.lower()]["cost"]) for n in LENGTHS)
+    tally.check(where + ": as cheap as the cheapest of all choices", abs(mine/best - 1) < (1e-5 if mixed else 1e-9), "%r %r" % (mine, best))
+    chosen = numpy.array([float(rows[n.lower()]["tolerance"]) for n in LENGTHS])
+    tally.check(where + ": the choice keeps the bands", keeps(changes, chosen[None], band*(1 + 1e-6), rule)[0], str(chosen))
+    tally.check(where + ": it is one of the steps", all(min(abs(steps[i] - chosen[i])) < 1e-9 for i in in_steps), str(chosen))
+
+
+def keeps(changes, tolerances, band, rule):
+    """Which tolerances, of the shape (choices, 5), keep the band everywhere, by a rule."""
+    effects = abs(changes*tolerances[:, None, :])
+    if rule == "WORST":
+        return effects.sum(axis=2).max(axis=1) <= band*(1 + 1e-9)
+    if rule in ("RSS", "NORMAL"):
+        return scale_of(rule)*numpy.sqrt((effects**2).sum(axis=2).max(axis=1)) <= band*(1 + 1e-9)
+    return share_of_uniform(effects, band).min(axis=1) >= YIELD*(1 - 1e-6)
+
+
+def scale_of(rule):
+    return NORMAL_WIDTH/3 if rule == "NORMAL" else 1.0
+
+
+def two_more(changes, tolerance, any_size, cost, power, band, rule, lengths):
+    """Cheapest cost of two tolerances of any size beside those given: along the edge of the bands; none: nothing keeps them."""
+    order = 1 if rule == "WORST" else 2
+    effects = abs(changes*scale_of(rule))**order
+    room = band**order - effects @ tolerance**order
+    if room.min() <= 0:
+        return None
+    one, other = (effects[:, i] for i in any_size)
+
+    def cost_of(first):
+        second = ((room[:, None] - one[:, None]*first**order)/numpy.maximum(other, 1e-12)[:, None]).min(axis=0)
+        ok = second > 0
+        second = numpy.minimum(numpy.where(ok, second, 1.0)**(1/order), 0.1*lengths[any_size[1]])
+        return numpy.where(ok, cost[any_size[0]]*first**-power[any_size[0]] + cost[any_size[1]]*second**-power[any_size[1]], numpy.inf)
+    low, high = 1e-7, 0.1*lengths[any_size[0]]
+    for _ in range(6):
+        first = numpy.geomspace(low, high, 200)
+        at = int(numpy.argmin(cost_of(first)))
+        low, high = first[max(at - 1, 0)], first[min(at + 1, 199)]
+    best = cost_of(first)[at]
+    return best if numpy.isfinite(best) else None
+
+
 def by_loops(program, folder):
     """A linkage by &LINKS: 19 dimensions, lengths and angles, named as its listing names them."""
     data = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "data", "needle.nml")
@@ -231,6 +397,7 @@ def main():
     parser = argparse.ArgumentParser(usage=__doc__)
     parser.add_argument("programs")
     parser.add_argument("--cases", type=int, default=60)
+    parser.add_argument("--steps", type=int, default=40)
     options = parser.parse_args()
     random = numpy.random.default_rng(41)
     with tempfile.TemporaryDirectory() as folder:
@@ -238,6 +405,8 @@ def main():
         edges(os.path.join(os.path.abspath(options.programs), "psalm"), folder)
         for number in range(options.cases):
             one(os.path.join(os.path.abspath(options.programs), "psalm"), folder, number, random)
+        for number in range(options.steps):
+            discrete(os.path.join(os.path.abspath(options.programs), "psalm"), folder, number, random)
     return tally.report()
 
 

@@ -1,0 +1,98 @@
+!> How far tolerances let an output go: the worst case, the root-sum-square, or the width that holds a share of the linkages.
+!>
+!> Each is a norm of the tolerances: it grows in proportion with them, and is convex. Of the width that is so because the deviations
+!> have symmetric and log-concave densities. So the plane that touches it at any tolerances lies below it everywhere: no tolerances
+!> within a band go beyond the linear band of that plane. Source: Lagoa, Li and Sznaier (2005), Probabilistically constrained linear
+!> programs and risk-adjusted controller design, SIAM Journal on Optimization 15.
+module psalm_allocation_rule
+   use psalm_allocation_group, only: rule_square, rule_worst, rule_yield
+   use psalm_kinds, only: wp
+   use psalm_sum_law, only: half_width, law_normal, share_within
+   implicit none (type, external)
+   private
+   public :: allocated_band_t, band_rule_t
+
+   !> A band at a position.
+   type :: allocated_band_t
+      integer :: position = 0, number = 0             !! number: of the outputs
+      real(wp) :: width = 0.0_wp                      !! to either side
+      real(wp) :: used = 0.0_wp                       !! deviation by the rule
+      real(wp) :: price = 0.0_wp                      !! cost saved by a wider band, to first order, for its whole width
+      real(wp) :: share = 0.0_wp                      !! of the linkages within it, by the law of the deviations
+   end type allocated_band_t
+
+   !> The rule, and what the dimensions have in common.
+   type :: band_rule_t
+      integer :: rule = rule_worst                    !! one of `rule_...`
+      integer :: law = 1                              !! one of `law_...`
+      real(wp) :: yield = 0.0_wp                      !! share of the linkages
+   contains
+      procedure :: reach
+      procedure :: share
+      procedure :: is_separable
+      procedure :: order
+      procedure :: weights
+   end type band_rule_t
+
+contains
+
+   !> How far tolerances let the output go, and its change with each.
+   pure subroutine reach(self, change, tolerance, far, slope)
+      class(band_rule_t), intent(in) :: self
+      real(wp), intent(in) :: change(:)               !! of the output, by a tolerance of 1
+      real(wp), intent(in) :: tolerance(:)            !! the same shape
+      real(wp), intent(out) :: far
+      real(wp), intent(out) :: slope(:)               !! the same shape
+      real(wp) :: effect(size(change))
+
+      effect = abs(change)*tolerance
+      select case (self%rule)
+      case (rule_worst)
+         far = sum(effect)
+         slope = abs(change)
+      case (rule_square)
+         far = sqrt(sum(effect**2))
+         slope = 0.0_wp
+         if (far > 0.0_wp) slope = effect*abs(change)/far
+      case default
+         call half_width(self%law, effect, self%yield, far, slope)
+         slope = slope*abs(change)
+      end select
+   end subroutine reach
+
+   !> The share of the linkages within a band, by the law of the deviations.
+   pure real(wp) function share(self, change, tolerance, width)
+      class(band_rule_t), intent(in) :: self
+      real(wp), intent(in) :: change(:), tolerance(:) !! see `reach`
+      real(wp), intent(in) :: width                   !! of the band, to either side
+
+      share = share_within(self%law, change*tolerance, width)
+   end function share
+
+   !> True if the power `order` of how far they go is a sum of terms of one tolerance each.
+   pure logical function is_separable(self)
+      class(band_rule_t), intent(in) :: self
+
+      is_separable = self%rule /= rule_yield .or. self%law == law_normal
+   end function is_separable
+
+   !> That power.
+   pure integer function order(self)
+      class(band_rule_t), intent(in) :: self
+
+      order = 2
+      if (self%rule == rule_worst) order = 1
+   end function order
+
+   !> What these terms are of tolerances of 1.
+   pure function weights(self, change)
+      class(band_rule_t), intent(in) :: self
+      real(wp), intent(in) :: change(:)
+      real(wp) :: weights(size(change)), widest, slope(1)
+
+      weights = abs(change)**self%order()
+      if (self%rule /= rule_yield) return
+      call half_width(self%law, [1.0_wp], self%yield, widest, slope)
+      weights = widest**2*weights
+   end function weights
+end module psalm_allocation_rule
