@@ -89,7 +89,7 @@ contains
       cams = cams_of(set)
       parts = parts_of(cams)
       allocate (problem, search)
-      call make_room(size(parts), studies)
+      call grow(size(parts), studies)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
       call list_input(header_of('CALM', devices%mark), set, problem, devices%eight)
       if (size(cams(1)%variations) > 0) then
@@ -116,10 +116,10 @@ contains
    end subroutine run_case
 
    !> Studies as they are by default. A procedure of its own: what this puts on the stack is gone when the work begins.
-   subroutine make_room(count, studies)
+   subroutine grow(count, studies)
       integer, intent(in) :: count
       type(cam_study_t), allocatable, intent(out) :: studies(:)
 
       allocate (studies(count))
-   end subroutine make_room
+   end subroutine grow
 end program calm

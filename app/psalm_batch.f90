@@ -83,12 +83,12 @@ module psalm_batch
       end subroutine study_cases
 
       !> Why the work of the cases of a file cannot be divided into parts; empty: it can.
-      function judge_cases(sets) result(reason)
+      function assess_cases(sets) result(reason)
          import :: data_set_t
          implicit none (type, external)
          type(data_set_t), intent(in) :: sets(:)
          character(:), allocatable :: reason
-      end function judge_cases
+      end function assess_cases
    end interface
 
 contains
@@ -111,7 +111,7 @@ contains
       procedure(study_case) :: study
       integer, intent(inout) :: code                 !! exit status
       class(team_t), intent(inout), optional :: team !! who does the numbered work
-      procedure(judge_cases), optional :: divided    !! given with the team
+      procedure(assess_cases), optional :: divided    !! given with the team
       integer :: i
 
       do i = 1, size(arguments%files)
@@ -130,7 +130,7 @@ contains
       integer, intent(inout) :: code                 !! exit status
       procedure(study_cases), optional :: together   !! before the first case
       class(team_t), intent(inout), optional :: team !! who does the numbered work
-      procedure(judge_cases), optional :: divided    !! given with the team
+      procedure(assess_cases), optional :: divided    !! given with the team
       type(diagnostics_t) :: findings
       type(data_set_t), allocatable :: sets(:)
       type(prepared_t), allocatable :: prepared(:)

@@ -90,10 +90,10 @@ def search(psalm, folder, name, line, seed, seconds):
     """Search and trace the best linkage: error by links, proof, distances, time of the processor."""
     stem = os.path.join(folder, re.sub(r"\W", "_", name) + "_%d" % seed)
     points, _, _ = scaled(evenly(line, DENSE), RADIUS)
-    with open(stem + "_wish.txt", "w") as out:
+    with open(stem + "_target.txt", "w") as out:
         out.writelines("%.6f,%.6f\n" % (p.real, p.imag) for p in points)
     with open(stem + ".nml", "w") as out:
-        out.write("%s\n &CURVE FILE='%s_wish.txt', NPTS=%d, CLOSED=1 &END\n &KINDS LINKS=4,6,8 &END\n &METHOD ISTART=%d &END\n"
+        out.write("%s\n &CURVE FILE='%s_target.txt', NPTS=%d, CLOSED=1 &END\n &KINDS LINKS=4,6,8 &END\n &METHOD ISTART=%d &END\n"
                   " &LIMITS TANGLE=90.0 &END\n &SEARCH MAXTIME=%g &END\n" % (name, os.path.basename(stem), POINTS, seed, seconds))
     child = subprocess.Popen([psalm, "--threads", "1", "--output-dir", folder, stem + ".nml"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
                              text=True)

@@ -15,7 +15,7 @@ program exact
    use psalm_nine_points, only: in_place, nine_point_orbits, nine_points_t, solve_nine_points
    use psalm_six_bars, only: find_stephenson, find_watt, six_bars_t
    use psalm_tracker, only: tracked_t
-   use psalm_wanted_function, only: function_kind, wanted_function_t
+   use psalm_desired_function, only: function_kind, desired_function_t
    use psalm_xoshiro, only: purpose_starts, xoshiro_t
    implicit none (type, external)
    type(xoshiro_t) :: random
@@ -133,7 +133,7 @@ contains
       real(wp), parameter :: psi(5) = radians_per_degree*[0.0_wp, 12.0_wp, 27.0_wp, 45.0_wp, 66.0_wp]
       integer, parameter :: grid = 6, kept = 10
       real(wp), parameter :: least_angle = 20.0_wp, longest = 10.0_wp
-      type(wanted_function_t) :: wanted
+      type(desired_function_t) :: wanted
       type(six_bars_t) :: found
       real(wp) :: from, to
       integer :: k
@@ -211,7 +211,7 @@ contains
       character(*), intent(in) :: name
       real(wp), intent(in) :: low, high, power, swing_in, swing_out
       logical, intent(in) :: slides
-      type(wanted_function_t) :: wanted
+      type(desired_function_t) :: wanted
       type(approximation_t), allocatable :: found(:)
       character(:), allocatable :: unit
       real(wp) :: from, to

@@ -5,7 +5,7 @@ module press
    private
    public :: press_t, new_press, behaviour
 
-   real(wp), parameter :: wanted_stroke = 80.0_wp, wanted_ratio = 1.2_wp
+   real(wp), parameter :: desired_stroke = 80.0_wp, desired_ratio = 1.2_wp
    real(wp), parameter :: full_turn = 360.0_wp
    real(wp), parameter :: bad = 10.0_wp   !! objective of a crank that does not turn fully
 
@@ -43,7 +43,7 @@ contains
       if (present(gradient)) gradient = 0.0_wp
       call behaviour(self%linkage, x, stroke, ratio)
       f = bad
-      if (stroke > 0.0_wp) f = (stroke/wanted_stroke - 1.0_wp)**2 + (ratio/wanted_ratio - 1.0_wp)**2
+      if (stroke > 0.0_wp) f = (stroke/desired_stroke - 1.0_wp)**2 + (ratio/desired_ratio - 1.0_wp)**2
    end subroutine objective_at
 
    !> Stroke and time ratio; 0 where the crank does not turn fully.

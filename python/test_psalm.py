@@ -310,7 +310,7 @@ class Counted:
 
 
 def test_speed():
-    """What Python adds to an analysis of 180 positions: calls are counted, the time is told, not judged."""
+    """What Python adds to an analysis of 180 positions: calls are counted, the time is told, not assessed."""
     case = four_bar()
     case.set("METHOD", IKIN=2)
     case.analyse()

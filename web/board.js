@@ -206,7 +206,7 @@
     state.motion = {};
     state.live = null;
     state.t = 0;
-    state.messages = solver.judge(sketch);
+    state.messages = solver.assess(sketch);
     if (!state.messages.length) {
       const mech = solver.compile(sketch), start = solver.assemble(mech);
       state.motion = { mech, start };

@@ -268,11 +268,11 @@ balm.drawing = (() => {
       if (p.closed[i] === '0') continue;
       const x = mixed(p.x[c.base], [i, i, 0]), y = mixed(p.y[c.base], [i, i, 0]);
       g.strokeStyle = pens.actual;
-      segment(g, x, y, p.aim_x[i], p.aim_y[i]);
+      segment(g, x, y, p.actual_mark_x[i], p.actual_mark_y[i]);
       if (!c.desired) continue;
       g.setLineDash([5, 4]);
       g.strokeStyle = pens.desired;
-      segment(g, x, y, p.wish_x[i], p.wish_y[i]);
+      segment(g, x, y, p.desired_mark_x[i], p.desired_mark_y[i]);
       g.setLineDash([]);
     }
     g.globalAlpha = alpha;
@@ -284,7 +284,7 @@ balm.drawing = (() => {
     for (let i = 0; i < p.n; i++) {
       const closed = p.closed[i] === '1', at = [i, i, 0];
       if (closed) star(g, X(mixed(x, at)), Y(mixed(y, at)), 4.5 * view.u, c.ink || pens.actual);
-      if (c.desired && (closed || c.motion === 'point')) diamond(g, X(p.wish_x[i]), Y(p.wish_y[i]));
+      if (c.desired && (closed || c.motion === 'point')) diamond(g, X(p.desired_mark_x[i]), Y(p.desired_mark_y[i]));
     }
   }
 
@@ -736,7 +736,7 @@ balm.drawing = (() => {
   function drawOutput(c, at) {
     let x = c.px[c.output], y = c.py[c.output];
     if (c.motion === 'angle' && c.output === c.base && c.sweep.closed[at[0]] === '1') {
-      const ax = X(mixed(c.sweep.aim_x, at)), ay = Y(mixed(c.sweep.aim_y, at));
+      const ax = X(mixed(c.sweep.actual_mark_x, at)), ay = Y(mixed(c.sweep.actual_mark_y, at));
       pen.strokeStyle = pens.actual;
       pen.lineWidth = 2.2 * view.u;
       line(pen, x, y, ax, ay);

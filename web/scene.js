@@ -30,7 +30,7 @@ balm.scene = (() => {
     c.ring = !c.sliding;
     for (const row of [s, p]) {
       for (const key of ['x', 'y', 'ux', 'uy']) row[key] = moving(row[key]);
-      for (const key of ['actual', 'actual_y', 'aim_x', 'aim_y', 'error', 'error_y'])
+      for (const key of ['actual', 'actual_y', 'actual_mark_x', 'actual_mark_y', 'error', 'error_y'])
         if (row[key]) row[key] = filled(row[key]);
       for (const a of row.angle) a.values = filled(a.values);
     }

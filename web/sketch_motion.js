@@ -397,7 +397,7 @@ board.motion = (() => {
   const listed = (names) => names.length < 2 ? names.join('') : names.slice(0, -1).join(', ') + ' and ' + names.at(-1);
 
   /** What is wrong with a sketch, in words, and the remedy; empty if it is a mechanism. Each has the names it is about. */
-  function judge(sketch) {
+  function assess(sketch) {
     const say = (text, joints = [], links = []) => [{ text, joints, links }];
     if (!sketch.joints.length) return say('The board is empty: with the tool Link press where a joint is to be and pull to the next.');
     const home = sketch.joints.filter((j) => !sketch.links.some((l) => l.joints.includes(j.name)));
@@ -444,5 +444,5 @@ board.motion = (() => {
     return [];
   }
 
-  return { compile, assemble, advance, correct, joints, travel, positions, inputsAt, follow, output, freedom, judge, eliminate, listed, RADIAN };
+  return { compile, assemble, advance, correct, joints, travel, positions, inputsAt, follow, output, freedom, assess, eliminate, listed, RADIAN };
 })();

@@ -258,12 +258,12 @@ globalThis.results = [];
       return left === 0 && twice.length === 0 && count === driven;
     }));
     const without = (change) => { const it = text.parse(plain); change(it); return it; };
-    const told = (change) => (solver.judge(without(change))[0] || { text: '' }).text;
+    const told = (change) => (solver.assess(without(change))[0] || { text: '' }).text;
     check('what is underconstrained is named', told((s) => { s.links[0].joints = ['A']; }).startsWith('Underconstrained: links 3 and 4 can still move with A held. 2 drives more'), told((s) => { s.links[0].joints = ['A']; }));
     check('what is overconstrained is named', told((s) => { s.drives = []; s.links.push({ name: 'tie', joints: ['A', 'C'] }, { name: 'tie2', joints: ['B', 'D'] }); }).startsWith('Overconstrained: joint'));
     check('a drive too many is named', told((s) => { s.drives.push({ kind: 'turn', at: ['D'], base: '', link: '', ratio: 1, phase: 0, delt: [] }); }).startsWith('Drive D moves nothing'));
     check('joints at one place are named', told((s) => { Object.assign(s.joints[1], s.joints[0], { name: 'B' }); }).startsWith('Joints A and B of link 2 are at the same place'));
-    check('a linkage in order needs no words', solver.judge(sketch).length === 0);
+    check('a linkage in order needs no words', solver.assess(sketch).length === 0);
   }
 
   const failed = results.filter(([, good]) => !good);

@@ -34,7 +34,7 @@ module bench_path_rivals
    !> What an objective function is given.
    type :: task_t
       type(fitted_path_t) :: path
-      type(path_workspace_t) :: room
+      type(path_workspace_t) :: work
       type(path_timing_t) :: timing
       type(nlopt_t) :: optimiser
       real(wp) :: begun = 0.0_wp, limit = 0.0_wp     !! seconds of the processor
@@ -65,7 +65,7 @@ contains
          do way = 1, ways
             allocate (task)
             call make_path(sets(1), merge(1.0_wp, -1.0_wp, mod(way, 2) == 1), merge(1.0_wp, -1.0_wp, way <= ways/2), task%path, &
-                           task%room)
+                           task%work)
             associate (unit => task%path%size**2*task%path%weight_scale, n => real(task%path%n, wp))
                task%goal = max(within*best, exact**2*n*task%path%size**2)/unit
                call run(trim(names(r)), way, seconds/real(ways, wp), task)
@@ -139,7 +139,7 @@ contains
 
       call c_f_pointer(data, task)
       u = real(x, wp)
-      associate (timing => task%timing, room => task%room, path => task%path)
+      associate (timing => task%timing, work => task%work, path => task%path)
          timing%side = path%side
          timing%z0 = cmplx(u(1), u(2), wp)
          timing%w1 = cmplx(u(3), u(4), wp)
@@ -153,21 +153,21 @@ contains
             timing%t(k) = u(unknowns + 1)*degrees_per_radian + full_turn*part/shares
             part = part + u(unknowns + 1 + k)
          end do
-         call trace_coupler(timing, timing%t, room%e, room%v, room%turn, room%grow)
+         call trace_coupler(timing, timing%t, work%e, work%v, work%turn, work%grow)
          error = 0.0_wp
          by = 0.0_wp
          do k = 1, path%n
-            miss = path%weight(k)*(timing%z0 + timing%w1*room%e(k) + timing%w2*room%v(k) - path%point(k))
+            miss = path%weight(k)*(timing%z0 + timing%w1*work%e(k) + timing%w2*work%v(k) - path%point(k))
             error = error + square(miss)/path%weight(k)
             by(1:2) = by(1:2) + 2.0_wp*[real(miss, wp), aimag(miss)]
-            turn = conjg(room%e(k))*miss
+            turn = conjg(work%e(k))*miss
             by(3:4) = by(3:4) + 2.0_wp*[real(turn, wp), aimag(turn)]
-            turn = conjg(room%v(k))*miss
+            turn = conjg(work%v(k))*miss
             by(5:6) = by(5:6) + 2.0_wp*[real(turn, wp), aimag(turn)]
             do m = 1, 3
-               by(shape_g - 1 + m) = by(shape_g - 1 + m) + 2.0_wp*dot(timing%w2*room%grow(k, m), miss)
+               by(shape_g - 1 + m) = by(shape_g - 1 + m) + 2.0_wp*dot(timing%w2*work%grow(k, m), miss)
             end do
-            by_input(k) = 2.0_wp*dot(timing%w1*cmplx(-aimag(room%e(k)), real(room%e(k), wp), wp) + timing%w2*room%turn(k), miss)
+            by_input(k) = 2.0_wp*dot(timing%w1*cmplx(-aimag(work%e(k)), real(work%e(k), wp), wp) + timing%w2*work%turn(k), miss)
          end do
          call find_violations(path, timing, 0.0_wp, count, amount, rows)
          objective = real(error + weight*sum(amount(:count)**2), c_double)

@@ -32,7 +32,7 @@ contains
       type(data_set_t), allocatable :: sets(:)
       type(diagnostics_t) :: findings
       type(fitted_path_t) :: path(ways)
-      type(path_workspace_t) :: room
+      type(path_workspace_t) :: work
       type(path_timing_t) :: timing
       type(xoshiro_t) :: random
       real(wp), allocatable :: value(:, :)
@@ -42,7 +42,7 @@ contains
       call read_cases(file, sets, findings)
       n = sets(1)%method%ndes
       do way = 1, ways
-         call make_path(sets(1), merge(1.0_wp, -1.0_wp, mod(way, 2) == 1), merge(1.0_wp, -1.0_wp, way <= ways/2), path(way), room)
+         call make_path(sets(1), merge(1.0_wp, -1.0_wp, mod(way, 2) == 1), merge(1.0_wp, -1.0_wp, way <= ways/2), path(way), work)
       end do
       unit = path(1)%size**2*path(1)%weight_scale
       allocate (timing%t(n), source=0.0_wp)
@@ -82,7 +82,7 @@ contains
             do batch = done(seed) + 1, until
                if (until > batches_at_first .and. minval(value(:, seed)) <= goal) exit
                call random%use_stream(batch)
-               call search_batch(path, random, room, timing)
+               call search_batch(path, random, work, timing)
                done(seed) = batch
                if (timing%worst <= kept) value(batch, seed) = timing%error*unit
             end do
@@ -94,11 +94,11 @@ contains
 
    !> Points and bounds of a data set: four lengths, coupler point and pivot come first among the variables. With the crank going
    !> the other way the mirror image is searched.
-   subroutine make_path(set, sense, side, path, room)
+   subroutine make_path(set, sense, side, path, work)
       type(data_set_t), intent(in) :: set
       real(wp), intent(in) :: sense, side            !! of the crank, the coupler's: +1 or -1
       type(fitted_path_t), intent(out) :: path
-      type(path_workspace_t), intent(out) :: room
+      type(path_workspace_t), intent(out) :: work
       integer, parameter :: ground = 4
       integer, parameter :: of(6) = [ground, 1, 2, 3, 5, 6] !! among OPLOW and OPHIGH
       real(wp) :: cosine, unused
@@ -108,7 +108,7 @@ contains
       associate (n => set%method%ndes)
          call prepare_path(set%method%desx(:n), sense*set%method%desy(:n), spread(1.0_wp, 1, n), set%limits%oplow(of), &
                            set%limits%ophigh(of), cosine, &
-                           sense*side, path, room)
+                           sense*side, path, work)
       end associate
    end subroutine make_path
 

@@ -1347,7 +1347,7 @@ module psalm_board_text
    ''//nl// &
    '  /** What is wrong with a sketch, in words, and the remedy; empty if it is a mechanism. Each has the names it is about'// &
    '. */'//nl// &
-   '  function judge(sketch) {'//nl// &
+   '  function assess(sketch) {'//nl// &
    '    const say = (text, joints = [], links = []) => [{ text, joints, links }];'//nl// &
    "    if (!sketch.joints.length) return say('The board is empty: with the tool Link press where a joint is to be and pull"// &
    " to the next.');"//nl// &
@@ -1412,8 +1412,8 @@ module psalm_board_text
    '    return [];'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  return { compile, assemble, advance, correct, joints, travel, positions, inputsAt, follow, output, freedom, judge, el'// &
-   'iminate, listed, RADIAN };'//nl// &
+   '  return { compile, assemble, advance, correct, joints, travel, positions, inputsAt, follow, output, freedom, assess, e'// &
+   'liminate, listed, RADIAN };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
@@ -2958,7 +2958,7 @@ module psalm_board_text
    '    state.motion = {};'//nl// &
    '    state.live = null;'//nl// &
    '    state.t = 0;'//nl// &
-   '    state.messages = solver.judge(sketch);'//nl// &
+   '    state.messages = solver.assess(sketch);'//nl// &
    '    if (!state.messages.length) {'//nl// &
    '      const mech = solver.compile(sketch), start = solver.assemble(mech);'//nl// &
    '      state.motion = { mech, start };'//nl// &

@@ -335,7 +335,7 @@ module psalm_page_text
    '    c.ring = !c.sliding;'//nl// &
    '    for (const row of [s, p]) {'//nl// &
    "      for (const key of ['x', 'y', 'ux', 'uy']) row[key] = moving(row[key]);"//nl// &
-   "      for (const key of ['actual', 'actual_y', 'aim_x', 'aim_y', 'error', 'error_y'])"//nl// &
+   "      for (const key of ['actual', 'actual_y', 'actual_mark_x', 'actual_mark_y', 'error', 'error_y'])"//nl// &
    '        if (row[key]) row[key] = filled(row[key]);'//nl// &
    '      for (const a of row.angle) a.values = filled(a.values);'//nl// &
    '    }'//nl// &
@@ -841,11 +841,11 @@ module psalm_page_text
    "      if (p.closed[i] === '0') continue;"//nl// &
    '      const x = mixed(p.x[c.base], [i, i, 0]), y = mixed(p.y[c.base], [i, i, 0]);'//nl// &
    '      g.strokeStyle = pens.actual;'//nl// &
-   '      segment(g, x, y, p.aim_x[i], p.aim_y[i]);'//nl// &
+   '      segment(g, x, y, p.actual_mark_x[i], p.actual_mark_y[i]);'//nl// &
    '      if (!c.desired) continue;'//nl// &
    '      g.setLineDash([5, 4]);'//nl// &
    '      g.strokeStyle = pens.desired;'//nl// &
-   '      segment(g, x, y, p.wish_x[i], p.wish_y[i]);'//nl// &
+   '      segment(g, x, y, p.desired_mark_x[i], p.desired_mark_y[i]);'//nl// &
    '      g.setLineDash([]);'//nl// &
    '    }'//nl// &
    '    g.globalAlpha = alpha;'//nl// &
@@ -857,7 +857,7 @@ module psalm_page_text
    '    for (let i = 0; i < p.n; i++) {'//nl// &
    "      const closed = p.closed[i] === '1', at = [i, i, 0];"//nl// &
    '      if (closed) star(g, X(mixed(x, at)), Y(mixed(y, at)), 4.5 * view.u, c.ink || pens.actual);'//nl// &
-   "      if (c.desired && (closed || c.motion === 'point')) diamond(g, X(p.wish_x[i]), Y(p.wish_y[i]));"//nl// &
+   "      if (c.desired && (closed || c.motion === 'point')) diamond(g, X(p.desired_mark_x[i]), Y(p.desired_mark_y[i]));"//nl// &
    '    }'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1321,7 +1321,7 @@ module psalm_page_text
    '  function drawOutput(c, at) {'//nl// &
    '    let x = c.px[c.output], y = c.py[c.output];'//nl// &
    "    if (c.motion === 'angle' && c.output === c.base && c.sweep.closed[at[0]] === '1') {"//nl// &
-   '      const ax = X(mixed(c.sweep.aim_x, at)), ay = Y(mixed(c.sweep.aim_y, at));'//nl// &
+   '      const ax = X(mixed(c.sweep.actual_mark_x, at)), ay = Y(mixed(c.sweep.actual_mark_y, at));'//nl// &
    '      pen.strokeStyle = pens.actual;'//nl// &
    '      pen.lineWidth = 2.2 * view.u;'//nl// &
    '      line(pen, x, y, ax, ay);'//nl// &

@@ -27,11 +27,11 @@ module psalm_frames
 contains
 
    !> Allocate `count` rows of `room` positions.
-   subroutine make_frames(room, count, frames)
-      integer, intent(in) :: room, count
+   subroutine make_frames(capacity, count, frames)
+      integer, intent(in) :: capacity, count
       type(frames_t), intent(out) :: frames
 
-      call make_rows(room, count + 1 + rows_of_scratch, frames%work)
+      call make_rows(capacity, count + 1 + rows_of_scratch, frames%work)
       frames%zero = count + 1
       frames%scratch = count + 2
    end subroutine make_frames

@@ -128,15 +128,15 @@ contains
       type(rows_t), intent(inout) :: store
       integer, intent(in) :: i
       type(correction_t), intent(inout) :: result  !! `moved` is kept
-      real(wp) :: room(most_small*(most_small + 1))
+      real(wp) :: scratch(most_small*(most_small + 1))
       real(wp), allocatable :: large(:)
 
       associate (m => higher%equations, n => higher%unknowns)
          if (m == 4 .and. n == 4) then
             ! loops of known length
-            call correct_with(higher, store, i, result, 4, 4, room, room(17))
+            call correct_with(higher, store, i, result, 4, 4, scratch, scratch(17))
          else if (max(m, n) <= most_small) then
-            call correct_with(higher, store, i, result, m, n, room, room(m*n + 1))
+            call correct_with(higher, store, i, result, m, n, scratch, scratch(m*n + 1))
          else
             allocate (large(m*(n + 1)))
             call correct_with(higher, store, i, result, m, n, large, large(m*n + 1))

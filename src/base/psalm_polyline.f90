@@ -1,6 +1,6 @@
 !> Curves given by points: whether they close, their corners, points taken evenly along them, smoothing.
 !>
-!> A point is a row of numbers: co-ordinates first, and what goes with them (an input, a weight), which is interpolated with
+!> A point is a row of numbers: coordinates first, and what goes with them (an input, a weight), which is interpolated with
 !> them. Arc length is that of the straight pieces between the points.
 module psalm_polyline
    use psalm_angles, only: degrees_of, nearest_difference
@@ -106,7 +106,7 @@ contains
 
    !> Average every point over its neighbours along the curve as far as `width` to either side, with the weight (1 - u**2)**2 at
    !> the part u of it. Corners and ends stay; each stretch between two of them is averaged by itself, continued beyond them
-   !> point-symmetrically, so that straight stretches stay straight to their ends. What is no co-ordinate stays.
+   !> point-symmetrically, so that straight stretches stay straight to their ends. What is no coordinate stays.
    subroutine smooth(line, width)
       type(polyline_t), intent(inout) :: line
       real(wp), intent(in) :: width               !! above 0

@@ -20,13 +20,13 @@ contains
    !> Allocate `count` rows for `room` positions, filled with zero.
    !>
    !> Where the memory lies is known only afterwards, so further tries may be needed. If they fail nothing is lost but speed.
-   subroutine make_rows(room, count, rows)
-      integer, intent(in) :: room, count
+   subroutine make_rows(capacity, count, rows)
+      integer, intent(in) :: capacity, count
       type(rows_t), intent(out) :: rows
       integer :: low, leading, try, gap
 
       ! a leading dimension of whole cache lines: if one row begins on a line, all do
-      leading = line_elements*((room + 2*line_elements - 1)/line_elements)
+      leading = line_elements*((capacity + 2*line_elements - 1)/line_elements)
       low = 1
       do try = 1, tries
          if (allocated(rows%v)) deallocate (rows%v)

@@ -10,7 +10,7 @@ module psalm_separation
    public :: find_separation
 
    integer, parameter :: box_corners = 4
-   real(wp), parameter :: rounding = 64.0_wp*epsilon(1.0_wp) !! of the co-ordinates: overlapping by less is touching
+   real(wp), parameter :: rounding = 64.0_wp*epsilon(1.0_wp) !! of the coordinates: overlapping by less is touching
 
 contains
 

@@ -26,7 +26,7 @@ module psalm_svg_path
 
    !> The points so far.
    type :: pen_t
-      real(wp), allocatable :: points(:, :)       !! shape (2, room)
+      real(wp), allocatable :: points(:, :)       !! shape (2, capacity)
       integer :: count = 0
       integer :: lines = 0                        !! lines with at least one piece
       integer :: pieces = 0                       !! of the present line
@@ -501,7 +501,7 @@ contains
          if (small == 'v') p(2) = p(1)
       end subroutine take
 
-      !> Make relative co-ordinates absolute.
+      !> Make relative coordinates absolute.
       subroutine shift()
          integer :: k
 

@@ -345,14 +345,14 @@ contains
 
       at = 0
       do i = 1, size(numbers)
-         associate (number => numbers(i), room => line(at + 1:at + width))
+         associate (number => numbers(i), field => line(at + 1:at + width))
             if (abs(number) < largest_whole .and. number == aint(number) .and. &
                 .not. (number == 0.0_wp .and. sign(1.0_wp, number) < 0.0_wp)) then
-               write (room, '(i0)') int(number)
+               write (field, '(i0)') int(number)
             else
-               write (room, number_format) number
+               write (field, number_format) number
             end if
-            at = at + len_trim(room) + 1
+            at = at + len_trim(field) + 1
             line(at:at) = ' '
          end associate
       end do

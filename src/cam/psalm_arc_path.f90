@@ -38,12 +38,12 @@ contains
       integer, allocatable, intent(out) :: last_sample(:)   !! shape (steps): where each step ends
       logical, intent(out) :: found
       type(circle_arc_t) :: two(2)
-      type(circle_arc_t), allocatable :: room(:)
+      type(circle_arc_t), allocatable :: longer(:)
       integer, allocatable :: ends(:)
       integer :: n, steps, here, there, next_break, step, reach
 
       n = size(curve%point)
-      allocate (room(2*n), ends(n))
+      allocate (longer(2*n), ends(n))
       steps = 0
       here = 1
       step = 8
@@ -76,12 +76,12 @@ contains
          end if
          two = biarc(curve%point(here), curve%tangent(here), curve%point(reach), curve%tangent(reach))
          steps = steps + 1
-         room(2*steps - 1:2*steps) = two
+         longer(2*steps - 1:2*steps) = two
          ends(steps) = reach
          step = reach - here
          here = reach
       end do
-      arcs = room(:2*steps)
+      arcs = longer(:2*steps)
       last_sample = ends(:steps)
 
    contains

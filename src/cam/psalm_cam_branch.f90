@@ -132,7 +132,7 @@ contains
          q(k) = start + step*real(k - middle, wp)
       end do
       sense = 0.0_wp
-      call judge(q, f, good)
+      call assess(q, f, good)
       if (.not. good(middle)) return
       first = middle
       do while (first > 1)
@@ -161,7 +161,7 @@ contains
    contains
 
       !> Outputs, and whether each input belongs to the branch as far as it can be seen from there.
-      subroutine judge(inputs, output, belongs, closes)
+      subroutine assess(inputs, output, belongs, closes)
          real(wp), intent(in) :: inputs(:)
          real(wp), intent(out) :: output(:)
          logical, intent(out) :: belongs(:)
@@ -178,7 +178,7 @@ contains
             if (any(belongs)) branch%steepest = max(branch%steepest, maxval(abs(slope), belongs))
          end associate
          if (present(closes)) closes = shut
-      end subroutine judge
+      end subroutine assess
 
       !> The last input that belongs, between one that does and one that does not; `dead` if beyond it the loops still close.
       subroutine narrow(inside, outside, input, output, dead)
@@ -193,7 +193,7 @@ contains
          high = outside
          dead = .false.
          do i = 1, bisections
-            call judge([0.5_wp*(low + high)], one, belongs, closes)
+            call assess([0.5_wp*(low + high)], one, belongs, closes)
             if (belongs(1)) then
                low = 0.5_wp*(low + high)
                output = one(1)

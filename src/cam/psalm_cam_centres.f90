@@ -68,7 +68,7 @@ contains
       type(centres_t), intent(in) :: centres
       real(wp), allocatable, intent(out) :: angle(:)
       integer, allocatable, intent(out) :: of_piece(:)
-      real(wp) :: room(2, size(piece)), tangent, bend, step
+      real(wp) :: slack(2, size(piece)), tangent, bend, step
       integer :: first, last, way, i
 
       allocate (angle(0), of_piece(0))
@@ -76,7 +76,7 @@ contains
       tangent = tangent_of(limit)
       do i = 1, size(piece)
          do way = 1, 2
-            room(way, i) = room_of(states, i, sense, side, tangent, way, centres%smallest)
+            slack(way, i) = slack_of(states, i, sense, side, tangent, way, centres%smallest)
          end do
       end do
       first = 1
@@ -88,11 +88,11 @@ contains
          end do
          do way = 1, 2
             if (.not. wanted(first)) exit
-            i = first - 1 + minloc(room(way, first:last), dim=1)
+            i = first - 1 + minloc(slack(way, first:last), dim=1)
             if (i == first .or. i == last) cycle
-            bend = room(way, i - 1) - 2.0_wp*room(way, i) + room(way, i + 1)
+            bend = slack(way, i - 1) - 2.0_wp*slack(way, i) + slack(way, i + 1)
             if (.not. bend > 0.0_wp) cycle
-            step = 0.5_wp*(room(way, i - 1) - room(way, i + 1))/bend
+            step = 0.5_wp*(slack(way, i - 1) - slack(way, i + 1))/bend
             angle = [angle, states%angle(i) + step*(states%angle(i + 1) - states%angle(i))]
             of_piece = [of_piece, piece(first)]
          end do
@@ -124,7 +124,7 @@ contains
    end function tangent_of
 
    !> How far within one of the two half-planes of a cam angle a centre lies, times a factor: tangent s Im V -+ Re V.
-   pure real(wp) function room_of(states, i, sense, side, tangent, way, centre) result(room)
+   pure real(wp) function slack_of(states, i, sense, side, tangent, way, centre) result(slack)
       type(cam_trace_t), intent(in) :: states
       integer, intent(in) :: i, way              !! sample; 1 or 2
       real(wp), intent(in) :: sense, side, tangent
@@ -132,8 +132,8 @@ contains
       complex(wp) :: g, v0
 
       call line_of_travel(states, i, sense, g, v0)
-      room = half(v0 + g*centre, side, tangent, way)
-   end function room_of
+      slack = half(v0 + g*centre, side, tangent, way)
+   end function slack_of
 
    !> V = v0 + g O at a sample.
    pure subroutine line_of_travel(states, i, sense, g, v0)

@@ -3,7 +3,7 @@
 !>
 !> A circle of radius r about the point p(a) of the contour touches the curve of the centres at m(a). As long as that curve does
 !> not turn by more than a right angle and is nowhere sharper than r towards p, it stays outside the circle: with x along the
-!> tangent and the slope angle s, d(sin s)/dx <= 1/r. Curvature is judged elsewhere, so such pairs are left out. All others whose
+!> tangent and the slope angle s, d(sin s)/dx <= 1/r. Curvature is assessed elsewhere, so such pairs are left out. All others whose
 !> samples are nearer than r and half a step of each are refined on the closed forms: no crossing lies between the samples.
 module psalm_cam_interference
    use psalm_cam_profile, only: cam_points_t

@@ -17,7 +17,7 @@ module psalm_cam_profile
    !> Part of the distances at hand below which one, or a speed by radian of cam, is nothing: far above rounding,
    !> and far below what can be made: a base circle of 1 nm on a cam of 1 m.
    real(wp), parameter :: nothing = 1.0e-9_wp
-   real(wp), parameter :: least_speed = 1.0e-100_wp   !! divides at a cusp between the angles judged; its cube is a number
+   real(wp), parameter :: least_speed = 1.0e-100_wp   !! divides at a cusp between the angles assessed; its cube is a number
 
    !> Where the cam turns, or how it slides.
    type :: cam_axes_t
@@ -138,7 +138,7 @@ contains
       real(wp) :: speed, ec, es, across(size(states%angle)), along(size(states%angle)), size_f
       integer :: i
 
-      call make_room(size(states%angle), points)
+      call grow(size(states%angle), points)
       do i = 1, size(states%angle)
          call unit_vector(merge(0.0_wp, -axes%sense*states%angle(i), axes%slides), ec, es)
          e = cmplx(ec, es, wp)
@@ -186,7 +186,7 @@ contains
       real(wp) :: c, s, h, x, relative, across(size(states%angle)), along(size(states%angle)), size_v
       integer :: i
 
-      call make_room(size(states%angle), points)
+      call grow(size(states%angle), points)
       i1 = (0.0_wp, 1.0_wp)
       call unit_vector(face, c, s)
       do i = 1, size(states%angle)
@@ -227,12 +227,12 @@ contains
       where (abs(points%pressure) > right_angle) points%pressure = right_angle
    end subroutine flat_profile
 
-   pure subroutine make_room(n, points)
+   pure subroutine grow(n, points)
       integer, intent(in) :: n
       type(cam_points_t), intent(inout) :: points
 
       allocate (points%pitch(n), points%profile(n), points%cutter(n), points%normal(n), points%machine(n), points%tangent(n))
       allocate (points%radius(n), points%bend(n), points%pressure(n))
       allocate (points%excursion(n), points%on_face(n), source=0.0_wp)
-   end subroutine make_room
+   end subroutine grow
 end module psalm_cam_profile

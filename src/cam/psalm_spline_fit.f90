@@ -11,7 +11,7 @@ module psalm_spline_fit
    public :: fit_spline, basis_of
 
    integer, parameter :: places = 16             !! of the grid in every piece
-   integer, parameter :: finer = 4               !! times as many where the bounds are judged
+   integer, parameter :: finer = 4               !! times as many where the bounds are assessed
    integer, parameter :: tightenings = 8
    real(wp), parameter :: well_posed = 1.0e-12_wp !! reciprocal condition below which points are missing
    real(wp), parameter :: kept = 1.0e-9_wp       !! part of a bound by which it may be exceeded

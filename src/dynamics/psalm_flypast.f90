@@ -11,7 +11,7 @@ module psalm_flypast
    private
    public :: flypast_t, flight_t, follow_flypast, fly
 
-   integer, parameter :: most_minima = 6            !! of the force: contact is judged by the passage and five after it
+   integer, parameter :: most_minima = 6            !! of the force: contact is assessed by the passage and five after it
    real(wp), parameter :: first_time = -40.0_wp     !! T at which following begins: from -10 on figures still move
    real(wp), parameter :: last_time = 400.0_wp      !! T by which all minima have come, at most;
    real(wp), parameter :: settling = 40.0_wp        !! sooner where H1 is large: settling/H1 after T = 20

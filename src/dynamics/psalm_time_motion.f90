@@ -46,7 +46,7 @@ module psalm_time_motion
       real(wp), allocatable :: size_of(:)             !! by free drive: what a change counts by, a radian or the size of the linkage
       real(wp), allocatable :: size_of_stop(:)        !! by stop: the same
       real(wp) :: end = 0.0_wp                        !! of the whole motion, s
-      real(wp), allocatable :: largest(:)             !! shape (2 free drives): co-ordinates and speeds so far
+      real(wp), allocatable :: largest(:)             !! shape (2 free drives): coordinates and speeds so far
       real(wp) :: time = 0.0_wp
       real(wp), allocatable :: y(:), first(:)         !! unknowns there, and their rates
       real(wp) :: step = 0.0_wp                       !! s: the next that is tried

@@ -9,7 +9,7 @@ module psalm_defects
    use psalm_kinds, only: wp, pi, half_turn, right_angle
    implicit none (type, external)
    private
-   public :: exact_linkage_t, verdict_t, judge, with_other_driver, change_of_lengths, cognates_of, crank_angles, class_names, &
+   public :: exact_linkage_t, verdict_t, assess, with_other_driver, change_of_lengths, cognates_of, crank_angles, class_names, &
              place_pins
 
    integer, parameter :: classes = 5
@@ -83,8 +83,8 @@ contains
       others(2)%turn = (one%d - one%b)/(one%d(1) - one%b)
    end subroutine cognates_of
 
-   !> Judge a linkage driven at a. `closed`: the last point is followed by the first.
-   pure subroutine judge(one, closed, verdict)
+   !> Assess a linkage driven at a. `closed`: the last point is followed by the first.
+   pure subroutine assess(one, closed, verdict)
       type(exact_linkage_t), intent(in) :: one
       logical, intent(in) :: closed
       type(verdict_t), intent(out) :: verdict
@@ -93,15 +93,15 @@ contains
 
       size = maxval(abs(one%p - sum(one%p)/real(ubound(one%p, 1), wp)))
       if (one%slides) then
-         call judge_slider(one, closed, verdict)
+         call assess_slider(one, closed, verdict)
          lengths = [abs(one%c(1) - one%a), abs(one%d(1) - one%c(1)), abs(one%p(1) - one%c(1)), &
                     abs(aimag(conjg(one%guide)*(one%d(1) - one%a)))]
       else if (one%swings) then
-         call judge_block(one, closed, verdict)
+         call assess_block(one, closed, verdict)
          lengths = [abs(one%c(1) - one%a), abs(one%b - one%a), abs(one%p(1) - one%c(1)), &
                     abs(aimag(conjg(one%guide)*(one%b - one%c(1))))]
       else
-         call judge_four_bar(one, closed, verdict)
+         call assess_four_bar(one, closed, verdict)
          lengths = [abs(one%c(1) - one%a), abs(one%d(1) - one%c(1)), abs(one%d(1) - one%b), abs(one%b - one%a)]
       end if
       if (size > 0.0_wp) verdict%longest = maxval(lengths)/size
@@ -119,9 +119,9 @@ contains
       else
          verdict%class = merge(1, 2, verdict%crank)
       end if
-   end subroutine judge
+   end subroutine assess
 
-   pure subroutine judge_four_bar(one, closed, verdict)
+   pure subroutine assess_four_bar(one, closed, verdict)
       type(exact_linkage_t), intent(in) :: one
       logical, intent(in) :: closed
       type(verdict_t), intent(inout) :: verdict
@@ -167,9 +167,9 @@ contains
             verdict%transmission = min(verdict%transmission, acute(cosine))
          end do
       end if
-   end subroutine judge_four_bar
+   end subroutine assess_four_bar
 
-   pure subroutine judge_slider(one, closed, verdict)
+   pure subroutine assess_slider(one, closed, verdict)
       type(exact_linkage_t), intent(in) :: one
       logical, intent(in) :: closed
       type(verdict_t), intent(inout) :: verdict
@@ -207,7 +207,7 @@ contains
          end do
       end if
       verdict%branch = verdict%circuit .and. all(ahead .eqv. ahead(1))
-   end subroutine judge_slider
+   end subroutine assess_slider
 
    !> True if a crank that rocks does so on one side of the pivot, seen along the slide, or on the other, but not across.
    pure logical function has_two_sides(crank, rod, offset)
@@ -217,7 +217,7 @@ contains
    end function has_two_sides
 
    !> The coupler's line goes through a block: it closes where the crank's pin is no nearer to b than the line.
-   pure subroutine judge_block(one, closed, verdict)
+   pure subroutine assess_block(one, closed, verdict)
       type(exact_linkage_t), intent(in) :: one
       logical, intent(in) :: closed
       type(verdict_t), intent(inout) :: verdict
@@ -244,7 +244,7 @@ contains
       end if
       verdict%branch = verdict%circuit .and. all(ahead .eqv. ahead(1))
       verdict%transmission = acute(offset/nearest)
-   end subroutine judge_block
+   end subroutine assess_block
 
    !> Places of a crank that rocks, turned so that its swing does not pass the direction of -1.
    pure function swing_of(one) result(relative)
@@ -385,7 +385,7 @@ contains
       integer :: i, n
 
       n = ubound(one%p, 1)
-      call judge(one, closed, verdict)
+      call assess(one, closed, verdict)
       if (.not. verdict%crank .and. verdict%circuit) then
          associate (swing => swing_of(one))
             degrees = degrees_of(real(swing, wp), aimag(swing))

@@ -126,7 +126,7 @@ contains
             do k = 1, m
                one = guided_t(links=[first(i), second(k)])
                found%pairs = found%pairs + 1
-               call judge(arm, turn, size_of_path, one)
+               call assess(arm, turn, size_of_path, one)
                if (one%valid) found%valid = found%valid + 1
                call keep(one, most, found%list)
             end do
@@ -191,7 +191,7 @@ contains
    ! ---- following -----------------------------------------------------------------------------------------------------
 
    !> Follow a six-bar by its crank from the first pose to the others.
-   pure subroutine judge(arm, turn, size_of_path, one)
+   pure subroutine assess(arm, turn, size_of_path, one)
       type(arm_t), intent(in) :: arm
       complex(wp), intent(in) :: turn(0:, :)         !! wanted of all bodies, shape (0:4, poses)
       real(wp), intent(in) :: size_of_path
@@ -230,7 +230,7 @@ contains
          if (maxval(abs(e(body_arm:) - turn(body_arm:, j))) > arrived) return
       end do
       one%valid = .true.
-   end subroutine judge
+   end subroutine assess
 
    !> Newton's method for the turns at a crank angle; rates of the turns by that of the crank.
    pure subroutine correct(arm, one, e, rate, closes)

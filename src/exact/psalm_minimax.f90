@@ -9,7 +9,7 @@ module psalm_minimax
    use psalm_dense, only: factors_t, factorise, solve
    use psalm_function_points, only: generator_t, generators_t, five_points
    use psalm_kinds, only: wp, pi, degrees_per_radian
-   use psalm_wanted_function, only: wanted_function_t
+   use psalm_desired_function, only: desired_function_t
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    private
@@ -43,13 +43,13 @@ contains
    !> Local optima, the best first, as many as are asked for. `too_long` counts those left out because a link is longer than
    !> `longest`.
    subroutine approximate(wanted, longest, found, too_long)
-      type(wanted_function_t), intent(in) :: wanted
+      type(desired_function_t), intent(in) :: wanted
       real(wp), intent(in) :: longest                !! over the frame, of a slider over the travel
       type(approximation_t), allocatable, intent(out) :: found(:)
       integer, intent(out) :: too_long
       type(approximation_t) :: one
       type(generators_t) :: starts
-      type(wanted_function_t) :: target
+      type(desired_function_t) :: target
       type(xoshiro_t) :: random
       real(wp) :: nodes(unknowns)
       integer :: set, sense, k, last, programs, sweep
@@ -88,7 +88,7 @@ contains
 
    !> Five nodes, from 0 to 1: those of Chebyshev, then others about them.
    subroutine choose_nodes(wanted, set, random, nodes)
-      type(wanted_function_t), intent(in) :: wanted
+      type(desired_function_t), intent(in) :: wanted
       integer, intent(in) :: set
       type(xoshiro_t), intent(inout) :: random
       real(wp), intent(out) :: nodes(unknowns)
@@ -144,7 +144,7 @@ contains
 
    !> From an exact linkage to the nearest optimum.
    subroutine improve(wanted, start, longest, programs, one)
-      type(wanted_function_t), intent(in) :: wanted
+      type(desired_function_t), intent(in) :: wanted
       type(generator_t), intent(in) :: start
       real(wp), intent(in) :: longest                !! a link that grows beyond it ends the search
       integer, intent(in) :: programs                !! linear programs at most
@@ -183,7 +183,7 @@ contains
 
    !> A slider-crank whose crank swings to both sides of the normal of its slide, with the travel that is wanted.
    pure function symmetric_slider(wanted) result(linkage)
-      type(wanted_function_t), intent(in) :: wanted
+      type(desired_function_t), intent(in) :: wanted
       type(generator_t) :: linkage
       real(wp), parameter :: rod = 3.0_wp            !! over the crank
       real(wp) :: half
@@ -272,7 +272,7 @@ contains
    !> Error at an input from 0 to 1: degrees, of a slider per cent of the travel; `slopes` its derivatives by the parameters.
    !> Where the linkage does not close the error is `huge`.
    pure subroutine error_of(wanted, q, assembly, at, error, slopes)
-      type(wanted_function_t), intent(in) :: wanted
+      type(desired_function_t), intent(in) :: wanted
       real(wp), intent(in) :: q(unknowns)
       integer, intent(in) :: assembly
       real(wp), intent(in) :: at
@@ -323,7 +323,7 @@ contains
 
    !> Points at which the error is looked at.
    pure function places(wanted, points) result(at)
-      type(wanted_function_t), intent(in) :: wanted
+      type(desired_function_t), intent(in) :: wanted
       integer, intent(in) :: points
       real(wp), allocatable :: at(:)
       integer :: i
@@ -337,7 +337,7 @@ contains
 
    !> Largest error over the range.
    pure subroutine error_over(wanted, q, assembly, points, largest)
-      type(wanted_function_t), intent(in) :: wanted
+      type(desired_function_t), intent(in) :: wanted
       real(wp), intent(in) :: q(unknowns)
       integer, intent(in) :: assembly, points
       real(wp), intent(out) :: largest
@@ -355,7 +355,7 @@ contains
 
    !> The largest error of each run of one sign, refined by a parabola; of these the six in a row whose smallest is largest.
    pure subroutine extremes(wanted, q, assembly, points, at, sides, largest, enough)
-      type(wanted_function_t), intent(in) :: wanted
+      type(desired_function_t), intent(in) :: wanted
       real(wp), intent(in) :: q(unknowns)
       integer, intent(in) :: assembly, points
       real(wp), intent(out) :: at(alternations), sides(alternations), largest
@@ -424,7 +424,7 @@ contains
 
    !> Newton's method on equal errors of alternating sign, with extremes found anew for each step.
    subroutine exchange(wanted, assembly, points, q, largest, at, levelled)
-      type(wanted_function_t), intent(in) :: wanted
+      type(desired_function_t), intent(in) :: wanted
       integer, intent(in) :: assembly, points
       real(wp), intent(inout) :: q(unknowns)
       real(wp), intent(out) :: largest, at(alternations)
@@ -470,7 +470,7 @@ contains
 
    !> One step of least largest error of the linearised errors within a region of trust.
    subroutine linear_program(wanted, assembly, q, largest, trust, gained)
-      type(wanted_function_t), intent(in) :: wanted
+      type(desired_function_t), intent(in) :: wanted
       integer, intent(in) :: assembly
       real(wp), intent(inout) :: q(unknowns), largest, trust
       logical, intent(out) :: gained

@@ -28,11 +28,11 @@ module psalm_quad_path
    real(qp), parameter :: infinite = 1.0e12_qp, nearly_there = 1.0e-6_qp !! a number beyond the first at a t below the second
    real(qp), parameter :: loose_start = 1.0e-2_qp
    real(qp), parameter :: undetermined = 1.0e-4_qp   !! relative change of an end by the rounding of the data
-   ! An end that is no regular one is judged from afar. Where two branches cross at the end, rounding of the data parts them below
+   ! An end that is no regular one is assessed from afar. Where two branches cross at the end, rounding of the data parts them below
    ! a t of its square root: nothing nearer than that is known
    real(qp), parameter :: first_look = 1.0e-4_qp, last_look = 1.0e-6_qp !! the t of two looks at the way to it
    real(qp), parameter :: hopeless = 1.0e-8_qp       !! the t at which a path that has not come to its end is given up
-   real(qp), parameter :: late = 1.0e-5_qp           !! the largest t from which an end is judged
+   real(qp), parameter :: late = 1.0e-5_qp           !! the largest t from which an end is assessed
    real(qp), parameter :: runs_away = 0.1_qp         !! a number that grows like t to less than minus this is infinite in the end
    integer, parameter :: most_winding = 6
 
@@ -124,7 +124,7 @@ contains
          end if
       end do
       if (t > 0.0_qp) then
-         call judge_end
+         call assess_end
          return
       end if
       do k = 1, most_corrections
@@ -137,7 +137,7 @@ contains
          v = cmplx(z%v, kind=wp)
          outcome = path_arrived
       else
-         call judge_end
+         call assess_end
       end if
 
    contains
@@ -154,7 +154,7 @@ contains
       end subroutine look
 
       !> What an end is like that is not regular.
-      subroutine judge_end()
+      subroutine assess_end()
          complex(qp) :: ends(variables, 2)
          real(qp) :: growth(variables, 2), exponent, weight
          integer :: i
@@ -181,7 +181,7 @@ contains
          end do
          v = cmplx((ends(:, 2) - weight*ends(:, 1))/(1.0_qp - weight), kind=wp)
          outcome = path_singular
-      end subroutine judge_end
+      end subroutine assess_end
    end subroutine follow_precisely
 
    !> Hermite extrapolation through past points and tangents.

@@ -8,10 +8,10 @@ module psalm_six_bar_motion
    use psalm_angles, only: degrees_of
    use psalm_kinds, only: wp, pi, radians_per_degree, right_angle
    use psalm_six_bar_problem, only: at_c, at_p, at_q, at_r, at_s, six_bar_problem_t, watt_2
-   use psalm_wanted_function, only: wanted_function_t
+   use psalm_desired_function, only: desired_function_t
    implicit none (type, external)
    private
-   public :: moving_six_bar_t, judge_motion, joints_of
+   public :: moving_six_bar_t, assess_motion, joints_of
 
    integer, parameter :: legs = 2
    real(wp), parameter :: step = radians_per_degree  !! of the driver
@@ -44,9 +44,9 @@ module psalm_six_bar_motion
 contains
 
    !> Follow a linkage over its points, and over the range of a function.
-   pure subroutine judge_motion(problem, wanted, phi, psi, one)
+   pure subroutine assess_motion(problem, wanted, phi, psi, one)
       type(six_bar_problem_t), intent(in) :: problem
-      type(wanted_function_t), intent(in) :: wanted
+      type(desired_function_t), intent(in) :: wanted
       real(wp), intent(in) :: phi(:), psi(:)         !! radians
       type(moving_six_bar_t), intent(inout) :: one
       real(wp) :: lengths(legs), least
@@ -68,12 +68,12 @@ contains
       one%transmission = 0.0_wp
       if (one%over_range) one%transmission = min(degrees_of(sqrt((1.0_wp - least)*(1.0_wp + least)), least), right_angle)
 
-   end subroutine judge_motion
+   end subroutine assess_motion
 
    !> From the first point to an end of the range of a function: the error and the transmission on the way.
    pure subroutine sweep(problem, wanted, lengths, share, one, reached, least)
       type(six_bar_problem_t), intent(in) :: problem
-      type(wanted_function_t), intent(in) :: wanted
+      type(desired_function_t), intent(in) :: wanted
       real(wp), intent(in) :: lengths(legs), share   !! 0: the beginning, 1: the end
       type(moving_six_bar_t), intent(inout) :: one
       logical, intent(out) :: reached

@@ -10,7 +10,7 @@ module psalm_six_bars
    use psalm_function_points, only: five_points, generator_t, generators_t, output_of
    use psalm_kinds, only: wp, pi, radians_per_degree, right_angle
    use psalm_stop, only: stop_t
-   use psalm_wanted_function, only: wanted_function_t
+   use psalm_desired_function, only: desired_function_t
    implicit none (type, external)
    private
    public :: six_bar_t, six_bars_t, six_bar_joints, closing_links, find_stephenson, find_watt, six_bar_output, most_links
@@ -59,7 +59,7 @@ contains
    !> Stephenson III: `grid` values of each of crank, coupler, follower, zero line of the input, and x and y of the third pivot, in
    !> both assemblies. A stop leaves what was found before.
    subroutine find_stephenson(wanted, phi, psi, grid, most, least_angle, longest, found, stop)
-      type(wanted_function_t), intent(in) :: wanted
+      type(desired_function_t), intent(in) :: wanted
       real(wp), intent(in) :: phi(precision_points), psi(precision_points) !! radians
       integer, intent(in) :: grid, most              !! linkages kept
       real(wp), intent(in) :: least_angle            !! transmission, degrees
@@ -99,7 +99,7 @@ contains
                found%too_long = found%too_long + 1
                cycle
             end if
-            call judge(wanted, phi, psi, links(k))
+            call assess(wanted, phi, psi, links(k))
             if (links(k)%transmission <= 0.0_wp) cycle
             found%valid = found%valid + 1
             if (links(k)%transmission < least_angle) then
@@ -160,7 +160,7 @@ contains
    !> Watt II: `grid` turns of the link between, in either sense, and `grid` values of each of its three inner places.
    !> A stop leaves what was found before.
    subroutine find_watt(wanted, phi, psi, grid, most, least_angle, longest, found, stop)
-      type(wanted_function_t), intent(in) :: wanted
+      type(desired_function_t), intent(in) :: wanted
       real(wp), intent(in) :: phi(precision_points), psi(precision_points) !! radians
       integer, intent(in) :: grid, most
       real(wp), intent(in) :: least_angle, longest
@@ -205,7 +205,7 @@ contains
                   found%too_long = found%too_long + 1
                   cycle
                end if
-               call judge(wanted, phi, psi, one)
+               call assess(wanted, phi, psi, one)
                if (one%transmission <= 0.0_wp) cycle
                found%valid = found%valid + 1
                if (one%transmission < least_angle) then
@@ -286,8 +286,8 @@ contains
    end function sine_of_transmission
 
    !> Transmission and error over the range; a transmission of 0 where it comes apart or changes its branch.
-   pure subroutine judge(wanted, phi, psi, one)
-      type(wanted_function_t), intent(in) :: wanted
+   pure subroutine assess(wanted, phi, psi, one)
+      type(desired_function_t), intent(in) :: wanted
       real(wp), intent(in) :: phi(precision_points), psi(precision_points)
       type(six_bar_t), intent(inout) :: one
       real(wp) :: got, sine, least, input
@@ -318,7 +318,7 @@ contains
          end do
       end if
       one%transmission = min(degrees_of(sqrt((1.0_wp - least)*(1.0_wp + least)), least), right_angle)
-   end subroutine judge
+   end subroutine assess
 
    !> Put a linkage into a ranked list: of a function by the error, of a table by the transmission angle.
    pure subroutine keep(one, most, by_error, best)

@@ -114,10 +114,10 @@ contains
          forces%power = next + 2
          forces%loss = next + 3
          forces%scratch = next + 4
-         call make_rows(link%room, forces%scratch + rows_to_react - 1, forces%w)
-         call make_rows(link%room, rows_of_wrench*size(forces%bodies), forces%given)
-         allocate (forces%sweeps(link%room), source=1)
-         allocate (forces%at_rest(link%room), source=.false.)
+         call make_rows(link%capacity, forces%scratch + rows_to_react - 1, forces%w)
+         call make_rows(link%capacity, rows_of_wrench*size(forces%bodies), forces%given)
+         allocate (forces%sweeps(link%capacity), source=1)
+         allocate (forces%at_rest(link%capacity), source=.false.)
          forces%w%v(:, forces%bodies(body_frame)%ex) = 1.0_wp
       end associate
       forces%shared = shared_pins(problem%mechanism)

@@ -88,14 +88,14 @@ module psalm_balance_group
       rule_t('WMOST', a_number, '1 to NWEIGH', 'kg', '0', '[0,)', &
              'greatest mass; 0: a hundred times the linkage''s mass'), &
       rule_t('WXLOW', a_number, '1 to NWEIGH', 'length', '-WREACH', '', &
-             'least co-ordinate of a weight''s centre from its anchor along the link''s line, the arc of WLINK''s link or '// &
+             'least coordinate of a weight''s centre from its anchor along the link''s line, the arc of WLINK''s link or '// &
              'of a sketch the line between its first two joints; where it equals the greatest it is fixed'), &
       rule_t('WXHIGH', a_number, '1 to NWEIGH', 'length', 'WREACH', '', &
-             'greatest co-ordinate along it'), &
+             'greatest coordinate along it'), &
       rule_t('WYLOW', a_number, '1 to NWEIGH', 'length', '-WREACH', '', &
-             'least co-ordinate across it, a quarter turn anticlockwise from it'), &
+             'least coordinate across it, a quarter turn anticlockwise from it'), &
       rule_t('WYHIGH', a_number, '1 to NWEIGH', 'length', 'WREACH', '', &
-             'greatest co-ordinate across it'), &
+             'greatest coordinate across it'), &
       rule_t('WXSTRT', a_number, '1 to NWEIGH', 'length', '0', '', &
              'the first start of the search: the centre along the link''s line'), &
       rule_t('WYSTRT', a_number, '1 to NWEIGH', 'length', '0', '', &
@@ -261,7 +261,7 @@ contains
       end if
       call take(group, 'NWSTRT', balance%starts, findings)
       call take(group, 'IWSEED', balance%seed, findings)
-      if (balance%given) call judge_limits()
+      if (balance%given) call assess_limits()
 
    contains
 
@@ -323,14 +323,14 @@ contains
       end subroutine read_desired
 
       !> Limits that leave no room for a weight.
-      subroutine judge_limits()
+      subroutine assess_limits()
          integer :: k
 
          if (.not. group%given('WREACH')) return
          do k = 1, size(balance%reach)
             if (.not. balance%reach(k) > 0.0_wp) cycle       ! no weight on this link
-            call judge_box(k, 1, 'WXLOW')
-            call judge_box(k, 2, 'WYLOW')
+            call assess_box(k, 1, 'WXLOW')
+            call assess_box(k, 2, 'WYLOW')
             associate (low => balance%centre_low(:, k), high => balance%centre_high(:, k), reach => balance%reach(k))
                if (any(low > high)) cycle
                if (norm2(max(low, -high, 0.0_wp)) > reach) call out_of(group, 'WREACH', 'entry '//to_text(k)// &
@@ -366,16 +366,16 @@ contains
                call out_of(group, 'WRSTRT', 'entry '//to_text(k)//': the start is not between WRLOW and WRHIGH', findings, k)
             end if
          end do
-      end subroutine judge_limits
+      end subroutine assess_limits
 
-      subroutine judge_box(k, axis, item)
+      subroutine assess_box(k, axis, item)
          integer, intent(in) :: k, axis
          character(*), intent(in) :: item
 
          if (balance%centre_low(axis, k) > balance%centre_high(axis, k)) then
-            call out_of(group, item, 'entry '//to_text(k)//': the least co-ordinate is above the greatest', findings, k)
+            call out_of(group, item, 'entry '//to_text(k)//': the least coordinate is above the greatest', findings, k)
          end if
-      end subroutine judge_box
+      end subroutine assess_box
 
       !> The first item of a start that is given.
       function started_item() result(item)

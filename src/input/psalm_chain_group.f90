@@ -1,7 +1,7 @@
 !> The group &CHAIN of a sketch: joints, links, exact lengths; slides, gears and variables by modules of their own.
 !>
-!> Everything is given by name. What is judged here is each item by itself and the names in it; whether the links make a
-!> mechanism is judged in `psalm_freedom`.
+!> Everything is given by name. What is assessed here is each item by itself and the names in it; whether the links make a
+!> mechanism is assessed in `psalm_freedom`.
 module psalm_chain_group
    use psalm_gear_items, only: read_gears
    use psalm_group, only: group_t, out_of, required

@@ -25,13 +25,13 @@ module psalm_curve_group
    integer, parameter :: points_of_picture = 40   !! taken of an SVG path where NPTS is not given
    real(wp), parameter :: stiff = 1.0e-2_wp       !! relative change of the distance of two points of a body that is reported
 
-   type :: curve_wish_t
+   type :: curve_target_t
       character(:), allocatable :: file, id
       integer :: what = what_path, points = 0, closed = -1
       real(wp) :: units = 1.0_wp, smooth = 0.0_wp, corner = 30.0_wp, turn = 0.0_wp
       logical :: to_and_fro = .false.
       logical :: of_cylinder = .false.     !! &KINDS: a cylinder drives
-   end type curve_wish_t
+   end type curve_target_t
 
    !> The items of the group.
    type(rule_t), parameter :: curve_items(*) = [ &
@@ -70,7 +70,7 @@ contains
       character(:), allocatable, intent(out) :: mark
       type(diagnostics_t), intent(inout) :: findings
       type(group_t) :: group
-      type(curve_wish_t) :: wish
+      type(curve_target_t) :: target
       type(curve_file_t) :: curve
       type(polyline_t) :: line
       type(diagnostics_t) :: own, of_file
@@ -85,7 +85,7 @@ contains
       case%count = case%count - 1
       own%file = findings%file
       if (allocated(findings%prefix)) own%prefix = findings%prefix
-      call read_wish(group, wish, own)
+      call read_target(group, target, own)
       call group%finish(case%groups(:case%count), own)
       call case%make('METHOD', group%line, method)
       if (own%failed()) then
@@ -93,7 +93,7 @@ contains
          call fill_in(case%groups(method), group%line)
          return
       end if
-      of_file%file = beside(file, wish%file)
+      of_file%file = beside(file, target%file)
       if (is_result(file, of_file%file)) then
          call out_of(group, 'FILE', 'tables of the results have this name (CASE.csv, CASE-2.csv ...) and would replace it; '// &
                      'call the file otherwise', own)
@@ -101,7 +101,7 @@ contains
          call fill_in(case%groups(method), group%line)
          return
       end if
-      call read_curve_file(of_file%file, wish%id, wish%what, curve, of_file)
+      call read_curve_file(of_file%file, target%id, target%what, curve, of_file)
       if (allocated(curve%text)) then
          call text%add(curve%text)
          mark = text%name()
@@ -118,16 +118,16 @@ contains
          call fill_in(case%groups(method), group%line)
          return
       end if
-      call make_line(group, wish, curve, line, own)
-      wish%of_cylinder = driven_by_cylinder(case)
-      if (wish%of_cylinder .and. line%closed .and. .not. own%failed()) call out_of(group, 'CLOSED', &
+      call make_line(group, target, curve, line, own)
+      target%of_cylinder = driven_by_cylinder(case)
+      if (target%of_cylinder .and. line%closed .and. .not. own%failed()) call out_of(group, 'CLOSED', &
          'a cylinder takes the point back along the path it came by, so that it makes no closed curve; CLOSED=0 takes it as '// &
          'an open one, and a path to and fro is wanted one way (without TOFRO)', own)
       if (.not. own%failed()) call refuse_twice(case%groups(method), group, curve, own)
       if (own%failed()) then
          call fill_in(case%groups(method), group%line)
       else
-         call write_positions(case%groups(method), group, wish, curve, line, own)
+         call write_positions(case%groups(method), group, target, curve, line, own)
       end if
       call findings%append(own)
    end subroutine expand_curve
@@ -169,35 +169,36 @@ contains
       if (len(between) > 1) is_result = between(1:1) == '-' .and. verify(between(2:), digits) == 0
    end function is_result
 
-   subroutine read_wish(group, wish, findings)
+   subroutine read_target(group, target, findings)
       type(group_t), intent(inout) :: group
-      type(curve_wish_t), intent(inout) :: wish
+      type(curve_target_t), intent(inout) :: target
       type(diagnostics_t), intent(inout) :: findings
       character(:), allocatable :: texts(:)
 
       call group%follow(curve_items)
       call group%get_texts('FILE', texts, findings)
-      wish%file = ''
-      if (size(texts) > 0) wish%file = trim(texts(1))
+      target%file = ''
+      if (size(texts) > 0) target%file = trim(texts(1))
       call group%get_texts('ID', texts, findings)
-      wish%id = ''
-      if (size(texts) > 0) wish%id = trim(texts(1))
-      call take(group, 'WHAT', wish%what, findings)
-      call take(group, 'NPTS', wish%points, findings)
-      call take(group, 'CLOSED', wish%closed, findings)
-      call take(group, 'UNITS', wish%units, findings)
-      call take(group, 'SMOOTH', wish%smooth, findings)
-      call take(group, 'CORNER', wish%corner, findings)
-      call take(group, 'TURN', wish%turn, findings)
-      call take(group, 'TOFRO', wish%to_and_fro, findings)
-      if (len(wish%file) == 0) call findings%error('names the file that has the curve', line=group%line, group='CURVE', item='FILE')
-      if (wish%points == 1) call out_of(group, 'NPTS', 'a curve has two points at least', findings)
-   end subroutine read_wish
+      target%id = ''
+      if (size(texts) > 0) target%id = trim(texts(1))
+      call take(group, 'WHAT', target%what, findings)
+      call take(group, 'NPTS', target%points, findings)
+      call take(group, 'CLOSED', target%closed, findings)
+      call take(group, 'UNITS', target%units, findings)
+      call take(group, 'SMOOTH', target%smooth, findings)
+      call take(group, 'CORNER', target%corner, findings)
+      call take(group, 'TURN', target%turn, findings)
+      call take(group, 'TOFRO', target%to_and_fro, findings)
+      if (len(target%file) == 0) &
+            call findings%error('names the file that has the curve', line=group%line, group='CURVE', item='FILE')
+      if (target%points == 1) call out_of(group, 'NPTS', 'a curve has two points at least', findings)
+   end subroutine read_target
 
    !> The points wanted.
-   subroutine make_line(group, wish, curve, line, findings)
+   subroutine make_line(group, target, curve, line, findings)
       type(group_t), intent(in) :: group
-      type(curve_wish_t), intent(in) :: wish
+      type(curve_target_t), intent(in) :: target
       type(curve_file_t), intent(in) :: curve
       type(polyline_t), intent(out) :: line
       type(diagnostics_t), intent(inout) :: findings
@@ -206,13 +207,13 @@ contains
       logical :: fits
 
       line%at = curve%at
-      line%at(:column_y2, :) = wish%units*line%at(:column_y2, :)
-      line%at([column_value, column_vx, column_vy], :) = wish%units*line%at([column_value, column_vx, column_vy], :)
-      points = wish%points
+      line%at(:column_y2, :) = target%units*line%at(:column_y2, :)
+      line%at([column_value, column_vx, column_vy], :) = target%units*line%at([column_value, column_vx, column_vy], :)
+      points = target%points
       if (curve%of_picture .and. .not. group%given('NPTS')) points = points_of_picture
-      if (len(wish%id) > 0 .and. .not. curve%of_picture) call group%origins%warning(findings, 'CURVE', 'ID', &
+      if (len(target%id) > 0 .and. .not. curve%of_picture) call group%origins%warning(findings, 'CURVE', 'ID', &
          'has no effect: the file is no SVG picture')
-      if (wish%what == what_function) then
+      if (target%what == what_function) then
          call idle('CLOSED', 'of a function')
          call idle('SMOOTH', 'of a function')
          call idle('CORNER', 'of a function')
@@ -221,19 +222,19 @@ contains
          call make_function(group, points, line, findings)
          return
       end if
-      if (wish%what == what_poses) then
+      if (target%what == what_poses) then
          line%coordinates = column_y2
          call doubt_body(line, findings)
       end if
       before = size(line%at, 2)
-      if (wish%closed == 1) then
+      if (target%closed == 1) then
          line%closed = .true.
-      else if (wish%closed < 0 .and. curve%of_picture) then
+      else if (target%closed < 0 .and. curve%of_picture) then
          line%closed = curve%closed
-      else if (wish%closed < 0) then
+      else if (target%closed < 0) then
          line%closed = looks_closed(line)
       end if
-      if (points > 0 .or. wish%smooth > 0.0_wp) call drop_repeats(line)
+      if (points > 0 .or. target%smooth > 0.0_wp) call drop_repeats(line)
       if (points == 0 .and. line%closed) then
          ! the first point once more is no position of its own
          n = size(line%at, 2)
@@ -254,8 +255,8 @@ contains
             return
          end do
       end if
-      call find_corners(line, wish%corner)
-      if (wish%smooth > 0.0_wp) call smooth(line, wish%smooth)
+      call find_corners(line, target%corner)
+      if (target%smooth > 0.0_wp) call smooth(line, target%smooth)
       if (points > 0) then
          if (line%closed .and. curve%has(column_input)) then
             ! the way back to the first point has no input
@@ -269,7 +270,7 @@ contains
          end if
          line = sampled
       end if
-      if (wish%to_and_fro) then
+      if (target%to_and_fro) then
          if (line%closed) then
             call out_of(group, 'TOFRO', 'a closed curve comes back by itself; it is for open ones (CLOSED=0)', findings)
             return
@@ -386,10 +387,10 @@ contains
    end subroutine refuse_twice
 
    !> The items of &METHOD.
-   subroutine write_positions(method, group, wish, curve, line, findings)
+   subroutine write_positions(method, group, target, curve, line, findings)
       type(group_t), intent(inout) :: method
       type(group_t), intent(in) :: group
-      type(curve_wish_t), intent(in) :: wish
+      type(curve_target_t), intent(in) :: target
       type(curve_file_t), intent(in) :: curve
       type(polyline_t), intent(in) :: line
       type(diagnostics_t), intent(inout) :: findings
@@ -406,13 +407,13 @@ contains
                                                               'of every point')
       else if (.not. has(method, 'DELT')) then
          turn = merge(full_turn, half_turn, line%closed)
-         if (wish%of_cylinder) turn = maxval([maxval(line%at(column_x, :)) - minval(line%at(column_x, :)), &
+         if (target%of_cylinder) turn = maxval([maxval(line%at(column_x, :)) - minval(line%at(column_x, :)), &
                                               maxval(line%at(column_y, :)) - minval(line%at(column_y, :))])
-         if (group%given('TURN')) turn = wish%turn
+         if (group%given('TURN')) turn = target%turn
          inputs = [(turn*real(k - 1, wp)/real(merge(n, n - 1, line%closed), wp), k=1, n)]
          call put('DELT', inputs)
       end if
-      select case (wish%what)
+      select case (target%what)
       case (what_function)
          call put('DESANG', line%at(column_value, :))
          if (curve%has(column_weight)) call put('ANMULT', line%at(column_weight, :))

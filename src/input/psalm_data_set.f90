@@ -1,6 +1,6 @@
 !> The data set of one mechanism: what the user wrote, checked item by item.
 !>
-!> A file becomes a list of data sets. Topology is judged later, in `psalm_setup`; here each item is read, given its
+!> A file becomes a list of data sets. Topology is assessed later, in `psalm_setup`; here each item is read, given its
 !> default and checked by itself. Source of items and defaults: Oldham (1977), appendix B.
 module psalm_data_set
    use psalm_case_group, only: section_t, surroundings_t
@@ -28,7 +28,7 @@ module psalm_data_set
    use psalm_rate_items, only: gives_rates
    use psalm_rates_group, only: rates_group_t, read_rates_group
    use psalm_search_group, only: search_group_t, read_search_group
-   use psalm_sketch, only: sketch_t, grid_digits, drive_turns, most_wished, output_angle, output_distance, output_pose, &
+   use psalm_sketch, only: sketch_t, grid_digits, drive_turns, most_targets, output_angle, output_distance, output_pose, &
                            output_slide
    use psalm_source, only: line_t, read_lines, split_lines
    use psalm_spring_group, only: spring_group_t, read_spring_group
@@ -38,7 +38,7 @@ module psalm_data_set
    use psalm_number_format, only: number_words
    use psalm_text, only: text_t, to_text
    use psalm_tolerance_group, only: tolerance_group_t, read_tolerance_group
-   use psalm_wish_items, only: read_wishes, values_of
+   use psalm_target_items, only: read_targets, values_of
    implicit none (type, external)
    private
    public :: data_set_t, read_data_sets, read_data_set_text
@@ -294,7 +294,7 @@ contains
       type(data_set_t), allocatable, intent(inout) :: sets(:) !! empty
       type(diagnostics_t), intent(inout) :: findings
       type(case_text_t) :: case
-      type(data_set_t), allocatable :: room(:)
+      type(data_set_t), allocatable :: longer(:)
       integer :: next, count
 
       if (is_json(lines)) then
@@ -314,9 +314,9 @@ contains
             exit
          end if
          if (count == size(sets)) then
-            allocate (room(max(1, 2*count)))
-            room(:count) = sets
-            call move_alloc(room, sets)
+            allocate (longer(max(1, 2*count)))
+            longer(:count) = sets
+            call move_alloc(longer, sets)
          end if
          count = count + 1
          call read_set(case, reader, sets(count), findings)
@@ -419,10 +419,10 @@ contains
       call read_drives(groups(drives), sketch_valid, set, findings)
       call fill_grid(groups(method), groups(drives), set, findings)
       if (groups(outputs)%line > 0 .and. set%method%ikin == 0) then
-         call read_wishes(groups(outputs), set%method%ndes, set%sketch, findings)
+         call read_targets(groups(outputs), set%method%ndes, set%sketch, findings)
          call refuse_twice(groups(outputs), set, findings)
       else
-         call read_wishes(groups(outputs), 0, set%sketch, unused)
+         call read_targets(groups(outputs), 0, set%sketch, unused)
       end if
       if (set%sketch%given) call refuse_arcs(groups(method), groups(toler), groups(limits), findings)
       call read_limits_group(groups(limits), set%links%nloop, set%links%maxarc, set%limits, findings)
@@ -776,8 +776,8 @@ contains
       integer :: order
 
       if (size(set%sketch%outputs) == 0) return
-      do order = 0, most_wished
-         if (.not. allocated(set%sketch%outputs(1)%wishes(order)%values)) cycle
+      do order = 0, most_targets
+         if (.not. allocated(set%sketch%outputs(1)%targets(order)%values)) cycle
          twice = order == 0 .and. set%method%desired
          if (order > 0 .and. allocated(set%method%rate_weight)) twice = any(set%method%rate_weight(:, :, order) > 0.0_wp)
          if (twice) call out_of(outputs, trim(values_of(order))//'1', 'is given, and the same of the first output in &METHOD: '// &

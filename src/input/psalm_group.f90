@@ -362,7 +362,7 @@ contains
    !>
    !> `columns` is the length of a row when two subscripts are given. Values beyond the end of `values` are an error, unless
    !> they are zero and `filler` is true, or `beyond` is there: then it is the line of the first of them that is not zero
-   !> (0: there is none), and the caller judges. With `as_written` a zero counts like any other value, unless it is repeated
+   !> (0: there is none), and the caller assesses. With `as_written` a zero counts like any other value, unless it is repeated
    !> (`161*0.0`), and with `any_filler` whatever is repeated may go beyond the end. `last` is the highest element given,
    !> `needed` the highest that is no such filler.
    subroutine get_integers(self, name, values, findings, columns, filler, last, needed, beyond)

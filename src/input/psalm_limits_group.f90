@@ -88,7 +88,7 @@ contains
       integer, intent(in) :: nloop, maxarc     !! of &LINKS
       type(limits_group_t), intent(inout) :: limits
       type(diagnostics_t), intent(inout) :: findings
-      integer :: room
+      integer :: capacity
 
       call group%follow(limit_items)
       call take(group, 'TANGLE', limits%tangle, findings)
@@ -96,8 +96,8 @@ contains
       call take(group, 'TOGGLE', limits%toggle, findings)
       limits%toggle_given = group%given('TOGGLE')
       call take(group, 'LIMVAL', limits%limval, findings)
-      room = 2*nloop*maxarc + 5
-      allocate (limits%oplow(room), limits%ophigh(room), source=0.0_wp)
+      capacity = 2*nloop*maxarc + 5
+      allocate (limits%oplow(capacity), limits%ophigh(capacity), source=0.0_wp)
       call group%get_reals('OPLOW', limits%oplow, findings, filler=.true., last=limits%low_given)
       call group%get_reals('OPHIGH', limits%ophigh, findings, filler=.true., last=limits%high_given)
       call take(group, 'STEPIN', limits%stepin, findings)

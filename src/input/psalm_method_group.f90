@@ -21,7 +21,7 @@ module psalm_method_group
    integer(int64), parameter :: bytes_of_position = 10*storage_size(1.0_wp)/8 !! of a case: seven arrays, and copies on the way
    integer, parameter :: default_niter = 2         !! the thesis's: enough to look at the start of a search
 
-   !> Positions, wishes, variables and the simplex. Angles in degrees, lengths in the user's one unit.
+   !> Positions, targets, variables and the simplex. Angles in degrees, lengths in the user's one unit.
    type :: method_group_t
       integer, allocatable :: iva(:, :), ivg(:, :) !! shape (maxarc, nloop)
       integer :: ilkout = 0, ingout = 0, icrk = 0, iorig = 0
@@ -35,7 +35,7 @@ module psalm_method_group
       real(wp) :: xadd = 0.0_wp, yadd = 0.0_wp
       real(wp), allocatable :: desx(:), desy(:), desang(:)       !! shape (ndes)
       real(wp), allocatable :: xmult(:), ymult(:), anmult(:)     !! shape (ndes)
-      real(wp), allocatable :: rate_wanted(:, :, :) !! shape (ndes, components, most_rates): derivatives of the output by the
+      real(wp), allocatable :: rate_desired(:, :, :) !! shape (ndes, components, most_rates): derivatives of the output by the
                                            !! input; not allocated: none is wanted
       real(wp), allocatable :: rate_weight(:, :, :) !! the same shape: their weights, 0 where none is wanted
       real(wp) :: origlk = 0.0_wp, origng = 0.0_wp
@@ -264,8 +264,8 @@ contains
       call check_weights('XMULT', method%xmult)
       call check_weights('YMULT', method%ymult)
       call check_weights('ANMULT', method%anmult)
-      call read_rate_items(group, method%motion, merge(0, n, method%ikin /= 0), method%rate_wanted, method%rate_weight, findings)
-      if (allocated(method%rate_wanted) .and. .not. method%desired) &
+      call read_rate_items(group, method%motion, merge(0, n, method%ikin /= 0), method%rate_desired, method%rate_weight, findings)
+      if (allocated(method%rate_desired) .and. .not. method%desired) &
          call group%origins%error(findings, 'METHOD', '', 'derivatives are desired in addition to values ('// &
                                   trim(merge('DESANG       ', 'DESX and DESY', kind%components == 1))//'), which are missing; '// &
                                   'where derivatives alone count, give the values weights of 0'// &

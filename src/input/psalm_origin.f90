@@ -1,6 +1,6 @@
 !> Where the values of a case were written: line, group and item of each element.
 !>
-!> What is judged after reading (the topology, the search) names the line of the very value that is wrong. Elements that
+!> What is assessed after reading (the topology, the search) names the line of the very value that is wrong. Elements that
 !> follow each other on one line are one run, so that the table is no longer than the file. `error` and `warning` complain about
 !> an element: they add a finding with its group, item and line.
 module psalm_origin

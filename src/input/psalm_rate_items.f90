@@ -1,6 +1,6 @@
 !> Derivatives of the output by the input that are wanted at the positions: DVELX, DACCX ... of &METHOD, weights WVELX, WACCX ...
 !>
-!> Source of the wish for derivatives at precision points: Oldham (1977), 9.1.1. Sketches have theirs in `psalm_wish_items`.
+!> Source of the target for derivatives at precision points: Oldham (1977), 9.1.1. Sketches have theirs in `psalm_target_items`.
 module psalm_rate_items
    use psalm_group, only: group_t, out_of
    use psalm_kinds, only: wp
@@ -12,7 +12,7 @@ module psalm_rate_items
    public :: rate_row_t, read_rate_items, wanted_rows, gives_rates
 
    integer, parameter :: in_x = 1, in_y = 2, in_other = 3
-   !> Items by order and number: x, y, and what is no co-ordinate of a point.
+   !> Items by order and number: x, y, and what is no coordinate of a point.
    character(*), parameter :: rate_items(most_rates, most_components) = reshape( &
       [character(7) :: 'DVELX', 'DACCX', 'DVELY', 'DACCY', 'DVELANG', 'DACCANG'], [most_rates, most_components])
    character(*), parameter :: rate_weights(most_rates, most_components) = reshape( &

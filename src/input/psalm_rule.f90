@@ -1,6 +1,6 @@
 !> What an item of a case may be: its name, kind, shape, unit, default, values, meaning.
 !>
-!> Every group of items has a table of these beside its reader. From it come the default and the judgement of each value, the
+!> Every group of items has a table of these beside its reader. From it come the default and the assessment of each value, the
 !> names that may have been meant, `--items`, the schema of a case as JSON and the tables of the manual.
 module psalm_rule
    use, intrinsic :: iso_fortran_env, only: int64

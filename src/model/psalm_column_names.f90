@@ -23,7 +23,7 @@ module psalm_column_names
    implicit none (type, external)
    private
    public :: input_name, closed_name, position_name, output_name, desired_name, joint_name, by_time, by_input, per_time, per_input
-   public :: condition_name, crank_name, wished_name
+   public :: condition_name, crank_name, target_name
    public :: plotted_output, plotted_desired, plotted_component, plotted_rate, plotted_load
    public :: input_unit, drive_unit, output_unit, rate_unit, number_unit
 
@@ -90,12 +90,12 @@ contains
    end function desired_name
 
    !> What a number of an output of a sketch, or a derivative of it, is to be.
-   pure function wished_name(name) result(wished)
+   pure function target_name(name) result(desired)
       character(*), intent(in) :: name         !! of its column
-      character(:), allocatable :: wished
+      character(:), allocatable :: desired
 
-      wished = name//'.desired'
-   end function wished_name
+      desired = name//'.desired'
+   end function target_name
 
    pure function with_component(word, kind, component) result(name)
       character(*), intent(in) :: word

@@ -10,7 +10,7 @@
 !> unknown arc, its axis.
 !>
 !> **Points** are the vertices of the chain, each made once though many loops run through it: two arcs meet in one point
-!> because the loops say so, never because their co-ordinates agree. Source of the bodies: Oldham (1977), sections 4.2 and 15.1.
+!> because the loops say so, never because their coordinates agree. Source of the bodies: Oldham (1977), sections 4.2 and 15.1.
 module psalm_mechanism
    use psalm_dimensions, only: dimensions_t
    use psalm_dyad_kind, only: assur_higher, assur_none

@@ -10,8 +10,8 @@ module psalm_sketch
    implicit none (type, external)
    private
    public :: sketch_t, link_t, slide_t, drive_t, sketch_output_t, variation_t
-   public :: wish_t, wish_column_t
-   public :: sketch_name, frame_link, position_of, grid_digits, columns_of, first_number, most_wished
+   public :: target_t, target_column_t
+   public :: sketch_name, frame_link, position_of, grid_digits, columns_of, first_number, most_targets
    public :: drive_turns, drive_slides, drive_stretches
    public :: output_point, output_angle, output_distance, output_slide, output_between, output_pose, output_ratio
    public :: output_x, output_y
@@ -67,13 +67,13 @@ module psalm_sketch
       real(wp) :: teeth(2) = 0.0_wp         !! as written
    end type gear_t
 
-   integer, parameter :: most_wished = 2     !! derivatives of an output that may be prescribed
+   integer, parameter :: most_targets = 2     !! derivatives of an output that may be prescribed
 
    !> What an output, or a derivative of it by the first drive's input, is to be.
-   type :: wish_t
+   type :: target_t
       real(wp), allocatable :: values(:, :)  !! shape (numbers of the output, positions); not allocated: nothing is prescribed
       real(wp), allocatable :: weights(:, :) !! the same shape
-   end type wish_t
+   end type target_t
 
    !> What is wanted.
    type :: sketch_output_t
@@ -83,18 +83,18 @@ module psalm_sketch
       integer :: link = 0                   !! pose, angle: the link, if one was named
       integer :: slide = 0
       integer :: outputs(2) = 0             !! ratio: the rate of the first by that of the second
-      type(wish_t) :: wishes(0:most_wished) !! by order of the derivative
+      type(target_t) :: targets(0:most_targets) !! by order of the derivative
    contains
-      procedure :: is_wished
+      procedure :: has_target
       procedure :: drawn_joint
    end type sketch_output_t
 
    !> One number that is wanted: of an output, of its numbers, a derivative by the first drive's input.
-   type :: wish_column_t
+   type :: target_column_t
       integer :: output = 0
       integer :: component = 0
       integer :: order = 0
-   end type wish_column_t
+   end type target_column_t
 
    !> A dimension that a search may change.
    type :: variation_t
@@ -120,9 +120,9 @@ module psalm_sketch
       real(wp), allocatable :: length(:)
       logical :: over_braced = .false.      !! KOVER: equations that special dimensions make superfluous are allowed
    contains
-      procedure :: has_wishes
+      procedure :: has_targets
       procedure :: joint_of_output
-      procedure :: wish_columns
+      procedure :: target_columns
       procedure :: shown_joint
       procedure :: has_joint
       procedure :: links_of
@@ -202,39 +202,39 @@ contains
    end function joint_of_output
 
    !> True if values are prescribed.
-   pure logical function is_wished(self)
+   pure logical function has_target(self)
       class(sketch_output_t), intent(in) :: self
 
-      is_wished = allocated(self%wishes(0)%values)
-   end function is_wished
+      has_target = allocated(self%targets(0)%values)
+   end function has_target
 
    !> True if anything is prescribed of any output.
-   pure logical function has_wishes(self)
+   pure logical function has_targets(self)
       class(sketch_t), intent(in) :: self
       integer :: k, order
 
-      has_wishes = .false.
+      has_targets = .false.
       do k = 1, size(self%outputs)
-         do order = 0, most_wished
-            has_wishes = has_wishes .or. allocated(self%outputs(k)%wishes(order)%values)
+         do order = 0, most_targets
+            has_targets = has_targets .or. allocated(self%outputs(k)%targets(order)%values)
          end do
       end do
-   end function has_wishes
+   end function has_targets
 
-   !> All numbers that outputs have wishes for: output after output, values before derivatives.
-   pure function wish_columns(self) result(columns)
+   !> All numbers that outputs have targets for: output after output, values before derivatives.
+   pure function target_columns(self) result(columns)
       class(sketch_t), intent(in) :: self
-      type(wish_column_t), allocatable :: columns(:)
+      type(target_column_t), allocatable :: columns(:)
       integer :: k, order, c
 
       allocate (columns(0))
       do k = 1, size(self%outputs)
-         do order = 0, most_wished
-            if (.not. allocated(self%outputs(k)%wishes(order)%values)) cycle
-            columns = [columns, [(wish_column_t(k, c, order), c=1, columns_of(self%outputs(k)))]]
+         do order = 0, most_targets
+            if (.not. allocated(self%outputs(k)%targets(order)%values)) cycle
+            columns = [columns, [(target_column_t(k, c, order), c=1, columns_of(self%outputs(k)))]]
          end do
       end do
-   end function wish_columns
+   end function target_columns
 
    !> Why there is no one crank whose turning moves everything, in words; empty where there is.
    pure function why_no_crank(self) result(words)

@@ -16,7 +16,7 @@ module psalm_error
    use psalm_plan, only: plan_t, make_plan
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t
-   use psalm_sketch, only: wish_column_t
+   use psalm_sketch, only: target_column_t
    use psalm_stop, only: stop_t, is_to_end
    use psalm_parameters, only: parameters_t
    use psalm_place, only: beside_t
@@ -96,14 +96,14 @@ module psalm_error
       real(wp), allocatable :: own_delt(:, :)      !! shape (positions, drives after the first): of drives that are not geared
       logical :: desired = .false.                 !! there are desired values of the output
       logical :: blank = .false.                   !! there are those of a sketch's outputs alone: `wanted` has no weight
-      real(wp), allocatable :: wanted(:, :)        !! shape (positions, components): desired, points in machine co-ordinates
+      real(wp), allocatable :: wanted(:, :)        !! shape (positions, components): desired, points in machine coordinates
       real(wp), allocatable :: toward_x(:), toward_y(:) !! unit vectors of desired angles
       real(wp), allocatable :: weight(:, :)        !! shape as `wanted`: weights, 0 for padding
       ! derivatives of the output by the input that are wanted; not allocated: none
-      real(wp), allocatable :: rate_wanted(:, :, :) !! shape (positions, components, orders): of angles in radians
+      real(wp), allocatable :: rate_desired(:, :, :) !! shape (positions, components, orders): of angles in radians
       real(wp), allocatable :: rate_weight(:, :, :) !! the same shape: weights, 0 where none is wanted
       ! desired values of further outputs of a sketch, one number after the other; not allocated: none
-      real(wp), allocatable :: wish_values(:, :), wish_weights(:, :) !! shape (positions, numbers)
+      real(wp), allocatable :: target_values(:, :), target_weights(:, :) !! shape (positions, numbers)
       real(wp), allocatable :: partial(:)          !! shape (blocks): objective of each
       integer, allocatable :: offending(:)         !! shape (blocks): lowest loop not accepted in each
       type(observable_t) :: output                 !! what the linkage is for
@@ -171,7 +171,7 @@ contains
       call fill_problem(mechanism, dimensions, parameters, inputs_of(set), everywhere, problem, own_inputs_of(set))
       problem%toggle = set%limits%toggle
       if (set%method%ikin /= 0) return
-      problem%blank = set%sketch%has_wishes() .and. .not. set%method%desired
+      problem%blank = set%sketch%has_targets() .and. .not. set%method%desired
       if (.not. (set%method%desired .or. problem%blank)) return
       if (problem%blank) then
          allocate (wanted(problem%positions, problem%output%kind%components), source=0.0_wp)
@@ -180,29 +180,29 @@ contains
          call desired_of(set, wanted, weight)
       end if
       call problem%set_desired(wanted, weight)
-      call take_wishes(set, problem)
-      if (.not. allocated(set%method%rate_wanted)) return
-      problem%rate_wanted = set%method%rate_wanted
+      call take_targets(set, problem)
+      if (.not. allocated(set%method%rate_desired)) return
+      problem%rate_desired = set%method%rate_desired
       problem%rate_weight = set%method%rate_weight
    end subroutine make_problem
 
-   !> Desired values and derivatives of a sketch's further outputs, in the order of `wish_columns`.
-   subroutine take_wishes(set, problem)
+   !> Desired values and derivatives of a sketch's further outputs, in the order of `target_columns`.
+   subroutine take_targets(set, problem)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(inout) :: problem
-      type(wish_column_t), allocatable :: columns(:)
+      type(target_column_t), allocatable :: columns(:)
       integer :: k
 
-      if (.not. set%sketch%has_wishes()) return
-      columns = set%sketch%wish_columns()
-      allocate (problem%wish_values(problem%positions, size(columns)), problem%wish_weights(problem%positions, size(columns)))
+      if (.not. set%sketch%has_targets()) return
+      columns = set%sketch%target_columns()
+      allocate (problem%target_values(problem%positions, size(columns)), problem%target_weights(problem%positions, size(columns)))
       do k = 1, size(columns)
-         associate (wish => set%sketch%outputs(columns(k)%output)%wishes(columns(k)%order), component => columns(k)%component)
-            problem%wish_values(:, k) = wish%values(component, :)
-            problem%wish_weights(:, k) = wish%weights(component, :)
+         associate (target => set%sketch%outputs(columns(k)%output)%targets(columns(k)%order), component => columns(k)%component)
+            problem%target_values(:, k) = target%values(component, :)
+            problem%target_weights(:, k) = target%weights(component, :)
          end associate
       end do
-   end subroutine take_wishes
+   end subroutine take_targets
 
    !> A problem of a mechanism at given inputs, without desired values and without limits but that of closure.
    subroutine new_problem(mechanism, dimensions, parameters, inputs, every_loop, problem, own)
@@ -366,8 +366,8 @@ contains
       self%positions = size(delt)
       self%delt = delt
       self%desired = .false.
-      if (allocated(self%rate_wanted)) deallocate (self%rate_wanted, self%rate_weight)
-      if (allocated(self%wish_values)) deallocate (self%wish_values, self%wish_weights)
+      if (allocated(self%rate_desired)) deallocate (self%rate_desired, self%rate_weight)
+      if (allocated(self%target_values)) deallocate (self%target_values, self%target_weights)
       call self%linkage%prepare(self%mechanism, self%plan, self%tangle, self%slide_angle, self%spare, delt)
       call self%output%locate(self%motion, self%mechanism, self%plan, self%linkage)
       if (allocated(self%linkages)) deallocate (self%linkages)
@@ -426,7 +426,7 @@ contains
       integer, intent(in) :: kept(:)   !! numbers of positions
       real(wp), allocatable :: wanted(:, :), weight(:, :), own(:, :)  ! `own` is absent where it is not allocated
 
-      if (self%desired .or. (self%blank .and. allocated(self%wish_values))) then
+      if (self%desired .or. (self%blank .and. allocated(self%target_values))) then
          wanted = self%wanted(kept, :)
          weight = self%weight(kept, :)
       end if
@@ -478,7 +478,7 @@ contains
       self%desired = .not. self%blank
       components = self%output%kind%components
       if (allocated(self%wanted)) deallocate (self%wanted, self%weight, self%toward_x, self%toward_y)
-      associate (n => self%blocks()*self%linkage%room)
+      associate (n => self%blocks()*self%linkage%capacity)
          allocate (self%wanted(n, components), self%weight(n, components), self%toward_x(n), self%toward_y(n), source=0.0_wp)
       end associate
       do c = 1, components
@@ -498,7 +498,7 @@ contains
       real(wp), intent(in) :: values(:), filler
       real(wp), allocatable :: padded_values(:)
 
-      allocate (padded_values(self%blocks()*self%linkage%room), source=filler)
+      allocate (padded_values(self%blocks()*self%linkage%capacity), source=filler)
       padded_values(:size(values)) = values
    end function whole_blocks
 
@@ -529,7 +529,7 @@ contains
    pure integer function blocks(self)
       class(problem_t), intent(in) :: self
 
-      blocks = (self%positions + self%linkage%room - 1)/self%linkage%room
+      blocks = (self%positions + self%linkage%capacity - 1)/self%linkage%capacity
    end function blocks
 
    !> Solve block `block`: positions offset+1 ... offset+n.
@@ -540,8 +540,8 @@ contains
       integer, intent(in), optional :: last_step
       integer :: m
 
-      offset = (block - 1)*self%linkage%room
-      n = min(self%linkage%room, self%positions - offset)
+      offset = (block - 1)*self%linkage%capacity
+      n = min(self%linkage%capacity, self%positions - offset)
       m = padded(n)
       call solve_positions(self, self%linkage, offset, m, last_step)
    end subroutine solve_block
@@ -626,8 +626,8 @@ contains
       do block = 1, self%blocks()
          call evaluate_block(self, self%linkage, block, unused, loop)
          if (loop > 0) return
-         offset = (block - 1)*self%linkage%room
-         n = min(self%linkage%room, self%positions - offset)
+         offset = (block - 1)*self%linkage%capacity
+         n = min(self%linkage%capacity, self%positions - offset)
          do c = 1, self%output%kind%components
             call miss_of(self, self%linkage, c, offset, padded(n))
             miss(offset + 1:offset + n, c) = -self%linkage%store%v(1:n, self%linkage%miss)
@@ -644,8 +644,8 @@ contains
       integer, intent(out) :: loop         !! lowest loop not accepted, 0: none
       integer :: offset, m, c
 
-      offset = (block - 1)*linkage%room
-      m = padded(min(linkage%room, self%positions - offset))
+      offset = (block - 1)*linkage%capacity
+      m = padded(min(linkage%capacity, self%positions - offset))
       objective = 0.0_wp
       call solve_positions(self, linkage, offset, m, offending=loop)
       if (loop > 0) return

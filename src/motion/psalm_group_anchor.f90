@@ -42,7 +42,7 @@ contains
       end do
       best = maxloc(least, dim=1)
       if (.not. least(best) > 0.0_wp) return
-      call problem%solve_block((best - 1)/problem%linkage%room + 1, offset, n)
+      call problem%solve_block((best - 1)/problem%linkage%capacity + 1, offset, n)
       dimensions%anchor = dimensions%crnki + inputs(best)
       do loop = 1, mechanism%nloop
          if (mechanism%is_dyad(loop)) cycle

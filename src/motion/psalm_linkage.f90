@@ -59,7 +59,7 @@ module psalm_linkage
    end type second_drive_t
 
    type :: linkage_t
-      integer :: room = 0                        !! positions of a block, a multiple of `lane`
+      integer :: capacity = 0                        !! positions of a block, a multiple of `lane`
       type(bound_step_t), allocatable :: steps(:)
       integer, allocatable :: step_of_loop(:)    !! by loop: its dyad step, 0 if it is not in the plan
       real(wp) :: scale = 1.0_wp                 !! internal length = user's length * scale (a power of two, mostly 1)
@@ -72,7 +72,7 @@ module psalm_linkage
                                                  !! the last `bind`; 0: nowhere, or `mixed`
       type(rows_t) :: store                      !! one block of positions: position i of a row is store%v(i, row)
       integer, allocatable :: root_x(:), root_y(:)   !! by root: rows of its unit vector
-      integer, allocatable :: point_x(:), point_y(:) !! by point, 0 the input pivot: rows of its scaled co-ordinates
+      integer, allocatable :: point_x(:), point_y(:) !! by point, 0 the input pivot: rows of its scaled coordinates
       integer, allocatable :: slide(:)               !! by varying length: row of the scaled length
       integer, allocatable :: measure(:)             !! by loop: row of its dyad's closure measure, scaled
       integer :: out(2) = 0, direction(2) = 0, miss = 0 !! rows for the output: lengths, unit vector, deviation
@@ -147,7 +147,7 @@ contains
       real(wp) :: unused
       integer :: k, n, loop, turn_row
 
-      self%room = min(block_length, padded(size(delt)))
+      self%capacity = min(block_length, padded(size(delt)))
       n = size(mechanism%arcs)
       allocate (self%steps(size(plan%steps)))
       allocate (self%step_of_loop(mechanism%nloop), source=0)
@@ -513,7 +513,7 @@ contains
 
       allocate (self%root_x(roots), self%root_y(roots), self%slide(lengths), self%measure(loops))
       allocate (self%point_x(0:points), self%point_y(0:points))
-      call make_rows(self%room, 2*roots + 2*(points + 1) + lengths + loops + 5 + turns, self%store)
+      call make_rows(self%capacity, 2*roots + 2*(points + 1) + lengths + loops + 5 + turns, self%store)
       next = 0
       do k = 1, roots
          self%root_x(k) = new_row()
@@ -676,8 +676,8 @@ contains
       if (.not. step%fixed) return
       x = self%store%v(1, step%from_x) + step%x
       y = self%store%v(1, step%from_y) + step%y
-      self%store%v(1:self%room, step%to_x) = x
-      self%store%v(1:self%room, step%to_y) = y
+      self%store%v(1:self%capacity, step%to_x) = x
+      self%store%v(1:self%capacity, step%to_y) = y
       if (.not. allocated(self%between%v)) return
       self%between%v(1, step%to_x) = x
       self%between%v(1, step%to_y) = y

@@ -341,7 +341,7 @@ contains
       end if
    end subroutine change_of_origin
 
-   !> Output point in machine co-ordinates at position `i` of the block.
+   !> Output point in machine coordinates at position `i` of the block.
    pure subroutine output_vector(self, link, i, x, y)
       class(observable_t), intent(in) :: self
       type(linkage_t), intent(in) :: link

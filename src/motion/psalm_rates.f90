@@ -51,12 +51,12 @@ contains
             end if
          end associate
       end do
-      call make_frames(problem%linkage%room, rows, rates%frames)
+      call make_frames(problem%linkage%capacity, rows, rates%frames)
       do k = 1, size(rates%place)
          if (is_orthogonal(problem%linkage%steps(k)%dyad%kind)) rates%frames%work%v(:, rates%place(k) + sine_row) = 1.0_wp
       end do
       do order = 1, highest_order
-         call make_rows(problem%linkage%room, size(problem%linkage%store%v, 2), rates%d(order))
+         call make_rows(problem%linkage%capacity, size(problem%linkage%store%v, 2), rates%d(order))
       end do
    end subroutine prepare_rates
 

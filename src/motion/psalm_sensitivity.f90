@@ -34,7 +34,7 @@ module psalm_sensitivity
       real(wp), allocatable :: turn(:, :)       !! shape (arcs, nvar): 1 where the arc's fixed angle turns with the variable
       real(wp), allocatable :: stretch(:, :)    !! shape (arcs, nvar): 1 where its length grows with it
       logical, allocatable :: moves(:, :)       !! shape (steps, nvar): the step's result changes with the variable
-      real(wp), allocatable :: gx(:), gy(:), tx(:), ty(:) !! shape (room)
+      real(wp), allocatable :: gx(:), gy(:), tx(:), ty(:) !! shape (capacity)
    end type sensitivity_t
 
    !> Outputs of a sketch, and their changes with the variables.
@@ -46,8 +46,8 @@ module psalm_sensitivity
       integer, allocatable :: apart(:)                   !! joints that move, at a distance from the points of the plan
       real(wp), allocatable :: change(:, :, :)           !! shape (positions, columns, numbers); columns: the variables, then
                                                          !! distance and angle of each joint of `apart`; not of a ratio
-      complex(wp), allocatable, private :: joint(:, :, :) !! shape (joints, 0:highest_order, room)
-      real(wp), allocatable, private :: moved(:, :, :)   !! shape (slides, 0:highest_order, room)
+      complex(wp), allocatable, private :: joint(:, :, :) !! shape (joints, 0:highest_order, capacity)
+      real(wp), allocatable, private :: moved(:, :, :)   !! shape (slides, 0:highest_order, capacity)
    end type wanted_outputs_t
 
 contains
@@ -63,8 +63,8 @@ contains
       call prepare_rates(problem, work%rates)
       allocate (work%turn(arcs, nvar), work%stretch(arcs, nvar), source=0.0_wp)
       allocate (work%moves(size(problem%plan%steps), nvar), source=.false.)
-      associate (room => problem%linkage%room)
-         allocate (work%gx(room), work%gy(room), work%tx(room), work%ty(room), source=0.0_wp)
+      associate (capacity => problem%linkage%capacity)
+         allocate (work%gx(capacity), work%gy(capacity), work%tx(capacity), work%ty(capacity), source=0.0_wp)
       end associate
       do v = 1, nvar
          where (problem%parameters%length_variable == v) work%stretch(:, v) = 1.0_wp
@@ -243,8 +243,8 @@ contains
 
       nvar = size(problem%parameters%variables)
       if (.not. allocated(wanted%joint)) then
-         allocate (wanted%joint(size(wanted%sketch%drawn), 0:highest_order, problem%linkage%room), source=(0.0_wp, 0.0_wp))
-         allocate (wanted%moved(size(wanted%sketch%arcs), 0:highest_order, problem%linkage%room), source=0.0_wp)
+         allocate (wanted%joint(size(wanted%sketch%drawn), 0:highest_order, problem%linkage%capacity), source=(0.0_wp, 0.0_wp))
+         allocate (wanted%moved(size(wanted%sketch%arcs), 0:highest_order, problem%linkage%capacity), source=0.0_wp)
          wanted%apart = pack([(k, k=1, size(wanted%sketch%moving))], abs(wanted%sketch%moving%offset) > 0.0_wp)
          allocate (wanted%change(problem%positions, nvar + 2*size(wanted%apart), wanted%numbers), source=0.0_wp)
       end if

@@ -8,7 +8,7 @@ module psalm_sketch_motion
    use psalm_moving_joints, only: sketch_motion_t
    use psalm_rates, only: rates_t, derivatives_of, in_time
    use psalm_rows, only: rows_t
-   use psalm_sketch, only: most_wished
+   use psalm_sketch, only: most_targets
    implicit none (type, external)
    private
    public :: observe_sketch, find_places, find_changes, find_own_changes, find_rate_changes, find_own_rate_changes
@@ -147,9 +147,9 @@ contains
       complex(wp), intent(in) :: origin                 !! of the input pivot
       real(wp), intent(in) :: unit                      !! radians a unit of the variable is worth, or 1
       integer, intent(in) :: n
-      complex(wp), intent(out) :: joint(:, 0:, :)       !! shape (joints, 0:most_wished, n)
-      real(wp), intent(out) :: moved(:, 0:, :)          !! shape (slides, 0:most_wished, n)
-      real(wp) :: h(0:most_wished)
+      complex(wp), intent(out) :: joint(:, 0:, :)       !! shape (joints, 0:most_targets, n)
+      real(wp), intent(out) :: moved(:, 0:, :)          !! shape (slides, 0:most_targets, n)
+      real(wp) :: h(0:most_targets)
       integer :: k, m, order, row
 
       joint = (0.0_wp, 0.0_wp)
@@ -158,14 +158,14 @@ contains
          do m = 1, n
             do k = 1, size(sketch%moving)
                associate (one => sketch%moving(k), point => plan%joint_points(k))
-                  do order = 0, most_wished
+                  do order = 0, most_targets
                      joint(one%joint, order, m) = cmplx(d(order)%v(m, link%point_x(point)), d(order)%v(m, link%point_y(point)), &
                                                         wp)/link%scale
                   end do
                   joint(one%joint, 0, m) = joint(one%joint, 0, m) + origin
                   if (abs(one%offset) > 0.0_wp) then
                      row = link%root_x(plan%root(one%arc))
-                     h = [(d(order)%v(m, row), order=0, most_wished)]
+                     h = [(d(order)%v(m, row), order=0, most_targets)]
                      h(0) = h(0) + turn(one%arc)
                      joint(one%joint, :, m) = joint(one%joint, :, m) + turned_change(offset_of(sketch, problem, k, m), &
                                                                                      derivatives_of(rates, row, m), h)
@@ -176,7 +176,7 @@ contains
             do k = 1, size(sketch%arcs)
                if (sketch%arcs(k) == 0) cycle
                row = link%slide(plan%length_slot(sketch%arcs(k)))
-               do order = 0, most_wished
+               do order = 0, most_targets
                   moved(k, order, m) = sketch%sense(k)*d(order)%v(m, row)*(unit/link%scale)
                end do
             end do
@@ -188,8 +188,8 @@ contains
    pure function turned_change(u, w, h) result(change)
       complex(wp), intent(in) :: u                      !! the vector
       real(wp), intent(in) :: w(:)                      !! derivatives of theta
-      real(wp), intent(in) :: h(0:most_wished)
-      complex(wp) :: change(0:most_wished)
+      real(wp), intent(in) :: h(0:most_targets)
+      complex(wp) :: change(0:most_targets)
       complex(wp), parameter :: i = (0.0_wp, 1.0_wp)
 
       change(0) = i*h(0)*u
@@ -205,7 +205,7 @@ contains
       type(rates_t), intent(in) :: rates                !! by the input
       integer, intent(in) :: moving                     !! of the joints that move: one with an offset
       integer, intent(in) :: position                   !! of the block
-      complex(wp), intent(out) :: along(0:), across(0:) !! shape (0:most_wished)
+      complex(wp), intent(out) :: along(0:), across(0:) !! shape (0:most_targets)
       real(wp) :: w(most_orders)
 
       w = derivatives_of(rates, problem%linkage%root_x(problem%plan%root(sketch%moving(moving)%arc)), position)

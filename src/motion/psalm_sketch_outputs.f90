@@ -8,7 +8,7 @@ module psalm_sketch_outputs
    use psalm_kinds, only: wp, degrees_per_radian, full_turn
    use psalm_output_kind, only: output_kind_t, kind_of_output
    use psalm_sketch, only: sketch_output_t, output_point, output_angle, output_distance, output_slide, output_between, &
-                           output_pose, output_ratio, output_x, output_y, columns_of, most_wished
+                           output_pose, output_ratio, output_x, output_y, columns_of, most_targets
    implicit none (type, external)
    private
    public :: names_of_numbers, values_of_outputs, change_of_values, unwrap, name_length
@@ -124,11 +124,11 @@ contains
    pure subroutine change_of_values(outputs, joint, joint_change, moved_change, values, change)
       type(sketch_output_t), intent(in) :: outputs(:)
       complex(wp), intent(in) :: joint(:, 0:)          !! shape (joints, 0:most_orders): places
-      complex(wp), intent(in) :: joint_change(:, 0:)   !! shape (joints, 0:most_wished)
-      real(wp), intent(in) :: moved_change(:, 0:)      !! shape (slides, 0:most_wished): of the travel
+      complex(wp), intent(in) :: joint_change(:, 0:)   !! shape (joints, 0:most_targets)
+      real(wp), intent(in) :: moved_change(:, 0:)      !! shape (slides, 0:most_targets): of the travel
       real(wp), intent(in) :: values(:, 0:)            !! shape (numbers of all outputs, 0:most_orders)
-      real(wp), intent(out) :: change(:, 0:)           !! shape (numbers of all outputs, 0:most_wished)
-      complex(wp) :: z(0:most_orders), dz(0:most_wished), l(0:most_orders), dl(0:most_wished), dm(0:most_wished)
+      real(wp), intent(out) :: change(:, 0:)           !! shape (numbers of all outputs, 0:most_targets)
+      complex(wp) :: z(0:most_orders), dz(0:most_targets), l(0:most_orders), dl(0:most_targets), dm(0:most_targets)
       integer :: first(size(outputs))
       integer :: k, n
 
@@ -186,7 +186,7 @@ contains
       !> Change of the logarithm of the line between two joints.
       pure function change_along(from, to)
          integer, intent(in) :: from, to
-         complex(wp) :: change_along(0:most_wished), line(0:most_orders)
+         complex(wp) :: change_along(0:most_targets), line(0:most_orders)
 
          line = joint(to, :) - joint(from, :)
          change_along = change_of_logarithm(line, joint_change(to, :) - joint_change(from, :), logarithm(line))
@@ -226,9 +226,9 @@ contains
    !> Changes of the derivatives of log z where those of z change; for the zero vector all are 0.
    pure function change_of_logarithm(z, dz, l) result(dl)
       complex(wp), intent(in) :: z(0:most_orders)
-      complex(wp), intent(in) :: dz(0:most_wished)
+      complex(wp), intent(in) :: dz(0:most_targets)
       complex(wp), intent(in) :: l(0:most_orders)  !! derivatives of log z
-      complex(wp) :: dl(0:most_wished)
+      complex(wp) :: dl(0:most_targets)
 
       dl = (0.0_wp, 0.0_wp)
       if (z(0) == (0.0_wp, 0.0_wp)) return

@@ -60,7 +60,7 @@ contains
       do n = 1, size(candidates)
          k = minloc(abs(candidates), dim=1, mask=.not. tried)
          tried(k) = .true.
-         block = (k - 1)/problem%linkage%room + 1
+         block = (k - 1)/problem%linkage%capacity + 1
          if (block /= solved) call problem%solve_block(block, offset, m)
          solved = block
          call draw(set, problem, motion, k - offset, own(k, :), sketch, drawn)
@@ -115,8 +115,8 @@ contains
       end do
       do k = 1, size(new%outputs)
          associate (output => new%outputs(k))
-            if (output%kind /= output_slide .or. .not. output%is_wished()) cycle
-            output%wishes(0)%values = output%wishes(0)%values - travel(output%slide, at)
+            if (output%kind /= output_slide .or. .not. output%has_target()) cycle
+            output%targets(0)%values = output%targets(0)%values - travel(output%slide, at)
          end associate
       end do
       drawn = reads_back(new, same_place*extent)

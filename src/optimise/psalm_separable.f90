@@ -89,7 +89,7 @@ contains
       logical, intent(in) :: held(:), tight(:)
       type(separable_solution_t), intent(inout) :: solution
       integer, allocatable :: of(:), bands(:)
-      real(wp), allocatable :: share(:, :), x(:), low(:), high(:), room(:)
+      real(wp), allocatable :: share(:, :), x(:), low(:), high(:), capacity(:)
       real(wp), allocatable :: slope(:), curve(:), hessian(:, :), right(:), dx(:), slack(:), price(:), at_low(:), at_high(:)
       real(wp), allocatable :: d_price(:), d_low(:), d_high(:), trial(:), all_x(:), prices(:)
       logical, allocatable :: bounded(:)
@@ -106,13 +106,13 @@ contains
       low = problem%low(of)
       high = problem%high(of)
       bounded = low > 0.0_wp
-      room = [(1.0_wp - sum(merge(problem%share(:, bands(j))*all_x, 0.0_wp, held)), j=1, m)]
+      capacity = [(1.0_wp - sum(merge(problem%share(:, bands(j))*all_x, 0.0_wp, held)), j=1, m)]
       share = problem%share(of, bands)
-      x = start_of(share, room, low, high)
+      x = start_of(share, capacity, low, high)
       all_x(of) = x
       scale = cost_of(problem, all_x)
       allocate (slope(n), curve(n), hessian(n, n), right(n), dx(n), trial(n))
-      slack = room - used(share, x)
+      slack = capacity - used(share, x)
       price = 1.0_wp/slack/real(m + 2*n, wp)
       at_low = merge(1.0_wp/(x - low), 0.0_wp, bounded)/real(m + 2*n, wp)
       at_high = 1.0_wp/(high - x)/real(m + 2*n, wp)
@@ -149,7 +149,7 @@ contains
          before = residual()
          do halving = 1, most_halvings
             x = trial + step*dx
-            slack = room - used(share, x)
+            slack = capacity - used(share, x)
             price = price + step*d_price
             at_low = at_low + step*d_low
             at_high = at_high + step*d_high
@@ -222,15 +222,15 @@ contains
 
    !> A point inside all bands and bounds, near the scale of every unknown: half of its bounds, or half of an equal part of what the
    !> lower bounds leave of the band that limits it most.
-   pure function start_of(share, room, low, high) result(x)
-      real(wp), intent(in) :: share(:, :), room(:), low(:), high(:)
+   pure function start_of(share, capacity, low, high) result(x)
+      real(wp), intent(in) :: share(:, :), capacity(:), low(:), high(:)
       real(wp), allocatable :: x(:)
       real(wp) :: left
       integer :: c, j
 
       x = high - low
-      do j = 1, size(room)
-         left = (room(j) - sum(share(:, j)*low))/real(max(1, count(share(:, j) > 0.0_wp)), wp)
+      do j = 1, size(capacity)
+         left = (capacity(j) - sum(share(:, j)*low))/real(max(1, count(share(:, j) > 0.0_wp)), wp)
          do c = 1, size(x)
             if (share(c, j)*x(c) > left) x(c) = left/share(c, j)
          end do

@@ -28,7 +28,7 @@ module psalm_animation
    integer, parameter :: many = 60                  !! joints above which symbols are smaller
    real(wp), parameter :: crowded = 0.55_wp         !! size of symbols then
 
-   !> How machine co-ordinates become pixels, and which positions of the sweep are frames.
+   !> How machine coordinates become pixels, and which positions of the sweep are frames.
    type :: film_t
       real(wp) :: k = 1.0_wp, ox = 0.0_wp, oy = 0.0_wp
       integer, allocatable :: frames(:)             !! positions of the sweep; the last is the first again

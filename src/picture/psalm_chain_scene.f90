@@ -554,13 +554,13 @@ contains
       row%n = n
       row%closed = study%motion%closed
       allocate (row%actual(n), row%actual_y(n), row%error(n), row%error_y(n), source=0.0_wp)
-      allocate (row%wanted(0), row%wanted_y(0))
+      allocate (row%wanted(0), row%desired_y(0))
       allocate (row%x(joints, n), row%y(joints, n), source=0.0_wp)
       allocate (row%ux(size(scene%slides), n), row%uy(size(scene%slides), n), source=0.0_wp)
       allocate (row%known(joints, n), row%valid(0, n), row%broken(0, n), row%other_known(0, n))
-      allocate (row%tip(4, 0, n), row%other(2, 0, n), row%angle(0, n), row%aim(2, n), row%wish(2, n))
-      row%aim = 0.0_wp
-      row%wish = 0.0_wp
+      allocate (row%tip(4, 0, n), row%other(2, 0, n), row%angle(0, n), row%actual_mark(2, n), row%desired_mark(2, n))
+      row%actual_mark = 0.0_wp
+      row%desired_mark = 0.0_wp
       allocate (row%violations(0))
       if (allocated(row%words)) deallocate (row%words)
       allocate (row%words(0))
@@ -585,11 +585,11 @@ contains
                row%uy(j, k) = z%im
             end do
          end associate
-         row%aim(:, k) = [row%x(scene%output, k), row%y(scene%output, k)]
-         row%wish(:, k) = row%aim(:, k)
+         row%actual_mark(:, k) = [row%x(scene%output, k), row%y(scene%output, k)]
+         row%desired_mark(:, k) = row%actual_mark(:, k)
          if (scene%motion == motion_point) then
-            row%actual(k) = row%aim(1, k)
-            row%actual_y(k) = row%aim(2, k)
+            row%actual(k) = row%actual_mark(1, k)
+            row%actual_y(k) = row%actual_mark(2, k)
          else
             row%actual(k) = study%values(1, 0, k)
          end if

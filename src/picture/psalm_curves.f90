@@ -217,7 +217,7 @@ contains
             call add_line(plot, '', look_dots, 1, own%x, own%y(:, c), scene%prescribed%closed)
             if (.not. scene%desired) cycle
             if (c == 1) call add_line(plot, 'desired', look_rings, 2, own%x, scene%prescribed%wanted)
-            if (c == 2) call add_line(plot, 'desired', look_rings, 2, own%x, scene%prescribed%wanted_y)
+            if (c == 2) call add_line(plot, 'desired', look_rings, 2, own%x, scene%prescribed%desired_y)
          end associate
       end do
    end subroutine add_output

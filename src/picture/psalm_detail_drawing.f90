@@ -24,7 +24,7 @@ module psalm_detail_drawing
 
 contains
 
-   !> The vibrating link at a prescribed position, machine co-ordinates: a path from its first end to the other.
+   !> The vibrating link at a prescribed position, machine coordinates: a path from its first end to the other.
    function bent_path(scene, position) result(path)
       type(scene_t), intent(in) :: scene         !! with a vibrating link
       integer, intent(in) :: position

@@ -53,7 +53,7 @@ contains
       call add_slides()
       call add_joints()
       call add_path()
-      call add_wishes()
+      call add_targets()
       if (allocated(scene%wheels)) call add_wheels()
       if (allocated(scene%edges)) call add_envelope()
       call drawing%finish()
@@ -165,7 +165,8 @@ contains
             if (scene%motion == motion_angle) then
                do i = 1, every%n
                   if (every%closed(i)) call drawing%line('OUTPUT', every%x(scene%output_base, i), &
-                                                         every%y(scene%output_base, i), every%aim(1, i), every%aim(2, i))
+                                                         every%y(scene%output_base, i), every%actual_mark(1, i), &
+                                                         every%actual_mark(2, i))
                end do
             end if
             do i = 1, every%n
@@ -212,7 +213,7 @@ contains
          end do
       end subroutine add_envelope
 
-      subroutine add_wishes()
+      subroutine add_targets()
          integer :: i
 
          if (.not. scene%desired) return
@@ -221,13 +222,13 @@ contains
                if (scene%motion /= motion_point .and. .not. every%closed(i)) cycle
                if (scene%motion == motion_angle) then
                   call drawing%line('DESIRED', every%x(scene%output_base, i), every%y(scene%output_base, i), &
-                                    every%wish(1, i), every%wish(2, i))
+                                    every%desired_mark(1, i), every%desired_mark(2, i))
                else
-                  call drawing%point('DESIRED', every%wish(1, i), every%wish(2, i))
+                  call drawing%point('DESIRED', every%desired_mark(1, i), every%desired_mark(2, i))
                end if
             end do
          end associate
-      end subroutine add_wishes
+      end subroutine add_targets
    end subroutine write_dxf
 
    !> Append the links laid flat, one above the other, the frame first: each along its longest line, with its outline, its holes,

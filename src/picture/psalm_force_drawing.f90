@@ -26,7 +26,7 @@ module psalm_force_drawing
 
 contains
 
-   !> Counterweights as discs to scale, springs between their ends, at one prescribed position, in machine co-ordinates.
+   !> Counterweights as discs to scale, springs between their ends, at one prescribed position, in machine coordinates.
    subroutine draw_weights_and_springs(forces, position, k, text)
       type(force_scene_t), intent(in) :: forces
       integer, intent(in) :: position
@@ -112,7 +112,7 @@ contains
       end do
    end function spiral_path
 
-   !> Symbols of the centres of mass, arrows of the loads, at one prescribed position, in machine co-ordinates.
+   !> Symbols of the centres of mass, arrows of the loads, at one prescribed position, in machine coordinates.
    subroutine draw_centres_and_loads(forces, position, k, text)
       type(force_scene_t), intent(in) :: forces
       integer, intent(in) :: position

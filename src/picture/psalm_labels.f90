@@ -109,8 +109,8 @@ contains
                do i = 1, row%n
                   if (.not. row%closed(i)) cycle
                   associate (base => [row%x(scene%output_base, i), row%y(scene%output_base, i)])
-                     least = min(least, to_piece(p, base, row%aim(:, i)))
-                     if (scene%desired) least = min(least, to_piece(p, base, row%wish(:, i)))
+                     least = min(least, to_piece(p, base, row%actual_mark(:, i)))
+                     if (scene%desired) least = min(least, to_piece(p, base, row%desired_mark(:, i)))
                   end associate
                end do
             end if

@@ -41,7 +41,7 @@ contains
       call text%add('  <compiler angle="radian" autolimits="true" inertiafromgeom="false"/>')
       call text%add('  <option timestep="'//row_of([step])//'" tolerance="1e-12" gravity="'// &
                     row_of([model%gravity(1), 0.0_wp, model%gravity(2)])//'"/>')
-      ! what programs list as the input where all co-ordinates are 0: degrees, or a length in the unit of the case
+      ! what programs list as the input where all coordinates are 0: degrees, or a length in the unit of the case
       call text%add('  <custom>')
       call text%add('    <numeric name="input" data="'//row_of([model%input])//'"/>')
       call text%add('  </custom>')
@@ -170,7 +170,7 @@ contains
          name = 'spring_'//to_text(spring)//'_'//to_text(end)
       end function site_of
 
-      !> True for a relation that is more than the co-ordinate of one joint.
+      !> True for a relation that is more than the coordinate of one joint.
       pure logical function is_sum(k)
          integer, intent(in) :: k
 

@@ -333,16 +333,16 @@ contains
       if (size(row%wanted) > 0) then
          call add_row('desired', row%wanted, all_known)
          call add_row('error', row%error, row%closed)
-         if (size(row%wanted_y) > 0) then
-            call add_row('desired_y', row%wanted_y, all_known)
+         if (size(row%desired_y) > 0) then
+            call add_row('desired_y', row%desired_y, all_known)
             call add_row('error_y', row%error_y, row%closed)
          end if
-         call add_row('wish_x', row%wish(1, :), all_known)
-         call add_row('wish_y', row%wish(2, :), all_known)
+         call add_row('desired_mark_x', row%desired_mark(1, :), all_known)
+         call add_row('desired_mark_y', row%desired_mark(2, :), all_known)
       end if
       if (scene%motion == motion_angle) then
-         call add_row('aim_x', row%aim(1, :), row%closed)
-         call add_row('aim_y', row%aim(2, :), row%closed)
+         call add_row('actual_mark_x', row%actual_mark(1, :), row%closed)
+         call add_row('actual_mark_y', row%actual_mark(2, :), row%closed)
       end if
       call text%add_text(',"closed":"')
       do i = 1, row%n

@@ -433,7 +433,7 @@ contains
          end associate
          scene%near = [scene%near, near]
          if (tightest == 0) tightest = j
-         if (room_of(study%kept(j)) < room_of(study%kept(tightest))) tightest = j
+         if (slack_of(study%kept(j)) < slack_of(study%kept(tightest))) tightest = j
          if (tightest == j) then
             scene%near%tightest = .false.
             scene%near(size(scene%near))%tightest = .true.
@@ -442,11 +442,11 @@ contains
 
    contains
 
-      pure real(wp) function room_of(kept)
+      pure real(wp) function slack_of(kept)
          type(kept_t), intent(in) :: kept
 
-         room_of = kept%nearest%low - kept%clearance%asked
-      end function room_of
+         slack_of = kept%nearest%low - kept%clearance%asked
+      end function slack_of
    end subroutine place_marks
 
    !> A larger group is not found at a dead point itself: from where it is not, go towards the drawing.

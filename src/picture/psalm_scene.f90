@@ -127,7 +127,7 @@ contains
    subroutine make_scene(set, study, bare, findings, scene)
       type(data_set_t), intent(in) :: set
       type(row_study_t), intent(inout) :: study    !! of its linkage
-      logical, intent(in) :: bare                  !! the linkage alone, without wishes, forces and forbidden regions
+      logical, intent(in) :: bare                  !! the linkage alone, without targets, forces and forbidden regions
       type(finding_t), intent(in) :: findings(:)   !! of this case, SETUP's included
       type(scene_t), intent(out) :: scene
       type(side_point_t), allocatable :: sides(:)
@@ -189,8 +189,8 @@ contains
          if (set%has_stand_in()) call show_own_output(set, study, scene)
          scene%pointer = dimensions%outlk
          if (scene%output == scene%output_base) scene%pointer = pointer_part*norm2(scene%high - scene%low)
-         call find_wishes(scene, scene%prescribed)
-         call find_wishes(scene, scene%sweep)
+         call find_targets(scene, scene%prescribed)
+         call find_targets(scene, scene%sweep)
          call widen_view(scene)
          allocate (scene%proof)
          call make_proof_scene(set, own, dimensions, scene%drawn, scene%output, scene%proof, proven)
@@ -323,8 +323,8 @@ contains
 
       do k = 1, scene%prescribed%n
          if (.not. scene%prescribed%closed(k)) cycle
-         if (scene%motion == motion_angle) call take(scene%prescribed%aim(:, k))
-         if (scene%desired) call take(scene%prescribed%wish(:, k))
+         if (scene%motion == motion_angle) call take(scene%prescribed%actual_mark(:, k))
+         if (scene%desired) call take(scene%prescribed%desired_mark(:, k))
       end do
       if (allocated(scene%forces)) call extent_of_weights(scene%forces, scene%low, scene%high)
 
@@ -377,39 +377,39 @@ contains
    end subroutine find_others
 
    !> Where the output ought to be, and for MOTION 1 the direction it has.
-   pure subroutine find_wishes(scene, row)
+   pure subroutine find_targets(scene, row)
       type(scene_t), intent(in) :: scene
       type(position_row_t), intent(inout) :: row
       real(wp) :: base(2), unit(2)
       integer :: k
 
-      allocate (row%aim(2, row%n), row%wish(2, row%n), source=0.0_wp)
+      allocate (row%actual_mark(2, row%n), row%desired_mark(2, row%n), source=0.0_wp)
       do k = 1, row%n
-         if (scene%motion == motion_point .and. size(row%wanted) > 0) row%wish(:, k) = [row%wanted(k), row%wanted_y(k)]
+         if (scene%motion == motion_point .and. size(row%wanted) > 0) row%desired_mark(:, k) = [row%wanted(k), row%desired_y(k)]
          if (.not. row%closed(k)) cycle
          base = [row%x(scene%output_base, k), row%y(scene%output_base, k)]
          if (scene%motion == motion_angle) then
             call unit_vector(row%actual(k), unit(1), unit(2))
-            row%aim(:, k) = base + scene%pointer*unit
+            row%actual_mark(:, k) = base + scene%pointer*unit
          end if
          if (size(row%wanted) == 0) cycle
          select case (scene%motion)
          case (motion_angle)
             call unit_vector(row%wanted(k), unit(1), unit(2))
-            row%wish(:, k) = base + scene%pointer*unit
+            row%desired_mark(:, k) = base + scene%pointer*unit
          case (motion_distance)
             if (row%actual(k) <= 0.0_wp) cycle
-            row%wish(:, k) = row%wanted(k)*([row%x(scene%output, k), row%y(scene%output, k)]/row%actual(k))
+            row%desired_mark(:, k) = row%wanted(k)*([row%x(scene%output, k), row%y(scene%output, k)]/row%actual(k))
          case (motion_slide)
             associate (slide => scene%slides(scene%output_slide))
-               row%wish(:, k) = [row%x(slide%guide, k), row%y(slide%guide, k)] + slide%sense*row%wanted(k)* &
+               row%desired_mark(:, k) = [row%x(slide%guide, k), row%y(slide%guide, k)] + slide%sense*row%wanted(k)* &
                                 [row%ux(scene%output_slide, k), row%uy(scene%output_slide, k)]
             end associate
          end select
       end do
-   end subroutine find_wishes
+   end subroutine find_targets
 
-   !> Constraints of the group CONSTR, as `psalm` judges its results.
+   !> Constraints of the group CONSTR, as `psalm` assesses its results.
    subroutine check_constraints(set, own, dimensions, scene)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: own
@@ -734,7 +734,7 @@ contains
    subroutine choose_view(scene, longest)
       type(scene_t), intent(inout) :: scene
       real(wp), intent(in) :: longest          !! longest arc
-      real(wp) :: low(2), high(2), widest_low(2), widest_high(2), room
+      real(wp) :: low(2), high(2), widest_low(2), widest_high(2), border
       integer :: k, loop
 
       low = huge(1.0_wp)
@@ -749,11 +749,11 @@ contains
                call take(scene%prescribed%tip(1::2, loop, k), scene%prescribed%tip(2::2, loop, k))
          end do
       end do
-      if (scene%motion == motion_point .and. scene%desired) call take(scene%prescribed%wanted, scene%prescribed%wanted_y)
+      if (scene%motion == motion_point .and. scene%desired) call take(scene%prescribed%wanted, scene%prescribed%desired_y)
       if (scene%motion == motion_distance) call take([0.0_wp], [0.0_wp])
-      room = maxval(high - low)*enlarge
-      widest_low = low - room
-      widest_high = high + room
+      border = maxval(high - low)*enlarge
+      widest_low = low - border
+      widest_high = high + border
       do k = 1, scene%sweep%n
          call take(pack(scene%sweep%x(:, k), scene%sweep%known(:, k)), pack(scene%sweep%y(:, k), scene%sweep%known(:, k)))
       end do
@@ -762,10 +762,10 @@ contains
          high = high + max(longest, 1.0_wp)
       end if
       ! a straight mechanism is given some height
-      room = flattest*maxval(high - low)
-      where (high - low < room)
-         low = low - room
-         high = high + room
+      border = flattest*maxval(high - low)
+      where (high - low < border)
+         low = low - border
+         high = high + border
       end where
       scene%low = low
       scene%high = high

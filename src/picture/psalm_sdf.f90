@@ -17,7 +17,7 @@ module psalm_sdf
    real(wp), parameter :: beyond = 2.0_wp   !! sizes of the linkage that a slide may move, where a format asks for a limit
    real(wp), parameter :: free = 1.0e6_wp   !! effort or speed, where a format asks for a limit
 
-   !> A relation of two joints: the second's co-ordinate is the first's times a factor.
+   !> A relation of two joints: the second's coordinate is the first's times a factor.
    type :: follower_t
       integer :: leader = 0, follower = 0
       real(wp) :: factor = 0.0_wp

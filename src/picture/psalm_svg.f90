@@ -1,6 +1,6 @@
 !> A scene as SVG: one file, readable in print and on a dark screen.
 !>
-!> Geometry stands in machine co-ordinates with all digits inside one group that flips and scales; symbols, strokes and
+!> Geometry stands in machine coordinates with all digits inside one group that flips and scales; symbols, strokes and
 !> letters have sizes of the drawing. Symbols are those of Oldham (1977), section 15.1: circles for revolute joints, single
 !> triangles for frame joints, a pair of triangles vertex to vertex for prismatic joints, five-pointed stars for the output.
 module psalm_svg
@@ -258,7 +258,7 @@ contains
    end subroutine draw_linkage
 
    !> What does not move: regions, what is reached, the path of the output point, the places wanted of it. In machine
-   !> co-ordinates.
+   !> coordinates.
    subroutine draw_still(scene, k, text)
       type(scene_t), intent(in) :: scene
       real(wp), intent(in) :: k               !! pixels per unit of length
@@ -270,8 +270,8 @@ contains
       call draw_path(scene, k, text)
       if (.not. (scene%desired .and. scene%motion == motion_point)) return
       do i = 1, scene%prescribed%n
-         call text%add('<use href="#diamond" class="desired" transform="translate('//pair(scene%prescribed%wish(1, i), &
-                       scene%prescribed%wish(2, i))//') scale('//short_number(1.0_wp/k)//')"/>')
+         call text%add('<use href="#diamond" class="desired" transform="translate('//pair(scene%prescribed%desired_mark(1, i), &
+                       scene%prescribed%desired_mark(2, i))//') scale('//short_number(1.0_wp/k)//')"/>')
       end do
    end subroutine draw_still
 
@@ -654,7 +654,7 @@ contains
                if (scene%motion == motion_angle) then
                   call text%add('<path class="output actual direction"'//facts//values(row%actual, row%actual_y, i)// &
                                 stroke(merge(2.6_wp, 1.0_wp, i == scene%reference), k)//' d="M'// &
-                                point(row, scene%output_base, i)//'L'//pair(row%aim(1, i), row%aim(2, i))//'"/>')
+                                point(row, scene%output_base, i)//'L'//pair(row%actual_mark(1, i), row%actual_mark(2, i))//'"/>')
                else
                   call text%add('<use href="#star" class="output actual"'//facts//values(row%actual, row%actual_y, i)// &
                                 placed(row%x(scene%output, i), row%y(scene%output, i), small_star)//'/>')
@@ -662,15 +662,16 @@ contains
             end if
             if (.not. scene%desired) cycle
             if (scene%motion == motion_point) then
-               call text%add('<use href="#diamond" class="output desired"'//facts//values(row%wanted, row%wanted_y, i)// &
-                             placed(row%wish(1, i), row%wish(2, i), 1.0_wp)//'/>')
+               call text%add('<use href="#diamond" class="output desired"'//facts//values(row%wanted, row%desired_y, i)// &
+                             placed(row%desired_mark(1, i), row%desired_mark(2, i), 1.0_wp)//'/>')
             else if (row%closed(i) .and. scene%motion == motion_angle) then
                call text%add('<path class="output desired direction"'//facts//values(row%wanted, row%wanted, i)// &
                              stroke(1.3_wp, k)//' stroke-dasharray="'//short_number(7.0_wp/k)//' '//short_number(5.0_wp/k)// &
-                             '" d="M'//point(row, scene%output_base, i)//'L'//pair(row%wish(1, i), row%wish(2, i))//'"/>')
+                             '" d="M'//point(row, scene%output_base, i)//'L'// &
+                             pair(row%desired_mark(1, i), row%desired_mark(2, i))//'"/>')
             else if (row%closed(i)) then
                call text%add('<use href="#diamond" class="output desired"'//facts//values(row%wanted, row%wanted, i)// &
-                             placed(row%wish(1, i), row%wish(2, i), 1.0_wp)//'/>')
+                             placed(row%desired_mark(1, i), row%desired_mark(2, i), 1.0_wp)//'/>')
             end if
          end do
       end associate
@@ -735,8 +736,8 @@ contains
          y = row%y(scene%output, i)
          if (scene%motion == motion_angle .and. scene%output == scene%output_base) then
             if (.not. row%closed(i)) return
-            x = row%aim(1, i)
-            y = row%aim(2, i)
+            x = row%actual_mark(1, i)
+            y = row%actual_mark(2, i)
          end if
          call text%add('<use href="#star" class="output actual" id="star" stroke="none" transform="translate('//pair(x, y)// &
                        ') scale('//short_number(merge(small_star, 1.0_wp, scene%motion == motion_slide)/k)//')"/>')

@@ -32,7 +32,7 @@ module psalm_trace
       logical, allocatable :: beyond(:)                   !! of a sketch: it closes, but is not reached from the drawing
       real(wp), allocatable :: actual(:), actual_y(:)     !! as on device 9
       real(wp), allocatable :: error(:), error_y(:)
-      real(wp), allocatable :: wanted(:), wanted_y(:)     !! size 0 without desired values
+      real(wp), allocatable :: wanted(:), desired_y(:)     !! size 0 without desired values
       real(wp), allocatable :: x(:, :), y(:, :)           !! shape (joints, n)
       logical, allocatable :: known(:, :)                 !! shape (joints, n)
       real(wp), allocatable :: ux(:, :), uy(:, :)         !! shape (slides, n): direction of the arc
@@ -41,8 +41,8 @@ module psalm_trace
       real(wp), allocatable :: tip(:, :, :)               !! shape (4, loops, n): where p and q of a broken loop end; x, y, x, y
       real(wp), allocatable :: other(:, :, :)             !! shape (2, loops, n): common joint of a pair in its other assembly
       logical, allocatable :: other_known(:, :)           !! shape (loops, n): there is one
-      real(wp), allocatable :: aim(:, :), wish(:, :)      !! shape (2, n): where a line along the actual direction of the output
-                                                          !! arc ends (MOTION 1); the desired place of the output
+      real(wp), allocatable :: actual_mark(:, :), desired_mark(:, :) !! shape (2, n): where a line along the actual direction of the
+                                                          !! output arc ends (MOTION 1); the desired place of the output
       real(wp), allocatable :: angle(:, :)                !! shape (loops, n): transmission angle of link pairs, degrees
       type(violation_t), allocatable :: violations(:)
       type(strings_t), allocatable :: words(:)            !! of each violation
@@ -92,12 +92,12 @@ contains
          row%error = motion%error(:, 1)
          row%actual_y = spread(0.0_wp, 1, row%n)
          row%error_y = row%actual_y
-         allocate (row%wanted(0), row%wanted_y(0))
+         allocate (row%wanted(0), row%desired_y(0))
          if (own%desired) row%wanted = own%wanted(:row%n, 1)
          if (y > 1) then
             row%actual_y = motion%actual(:, 2)
             row%error_y = motion%error(:, 2)
-            if (own%desired) row%wanted_y = own%wanted(:row%n, 2)
+            if (own%desired) row%desired_y = own%wanted(:row%n, 2)
          end if
          allocate (row%violations(size(motion%violations)))
          row%violations = motion%violations
@@ -152,7 +152,7 @@ contains
       allocate (own, source=solved%problem)
       call own%want_derivatives(.true., sketch%points)
       call own%bind(dimensions)
-      allocate (places(size(sketch%drawn), own%linkage%room), moved(size(sketch%arcs), own%linkage%room))
+      allocate (places(size(sketch%drawn), own%linkage%capacity), moved(size(sketch%arcs), own%linkage%capacity))
       do block = 1, own%blocks()
          call own%solve_block(block, offset, n)
          call find_places(sketch, own, n, places(:, :n), moved(:, :n))

@@ -54,8 +54,8 @@ contains
          row%y = row%y/unit
          row%tip = row%tip/unit
          row%other = row%other/unit
-         row%aim = row%aim/unit
-         row%wish = row%wish/unit
+         row%actual_mark = row%actual_mark/unit
+         row%desired_mark = row%desired_mark/unit
       end subroutine change
 
       subroutine change_regions()
@@ -74,17 +74,17 @@ contains
    !> The other assemblies belong into the view, if that does not make the linkage too small.
    pure subroutine take_in_others(scene)
       type(scene_t), intent(inout) :: scene
-      real(wp) :: low(2), high(2), room
+      real(wp) :: low(2), high(2), border
       integer :: loop
 
       low = scene%low
       high = scene%high
-      room = ghost_room*maxval(high - low)
+      border = ghost_room*maxval(high - low)
       do loop = 1, scene%loops
          if (.not. scene%prescribed%other_known(loop, scene%reference)) cycle
          associate (other => scene%prescribed%other(:, loop, scene%reference))
-            scene%low = min(scene%low, max(other, low - room))
-            scene%high = max(scene%high, min(other, high + room))
+            scene%low = min(scene%low, max(other, low - border))
+            scene%high = max(scene%high, min(other, high + border))
          end associate
       end do
    end subroutine take_in_others

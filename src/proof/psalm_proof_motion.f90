@@ -49,7 +49,7 @@ module psalm_proof_motion
    !> Inputs between which the output stays within an amount of its value at a dead point.
    type :: dwell_t
       real(wp) :: from = 0.0_wp, to = 0.0_wp !! proven; over 360: through the end of the turn
-      real(wp) :: room = 0.0_wp            !! it goes on for less than this at either end
+      real(wp) :: slack = 0.0_wp            !! it goes on for less than this at either end
       real(wp) :: at = 0.0_wp              !! the dead point
    end type dwell_t
 
@@ -467,9 +467,9 @@ contains
                   dwell%from = pieces(k)%from
                   dwell%to = pieces(k)%to
                   dwell%at = 0.5_wp*(dead(d)%low + dead(d)%high)
-                  dwell%room = 0.0_wp
-                  if (k > 1) dwell%room = pieces(k - 1)%to - pieces(k - 1)%from
-                  if (k < last) dwell%room = max(dwell%room, pieces(k + 1)%to - pieces(k + 1)%from)
+                  dwell%slack = 0.0_wp
+                  if (k > 1) dwell%slack = pieces(k - 1)%to - pieces(k - 1)%from
+                  if (k < last) dwell%slack = max(dwell%slack, pieces(k + 1)%to - pieces(k + 1)%from)
                   if (wraps(proof) .and. k == last .and. k > 1 .and. pieces(1)%kind == piece_closes .and. &
                       i == size(proof%limits) .and. i == 1) dwell%to = pieces(1)%to + full_turn
                   if (wraps(proof) .and. k == 1 .and. last > 1 .and. pieces(last)%kind == piece_closes .and. &

@@ -127,7 +127,7 @@ contains
 
    contains
 
-      !> A co-ordinate of a joint.
+      !> A coordinate of a joint.
       subroutine put_point(number, joint)
          integer, intent(in) :: number, joint
          real(wp) :: z(0:degree)

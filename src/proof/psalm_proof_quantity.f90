@@ -6,7 +6,7 @@ module psalm_proof_quantity
 
    integer, parameter :: quantity_measure = 1  !! a closure measure
    integer, parameter :: quantity_slide = 2    !! a varying length
-   integer, parameter :: quantity_point = 3    !! a co-ordinate of a point from the input pivot
+   integer, parameter :: quantity_point = 3    !! a coordinate of a point from the input pivot
 
    type :: quantity_t
       integer :: kind = 0                      !! one of `quantity_...`

@@ -23,7 +23,7 @@ module psalm_proof_ranges
 
    integer, parameter :: extreme_angle = 1   !! transmission angle of a loop, degrees: between its links, or link and slide's normal
    integer, parameter :: extreme_slide = 2   !! a varying length
-   integer, parameter :: extreme_x = 3       !! co-ordinates of the output point
+   integer, parameter :: extreme_x = 3       !! coordinates of the output point
    integer, parameter :: extreme_y = 4
    integer, parameter :: extreme_output = 5  !! angle of the output; one that swings through 360 goes on beyond it
    integer, parameter :: extreme_distance = 6 !! of the output point from the origin

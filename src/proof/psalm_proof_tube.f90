@@ -9,7 +9,7 @@
 !> after the other, each granted the tubes of those before it, the tubes of a long chain grow by every matrix. A box is joined
 !> to the one before it when the end of that one's tube lies where the assembly of this one is the only one.
 !>
-!> Around a dead point the way takes the place of one co-ordinate among the unknowns, and that co-ordinate goes along.
+!> Around a dead point the way takes the place of one coordinate among the unknowns, and that coordinate goes along.
 !> Source: Krawczyk (1969); Neumaier (1990), section 5.1.
 module psalm_proof_tube
    use psalm_chain_motion, only: differentiate
@@ -42,10 +42,10 @@ module psalm_proof_tube
       real(wp), allocatable :: off_t(:), off_phi(:)       !! by link: how far the poses may lie from the prediction
       real(wp), allocatable :: rate_t(:), rate_phi(:)     !! by link: how far their derivatives by the way may lie from its own
       real(wp) :: kappa = 0.0_wp                          !! norm of K
-      integer :: pinned = 0                               !! around a dead point: the co-ordinate that goes along (of its link x, y,
+      integer :: pinned = 0                               !! around a dead point: the coordinate that goes along (of its link x, y,
                                                           !! turn times size); the way of the inputs is unknown. 0: elsewhere
       real(wp), allocatable :: direction(:)               !! with `pinned`: rates of the inputs by their way
-      real(wp) :: way(0:3) = 0.0_wp                       !! the way and its derivatives by the co-ordinate
+      real(wp) :: way(0:3) = 0.0_wp                       !! the way and its derivatives by the coordinate
       real(wp) :: off_way = 0.0_wp                        !! how far the way may lie from that
       logical :: holds = .false.
    end type tube_t
@@ -232,7 +232,7 @@ contains
       if (.not. dead) call test(closure, tube)
    end subroutine enclose
 
-   !> Enclose the motion around a dead point, in the direction of its inputs given: a co-ordinate goes `r` to either side.
+   !> Enclose the motion around a dead point, in the direction of its inputs given: a coordinate goes `r` to either side.
    !>
    !> The middle is moved to where the way is greatest or least.
    subroutine enclose_turn(closure, state, direction, way, pinned, r, tube)
@@ -267,7 +267,7 @@ contains
       call test(closure, tube)
    end subroutine enclose_turn
 
-   !> Newton's method with the pinned co-ordinate held, then the derivatives by it.
+   !> Newton's method with the pinned coordinate held, then the derivatives by it.
    subroutine correct(closure, tube, dead)
       type(closure_t), intent(in) :: closure
       type(tube_t), intent(inout) :: tube
@@ -290,7 +290,7 @@ contains
       tube%way(1:) = 0.0_wp
       do order = 1, most_orders
          if (order == 1) then
-            ! the co-ordinate itself
+            ! the coordinate itself
             associate (link => closure%groups(1)%links((tube%pinned + 2)/3))
                select case (modulo(tube%pinned, 3))
                case (1)
@@ -311,7 +311,7 @@ contains
 
    contains
 
-      !> Add a solution to the derivatives of an order; that of the pinned co-ordinate is the way's.
+      !> Add a solution to the derivatives of an order; that of the pinned coordinate is the way's.
       subroutine add(step, order)
          real(wp), intent(in) :: step(:)
          integer, intent(in) :: order
@@ -594,7 +594,7 @@ contains
       if (size(k) > 0) norm_of = maxval(sum(k, dim=2))*outwards
    end function norm_of
 
-   !> The co-ordinate that moves fastest with the way.
+   !> The coordinate that moves fastest with the way.
    pure integer function steepest(closure, tube) result(which)
       type(closure_t), intent(in) :: closure
       type(tube_t), intent(in) :: tube
@@ -618,7 +618,7 @@ contains
       end associate
    end function steepest
 
-   !> The matrix in the middle of a box; where a co-ordinate is pinned, its column is that of the way.
+   !> The matrix in the middle of a box; where a coordinate is pinned, its column is that of the way.
    function matrix_for(closure, tube) result(matrix)
       type(closure_t), intent(in) :: closure
       type(tube_t), intent(in) :: tube
@@ -802,7 +802,7 @@ contains
 
          c = 3*findloc(closure%groups(1)%links, link, dim=1)
          if (c == 0) return
-         ! the column of the pinned co-ordinate is that of the way, which is constant here
+         ! the column of the pinned coordinate is that of the way, which is constant here
          if (c - 2 /= tube%pinned) change(m, c - 2) = change(m, c - 2) + by_place
          if (c - 1 /= tube%pinned) change(m, c - 1) = change(m, c - 1) + by_place
          if (c /= tube%pinned) change(m, c) = change(m, c) + by_turn

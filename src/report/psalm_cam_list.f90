@@ -262,7 +262,7 @@ contains
       if (study%face_short) call text%add(' THE FACE IS SHORTER THAN THE WAY OF THE CONTACT')
    end subroutine list_faults
 
-   !> The table of the cam, its law and judgement, the extremes, play or gap, contact; `suffix` of the names of blocks, empty for
+   !> The table of the cam, its law and assessment, the extremes, play or gap, contact; `suffix` of the names of blocks, empty for
    !> the first cam.
    subroutine put_cam(study, suffix, tables)
       type(cam_study_t), intent(in) :: study
@@ -306,7 +306,7 @@ contains
       call table%add('alpha', study%points%pressure, 'deg')
       call tables%put(table)
       if (study%part%role == role_cam) call put_law(study, suffix, tables)
-      call put_judgement(study, suffix, tables)
+      call put_assessment(study, suffix, tables)
       call put_extremes(study, suffix, tables)
       if (allocated(study%play)) then
          table = table_of('play'//suffix, 'a row for each cam angle: play at the first roller')
@@ -413,14 +413,14 @@ contains
       end associate
    end subroutine put_law
 
-   !> Table judgement, for other programs: one row, a flag for each thing that the cam cannot do or that is not kept.
-   subroutine put_judgement(study, suffix, tables)
+   !> Table assessment, for other programs: one row, a flag for each thing that the cam cannot do or that is not kept.
+   subroutine put_assessment(study, suffix, tables)
       type(cam_study_t), intent(in) :: study
       character(*), intent(in) :: suffix
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
 
-      table = table_of('judgement'//suffix, 'one row: 1 where the cam cannot do something, or a limit is not kept', &
+      table = table_of('assessment'//suffix, 'one row: 1 where the cam cannot do something, or a limit is not kept', &
                        audience=for_programs)
       call table%add('fails', [study%is_violating()])
       call table%add('undercut', [study%undercut])
@@ -438,7 +438,7 @@ contains
       call table%add('second_roller_loose', [study%loose])
       call table%add('face_short', [study%face_short])
       call tables%put(table)
-   end subroutine put_judgement
+   end subroutine put_assessment
 
    !> True if the forces of the contact are known.
    pure logical function forces_known(study)

@@ -22,7 +22,7 @@ module psalm_check_list
    public :: list_input, list_setup, list_arcs, list_reference_joints
 
    integer, parameter :: column = 10      !! width of a dimension
-   integer, parameter :: wide_column = 14 !! width of a co-ordinate
+   integer, parameter :: wide_column = 14 !! width of a coordinate
    integer, parameter :: name_column = 30 !! of the name of a line
    integer, parameter :: per_row = 5      !! values in a row of positions
    real(wp), parameter :: link_mark = 1.0_wp    !! SLIDE and CONFIG: a link
@@ -109,7 +109,7 @@ contains
             call text%add(' WEIGHTING FACTORS FOR THE VALUES ABOVE')
             call rows(set%method%anmult)
          end if
-         if (allocated(set%method%rate_wanted)) call list_wanted_rates(wanted_rows(set%method%rate_weight))
+         if (allocated(set%method%rate_desired)) call list_desired_rates(wanted_rows(set%method%rate_weight))
       end if
       if (mechanism%sliding_input) then
          call text%add(' THE DESIRED INPUT LENGTH')
@@ -121,7 +121,7 @@ contains
    contains
 
       !> Derivatives by the input, under the names of their items.
-      subroutine list_wanted_rates(wanted)
+      subroutine list_desired_rates(wanted)
          type(rate_row_t), intent(in) :: wanted(:)
          integer :: k
 
@@ -129,12 +129,12 @@ contains
             associate (own => wanted(k))
                call text%add(' THE DESIRED '//trim(merge('FIRST ', 'SECOND', own%order == 1))//' DERIVATIVE BY THE INPUT, '// &
                              trim(own%item))
-               call rows(set%method%rate_wanted(:, own%component, own%order))
+               call rows(set%method%rate_desired(:, own%component, own%order))
                call text%add(' WEIGHTING FACTORS FOR THE VALUES ABOVE, 0 WHERE NONE IS WANTED')
                call rows(set%method%rate_weight(:, own%component, own%order))
             end associate
          end do
-      end subroutine list_wanted_rates
+      end subroutine list_desired_rates
 
       subroutine rows(values)
          real(wp), intent(in) :: values(:)

@@ -166,7 +166,7 @@ contains
             call add_item('DESANG=', set%method%desang, text)
             call add_item('ANMULT=', set%method%anmult, text)
          end if
-         if (allocated(set%method%rate_wanted)) call write_rates(wanted_rows(set%method%rate_weight))
+         if (allocated(set%method%rate_desired)) call write_rates(wanted_rows(set%method%rate_weight))
       end subroutine write_positions
 
       !> Derivatives that are wanted; where none is, they weigh nothing.
@@ -175,7 +175,7 @@ contains
          integer :: i
 
          do i = 1, size(rows)
-            call add_item(trim(rows(i)%item)//'=', set%method%rate_wanted(:, rows(i)%component, rows(i)%order), text)
+            call add_item(trim(rows(i)%item)//'=', set%method%rate_desired(:, rows(i)%component, rows(i)%order), text)
             call add_item(trim(rows(i)%weigher)//'=', set%method%rate_weight(:, rows(i)%component, rows(i)%order), text)
          end do
       end subroutine write_rates

@@ -56,7 +56,7 @@ contains
       end if
       call list_motion(problem, motion, text, condition)
       published = text%length
-      if (allocated(motion%rates)) call list_wanted_rates(problem, motion, text)
+      if (allocated(motion%rates)) call list_desired_rates(problem, motion, text)
       call list_violations(problem, motion, text)
    end subroutine list_results
 
@@ -492,7 +492,7 @@ contains
    end subroutine list_violations
 
    !> Derivatives by the input of the orders of which some are wanted: desired, actual, error; what they add to the objective.
-   subroutine list_wanted_rates(problem, motion, text)
+   subroutine list_desired_rates(problem, motion, text)
       type(problem_t), intent(in) :: problem
       type(motion_t), intent(in) :: motion
       type(text_t), intent(inout) :: text
@@ -509,7 +509,7 @@ contains
          associate (wanted => problem%rate_weight(:, :, order) > 0.0_wp, named => problem%mechanism%has_joint_names())
             if (.not. any(wanted)) cycle
             do c = 1, size(of_actual)
-               of_wanted(c) = format_of(named, problem%rate_wanted(:n, c, order), wanted(:n, c))
+               of_wanted(c) = format_of(named, problem%rate_desired(:n, c, order), wanted(:n, c))
                of_actual(c) = format_of(named, motion%rates(:, c, order), motion%closed .and. motion%has_rates)
                of_error(c) = format_of(named, motion%rate_error(:, c, order), motion%closed .and. motion%has_rates)
             end do
@@ -525,7 +525,7 @@ contains
             do i = 1, size(motion%input)
                line = input_text(problem%mechanism, motion%input(i), of_input)
                do c = 1, size(wanted, 2)
-                  line = line//merge(figure(problem%rate_wanted(i, c, order), of_wanted(c)), blank, wanted(i, c))
+                  line = line//merge(figure(problem%rate_desired(i, c, order), of_wanted(c)), blank, wanted(i, c))
                end do
                if (.not. motion%closed(i)) then
                   line = line//open_words(motion, i)
@@ -563,7 +563,7 @@ contains
             words = '        '//word
          end select
       end function headings
-   end subroutine list_wanted_rates
+   end subroutine list_desired_rates
 
    !> Slides that are parallel between two positions, in words.
    function describe_crossing(problem, motion, crossing) result(text)

@@ -59,7 +59,7 @@ contains
       end if
    end function step_after_analysis
 
-   !> A path of points without other wishes.
+   !> A path of points without other targets.
    pure logical function is_path(set)
       type(data_set_t), intent(in) :: set
 
@@ -71,7 +71,7 @@ contains
       type(problem_t), intent(in) :: problem
       type(result_t), intent(in) :: found
       character(:), allocatable :: words
-      real(wp) :: room
+      real(wp) :: slack
       integer :: v
 
       words = ''
@@ -79,8 +79,8 @@ contains
          if (found%by_default(v)) cycle
          associate (value => found%best(1)%values(v), low => found%low(v), high => found%high(v))
             if (high <= low) cycle
-            room = at_bound*max(abs(low), abs(high))
-            if (value > low + room .and. value < high - room) cycle
+            slack = at_bound*max(abs(low), abs(high))
+            if (value > low + slack .and. value < high - slack) cycle
             words = words_of(problem%parameters%variables(v))//', '//plain_number(value)
             return
          end associate

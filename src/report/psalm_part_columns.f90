@@ -50,15 +50,15 @@ contains
       type(table_t), intent(inout) :: table
       integer, intent(in), optional :: times       !! how often they come; default 1: the table has as many rows as words
       character(:), allocatable :: column(:)
-      integer :: k, room, blocks
+      integer :: k, longest, blocks
 
       blocks = 1
       if (present(times)) blocks = times
-      room = 1
+      longest = 1
       do k = 1, size(words)
-         room = max(room, len(words(k)%text))
+         longest = max(longest, len(words(k)%text))
       end do
-      allocate (character(room) :: column(size(words)*blocks))
+      allocate (character(longest) :: column(size(words)*blocks))
       do k = 1, size(column)
          column(k) = words(1 + modulo(k - 1, size(words)))%text
       end do

@@ -4,21 +4,21 @@ module psalm_position_table
    use psalm_column_names, only: by_input, by_time, closed_name, condition_name, crank_name, desired_name, drive_unit, input_name, &
                                  input_unit, joint_name, number_unit, output_name, &
                                  output_unit, per_input, per_time, plotted_component, plotted_desired, plotted_output, &
-                                 plotted_rate, position_name, rate_unit, wished_name
+                                 plotted_rate, position_name, rate_unit, target_name
    use psalm_error, only: problem_t, motion_t
    use psalm_force_list, only: add_forces
    use psalm_force_study, only: force_study_t
    use psalm_kinds, only: wp
    use psalm_output_kind, only: motion_pose, most_rates
    use psalm_rate_study, only: rate_study_t, highest_order
-   use psalm_sketch, only: sketch_t, wish_column_t, first_number
+   use psalm_sketch, only: sketch_t, target_column_t, first_number
    use psalm_sketch_study, only: sketch_study_t
    use psalm_tables, only: table_t, tables_t, table_of, for_all, for_plots, for_programs
    use psalm_text, only: full_precision
    implicit none (type, external)
    private
    public :: add_joints, add_outputs
-   public :: put_positions, plot_positions, plot_wanted_rates, put_rates, put_sketch, plot_sketch, positions_block
+   public :: put_positions, plot_positions, plot_desired_rates, put_rates, put_sketch, plot_sketch, positions_block
 
    character(*), parameter :: nl = new_line('a')
    character(*), parameter :: positions_block = 'positions'
@@ -41,7 +41,7 @@ contains
       call add_motion(problem, motion, table)
       call add_desired(problem, size(motion%input), .true., table)
       if (present(condition)) call table%add(condition_name, condition)
-      if (allocated(motion%rates)) call add_wanted_rates(problem, motion, .true., table)
+      if (allocated(motion%rates)) call add_desired_rates(problem, motion, .true., table)
       call add_crank(motion, table)
       call tables%put(table)
    end subroutine put_positions
@@ -77,7 +77,7 @@ contains
    end subroutine plot_positions
 
    !> Device 9: the derivatives by the input that are wanted; `NaN` where there is none or none is wanted.
-   pure subroutine plot_wanted_rates(title, problem, motion, tables)
+   pure subroutine plot_desired_rates(title, problem, motion, tables)
       character(*), intent(in) :: title     !! of the case
       type(problem_t), intent(in) :: problem
       type(motion_t), intent(in) :: motion  !! with derivatives
@@ -89,9 +89,9 @@ contains
       if (problem%output%kind%angle > 0) note = note//', of angles in radians'
       table = table_of('derivatives', note, notes=title//nl//note, named=.false., audience=for_plots)
       call add_input(problem, motion, table)
-      call add_wanted_rates(problem, motion, .false., table)
+      call add_desired_rates(problem, motion, .false., table)
       call tables%put(table)
-   end subroutine plot_wanted_rates
+   end subroutine plot_desired_rates
 
    pure subroutine add_input(problem, motion, table)
       type(problem_t), intent(in) :: problem
@@ -147,7 +147,7 @@ contains
    end subroutine add_desired
 
    !> Derivatives by the input, actual and desired.
-   pure subroutine add_wanted_rates(problem, motion, only_wanted, table)
+   pure subroutine add_desired_rates(problem, motion, only_wanted, table)
       type(problem_t), intent(in) :: problem
       type(motion_t), intent(in) :: motion
       logical, intent(in) :: only_wanted    !! leave out what is wanted nowhere
@@ -163,12 +163,12 @@ contains
                unit = rate_unit(c == kind%angle, per, order)
                call table%add(by_input(output_name(kind, c), order), motion%rates(:, c, order), unit, motion%has_rates, &
                               plotted_rate(plotted_output(kind, c), per, order))
-               call table%add(by_input(desired_name(kind, c), order), problem%rate_wanted(:, c, order), unit, &
+               call table%add(by_input(desired_name(kind, c), order), problem%rate_desired(:, c, order), unit, &
                               wanted(:, c, order), plotted_rate(plotted_desired(kind, c), per, order))
             end do
          end do
       end associate
-   end subroutine add_wanted_rates
+   end subroutine add_desired_rates
 
    !> The table of `kalm`: derivatives by the input and by time, forces; on device 9 and, unless it is a sketch, which has a table
    !> of its own, for other programs.
@@ -244,7 +244,7 @@ contains
       end do
       call table%add(closed_name, study%closed)
       call add_outputs(sketch, study, orders, known, table)
-      if (present(problem)) call add_wishes(sketch, study, problem, table)
+      if (present(problem)) call add_targets(sketch, study, problem, table)
       call add_conditions(sketch, study, table)
       call add_joints(sketch, study, orders, known, table)
       if (present(forces)) call add_forces(forces, table, study%closed)
@@ -291,12 +291,12 @@ contains
    !> Desired values of the outputs of a sketch; of derivatives by the input the actual ones, too. Without outputs they are those of
    !> the joint that is shown. Values are given for every position, whatever their weights; of derivatives those without a weight
    !> are not.
-   pure subroutine add_wishes(sketch, study, problem, table)
+   pure subroutine add_targets(sketch, study, problem, table)
       type(sketch_t), intent(in) :: sketch
       type(sketch_study_t), intent(in) :: study      !! at a speed of 1, without acceleration
       type(problem_t), intent(in) :: problem
       type(table_t), intent(inout) :: table
-      type(wish_column_t), allocatable :: columns(:)
+      type(target_column_t), allocatable :: columns(:)
       integer :: k, c, order
       logical :: every(problem%positions)
 
@@ -305,21 +305,21 @@ contains
          do c = 1, problem%output%kind%components
             call add(table, c, 0, problem%wanted(:problem%positions, c), every)
          end do
-         if (allocated(problem%rate_wanted)) then
+         if (allocated(problem%rate_desired)) then
             do order = 1, most_rates
                do c = 1, problem%output%kind%components
                   if (any(problem%rate_weight(:, c, order) > 0.0_wp)) &
-                     call add(table, c, order, problem%rate_wanted(:, c, order), problem%rate_weight(:, c, order) > 0.0_wp)
+                     call add(table, c, order, problem%rate_desired(:, c, order), problem%rate_weight(:, c, order) > 0.0_wp)
                end do
             end do
          end if
       end if
-      if (.not. allocated(problem%wish_values)) return
-      columns = sketch%wish_columns()
+      if (.not. allocated(problem%target_values)) return
+      columns = sketch%target_columns()
       do k = 1, size(columns)
          associate (at => columns(k))
-            call add(table, first_number(sketch%outputs, at%output) + at%component - 1, at%order, problem%wish_values(:, k), &
-                     merge(every, problem%wish_weights(:, k) > 0.0_wp, at%order == 0))
+            call add(table, first_number(sketch%outputs, at%output) + at%component - 1, at%order, problem%target_values(:, k), &
+                     merge(every, problem%target_weights(:, k) > 0.0_wp, at%order == 0))
          end associate
       end do
 
@@ -346,9 +346,9 @@ contains
             actual = merge(study%joints(joint, of_order, :)%re, study%joints(joint, of_order, :)%im, number == 1)
          end if
          if (of_order > 0) call into%add(name, actual, unit, study%closed .and. .not. study%dead)
-         call into%add(wished_name(name), values, unit, known)
+         call into%add(target_name(name), values, unit, known)
       end subroutine add
-   end subroutine add_wishes
+   end subroutine add_targets
 
    !> Blocks of device 9: all outputs of a sketch, whose first one alone is in the table before; with rates of several drives the
    !> change of every output with each of them, the others held.

@@ -7,7 +7,7 @@ module psalm_ranking_list
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, degrees_per_radian
    use psalm_number_format, only: figures_of, in_a_row
-   use psalm_output_wishes, only: wish_group_t, wish_groups, first_wish
+   use psalm_output_targets, only: target_group_t, target_groups, first_target
    use psalm_parameters, only: name_of, words_of
    use psalm_ranking, only: ranked_t
    use psalm_search, only: result_t
@@ -45,7 +45,7 @@ contains
       type(result_t), intent(in) :: found
       type(ranked_t), intent(in) :: ranked(:)            !! shape (linkages found)
       type(text_t), intent(inout) :: text
-      type(wish_group_t), allocatable :: groups(:)
+      type(target_group_t), allocatable :: groups(:)
       character(:), allocatable :: line
       character(15) :: first(size(ranked), 5), qualities(size(ranked), quality_columns)
       integer :: i
@@ -71,8 +71,8 @@ contains
          call text%add(rank_column(i)//in_a_row(qualities(i, :))//'   '//turning(ranked(i)))
       end do
       if (problem%blank) then
-         groups = wish_groups(set%sketch)
-         call text%add(' ERRORS ARE THOSE OF '//trim(groups(first_wish(groups))%name))
+         groups = target_groups(set%sketch)
+         call text%add(' ERRORS ARE THOSE OF '//trim(groups(first_target(groups))%name))
       end if
       call text%add(' LINKAGES DIFFER WHERE A LENGTH DOES BY MORE THAN '//plain_number(percent*set%search%differ)// &
                     ' PER CENT OF IT, OR AN ANGLE BY MORE THAN '//plain_number(degrees_per_radian*set%search%differ)// &

@@ -26,7 +26,7 @@ module psalm_report
    use psalm_group_words, only: the_group
    use psalm_mechanism, only: mechanism_t
    use psalm_method_group, only: default_niter
-   use psalm_position_table, only: plot_positions, plot_wanted_rates, put_rates, positions_block
+   use psalm_position_table, only: plot_positions, plot_desired_rates, put_rates, positions_block
    use psalm_proof_list, only: list_proof, put_proof, describe_proof
    use psalm_proof_study, only: proof_study_t
    use psalm_rate_list, only: list_rates, list_all_rates, dead_point_words
@@ -40,8 +40,8 @@ module psalm_report
    use psalm_status, only: diagnostics_t
    use psalm_summary, only: summary_t
    use psalm_summary_table, only: put_arcs, put_arc_rates, put_dimensions, put_output_ranges, put_simplex, put_starts, &
-                                  put_summary, put_violations, put_wish_errors
-   use psalm_summary_text, only: plain_number, write_summary, write_wish_errors
+                                  put_summary, put_violations, put_desired_errors
+   use psalm_summary_text, only: plain_number, write_summary, write_desired_errors
    use psalm_synthesis, only: synthesis_t, ended_infeasible, ended_small_objective, ended_iterations, ended_time, &
                               ended_on_request, ended_without_rates
    use psalm_number_format, only: number_words
@@ -50,7 +50,7 @@ module psalm_report
    use psalm_tolerance, only: tolerances_t
    use psalm_tolerance_list, only: list_tolerances, list_sample, put_tolerances, list_output_bands, put_output_bands
    use psalm_dimensions, only: dimensions_t
-   use psalm_wish_list, only: list_output_wishes, put_output_wishes
+   use psalm_target_list, only: list_output_targets, put_output_targets
    implicit none (type, external)
    private
    public :: begin_search_report, report_search, report_analysis, report_found, report_tolerances, report_allocation, &
@@ -247,9 +247,9 @@ contains
 
       if (set%limits%icond /= 0) condition = analysis%condition
       call list_results(set, problem, analysis%dimensions, analysis%motion, devices%six, devices%published, condition)
-      if (allocated(analysis%wishes)) then
-         call list_output_wishes(analysis%wishes, problem%blank, devices%six)
-         call put_output_wishes(analysis%wishes, devices%cases(devices%last_case()))
+      if (allocated(analysis%targets)) then
+         call list_output_targets(analysis%targets, problem%blank, devices%six)
+         call put_output_targets(analysis%targets, devices%cases(devices%last_case()))
       end if
       call put_dimensions(problem%mechanism, analysis%dimensions, devices%cases(devices%last_case()))
       call put_violations(problem, analysis%motion, devices%cases(devices%last_case()))
@@ -299,7 +299,7 @@ contains
       call plot_positions(set%title, positions_block, problem, analysis%motion, tables, condition)
       if (allocated(analysis%sweep)) &
          call plot_positions(set%title, 'every_position', problem, analysis%sweep, tables, sweep_condition)
-      if (allocated(analysis%motion%rates)) call plot_wanted_rates(set%title, problem, analysis%motion, tables)
+      if (allocated(analysis%motion%rates)) call plot_desired_rates(set%title, problem, analysis%motion, tables)
    end subroutine plot_motion
 
    !> Remarks and exit status where limits are violated, and on what makes the result doubtful.
@@ -366,7 +366,7 @@ contains
 
       call put_summary(mechanism, summary, motion, set%has_stand_in(), devices%cases(devices%last_case()))
       if (present(study)) call put_output_ranges(study, devices%cases(devices%last_case()))
-      call put_wish_errors(summary, devices%cases(devices%last_case()))
+      call put_desired_errors(summary, devices%cases(devices%last_case()))
       call remark_between(set, mechanism, summary, motion, devices)
       if (devices%summarised == most_summarised) return
       devices%summarised = devices%summarised + 1
@@ -377,7 +377,7 @@ contains
       else
          call write_summary(set%title, mechanism, summary, devices%summary, zero_words(set), coincident=coincident_words())
       end if
-      call write_wish_errors(summary, devices%summary)
+      call write_desired_errors(summary, devices%summary)
       if (devices%summarised == most_summarised .and. set%limits%last == 0) &
          call devices%summary%add('Further cases of the file are not summarised')
 

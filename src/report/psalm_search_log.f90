@@ -12,12 +12,12 @@ module psalm_search_log
    private
    public :: search_log_t, begin_log, log_beginning, log_starts
 
-   integer, parameter :: values_per_line = 5      !! co-ordinates of a vertex
+   integer, parameter :: values_per_line = 5      !! coordinates of a vertex
 
    !> Writes the progress of the simplex, and passes on to another observer what it sees.
    type, extends(observer_t) :: search_log_t
       integer :: every = 20              !! NPRT: iterations between two lines of objectives
-      integer :: every_vertex = 100      !! NPRINT: the same for co-ordinates
+      integer :: every_vertex = 100      !! NPRINT: the same for coordinates
       integer :: violations = 30         !! NVIOL: more violations in an iteration are reported
       logical :: named = .false.         !! joints have names: a sketch
       type(text_t) :: device1
@@ -77,7 +77,7 @@ contains
    end subroutine show_row
 
    !> After an iteration of the simplex, which shows its points: violations above NVIOL, objectives every NPRT iterations,
-   !> co-ordinates every NPRINT.
+   !> coordinates every NPRINT.
    subroutine report(self, state, points, objectives)
       class(search_log_t), intent(inout) :: self
       type(search_state_t), intent(in) :: state

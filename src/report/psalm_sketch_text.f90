@@ -6,9 +6,9 @@ module psalm_sketch_text
    use psalm_output_kind, only: output_kind_t, output_kind
    use psalm_rate_items, only: rate_row_t, wanted_rows
    use psalm_sketch, only: sketch_t, drive_stretches, output_angle, output_between, output_distance, output_point, &
-                           output_pose, output_ratio, output_slide, output_x, output_y, most_wished, wish_t
+                           output_pose, output_ratio, output_slide, output_x, output_y, most_targets, target_t
    use psalm_text, only: quoted, text_t, full_precision, to_text
-   use psalm_wish_items, only: values_of, weights_of
+   use psalm_target_items, only: values_of, weights_of
    implicit none (type, external)
    private
    public :: variant_t, variant_of, write_sketch, limit_of_angles
@@ -96,19 +96,19 @@ contains
             do i = 1, size(sketch%outputs)
                call word(quoted(trim(sketch%outputs(i)%name)))
             end do
-            if (.not. sketch%has_wishes()) line = line//' &END'
+            if (.not. sketch%has_targets()) line = line//' &END'
             call text%add(line)
             do i = 1, size(sketch%outputs)
-               do k = 0, most_wished
-                  associate (wish => sketch%outputs(i)%wishes(k))
-                     if (.not. allocated(wish%values)) cycle
-                     if (.not. has_one_weight(wish)) cycle
-                     call numbers(trim(values_of(k))//to_text(i)//'=', [wish%values])
-                     call numbers(trim(weights_of(k))//to_text(i)//'=', wish%weights(1, :))
+               do k = 0, most_targets
+                  associate (target => sketch%outputs(i)%targets(k))
+                     if (.not. allocated(target%values)) cycle
+                     if (.not. has_one_weight(target)) cycle
+                     call numbers(trim(values_of(k))//to_text(i)//'=', [target%values])
+                     call numbers(trim(weights_of(k))//to_text(i)//'=', target%weights(1, :))
                   end associate
                end do
             end do
-            if (sketch%has_wishes()) call text%add(' &END')
+            if (sketch%has_targets()) call text%add(' &END')
          end if
       end associate
       line = ' &METHOD'
@@ -121,7 +121,7 @@ contains
          call text%add(line//' NDES='//to_text(set%method%ndes)//',')
          call numbers('DELT=', own%delt)
          if (set%method%desired) call write_desired(output_kind(set%motion()))
-         if (size(own%sketch%outputs) > 0) call write_weighed(own%sketch%outputs(1)%wishes)
+         if (size(own%sketch%outputs) > 0) call write_weighed(own%sketch%outputs(1)%targets)
       end if
       call text%add(' &END')
       line = ' &LIMITS'
@@ -266,42 +266,42 @@ contains
             call numbers('DESANG=', set%method%desang)
             call numbers('ANMULT=', set%method%anmult)
          end if
-         if (allocated(set%method%rate_wanted)) call write_rates(wanted_rows(set%method%rate_weight), &
-                                                                set%method%rate_wanted, set%method%rate_weight)
+         if (allocated(set%method%rate_desired)) call write_rates(wanted_rows(set%method%rate_weight), &
+                                                                set%method%rate_desired, set%method%rate_weight)
       end subroutine write_desired
 
-      !> True if all numbers of a wish have one weight at each position, as the items of &OUTPUTS have.
-      pure logical function has_one_weight(wish)
-         type(wish_t), intent(in) :: wish
+      !> True if all numbers of a target have one weight at each position, as the items of &OUTPUTS have.
+      pure logical function has_one_weight(target)
+         type(target_t), intent(in) :: target
 
-         has_one_weight = .not. any(abs(wish%weights - spread(wish%weights(1, :), 1, size(wish%weights, 1))) > 0.0_wp)
+         has_one_weight = .not. any(abs(target%weights - spread(target%weights(1, :), 1, size(target%weights, 1))) > 0.0_wp)
       end function has_one_weight
 
       !> Poses that are wanted of the first output with weights of their own for place and direction: items of &METHOD.
-      subroutine write_weighed(wishes)
-         type(wish_t), intent(in) :: wishes(0:)
+      subroutine write_weighed(targets)
+         type(target_t), intent(in) :: targets(0:)
          character(*), parameter :: of_value(*) = [character(7) :: 'DESX=', 'DESY=', 'DESANG=']
          character(*), parameter :: of_weight(*) = [character(7) :: 'XMULT=', 'YMULT=', 'ANMULT=']
          real(wp), allocatable :: wanted(:, :, :), weight(:, :, :)
          integer :: c, order
 
-         if (allocated(wishes(0)%values)) then
-            if (.not. has_one_weight(wishes(0))) then
-               do c = 1, size(wishes(0)%values, 1)
-                  call numbers(trim(of_value(c)), wishes(0)%values(c, :))
-                  call numbers(trim(of_weight(c)), wishes(0)%weights(c, :))
+         if (allocated(targets(0)%values)) then
+            if (.not. has_one_weight(targets(0))) then
+               do c = 1, size(targets(0)%values, 1)
+                  call numbers(trim(of_value(c)), targets(0)%values(c, :))
+                  call numbers(trim(of_weight(c)), targets(0)%weights(c, :))
                end do
             end if
          end if
-         do order = 1, most_wished
-            if (.not. allocated(wishes(order)%values)) cycle
-            if (has_one_weight(wishes(order))) cycle
-            associate (shape_of => shape(wishes(order)%values))
-               if (.not. allocated(wanted)) allocate (wanted(shape_of(2), shape_of(1), most_wished), &
-                                                      weight(shape_of(2), shape_of(1), most_wished), source=0.0_wp)
+         do order = 1, most_targets
+            if (.not. allocated(targets(order)%values)) cycle
+            if (has_one_weight(targets(order))) cycle
+            associate (shape_of => shape(targets(order)%values))
+               if (.not. allocated(wanted)) allocate (wanted(shape_of(2), shape_of(1), most_targets), &
+                                                      weight(shape_of(2), shape_of(1), most_targets), source=0.0_wp)
             end associate
-            wanted(:, :, order) = transpose(wishes(order)%values)
-            weight(:, :, order) = transpose(wishes(order)%weights)
+            wanted(:, :, order) = transpose(targets(order)%values)
+            weight(:, :, order) = transpose(targets(order)%weights)
          end do
          if (allocated(wanted)) call write_rates(wanted_rows(weight), wanted, weight)
       end subroutine write_weighed

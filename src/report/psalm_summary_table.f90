@@ -22,7 +22,7 @@ module psalm_summary_table
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
    implicit none (type, external)
    private
-   public :: put_summary, put_output_ranges, put_wish_errors, put_violations, put_dimensions, put_arcs, put_arc_rates, &
+   public :: put_summary, put_output_ranges, put_desired_errors, put_violations, put_dimensions, put_arcs, put_arc_rates, &
              put_simplex, put_starts
 
    integer, parameter :: name_length = 48  !! characters of a word in a table
@@ -169,21 +169,21 @@ contains
       call tables%put(table)
    end subroutine put_rate_errors
 
-   !> Table wish_errors: of each output with desired values.
-   pure subroutine put_wish_errors(summary, tables)
+   !> Table desired_errors: of each output with desired values.
+   pure subroutine put_desired_errors(summary, tables)
       type(summary_t), intent(in) :: summary
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
       character(name_length), allocatable :: names(:)
       integer :: k
 
-      if (.not. allocated(summary%wishes)) return
-      associate (of => summary%wishes)
+      if (.not. allocated(summary%targets)) return
+      associate (of => summary%targets)
          allocate (names(size(of)))
          do k = 1, size(of)
             names(k) = of(k)%name
          end do
-         table = table_of('wish_errors', 'a row for each output with desired values', audience=for_programs)
+         table = table_of('desired_errors', 'a row for each output with desired values', audience=for_programs)
          call table%add('output', names)
          call table%add('compared', of%compared)
          call table%add('rms', of%rms, known=of%compared > 0)
@@ -193,7 +193,7 @@ contains
          call table%add('unit', of%unit)
       end associate
       call tables%put(table)
-   end subroutine put_wish_errors
+   end subroutine put_desired_errors
 
    !> Table output_ranges: the least and the greatest value of every number of a sketch's outputs at the positions.
    pure subroutine put_output_ranges(study, tables)

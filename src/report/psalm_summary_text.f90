@@ -10,7 +10,7 @@ module psalm_summary_text
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
-   public :: write_summary, write_wish_errors, plain_number, name_of_kind, add_line
+   public :: write_summary, write_desired_errors, plain_number, name_of_kind, add_line
 
    integer, parameter :: most_listed = 4     !! of ranges, kinds or inputs on one line
    integer, parameter :: label_columns = 20
@@ -66,7 +66,7 @@ contains
          if (outputs .and. size(summary%reverses) > 0) call add_line('Dead points', 'the output reverses at '// &
                                                        listed(summary%reverses), text)
       end if
-      if (summary%compared > 0 .and. .not. summary%of_wishes) &
+      if (summary%compared > 0 .and. .not. summary%of_targets) &
          call add_line('Error', 'RMS '//plain_number(summary%rms)//', largest '// &
          plain_number(summary%largest)//' '//unit_words(summary)//' at position '//to_text(summary%worst)//' (input '// &
          plain_number(summary%worst_input)//')', text)
@@ -107,15 +107,15 @@ contains
    end subroutine write_summary
 
    !> Append the errors of the outputs of a sketch that have desired values of their own.
-   subroutine write_wish_errors(summary, text)
+   subroutine write_desired_errors(summary, text)
       type(summary_t), intent(in) :: summary
       type(text_t), intent(inout) :: text
       character(:), allocatable :: unit
       integer :: k
 
-      if (.not. allocated(summary%wishes)) return
-      do k = 1, size(summary%wishes)
-         associate (errors => summary%wishes(k))
+      if (.not. allocated(summary%targets)) return
+      do k = 1, size(summary%targets)
+         associate (errors => summary%targets(k))
             unit = trim(errors%unit)
             if (unit == output_unit(.false.)) unit = 'length units'
             if (unit == output_unit(.true.)) unit = 'degrees'
@@ -128,7 +128,7 @@ contains
             end if
          end associate
       end do
-   end subroutine write_wish_errors
+   end subroutine write_desired_errors
 
    !> What a derivative by the input is measured in.
    pure function unit_of_rate(summary, order) result(words)

@@ -1,7 +1,7 @@
 !> The kinematic chain of a mechanism: its points and the bars between them.
 !>
 !> Many loops run through the same points; here every point and every arc that is really there stands once, whatever loops
-!> trace it. Nothing but topology: co-ordinates come later.
+!> trace it. Nothing but topology: coordinates come later.
 module psalm_chain
    use psalm_mechanism, only: mechanism_t, ring_t, bar_t, point_t, pivot
    implicit none (type, external)
@@ -23,12 +23,12 @@ contains
    pure subroutine find_points(mechanism)
       type(mechanism_t), intent(inout) :: mechanism
       type(chain_t) :: chain
-      integer :: room, loop, n, start, finish, p, q
+      integer :: capacity, loop, n, start, finish, p, q
 
       ! every arc but one of each ring makes at most one point
-      room = size(mechanism%arcs) + 1
-      allocate (chain%point(room), chain%bar(room))
-      allocate (chain%last(room), chain%before(2*room), source=0)
+      capacity = size(mechanism%arcs) + 1
+      allocate (chain%point(capacity), chain%bar(capacity))
+      allocate (chain%last(capacity), chain%before(2*capacity), source=0)
       chain%points = pivot
       do loop = 1, mechanism%nloop
          if (.not. mechanism%is_dyad(loop)) then

@@ -522,7 +522,7 @@ contains
 
    !> Newton's method for one group from where it stands.
    !>
-   !> `first` is the length of the first correction, by which a caller judges the estimate. `closed` is false where the
+   !> `first` is the length of the first correction, by which a caller assesses the estimate. `closed` is false where the
    !> corrections do not die away or the equations contradict each other.
    subroutine solve_group(closure, group, state, closed, factors, first)
       type(closure_t), intent(in) :: closure

@@ -7,13 +7,13 @@ module psalm_first_output
    use psalm_output_kind, only: output_kind_t, kind_of_output, motion_point, motion_angle, motion_distance, motion_slide, &
                                 motion_pose
    use psalm_sketch, only: sketch_t, sketch_output_t, frame_link, output_point, output_angle, output_distance, output_slide, &
-                           output_pose, most_wished
+                           output_pose, most_targets
    use psalm_sketch_dimensions, only: quadrant_angle
    use psalm_status, only: diagnostics_t
    use psalm_traced_loops, only: loops_t, arc_with
    implicit none (type, external)
    private
-   public :: fill_output, wants_poses, wants_travel, take_wishes
+   public :: fill_output, wants_poses, wants_travel, take_targets
 
 contains
 
@@ -70,7 +70,7 @@ contains
    !> Desired values of the first output are those of &METHOD, if the loops can tell it: DES1 is another word for DESX and DESY,
    !> or DESANG, DVEL1 and DACC1 for their derivatives. Not so of a slide, whose arc has another zero. Values of the others, and of
    !> a first one that is no output of the loops, are compared beside it.
-   subroutine take_wishes(loops, state, sketch, set)
+   subroutine take_targets(loops, state, sketch, set)
       type(loops_t), intent(inout) :: loops
       type(state_t), intent(in) :: state
       type(sketch_t), intent(in) :: sketch
@@ -80,74 +80,74 @@ contains
       associate (first => sketch%outputs(1))
          reported = first%kind /= output_slide
          if (reported) call put_output(loops, state, sketch, first, reported)
-         if (reported .and. (set%method%desired .neqv. first%is_wished())) then
+         if (reported .and. (set%method%desired .neqv. first%has_target())) then
             call give_to_method(set)
          else if (wants_travel(loops, set) .or. (set%method%desired .and. first%kind == output_pose .and. .not. reported)) then
             call take_from_method(set)
          end if
       end associate
-   end subroutine take_wishes
+   end subroutine take_targets
 
-   !> Wishes of the first output as desired values of &METHOD.
+   !> Targets of the first output as desired values of &METHOD.
    subroutine give_to_method(set)
       type(data_set_t), intent(inout) :: set
       type(output_kind_t) :: kind
       integer :: order
 
       kind = kind_of_output(set%sketch%outputs(1)%kind)
-      associate (wishes => set%sketch%outputs(1)%wishes)
-         if (allocated(wishes(0)%values)) then
+      associate (targets => set%sketch%outputs(1)%targets)
+         if (allocated(targets(0)%values)) then
             if (kind%components > 1) then
-               set%method%desx = wishes(0)%values(1, :)
-               set%method%desy = wishes(0)%values(2, :)
-               set%method%xmult = wishes(0)%weights(1, :)
-               set%method%ymult = wishes(0)%weights(2, :)
+               set%method%desx = targets(0)%values(1, :)
+               set%method%desy = targets(0)%values(2, :)
+               set%method%xmult = targets(0)%weights(1, :)
+               set%method%ymult = targets(0)%weights(2, :)
             end if
             if (kind%components /= 2) then
-               set%method%desang = wishes(0)%values(kind%components, :)
-               set%method%anmult = wishes(0)%weights(kind%components, :)
+               set%method%desang = targets(0)%values(kind%components, :)
+               set%method%anmult = targets(0)%weights(kind%components, :)
             end if
-            deallocate (wishes(0)%values, wishes(0)%weights)
+            deallocate (targets(0)%values, targets(0)%weights)
          end if
-         do order = 1, most_wished
-            if (.not. allocated(wishes(order)%values)) cycle
-            if (.not. allocated(set%method%rate_wanted)) &
-               allocate (set%method%rate_wanted(set%method%ndes, kind%components, most_wished), &
-                         set%method%rate_weight(set%method%ndes, kind%components, most_wished), source=0.0_wp)
-            set%method%rate_wanted(:, :, order) = transpose(wishes(order)%values)
-            set%method%rate_weight(:, :, order) = transpose(wishes(order)%weights)
-            deallocate (wishes(order)%values, wishes(order)%weights)
+         do order = 1, most_targets
+            if (.not. allocated(targets(order)%values)) cycle
+            if (.not. allocated(set%method%rate_desired)) &
+               allocate (set%method%rate_desired(set%method%ndes, kind%components, most_targets), &
+                         set%method%rate_weight(set%method%ndes, kind%components, most_targets), source=0.0_wp)
+            set%method%rate_desired(:, :, order) = transpose(targets(order)%values)
+            set%method%rate_weight(:, :, order) = transpose(targets(order)%weights)
+            deallocate (targets(order)%values, targets(order)%weights)
          end do
       end associate
       set%method%desired = .true.
    end subroutine give_to_method
 
-   !> Desired poses or travels of &METHOD, and their derivatives, as wishes of the first output.
+   !> Desired poses or travels of &METHOD, and their derivatives, as targets of the first output.
    subroutine take_from_method(set)
       type(data_set_t), intent(inout) :: set
       integer :: order
 
-      associate (wishes => set%sketch%outputs(1)%wishes, method => set%method)
+      associate (targets => set%sketch%outputs(1)%targets, method => set%method)
          method%desired = .false.
          if (set%sketch%outputs(1)%kind == output_slide) then
-            wishes(0)%values = reshape(method%desang, [1, method%ndes])
-            wishes(0)%weights = reshape(method%anmult, [1, method%ndes])
+            targets(0)%values = reshape(method%desang, [1, method%ndes])
+            targets(0)%weights = reshape(method%anmult, [1, method%ndes])
          else
-            allocate (wishes(0)%values(3, method%ndes), wishes(0)%weights(3, method%ndes))
-            wishes(0)%values(1, :) = method%desx + method%xadd
-            wishes(0)%values(2, :) = method%desy + method%yadd
-            wishes(0)%values(3, :) = method%desang
-            wishes(0)%weights(1, :) = method%xmult
-            wishes(0)%weights(2, :) = method%ymult
-            wishes(0)%weights(3, :) = method%anmult
+            allocate (targets(0)%values(3, method%ndes), targets(0)%weights(3, method%ndes))
+            targets(0)%values(1, :) = method%desx + method%xadd
+            targets(0)%values(2, :) = method%desy + method%yadd
+            targets(0)%values(3, :) = method%desang
+            targets(0)%weights(1, :) = method%xmult
+            targets(0)%weights(2, :) = method%ymult
+            targets(0)%weights(3, :) = method%anmult
          end if
-         if (.not. allocated(method%rate_wanted)) return
-         do order = 1, most_wished
+         if (.not. allocated(method%rate_desired)) return
+         do order = 1, most_targets
             if (.not. any(method%rate_weight(:, :, order) > 0.0_wp)) cycle
-            wishes(order)%values = transpose(method%rate_wanted(:, :, order))
-            wishes(order)%weights = transpose(method%rate_weight(:, :, order))
+            targets(order)%values = transpose(method%rate_desired(:, :, order))
+            targets(order)%weights = transpose(method%rate_weight(:, :, order))
          end do
-         deallocate (method%rate_wanted, method%rate_weight)
+         deallocate (method%rate_desired, method%rate_weight)
       end associate
    end subroutine take_from_method
 

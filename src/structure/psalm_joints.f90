@@ -1,8 +1,8 @@
 !> The joints of each link, as far as its arcs tell them.
 !>
 !> An arc of a link leads from joint to joint of that link: what begins elsewhere is no part of it, however right its
-!> direction. Loops are followed from both ends, to their undetermined pair; each joint passed has co-ordinates in the
-!> axes of every link that meets there. A joint that slides on a link has none, and a link with such a joint is not judged.
+!> direction. Loops are followed from both ends, to their undetermined pair; each joint passed has coordinates in the
+!> axes of every link that meets there. A joint that slides on a link has none, and a link with such a joint is not assessed.
 module psalm_joints
    use psalm_angles, only: unit_vector
    use psalm_elementary, only: hypotenuse

@@ -80,7 +80,7 @@ contains
       end do
       nvar = size(parameters%variables)
       if (nvar == 0) return
-      if (.not. (set%method%desired .or. set%sketch%has_wishes())) then
+      if (.not. (set%method%desired .or. set%sketch%has_targets())) then
          call set%origins%error(findings, 'METHOD', '', 'a search needs desired values (DESX and DESY, or DESANG)')
       end if
       if (set%limits%limval == 1 .or. set%method%var == 0.0_wp) then

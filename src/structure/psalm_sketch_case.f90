@@ -6,7 +6,7 @@ module psalm_sketch_case
    use psalm_angles, only: degrees_of, within_turn
    use psalm_closure, only: closure_t, state_t
    use psalm_data_set, only: data_set_t
-   use psalm_first_output, only: fill_output, take_wishes, wants_poses, wants_travel
+   use psalm_first_output, only: fill_output, take_targets, wants_poses, wants_travel
    use psalm_frame_places, only: part_frame_arcs
    use psalm_joint_location, only: locate_sketch
    use psalm_kinds, only: wp
@@ -60,8 +60,8 @@ contains
          call set%origins%error(findings, 'CHAIN', 'LNK', 'no loops lead to every link of this sketch, for it has '//loops%why)
          return
       end if
-      if (set%sketch%has_wishes() .or. wants_poses(set) .or. wants_travel(loops, set)) &
-         call take_wishes(loops, state, closure%sketch, set)
+      if (set%sketch%has_targets() .or. wants_poses(set) .or. wants_travel(loops, set)) &
+         call take_targets(loops, state, closure%sketch, set)
       if (.not. given) then
          call part_frame_arcs(closure%sketch, loops, why)
          if (present(in_poses)) in_poses = why

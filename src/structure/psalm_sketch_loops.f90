@@ -27,7 +27,7 @@ contains
       type(tracing_t) :: tracing
       type(traced_dyad_t) :: dyad
       integer, allocatable :: order(:)
-      integer :: k, g, crank, room
+      integer :: k, g, crank, capacity
       logical :: valid
       logical, allocatable :: on_frame(:)           !! by drive
       logical, allocatable :: needs(:, :)           !! shape (links, links): the links that a known link depends on, and itself
@@ -38,12 +38,12 @@ contains
                                                             sketch%drives%kind == drive_slides)
          loops%floating = .not. on_frame(1)
          loops%sliding = sketch%drives(1)%kind /= drive_turns
-         room = size(sketch%joint_name) + 2*(size(sketch%links) + size(sketch%slides)) + 3
-         allocate (tracing%on(room, size(sketch%links)), source=.false.)
+         capacity = size(sketch%joint_name) + 2*(size(sketch%links) + size(sketch%slides)) + 3
+         allocate (tracing%on(capacity, size(sketch%links)), source=.false.)
          allocate (tracing%known(size(sketch%links)), tracing%placed(size(sketch%links)), source=.false.)
          allocate (tracing%pass(4, most_passes), source=0)
          allocate (loops%axis(size(sketch%links)), loops%joint_loop(size(sketch%joint_name)), source=0)
-         allocate (loops%point(room), source=(0.0_wp, 0.0_wp))
+         allocate (loops%point(capacity), source=(0.0_wp, 0.0_wp))
          allocate (loops%line_point(2, size(sketch%slides)), source=0)
          allocate (loops%arcs(0), loops%rings(0), loops%pairs(0), loops%gears(0))
          allocate (loops%drive_of(size(sketch%links)), source=0)

@@ -23,7 +23,7 @@ module psalm_sketch_paths
       logical, allocatable :: placed(:)     !! by link: its place is known
       logical, allocatable :: known(:)      !! by link: and the group that is traced depends on it
       integer :: points = 0
-      integer, allocatable :: pass(:, :)    !! shape (4, room): slides that can be passed: from, to, arc, and the drive of one
+      integer, allocatable :: pass(:, :)    !! shape (4, capacity): slides that can be passed: from, to, arc, and the drive of one
                                             !! that has no arc yet
       integer :: passes = 0
    end type tracing_t

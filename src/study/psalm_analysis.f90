@@ -12,8 +12,8 @@ module psalm_analysis
    use psalm_stop, only: stop_t, is_to_end
    use psalm_summary, only: summary_t, summarise
    use psalm_sweep, only: sweep_inputs
-   use psalm_output_wishes, only: output_wishes_t, compare_with_wishes, sum_of_wish_errors
-   use psalm_wanted_rates, only: add_rates_to_motion
+   use psalm_output_targets, only: output_targets_t, compare_with_targets, sum_of_desired_errors
+   use psalm_desired_rates, only: add_rates_to_motion
    use psalm_dimensions, only: dimensions_t
    use psalm_mechanism, only: mechanism_t, arc_crank, arc_link
    implicit none (type, external)
@@ -60,7 +60,7 @@ module psalm_analysis
       real(wp), allocatable :: sweep_condition(:)
       type(warnings_t), allocatable :: warnings
       type(summary_t), allocatable :: summary
-      class(output_wishes_t), allocatable :: wishes !! desired values of further outputs, where there are any
+      class(output_targets_t), allocatable :: targets !! desired values of further outputs, where there are any
    contains
       procedure :: is_violating
    end type analysis_t
@@ -93,11 +93,11 @@ contains
       analysis%dimensions = dimensions
       call problem%analyse(dimensions, analysis%motion, reach, stop)
       if (is_to_end(stop)) return
-      if (allocated(problem%rate_wanted)) call add_rates_to_motion(problem, dimensions, analysis%motion)
-      if (allocated(problem%wish_values)) then
-         allocate (analysis%wishes)
-         call compare_with_wishes(set, problem, dimensions, analysis%motion%closed, analysis%wishes)
-         analysis%motion%total = analysis%motion%total + sum_of_wish_errors(analysis%wishes)
+      if (allocated(problem%rate_desired)) call add_rates_to_motion(problem, dimensions, analysis%motion)
+      if (allocated(problem%target_values)) then
+         allocate (analysis%targets)
+         call compare_with_targets(set, problem, dimensions, analysis%motion%closed, analysis%targets)
+         analysis%motion%total = analysis%motion%total + sum_of_desired_errors(analysis%targets)
       end if
       if (wanted%conditions) analysis%condition = conditions(problem)
       if (wanted%arcs) then
@@ -124,8 +124,8 @@ contains
       end if
       if (wanted%summary) then
          allocate (analysis%summary)
-         ! `wishes` are absent where they are not allocated
-         call summarise(set, problem, dimensions, analysis%motion, analysis%summary, analysis%wishes)
+         ! `desired_values` are absent where they are not allocated
+         call summarise(set, problem, dimensions, analysis%motion, analysis%summary, analysis%targets)
       end if
    end subroutine analyse
 

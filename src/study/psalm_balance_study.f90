@@ -8,7 +8,7 @@ module psalm_balance_study
    use psalm_body_points, only: locate_point
    use psalm_clearance_group, only: clearance_of
    use psalm_clearance_study, only: margins_t, find_margins
-   use psalm_counterweights, only: room_t, aim_t, design_t, least_composite, composite_of
+   use psalm_counterweights, only: weight_region_t, criterion_t, design_t, least_composite, composite_of
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_elementary, only: hypotenuse
@@ -30,7 +30,7 @@ module psalm_balance_study
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: balance_study_t, outcome_t, judge_balance, find_balance
+   public :: balance_study_t, outcome_t, assess_balance, find_balance
    public :: channel_force, channel_moment, channel_torque
 
    integer, parameter :: channel_force = 1, channel_moment = 2, channel_torque = 3, first_joint_channel = 4
@@ -116,8 +116,8 @@ module psalm_balance_study
 contains
 
    !> Find what is wrong with the group before any work is done. Errors: weights on the frame or on the foot of a slide, two
-   !> entries on one link, joints that are not there, friction, contact to be judged without a joint with clearance.
-   subroutine judge_balance(set, mechanism, dimensions, findings)
+   !> entries on one link, joints that are not there, friction, contact to be assessed without a joint with clearance.
+   subroutine assess_balance(set, mechanism, dimensions, findings)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
@@ -170,7 +170,7 @@ contains
 
          call set%origins%error(findings, 'BALANC', item, 'entry '//to_text(entry)//': '//text, entry)
       end subroutine refuse
-   end subroutine judge_balance
+   end subroutine assess_balance
 
    !> The weights that device 7 gets: those of the composite, else those of the first design.
    function chosen_outcome(self) result(outcome)
@@ -210,7 +210,7 @@ contains
    end subroutine add_to
 
    !> What becomes of contact in the joint of &CLEAR with some weights.
-   subroutine judge_contact(set, problem, dimensions, bodies, outcome)
+   subroutine assess_contact(set, problem, dimensions, bodies, outcome)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
@@ -221,9 +221,9 @@ contains
       added = 0.0_wp
       call outcome%add_to(added)
       call find_margins(set, clearance_of(set), problem, problem%mechanism, dimensions, added, outcome%contact)
-   end subroutine judge_contact
+   end subroutine assess_contact
 
-   !> Everything the group asks for, of a case that `judge_balance` found no fault with.
+   !> Everything the group asks for, of a case that `assess_balance` found no fault with.
    subroutine find_balance(set, given, dimensions, study, stop)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: given
@@ -238,7 +238,7 @@ contains
       type(diagnostics_t) :: unused
       type(pin_order_t) :: pins
       type(force_balance_t) :: balance
-      type(room_t), allocatable :: rooms(:)
+      type(weight_region_t), allocatable :: regions(:)
       real(wp), allocatable :: anchor(:, :), none(:, :)
       type(outcome_t) :: bare
       integer :: k, b
@@ -256,7 +256,7 @@ contains
       call order_by_pins(problem%mechanism, pins)
       study%adrift = pack([(b, b=1, size(pins%adrift))], pins%adrift)
       if (study%failure > 0) return
-      call place_anchors(set, group, problem%mechanism, dimensions, model, pins, anchor, rooms, study)
+      call place_anchors(set, group, problem%mechanism, dimensions, model, pins, anchor, regions, study)
       study%mass = sum(model%inertia(parameter_mass, :))
       call make_channels(set, problem, model, motion, table, anchor, study)
       allocate (none(parameters_of_weight, size(model%reference)), source=0.0_wp)
@@ -268,19 +268,19 @@ contains
       study%has_clearance = set%gives('CLEAR')
       if (study%has_clearance) then
          allocate (bare%weights(0))
-         call judge_contact(set, problem, dimensions, size(model%reference), bare)
+         call assess_contact(set, problem, dimensions, size(model%reference), bare)
          study%contact = bare%contact
       end if
-      call balance_completely(set, problem, dimensions, group, model, anchor, balance, rooms, pins, study, stop)
-      if (study%stopped .or. size(rooms) == 0) return
-      if (group%wants_optimum()) call find_optimum(group, problem%mechanism, model, anchor, balance, rooms, study)
+      call balance_completely(set, problem, dimensions, group, model, anchor, balance, regions, pins, study, stop)
+      if (study%stopped .or. size(regions) == 0) return
+      if (group%wants_optimum()) call find_optimum(group, problem%mechanism, model, anchor, balance, regions, study)
       if (study%has_clearance .and. allocated(study%optimum)) then
-         call judge_contact(set, problem, dimensions, size(model%reference), study%optimum)
+         call assess_contact(set, problem, dimensions, size(model%reference), study%optimum)
          study%optimum_loses = loses(group, study%optimum%contact)
       end if
-      call spend_budgets(group, balance, rooms, study, stop)
+      call spend_budgets(group, balance, regions, study, stop)
       if (study%stopped .or. group%front == 0) return
-      call find_front(group, balance, rooms, study, stop)
+      call find_front(group, balance, regions, study, stop)
    end subroutine find_balance
 
    !> True if the joint with clearance loses contact as WCLEAR counts.
@@ -313,8 +313,8 @@ contains
       end do
    end subroutine name_bodies
 
-   !> Anchors of all bodies - the user's, else the pin nearest the frame - and room for weights. A link without reach has none.
-   subroutine place_anchors(set, group, mechanism, dimensions, model, pins, anchor, rooms, study)
+   !> Anchors of all bodies - the user's, else the pin nearest the frame - and region for weights. A link without reach has none.
+   subroutine place_anchors(set, group, mechanism, dimensions, model, pins, anchor, regions, study)
       type(data_set_t), intent(in) :: set
       type(balance_group_t), intent(in) :: group
       type(mechanism_t), intent(in) :: mechanism
@@ -322,7 +322,7 @@ contains
       type(force_model_t), intent(in) :: model
       type(pin_order_t), intent(in) :: pins
       real(wp), allocatable, intent(out) :: anchor(:, :) !! shape (2, bodies): from the reference, axes of the body, m
-      type(room_t), allocatable, intent(out) :: rooms(:)
+      type(weight_region_t), allocatable, intent(out) :: regions(:)
       type(balance_study_t), intent(inout) :: study
       type(location_t) :: location
       integer :: b, k, state, next
@@ -335,44 +335,44 @@ contains
          anchor(:, b) = anchor(:, b)*model%metre
       end do
       if (group%links == 0) then
-         allocate (rooms(size(model%reference) - 1))
+         allocate (regions(size(model%reference) - 1))
          do b = body_frame + 1, size(model%reference)
-            rooms(b - 1) = room_of(b, 1)
+            regions(b - 1) = region_of(b, 1)
          end do
          ! nearest the frame first: where links can stand for one another, short chains make light weights
-         do k = 2, size(rooms)
+         do k = 2, size(regions)
             do next = k, 2, -1
-               if (pins%order(rooms(next)%link) >= pins%order(rooms(next - 1)%link)) exit
-               rooms([next - 1, next]) = rooms([next, next - 1])
+               if (pins%order(regions(next)%link) >= pins%order(regions(next - 1)%link)) exit
+               regions([next - 1, next]) = regions([next, next - 1])
             end do
          end do
       else
-         allocate (rooms(group%links))
+         allocate (regions(group%links))
          do k = 1, group%links
             call location_of_place(mechanism, dimensions, model%reference, group%places(k), location, state)
             anchor(:, location%body) = location%at*model%metre
-            rooms(k) = room_of(location%body, k)
+            regions(k) = region_of(location%body, k)
          end do
       end if
-      rooms = pack(rooms, rooms%reach > 0.0_wp)
-      study%allowed = rooms%link
+      regions = pack(regions, regions%reach > 0.0_wp)
+      study%allowed = regions%link
 
    contains
 
-      type(room_t) function room_of(body, entry) result(room)
+      type(weight_region_t) function region_of(body, entry) result(region)
          integer, intent(in) :: body, entry
 
-         room%link = body
-         room%reach = group%reach(entry)*model%metre
-         room%most = group%most(entry)
-         room%radius = [group%radius_low(entry), group%radius_high(entry)]*model%metre
-         room%thickness = [group%thickness_low(entry), group%thickness_high(entry)]*model%metre
-         room%boxed = group%boxed
-         call unit_vector(study%line_angle(body), room%axis(1), room%axis(2))
-         room%low = group%centre_low(:, entry)*model%metre
-         room%high = group%centre_high(:, entry)*model%metre
-         room%start = [group%start_centre(:, entry), group%start_radius(entry)]*model%metre
-      end function room_of
+         region%link = body
+         region%reach = group%reach(entry)*model%metre
+         region%most = group%most(entry)
+         region%radius = [group%radius_low(entry), group%radius_high(entry)]*model%metre
+         region%thickness = [group%thickness_low(entry), group%thickness_high(entry)]*model%metre
+         region%boxed = group%boxed
+         call unit_vector(study%line_angle(body), region%axis(1), region%axis(2))
+         region%low = group%centre_low(:, entry)*model%metre
+         region%high = group%centre_high(:, entry)*model%metre
+         region%start = [group%start_centre(:, entry), group%start_radius(entry)]*model%metre
+      end function region_of
    end subroutine place_anchors
 
    !> The lines that angles of weights are counted from.
@@ -512,7 +512,7 @@ contains
 
    ! ---- complete balance --------------------------------------------------------------------------------------------
 
-   subroutine balance_completely(set, problem, dimensions, group, model, anchor, balance, rooms, pins, study, stop)
+   subroutine balance_completely(set, problem, dimensions, group, model, anchor, balance, regions, pins, study, stop)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
@@ -520,7 +520,7 @@ contains
       type(force_model_t), intent(in) :: model
       real(wp), intent(in) :: anchor(:, :)
       type(force_balance_t), intent(in) :: balance
-      type(room_t), intent(in) :: rooms(:)
+      type(weight_region_t), intent(in) :: regions(:)
       type(pin_order_t), intent(in) :: pins
       type(balance_study_t), intent(inout) :: study
       type(stop_t), intent(in), optional :: stop
@@ -532,21 +532,21 @@ contains
 
       links = size(model%reference) - 1
       study%by_rule = 2*links - count(problem%mechanism%joints%kind /= joint_gear)
-      study%left = unspanned(balance, rooms%link)
-      study%already = .not. balance%swing > balanced*balance%mass*maxval([rooms%reach, maxval(abs(anchor)), tiny(1.0_wp)])
+      study%left = unspanned(balance, regions%link)
+      study%already = .not. balance%swing > balanced*balance%mass*maxval([regions%reach, maxval(abs(anchor)), tiny(1.0_wp)])
       study%feasible = study%already .or. study%left <= balanced
-      study%number = rank_of(balance, rooms%link)
+      study%number = rank_of(balance, regions%link)
       allocate (study%sets(0, 0), study%designs(0), study%out_of_reach(0))
       if (.not. study%feasible) then
          do b = body_frame + 1, links + 1
             if (pins%adrift(b)) cycle
-            rank = rank_of(balance, [rooms%link, b])
+            rank = rank_of(balance, [regions%link, b])
             if (rank > study%number) study%out_of_reach = [study%out_of_reach, b]
          end do
          return
       end if
       if (study%number == 0) return
-      call find_sets(balance, rooms%link, most_sets, study%sets, study%all_sets)
+      call find_sets(balance, regions%link, most_sets, study%sets, study%all_sets)
       allocate (designs(size(study%sets, 2)))
       count_found = 0
       do k = 1, size(study%sets, 2)
@@ -571,7 +571,7 @@ contains
          case (order_contact)
             study%stopped = is_to_end(stop)
             if (study%stopped) return
-            call judge_contact(set, problem, dimensions, links + 1, designs(k))
+            call assess_contact(set, problem, dimensions, links + 1, designs(k))
             key(k) = -designs(k)%contact%over(1)
             if (.not. designs(k)%contact%known) key(k) = huge(1.0_wp)
          case default
@@ -586,7 +586,7 @@ contains
          if (study%stopped) return
          associate (design => designs(order(k)))
             if (study%has_clearance .and. .not. design%contact%known) then
-               call judge_contact(set, problem, dimensions, links + 1, design)
+               call assess_contact(set, problem, dimensions, links + 1, design)
             end if
             if (loses(group, design%contact)) then
                study%filtered = study%filtered + 1
@@ -596,12 +596,12 @@ contains
          kept = [kept, order(k)]
       end do
       study%designs = designs(kept)
-      call find_least(rooms%link)
+      call find_least(regions%link)
       if (.not. weights%found) return
       allocate (study%lightest)
       call make_outcome(weights, study%lightest)
       study%lightest%bare_links = pack([(b, b=2, links + 1)], [(all(study%lightest%weights%body /= b), b=2, links + 1)])
-      if (study%has_clearance) call judge_contact(set, problem, dimensions, links + 1, study%lightest)
+      if (study%has_clearance) call assess_contact(set, problem, dimensions, links + 1, study%lightest)
 
    contains
 
@@ -609,12 +609,12 @@ contains
       !> The lightest weights on these bodies.
       subroutine find_least(bodies)
          integer, intent(in) :: bodies(:)
-         type(room_t) :: chosen(size(bodies))
+         type(weight_region_t) :: chosen(size(bodies))
          real(wp), dimension(2, size(bodies)) :: axis, low, high
          integer :: i
 
          do i = 1, size(bodies)
-            chosen(i) = rooms(findloc(rooms%link, bodies(i), dim=1))
+            chosen(i) = regions(findloc(regions%link, bodies(i), dim=1))
             axis(:, i) = chosen(i)%axis
             low(:, i) = chosen(i)%low
             high(:, i) = chosen(i)%high
@@ -699,19 +699,19 @@ contains
 
    ! ---- composites --------------------------------------------------------------------------------------------------
 
-   subroutine find_optimum(group, mechanism, model, anchor, balance, rooms, study)
+   subroutine find_optimum(group, mechanism, model, anchor, balance, regions, study)
       type(balance_group_t), intent(in) :: group
       type(mechanism_t), intent(in) :: mechanism
       type(force_model_t), intent(in) :: model
       real(wp), intent(in) :: anchor(:, :)
       type(force_balance_t), intent(in) :: balance
-      type(room_t), intent(in) :: rooms(:)
+      type(weight_region_t), intent(in) :: regions(:)
       type(balance_study_t), intent(inout) :: study
-      type(aim_t) :: aim
+      type(criterion_t) :: criterion
       real(wp) :: none(parameters_of_weight, size(model%reference))
       integer :: k, place
 
-      aim = aim_of(group)
+      criterion = criterion_of(group)
       do k = 1, measure_torque
          if (group%tolerance(k) > 0.0_wp) call count_in(k, group%tolerance(k))
          if (group%most_load(k) > 0.0_wp) call limit(k, group%most_load(k))
@@ -722,34 +722,34 @@ contains
             if (group%joint_most(k) > 0.0_wp) call limit(channel, group%joint_most(k))
          end associate
       end do
-      aim%mass_tolerance = group%tolerance(measure_mass)
-      aim%peaks = group%peaks
-      aim%begun = group%started
+      criterion%mass_tolerance = group%tolerance(measure_mass)
+      criterion%peaks = group%peaks
+      criterion%begun = group%started
       if (group%desired) call take_wanted()
       if (.not. group%counts_loads()) then
          ! the added mass in kilograms is what is left to be made least
-         aim%mass_tolerance = 1.0_wp
-         aim%peaks = .true.
+         criterion%mass_tolerance = 1.0_wp
+         criterion%peaks = .true.
       end if
-      aim%exact = group%exact /= 0
-      if (aim%exact .and. .not. study%feasible) return
+      criterion%exact = group%exact /= 0
+      if (criterion%exact .and. .not. study%feasible) return
       none = 0.0_wp
-      study%composite = composite_of(study%channels, aim, none)
+      study%composite = composite_of(study%channels, criterion, none)
       allocate (study%found)
-      call least_composite(study%channels, rooms, aim, balance, study%found)
+      call least_composite(study%channels, regions, criterion, balance, study%found)
       if (.not. study%found%found) return
       where (study%found%added(weight_mass, :) <= lightest_shown*balance%mass) study%found%added(weight_mass, :) = 0.0_wp
       do k = 1, size(study%found%added, 2)
          if (.not. study%found%added(weight_mass, k) > 0.0_wp) study%found%added(:, k) = 0.0_wp
       end do
-      study%found%value = composite_of(study%channels, aim, study%found%added)
+      study%found%value = composite_of(study%channels, criterion, study%found%added)
       allocate (study%optimum)
       call describe(model, anchor, study, study%found%added, study%optimum)
       study%optimum%bound = study%found%bound
       study%optimum%gap = study%found%gap
       study%optimum%residual = study%found%residual
       do k = 1, size(study%optimum%weights)
-         place = findloc(rooms%link, study%optimum%weights(k)%body, dim=1)
+         place = findloc(regions%link, study%optimum%weights(k)%body, dim=1)
          study%optimum%weights(k)%radius = study%found%radius(place)/model%metre
          study%optimum%weights(k)%thickness = study%found%thickness(place)/model%metre
       end do
@@ -760,18 +760,18 @@ contains
          integer, intent(in) :: channel
          real(wp), intent(in) :: tolerance
 
-         aim%channels = [aim%channels, channel]
-         aim%tolerance = [aim%tolerance, tolerance]
+         criterion%channels = [criterion%channels, channel]
+         criterion%tolerance = [criterion%tolerance, tolerance]
       end subroutine count_in
 
       subroutine limit(channel, most)
          integer, intent(in) :: channel
          real(wp), intent(in) :: most
 
-         aim%capped = [aim%capped, channel]
-         aim%cap = [aim%cap, most]
-         study%limited = aim%capped
-         study%limit = aim%cap
+         criterion%capped = [criterion%capped, channel]
+         criterion%cap = [criterion%cap, most]
+         study%limited = criterion%capped
+         study%limit = criterion%cap
       end subroutine limit
 
       !> Desired values of the loads that count.
@@ -779,9 +779,9 @@ contains
          real(wp), allocatable :: value(:, :)
          integer :: i, joint
 
-         allocate (aim%wanted(size(aim%channels)))
-         do i = 1, size(aim%channels)
-            associate (channel => aim%channels(i))
+         allocate (criterion%wanted(size(criterion%channels)))
+         do i = 1, size(criterion%channels)
+            associate (channel => criterion%channels(i))
                value = 0.0_wp*study%channels(channel)%bare
                if (channel >= first_joint_channel) then
                   do joint = 1, size(group%joints)
@@ -798,31 +798,32 @@ contains
                      value = group%wanted(:, 4:4)
                   end select
                end if
-               aim%wanted(i)%value = value
+               criterion%wanted(i)%value = value
             end associate
          end do
       end subroutine take_wanted
    end subroutine find_optimum
 
-   !> An aim without criteria.
-   pure type(aim_t) function aim_of(group) result(aim)
+   !> An criterion without criteria.
+   pure type(criterion_t) function criterion_of(group) result(criterion)
       type(balance_group_t), intent(in) :: group
 
-      aim%form = group%form
-      aim%density = group%density
-      aim%starts = group%starts
-      aim%seed = group%seed
-      allocate (aim%channels(0), aim%tolerance(0), aim%limited(0), aim%limit(0), aim%capped(0), aim%cap(0))
-   end function aim_of
+      criterion%form = group%form
+      criterion%density = group%density
+      criterion%starts = group%starts
+      criterion%seed = group%seed
+      allocate (criterion%channels(0), criterion%tolerance(0), criterion%limited(0), criterion%limit(0), &
+                   criterion%capped(0), criterion%cap(0))
+   end function criterion_of
 
    !> The least shaking force for masses: what a mass buys.
-   subroutine spend_budgets(group, balance, rooms, study, stop)
+   subroutine spend_budgets(group, balance, regions, study, stop)
       type(balance_group_t), intent(in) :: group
       type(force_balance_t), intent(in) :: balance
-      type(room_t), intent(in) :: rooms(:)
+      type(weight_region_t), intent(in) :: regions(:)
       type(balance_study_t), intent(inout) :: study
       type(stop_t), intent(in), optional :: stop
-      type(aim_t) :: aim
+      type(criterion_t) :: criterion
       type(design_t) :: design
       type(measure_t) :: measure
       integer :: k
@@ -832,12 +833,12 @@ contains
       do k = 1, size(study%budgets)
          study%stopped = is_to_end(stop)
          if (study%stopped) return
-         aim = aim_of(group)
-         aim%form = form_point
-         aim%channels = [channel_force]
-         aim%tolerance = [1.0_wp]
-         aim%budget = max(group%budgets(k), tiny(1.0_wp)**0.25_wp)
-         call least_composite(study%channels, rooms, aim, balance, design)
+         criterion = criterion_of(group)
+         criterion%form = form_point
+         criterion%channels = [channel_force]
+         criterion%tolerance = [1.0_wp]
+         criterion%budget = max(group%budgets(k), tiny(1.0_wp)**0.25_wp)
+         call least_composite(study%channels, regions, criterion, balance, design)
          associate (point => study%budgets(k))
             measure = measure_of(study%channels(channel_force), design%added)
             point%first = measure%rms
@@ -855,10 +856,10 @@ contains
    !> Points of a front of two criteria, from the least of the first to the least of the second, at even steps of the second.
    !>
    !> Weights are bodies, so that every point is a global optimum.
-   subroutine find_front(group, balance, rooms, study, stop)
+   subroutine find_front(group, balance, regions, study, stop)
       type(balance_group_t), intent(in) :: group
       type(force_balance_t), intent(in) :: balance
-      type(room_t), intent(in) :: rooms(:)
+      type(weight_region_t), intent(in) :: regions(:)
       type(balance_study_t), intent(inout) :: study
       type(stop_t), intent(in), optional :: stop
       type(front_point_t) :: point
@@ -868,8 +869,8 @@ contains
 
       allocate (study%front(0))
       associate (first => group%front_of(1), second => group%front_of(2), points => group%front)
-         call least_composite(study%channels, rooms, aim_at(first), balance, ends(1))
-         call least_composite(study%channels, rooms, aim_at(second), balance, ends(2))
+         call least_composite(study%channels, regions, criterion_at(first), balance, ends(1))
+         call least_composite(study%channels, regions, criterion_at(second), balance, ends(2))
          if (.not. (ends(1)%found .and. ends(2)%found)) return
          high = amount(second, ends(1)%added)
          low = amount(second, ends(2)%added)
@@ -878,7 +879,7 @@ contains
             if (study%stopped) return
             limit = high - (high - low)*real(k - 1, wp)/real(max(points - 1, 1), wp)
             design = ends(1)
-            if (k > 1) call least_composite(study%channels, rooms, aim_at(first, second, max(limit, 1.0e-9_wp*high)), &
+            if (k > 1) call least_composite(study%channels, regions, criterion_at(first, second, max(limit, 1.0e-9_wp*high)), &
                                             balance, design)
             if (.not. design%found) cycle
             point%first = amount(first, design%added)
@@ -894,27 +895,27 @@ contains
    contains
 
       !> One criterion to be made least, another limited.
-      type(aim_t) function aim_at(measure, limited, limit) result(aim)
+      type(criterion_t) function criterion_at(measure, limited, limit) result(criterion)
          integer, intent(in) :: measure
          integer, intent(in), optional :: limited
          real(wp), intent(in), optional :: limit
 
-         aim = aim_of(group)
-         aim%form = form_body
+         criterion = criterion_of(group)
+         criterion%form = form_body
          if (measure == measure_mass) then
-            aim%mass_tolerance = 1.0_wp
+            criterion%mass_tolerance = 1.0_wp
          else
-            aim%channels = [measure]
-            aim%tolerance = [1.0_wp]
+            criterion%channels = [measure]
+            criterion%tolerance = [1.0_wp]
          end if
          if (.not. present(limited)) return
          if (limited == measure_mass) then
-            aim%budget = limit
+            criterion%budget = limit
          else
-            aim%limited = [limited]
-            aim%limit = [limit]
+            criterion%limited = [limited]
+            criterion%limit = [limit]
          end if
-      end function aim_at
+      end function criterion_at
 
       real(wp) function amount(measure, added)
          integer, intent(in) :: measure

@@ -127,7 +127,7 @@ contains
          allocate (shape)
          call make_shape(set, cams, prepared, cam_role_t(cam=k), shape, findings)
          if (findings%failed()) return
-         call judge_table(set, cam_of_part(cams, cam_role_t(cam=k)), k, findings)
+         call assess_table(set, cam_of_part(cams, cam_role_t(cam=k)), k, findings)
          call sample_turn(shape, cam_of_part(cams, cam_role_t(cam=k)), samples)
          first = findloc(samples%states%fault /= fault_none, .true., dim=1)
          if (first > 0) then
@@ -150,7 +150,7 @@ contains
             call check_second(set, cams, prepared, samples, findings)
             if (findings%failed()) return
          end if
-         call judge_wheels(set, k, shape, samples, findings)
+         call assess_wheels(set, k, shape, samples, findings)
          if (findings%failed()) return
          first = findloc(samples%possible, .false., dim=1)
          if (shape%flat .and. first == 0) then
@@ -165,7 +165,7 @@ contains
    end subroutine check_cam
 
    !> A roller or a cutter beside which the cam is a point: every place of the profile would have to be held against every other.
-   subroutine judge_wheels(set, cam, shape, samples, findings)
+   subroutine assess_wheels(set, cam, shape, samples, findings)
       type(data_set_t), intent(in) :: set
       integer, intent(in) :: cam                  !! 1 or 2
       type(cam_shape_t), intent(in) :: shape
@@ -174,14 +174,14 @@ contains
       real(wp) :: extent
 
       extent = maxval(abs(samples%points%pitch))
-      call judge('RROLL', shape%roller, 'a roller', 'the roller''s centre')
+      call assess('RROLL', shape%roller, 'a roller', 'the roller''s centre')
       if (findings%failed()) return
       extent = max(extent, maxval(abs(samples%points%profile)))
-      call judge('RCUT', shape%cutter, 'a cutter', 'the cam')
+      call assess('RCUT', shape%cutter, 'a cutter', 'the cam')
 
    contains
 
-      subroutine judge(item, radius, wheel, what)
+      subroutine assess(item, radius, wheel, what)
          character(*), intent(in) :: item, wheel, what
          real(wp), intent(in) :: radius
 
@@ -189,8 +189,8 @@ contains
          call complain(set, cam, item, wheel//' of radius '//number_words(radius)//', but '//what//' is at most '// &
                        number_words(extent)//' from the cam''s axis: give at most '// &
                        number_words(largest_wheel*extent), findings)
-      end subroutine judge
-   end subroutine judge_wheels
+      end subroutine assess
+   end subroutine assess_wheels
 
    !> The roller of the conjugate cam has a profile too.
    subroutine check_conjugate(set, cams, prepared, cam, findings)
@@ -234,7 +234,7 @@ contains
    end subroutine check_second
 
    !> A table whose third derivative changes its sign much more often than its slope is coarse.
-   subroutine judge_table(set, given, cam, findings)
+   subroutine assess_table(set, given, cam, findings)
       type(data_set_t), intent(in) :: set
       type(cam_group_t), intent(in) :: given
       integer, intent(in) :: cam                  !! 1 or 2
@@ -266,7 +266,7 @@ contains
 
          changes = count(values*[values(2:), values(1)] < 0.0_wp)
       end function changes
-   end subroutine judge_table
+   end subroutine assess_table
 
    subroutine complain(set, cam, item, text, findings)
       type(data_set_t), intent(in) :: set
@@ -673,7 +673,7 @@ contains
             call find_extreme(study%shape, samples, k, all_segments, study%extremes(k))
          end do
          call find_segments(study, samples)
-         call judge_curvature(study)
+         call assess_curvature(study)
          if (.not. study%shape%flat) then
             if (part%role /= role_outer_wall) then
                call find_interference(study%shape, samples, .false., study%roller)
@@ -686,7 +686,7 @@ contains
             end if
          end if
          call find_paths(study%shape, samples, cam%tolerance, study%paths)
-         call judge_limits(study)
+         call assess_limits(study)
          if (part%role == role_conjugate .and. any(abs(cam%errors) > 0.0_wp)) call find_play(set, cams, prepared, study)
          if (part%role == role_cam .and. cam%pair) call find_second(set, cams, prepared, samples, study)
          if (cam%speed > 0.0_wp .and. part%role == role_cam) call find_forces(set, prepared, samples, study)
@@ -838,7 +838,7 @@ contains
    end subroutine find_segments
 
    !> Curvatures become radii; what they forbid.
-   subroutine judge_curvature(study)
+   subroutine assess_curvature(study)
       type(cam_study_t), intent(inout) :: study
       real(wp) :: hollow_radius
 
@@ -847,7 +847,7 @@ contains
          e(measure_excursion_low)%value = -e(measure_excursion_low)%value
          e(measure_face_low)%value = -e(measure_face_low)%value
          if (study%shape%flat) then
-            call judge_face(study)
+            call assess_face(study)
             return
          end if
          e(measure_convex)%found = e(measure_convex)%value > 0.0_wp
@@ -863,10 +863,10 @@ contains
             study%gouge = study%shape%cutter > hollow_radius*(1.0_wp + rounding)
          end if
       end associate
-   end subroutine judge_curvature
+   end subroutine assess_curvature
 
    !> A flat face needs rho > 0 throughout. `points%radius` is linear in the base radius: what is missing is read off.
-   subroutine judge_face(study)
+   subroutine assess_face(study)
       type(cam_study_t), intent(inout) :: study
 
       associate (convex => study%extremes(measure_convex), concave => study%extremes(measure_concave))
@@ -878,9 +878,9 @@ contains
          if (study%undercut) concave%value = -1.0_wp/concave%value
          study%hollow = study%undercut
       end associate
-   end subroutine judge_face
+   end subroutine assess_face
 
-   subroutine judge_limits(study)
+   subroutine assess_limits(study)
       type(cam_study_t), intent(inout) :: study
 
       associate (e => study%extremes, cam => study%cam)
@@ -893,5 +893,5 @@ contains
          study%face_short = cam%half_face > 0.0_wp .and. &
                             e(measure_face_high)%value - e(measure_face_low)%value > 2.0_wp*cam%half_face
       end associate
-   end subroutine judge_limits
+   end subroutine assess_limits
 end module psalm_cam_study

@@ -313,7 +313,7 @@ contains
          if (self%problem%free) call retime(self, candidate%x)
       end if
       call improve(self, rough, number, candidate)
-      call judge(self, candidate)
+      call assess(self, candidate)
    end subroutine start
 
    !> Search on with the positions of the next stage; what does not obey is not taken if what was there does.
@@ -329,7 +329,7 @@ contains
       call improve(self, rough, 1, further)
       further%evaluations = further%evaluations + candidate%evaluations
       further%jacobians = further%jacobians + candidate%jacobians
-      call judge(self, further)
+      call assess(self, further)
       if (further%feasible .or. .not. candidate%feasible) then
          candidate = further
       else
@@ -339,7 +339,7 @@ contains
    end subroutine go_on
 
    !> What a linkage that some of the positions led to is worth at all of them.
-   subroutine judge(self, candidate)
+   subroutine assess(self, candidate)
       class(chain_starter_t), intent(inout) :: self
       type(candidate_t), intent(inout) :: candidate
       real(wp), allocatable :: violated(:)
@@ -356,7 +356,7 @@ contains
          candidate%feasible = size(violated) == 0
       end if
       candidate%evaluations = candidate%evaluations + self%problem%evaluations
-   end subroutine judge
+   end subroutine assess
 
    subroutine refine(self, thorough, candidate)
       class(chain_starter_t), intent(inout) :: self
@@ -530,7 +530,7 @@ contains
             associate (output => sketch%outputs(s))
                if (output%kind /= output_slide) cycle
                moved = real(travel(closure, state, output%slide, 0), wp)
-               if (output%is_wished()) output%wishes(0)%values = output%wishes(0)%values - moved
+               if (output%has_target()) output%targets(0)%values = output%targets(0)%values - moved
                if (s == 1 .and. set%method%desired) method%desang = set%method%desang - moved
             end associate
          end do

@@ -23,25 +23,25 @@ module psalm_estimate_study
    use psalm_beam, only: beam_t
    implicit none (type, external)
    private
-   public :: estimate_t, find_estimate, harmonics_estimated, stubby, rules, judge_estimates
+   public :: estimate_t, find_estimate, harmonics_estimated, stubby, rules, assess_estimates
    public :: verdict_rigid, verdict_closer, verdict_redesign
 
    integer, parameter :: verdict_rigid = 1, verdict_closer = 2, verdict_redesign = 3
    !> What a link is measured by: Haines's rules of 2M, the end load of 2G, the deflection of 2B.
-   type :: judging_rule_t
+   type :: assessing_rule_t
       character(40) :: name
       logical :: at_least
       real(wp) :: limit
       character(14) :: words
-   end type judging_rule_t
+   end type assessing_rule_t
 
-   type(judging_rule_t), parameter :: rules(6) = [ &
-      judging_rule_t('FIRST FREQUENCY/SPEED', .true., 10.0_wp, 'AT LEAST 10'), &
-      judging_rule_t('AXIAL FREQUENCY/SPEED WITH WHAT IT MOVES', .true., 10.0_wp, 'AT LEAST 10'), &
-      judging_rule_t('FREQUENCY/SPEED APART FROM A NEIGHBOUR''S', .true., 3.0_wp, 'AT LEAST 3'), &
-      judging_rule_t('END LOAD/EULER''S LOAD', .false., 0.25_wp, 'AT MOST 0.25'), &
-      judging_rule_t('DYNAMIC ERROR/QUASI-STATIC DEFLECTION', .false., 0.1_wp, 'AT MOST 0.1'), &
-      judging_rule_t('DEFLECTION/LENGTH', .false., 0.025_wp, 'AT MOST 0.025')]
+   type(assessing_rule_t), parameter :: rules(6) = [ &
+      assessing_rule_t('FIRST FREQUENCY/SPEED', .true., 10.0_wp, 'AT LEAST 10'), &
+      assessing_rule_t('AXIAL FREQUENCY/SPEED WITH WHAT IT MOVES', .true., 10.0_wp, 'AT LEAST 10'), &
+      assessing_rule_t('FREQUENCY/SPEED APART FROM A NEIGHBOUR''S', .true., 3.0_wp, 'AT LEAST 3'), &
+      assessing_rule_t('END LOAD/EULER''S LOAD', .false., 0.25_wp, 'AT MOST 0.25'), &
+      assessing_rule_t('DYNAMIC ERROR/QUASI-STATIC DEFLECTION', .false., 0.1_wp, 'AT MOST 0.1'), &
+      assessing_rule_t('DEFLECTION/LENGTH', .false., 0.025_wp, 'AT MOST 0.025')]
    integer, parameter :: rule_frequency = 1, rule_axial = 2, rule_apart = 3, rule_load = 4, rule_error = 5, rule_deflection = 6
    real(wp), parameter :: stubby = 5.0_wp          !! slenderness below which Ritz's estimate on posts is not accurate
    integer, parameter :: harmonics_estimated = 12
@@ -79,7 +79,7 @@ module psalm_estimate_study
       real(wp) :: shortened = 0.0_wp             !! of the distance of the pins by the deflection, m
       real(wp) :: amplitudes(harmonics_estimated) = 0.0_wp !! of the acceleration of the middle, m/s2
       real(wp) :: bounds(harmonics_estimated) = 0.0_wp     !! of these, from range and variation
-      logical :: measured(size(rules)) = .false. !! by rule: it has something to judge
+      logical :: measured(size(rules)) = .false. !! by rule: it has something to assess
       real(wp) :: measures(size(rules)) = 0.0_wp !! by rule
       logical :: kept(size(rules)) = .false.     !! by rule
       integer :: verdict = verdict_rigid
@@ -295,7 +295,7 @@ contains
 
    !> Haines's rules for all links, after the frequencies of those that share a pin are compared. A link that buckles, or bends
    !> further than his typical links, is to be designed again.
-   pure subroutine judge_estimates(mechanism, beams, estimates)
+   pure subroutine assess_estimates(mechanism, beams, estimates)
       type(mechanism_t), intent(in) :: mechanism
       type(beam_t), intent(in) :: beams(:)
       type(estimate_t), intent(inout) :: estimates(:) !! in the order of `beams`
@@ -330,5 +330,5 @@ contains
             end if
          end associate
       end do
-   end subroutine judge_estimates
+   end subroutine assess_estimates
 end module psalm_estimate_study

@@ -2,7 +2,7 @@
 module psalm_every_six_bar
    use psalm_kinds, only: wp
    use psalm_six_bar_loops, only: start_set_t
-   use psalm_six_bar_motion, only: judge_motion, moving_six_bar_t
+   use psalm_six_bar_motion, only: assess_motion, moving_six_bar_t
    use psalm_six_bar_paths, only: turns_at
    use psalm_six_bar_problem, only: data_of_angles, six_bar_data_t, six_bar_problem_t, &
                                     most_unknowns, stephenson_3, watt_2
@@ -10,7 +10,7 @@ module psalm_every_six_bar
    use psalm_six_bar_starts, only: starts_of
    use psalm_sort, only: ascending
    use psalm_stop, only: stop_t
-   use psalm_wanted_function, only: wanted_function_t
+   use psalm_desired_function, only: desired_function_t
    implicit none (type, external)
    private
    public :: every_six_bar_t, find_every_six_bar
@@ -62,7 +62,7 @@ contains
    !> error over its range, of a table by the transmission angle.
    subroutine find_every_six_bar(problem, wanted, phi, psi, given, least_angle, longest, every, stop)
       type(six_bar_problem_t), intent(in) :: problem
-      type(wanted_function_t), intent(in) :: wanted
+      type(desired_function_t), intent(in) :: wanted
       real(wp), intent(in) :: phi(:), psi(:)         !! radians, shape (points + 1)
       complex(wp), intent(in) :: given(most_unknowns) !! numbers that are given, over the frame
       real(wp), intent(in) :: least_angle            !! transmission, degrees
@@ -99,7 +99,7 @@ contains
             every%real_ones = [every%real_ones, i]
             one%x(:m) = 0.5_wp*(x(:m) + conjg(x(m + 1:)))
          end associate
-         call judge_motion(problem, wanted, phi, psi, one)
+         call assess_motion(problem, wanted, phi, psi, one)
          if (one%by_input) every%by_input = every%by_input + 1
          if (one%by_output) every%by_output = every%by_output + 1
          if (.not. one%over_range) cycle

@@ -1,11 +1,11 @@
-!> Linkages that exact synthesis found: judged, put in order, and what is proven of their motion.
+!> Linkages that exact synthesis found: assessed, put in order, and what is proven of their motion.
 module psalm_exact_results
    use psalm_burmester, only: dyad_slides, dyad_swings, pin_pair_t
-   use psalm_defects, only: change_of_lengths, exact_linkage_t, verdict_t, judge, place_pins, with_other_driver
+   use psalm_defects, only: change_of_lengths, exact_linkage_t, verdict_t, assess, place_pins, with_other_driver
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
-   public :: exact_result_t, exact_proof_t, pair_of, judged, add_result, is_better, rank, keep_best, span_of
+   public :: exact_result_t, exact_proof_t, pair_of, assessed, add_result, is_better, rank, keep_best, span_of
 
    !> A linkage found.
    type :: exact_result_t
@@ -51,11 +51,11 @@ contains
       one%guide = second%guide
       if (one%slides) one%b = p(1) + second%pin
       call place_pins(p(1) + first%pin, p(1) + second%pin, one)
-      own = judged(one, .true., closed)
+      own = assessed(one, .true., closed)
    end function pair_of
 
    !> A linkage as a result; with `either` it is driven where that is better.
-   pure function judged(one, either, closed) result(own)
+   pure function assessed(one, either, closed) result(own)
       type(exact_linkage_t), intent(in) :: one
       logical, intent(in) :: either, closed
       type(exact_result_t) :: own
@@ -63,16 +63,16 @@ contains
       real(wp) :: span
 
       own%linkage = one
-      call judge(own%linkage, closed, own%verdict)
+      call assess(own%linkage, closed, own%verdict)
       if (either .and. .not. (one%slides .or. one%swings)) then
          other%linkage = with_other_driver(one)
-         call judge(other%linkage, closed, other%verdict)
+         call assess(other%linkage, closed, other%verdict)
          if (is_better(other%verdict, own%verdict)) own = other
       end if
       span = span_of(one%p)
       own%closure = change_of_lengths(own%linkage)
       if (span > 0.0_wp) own%closure = own%closure/span
-   end function judged
+   end function assessed
 
    !> Append a result.
    pure subroutine add_result(own, results)

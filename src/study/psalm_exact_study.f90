@@ -8,7 +8,7 @@ module psalm_exact_study
    use psalm_dense, only: factors_t, factorise, solve
    use psalm_every_six_bar, only: every_six_bar_t, find_every_six_bar
    use psalm_exact_group, only: exact_of, exact_group_t, is_missing, kind_function, kind_motion, six_bar_none, six_bar_watt
-   use psalm_exact_results, only: exact_proof_t, exact_result_t, add_result, is_better, judged, pair_of, rank, span_of
+   use psalm_exact_results, only: exact_proof_t, exact_result_t, add_result, is_better, assessed, pair_of, rank, span_of
    use psalm_exact_subsets, only: find_by_subsets, subset_study_t
    use psalm_function_points, only: generators_t, five_points, four_points, three_points
    use psalm_generic, only: generic_solutions
@@ -31,7 +31,7 @@ module psalm_exact_study
    use psalm_number_format, only: number_words
    use psalm_text, only: to_text
    use psalm_tracker, only: polish, tracked_t
-   use psalm_wanted_function, only: wanted_function_t, function_kind, function_table
+   use psalm_desired_function, only: desired_function_t, function_kind, function_table
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    private
@@ -100,7 +100,7 @@ module psalm_exact_study
       type(exact_result_t), allocatable :: results(:) !! ranked
       type(generators_t) :: generators
       real(wp), allocatable :: phi(:), psi(:)        !! their points, radians; of a slider psi is the travel
-      type(wanted_function_t) :: wanted
+      type(desired_function_t) :: wanted
       type(approximation_t), allocatable :: approximations(:)
       type(six_bars_t) :: six_bars
       type(every_six_bar_t) :: every
@@ -333,7 +333,7 @@ contains
 
    ! ---- finding -------------------------------------------------------------------------------------------------------
 
-   !> Find all linkages, judge and rank them. `set` has passed `check_exact`. After a stop, or when MAXTIME is over, those found so
+   !> Find all linkages, assess and rank them. `set` has passed `check_exact`. After a stop, or when MAXTIME is over, those found so
    !> far; the list is never complete then, and there is no certificate.
    subroutine find_exact(set, study, stop)
       type(data_set_t), intent(in) :: set
@@ -542,9 +542,9 @@ contains
          one%d = p + turn*legs(at_y)
          one%turn = [turn/turn(0)]
          call cognates_of(one, others)
-         call add_result(judged(one, .true., exact%closed), study%results)
+         call add_result(assessed(one, .true., exact%closed), study%results)
          do k = 1, 2
-            call add_result(judged(others(k), .true., exact%closed), study%results)
+            call add_result(assessed(others(k), .true., exact%closed), study%results)
          end do
       end do
       study%linkages = size(study%results)
@@ -658,7 +658,7 @@ contains
             one%guide = sqrt(legs(at_b)/abs(legs(at_b)))
             one%b = one%d(1)
          end if
-         call add_result(judged(one, .not. (problem%crank_given .or. problem%follower_given) .and. &
+         call add_result(assessed(one, .not. (problem%crank_given .or. problem%follower_given) .and. &
                                 all(problem%kind(:problem%points) /= kind_timed), exact%closed), study%results)
       end do
       study%linkages = size(study%results)
@@ -808,7 +808,7 @@ contains
    !> The function that is asked for, and its points: of a name those of Chebyshev, radians; of a slider psi is the travel.
    pure subroutine wanted_of(exact, wanted, phi, psi)
       type(exact_group_t), intent(in) :: exact
-      type(wanted_function_t), intent(out) :: wanted
+      type(desired_function_t), intent(out) :: wanted
       real(wp), allocatable, intent(out) :: phi(:), psi(:)
       real(wp) :: unit
 
@@ -840,7 +840,7 @@ contains
       type(exact_group_t), intent(in) :: exact
       type(data_set_t), intent(in) :: set
       type(diagnostics_t), intent(inout) :: findings
-      type(wanted_function_t) :: wanted
+      type(desired_function_t) :: wanted
       real(wp), allocatable :: phi(:), psi(:)
       character(:), allocatable :: item
       integer :: i, k

@@ -4,7 +4,7 @@
 !> crank turns fully are laid over all points in the best timing that keeps their order. The best are refined with free timing.
 !> Source: Wampler, Morgan and Sommese (1992) for the idea; notation of the refining: psalm_path_fit.
 module psalm_exact_subsets
-   use psalm_defects, only: cognates_of, exact_linkage_t, judge, verdict_t, with_other_driver
+   use psalm_defects, only: cognates_of, exact_linkage_t, assess, verdict_t, with_other_driver
    use psalm_kinds, only: wp
    use psalm_leg_problem, only: absolute, at_a, at_b, at_x, at_y, variables
    use psalm_nine_points, only: in_place, nine_points_t, solve_nine_points
@@ -52,7 +52,7 @@ contains
       type(subset_study_t), intent(out) :: study
       type(stop_t), intent(in), optional :: stop     !! asked now and then
       type(fitted_path_t) :: paths(2)                       !! as it is, and mirrored: passed the other way round
-      type(path_workspace_t), allocatable :: room
+      type(path_workspace_t), allocatable :: work
       type(nine_points_t) :: found
       type(path_timing_t) :: best(most_refined)
       type(xoshiro_t) :: random
@@ -65,10 +65,10 @@ contains
       allocate (study%results(0))
       size_of_path = maxval(abs(p - sum(p)/real(size(p), wp)))
       do k = 2, 1, -1
-         if (allocated(room)) deallocate (room)
-         allocate (room)
+         if (allocated(work)) deallocate (work)
+         allocate (work)
          call prepare_path(real(p, wp), aimag(p)*merge(1.0_wp, -1.0_wp, k == 1), [(1.0_wp, i=1, size(p))], &
-                           [(0.0_wp, i=1, 6)], [(longest*size_of_path, i=1, 6)], 1.0_wp, 1.0_wp, paths(k), room)
+                           [(0.0_wp, i=1, 6)], [(longest*size_of_path, i=1, 6)], 1.0_wp, 1.0_wp, paths(k), work)
       end do
       call random%seed(seed, purpose_starts)
       do set = 1, sets
@@ -121,9 +121,9 @@ contains
                call timing_of(driven, paths(sense), sense == 2, timing, turns)
                if (.not. turns) exit
                study%starts = study%starts + 1
-               call retime(paths(sense), timing, room)
-               call trace_coupler(timing, timing%t, room%e, room%v)
-               timing%error = error_of(paths(sense), room%e, room%v, timing)
+               call retime(paths(sense), timing, work)
+               call trace_coupler(timing, timing%t, work%e, work%v)
+               timing%error = error_of(paths(sense), work%e, work%v, timing)
                worst = maxloc(scores, dim=1)
                if (timing%error >= scores(worst)) cycle
                ! cognates and drivers of one curve have one error
@@ -144,10 +144,10 @@ contains
          integer :: place, n
 
          own%before = paths(sense)%size*sqrt(timing%error/real(size(p), wp))
-         call finish(paths(sense), timing, room)
+         call finish(paths(sense), timing, work)
          own%after = paths(sense)%size*sqrt(timing%error/real(size(p), wp))
          call linkage_of(timing, paths(sense), sense == 2, own%linkage)
-         call judge(own%linkage, closed, own%verdict)
+         call assess(own%linkage, closed, own%verdict)
          if (any(abs(study%results%after - own%after) < same*own%after)) return
          place = count(study%results%after <= own%after) + 1
          if (place > most) return
@@ -161,10 +161,10 @@ contains
    end subroutine find_by_subsets
 
    !> Least squares from a start and from its best timing anew, the better of both; then until every bound is kept.
-   subroutine finish(path, timing, room)
+   subroutine finish(path, timing, work)
       type(fitted_path_t), intent(in) :: path
       type(path_timing_t), intent(inout) :: timing
-      type(path_workspace_t), intent(inout) :: room
+      type(path_workspace_t), intent(inout) :: work
       integer, parameter :: steps = 500, rounds = 5
       real(wp), parameter :: gain = 1.0e-5_wp, inside = 1.0e-6_wp, of_violations = 30.0_wp, least_error = 1.0e-9_wp
       type(path_timing_t) :: other
@@ -172,14 +172,14 @@ contains
       integer :: k
 
       weight = of_violations*max(timing%error, least_error*real(path%n, wp))
-      call descend(path, steps, gain, weight, 0.0_wp, timing, room)
+      call descend(path, steps, gain, weight, 0.0_wp, timing, work)
       other = timing
-      call retime(path, other, room)
-      call descend(path, steps, gain, weight, 0.0_wp, other, room)
+      call retime(path, other, work)
+      call descend(path, steps, gain, weight, 0.0_wp, other, work)
       if (other%error + weight*other%violation < timing%error + weight*timing%violation) timing = other
       do k = 1, rounds
          weight = 100.0_wp**k*max(timing%error, least_error*real(path%n, wp))
-         call descend(path, steps, gain, weight, inside, timing, room)
+         call descend(path, steps, gain, weight, inside, timing, work)
          if (timing%worst < inside) exit
       end do
    end subroutine finish

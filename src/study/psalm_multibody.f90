@@ -1,8 +1,8 @@
 !> A mechanism as multibody programs read it: bodies with inertias, joints that make a tree of them, joints that close the loops.
 !>
-!> Everything is given where the mechanism stands at one position, in metres and machine axes. The co-ordinate of a joint is 0
+!> Everything is given where the mechanism stands at one position, in metres and machine axes. The coordinate of a joint is 0
 !> there: the turn of its second body in the first, or how far that slides along the joint's line. Wheels in gear, drives that
-!> follow others and drives between links that have no joint in common are linear relations of these co-ordinates.
+!> follow others and drives between links that have no joint in common are linear relations of these coordinates.
 !>
 !> The result is checked before it is given: at all positions of the case the pins of both bodies must meet, slides stay on their
 !> lines, and the relations hold.
@@ -56,13 +56,13 @@ module psalm_multibody
       real(wp) :: at(2) = 0.0_wp                 !! the pin; a point of the slide's line
       real(wp) :: along(2) = [1.0_wp, 0.0_wp]    !! of a slide
       logical :: in_tree = .false.
-      real(wp) :: rate = 0.0_wp                  !! of its co-ordinate at the speed of the case, rad/s or m/s
+      real(wp) :: rate = 0.0_wp                  !! of its coordinate at the speed of the case, rad/s or m/s
       integer :: number = 0                      !! of the mechanism's joint; 0: between rod and barrel
       integer :: drive = 0                       !! the actuator that moves it,
       real(wp) :: sense = 1.0_wp                 !! in this sense
    end type tree_joint_t
 
-   !> The sum of `factors` times the co-ordinates of the joints is 0, or the stroke of a drive from here, rad or m.
+   !> The sum of `factors` times the coordinates of the joints is 0, or the stroke of a drive from here, rad or m.
    type :: relation_t
       character(:), allocatable :: name
       real(wp), allocatable :: factors(:)        !! by joint; 0 of those that are not in the tree
@@ -408,7 +408,7 @@ contains
                if (.not. joint%in_tree .or. all(joint%bodies /= order(i)) .or. model%bodies(order(i))%joint == j) cycle
                if (joint%bodies(2) == order(i)) then
                   joint%bodies = joint%bodies([2, 1])
-                  ! a slide's co-ordinate stays what it was, a pin's changes its sign
+                  ! a slide's coordinate stays what it was, a pin's changes its sign
                   joint%along = -joint%along
                   if (.not. joint%slides) joint%sense = -joint%sense
                end if
@@ -477,7 +477,7 @@ contains
          input_unit = merge(metre, radians_per_degree, slides)
       end function input_unit
 
-      !> The stroke of a drive by the co-ordinates of the joints: that of its joint, or turns of links.
+      !> The stroke of a drive by the coordinates of the joints: that of its joint, or turns of links.
       pure function stroke(drive) result(factors)
          integer, intent(in) :: drive
          real(wp), allocatable :: factors(:)
@@ -521,7 +521,7 @@ contains
       end function turns_of
    end subroutine add_relations
 
-   !> How fast the co-ordinates of all joints change at a position.
+   !> How fast the coordinates of all joints change at a position.
    pure subroutine add_rates(pose, position, origin, pace, joints)
       type(body_motion_t), intent(in) :: pose
       integer, intent(in) :: position

@@ -1,6 +1,6 @@
 !> Everything that muscle finds for a case: what cannot be studied is found before any work is done. Data in, results out.
 module psalm_muscle_study
-   use psalm_balance_study, only: balance_study_t, judge_balance, find_balance
+   use psalm_balance_study, only: balance_study_t, assess_balance, find_balance
    use psalm_clearance_group, only: clearance_of
    use psalm_clearance_study, only: check_clearance
    use psalm_data_set, only: data_set_t
@@ -8,7 +8,7 @@ module psalm_muscle_study
    use psalm_force_model, only: mass_parameters
    use psalm_kinds, only: wp
    use psalm_preparation, only: prepared_t
-   use psalm_spring_study, only: spring_study_t, judge_springs, find_springs
+   use psalm_spring_study, only: spring_study_t, assess_springs, find_springs
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t, is_to_end
    implicit none (type, external)
@@ -40,8 +40,8 @@ contains
       if (set%gives('BALANC') .and. set%gives('CLEAR')) then
          call check_clearance(set, clearance_of(set), prepared, findings)
       end if
-      if (set%gives('BALANC')) call judge_balance(set, prepared%mechanism, prepared%given, findings)
-      if (set%gives('SPRNGS')) call judge_springs(set, prepared%mechanism, prepared%given, findings)
+      if (set%gives('BALANC')) call assess_balance(set, prepared%mechanism, prepared%given, findings)
+      if (set%gives('SPRNGS')) call assess_springs(set, prepared%mechanism, prepared%given, findings)
    end subroutine check_muscle
 
    !> Studies of a case that `check_muscle` found no fault with.

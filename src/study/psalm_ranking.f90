@@ -1,7 +1,7 @@
 !> What the linkages found by a search are like, in the numbers by which a designer chooses between them; and those that are not
 !> beaten in two of them at once.
 !>
-!> Errors, transmission angle and turning are those of `psalm_summary`. The room is looked at every degree (a sliding input: in 360
+!> Errors, transmission angle and turning are those of `psalm_summary`. The box is sampled every degree (a sliding input: in 360
 !> steps), over the full turn if the linkage closes there, else over the prescribed inputs.
 module psalm_ranking
    use psalm_data_set, only: data_set_t
@@ -22,7 +22,7 @@ module psalm_ranking
    private
    public :: ranked_t, rate_linkage, figure_of, unbeaten
 
-   integer, parameter :: room_steps = 360          !! of the sweep by which the room is found
+   integer, parameter :: box_steps = 360          !! of the sweep by which the box is found
 
    !> What a linkage found is like.
    type :: ranked_t
@@ -77,7 +77,7 @@ contains
       ranked%turns = summary%everywhere .and. .not. summary%sliding_input
       ranked%sliding_input = summary%sliding_input
       ranked%ratio = ratio_of_links(problem, dimensions)
-      call find_room(problem, dimensions, summary%everywhere, ranked%width, ranked%height)
+      call find_box(problem, dimensions, summary%everywhere, ranked%width, ranked%height)
       if (set%toler%given) call find_band(set, problem, dimensions, found%delt, ranked)
    end subroutine rate_linkage
 
@@ -96,7 +96,7 @@ contains
    end function ratio_of_links
 
    !> Width and height of the box, in machine axes, of every joint and, where it is a point, the output.
-   subroutine find_room(problem, dimensions, turn, width, height)
+   subroutine find_box(problem, dimensions, turn, width, height)
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       logical, intent(in) :: turn                  !! over the full turn of a crank
@@ -113,7 +113,7 @@ contains
          joints = reshape([((loop, a, a=1, loops(loop)%arcs), loop=1, size(loops))], [2, sum(loops%arcs)])
       end associate
       allocate (samples)
-      call prepare_samples(problem, [(from + (to - from)*(real(i, wp)/real(room_steps, wp)), i=0, room_steps)], .false., &
+      call prepare_samples(problem, [(from + (to - from)*(real(i, wp)/real(box_steps, wp)), i=0, box_steps)], .false., &
                               joints, &
                            .false., samples)
       call evaluate_samples(samples, dimensions)
@@ -134,7 +134,7 @@ contains
       end do
       width = high(1) - low(1)
       height = high(2) - low(2)
-   end subroutine find_room
+   end subroutine find_box
 
    !> Root-sum-square band of the tolerances at the position where it is widest.
    subroutine find_band(set, problem, dimensions, delt, ranked)

@@ -76,7 +76,7 @@ contains
       end associate
       if (everywhere) then
          allocate (rates%arcs)
-         call make_room(problem, rates%arcs)
+         call grow(problem, rates%arcs)
       end if
       allocate (of_block)
       call prepare_rates(problem, of_block)
@@ -110,7 +110,7 @@ contains
       is_violating = .not. all(self%motion%closed) .or. any(self%dead /= 0)
    end function is_violating
 
-   subroutine make_room(problem, arcs)
+   subroutine grow(problem, arcs)
       type(problem_t), intent(in) :: problem
       type(arc_rates_t), intent(out) :: arcs
 
@@ -120,7 +120,7 @@ contains
          allocate (arcs%length(0:2, n, positions), arcs%angle(0:2, n, positions), source=0.0_wp)
          allocate (arcs%x(0:2, size(arcs%joint_arc), positions), arcs%y(0:2, size(arcs%joint_arc), positions), source=0.0_wp)
       end associate
-   end subroutine make_room
+   end subroutine grow
 
    !> Every arc and every joint at one position: i of the block, k of all.
    subroutine follow_arcs(set, problem, rates, i, k, arcs)

@@ -23,7 +23,7 @@ module psalm_spring_study
    use psalm_shown_input, only: reference_input
    implicit none (type, external)
    private
-   public :: spring_study_t, spring_result_t, judge_springs, find_springs
+   public :: spring_study_t, spring_result_t, assess_springs, find_springs
 
    integer, parameter :: steps_of_turn = 1024      !! of the torque, for EXACT
 
@@ -58,7 +58,7 @@ contains
 
    !> Find what is wrong with the group before any work is done. Errors: ends that are no points of their links or are on the same
    !> link, a joint that is not there, a spring that would have neither place nor length to choose.
-   subroutine judge_springs(set, mechanism, dimensions, findings)
+   subroutine assess_springs(set, mechanism, dimensions, findings)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
@@ -98,9 +98,9 @@ contains
 
          call set%origins%error(findings, 'SPRNGS', item, 'entry '//to_text(entry)//': '//text, entry)
       end subroutine refuse
-   end subroutine judge_springs
+   end subroutine assess_springs
 
-   !> Springs of a case that `judge_springs` found no fault with; weights that were found before act already.
+   !> Springs of a case that `assess_springs` found no fault with; weights that were found before act already.
    subroutine find_springs(set, given, dimensions, weights, study, stop)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: given
@@ -114,7 +114,7 @@ contains
       type(motion_t) :: motion
       type(force_table_t) :: table
       type(diagnostics_t) :: unused
-      type(spring_limits_t), allocatable :: rooms(:)
+      type(spring_limits_t), allocatable :: allowed(:)
       type(found_spring_t), allocatable :: springs(:)
       integer, allocatable :: columns(:)
       integer :: k
@@ -131,20 +131,20 @@ contains
       call choose_load(group, problem%mechanism, columns, study)
       if (study%failure > 0) return
       study%load_before = table%value(:, columns)
-      call make_rooms(group, problem, dimensions, model, columns, rooms)
+      call make_allowed(group, problem, dimensions, model, columns, allowed)
       study%before = criterion_of(group%criterion, study%load_before)
       if (group%exact) then
          call find_exactly(set, group, problem, dimensions, model, springs, study)
       else
-         call search_springs(study%load_before, rooms, group%criterion, group%starts, &
+         call search_springs(study%load_before, allowed, group%criterion, group%starts, &
                              group%seed, study%search, stop)
          study%found = study%search%found
          springs = study%search%springs
       end if
       if (.not. study%found) return
-      study%load_after = load_with(study%load_before, rooms, springs)
+      study%load_after = load_with(study%load_before, allowed, springs)
       study%after = criterion_of(group%criterion, study%load_after)
-      call describe(set, group, problem%mechanism, dimensions, model, rooms, springs, study)
+      call describe(set, group, problem%mechanism, dimensions, model, allowed, springs, study)
    end subroutine find_springs
 
    !> The columns of the load that counts.
@@ -165,28 +165,28 @@ contains
    end subroutine choose_load
 
    !> Where the ends may be, and what a wrench there does.
-   subroutine make_rooms(group, problem, dimensions, model, columns, rooms)
+   subroutine make_allowed(group, problem, dimensions, model, columns, allowed)
       type(spring_design_group_t), intent(in) :: group
       type(problem_t), intent(inout) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
       integer, intent(in) :: columns(:)
-      type(spring_limits_t), allocatable, intent(out) :: rooms(:)
+      type(spring_limits_t), allocatable, intent(out) :: allowed(:)
       type(body_motion_t) :: bodies
       type(location_t) :: location
       real(wp), allocatable :: slopes(:, :, :, :)
       integer :: k, e, state
 
       call follow_bodies(problem, model, bodies)
-      allocate (rooms(size(group%first)))
-      do k = 1, size(rooms)
-         rooms(k)%reach = [group%first_reach(k), group%second_reach(k)]*model%metre
-         rooms(k)%stiffest = group%stiffest(k)
-         rooms(k)%free = [group%free_low(k), group%free_high(k)]*model%metre
+      allocate (allowed(size(group%first)))
+      do k = 1, size(allowed)
+         allowed(k)%reach = [group%first_reach(k), group%second_reach(k)]*model%metre
+         allowed(k)%stiffest = group%stiffest(k)
+         allowed(k)%free = [group%free_low(k), group%free_high(k)]*model%metre
          do e = 1, 2
             if (e == 1) call location_of_place(problem%mechanism, dimensions, model%reference, group%first(k), location, state)
             if (e == 2) call location_of_place(problem%mechanism, dimensions, model%reference, group%second(k), location, state)
-            associate (path => rooms(k)%ends(e), b => location%body, at => location%at*model%metre)
+            associate (path => allowed(k)%ends(e), b => location%body, at => location%at*model%metre)
                path%c = bodies%c(:, b)
                path%s = bodies%s(:, b)
                path%x = bodies%x(:, b) + at(1)*path%c - at(2)*path%s
@@ -196,7 +196,7 @@ contains
             end associate
          end do
       end do
-   end subroutine make_rooms
+   end subroutine make_allowed
 
    !> The spring of zero free length with the least range, over phases of the six positions.
    subroutine find_exactly(set, group, given, dimensions, model, springs, study)
@@ -308,13 +308,13 @@ contains
    end subroutine find_exactly
 
    !> Springs as the group SPRING names them, their lengths, pulls and coils.
-   subroutine describe(set, group, mechanism, dimensions, model, rooms, springs, study)
+   subroutine describe(set, group, mechanism, dimensions, model, allowed, springs, study)
       type(data_set_t), intent(in) :: set
       type(spring_design_group_t), intent(in) :: group
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
-      type(spring_limits_t), intent(in) :: rooms(:)
+      type(spring_limits_t), intent(in) :: allowed(:)
       type(found_spring_t), intent(in) :: springs(:)
       type(spring_study_t), intent(inout) :: study
       type(location_t) :: location, bare
@@ -328,7 +328,7 @@ contains
             result%stiffness = spring%stiffness
             result%free = spring%free/model%metre
             do e = 1, 2
-               associate (path => rooms(k)%ends(e), at => spring%at(:, e))
+               associate (path => allowed(k)%ends(e), at => spring%at(:, e))
                   z(:, 1, e) = path%x + at(1)*path%c - at(2)*path%s
                   z(:, 2, e) = path%y + at(1)*path%s + at(2)*path%c
                   if (e == 1) place = group%first(k)

@@ -2,7 +2,7 @@
 submodule(psalm_steady_study) psalm_steady_study_body
    use psalm_drive_group, only: drive_group_t, hill_group_t, drive_of, hill_of
    use psalm_drive_study, only: find_drive, find_hill
-   use psalm_estimate_study, only: find_estimate, judge_estimates
+   use psalm_estimate_study, only: find_estimate, assess_estimates
    use psalm_force_model, only: make_force_model
    use psalm_kinds, only: wp
    use psalm_link_cycle, only: check_link, add_uniform_link
@@ -117,7 +117,7 @@ contains
             call find_estimate(set, problem, prepared%given, with_links, asked%estimates%beams(k), &
                                asked%estimates%points, study%estimates(k))
          end do
-         call judge_estimates(prepared%mechanism, asked%estimates%beams, study%estimates)
+         call assess_estimates(prepared%mechanism, asked%estimates%beams, study%estimates)
       end if
       if (asked%vibration%given) then
          allocate (study%vibration)

@@ -315,8 +315,8 @@ contains
          call deviating%lean%want_derivatives(.true., all%sketch%points)
          call deviating%lean%bind(dimensions)
          allocate (all%nominal(deviating%lean%positions, size(bands%known)))
-         allocate (joint(size(all%sketch%drawn), deviating%lean%linkage%room))
-         allocate (moved(size(all%sketch%arcs), deviating%lean%linkage%room))
+         allocate (joint(size(all%sketch%drawn), deviating%lean%linkage%capacity))
+         allocate (moved(size(all%sketch%arcs), deviating%lean%linkage%capacity))
          call find_numbers(all, all%sketch, joint, moved, deviating%lean, .false., all%nominal)
       end associate
    end subroutine prepare_sampled
@@ -325,8 +325,8 @@ contains
    subroutine find_numbers(all, sketch, joint, moved, problem, solved, numbers)
       type(sampled_t), intent(in) :: all
       type(sketch_motion_t), intent(in) :: sketch  !! with the offsets of this linkage
-      complex(wp), intent(out) :: joint(:, :)      !! shape (joints, room of a block): to work in
-      real(wp), intent(out) :: moved(:, :)         !! shape (slides, room)
+      complex(wp), intent(out) :: joint(:, :)      !! shape (joints, capacity of a block): to work in
+      real(wp), intent(out) :: moved(:, :)         !! shape (slides, capacity)
       class(problem_t), intent(inout) :: problem
       logical, intent(in) :: solved                !! the last block is
       real(wp), intent(out) :: numbers(:, :)       !! shape (positions, numbers)
@@ -871,7 +871,7 @@ contains
       first = size(linear%effect, 3)
       if (allocated(deviating%outputs)) then
          sketch = deviating%outputs%sketch
-         allocate (joint(size(sketch%drawn), problem%linkage%room), moved(size(sketch%arcs), problem%linkage%room))
+         allocate (joint(size(sketch%drawn), problem%linkage%capacity), moved(size(sketch%arcs), problem%linkage%capacity))
       end if
       unasked = max(1, solved_unasked/max(1, problem%positions))
       made = 0

@@ -21,7 +21,7 @@ module psalm_chain_problem
    use psalm_merit, only: extra_positions, least_margin, put_in_order
    use psalm_nlp, only: plain_nlp_t
    use psalm_search_group, only: order_free
-   use psalm_sketch, only: sketch_t, variation_t, columns_of, first_number, frame_link, most_wished, drive_turns, &
+   use psalm_sketch, only: sketch_t, variation_t, columns_of, first_number, frame_link, most_targets, drive_turns, &
                            output_angle, output_between, output_pose, output_ratio, vary_angle, vary_input, vary_length, vary_place
    use psalm_text, only: to_text
    implicit none (type, external)
@@ -64,7 +64,7 @@ module psalm_chain_problem
       real(wp), allocatable :: inputs(:, :)   !! shape (drives, positions): radians or length, from the drawing
       real(wp), allocatable :: speed(:)       !! shape (drives): change with the first one
       real(wp) :: unit_of_input = 1.0_wp      !! radians a degree, if the first drive turns
-      real(wp), allocatable :: wanted(:, :, :), weight(:, :, :) !! shape (numbers, 0:most_wished, positions)
+      real(wp), allocatable :: wanted(:, :, :), weight(:, :, :) !! shape (numbers, 0:most_targets, positions)
       logical, allocatable :: angle(:)        !! shape (numbers): it is one
       logical, allocatable :: ratio(:)        !! shape (numbers): it is a ratio of rates
       integer, allocatable :: ratio_of(:, :)  !! shape (2, numbers): the numbers whose rates it is of
@@ -136,7 +136,7 @@ contains
       problem%variables = size(problem%first)
       call take_timing()
       problem%core = size(problem%first)
-      call take_wishes(set, problem)
+      call take_targets(set, problem)
       call list_sketch_clearances(set%constr, set%sketch, problem%clearances)
       problem%margin = least_margin*margins_of(closure, start)
       call list_pairs(set%limits%tangle)
@@ -343,7 +343,7 @@ contains
    end subroutine make_chain_problem
 
    !> Desired values of &METHOD for the first output, and those of &OUTPUTS.
-   subroutine take_wishes(set, problem)
+   subroutine take_targets(set, problem)
       type(data_set_t), intent(in) :: set
       type(chain_problem_t), intent(inout) :: problem
       real(wp), allocatable :: wanted(:, :), weight(:, :)
@@ -354,7 +354,7 @@ contains
          positions = size(problem%inputs, 2)
          first = [(first_number(outputs, k), k=1, size(outputs))]
          n = first_number(outputs, size(outputs) + 1) - 1
-         allocate (problem%wanted(n, 0:most_wished, positions), problem%weight(n, 0:most_wished, positions), source=0.0_wp)
+         allocate (problem%wanted(n, 0:most_targets, positions), problem%weight(n, 0:most_targets, positions), source=0.0_wp)
          allocate (problem%angle(n), problem%ratio(n), source=.false.)
          allocate (problem%ratio_of(2, n), source=0)
          do k = 1, size(outputs)
@@ -362,10 +362,10 @@ contains
                problem%angle(last) = any(outputs(k)%kind == [output_angle, output_between, output_pose])
                problem%ratio(last) = outputs(k)%kind == output_ratio
                if (problem%ratio(last)) problem%ratio_of(:, last) = first(outputs(k)%outputs)
-               do order = 0, most_wished
-                  if (.not. allocated(outputs(k)%wishes(order)%values)) cycle
-                  problem%wanted(first(k):last, order, :) = outputs(k)%wishes(order)%values
-                  problem%weight(first(k):last, order, :) = outputs(k)%wishes(order)%weights
+               do order = 0, most_targets
+                  if (.not. allocated(outputs(k)%targets(order)%values)) cycle
+                  problem%wanted(first(k):last, order, :) = outputs(k)%targets(order)%values
+                  problem%weight(first(k):last, order, :) = outputs(k)%targets(order)%weights
                end do
             end associate
          end do
@@ -374,29 +374,29 @@ contains
             do c = 1, min(size(wanted, 2), columns_of(outputs(1)))
                problem%wanted(c, 0, :) = wanted(:, c)
                problem%weight(c, 0, :) = weight(:, c)
-               if (.not. allocated(set%method%rate_wanted)) cycle
-               do order = 1, most_wished
+               if (.not. allocated(set%method%rate_desired)) cycle
+               do order = 1, most_targets
                   where (set%method%rate_weight(:, c, order) > 0.0_wp)
-                     problem%wanted(c, order, :) = set%method%rate_wanted(:, c, order)
+                     problem%wanted(c, order, :) = set%method%rate_desired(:, c, order)
                      problem%weight(c, order, :) = set%method%rate_weight(:, c, order)
                   end where
                end do
             end do
          end if
       end associate
-      call count_wishes(problem)
-   end subroutine take_wishes
+      call count_targets(problem)
+   end subroutine take_targets
 
-   pure subroutine count_wishes(problem)
+   pure subroutine count_targets(problem)
       type(chain_problem_t), intent(inout) :: problem
       integer :: order
 
       problem%residuals = count(problem%weight > 0.0_wp)
       problem%highest = 0
-      do order = 1, most_wished
+      do order = 1, most_targets
          if (any(problem%weight(:, order, :) > 0.0_wp)) problem%highest = order
       end do
-   end subroutine count_wishes
+   end subroutine count_targets
 
    pure subroutine count_constraints(problem)
       class(chain_problem_t), intent(inout) :: problem
@@ -415,10 +415,10 @@ contains
       part = self
       part%inputs = self%inputs(:, which)
       deallocate (part%wanted, part%weight)
-      allocate (part%wanted(size(self%angle), 0:most_wished, size(which)), source=self%wanted(:, :, which))
-      allocate (part%weight(size(self%angle), 0:most_wished, size(which)), source=self%weight(:, :, which))
+      allocate (part%wanted(size(self%angle), 0:most_targets, size(which)), source=self%wanted(:, :, which))
+      allocate (part%weight(size(self%angle), 0:most_targets, size(which)), source=self%weight(:, :, which))
       part%delt = self%delt(which)
-      call count_wishes(part)
+      call count_targets(part)
       call part%set_range(part%first)
       call count_constraints(part)
    end subroutine at_positions
@@ -848,7 +848,7 @@ contains
       type(closure_t), intent(inout) :: closure !! with the dimensions x
       type(state_t), intent(in) :: state        !! at the position, with rates by the first drive
       real(wp), intent(out) :: values(:, 0:)    !! shape (numbers, 0:most_orders); angles in degrees, their rates in radians
-      real(wp), intent(out), optional :: by(:, 0:, :) !! shape (numbers, 0:most_wished, core)
+      real(wp), intent(out), optional :: by(:, 0:, :) !! shape (numbers, 0:most_targets, core)
       real(wp) :: alone(size(values, 1), 0:most_orders), plus(size(values, 1), 0:most_orders), minus(size(values, 1), 0:most_orders)
       real(wp) :: mixed(size(values, 1))
       integer :: v, n, need
@@ -916,7 +916,7 @@ contains
       real(wp), intent(out), optional :: jacobian(:, :) !! shape (residuals, core)
       type(closure_t) :: closure
       type(chain_motion_t) :: motion
-      real(wp) :: values(size(self%wanted, 1), 0:most_orders), by(size(self%wanted, 1), 0:most_wished, size(x)), root, miss
+      real(wp) :: values(size(self%wanted, 1), 0:most_orders), by(size(self%wanted, 1), 0:most_targets, size(x)), root, miss
       integer :: k, n, order, m
       logical :: reached
 
@@ -931,7 +931,7 @@ contains
          else
             call self%find_values(x, closure, motion%states(k), values)
          end if
-         do order = 0, most_wished
+         do order = 0, most_targets
             do n = 1, size(values, 1)
                if (self%weight(n, order, k) <= 0.0_wp) cycle
                m = m + 1

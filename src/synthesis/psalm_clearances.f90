@@ -1,4 +1,4 @@
-!> Clearances asked for: joints and links, segments with a width, from regions, and links from each other. Source of the wish:
+!> Clearances asked for: joints and links, segments with a width, from regions, and links from each other. Source of the target:
 !> Oldham (1977), section 9.2.3.
 !>
 !> Two links that have a point or a body in common cannot keep apart, and two of different layers cannot meet: they are left out.

@@ -12,8 +12,8 @@ module psalm_constr
    use psalm_nlp, only: nlp_t, repair_count_t, quarter, most_moves
    use psalm_dimensions, only: dimensions_t
    use psalm_parameters, only: variable_aside, variable_length, variable_outlk
-   use psalm_output_wishes, only: output_wishes_t, prepare_output_wishes, find_output_wishes, sum_of_wish_errors
-   use psalm_wanted_rates, only: wanted_rates_t, prepare_wanted_rates, find_wanted_rates, sum_of_rate_errors, all_rates_exist
+   use psalm_output_targets, only: output_targets_t, prepare_output_targets, find_output_targets, sum_of_desired_errors
+   use psalm_desired_rates, only: desired_rates_t, prepare_desired_rates, find_desired_rates, sum_of_rate_errors, all_rates_exist
    implicit none (type, external)
    private
    public :: constraints_t, vertex_problem_t, make_constraints, make_vertex_problem, constrain, without_rates
@@ -35,8 +35,8 @@ module psalm_constr
    type, extends(nlp_t) :: vertex_problem_t
       type(problem_t), pointer :: problem => null() !! the caller's
       type(constraints_t) :: constraints
-      class(wanted_rates_t), allocatable :: rates    !! derivatives of the output by the input, where they are wanted
-      class(output_wishes_t), allocatable :: wishes  !! desired values of further outputs, where there are any
+      class(desired_rates_t), allocatable :: rates    !! derivatives of the output by the input, where they are wanted
+      class(output_targets_t), allocatable :: targets  !! desired values of further outputs, where there are any
    contains
       procedure :: measure
       procedure :: accept
@@ -74,13 +74,13 @@ contains
 
       search%problem => problem
       call make_constraints(set, problem, search%constraints)
-      if (allocated(problem%rate_wanted)) then
+      if (allocated(problem%rate_desired)) then
          allocate (search%rates)
-         call prepare_wanted_rates(problem, .false., .false., search%rates)
+         call prepare_desired_rates(problem, .false., .false., search%rates)
       end if
-      if (allocated(problem%wish_values)) then
-         allocate (search%wishes)
-         call prepare_output_wishes(set, problem, .false., .false., search%wishes)
+      if (allocated(problem%target_values)) then
+         allocate (search%targets)
+         call prepare_output_targets(set, problem, .false., .false., search%targets)
       end if
       search%core = size(problem%parameters%variables)
       search%low = spread(-huge(1.0_wp), 1, search%core)
@@ -122,12 +122,12 @@ contains
       class(vertex_problem_t), intent(inout) :: search
       real(wp), intent(inout) :: objective
 
-      if (allocated(search%wishes)) then
-         call find_output_wishes(search%wishes, search%constraints%dimensions)
-         objective = objective + sum_of_wish_errors(search%wishes)
+      if (allocated(search%targets)) then
+         call find_output_targets(search%targets, search%constraints%dimensions)
+         objective = objective + sum_of_desired_errors(search%targets)
       end if
       if (.not. allocated(search%rates)) return
-      call find_wanted_rates(search%rates, search%constraints%dimensions)
+      call find_desired_rates(search%rates, search%constraints%dimensions)
       objective = objective + sum_of_rate_errors(search%rates)
       if (.not. all_rates_exist(search%rates)) objective = without_rates
    end subroutine add_rate_errors

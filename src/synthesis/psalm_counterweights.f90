@@ -18,7 +18,7 @@ module psalm_counterweights
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    private
-   public :: room_t, aim_t, design_t, least_composite, composite_of
+   public :: weight_region_t, criterion_t, design_t, least_composite, composite_of
 
    real(wp), parameter :: preference = 1.0e-10_wp  !! of the bare composite that a mass of the linkage counts: of equals the
                                                    !! lightest are found
@@ -26,15 +26,15 @@ module psalm_counterweights
    real(wp), parameter :: first_move = 1.0e-4_wp, usual_move = 0.1_wp
    real(wp), parameter :: least_gain = 1.0e-12_wp  !! relative gain of a step that is one of the last
    real(wp), parameter :: proven = 1.0e-6_wp       !! relative distance from the lower bound at which a local optimum is global
-   real(wp), parameter :: breadth = 1.0e-6_wp      !! part of a limit by which limits are moved apart that leave no room
+   real(wp), parameter :: breadth = 1.0e-6_wp      !! part of a limit by which limits are moved apart that leave no region
    real(wp), parameter :: kept = 1.0e-6_wp         !! part of the limit of a load by which it may be passed
    real(wp), parameter :: price = 1.0e3_wp         !! of passing a limit by its whole amount on the way to an optimum, in composites
    integer, parameter :: most_draws = 1000         !! of a centre within its limits; then the nearest one to the anchor is taken
    integer, parameter :: most_steps = 60           !! of the search by tangents from one start
    integer, parameter :: mode_convex = 1, mode_tangent = 2
 
-   !> Room for a weight on a link.
-   type :: room_t
+   !> Region for a weight on a link.
+   type :: weight_region_t
       integer :: link = 0
       real(wp) :: reach = 0.0_wp                   !! of its centre from the anchor, m; above 0
       real(wp) :: most = 0.0_wp                    !! kg; 0: no limit
@@ -43,7 +43,7 @@ module psalm_counterweights
       real(wp) :: axis(2) = [1.0_wp, 0.0_wp]       !! direction of the link's line in the axes of the link
       real(wp) :: low(2) = 0.0_wp, high(2) = 0.0_wp !! along it and across it, m
       real(wp) :: start(3) = 0.0_wp                !! where a search begins, if it is given: centre along and across, radius, m
-   end type room_t
+   end type weight_region_t
 
    !> Desired values of a load.
    type :: desired_load_t
@@ -51,7 +51,7 @@ module psalm_counterweights
    end type desired_load_t
 
    !> What is wanted.
-   type :: aim_t
+   type :: criterion_t
       integer :: form = form_body
       real(wp) :: density = 0.0_wp                 !! of discs, kg/m3
       integer, allocatable :: channels(:)          !! that count
@@ -66,13 +66,13 @@ module psalm_counterweights
       integer, allocatable :: limited(:)           !! channels of which the RMS is limited
       real(wp), allocatable :: limit(:)            !! RMS, components pooled
       integer :: starts = 1, seed = 1
-      logical :: begun = .false.                   !! the first start is that of the rooms
-   end type aim_t
+      logical :: begun = .false.                   !! the first start is that of the regions
+   end type criterion_t
 
    !> Weights found.
    type :: design_t
       real(wp), allocatable :: added(:, :)         !! shape (4, links): about the anchors
-      real(wp), allocatable :: radius(:), thickness(:) !! of discs, by room, m
+      real(wp), allocatable :: radius(:), thickness(:) !! of discs, by region, m
       real(wp) :: value = huge(1.0_wp)             !! sum of squares, or the greatest value over its tolerance
       real(wp) :: bound = 0.0_wp                   !! no weights of this form, or mass, have less
       real(wp) :: gap = 0.0_wp, residual = 0.0_wp  !! of the convex problem's optimality conditions
@@ -86,9 +86,9 @@ module psalm_counterweights
 contains
 
    !> The composite of some weights, from the loads themselves.
-   pure real(wp) function composite_of(channels, aim, added) result(value)
+   pure real(wp) function composite_of(channels, criterion, added) result(value)
       type(channel_t), intent(in) :: channels(:)
-      type(aim_t), intent(in) :: aim
+      type(criterion_t), intent(in) :: criterion
       real(wp), intent(in) :: added(:, :)          !! shape (4, links)
       real(wp), allocatable :: values(:, :)
       real(wp) :: mass
@@ -96,68 +96,68 @@ contains
 
       value = 0.0_wp
       mass = sum(added(weight_mass, :))
-      do k = 1, size(aim%channels)
-         values = (values_of(channels(aim%channels(k)), added) - wanted_of(channels, aim, k))/aim%tolerance(k)
-         if (aim%peaks) then
+      do k = 1, size(criterion%channels)
+         values = (values_of(channels(criterion%channels(k)), added) - wanted_of(channels, criterion, k))/criterion%tolerance(k)
+         if (criterion%peaks) then
             value = max(value, sqrt(maxval(sum(values**2, dim=2))))
          else
             value = value + sum(values**2)
          end if
       end do
-      if (.not. aim%mass_tolerance > 0.0_wp) return
-      if (aim%peaks) then
-         value = max(value, mass/aim%mass_tolerance)
+      if (.not. criterion%mass_tolerance > 0.0_wp) return
+      if (criterion%peaks) then
+         value = max(value, mass/criterion%mass_tolerance)
       else
-         value = value + real(size(channels(1)%bare, 1), wp)*(mass/aim%mass_tolerance)**2
+         value = value + real(size(channels(1)%bare, 1), wp)*(mass/criterion%mass_tolerance)**2
       end if
    end function composite_of
 
    !> What is desired of the load that counts in k-th place. Shape: that of the load.
-   pure function wanted_of(channels, aim, k) result(value)
+   pure function wanted_of(channels, criterion, k) result(value)
       type(channel_t), intent(in) :: channels(:)
-      type(aim_t), intent(in) :: aim
+      type(criterion_t), intent(in) :: criterion
       integer, intent(in) :: k
       real(wp), allocatable :: value(:, :)
 
-      if (allocated(aim%wanted)) then
-         if (allocated(aim%wanted(k)%value)) value = aim%wanted(k)%value
+      if (allocated(criterion%wanted)) then
+         if (allocated(criterion%wanted(k)%value)) value = criterion%wanted(k)%value
       end if
-      if (.not. allocated(value)) value = 0.0_wp*channels(aim%channels(k))%bare
+      if (.not. allocated(value)) value = 0.0_wp*channels(criterion%channels(k))%bare
    end function wanted_of
 
    !> How far some weights pass limits of loads: the greatest part of a limit; 0 or less if all are kept.
-   pure real(wp) function excess_of(channels, aim, added) result(excess)
+   pure real(wp) function excess_of(channels, criterion, added) result(excess)
       type(channel_t), intent(in) :: channels(:)
-      type(aim_t), intent(in) :: aim
+      type(criterion_t), intent(in) :: criterion
       real(wp), intent(in) :: added(:, :)          !! shape (4, links)
       real(wp), allocatable :: values(:, :)
       integer :: k
 
       excess = -1.0_wp
-      do k = 1, size(aim%capped)
-         values = values_of(channels(aim%capped(k)), added)/aim%cap(k)
+      do k = 1, size(criterion%capped)
+         values = values_of(channels(criterion%capped(k)), added)/criterion%cap(k)
          excess = max(excess, sqrt(maxval(sum(values**2, dim=2))) - 1.0_wp)
       end do
    end function excess_of
 
    !> The weights with the least composite. Not found: the limits leave none, as when force balance must stay complete and cannot.
-   subroutine least_composite(channels, given, aim, balance, design)
+   subroutine least_composite(channels, given, criterion, balance, design)
       type(channel_t), intent(in) :: channels(:)
-      type(room_t), intent(in) :: given(:)
-      type(aim_t), intent(in) :: aim
+      type(weight_region_t), intent(in) :: given(:)
+      type(criterion_t), intent(in) :: criterion
       type(force_balance_t), intent(in) :: balance
       type(design_t), intent(out) :: design
       type(design_t) :: tried
       type(xoshiro_t) :: random
-      type(room_t) :: rooms(size(given))
+      type(weight_region_t) :: regions(size(given))
       real(wp) :: centre(2, size(given)), radius(size(given)), bound
-      real(wp) :: values(max(aim%starts, 1))
+      real(wp) :: values(max(criterion%starts, 1))
       logical :: valid
       integer :: start, ended, k
 
       tried%added = 0.0_wp*channels(1)%slope(1, 1, :, :)
-      if (.not. (aim%exact .or. composite_of(channels, aim, tried%added) > 0.0_wp .or. &
-                 excess_of(channels, aim, tried%added) > 0.0_wp)) then
+      if (.not. (criterion%exact .or. composite_of(channels, criterion, tried%added) > 0.0_wp .or. &
+                 excess_of(channels, criterion, tried%added) > 0.0_wp)) then
          ! there is nothing to be made less
          design%added = tried%added
          allocate (design%radius(size(given)), design%thickness(size(given)), source=0.0_wp)
@@ -166,24 +166,24 @@ contains
          design%found = .true.
          return
       end if
-      rooms = given
-      do start = 1, size(rooms)
-         rooms(start)%radius = rooms(start)%radius*[1.0_wp - breadth, 1.0_wp + breadth]
-         rooms(start)%thickness = rooms(start)%thickness*[1.0_wp - breadth, 1.0_wp + breadth]
-         rooms(start)%low = rooms(start)%low - breadth*rooms(start)%reach
-         rooms(start)%high = rooms(start)%high + breadth*rooms(start)%reach
+      regions = given
+      do start = 1, size(regions)
+         regions(start)%radius = regions(start)%radius*[1.0_wp - breadth, 1.0_wp + breadth]
+         regions(start)%thickness = regions(start)%thickness*[1.0_wp - breadth, 1.0_wp + breadth]
+         regions(start)%low = regions(start)%low - breadth*regions(start)%reach
+         regions(start)%high = regions(start)%high + breadth*regions(start)%reach
       end do
-      call solve_step(channels, rooms, aim, balance, mode_convex, 0.0_wp, tried)
+      call solve_step(channels, regions, criterion, balance, mode_convex, 0.0_wp, tried)
       if (.not. tried%found) return
-      call solve_step(channels, rooms, aim, balance, mode_convex, preference, design)
+      call solve_step(channels, regions, criterion, balance, mode_convex, preference, design)
       if (.not. design%found) design = tried
       ! the bound is that of the composite alone
       design%bound = tried%bound
       design%gap = max(design%gap, tried%gap)
       design%residual = max(design%residual, tried%residual)
-      design%convex = aim%form == form_body .or. only_force_counts(channels, aim)
-      if (aim%form == form_body) return
-      if (aim%form == form_point .and. design%convex) then
+      design%convex = criterion%form == form_body .or. only_force_counts(channels, criterion)
+      if (criterion%form == form_body) return
+      if (criterion%form == form_point .and. design%convex) then
          ! the moment of inertia is without effect: each may be one point
          where (design%added(weight_mass, :) > 0.0_wp) design%added(weight_inertia, :) = &
             (design%added(weight_px, :)**2 + design%added(weight_py, :)**2)/max(design%added(weight_mass, :), tiny(1.0_wp))
@@ -196,115 +196,115 @@ contains
       design%value = huge(1.0_wp)
       design%found = .false.
       ended = 0
-      call random%seed(aim%seed, purpose_starts)
-      do start = 1, aim%starts
-         if (start == 1 .and. aim%begun) then
-            do k = 1, size(rooms)
-               centre(:, k) = in_link(rooms(k), rooms(k)%start(:2))
-               radius(k) = min(max(rooms(k)%start(3), rooms(k)%radius(1)), rooms(k)%radius(2))
+      call random%seed(criterion%seed, purpose_starts)
+      do start = 1, criterion%starts
+         if (start == 1 .and. criterion%begun) then
+            do k = 1, size(regions)
+               centre(:, k) = in_link(regions(k), regions(k)%start(:2))
+               radius(k) = min(max(regions(k)%start(3), regions(k)%radius(1)), regions(k)%radius(2))
             end do
          else if (start == 1) then
-            call centres_of(tried, rooms, aim, centre, radius)
+            call centres_of(tried, regions, criterion, centre, radius)
          else
             call random%use_stream(start)
-            call draw_centres(random, rooms, centre, radius)
+            call draw_centres(random, regions, centre, radius)
          end if
-         call go_by_tangents(channels, rooms, aim, balance, centre, radius, tried, valid)
+         call go_by_tangents(channels, regions, criterion, balance, centre, radius, tried, valid)
          if (.not. valid) cycle
          ended = ended + 1
          values(ended) = tried%value
          if (tried%value < design%value) design = tried
          if (design%value - bound <= proven*design%value) exit
       end do
-      design%starts = min(start, aim%starts)
+      design%starts = min(start, criterion%starts)
       design%ended_here = count(values(:ended) <= design%value*(1.0_wp + proven))
       design%bound = bound
       design%proven = design%found .and. design%value - bound <= proven*design%value
    end subroutine least_composite
 
    !> True if no load that counts depends on moments of inertia.
-   pure logical function only_force_counts(channels, aim) result(only)
+   pure logical function only_force_counts(channels, criterion) result(only)
       type(channel_t), intent(in) :: channels(:)
-      type(aim_t), intent(in) :: aim
+      type(criterion_t), intent(in) :: criterion
       integer :: k
 
       only = .true.
-      do k = 1, size(aim%channels)
-         only = only .and. all(abs(channels(aim%channels(k))%slope(:, :, weight_inertia, :)) <= 0.0_wp)
+      do k = 1, size(criterion%channels)
+         only = only .and. all(abs(channels(criterion%channels(k))%slope(:, :, weight_inertia, :)) <= 0.0_wp)
       end do
-      do k = 1, size(aim%limited)
-         only = only .and. all(abs(channels(aim%limited(k))%slope(:, :, weight_inertia, :)) <= 0.0_wp)
+      do k = 1, size(criterion%limited)
+         only = only .and. all(abs(channels(criterion%limited(k))%slope(:, :, weight_inertia, :)) <= 0.0_wp)
       end do
-      do k = 1, size(aim%capped)
-         only = only .and. all(abs(channels(aim%capped(k))%slope(:, :, weight_inertia, :)) <= 0.0_wp)
+      do k = 1, size(criterion%capped)
+         only = only .and. all(abs(channels(criterion%capped(k))%slope(:, :, weight_inertia, :)) <= 0.0_wp)
       end do
    end function only_force_counts
 
    !> Centres of a design, and radii that its masses have as discs of the greatest thickness.
-   pure subroutine centres_of(design, rooms, aim, centre, radius)
+   pure subroutine centres_of(design, regions, criterion, centre, radius)
       type(design_t), intent(in) :: design
-      type(room_t), intent(in) :: rooms(:)
-      type(aim_t), intent(in) :: aim
+      type(weight_region_t), intent(in) :: regions(:)
+      type(criterion_t), intent(in) :: criterion
       real(wp), intent(out) :: centre(:, :), radius(:)
       integer :: k
 
       radius = 0.0_wp
-      do k = 1, size(rooms)
-         associate (added => design%added(:, rooms(k)%link))
+      do k = 1, size(regions)
+         associate (added => design%added(:, regions(k)%link))
             centre(:, k) = 0.0_wp
             if (added(weight_mass) > 0.0_wp) centre(:, k) = added(weight_px:weight_py)/added(weight_mass)
-            if (aim%form /= form_disc) cycle
-            radius(k) = sqrt(added(weight_mass)/(pi*aim%density*rooms(k)%thickness(2)))
-            radius(k) = min(max(radius(k), rooms(k)%radius(1)), rooms(k)%radius(2))
+            if (criterion%form /= form_disc) cycle
+            radius(k) = sqrt(added(weight_mass)/(pi*criterion%density*regions(k)%thickness(2)))
+            radius(k) = min(max(radius(k), regions(k)%radius(1)), regions(k)%radius(2))
          end associate
       end do
    end subroutine centres_of
 
    !> Centres anywhere within the reach, radii anywhere between their limits.
-   subroutine draw_centres(random, rooms, centre, radius)
+   subroutine draw_centres(random, regions, centre, radius)
       type(xoshiro_t), intent(inout) :: random
-      type(room_t), intent(in) :: rooms(:)
+      type(weight_region_t), intent(in) :: regions(:)
       real(wp), intent(out) :: centre(:, :), radius(:)
       real(wp) :: draw, low(2), high(2), at(2)
       integer :: k, c, draws
 
-      do k = 1, size(rooms)
-         low = -rooms(k)%reach
-         high = rooms(k)%reach
-         if (rooms(k)%boxed) then
-            low = max(low, rooms(k)%low)
-            high = min(high, rooms(k)%high)
+      do k = 1, size(regions)
+         low = -regions(k)%reach
+         high = regions(k)%reach
+         if (regions(k)%boxed) then
+            low = max(low, regions(k)%low)
+            high = min(high, regions(k)%high)
          end if
          do draws = 1, most_draws
             do c = 1, 2
                call random%next(draw)
                at(c) = low(c) + (high(c) - low(c))*draw
             end do
-            if (norm2(at) <= rooms(k)%reach) exit
+            if (norm2(at) <= regions(k)%reach) exit
          end do
          if (draws > most_draws) at = min(max(0.0_wp, low), high)
-         centre(:, k) = in_link(rooms(k), at)
+         centre(:, k) = in_link(regions(k), at)
          call random%next(draw)
-         radius(k) = rooms(k)%radius(1) + draw*(rooms(k)%radius(2) - rooms(k)%radius(1))
+         radius(k) = regions(k)%radius(1) + draw*(regions(k)%radius(2) - regions(k)%radius(1))
       end do
    end subroutine draw_centres
 
    !> A place along and across the line of a link in the axes of the link.
-   pure function in_link(room, at) result(place)
-      type(room_t), intent(in) :: room
+   pure function in_link(region, at) result(place)
+      type(weight_region_t), intent(in) :: region
       real(wp), intent(in) :: at(2)
       real(wp) :: place(2)
 
-      place = [room%axis(1)*at(1) - room%axis(2)*at(2), room%axis(2)*at(1) + room%axis(1)*at(2)]
+      place = [region%axis(1)*at(1) - region%axis(2)*at(2), region%axis(2)*at(1) + region%axis(1)*at(2)]
    end function in_link
 
    !> A local optimum from a start, for points and discs.
-   subroutine go_by_tangents(channels, rooms, aim, balance, centre, radius, best, valid)
+   subroutine go_by_tangents(channels, regions, criterion, balance, centre, radius, best, valid)
       type(channel_t), intent(in) :: channels(:)
-      type(room_t), intent(in) :: rooms(:)
-      type(aim_t), intent(in) :: aim
+      type(weight_region_t), intent(in) :: regions(:)
+      type(criterion_t), intent(in) :: criterion
       type(force_balance_t), intent(in) :: balance
-      real(wp), intent(inout) :: centre(:, :), radius(:) !! shapes (2, rooms), (rooms)
+      real(wp), intent(inout) :: centre(:, :), radius(:) !! shapes (2, regions), (regions)
       type(design_t), intent(out) :: best
       logical, intent(out) :: valid
       type(design_t) :: tried
@@ -313,18 +313,18 @@ contains
       logical :: keeps
 
       least = huge(1.0_wp)
-      bare = composite_of(channels, aim, 0.0_wp*channels(1)%slope(1, 1, :, :))
+      bare = composite_of(channels, criterion, 0.0_wp*channels(1)%slope(1, 1, :, :))
       ! first the best masses for these centres: there the tangents are true
       move = first_move
       valid = .false.
       do step = 1, most_steps
-         call solve_step(channels, rooms, aim, balance, mode_tangent, preference, tried, centre, radius, move)
+         call solve_step(channels, regions, criterion, balance, mode_tangent, preference, tried, centre, radius, move)
          if (tried%found) then
-            call realise(rooms, aim, tried)
-            tried%value = composite_of(channels, aim, tried%added)
+            call realise(regions, criterion, tried)
+            tried%value = composite_of(channels, criterion, tried%added)
             ! tangents lie below what they touch: on the way a limit of a load may be passed
-            merit = tried%value + price*max(bare, tried%value)*max(0.0_wp, excess_of(channels, aim, tried%added) - kept)
-            keeps = excess_of(channels, aim, tried%added) <= 2.0_wp*kept
+            merit = tried%value + price*max(bare, tried%value)*max(0.0_wp, excess_of(channels, criterion, tried%added) - kept)
+            keeps = excess_of(channels, criterion, tried%added) <= 2.0_wp*kept
          else
             merit = huge(1.0_wp)
             keeps = .false.
@@ -334,7 +334,7 @@ contains
             least = merit
             best = tried
             valid = keeps
-            call take_centres(rooms, aim, best, centre, radius)
+            call take_centres(regions, criterion, best, centre, radius)
             if (step > 2 .and. gain <= least_gain) exit
             move = min(1.0_wp, max(2.0_wp*move, usual_move))
          else
@@ -346,35 +346,36 @@ contains
    end subroutine go_by_tangents
 
    !> Centres and radii of what was found; a weight without mass keeps those it had.
-   pure subroutine take_centres(rooms, aim, design, centre, radius)
-      type(room_t), intent(in) :: rooms(:)
-      type(aim_t), intent(in) :: aim
+   pure subroutine take_centres(regions, criterion, design, centre, radius)
+      type(weight_region_t), intent(in) :: regions(:)
+      type(criterion_t), intent(in) :: criterion
       type(design_t), intent(in) :: design
       real(wp), intent(inout) :: centre(:, :), radius(:)
       integer :: k
 
-      do k = 1, size(rooms)
-         associate (added => design%added(:, rooms(k)%link))
+      do k = 1, size(regions)
+         associate (added => design%added(:, regions(k)%link))
             if (.not. added(weight_mass) > 0.0_wp) cycle
             centre(:, k) = added(weight_px:weight_py)/added(weight_mass)
-            if (aim%form == form_disc) radius(k) = design%radius(k)
+            if (criterion%form == form_disc) radius(k) = design%radius(k)
          end associate
       end do
    end subroutine take_centres
 
    !> The moments of inertia that points and discs of these masses and places really have.
-   pure subroutine realise(rooms, aim, design)
-      type(room_t), intent(in) :: rooms(:)
-      type(aim_t), intent(in) :: aim
+   pure subroutine realise(regions, criterion, design)
+      type(weight_region_t), intent(in) :: regions(:)
+      type(criterion_t), intent(in) :: criterion
       type(design_t), intent(inout) :: design
       integer :: k
 
-      do k = 1, size(rooms)
-         associate (added => design%added(:, rooms(k)%link))
+      do k = 1, size(regions)
+         associate (added => design%added(:, regions(k)%link))
             added(weight_inertia) = 0.0_wp
             if (.not. added(weight_mass) > 0.0_wp) cycle
             added(weight_inertia) = sum(added(weight_px:weight_py)**2)/added(weight_mass)
-            if (aim%form == form_disc) added(weight_inertia) = added(weight_inertia) + 0.5_wp*added(weight_mass)*design%radius(k)**2
+            if (criterion%form == form_disc) &
+               added(weight_inertia) = added(weight_inertia) + 0.5_wp*added(weight_mass)*design%radius(k)**2
          end associate
       end do
    end subroutine realise
@@ -382,10 +383,10 @@ contains
    ! ---- the convex problem ------------------------------------------------------------------------------------------
 
    !> Solve the convex problem: with a moment of inertia of its own for each weight, or with tangents at centres and radii.
-   subroutine solve_step(channels, rooms, aim, balance, mode, lightness, design, centre, radius, move)
+   subroutine solve_step(channels, regions, criterion, balance, mode, lightness, design, centre, radius, move)
       type(channel_t), intent(in) :: channels(:)
-      type(room_t), intent(in) :: rooms(:)
-      type(aim_t), intent(in) :: aim
+      type(weight_region_t), intent(in) :: regions(:)
+      type(criterion_t), intent(in) :: criterion
       type(force_balance_t), intent(in) :: balance
       integer, intent(in) :: mode
       real(wp), intent(in) :: lightness            !! what a mass of the linkage counts, in bare composites
@@ -401,24 +402,24 @@ contains
       logical :: disc, valid, counts_mass
 
       allocate (design%added(parameters_of_weight, size(channels(1)%slope, 4)), source=0.0_wp)
-      allocate (design%radius(size(rooms)), design%thickness(size(rooms)), source=0.0_wp)
-      disc = aim%form == form_disc
+      allocate (design%radius(size(regions)), design%thickness(size(regions)), source=0.0_wp)
+      disc = criterion%form == form_disc
       positions = size(channels(1)%bare, 1)
       unit = max(balance%mass, tiny(1.0_wp))
       none = 0.0_wp
-      bare = composite_of(channels, aim, none)
-      if (.not. aim%peaks) bare = sqrt(bare)
+      bare = composite_of(channels, criterion, none)
+      if (.not. criterion%peaks) bare = sqrt(bare)
       counts_mass = .not. bare > 0.0_wp        ! only the mass of the weights does, if anything
       if (counts_mass) then
          bare = 1.0_wp
-         if (aim%mass_tolerance > 0.0_wp) bare = unit/aim%mass_tolerance
+         if (criterion%mass_tolerance > 0.0_wp) bare = unit/criterion%mass_tolerance
       end if
       ! unknowns of a weight: m, px, py, then of a body I, of a disc the parts of I or in tangents its thickness
       each = 3
       if (mode == mode_convex) each = merge(5, 4, disc)
       if (mode == mode_tangent .and. disc) each = 4
-      first = [(each*(k - 1) + 1, k=1, size(rooms))]
-      tau = each*size(rooms) + 1
+      first = [(each*(k - 1) + 1, k=1, size(regions))]
+      tau = each*size(regions) + 1
       n = tau
       call fill_map()
       call allow_exact(valid)
@@ -434,25 +435,25 @@ contains
       do k = 1, size(solution%x)
          x = x + span(:, k)*solution%x(k)
       end do
-      do k = 1, size(rooms)
-         associate (part => x(first(k):first(k) + each - 1), added => design%added(:, rooms(k)%link))
+      do k = 1, size(regions)
+         associate (part => x(first(k):first(k) + each - 1), added => design%added(:, regions(k)%link))
             do i = 1, each
                added = added + to_added(:, first(k) + i - 1)*part(i)
             end do
             added(weight_mass) = max(added(weight_mass), 0.0_wp)
             if (.not. disc) cycle
-            design%thickness(k) = rooms(k)%thickness(2)
-            if (mode == mode_tangent) design%thickness(k) = min(max(part(4)*rooms(k)%thickness(2), rooms(k)%thickness(1), &
-                                                                    tiny(1.0_wp)), rooms(k)%thickness(2))
-            design%radius(k) = sqrt(added(weight_mass)/(pi*aim%density*design%thickness(k)))
+            design%thickness(k) = regions(k)%thickness(2)
+            if (mode == mode_tangent) design%thickness(k) = min(max(part(4)*regions(k)%thickness(2), regions(k)%thickness(1), &
+                                                                    tiny(1.0_wp)), regions(k)%thickness(2))
+            design%radius(k) = sqrt(added(weight_mass)/(pi*criterion%density*design%thickness(k)))
          end associate
       end do
       design%total = sum(design%added(weight_mass, :))
       design%gap = solution%gap
       design%residual = solution%residual
-      design%value = composite_of(channels, aim, design%added)
+      design%value = composite_of(channels, criterion, design%added)
       design%bound = max(0.0_wp, solution%bound*bare)
-      if (.not. aim%peaks) design%bound = design%bound**2
+      if (.not. criterion%peaks) design%bound = design%bound**2
 
    contains
 
@@ -461,8 +462,8 @@ contains
          real(wp) :: r2
 
          allocate (to_added(parameters_of_weight, n), source=0.0_wp)
-         do k = 1, size(rooms)
-            associate (at => first(k), l => rooms(k)%reach)
+         do k = 1, size(regions)
+            associate (at => first(k), l => regions(k)%reach)
                to_added(weight_mass, at) = unit
                to_added(weight_px, at + 1) = unit*l
                to_added(weight_py, at + 2) = unit*l
@@ -474,7 +475,7 @@ contains
                   to_added(weight_inertia, at) = unit*(r2 - sum(centre(:, k)**2))
                   to_added(weight_inertia, at + 1) = 2.0_wp*unit*l*centre(1, k)
                   to_added(weight_inertia, at + 2) = 2.0_wp*unit*l*centre(2, k)
-                  if (disc) to_added(weight_inertia, at + 3) = -0.5_wp*pi*aim%density*rooms(k)%thickness(2)*r2**2
+                  if (disc) to_added(weight_inertia, at + 3) = -0.5_wp*pi*criterion%density*regions(k)%thickness(2)*r2**2
                end if
             end associate
          end do
@@ -490,20 +491,20 @@ contains
 
          allocate (origin(n), source=0.0_wp)
          valid = .true.
-         if (.not. aim%exact) then
+         if (.not. criterion%exact) then
             allocate (span(n, n), source=0.0_wp)
             do j = 1, n
                span(j, j) = 1.0_wp
             end do
             return
          end if
-         call solve_moments(balance, rooms%link, basis, free, right, valid)
+         call solve_moments(balance, regions%link, basis, free, right, valid)
          if (.not. valid) return
          count_kept = 0
          do j = 1, n
             place = (j - 1)/each + 1
-            if (j < tau .and. (j == first(min(place, size(rooms))) + 1 .or. j == first(min(place, size(rooms))) + 2)) then
-               if (any(basis == rooms(place)%link)) cycle
+            if (j < tau .and. (j == first(min(place, size(regions))) + 1 .or. j == first(min(place, size(regions))) + 2)) then
+               if (any(basis == regions(place)%link)) cycle
             end if
             count_kept = count_kept + 1
             kept(count_kept) = j
@@ -513,8 +514,8 @@ contains
             span(kept(j), j) = 1.0_wp
          end do
          do k = 1, size(basis)
-            at = first(findloc(rooms%link, basis(k), dim=1))
-            scale = unit*rooms((at - 1)/each + 1)%reach
+            at = first(findloc(regions%link, basis(k), dim=1))
+            scale = unit*regions((at - 1)/each + 1)%reach
             origin(at + 1:at + 2) = [real(right(k, 1), wp), aimag(right(k, 1))]/scale
             do j = 1, count_kept
                if (kept(j) == tau) cycle
@@ -522,8 +523,8 @@ contains
                column = kept(j) - first(place)
                if (column == 0) then
                   value = right(k, 1 + place)*unit
-               else if (column <= 2 .and. all(basis /= rooms(place)%link)) then
-                  value = right(k, 1 + size(rooms) + findloc(free, rooms(place)%link, dim=1))*unit*rooms(place)%reach
+               else if (column <= 2 .and. all(basis /= regions(place)%link)) then
+                  value = right(k, 1 + size(regions) + findloc(free, regions(place)%link, dim=1))*unit*regions(place)%reach
                   if (column == 2) value = value*(0.0_wp, 1.0_wp)
                else
                   cycle
@@ -537,27 +538,27 @@ contains
          integer :: lines
          integer, allocatable :: sizes(:)
 
-         lines = 2*size(rooms)                    ! greatest mass, greatest inertia or least mass
-         if (disc) lines = lines + 4*size(rooms)
-         if (aim%budget >= 0.0_wp) lines = lines + 1
+         lines = 2*size(regions)                    ! greatest mass, greatest inertia or least mass
+         if (disc) lines = lines + 4*size(regions)
+         if (criterion%budget >= 0.0_wp) lines = lines + 1
          lines = lines + 1
-         lines = lines + 4*count(rooms%boxed)
-         if (aim%peaks .and. aim%mass_tolerance > 0.0_wp) lines = lines + 1
+         lines = lines + 4*count(regions%boxed)
+         if (criterion%peaks .and. criterion%mass_tolerance > 0.0_wp) lines = lines + 1
          if (mode == mode_convex) then
-            sizes = spread(4, 1, size(rooms))
-            if (disc) sizes = [([4, 3, 3], i=1, size(rooms))]
+            sizes = spread(4, 1, size(regions))
+            if (disc) sizes = [([4, 3, 3], i=1, size(regions))]
          else
-            sizes = spread(3, 1, 2*size(rooms))
+            sizes = spread(3, 1, 2*size(regions))
          end if
-         do i = 1, size(aim%limited)
+         do i = 1, size(criterion%limited)
             sizes = [sizes, n + 2]
          end do
-         do i = 1, size(aim%capped)
-            sizes = [sizes, spread(size(channels(aim%capped(i))%bare, 2) + 1, 1, positions)]
+         do i = 1, size(criterion%capped)
+            sizes = [sizes, spread(size(channels(criterion%capped(i))%bare, 2) + 1, 1, positions)]
          end do
-         if (aim%peaks) then
-            do i = 1, size(aim%channels)
-               sizes = [sizes, spread(size(channels(aim%channels(i))%bare, 2) + 1, 1, positions)]
+         if (criterion%peaks) then
+            do i = 1, size(criterion%channels)
+               sizes = [sizes, spread(size(channels(criterion%channels(i))%bare, 2) + 1, 1, positions)]
             end do
          else
             sizes = [sizes, n + 2]
@@ -566,7 +567,7 @@ contains
          problem%cones = sizes
          allocate (problem%q(n), problem%g(lines + sum(sizes), n), problem%h(lines + sum(sizes)), source=0.0_wp)
          problem%q(tau) = 1.0_wp
-         do k = 1, size(rooms)
+         do k = 1, size(regions)
             problem%q(first(k)) = lightness
          end do
       end subroutine count_rows
@@ -578,11 +579,11 @@ contains
 
          row = 0
          cone = problem%lines
-         do k = 1, size(rooms)
-            associate (room => rooms(k), g => problem%g, h => problem%h)
+         do k = 1, size(regions)
+            associate (region => regions(k), g => problem%g, h => problem%h)
                at = first(k)
                cap = heaviest
-               if (room%most > 0.0_wp) cap = room%most/unit
+               if (region%most > 0.0_wp) cap = region%most/unit
                row = row + 1
                g(row, at) = 1.0_wp
                h(row) = cap
@@ -591,57 +592,57 @@ contains
                   ! I <= (reach**2 + half of a disc's radius squared) m
                   g(row, at + 3:at + each - 1) = 1.0_wp
                   g(row, at) = -1.0_wp
-                  if (disc) g(row, at) = -(1.0_wp + 0.5_wp*(room%radius(2)/room%reach)**2)
+                  if (disc) g(row, at) = -(1.0_wp + 0.5_wp*(region%radius(2)/region%reach)**2)
                else
                   g(row, at) = -1.0_wp
                end if
                if (disc) then
-                  disc_mass = pi*aim%density*room%thickness(2)/unit
+                  disc_mass = pi*criterion%density*region%thickness(2)/unit
                   row = row + 1
                   if (mode == mode_convex) then
                      g(row, at) = -1.0_wp
-                     h(row) = -disc_mass*room%radius(1)**2*room%thickness(1)/room%thickness(2)
+                     h(row) = -disc_mass*region%radius(1)**2*region%thickness(1)/region%thickness(2)
                      row = row + 1
                      g(row, at) = 1.0_wp
-                     h(row) = disc_mass*room%radius(2)**2
+                     h(row) = disc_mass*region%radius(2)**2
                      ! half the radius squared lies between its limits
                      row = row + 1
                      g(row, at + 4) = 1.0_wp
-                     g(row, at) = -0.5_wp*(room%radius(2)/room%reach)**2
+                     g(row, at) = -0.5_wp*(region%radius(2)/region%reach)**2
                      row = row + 1
                      g(row, at + 4) = -1.0_wp
-                     g(row, at) = 0.5_wp*(room%radius(1)/room%reach)**2
+                     g(row, at) = 0.5_wp*(region%radius(1)/region%reach)**2
                   else
                      ! pi rho r**2 t between the limits of the radius, and near the last one
                      g(row, at) = -1.0_wp
-                     g(row, at + 3) = disc_mass*max(room%radius(1), radius(k) - move*(room%radius(2) - room%radius(1)))**2
+                     g(row, at + 3) = disc_mass*max(region%radius(1), radius(k) - move*(region%radius(2) - region%radius(1)))**2
                      row = row + 1
                      g(row, at) = 1.0_wp
-                     g(row, at + 3) = -disc_mass*min(room%radius(2), radius(k) + move*(room%radius(2) - room%radius(1)))**2
+                     g(row, at + 3) = -disc_mass*min(region%radius(2), radius(k) + move*(region%radius(2) - region%radius(1)))**2
                      row = row + 1
                      g(row, at + 3) = 1.0_wp
                      h(row) = 1.0_wp
                      row = row + 1
                      g(row, at + 3) = -1.0_wp
-                     h(row) = -room%thickness(1)/room%thickness(2)
+                     h(row) = -region%thickness(1)/region%thickness(2)
                   end if
                end if
             end associate
          end do
-         if (aim%budget >= 0.0_wp) then
+         if (criterion%budget >= 0.0_wp) then
             row = row + 1
             problem%g(row, first) = 1.0_wp
-            problem%h(row) = aim%budget/unit
+            problem%h(row) = criterion%budget/unit
          end if
-         do k = 1, size(rooms)
-            if (rooms(k)%boxed) call keep_in_box(rooms(k), first(k))
+         do k = 1, size(regions)
+            if (regions(k)%boxed) call keep_in_box(regions(k), first(k))
          end do
          row = row + 1
          problem%g(row, tau) = 1.0_wp
          ! none is worse than a thousand times the bare linkage, if that is not nothing
          problem%h(row) = merge(1.0e6_wp, 1.0e3_wp, counts_mass)
-         do k = 1, size(rooms)
-            associate (room => rooms(k), g => problem%g, h => problem%h)
+         do k = 1, size(regions)
+            associate (region => regions(k), g => problem%g, h => problem%h)
                at = first(k)
                if (mode == mode_convex) then
                   ! m I >= |p|**2
@@ -659,7 +660,7 @@ contains
                cone = cone + 3
                if (mode == mode_convex) then
                   ! own inertia b >= m**2/(2 pi rho t)
-                  inner = 2.0_wp*pi*aim%density*room%thickness(2)*room%reach**2/unit
+                  inner = 2.0_wp*pi*criterion%density*region%thickness(2)*region%reach**2/unit
                   g(cone + 1, at + 4) = -1.0_wp
                   h(cone + 1) = 0.25_wp/inner
                   g(cone + 2, at) = -1.0_wp/inner
@@ -668,9 +669,9 @@ contains
                else
                   g(cone + 1, at) = -move
                   g(cone + 2, at + 1) = -1.0_wp
-                  g(cone + 2, at) = centre(1, k)/room%reach
+                  g(cone + 2, at) = centre(1, k)/region%reach
                   g(cone + 3, at + 2) = -1.0_wp
-                  g(cone + 3, at) = centre(2, k)/room%reach
+                  g(cone + 3, at) = centre(2, k)/region%reach
                end if
                cone = cone + 3
             end associate
@@ -678,20 +679,20 @@ contains
       end subroutine fill_limits
 
       !> Low m <= p <= high m, along the link's line and across it.
-      subroutine keep_in_box(room, at)
-         type(room_t), intent(in) :: room
+      subroutine keep_in_box(region, at)
+         type(weight_region_t), intent(in) :: region
          integer, intent(in) :: at                 !! of its mass among the unknowns
          real(wp) :: along(2)
          integer :: axis
 
-         along = room%axis
+         along = region%axis
          do axis = 1, 2
             problem%g(row + 1, at + 1:at + 2) = along
-            problem%g(row + 1, at) = -room%high(axis)/room%reach
+            problem%g(row + 1, at) = -region%high(axis)/region%reach
             problem%g(row + 2, at + 1:at + 2) = -along
-            problem%g(row + 2, at) = room%low(axis)/room%reach
+            problem%g(row + 2, at) = region%low(axis)/region%reach
             row = row + 2
-            along = [-room%axis(2), room%axis(1)]
+            along = [-region%axis(2), region%axis(1)]
          end do
       end subroutine keep_in_box
 
@@ -700,34 +701,35 @@ contains
          real(wp) :: mass_row(n + 1)
          integer :: m, next
 
-         do i = 1, size(aim%limited)
-            associate (channel => channels(aim%limited(i)))
+         do i = 1, size(criterion%limited)
+            associate (channel => channels(criterion%limited(i)))
                comps = size(channel%bare, 2)
                ! the limit is the unit
-               rows = loads_of(channel, 1.0_wp/(sqrt(real(positions*comps, wp))*aim%limit(i)))
+               rows = loads_of(channel, 1.0_wp/(sqrt(real(positions*comps, wp))*criterion%limit(i)))
                problem%h(cone + 1) = 1.0_wp
                call put_triangle(triangle_of(rows))
             end associate
          end do
-         do i = 1, size(aim%capped)
-            associate (channel => channels(aim%capped(i)))
-               rows = loads_of(channel, 1.0_wp/aim%cap(i))
+         do i = 1, size(criterion%capped)
+            associate (channel => channels(criterion%capped(i)))
+               rows = loads_of(channel, 1.0_wp/criterion%cap(i))
                call put_positions(rows, size(channel%bare, 2))
                problem%h(cone_starts(size(channel%bare, 2))) = 1.0_wp
             end associate
          end do
          mass_row = 0.0_wp
-         if (aim%mass_tolerance > 0.0_wp) mass_row(first) = unit/(aim%mass_tolerance*bare)
-         if (aim%peaks) then
-            if (aim%mass_tolerance > 0.0_wp) then
+         if (criterion%mass_tolerance > 0.0_wp) mass_row(first) = unit/(criterion%mass_tolerance*bare)
+         if (criterion%peaks) then
+            if (criterion%mass_tolerance > 0.0_wp) then
                row = row + 1
                problem%g(row, :) = mass_row(:n)
                problem%g(row, tau) = -1.0_wp
             end if
-            do i = 1, size(aim%channels)
-               associate (channel => channels(aim%channels(i)))
+            do i = 1, size(criterion%channels)
+               associate (channel => channels(criterion%channels(i)))
                   comps = size(channel%bare, 2)
-                  rows = loads_of(channel, 1.0_wp/(aim%tolerance(i)*bare), wanted_of(channels, aim, i))
+                  rows = loads_of(channel, 1.0_wp/(criterion%tolerance(i)*bare), &
+                                                         wanted_of(channels, criterion, i))
                   call put_positions(rows, comps)
                   problem%g(cone_starts(comps), tau) = -1.0_wp
                end associate
@@ -735,15 +737,16 @@ contains
             return
          end if
          m = 1
-         do i = 1, size(aim%channels)
-            m = m + positions*size(channels(aim%channels(i))%bare, 2)
+         do i = 1, size(criterion%channels)
+            m = m + positions*size(channels(criterion%channels(i))%bare, 2)
          end do
          if (allocated(rows)) deallocate (rows)
          allocate (rows(m, n + 1))
          next = 0
-         do i = 1, size(aim%channels)
-            associate (channel => channels(aim%channels(i)), more => positions*size(channels(aim%channels(i))%bare, 2))
-               rows(next + 1:next + more, :) = loads_of(channel, 1.0_wp/(aim%tolerance(i)*bare), wanted_of(channels, aim, i))
+         do i = 1, size(criterion%channels)
+            associate (channel => channels(criterion%channels(i)), more => positions*size(channels(criterion%channels(i))%bare, 2))
+               rows(next + 1:next + more, :) = loads_of(channel, 1.0_wp/(criterion%tolerance(i)*bare), &
+                                                         wanted_of(channels, criterion, i))
                next = next + more
             end associate
          end do
@@ -801,7 +804,8 @@ contains
                do r = 1, parameters_of_weight
                   if (.not. abs(to_added(r, j)) > 0.0_wp) cycle
                   loads(place + 1:place + positions, j) = loads(place + 1:place + positions, j) + &
-                                                         factor*to_added(r, j)*channel%slope(:, at, r, rooms((j - 1)/each + 1)%link)
+                                                         factor*to_added(r, j)* &
+                                                         channel%slope(:, at, r, regions((j - 1)/each + 1)%link)
                end do
             end do
          end do
@@ -811,7 +815,7 @@ contains
       subroutine eliminate()
          integer :: j
 
-         if (.not. aim%exact) return
+         if (.not. criterion%exact) return
          do j = 1, n
             if (abs(origin(j)) > 0.0_wp) problem%h = problem%h - origin(j)*problem%g(:, j)
          end do

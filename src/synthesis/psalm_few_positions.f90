@@ -63,7 +63,7 @@ contains
 
       associate (n => problem%positions)
          weighs = any(problem%weight(:n, :) > 0.0_wp, dim=2)
-         if (allocated(problem%wish_weights)) weighs = weighs .or. any(problem%wish_weights > 0.0_wp, dim=2)
+         if (allocated(problem%target_weights)) weighs = weighs .or. any(problem%target_weights > 0.0_wp, dim=2)
          if (allocated(problem%rate_weight)) weighs = weighs .or. any(any(problem%rate_weight(:n, :, :) > 0.0_wp, dim=3), dim=2)
          which = positions_far_apart(problem%delt, weighs, .not. problem%mechanism%sliding_input, positions)
       end associate
@@ -98,12 +98,12 @@ contains
          call part%set_inputs(problem%delt(which))
       end if
       call part%set_desired(problem%wanted(which, :), problem%weight(which, :))
-      if (allocated(problem%wish_values)) then
-         part%wish_values = problem%wish_values(which, :)
-         part%wish_weights = problem%wish_weights(which, :)
+      if (allocated(problem%target_values)) then
+         part%target_values = problem%target_values(which, :)
+         part%target_weights = problem%target_weights(which, :)
       end if
-      if (.not. allocated(problem%rate_wanted)) return
-      part%rate_wanted = problem%rate_wanted(which, :, :)
+      if (.not. allocated(problem%rate_desired)) return
+      part%rate_desired = problem%rate_desired(which, :, :)
       part%rate_weight = problem%rate_weight(which, :, :)
    end subroutine take_positions
 end module psalm_few_positions

@@ -17,7 +17,7 @@ module psalm_force_balance
    real(wp), parameter :: kept = 1.0e-7_wp         !! missing room that is rounding
    real(wp), parameter :: heaviest = 100.0_wp      !! masses of the linkage: a weight is not heavier, where the user sets no limit
 
-   !> What moves, in complex co-ordinates along an orthonormal basis of all that the columns and the imbalance span.
+   !> What moves, in complex coordinates along an orthonormal basis of all that the columns and the imbalance span.
    type :: force_balance_t
       complex(wp), allocatable :: turning(:, :)    !! shape (rank, links): exp(i theta)
       complex(wp), allocatable :: moving(:, :)     !! shape (rank, links): anchors, m
@@ -184,7 +184,7 @@ contains
       integer, allocatable, intent(out) :: sets(:, :)   !! shape (rank, sets)
       logical, intent(out) :: all_found
       complex(wp) :: frame(size(balance%turning, 1), size(balance%turning, 1))
-      integer, allocatable :: room(:, :)
+      integer, allocatable :: longer(:, :)
       integer :: rank, found
       integer :: chosen(size(balance%turning, 1))
 
@@ -207,9 +207,9 @@ contains
             all_found = found < most
             if (.not. all_found) return
             if (found == size(sets, 2)) then
-               allocate (room(rank, 2*found))
-               room(:, :found) = sets
-               call move_alloc(room, sets)
+               allocate (longer(rank, 2*found))
+               longer(:, :found) = sets
+               call move_alloc(longer, sets)
             end if
             found = found + 1
             sets(:, found) = chosen(:rank)

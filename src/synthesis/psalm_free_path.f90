@@ -72,10 +72,10 @@ contains
 
    !> One batch: samples, short descents of the better half, longer ones of the best, and the best finished. Of several paths, to be
    !> followed in other directions or by other assemblies, each sample takes one at random.
-   subroutine search_batch(paths, random, room, best)
+   subroutine search_batch(paths, random, work, best)
       type(fitted_path_t), intent(in) :: paths(:)           !! as many points in each
       type(xoshiro_t), intent(inout) :: random
-      type(path_workspace_t), intent(inout) :: room
+      type(path_workspace_t), intent(inout) :: work
       type(path_timing_t), intent(inout) :: best           !! finished; `worst` tells whether the bounds are kept
       real(wp) :: amount(rows_most), many, deviate
       integer :: i, count, order(samples)
@@ -83,28 +83,28 @@ contains
       many = real(paths(1)%n, wp)
       do i = 1, samples
          call random%next(deviate)
-         associate (timing => room%batch(i), path => paths(1 + min(int(deviate*real(size(paths), wp)), size(paths) - 1)))
+         associate (timing => work%batch(i), path => paths(1 + min(int(deviate*real(size(paths), wp)), size(paths) - 1)))
             timing%way = 1 + min(int(deviate*real(size(paths), wp)), size(paths) - 1)
             call draw(path, random, timing)
-            call put_in_order(timing%t, room)
-            call trace_coupler(timing, timing%t, room%e, room%v)
-            call fit_linear(path, room%e, room%v, timing, ridge*many)
+            call put_in_order(timing%t, work)
+            call trace_coupler(timing, timing%t, work%e, work%v)
+            call fit_linear(path, work%e, work%v, timing, ridge*many)
             call find_violations(path, timing, 0.0_wp, count, amount)
-            room%score(i) = error_of(path, room%e, room%v, timing) + loose*many*sum(min(amount(:count), 1.0_wp)**2)
+            work%score(i) = error_of(path, work%e, work%v, timing) + loose*many*sum(min(amount(:count), 1.0_wp)**2)
          end associate
       end do
       call rank(samples, short)
       do i = 1, short
-         call improve(room%batch(order(i)), short_steps, short_steps, 1.0e-3_wp, loose*many, 0.0_wp)
-         room%score(order(i)) = room%batch(order(i))%error + loose*many*room%batch(order(i))%violation
+         call improve(work%batch(order(i)), short_steps, short_steps, 1.0e-3_wp, loose*many, 0.0_wp)
+         work%score(order(i)) = work%batch(order(i))%error + loose*many*work%batch(order(i))%violation
       end do
       call rank(short, medium)
       do i = 1, medium
-         call improve(room%batch(order(i)), medium_steps, medium_steps/2, 1.0e-3_wp, firm*many, 0.0_wp)
-         room%score(order(i)) = room%batch(order(i))%error + firm*many*room%batch(order(i))%violation
+         call improve(work%batch(order(i)), medium_steps, medium_steps/2, 1.0e-3_wp, firm*many, 0.0_wp)
+         work%score(order(i)) = work%batch(order(i))%error + firm*many*work%batch(order(i))%violation
       end do
       call rank(medium, 1)
-      best = room%batch(order(1))
+      best = work%batch(order(1))
       call finish(best)
 
    contains
@@ -116,7 +116,7 @@ contains
 
          if (among == samples) order = [(k, k=1, samples)]
          do k = 1, wanted
-            m = k - 1 + minloc(room%score(order(k:among)), dim=1)
+            m = k - 1 + minloc(work%score(order(k:among)), dim=1)
             swap = order(k)
             order(k) = order(m)
             order(m) = swap
@@ -130,12 +130,12 @@ contains
          real(wp), intent(in) :: gain, weight, margin
 
          associate (path => paths(timing%way))
-            call descend(path, first, gain, weight, margin, timing, room)
-            room%copy = timing
-            call retime(path, room%copy, room)
-            call descend(path, second, gain, weight, margin, room%copy, room)
+            call descend(path, first, gain, weight, margin, timing, work)
+            work%copy = timing
+            call retime(path, work%copy, work)
+            call descend(path, second, gain, weight, margin, work%copy, work)
          end associate
-         if (room%copy%error + weight*room%copy%violation < timing%error + weight*timing%violation) timing = room%copy
+         if (work%copy%error + weight*work%copy%violation < timing%error + weight*timing%violation) timing = work%copy
       end subroutine improve
 
       !> To the end: the weight of violations follows the error, until every bound is kept.
@@ -153,7 +153,7 @@ contains
          end do
          do k = 2, 10, 2
             base = max(timing%error, 1.0e-9_wp*many)
-            call descend(paths(timing%way), final_steps/2, 1.0e-7_wp, base*10.0_wp**k, inside, timing, room)
+            call descend(paths(timing%way), final_steps/2, 1.0e-7_wp, base*10.0_wp**k, inside, timing, work)
             if (timing%worst < inside) exit
          end do
       end subroutine finish

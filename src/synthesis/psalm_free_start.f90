@@ -31,7 +31,7 @@ module psalm_free_start
    type :: free_start_t
       logical :: applies = .false.
       type(fitted_path_t) :: path
-      type(path_workspace_t), allocatable :: room
+      type(path_workspace_t), allocatable :: work
       type(path_timing_t) :: timing
       class(sample_set_t), allocatable :: samples        !! the user's linkage at the inputs of a timing
       integer :: of_length(6) = 0                    !! variables: lengths as `lengths_of` has them
@@ -52,7 +52,7 @@ contains
 
       n = problem%positions
       if (.not. (merit%free .and. merit%ordered .and. merit%irange == range_turn) .or. n < 3) return
-      if (allocated(merit%rates) .or. allocated(merit%wishes)) return
+      if (allocated(merit%rates) .or. allocated(merit%targets)) return
       if (problem%motion /= motion_point .or. problem%mechanism%nloop /= 1 .or. problem%mechanism%sliding_input) return
       if (size(merit%clearances) > 0 .or. problem%mechanism%groups(1)%kind /= assur_rrr) return
       if (any(abs(problem%weight(:n, 1) - problem%weight(:n, 2)) > 0.0_wp) .or. .not. any(problem%weight(:n, 1) > 0.0_wp)) return
@@ -63,7 +63,7 @@ contains
          if (any(0.5_wp*merit%high(angles) - 0.5_wp*merit%low(angles) < half_turn)) return
       end associate
       starts%sense = merit%sense
-      allocate (starts%samples, starts%room)
+      allocate (starts%samples, starts%work)
       call prepare_samples(problem, problem%delt, .false., reshape([integer ::], [2, 0]), .false., starts%samples)
       ! which of both links is the coupler, and which assembly the program's is
       do coupler = 1, 2
@@ -75,7 +75,7 @@ contains
             associate (which => starts%of_length)
                call prepare_path(problem%wanted(:n, 1), starts%sense*problem%wanted(:n, 2), problem%weight(:n, 1), &
                                  merit%default_low(which), merit%default_high(which), merit%limit(1), &
-                                 starts%sense*real(side, wp), starts%path, starts%room)
+                                 starts%sense*real(side, wp), starts%path, starts%work)
             end associate
             if (merit%limit(1) > 1.0_wp - 1.0e-6_wp) starts%path%cosine = 1.0_wp
             allocate (starts%timing%t(n), source=0.0_wp)
@@ -248,7 +248,7 @@ contains
       real(wp) :: lengths(6)
 
       associate (timing => starts%timing, path => starts%path)
-         call search_batch([path], random, starts%room, timing)
+         call search_batch([path], random, starts%work, timing)
          call trace_coupler(timing, timing%t, e, v)
          points = path%size*(timing%z0 + path%centre + timing%w1*e + timing%w2*v)
          lengths = path%size*lengths_of(path, timing)

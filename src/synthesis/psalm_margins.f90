@@ -220,7 +220,7 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(margin_t), allocatable, intent(inout) :: margins(:)
       type(margin_t) :: margin
-      real(wp), allocatable :: values(:), room(:)
+      real(wp), allocatable :: values(:), slack(:)
       logical, allocatable :: is_length(:)
 
       associate (parameters => inspector%fine%problem%parameters)
@@ -232,10 +232,10 @@ contains
       margin%unit = min(inspector%size, maxval(dimensions%arcl))
       margin%least_allowed = -rounding*margin%unit
       if (inspector%bounded) then
-         room = min(values - inspector%low, inspector%high - values)
+         slack = min(values - inspector%low, inspector%high - values)
          margin%kind = margin_bound
-         margin%which = minloc(room, dim=1)
-         margin%margin = room(margin%which)
+         margin%which = minloc(slack, dim=1)
+         margin%margin = slack(margin%which)
          margins = [margins, margin]
       end if
       if (.not. any(is_length)) return

@@ -14,15 +14,15 @@ module psalm_merit
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
    use psalm_linear_unknowns, only: linear_unknowns_t, prepare_linear_unknowns, solve_linear_unknowns
    use psalm_nlp, only: nlp_t, normal_equations_t
-   use psalm_output_wishes, only: output_wishes_t, prepare_output_wishes, find_output_wishes, differentiate_output_wishes, &
-                                  sum_of_wish_errors
+   use psalm_output_targets, only: output_targets_t, prepare_output_targets, find_output_targets, differentiate_output_targets, &
+                                  sum_of_desired_errors
    use psalm_output_kind, only: motion_point, motion_angle, most_rates
    use psalm_place, only: beside_t
    use psalm_search_group, only: order_free
    use psalm_sort, only: pool_rising
    use psalm_start, only: random_limits
    use psalm_samples, only: sample_set_t, prepare_samples, evaluate_samples, linearise_samples, exceeds
-   use psalm_wanted_rates, only: wanted_rates_t, prepare_wanted_rates, find_wanted_rates, differentiate_wanted_rates, &
+   use psalm_desired_rates, only: desired_rates_t, prepare_desired_rates, find_desired_rates, differentiate_desired_rates, &
                                  sum_of_rate_errors, all_rates_exist
    use psalm_dimensions, only: dimensions_t
    use psalm_parameters, only: variable_aside, variable_length, variable_outlk
@@ -49,8 +49,8 @@ module psalm_merit
       class(sample_set_t), allocatable :: range          !! where else constraints hold: over the range of the inputs
       class(sample_set_t), allocatable :: few            !! those of them where constraints are violated, if they are few
       logical :: has_range = .false.                 !! there are such places
-      class(wanted_rates_t), allocatable :: rates     !! derivatives of the output by the input, where they are wanted
-      class(output_wishes_t), allocatable :: wishes   !! desired values of further outputs, where there are any
+      class(desired_rates_t), allocatable :: rates     !! derivatives of the output by the input, where they are wanted
+      class(output_targets_t), allocatable :: targets   !! desired values of further outputs, where there are any
       class(problem_t), allocatable :: final          !! with the user's limits: what counts in the end
       type(dimensions_t) :: dimensions
       real(wp), allocatable :: limit(:)              !! by loop: of abs(k)
@@ -128,8 +128,8 @@ contains
       merit%floor = sum(merit%main%problem%weight(:n, 1))*(epsilon(1.0_wp)*merit%size)**2
       merit%small = max(1.0e-2_wp*sum(merit%main%problem%weight(:n, 1)) &
                         *merge(1.0_wp, merit%size, problem%motion == motion_angle)**2, sqrt(tiny(1.0_wp)))
-      if (allocated(problem%rate_wanted)) call want_rates(problem, merit)
-      if (allocated(problem%wish_values)) call want_outputs(set, problem, merit)
+      if (allocated(problem%rate_desired)) call want_rates(problem, merit)
+      if (allocated(problem%target_values)) call want_outputs(set, problem, merit)
       call list_clearances(set%constr, problem%mechanism, problem%given%outlk <= 0.0_wp, merit%clearances, joints, beside)
       merit%has_range = merit%irange /= range_positions .or. size(merit%clearances) > 0
       if (merit%has_range) then
@@ -205,7 +205,7 @@ contains
       real(wp) :: unit, weight
 
       allocate (merit%rates)
-      call prepare_wanted_rates(problem, merit%free, .true., merit%rates)
+      call prepare_desired_rates(problem, merit%free, .true., merit%rates)
       ! what a derivative is compared with: a radian or the linkage's size, per radian or per size
       unit = merge(1.0_wp, merit%size, problem%motion == motion_angle)
       if (problem%mechanism%sliding_input) unit = unit/merit%size
@@ -222,12 +222,12 @@ contains
       real(wp) :: unit
       integer :: k
 
-      allocate (merit%wishes)
-      call prepare_output_wishes(set, problem, merit%free, .true., merit%wishes)
-      do k = 1, size(problem%wish_weights, 2)
-         associate (weight => sum(problem%wish_weights(:, k)))
-            unit = merge(merit%size, 1.0_wp, merit%wishes%is_length(k))
-            if (problem%mechanism%sliding_input) unit = unit/product(spread(merit%size, 1, merit%wishes%order(k)))
+      allocate (merit%targets)
+      call prepare_output_targets(set, problem, merit%free, .true., merit%targets)
+      do k = 1, size(problem%target_weights, 2)
+         associate (weight => sum(problem%target_weights(:, k)))
+            unit = merge(merit%size, 1.0_wp, merit%targets%is_length(k))
+            if (problem%mechanism%sliding_input) unit = unit/product(spread(merit%size, 1, merit%targets%order(k)))
             merit%floor = merit%floor + weight*(epsilon(1.0_wp)*unit)**2
             merit%small = max(merit%small, 1.0e-2_wp*weight*unit**2)
          end associate
@@ -321,7 +321,7 @@ contains
          if (merit%free) call merit%main%problem%move_inputs(delt)
          if (merit%has_range .and. merit%range%timed) call merit%range%problem%move_inputs(delt)
          if (allocated(merit%rates) .and. merit%free) call merit%rates%problem%move_inputs(delt)
-         if (allocated(merit%wishes) .and. merit%free) call merit%wishes%problem%move_inputs(delt)
+         if (allocated(merit%targets) .and. merit%free) call merit%targets%problem%move_inputs(delt)
          if (order_weighs(merit)) merit%late = (merit%sense*(delt - cshift(delt, 1)) &
                                                 - [spread(0.0_wp, 1, size(delt) - 1), merit%span])/unit_of_input(merit)
          ! the variables of `final` are the user's; those of a set of samples may have one more for the input
@@ -361,8 +361,8 @@ contains
 
       call put_in(merit, x)
       call evaluate_samples(merit%main, merit%dimensions)
-      if (allocated(merit%rates)) call find_wanted_rates(merit%rates, merit%dimensions)
-      if (allocated(merit%wishes)) call find_output_wishes(merit%wishes, merit%dimensions)
+      if (allocated(merit%rates)) call find_desired_rates(merit%rates, merit%dimensions)
+      if (allocated(merit%targets)) call find_output_targets(merit%targets, merit%dimensions)
       merit%seen = x
       if (merit%has_range) call look_over_range(merit)
    end subroutine see
@@ -387,7 +387,7 @@ contains
          end do
       end associate
       if (allocated(merit%rates)) sum_of_errors = sum_of_errors + sum_of_rate_errors(merit%rates)
-      if (allocated(merit%wishes)) sum_of_errors = sum_of_errors + sum_of_wish_errors(merit%wishes)
+      if (allocated(merit%targets)) sum_of_errors = sum_of_errors + sum_of_desired_errors(merit%targets)
    end function sum_of_errors
 
    !> Sum of the squared violations of the linkage last looked at.
@@ -463,7 +463,7 @@ contains
             call add_errors(nvar, main%problem%weight(:n, r), main%out(:, r), main%dout(:, :, r), equations)
          end do
          if (allocated(self%rates)) then
-            call differentiate_wanted_rates(self%rates, self%dimensions)
+            call differentiate_desired_rates(self%rates, self%dimensions)
             associate (rates => self%rates)
                if (allocated(main%held)) then
                   do a = 1, nvar
@@ -478,16 +478,16 @@ contains
                end do
             end associate
          end if
-         if (allocated(self%wishes)) then
-            call differentiate_output_wishes(self%wishes, self%dimensions)
-            associate (wishes => self%wishes)
+         if (allocated(self%targets)) then
+            call differentiate_output_targets(self%targets, self%dimensions)
+            associate (targets => self%targets)
                if (allocated(main%held)) then
                   do a = 1, nvar
-                     if (main%held(a)) wishes%by(:, a, :) = 0.0_wp
+                     if (main%held(a)) targets%by(:, a, :) = 0.0_wp
                   end do
                end if
-               do r = 1, size(wishes%miss, 2)
-                  call add_errors(nvar, wishes%problem%wish_weights(:, r), wishes%miss(:, r), wishes%by(:, :, r), equations)
+               do r = 1, size(targets%miss, 2)
+                  call add_errors(nvar, targets%problem%target_weights(:, r), targets%miss(:, r), targets%by(:, :, r), equations)
                end do
             end associate
          end if
@@ -567,7 +567,7 @@ contains
       end do
    end function slope
 
-   !> Errors of one co-ordinate at all positions. Only the upper triangle of the matrix is added to.
+   !> Errors of one coordinate at all positions. Only the upper triangle of the matrix is added to.
    subroutine add_errors(nvar, weight, error, d, equations)
       integer, intent(in) :: nvar
       real(wp), intent(in), contiguous :: weight(:), error(:) !! shape (positions)
@@ -670,14 +670,14 @@ contains
       self%evaluations = self%evaluations + 1
       feasible = loop == 0
       if (allocated(self%rates)) then
-         call find_wanted_rates(self%rates, self%dimensions)
+         call find_desired_rates(self%rates, self%dimensions)
          objective = objective + sum_of_rate_errors(self%rates)
          feasible = feasible .and. all_rates_exist(self%rates)
       end if
-      if (allocated(self%wishes)) then
-         call find_output_wishes(self%wishes, self%dimensions)
-         objective = objective + sum_of_wish_errors(self%wishes)
-         feasible = feasible .and. all(self%wishes%exists)
+      if (allocated(self%targets)) then
+         call find_output_targets(self%targets, self%dimensions)
+         objective = objective + sum_of_desired_errors(self%targets)
+         feasible = feasible .and. all(self%targets%exists)
       end if
       if (.not. feasible) return
       call evaluate_samples(self%main, self%dimensions)
@@ -822,7 +822,7 @@ contains
       class(merit_t), intent(inout) :: merit
 
       if (size(merit%clearances) > 0 .or. (merit%free .and. merit%irange == range_inputs) .or. allocated(merit%rates)) return
-      if (allocated(merit%wishes)) return
+      if (allocated(merit%targets)) return
       allocate (merit%linear)
       call prepare_linear_unknowns(merit%final, merit%free, merit%low, merit%high, merit%linear)
       if (.not. merit%linear%applies) deallocate (merit%linear)

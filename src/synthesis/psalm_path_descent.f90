@@ -22,56 +22,56 @@ module psalm_path_descent
 contains
 
    !> Improve a timing by damped least squares, the linear unknowns solved for after every step.
-   subroutine descend(path, steps, gain, weight, margin, timing, room)
+   subroutine descend(path, steps, gain, weight, margin, timing, work)
       type(fitted_path_t), intent(in) :: path
       integer, intent(in) :: steps                   !! at most
       real(wp), intent(in) :: gain                   !! relative; three steps with less end it
       real(wp), intent(in) :: weight                 !! of squared relative violations
       real(wp), intent(in) :: margin                 !! inside the bounds
       type(path_timing_t), intent(inout) :: timing
-      type(path_workspace_t), intent(inout) :: room
+      type(path_workspace_t), intent(inout) :: work
       real(wp) :: h(unknowns, unknowns), slope(unknowns), step(unknowns)
       real(wp) :: damping, raise, merit, trial
       integer :: iteration, groups, small
       logical :: fresh, solved
 
-      call halve(timing%t, room%half)
-      call trace_at(timing, room%half, room%e, room%v)
-      call weigh(path, room%e, room%v, margin, timing)
+      call halve(timing%t, work%half)
+      call trace_at(timing, work%half, work%e, work%v)
+      call weigh(path, work%e, work%v, margin, timing)
       merit = timing%error + weight*timing%violation
       damping = 1.0e-3_wp
       raise = 2.0_wp
       small = 0
       fresh = .true.
       do iteration = 1, steps
-         if (fresh) call form_equations(path, weight, margin, timing, room, h, slope, groups)
+         if (fresh) call form_equations(path, weight, margin, timing, work, h, slope, groups)
          fresh = .false.
-         call solve_step(path, timing, room, h, slope, groups, damping, step, solved)
+         call solve_step(path, timing, work, h, slope, groups, damping, step, solved)
          if (solved) then
-            call take_step(path, timing, room, step, groups, damping, room%next)
-            call put_in_order(room%next%t, room)
-            call halve(room%next%t, room%half_next)
-            call trace_at(room%next, room%half_next, room%e, room%v)
-            room%other%z0 = room%next%z0
-            room%other%w1 = room%next%w1
-            room%other%w2 = room%next%w2
-            call fit_linear(path, room%e, room%v, room%next, 0.0_wp)
-            call weigh(path, room%e, room%v, margin, room%next)
-            if (room%next%violation > 0.0_wp) then
-               room%next%z0 = room%other%z0
-               room%next%w1 = room%other%w1
-               room%next%w2 = room%other%w2
-               call weigh(path, room%e, room%v, margin, room%next)
+            call take_step(path, timing, work, step, groups, damping, work%next)
+            call put_in_order(work%next%t, work)
+            call halve(work%next%t, work%half_next)
+            call trace_at(work%next, work%half_next, work%e, work%v)
+            work%other%z0 = work%next%z0
+            work%other%w1 = work%next%w1
+            work%other%w2 = work%next%w2
+            call fit_linear(path, work%e, work%v, work%next, 0.0_wp)
+            call weigh(path, work%e, work%v, margin, work%next)
+            if (work%next%violation > 0.0_wp) then
+               work%next%z0 = work%other%z0
+               work%next%w1 = work%other%w1
+               work%next%w2 = work%other%w2
+               call weigh(path, work%e, work%v, margin, work%next)
             end if
-            trial = room%next%error + weight*room%next%violation
+            trial = work%next%error + weight*work%next%violation
          else
             trial = huge(trial)
          end if
          if (trial < merit) then
             small = merge(small + 1, 0, merit - trial < gain*merit)
             merit = trial
-            timing = room%next
-            room%half = room%half_next
+            timing = work%next
+            work%half = work%half_next
             damping = max(0.2_wp*damping, 1.0e-12_wp)
             raise = 2.0_wp
             fresh = .true.
@@ -86,43 +86,43 @@ contains
    end subroutine descend
 
    !> Normal equations: those of the nine unknowns, and what each group of inputs meets.
-   subroutine form_equations(path, weight, margin, timing, room, h, slope, groups)
+   subroutine form_equations(path, weight, margin, timing, work, h, slope, groups)
       type(fitted_path_t), intent(in) :: path
       real(wp), intent(in) :: weight, margin
       type(path_timing_t), intent(in) :: timing
-      type(path_workspace_t), intent(inout) :: room
+      type(path_workspace_t), intent(inout) :: work
       real(wp), intent(out) :: h(unknowns, unknowns), slope(unknowns)
       integer, intent(out) :: groups
       real(wp) :: amount(rows_most), rows(unknowns, rows_most), products(lanes, unknowns), re(lanes), im(lanes), wr, wi
       complex(wp) :: j
       integer :: k, a, m, count, group
 
-      call trace_at(timing, room%half, room%e, room%v, room%turn, room%grow)
-      call pool(timing, path, room, groups)
+      call trace_at(timing, work%half, work%e, work%v, work%turn, work%grow)
+      call pool(timing, path, work, groups)
       products = 0.0_wp
-      room%b(:, :groups) = 0.0_wp
+      work%b(:, :groups) = 0.0_wp
       re = 0.0_wp
       im = 0.0_wp
       re(1) = 1.0_wp
       im(2) = 1.0_wp
       do k = 1, path%n
-         re(3) = real(room%e(k), wp)
-         im(3) = aimag(room%e(k))
+         re(3) = real(work%e(k), wp)
+         im(3) = aimag(work%e(k))
          re(4) = -im(3)
          im(4) = re(3)
-         re(5) = real(room%v(k), wp)
-         im(5) = aimag(room%v(k))
+         re(5) = real(work%v(k), wp)
+         im(5) = aimag(work%v(k))
          re(6) = -im(5)
          im(6) = re(5)
          do m = 1, 3
-            j = timing%w2*room%grow(k, m)
+            j = timing%w2*work%grow(k, m)
             re(6 + m) = real(j, wp)
             im(6 + m) = aimag(j)
          end do
-         j = timing%w1*cmplx(re(4), im(4), wp) + timing%w2*room%turn(k)
+         j = timing%w1*cmplx(re(4), im(4), wp) + timing%w2*work%turn(k)
          re(column_turn) = real(j, wp)
          im(column_turn) = aimag(j)
-         j = timing%z0 + timing%w1*room%e(k) + timing%w2*room%v(k) - path%point(k)
+         j = timing%z0 + timing%w1*work%e(k) + timing%w2*work%v(k) - path%point(k)
          re(column_miss) = real(j, wp)
          im(column_miss) = aimag(j)
          do a = 1, unknowns
@@ -133,10 +133,10 @@ contains
                products(m, a) = products(m, a) + (wr*re(m) + wi*im(m))
             end do
          end do
-         group = room%group(k)
+         group = work%group(k)
          wr = path%weight(k)*re(column_turn)
          wi = path%weight(k)*im(column_turn)
-         room%b(:, group) = room%b(:, group) + (wr*re + wi*im)
+         work%b(:, group) = work%b(:, group) + (wr*re + wi*im)
       end do
       h = products(:unknowns, :)
       slope = products(column_miss, :)
@@ -150,43 +150,43 @@ contains
    end subroutine form_equations
 
    !> Inputs that stand together and would cross if each went its own way move as one.
-   subroutine pool(timing, path, room, groups)
+   subroutine pool(timing, path, work, groups)
       type(path_timing_t), intent(in) :: timing
       type(fitted_path_t), intent(in) :: path
-      type(path_workspace_t), intent(inout) :: room
+      type(path_workspace_t), intent(inout) :: work
       integer, intent(out) :: groups
       complex(wp) :: miss, turn
-      real(wp) :: wish, before, mass
+      real(wp) :: target, before, mass
       integer :: k
 
       groups = 0
       before = 0.0_wp
       mass = 0.0_wp
       do k = 1, path%n
-         miss = timing%z0 + timing%w1*room%e(k) + timing%w2*room%v(k) - path%point(k)
-         turn = timing%w1*cmplx(-aimag(room%e(k)), real(room%e(k), wp), wp) + timing%w2*room%turn(k)
-         wish = -dot(turn, miss)/max(square(turn), tiny(1.0_wp)**0.5_wp)
+         miss = timing%z0 + timing%w1*work%e(k) + timing%w2*work%v(k) - path%point(k)
+         turn = timing%w1*cmplx(-aimag(work%e(k)), real(work%e(k), wp), wp) + timing%w2*work%turn(k)
+         target = -dot(turn, miss)/max(square(turn), tiny(1.0_wp)**0.5_wp)
          if (k > 1) then
-            if (timing%t(k) - timing%t(k - 1) <= together .and. wish <= before) then
-               before = (before*mass + wish*square(turn))/max(mass + square(turn), tiny(1.0_wp))
+            if (timing%t(k) - timing%t(k - 1) <= together .and. target <= before) then
+               before = (before*mass + target*square(turn))/max(mass + square(turn), tiny(1.0_wp))
                mass = mass + square(turn)
-               room%group(k) = groups
+               work%group(k) = groups
                cycle
             end if
          end if
          groups = groups + 1
-         room%group(k) = groups
-         before = wish
+         work%group(k) = groups
+         before = target
          mass = square(turn)
       end do
    end subroutine pool
 
    !> The damped step of the nine unknowns; shape numbers that push against their box are held, and limits of the transmission angle
    !> are kept, made linear.
-   subroutine solve_step(path, timing, room, h, slope, groups, damping, step, solved)
+   subroutine solve_step(path, timing, work, h, slope, groups, damping, step, solved)
       type(fitted_path_t), intent(in) :: path
       type(path_timing_t), intent(in) :: timing
-      type(path_workspace_t), intent(in) :: room
+      type(path_workspace_t), intent(in) :: work
       real(wp), intent(in) :: h(unknowns, unknowns), slope(unknowns), damping
       integer, intent(in) :: groups
       real(wp), intent(out) :: step(unknowns)
@@ -202,16 +202,16 @@ contains
          matrix(a, a) = h(a, a)*(1.0_wp + damping) + tiny(1.0_wp)**0.5_wp
       end do
       do k = 1, groups
-         if (.not. room%b(column_turn, k) > 0.0_wp) cycle
-         over = 1.0_wp/(room%b(column_turn, k)*(1.0_wp + damping))
+         if (.not. work%b(column_turn, k) > 0.0_wp) cycle
+         over = 1.0_wp/(work%b(column_turn, k)*(1.0_wp + damping))
          do a = 1, unknowns
-            part = over*room%b(a, k)
+            part = over*work%b(a, k)
             !$omp simd
             do m = 1, lanes
-               matrix(m, a) = matrix(m, a) - part*room%b(m, k)
+               matrix(m, a) = matrix(m, a) - part*work%b(m, k)
             end do
          end do
-         right = right + (over*room%b(column_miss, k))*room%b(:unknowns, k)
+         right = right + (over*work%b(column_miss, k))*work%b(:unknowns, k)
       end do
       held = .false.
       held(shape_g) = (timing%g >= largest_g .and. right(shape_g) > 0.0_wp) .or. &
@@ -235,10 +235,10 @@ contains
    end subroutine solve_step
 
    !> Go that far. Factors exp(x) are taken as (1 + x/2)/(1 - x/2): a step is only true to its first order anyway.
-   subroutine take_step(path, timing, room, step, groups, damping, next)
+   subroutine take_step(path, timing, work, step, groups, damping, next)
       type(fitted_path_t), intent(in) :: path
       type(path_timing_t), intent(in) :: timing
-      type(path_workspace_t), intent(in) :: room
+      type(path_workspace_t), intent(in) :: work
       real(wp), intent(in) :: step(unknowns), damping
       integer, intent(in) :: groups
       type(path_timing_t), intent(inout) :: next
@@ -261,11 +261,11 @@ contains
       next%way = timing%way
       do k = 1, groups
          turn(k) = 0.0_wp
-         if (room%b(column_turn, k) > 0.0_wp) &
-            turn(k) = -(room%b(column_miss, k) + sum(room%b(:unknowns, k)*step))/(room%b(column_turn, k)*(1.0_wp + damping))
+         if (work%b(column_turn, k) > 0.0_wp) &
+            turn(k) = -(work%b(column_miss, k) + sum(work%b(:unknowns, k)*step))/(work%b(column_turn, k)*(1.0_wp + damping))
          turn(k) = min(max(turn(k), -1.0_wp), 1.0_wp)*degrees_per_radian
       end do
-      next%t = timing%t + turn(room%group)
+      next%t = timing%t + turn(work%group)
 
    contains
 
@@ -277,9 +277,9 @@ contains
    end subroutine take_step
 
    !> The nearest inputs that rise and stay within one turn, cut at the widest gap.
-   subroutine put_in_order(t, room)
+   subroutine put_in_order(t, work)
       real(wp), intent(inout) :: t(:)
-      type(path_workspace_t), intent(inout) :: room
+      type(path_workspace_t), intent(inout) :: work
       real(wp) :: gap, widest, excess
       integer :: n, k, cut, pools, j
 
@@ -295,54 +295,54 @@ contains
       end do
       do j = 1, n
          k = cut + j
-         room%level(j) = t(merge(k - n, k, k > n))
-         if (k > n) room%level(j) = room%level(j) + full_turn
+         work%level(j) = t(merge(k - n, k, k > n))
+         if (k > n) work%level(j) = work%level(j) + full_turn
       end do
-      call pool_rising(room%level(:n), room%last(:n), pools)
-      excess = room%level(pools) - room%level(1) - full_turn
+      call pool_rising(work%level(:n), work%last(:n), pools)
+      excess = work%level(pools) - work%level(1) - full_turn
       if (excess > 0.0_wp) then
-         gap = room%level(1) + 0.5_wp*excess
-         room%level(:pools) = min(max(room%level(:pools), gap), gap + full_turn)
+         gap = work%level(1) + 0.5_wp*excess
+         work%level(:pools) = min(max(work%level(:pools), gap), gap + full_turn)
       end if
       pools = 1
       do j = 1, n
-         if (j > room%last(pools)) pools = pools + 1
+         if (j > work%last(pools)) pools = pools + 1
          k = cut + j
          if (k > n) then
-            t(k - n) = room%level(pools) - full_turn
+            t(k - n) = work%level(pools) - full_turn
          else
-            t(k) = room%level(pools)
+            t(k) = work%level(pools)
          end if
       end do
    end subroutine put_in_order
 
    !> The best timing of a linkage's curve: dynamic programming over places of the crank, begun where the curve comes nearest to the
    !> first point.
-   subroutine retime(path, timing, room)
+   subroutine retime(path, timing, work)
       type(fitted_path_t), intent(in) :: path
       type(path_timing_t), intent(inout) :: timing
-      type(path_workspace_t), intent(inout) :: room
+      type(path_workspace_t), intent(inout) :: work
       real(wp), parameter :: place_step = full_turn/real(places, wp)
       real(wp) :: near(3), total, best, x, y
       integer :: from(3), begun, i, k
 
-      call trace_at(timing, room%half_round, room%e_round, room%v_round)
+      call trace_at(timing, work%half_round, work%e_round, work%v_round)
       do k = 1, places
-         room%e_round(k) = timing%z0 + timing%w1*room%e_round(k) + timing%w2*room%v_round(k)
+         work%e_round(k) = timing%z0 + timing%w1*work%e_round(k) + timing%w2*work%v_round(k)
       end do
       do i = 1, path%n
          do k = 1, places
-            x = real(room%e_round(k), wp) - real(path%point(i), wp)
-            y = aimag(room%e_round(k)) - aimag(path%point(i))
-            room%cost(k, i) = path%weight(i)*(x*x + y*y)
+            x = real(work%e_round(k), wp) - real(path%point(i), wp)
+            y = aimag(work%e_round(k)) - aimag(path%point(i))
+            work%cost(k, i) = path%weight(i)*(x*x + y*y)
          end do
-         room%cost(places + 1:, i) = room%cost(:places, i)
+         work%cost(places + 1:, i) = work%cost(:places, i)
       end do
       near = huge(near)
       from = 0
       do k = 1, places
-         associate (here => room%cost(k + 1, 1))
-            if (here > room%cost(k, 1) .or. here > room%cost(k + 2, 1)) cycle
+         associate (here => work%cost(k + 1, 1))
+            if (here > work%cost(k, 1) .or. here > work%cost(k + 2, 1)) cycle
             i = maxloc(near, dim=1)
             if (here >= near(i)) cycle
             near(i) = here
@@ -366,15 +366,15 @@ contains
          integer :: j, m
          real(wp) :: before
 
-         room%least(:, 1) = room%cost(start, 1)
+         work%least(:, 1) = work%cost(start, 1)
          do m = 2, path%n
             before = huge(before)
             do j = 1, places
-               before = min(before, room%least(j, m - 1) + room%cost(start + j - 1, m))
-               room%least(j, m) = before
+               before = min(before, work%least(j, m - 1) + work%cost(start + j - 1, m))
+               work%least(j, m) = before
             end do
          end do
-         total = room%least(places, path%n)
+         total = work%least(places, path%n)
       end subroutine go_round
 
       !> The timing of the least sum just found.
@@ -385,7 +385,7 @@ contains
          place = places
          do m = path%n, 1, -1
             do while (place > 1)
-               if (room%least(place - 1, m) > room%least(place, m)) exit
+               if (work%least(place - 1, m) > work%least(place, m)) exit
                place = place - 1
             end do
             timing%t(m) = place_step*real(start + place - 2, wp)

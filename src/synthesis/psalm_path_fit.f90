@@ -79,13 +79,13 @@ module psalm_path_fit
 contains
 
    !> Scale points and bounds, and make room.
-   subroutine prepare_path(x, y, weight, low, high, cosine, side, path, room)
+   subroutine prepare_path(x, y, weight, low, high, cosine, side, path, work)
       real(wp), intent(in) :: x(:), y(:), weight(:)  !! shape (n), in order
       real(wp), intent(in) :: low(6), high(6)        !! lengths, as `fitted_path_t` has them, in the unit of the points
       real(wp), intent(in) :: cosine                 !! of the least transmission angle
       real(wp), intent(in) :: side                   !! assembly, as `fitted_path_t` has it
       type(fitted_path_t), intent(out) :: path
-      type(path_workspace_t), intent(out) :: room
+      type(path_workspace_t), intent(out) :: work
       integer :: i
 
       call set_points(x, y, weight, path)
@@ -94,18 +94,18 @@ contains
       path%cosine = cosine
       path%side = side
       associate (n => path%n)
-         allocate (room%e(n), room%v(n), room%turn(n), room%grow(n, 3), room%b(lanes, n), room%group(n), &
-                   room%level(n), room%last(n), room%e_round(places), room%v_round(places), room%cost(2*places, n), &
-                   room%least(places, n), room%half(n), room%half_next(n), room%half_round(places), &
-                   room%batch(samples), room%score(samples))
-         call halve([(full_turn*(real(i, wp)/real(places, wp)), i=0, places - 1)], room%half_round)
+         allocate (work%e(n), work%v(n), work%turn(n), work%grow(n, 3), work%b(lanes, n), work%group(n), &
+                   work%level(n), work%last(n), work%e_round(places), work%v_round(places), work%cost(2*places, n), &
+                   work%least(places, n), work%half(n), work%half_next(n), work%half_round(places), &
+                   work%batch(samples), work%score(samples))
+         call halve([(full_turn*(real(i, wp)/real(places, wp)), i=0, places - 1)], work%half_round)
          do i = 1, samples
-            allocate (room%batch(i)%t(n), source=0.0_wp)
+            allocate (work%batch(i)%t(n), source=0.0_wp)
          end do
-         room%now = room%batch(1)
-         room%next = room%batch(1)
-         room%other = room%batch(1)
-         room%copy = room%batch(1)
+         work%now = work%batch(1)
+         work%next = work%batch(1)
+         work%other = work%batch(1)
+         work%copy = work%batch(1)
       end associate
    end subroutine prepare_path
 

@@ -69,7 +69,7 @@ contains
          batch(i)%x = merit%point(values, merit%delt)
          merit%sense = senses(batch(i)%way)
          call merit%fit_linear(batch(i)%x)
-         call judge(batch(i))
+         call assess(batch(i))
       end do
       order = [(i, i=1, samples)]
       call rank(drawn, few)
@@ -92,7 +92,7 @@ contains
    contains
 
       !> Errors in sizes of the path, and violations.
-      subroutine judge(one)
+      subroutine assess(one)
          type(trial_t), intent(inout) :: one
          real(wp) :: objective, violation
 
@@ -100,7 +100,7 @@ contains
          associate (path => merit%linear%path)
             one%score = objective/(path%weight_scale*path%size**2) + loose*real(path%n, wp)*violation
          end associate
-      end subroutine judge
+      end subroutine assess
 
       !> The best `wanted` of the first `among` in the order so far.
       subroutine rank(among, wanted)
@@ -136,7 +136,7 @@ contains
 
          solver%most_evaluations = steps
          call solver%minimise(merit, one%x, stop, ending)
-         call judge(one)
+         call assess(one)
       end subroutine descend
    end subroutine draw_batch
 

@@ -1,4 +1,4 @@
-!> Forbidden regions: how far a joint is outside of them. Source of the wish: Oldham (1977), section 9.2.3.
+!> Forbidden regions: how far a joint is outside of them. Source of the target: Oldham (1977), section 9.2.3.
 module psalm_regions
    use psalm_angles, only: unit_vector
    use psalm_constraint_group, only: constraint_group_t, region_t, range_turn, region_box, region_half_plane, region_circle

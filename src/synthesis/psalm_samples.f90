@@ -34,7 +34,7 @@ module psalm_samples
                                                    !! the actual without desired values
       real(wp), allocatable :: k(:, :)             !! shape (positions, nloop): as `block_constraints` has it
       real(wp), allocatable :: measure(:, :)       !! shape (positions, nloop): of the dyads, scaled, where it is wanted
-      real(wp), allocatable :: joints(:, :, :)     !! shape (positions, 2, joints): co-ordinates, machine axes
+      real(wp), allocatable :: joints(:, :, :)     !! shape (positions, 2, joints): coordinates, machine axes
       type(beside_t), allocatable :: beside(:)     !! shape (joints): their lines from points of the plan
       real(wp), allocatable :: dout(:, :, :)       !! shape (positions, columns, components): derivatives of `out`
       real(wp), allocatable :: dk(:, :, :)         !! shape (positions, nloop, columns)

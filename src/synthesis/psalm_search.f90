@@ -481,7 +481,7 @@ contains
          call one_start(self, number, elite, candidate)
       else
          call self%few(1)%start(number, elite, candidate)
-         call judge(self, candidate)
+         call assess(self, candidate)
       end if
    end subroutine start_in_stages
 
@@ -508,7 +508,7 @@ contains
          further%evaluations = candidate%evaluations
          further%jacobians = candidate%jacobians
          call self%few(stage)%go_on(stage, further)
-         call judge(self, further)
+         call assess(self, further)
       else
          values = candidate%x
          self%merit%evaluations = candidate%evaluations
@@ -526,7 +526,7 @@ contains
    end subroutine go_on
 
    !> What a linkage that few positions led to is worth at all of them.
-   subroutine judge(worker, candidate)
+   subroutine assess(worker, candidate)
       class(worker_t), intent(inout) :: worker
       type(candidate_t), intent(inout) :: candidate
       type(margin_t), allocatable :: margins(:)
@@ -545,7 +545,7 @@ contains
          end if
          candidate%evaluations = merit%evaluations
       end associate
-   end subroutine judge
+   end subroutine assess
 
    !> Two linkages are one if their joints are at the same places at the same inputs, whatever the numbers say (a pivot at a
    !> negative distance, in the opposite direction), or if no ridge of the objective lies between them: one of them is then not yet

@@ -16,7 +16,7 @@ module psalm_spring_fit
    real(wp), parameter :: held = 0.0_wp            !! of unknowns that are given
 
    type, extends(plain_nlp_t) :: fit_t
-      type(spring_limits_t), allocatable :: rooms(:)
+      type(spring_limits_t), allocatable :: allowed(:)
       real(wp), allocatable :: bare(:, :)          !! shape (positions, components)
       real(wp), allocatable :: stiff(:)            !! N/m: unit of S
       real(wp), allocatable :: length(:)           !! m: unit of L
@@ -30,9 +30,9 @@ module psalm_spring_fit
 contains
 
    !> Improve springs; `value` is the criterion at the end: `criterion_rms` or `criterion_spread`.
-   subroutine fit_springs(bare, rooms, criterion, springs, value, stop)
+   subroutine fit_springs(bare, allowed, criterion, springs, value, stop)
       real(wp), intent(in) :: bare(:, :)           !! shape (positions, components): the load without these springs
-      type(spring_limits_t), intent(in) :: rooms(:)
+      type(spring_limits_t), intent(in) :: allowed(:)
       integer, intent(in) :: criterion
       type(found_spring_t), intent(inout) :: springs(:)
       real(wp), intent(out) :: value
@@ -46,42 +46,42 @@ contains
       integer :: k, e, first
 
       allocate (problem)
-      problem%rooms = rooms
+      problem%allowed = allowed
       problem%bare = bare
       problem%spread = criterion == criterion_spread
       problem%unit = max(criterion_of(criterion, bare), tiny(1.0_wp)**0.25_wp)
-      problem%core = each*size(rooms)
+      problem%core = each*size(allowed)
       problem%residuals = size(bare)
-      problem%inequalities = 2*size(rooms)
+      problem%inequalities = 2*size(allowed)
       problem%is_sum_of_squares = .true.
       problem%has_gradient = .true.
-      allocate (problem%low(problem%core), problem%high(problem%core), x(problem%core), problem%stiff(size(rooms)), &
-                problem%length(size(rooms)))
-      do k = 1, size(rooms)
+      allocate (problem%low(problem%core), problem%high(problem%core), x(problem%core), problem%stiff(size(allowed)), &
+                problem%length(size(allowed)))
+      do k = 1, size(allowed)
          first = each*(k - 1)
-         associate (room => rooms(k))
+         associate (allowed => allowed(k))
             do e = 1, 2
                x(first + 2*e - 1:first + 2*e) = held
-               problem%low(first + 2*e - 1:first + 2*e) = merge(-1.0_wp, held, room%reach(e) > 0.0_wp)
-               problem%high(first + 2*e - 1:first + 2*e) = merge(1.0_wp, held, room%reach(e) > 0.0_wp)
-               if (room%reach(e) > 0.0_wp) x(first + 2*e - 1:first + 2*e) = springs(k)%at(:, e)/room%reach(e)
+               problem%low(first + 2*e - 1:first + 2*e) = merge(-1.0_wp, held, allowed%reach(e) > 0.0_wp)
+               problem%high(first + 2*e - 1:first + 2*e) = merge(1.0_wp, held, allowed%reach(e) > 0.0_wp)
+               if (allowed%reach(e) > 0.0_wp) x(first + 2*e - 1:first + 2*e) = springs(k)%at(:, e)/allowed%reach(e)
             end do
-            call add_slopes(room, springs(k), slopes)
+            call add_slopes(allowed, springs(k), slopes)
             problem%stiff(k) = problem%unit/max(maxval(abs(slopes(:, :, 5))), tiny(1.0_wp)/epsilon(1.0_wp))
-            problem%length(k) = max(maxval(room%reach), room%free(2))
-            limit = stiffest_in(room, bare)/problem%stiff(k)
-            problem%low(first + 5:first + 6) = [0.0_wp, room%free(1)/problem%length(k)]
-            problem%high(first + 5:first + 6) = [limit, room%free(2)/problem%length(k)]
+            problem%length(k) = max(maxval(allowed%reach), allowed%free(2))
+            limit = stiffest_in(allowed, bare)/problem%stiff(k)
+            problem%low(first + 5:first + 6) = [0.0_wp, allowed%free(1)/problem%length(k)]
+            problem%high(first + 5:first + 6) = [limit, allowed%free(2)/problem%length(k)]
             x(first + 5:first + 6) = [springs(k)%stiffness/problem%stiff(k), springs(k)%free/problem%length(k)]
          end associate
       end do
       solver%least_gain = least_gain
       if (present(stop)) host = stop
       call solver%minimise(problem, x, host, ending)
-      do k = 1, size(rooms)
+      do k = 1, size(allowed)
          call take(problem, x, k, springs(k))
       end do
-      value = criterion_of(criterion, load_with(bare, rooms, springs))
+      value = criterion_of(criterion, load_with(bare, allowed, springs))
    end subroutine fit_springs
 
    !> Spring k of the unknowns; ends within their reach. Given ends stay as they are.
@@ -94,7 +94,7 @@ contains
 
       first = each*(k - 1)
       do e = 1, 2
-         associate (at => x(first + 2*e - 1:first + 2*e), reach => problem%rooms(k)%reach(e))
+         associate (at => x(first + 2*e - 1:first + 2*e), reach => problem%allowed(k)%reach(e))
             if (reach > 0.0_wp) spring%at(:, e) = reach*at/max(1.0_wp, norm2(at))
          end associate
       end do
@@ -108,7 +108,7 @@ contains
       real(wp), intent(in) :: x(:)
       real(wp), intent(out) :: r(:)
       real(wp), intent(out), optional :: jacobian(:, :)
-      type(found_spring_t) :: springs(size(self%rooms))
+      type(found_spring_t) :: springs(size(self%allowed))
       real(wp) :: slopes(size(self%bare, 1), size(self%bare, 2), each), per
       integer :: k, e, first
 
@@ -116,14 +116,14 @@ contains
          call put(self, x, k, springs(k))
       end do
       per = 1.0_wp/(self%unit*sqrt(real(size(self%bare), wp)))
-      r = per*reshape(load_with(self%bare, self%rooms, springs), [size(r)])
+      r = per*reshape(load_with(self%bare, self%allowed, springs), [size(r)])
       if (self%spread) r = r - sum(r)/real(size(r), wp)
       if (.not. present(jacobian)) return
       do k = 1, size(springs)
          first = each*(k - 1)
-         call add_slopes(self%rooms(k), springs(k), slopes)
-         slopes(:, :, 1:2) = slopes(:, :, 1:2)*self%rooms(k)%reach(1)
-         slopes(:, :, 3:4) = slopes(:, :, 3:4)*self%rooms(k)%reach(2)
+         call add_slopes(self%allowed(k), springs(k), slopes)
+         slopes(:, :, 1:2) = slopes(:, :, 1:2)*self%allowed(k)%reach(1)
+         slopes(:, :, 3:4) = slopes(:, :, 3:4)*self%allowed(k)%reach(2)
          slopes(:, :, 5) = (slopes(:, :, 5) + springs(k)%free*slopes(:, :, 6))*self%stiff(k)
          slopes(:, :, 6) = slopes(:, :, 6)*springs(k)%stiffness*self%length(k)
          do e = 1, each
@@ -143,7 +143,7 @@ contains
          integer :: e
 
          do e = 1, 2
-            spring%at(:, e) = problem%rooms(k)%reach(e)*x(each*(k - 1) + 2*e - 1:each*(k - 1) + 2*e)
+            spring%at(:, e) = problem%allowed(k)%reach(e)*x(each*(k - 1) + 2*e - 1:each*(k - 1) + 2*e)
          end do
          spring%stiffness = problem%stiff(k)*x(each*(k - 1) + 5)
          spring%free = problem%length(k)*x(each*(k - 1) + 6)

@@ -52,37 +52,37 @@ contains
       end select
    end function criterion_of
 
-   !> The greatest stiffness of a spring, N/m: the user's, or one that depends on the bare load and the room, for without a limit
+   !> The greatest stiffness of a spring, N/m: the user's, or one that depends on the bare load and the limits, for without a limit
    !> the load is often least with an end that nearly coincides with a joint and a stiffness beyond all limits.
-   pure real(wp) function stiffest_in(room, bare) result(stiffness)
-      type(spring_limits_t), intent(in) :: room
+   pure real(wp) function stiffest_in(allowed, bare) result(stiffness)
+      type(spring_limits_t), intent(in) :: allowed
       real(wp), intent(in) :: bare(:, :)         !! shape (positions, components): the load without springs
       real(wp) :: length
 
-      stiffness = room%stiffest
+      stiffness = allowed%stiffest
       if (stiffness > 0.0_wp) return
-      length = max(maxval(room%reach), room%free(2))
+      length = max(maxval(allowed%reach), allowed%free(2))
       if (.not. length > 0.0_wp) length = 1.0_wp
       stiffness = stiffest_of_all*maxval(abs(bare))/length**2
    end function stiffest_in
 
    !> The load with springs. Shape: (positions, components).
-   pure function load_with(bare, rooms, springs) result(load)
+   pure function load_with(bare, allowed, springs) result(load)
       real(wp), intent(in) :: bare(:, :)
-      type(spring_limits_t), intent(in) :: rooms(:)
+      type(spring_limits_t), intent(in) :: allowed(:)
       type(found_spring_t), intent(in) :: springs(:)
       real(wp), allocatable :: load(:, :)
       integer :: k
 
       load = bare
       do k = 1, size(springs)
-         call add_spring(rooms(k), springs(k), load)
+         call add_spring(allowed(k), springs(k), load)
       end do
    end function load_with
 
    !> Load of one spring, and with `slopes` its derivatives by the unknowns, shape (positions, components, 6).
-   pure subroutine add_spring(room, spring, load, slopes)
-      type(spring_limits_t), intent(in) :: room
+   pure subroutine add_spring(allowed, spring, load, slopes)
+      type(spring_limits_t), intent(in) :: allowed
       type(found_spring_t), intent(in) :: spring
       real(wp), intent(inout) :: load(:, :)
       real(wp), intent(out), optional :: slopes(:, :, :)
@@ -94,7 +94,7 @@ contains
 
       k = spring%stiffness*spring%free
       do e = 1, 2
-         associate (path => room%ends(e))
+         associate (path => allowed%ends(e))
             z(:, 1, e) = path%x + path%c*spring%at(1, e) + (-path%s)*spring%at(2, e)
             z(:, 2, e) = path%y + path%s*spring%at(1, e) + path%c*spring%at(2, e)
          end associate
@@ -112,7 +112,7 @@ contains
       do e = 1, 2
          way = merge(-1.0_wp, 1.0_wp, e == 1)
          do c = 1, 2
-            associate (path => room%ends(e))
+            associate (path => allowed%ends(e))
                dz(:, 1) = merge(path%c, -path%s, c == 1)
                dz(:, 2) = merge(path%s, path%c, c == 1)
             end associate
@@ -139,7 +139,7 @@ contains
          integer, intent(in) :: c
          real(wp) :: effect(size(load, 1))
 
-         associate (p => room%ends(1)%slope(:, c, :), q => room%ends(2)%slope(:, c, :))
+         associate (p => allowed%ends(1)%slope(:, c, :), q => allowed%ends(2)%slope(:, c, :))
             effect = (p(:, 1) - q(:, 1))*x + (p(:, 2) - q(:, 2))*y + p(:, 3)*(z(:, 1, 1)*y - z(:, 2, 1)*x) - &
                      q(:, 3)*(z(:, 1, 2)*y - z(:, 2, 2)*x)
          end associate
@@ -161,19 +161,19 @@ contains
          integer :: component
 
          do component = 1, size(load, 2)
-            slope(:, component) = slope(:, component) - way*room%ends(e)%slope(:, component, 3)*along
+            slope(:, component) = slope(:, component) - way*allowed%ends(e)%slope(:, component, 3)*along
          end do
       end subroutine turn
    end subroutine add_spring
 
    !> Derivatives alone.
-   pure subroutine add_slopes(room, spring, slopes)
-      type(spring_limits_t), intent(in) :: room
+   pure subroutine add_slopes(allowed, spring, slopes)
+      type(spring_limits_t), intent(in) :: allowed
       type(found_spring_t), intent(in) :: spring
       real(wp), intent(out) :: slopes(:, :, :)
       real(wp) :: load(size(slopes, 1), size(slopes, 2))
 
       load = 0.0_wp
-      call add_spring(room, spring, load, slopes)
+      call add_spring(allowed, spring, load, slopes)
    end subroutine add_slopes
 end module psalm_spring_load

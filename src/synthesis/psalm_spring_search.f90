@@ -48,14 +48,14 @@ contains
    !> The best springs from `starts` starts (of several springs `least_times` as many), and from more of them until the best fit is
    !> met `times_met` times, at most `most_times` as many. Of several springs every one is looked for alone, too: the result is
    !> never worse than the best of them.
-   recursive subroutine search_springs(bare, rooms, criterion, starts, seed, search, stop)
+   recursive subroutine search_springs(bare, allowed, criterion, starts, seed, search, stop)
       real(wp), intent(in) :: bare(:, :)           !! shape (positions, components): the load without these springs
-      type(spring_limits_t), intent(in) :: rooms(:)
+      type(spring_limits_t), intent(in) :: allowed(:)
       integer, intent(in) :: criterion, starts, seed
       type(spring_search_t), intent(out) :: search
       type(stop_t), intent(in), optional :: stop   !! asked before each start, each step: the best so far is there
       type(spring_search_t) :: tried
-      type(found_spring_t) :: springs(size(rooms)), best(size(rooms), followed)
+      type(found_spring_t) :: springs(size(allowed)), best(size(allowed), followed)
       type(xoshiro_t) :: random
       real(wp), allocatable :: values(:)
       real(wp) :: value, nothing, least(followed)
@@ -66,11 +66,11 @@ contains
       if (criterion == criterion_range) smooth = criterion_spread
       call random%seed(seed, purpose_starts)
       search%springs = springs
-      if (all([(rooms(k)%reach, k=1, size(rooms))] <= 0.0_wp)) then
-         do k = 1, size(rooms)
-            call draw(random, rooms(k), springs(k))
+      if (all([(allowed(k)%reach, k=1, size(allowed))] <= 0.0_wp)) then
+         do k = 1, size(allowed)
+            call draw(random, allowed(k), springs(k))
          end do
-         call go_by_tangents(bare, rooms, criterion, springs, search, stop)
+         call go_by_tangents(bare, allowed, criterion, springs, search, stop)
          search%starts = 1
          search%ended_here = 1
          return
@@ -85,38 +85,38 @@ contains
          if (start > 1) call tell_host(stop, start - 1, most_times*starts)
          call random%use_stream(start)
          ! every other start draws but one spring anew, in one of the best that there are
-         again = modulo(start, 2) == 0 .and. made > 0 .and. size(rooms) > 1
+         again = modulo(start, 2) == 0 .and. made > 0 .and. size(allowed) > 1
          if (again) springs = best(:, modulo(start/2, count(least < huge(least))) + 1)
-         do k = 1, size(rooms)
-            if (again .and. modulo(start/2, size(rooms)) + 1 /= k) cycle
-            call draw(random, rooms(k), springs(k))
+         do k = 1, size(allowed)
+            if (again .and. modulo(start/2, size(allowed)) + 1 /= k) cycle
+            call draw(random, allowed(k), springs(k))
          end do
-         call go_by_tangents(bare, rooms, smooth, springs, tried, stop, steps=1)
+         call go_by_tangents(bare, allowed, smooth, springs, tried, stop, steps=1)
          if (.not. tried%found) cycle
-         call fit_springs(bare, rooms, smooth, tried%springs, value, stop)
+         call fit_springs(bare, allowed, smooth, tried%springs, value, stop)
          made = made + 1
          values(made) = value
          if (value < least(1)*(1.0_wp - as_low) - nothing) last_better = start
          call insert()
-         if (start < starts*merge(least_times, 1, size(rooms) > 1) .or. start < times_last*last_better) cycle
+         if (start < starts*merge(least_times, 1, size(allowed) > 1) .or. start < times_last*last_better) cycle
          if (count(values(:made) <= least(1)*(1.0_wp + as_low) + nothing) >= times_met) exit
       end do
       search%starts = made
       do k = 1, min(followed, made)
          if (k > 1 .and. is_to_end(stop)) return
          if (least(k) >= huge(least)) exit
-         call go_by_tangents(bare, rooms, criterion, best(:, k), tried, stop)
+         call go_by_tangents(bare, allowed, criterion, best(:, k), tried, stop)
          call keep(count(abs(values(:made) - least(k)) <= as_low*least(k) + nothing))
       end do
-      if (size(rooms) == 1) return
-      do k = 1, size(rooms)
+      if (size(allowed) == 1) return
+      do k = 1, size(allowed)
          if (is_to_end(stop)) return
-         call search_springs(bare, rooms(k:k), criterion, starts, seed, tried, stop)
+         call search_springs(bare, allowed(k:k), criterion, starts, seed, tried, stop)
          if (.not. tried%found) cycle
          springs = search%springs
          springs%stiffness = 0.0_wp
          springs(k) = tried%springs(1)
-         call go_by_tangents(bare, rooms, criterion, springs, tried, stop)
+         call go_by_tangents(bare, allowed, criterion, springs, tried, stop)
          call keep(1)
       end do
 
@@ -152,9 +152,9 @@ contains
 
    !> Ends anywhere within their reach, every other one nearer to its middle: stiff springs with short arms have optima there.
    !> A free length anywhere between its limits; stiffness comes with the first step.
-   subroutine draw(random, room, spring)
+   subroutine draw(random, allowed, spring)
       type(xoshiro_t), intent(inout) :: random
-      type(spring_limits_t), intent(in) :: room
+      type(spring_limits_t), intent(in) :: allowed
       type(found_spring_t), intent(out) :: spring
       real(wp) :: draw_now
       integer :: e, c
@@ -167,19 +167,19 @@ contains
             end do
             if (sum(spring%at(:, e)**2) <= 1.0_wp) exit
          end do
-         spring%at(:, e) = room%reach(e)*spring%at(:, e)
+         spring%at(:, e) = allowed%reach(e)*spring%at(:, e)
          call random%next(draw_now)
          if (draw_now < 0.5_wp) spring%at(:, e) = spring%at(:, e)*least_part**(2.0_wp*draw_now)
       end do
       call random%next(draw_now)
-      spring%free = room%free(1) + draw_now*(room%free(2) - room%free(1))
+      spring%free = allowed%free(1) + draw_now*(allowed%free(2) - allowed%free(1))
    end subroutine draw
 
    !> A local optimum from a start. The first step gives the best stiffness for its places; `steps` limits their number. Before each
    !> further step the host is asked.
-   subroutine go_by_tangents(bare, rooms, criterion, begin, best, stop, steps)
+   subroutine go_by_tangents(bare, allowed, criterion, begin, best, stop, steps)
       real(wp), intent(in) :: bare(:, :)
-      type(spring_limits_t), intent(in) :: rooms(:)
+      type(spring_limits_t), intent(in) :: allowed(:)
       integer, intent(in) :: criterion
       type(found_spring_t), intent(in) :: begin(:)
       type(spring_search_t), intent(out) :: best
@@ -194,18 +194,18 @@ contains
       if (present(steps)) last = steps
       springs = begin
       best%springs = springs
-      best%convex = all([(rooms(k)%reach, k=1, size(rooms))] <= 0.0_wp)
+      best%convex = all([(allowed(k)%reach, k=1, size(allowed))] <= 0.0_wp)
       move = 0.0_wp    ! first the best stiffness for these places
       do step = 1, last
          if (step > 1 .and. is_to_end(stop)) exit
-         call solve_step(bare, rooms, criterion, springs, move, tried)
+         call solve_step(bare, allowed, criterion, springs, move, tried)
          if (.not. tried%found) then
             if (step == 1) return
             move = 0.25_wp*move
             if (move < least_move) exit
             cycle
          end if
-         tried%value = criterion_of(criterion, load_with(bare, rooms, tried%springs))
+         tried%value = criterion_of(criterion, load_with(bare, allowed, tried%springs))
          if (step == 1 .or. tried%value < best%value) then
             gain = huge(1.0_wp)
             if (step > 1) gain = (best%value - tried%value)/max(best%value, tiny(1.0_wp))
@@ -223,9 +223,9 @@ contains
    end subroutine go_by_tangents
 
    !> The convex problem of one step: springs whose ends move at most `move` reaches.
-   subroutine solve_step(bare, rooms, criterion, springs, move, result)
+   subroutine solve_step(bare, allowed, criterion, springs, move, result)
       real(wp), intent(in) :: bare(:, :)
-      type(spring_limits_t), intent(in) :: rooms(:)
+      type(spring_limits_t), intent(in) :: allowed(:)
       integer, intent(in) :: criterion
       type(found_spring_t), intent(in) :: springs(:)
       real(wp), intent(in) :: move
@@ -233,7 +233,7 @@ contains
       type(conic_t) :: problem
       type(conic_solution_t) :: solution
       real(wp) :: constant(size(bare, 1), size(bare, 2)), slopes(size(bare, 1), size(bare, 2), each)
-      real(wp) :: unit, stiff(size(rooms)), length(size(rooms)), limit, value
+      real(wp) :: unit, stiff(size(allowed)), length(size(allowed)), limit, value
       real(wp), allocatable :: rows(:, :), triangle(:, :), scales(:)
       integer, allocatable :: column(:, :), sizes(:)
       integer :: k, e, c, n, tau, level, row, cone, positions, comps, i, lines
@@ -251,17 +251,17 @@ contains
          return
       end if
       ! unknowns: moves of the ends in reaches, S and k/length in stiff; then the level of a range, and tau
-      allocate (column(each, size(rooms)), source=0)
+      allocate (column(each, size(allowed)), source=0)
       n = 0
-      do k = 1, size(rooms)
+      do k = 1, size(allowed)
          do e = 1, 2
-            if (.not. (rooms(k)%reach(e) > 0.0_wp .and. move > 0.0_wp)) cycle
+            if (.not. (allowed(k)%reach(e) > 0.0_wp .and. move > 0.0_wp)) cycle
             column(2*e - 1:2*e, k) = [n + 1, n + 2]
             n = n + 2
          end do
          column(5, k) = n + 1
          n = n + 1
-         if (rooms(k)%free(2) > rooms(k)%free(1)) then
+         if (allowed(k)%free(2) > allowed(k)%free(1)) then
             column(6, k) = n + 1
             n = n + 1
          end if
@@ -273,26 +273,26 @@ contains
       tau = n
       allocate (scales(n), source=1.0_wp)
       allocate (rows(positions*comps, n + 1), source=0.0_wp)
-      constant = load_with(bare, rooms, springs)
-      do k = 1, size(rooms)
+      constant = load_with(bare, allowed, springs)
+      do k = 1, size(allowed)
          slopes = 0.0_wp
-         call add_slopes(rooms(k), springs(k), slopes)
+         call add_slopes(allowed(k), springs(k), slopes)
          if (column(6, k) == 0) then
             ! the free length is given: k follows from S
-            slopes(:, :, 5) = slopes(:, :, 5) + rooms(k)%free(1)*slopes(:, :, 6)
+            slopes(:, :, 5) = slopes(:, :, 5) + allowed(k)%free(1)*slopes(:, :, 6)
             slopes(:, :, 6) = 0.0_wp
          end if
          ! a stiffness whose load is of the size of what is to be made less
-         length(k) = max(maxval(rooms(k)%reach), rooms(k)%free(2))
+         length(k) = max(maxval(allowed(k)%reach), allowed(k)%free(2))
          if (.not. length(k) > 0.0_wp) length(k) = 1.0_wp
          stiff(k) = unit/max(maxval(abs(slopes(:, :, 5))), tiny(1.0_wp)/epsilon(1.0_wp))
          do e = 1, each
             if (column(e, k) == 0) cycle
             select case (e)
             case (1, 2)
-               scales(column(e, k)) = rooms(k)%reach(1)
+               scales(column(e, k)) = allowed(k)%reach(1)
             case (3, 4)
-               scales(column(e, k)) = rooms(k)%reach(2)
+               scales(column(e, k)) = allowed(k)%reach(2)
             case (5)
                scales(column(e, k)) = stiff(k)
             case default
@@ -311,13 +311,13 @@ contains
       end if
       if (level > 0) rows(:, level) = -1.0_wp
       lines = 1
-      do k = 1, size(rooms)
+      do k = 1, size(allowed)
          lines = lines + 2
          if (column(6, k) > 0) lines = lines + 2
       end do
       if (criterion == criterion_range .or. (criterion == criterion_peak .and. comps == 1)) lines = lines + 2*positions
       allocate (sizes(0))
-      do k = 1, size(rooms)
+      do k = 1, size(allowed)
          do e = 1, 2
             if (column(2*e, k) > 0) sizes = [sizes, 3, 3]
          end do
@@ -331,27 +331,27 @@ contains
       row = 1
       problem%g(1, tau) = 1.0_wp
       problem%h(1) = 1.0e3_wp
-      do k = 1, size(rooms)
-         limit = stiffest_in(rooms(k), bare)/stiff(k)
+      do k = 1, size(allowed)
+         limit = stiffest_in(allowed(k), bare)/stiff(k)
          problem%g(row + 1, column(5, k)) = -1.0_wp
          problem%g(row + 2, column(5, k)) = 1.0_wp
          problem%h(row + 2) = limit
          row = row + 2
          if (column(6, k) == 0) cycle
-         problem%g(row + 1, column(5, k)) = rooms(k)%free(1)/length(k)
+         problem%g(row + 1, column(5, k)) = allowed(k)%free(1)/length(k)
          problem%g(row + 1, column(6, k)) = -1.0_wp
-         problem%g(row + 2, column(5, k)) = -rooms(k)%free(2)/length(k)
+         problem%g(row + 2, column(5, k)) = -allowed(k)%free(2)/length(k)
          problem%g(row + 2, column(6, k)) = 1.0_wp
          row = row + 2
       end do
       cone = lines
-      do k = 1, size(rooms)
+      do k = 1, size(allowed)
          do e = 1, 2
             if (column(2*e, k) == 0) cycle
             problem%h(cone + 1) = 1.0_wp + 1.0e-9_wp
             problem%h(cone + 4) = move
             do c = 1, 2
-               problem%h(cone + 1 + c) = springs(k)%at(c, e)/rooms(k)%reach(e)
+               problem%h(cone + 1 + c) = springs(k)%at(c, e)/allowed(k)%reach(e)
                problem%g(cone + 1 + c, column(2*e - 2 + c, k)) = -1.0_wp
                problem%g(cone + 4 + c, column(2*e - 2 + c, k)) = -1.0_wp
             end do
@@ -380,7 +380,7 @@ contains
       call solve_conic(problem, solution)
       result%found = solution%solved
       if (.not. solution%solved) return
-      do k = 1, size(rooms)
+      do k = 1, size(allowed)
          associate (spring => result%springs(k))
             do e = 1, 4
                if (column(e, k) == 0) cycle
@@ -389,10 +389,10 @@ contains
                end associate
             end do
             spring%stiffness = max(0.0_wp, scales(column(5, k))*solution%x(column(5, k)))
-            spring%free = rooms(k)%free(1)
+            spring%free = allowed(k)%free(1)
             if (column(6, k) > 0 .and. spring%stiffness > 0.0_wp) then
                value = scales(column(6, k))*solution%x(column(6, k))/spring%stiffness
-               spring%free = min(max(value, rooms(k)%free(1)), rooms(k)%free(2))
+               spring%free = min(max(value, allowed(k)%free(1)), allowed(k)%free(2))
             end if
          end associate
       end do

@@ -13,7 +13,7 @@ module psalm_summary
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp, full_turn, right_angle
    use psalm_output_kind, only: motion_point, motion_angle, motion_pose, most_rates
-   use psalm_output_wishes, only: output_wishes_t, compare_with_wishes, wish_group_t, wish_groups, first_wish
+   use psalm_output_targets, only: output_targets_t, compare_with_targets, target_group_t, target_groups, first_target
    use psalm_plan, only: root_crank, root_frame
    use psalm_samples, only: sample_set_t, prepare_samples, evaluate_samples
    use psalm_sketch_outputs, only: name_length
@@ -69,7 +69,7 @@ module psalm_summary
    end type rate_errors_t
 
    !> Errors of an output of a sketch, or of a derivative of it.
-   type :: wish_errors_t
+   type :: target_errors_t
       character(name_length) :: name = ''               !! of the output
       integer :: number = 0                           !! the first of its numbers, counted through those of all outputs
       integer :: order = 0                            !! derivative
@@ -78,7 +78,7 @@ module psalm_summary
       character(unit_width) :: unit = ''               !! of these
       integer :: worst = 0                            !! position of the largest
       real(wp) :: worst_input = 0.0_wp
-   end type wish_errors_t
+   end type target_errors_t
 
    type :: summary_t
       logical :: sliding_input = .false.
@@ -110,33 +110,34 @@ module psalm_summary
       character(unit_width) :: error_unit = ''         !! of these
       integer :: worst = 0                            !! position of the largest
       real(wp) :: worst_input = 0.0_wp
-      type(wish_errors_t), allocatable :: wishes(:)   !! by output; not allocated: there are no desired values of such
-      logical :: of_wishes = .false.                  !! the errors above are those of the first of these
+      type(target_errors_t), allocatable :: targets(:)   !! by output; not allocated: there are no desired values of such
+      logical :: of_targets = .false.                  !! the errors above are those of the first of these
       type(rate_errors_t) :: rates(most_rates)        !! of first and second derivatives by the input
    end type summary_t
 
 contains
 
-   !> Summary of a linkage. `motion` is what it does at the prescribed positions, `wishes` what it does there of the desired values
+   !> Summary of a linkage. `motion` is what it does at the prescribed positions, `desired_values` what it does there of the
+   !> desired values
    !> of further outputs; without these it is found here, if there are any.
-   subroutine summarise(set, problem, dimensions, motion, summary, wishes)
+   subroutine summarise(set, problem, dimensions, motion, summary, targets)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(motion_t), intent(in) :: motion
       type(summary_t), intent(out) :: summary
-      class(output_wishes_t), intent(in), optional :: wishes    !! compared at the positions
-      class(output_wishes_t), allocatable :: own                ! large: it would fill a small stack
+      class(output_targets_t), intent(in), optional :: targets    !! compared at the positions
+      class(output_targets_t), allocatable :: own                ! large: it would fill a small stack
 
       call summarise_range(problem, dimensions, motion, summary)
-      if (.not. allocated(problem%wish_values)) return
-      if (present(wishes)) then
-         call summarise_wishes(set, wishes, motion, summary)
+      if (.not. allocated(problem%target_values)) return
+      if (present(targets)) then
+         call summarise_targets(set, targets, motion, summary)
          return
       end if
       allocate (own)
-      call compare_with_wishes(set, problem, dimensions, motion%closed, own)
-      call summarise_wishes(set, own, motion, summary)
+      call compare_with_targets(set, problem, dimensions, motion%closed, own)
+      call summarise_targets(set, own, motion, summary)
    end subroutine summarise
 
    !> The summary but for what is desired of further outputs.
@@ -368,30 +369,30 @@ contains
 
    !> Errors of the outputs of a sketch that have desired values of their own. Where there are no others those of the first of these
    !> are the errors of the linkage.
-   pure subroutine summarise_wishes(set, wishes, motion, summary)
+   pure subroutine summarise_targets(set, targets, motion, summary)
       type(data_set_t), intent(in) :: set
-      class(output_wishes_t), intent(in) :: wishes    !! compared at the positions
+      class(output_targets_t), intent(in) :: targets    !! compared at the positions
       type(motion_t), intent(in) :: motion            !! at the same positions
       type(summary_t), intent(inout) :: summary
-      type(wish_group_t), allocatable :: groups(:)
+      type(target_group_t), allocatable :: groups(:)
       real(wp), allocatable :: miss(:)
       logical, allocatable :: counts(:)
       integer :: k, c
 
-      groups = wish_groups(set%sketch)
-      allocate (summary%wishes(size(groups)))
+      groups = target_groups(set%sketch)
+      allocate (summary%targets(size(groups)))
       do k = 1, size(groups)
-         associate (errors => summary%wishes(k), group => groups(k))
+         associate (errors => summary%targets(k), group => groups(k))
             errors%name = group%name
             errors%number = group%number
             errors%order = group%order
             errors%unit = number_unit(set%sketch%outputs, group%number, per_input(summary%sliding_input), group%order)
-            allocate (miss(size(wishes%miss, 1)), source=0.0_wp)
+            allocate (miss(size(targets%miss, 1)), source=0.0_wp)
             allocate (counts(size(miss)), source=.false.)
             do c = 1, size(group%columns)
                associate (n => group%columns(c))
-                  where (wishes%exists(:, n) .and. wishes%problem%wish_weights(:, n) > 0.0_wp)
-                     miss = hypotenuse(miss, wishes%miss(:, n))
+                  where (targets%exists(:, n) .and. targets%problem%target_weights(:, n) > 0.0_wp)
+                     miss = hypotenuse(miss, targets%miss(:, n))
                      counts = .true.
                   end where
                end associate
@@ -407,9 +408,9 @@ contains
             deallocate (miss, counts)
          end associate
       end do
-      if (.not. wishes%problem%blank .or. size(groups) == 0) return
-      summary%of_wishes = .true.
-      associate (first => summary%wishes(first_wish(groups)))
+      if (.not. targets%problem%blank .or. size(groups) == 0) return
+      summary%of_targets = .true.
+      associate (first => summary%targets(first_target(groups)))
          summary%compared = first%compared
          summary%rms = first%rms
          summary%largest = first%largest
@@ -417,7 +418,7 @@ contains
          summary%worst = first%worst
          summary%worst_input = first%worst_input
       end associate
-   end subroutine summarise_wishes
+   end subroutine summarise_targets
 
    !> The same of derivatives by the input, where they are wanted; of a pose those of its point, or of its angle if those alone are.
    pure subroutine errors_of_rates(problem, motion, rates)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Mutation run: one token of the sources is changed at a time; do the tests notice?
 
-usage: mutate.py [--count N] [--seed S] [--room ROOM,...] [--report | --again] [--quick [--near]]
+usage: mutate.py [--count N] [--seed S] [--folder FOLDER,...] [--report | --again] [--quick [--near]]
 
 Each change is drawn at random over src/ and app/ (a change of a number a quarter as often as another), built, and put
 through the tests until one fails, first those that noticed most in the least time. Tests that never run the line (build/coverage/lines.json, made by
@@ -125,7 +125,7 @@ class Trial:
         if quick:
             self.stages = self.fewer_stages()
         if self.near:
-            sources = [s for s in self.release.order if s.startswith(options.rooms)]
+            sources = [s for s in self.release.order if s.startswith(options.folders)]
             self.stages = [stage for stage in self.stages if any(concerns(stage.name, s) for s in sources)]
         self.builds = list(dict.fromkeys((self.release, self.debug, self.quad)))
         for build in self.builds:
@@ -248,20 +248,20 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--room", default="", help="only sources whose path begins so, as src/picture; several: src/cam,src/proof")
+    parser.add_argument("--folder", default="", help="only sources whose path begins so, as src/picture; several: src/cam,src/proof")
     parser.add_argument("--report", action="store_true", help="print what the run so far has found, run nothing")
     parser.add_argument("--again", action="store_true", help="only what the run so far has missed, with the tests of today")
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--near", action="store_true")
     parser.add_argument("--nice", type=int, default=10)
     options = parser.parse_args()
-    options.rooms = tuple(options.room.split(","))
-    for room in options.rooms if options.room else ():
-        if not room.startswith(("src/", "app/")) or not glob.glob(os.path.join(workshop.TOP, room + "*")):
-            parser.error("no source's path begins with '%s'" % room)
+    options.folders = tuple(options.folder.split(","))
+    for folder in options.folders if options.folder else ():
+        if not folder.startswith(("src/", "app/")) or not glob.glob(os.path.join(workshop.TOP, folder + "*")):
+            parser.error("no source's path begins with '%s'" % folder)
     os.nice(options.nice)
     os.makedirs(PLACE, exist_ok=True)
-    results = os.path.join(PLACE, "seed-%d%s.jsonl" % (options.seed, options.room.replace("/", "-")))
+    results = os.path.join(PLACE, "seed-%d%s.jsonl" % (options.seed, options.folder.replace("/", "-")))
     done = []
     if os.path.exists(results):
         done = [json.loads(line) for line in open(results, encoding="utf-8")]
@@ -310,7 +310,7 @@ def run(options, results, done):
     trial = Trial(options)
     generator = random.Random(options.seed)
     sources = [s for s in trial.release.order
-               if s.endswith("90") and s.startswith(("src/", "app/")) and s.startswith(options.rooms)]
+               if s.endswith("90") and s.startswith(("src/", "app/")) and s.startswith(options.folders)]
     texts = {s: open(os.path.join(trial.tree, s), encoding="utf-8").read() for s in sources}
     everything = [(s, site) for s in sources for site in sites(s, texts[s])]
     weights = [site[4] for _, site in everything]

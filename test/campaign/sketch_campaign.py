@@ -1343,13 +1343,13 @@ def compare_orders(case, output, again):
                 break
 
 
-def judge(programs, folder, cases, counts, worst, both=True):
+def assess(programs, folder, cases, counts, worst, both=True):
     """All checks of some cases. Those with an open position are runs of psalm by themselves: the exit status is one for all.
 
     both: kalm reads both orders; else it reads another than psalm."""
     sound = [case for case in cases if case.sound]
     for group in ([sound] if sound else []) + [[case] for case in cases if not case.sound]:
-        judge_psalm(programs, folder, group, counts, worst)
+        assess_psalm(programs, folder, group, counts, worst)
     read = [case for case in cases if case.read]
     outputs = {}
     for order in (0, 1) if both else (1,):
@@ -1368,7 +1368,7 @@ def judge(programs, folder, cases, counts, worst, both=True):
         if two:
             compare_orders(case, case.output, two)
     if both:
-        judge_pages(programs, folder, read)
+        assess_pages(programs, folder, read)
 
 
 def run_in_parts(programs, program, folder, cases, order, outputs):
@@ -1390,7 +1390,7 @@ def run_in_parts(programs, program, folder, cases, order, outputs):
     return None if found is None else status
 
 
-def judge_psalm(programs, folder, cases, counts, worst):
+def assess_psalm(programs, folder, cases, counts, worst):
     outputs = {}
     status = run_in_parts(programs, "psalm", folder, cases, 0, outputs)
     for case in cases:
@@ -1444,7 +1444,7 @@ def read_pages(programs, folder, cases):
     return data if len(data) == len(cases) else None
 
 
-def judge_pages(programs, folder, cases):
+def assess_pages(programs, folder, cases):
     """Pages of halves where a case is refused, down to the one it is."""
     if not cases:
         return
@@ -1453,8 +1453,8 @@ def judge_pages(programs, folder, cases):
         for case, page in zip(cases, pages):
             compare_page(case, page)
     elif len(cases) > 1:
-        judge_pages(programs, folder, cases[:len(cases)//2])
-        judge_pages(programs, folder, cases[len(cases)//2:])
+        assess_pages(programs, folder, cases[:len(cases)//2])
+        assess_pages(programs, folder, cases[len(cases)//2:])
     else:
         cases[0].fault("page", "refused by balm")
 
@@ -1512,7 +1512,7 @@ def work(programs, seeds, keep, library, both):
     counts, worst, failed = Counter(), [0.0, 0.0, 0.0], []
     with tempfile.TemporaryDirectory(dir=os.path.dirname(library)) as folder:
         cases = [Case(seed, load_solver(library)) for seed in seeds]
-        judge(programs, folder, cases, counts, worst, both)
+        assess(programs, folder, cases, counts, worst, both)
     for case in cases:
         if not case.faults:
             continue

@@ -35,11 +35,11 @@ def coupler_points(count):
 
 
 def run(name, kinds, more="", curve=None, options=(), program="psalm", what="PATH"):
-    with open(os.path.join(FOLDER, name + "_wish.csv"), "w") as out:
+    with open(os.path.join(FOLDER, name + "_target.csv"), "w") as out:
         out.write(curve if curve is not None else "".join("%r,%r\n" % (p.real, p.imag) for p in coupler_points(16)))
     path = os.path.join(FOLDER, name + ".nml")
     with open(path, "w") as out:
-        out.write("wanted\n &CURVE FILE='%s_wish.csv', WHAT='%s' &END\n &KINDS %s &END\n %s\n" % (name, what, kinds, more))
+        out.write("wanted\n &CURVE FILE='%s_target.csv', WHAT='%s' &END\n &KINDS %s &END\n %s\n" % (name, what, kinds, more))
     done = subprocess.run([os.path.join(BIN, program), *options, path], capture_output=True, text=True, timeout=600)
     return done.returncode, done.stdout, done.stderr, os.path.join(FOLDER, name)
 

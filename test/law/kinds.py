@@ -1017,7 +1017,7 @@ def is_power_of_cam(k, run):
 cam_forces.proven = is_power_of_cam
 
 
-def wishes(k, factor=1.0, kinds="point P"):
+def targets(k, factor=1.0, kinds="point P"):
     """Desired values of the first output that the drawing has at a few positions."""
     values = [(float(v),) for v in k.few.split("DELT=")[1].split(",")]
     if k.name == "drives":
@@ -1034,7 +1034,7 @@ def sought(k, groups="SOLVER='LSQ', NSTART=4", outputs="'point P'", method="", w
     """A search for the length that the case has wrong by a hundredth."""
     length = k.sought_length()
     low, high = "%.9g" % (0.9*length), "%.9g" % (1.1*length)
-    wanted = wishes(k) if wanted is None else wanted
+    wanted = targets(k) if wanted is None else wanted
     search = item("SEARCH", groups) if groups else ""
     # the dyad of its bucket is nearly straight
     if k.name == "drives" and "LIMITS" not in more:
@@ -1090,7 +1090,7 @@ def timing(_):
     """Points."""
 
 
-@search_study("search, poses as wishes", outputs=lambda k: "'pose P %s'" % k.pose[0], wanted=lambda k: wishes(k, kinds="pose"),
+@search_study("search, poses as targets", outputs=lambda k: "'pose P %s'" % k.pose[0], wanted=lambda k: targets(k, kinds="pose"),
               method=lambda k: ", MOTION=4" if k.arcs else "")
 def poses(_):
     """Poses."""

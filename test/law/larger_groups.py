@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every study of a six-bar whose coupler, rockers and rod are one group of four links, against a solver in co-ordinates.
+"""Every study of a six-bar whose coupler, rockers and rod are one group of four links, against a solver in coordinates.
 
 usage: larger_groups.py BIN   (directory with the programs). The last line is N passed, N failed.
 
@@ -366,13 +366,13 @@ PRESSED = """PRESSED TO A DEAD POINT
 
 
 def distance_kept(work):
-    """A search whose wishes lie beyond a dead point comes no nearer to it than to a fiftieth of what the linkage given is away."""
+    """A search whose targets lie beyond a dead point comes no nearer to it than to a fiftieth of what the linkage given is away."""
     away = lambda done: float(re.search(r"Larger group +in the group of joints .+ at least (\S+) from a dead point", done.stderr).group(1))
     given = away(run("psalm", (PRESSED % "").replace(", VARY='C D'", ""), work))
     for x, y in ((150.0, 30.0), (60.0, 60.0)):
-        wishes = ", DESX=%r,%r,%r, DESY=%r,%r,%r &END\n &SEARCH SOLVER='LSQ'" % (x, x, x, y, y, y)
-        found = away(run("psalm", PRESSED % wishes, work))
-        check("a search keeps its distance from a dead point, wishes at %r" % x, found > 0.0199*given, (given, found))
+        targets = ", DESX=%r,%r,%r, DESY=%r,%r,%r &END\n &SEARCH SOLVER='LSQ'" % (x, x, x, y, y, y)
+        found = away(run("psalm", PRESSED % targets, work))
+        check("a search keeps its distance from a dead point, targets at %r" % x, found > 0.0199*given, (given, found))
 
 
 def main():

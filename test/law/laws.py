@@ -443,14 +443,14 @@ def test_idle_items():
 
 def test_remedy():
     """Where a length ends at a bound that holds by default, the remedy is that of sketches or of loops, and the ratio is told."""
-    wished = ",".join("%.4f" % (100.0 + 60.0*(n/10.0)**2) for n in range(11))
+    desired = ",".join("%.4f" % (100.0 + 60.0*(n/10.0)**2) for n in range(11))
     places = ",".join("%.1f" % (6.0*n) for n in range(11))
-    sketch = changed(changed(SKETCH, "'point P'", "'angle rocker'"), "IKIN=5", "NDES=11, DELT=%s, DESANG=%s" % (places, wished))
+    sketch = changed(changed(SKETCH, "'point P'", "'angle rocker'"), "IKIN=5", "NDES=11, DELT=%s, DESANG=%s" % (places, desired))
     sketch = changed(sketch, "'C D' &END", "'C D', VARY='A B','B C','C D','input' &END")
     for text, right, wrong in ((sketch, "set VLOW and VHIGH", "LIMVAL"), (None, "set LIMVAL, OPLOW and OPHIGH", "VLOW")):
         if text is None:
             text = changed(changed(case("dyad1_crank_rocker"), "IKIN=15", "NDES=11, DELT=%s, DESANG=%s, IVA=3*1, ICRK=1" % (
-                places, wished)), "TANGLE=70.0", "TANGLE=90.0")
+                places, desired)), "TANGLE=70.0", "TANGLE=90.0")
         write("bound.nml", text.rstrip() + "\n &SEARCH SOLVER='LSQ', NSTART=50 &END\n")
         errors = psalm("bound.nml")[2]
         told = [line for line in errors.splitlines() if "at the bound that holds where none is given" in line]

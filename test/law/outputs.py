@@ -181,7 +181,7 @@ def drawn_whole(programs, work, head):
     check("the same links, whatever is asked", all(one == seen[0] for one in seen), seen)
 
 
-def wished_poses(programs, work):
+def desired_poses(programs, work):
     """Errors in ranking, summary and kalm are those of the desired poses: the objective is the sum of their squares."""
     wanted = ((40.0, 110.0, 0.0), (60.0, 112.0, -10.0), (80.0, 108.0, -20.0), (95.0, 98.0, -35.0))
     for output, name in (("pose P coupler", "pose_P_coupler"), ("pose P P Q", "pose_P_P_Q")):
@@ -307,7 +307,7 @@ def open_digits(programs, work):
 def main():
     programs = os.path.abspath(sys.argv[1])
     with tempfile.TemporaryDirectory() as work:
-        wished_poses(programs, work)
+        desired_poses(programs, work)
         no_other_joint(programs, work)
         one_linkage_one_name(programs, work)
         open_digits(programs, work)

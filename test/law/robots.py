@@ -3,7 +3,7 @@
 
 MJCF: MuJoCo turns the crank once at the speed of the case; the loops stay closed, coupler points pass where psalm has them, the drive
 takes the torque that kalm has. SDF: the joints of the file alone, closed by Newton's method, put the links where MuJoCo has them.
-URDF: read by another reader, the tree with MuJoCo's co-ordinates does the same, and the joints for Gazebo meet.
+URDF: read by another reader, the tree with MuJoCo's coordinates does the same, and the joints for Gazebo meet.
 
 usage: test/law/robots.py PROGRAM_DIRECTORY [CASE ...]. Last line: N passed, N failed"""
 import csv
@@ -175,7 +175,7 @@ def numbers(text):
 
 
 def test_sdf(name, work, model, poses):
-    """Joints of the file, closed by Newton's method for the co-ordinates of the drives, against the places of MuJoCo's bodies."""
+    """Joints of the file, closed by Newton's method for the coordinates of the drives, against the places of MuJoCo's bodies."""
     world = ElementTree.parse(os.path.join(work, name + ".sdf")).getroot().find("world")
     root = world.find("model")
     links = {link.get("name"): numbers(link.findtext("pose") or "0 0 0 0 0 0") for link in root.findall("link")}
@@ -255,7 +255,7 @@ def test_sdf(name, work, model, poses):
             # the plane stands upright: turns are about -y of the world
             across = np.array(xmat[body]).reshape(3, 3) @ np.array([1.0, 0.0, 0.0])
             state[3 * i + 2] = math.atan2(across[2], across[0])
-        # turns of many revolutions: as the co-ordinates of the joints have them
+        # turns of many revolutions: as the coordinates of the joints have them
         for _ in range(3):
             for joint in joints:
                 if joint.get("type") == "prismatic" or joint.find("axis/mimic") is not None or joint.get("name") in wanted:
@@ -281,7 +281,7 @@ def test_sdf(name, work, model, poses):
 
 
 def test_urdf(name, work, model, poses):
-    """The tree with MuJoCo's co-ordinates, and the joints that close its loops."""
+    """The tree with MuJoCo's coordinates, and the joints that close its loops."""
     path = os.path.join(work, name + ".urdf")
     robot = yourdfpy.URDF.load(path, load_meshes=False, build_collision_scene_graph=False)
     check(name + ": URDF: valid", robot.validate())

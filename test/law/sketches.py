@@ -526,7 +526,7 @@ def one_crank_angle(programs):
         yield "crank angle: that of A B", all(abs(a - b) < 1e-9 for some in angles for a, b in zip(some, (90, 100))), angles
 
 
-WISHED = """ONE WISH IN TWO WORDS
+DESIRED = """ONE TARGET IN TWO WORDS
  &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,33.0,90.0,20.0, JY=0.0,31.0,82.0,5.0,95.0,
   LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P','C D',
   VARY='A B','B C','C D','place D','input' &END
@@ -537,20 +537,20 @@ WISHED = """ONE WISH IN TWO WORDS
  &LIMITS TANGLE=80.0 &END
 """
 # output, DES1 and WGT1, DESX ...
-WISHES = (("point P", "DES1=20.,95.,10.,96.,0.,93., WGT1=1.0,2.0,1.0",
+TARGETS = (("point P", "DES1=20.,95.,10.,96.,0.,93., WGT1=1.0,2.0,1.0",
            "DESX=20.,10.,0., DESY=95.,96.,93., XMULT=1.0,2.0,1.0, YMULT=1.0,2.0,1.0"),
           ("angle rocker", "DES1=-50.,-44.,-39.", "DESANG=-50.,-44.,-39."),
           ("distance P", "DES1=97.,96.,93., WGT1=3.0", "DESANG=97.,96.,93., ANMULT=3.0,3.0,3.0"),
           ("pose P B P", "DES1=20.,95.,70.,10.,96.,80.,0.,93.,85.", "DESX=20.,10.,0., DESY=95.,96.,93., DESANG=70.,80.,85."))
 
 
-def wished(programs):
+def desired(programs):
     """DES1 of the first output and DESX ... of &METHOD are one search to the last bit; free timing is open to both."""
     with tempfile.TemporaryDirectory() as folder:
-        for output, first, second in WISHES:
+        for output, first, second in TARGETS:
             for timing in ("", ", IFREE=1"):
                 found = []
-                words = {"des1": WISHED % (output, ", " + first, timing), "desx": WISHED % (output, "", timing + ", " + second)}
+                words = {"des1": DESIRED % (output, ", " + first, timing), "desx": DESIRED % (output, "", timing + ", " + second)}
                 for name, text in words.items():
                     done, _ = run_psalm(programs, folder, name, text)
                     law = "%s%s: %s" % (output, timing, name)
@@ -771,7 +771,7 @@ def main():
         failed += 1
         told.append("sliding drives: only %d of %d were solved by loops" % (by_loops, number))
     for say in (one_verdict, one_way, what_is_reached, one_adjusted, other_way_round, wheels_of_whole_ratios, searched, searched_in_poses, grid_alone,
-                named_tolerances, one_crank_angle, wished, one_zero, rigid_triangle):
+                named_tolerances, one_crank_angle, desired, one_zero, rigid_triangle):
         for law, holds, got in say(arguments.programs):
             passed += bool(holds)
             failed += not holds

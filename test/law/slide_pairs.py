@@ -2,7 +2,7 @@
 
     slide_pairs.py BIN [LINKAGES [INPUTS [SEED]]]
 
-draws linkages of one to four loops, at least one of type 8 among their dyads, and judges each by `BIN/psalm` over a range of the
+draws linkages of one to four loops, at least one of type 8 among their dyads, and assesses each by `BIN/psalm` over a range of the
 input or a full turn. What is told sound is made to be only just so: a dimension, or the end of the range, is moved until psalm
 tells it violated, and bisected. LINKAGES of these (60) are looked at by the solver below at INPUTS inputs (2000): none may have an
 open loop there, and between two inputs the sine between two slides may not change its sign. Margins that are proven must hold those
@@ -195,7 +195,7 @@ class Linkage:
         return joint, sines
 
 
-def judge(psalm, linkage, folder):
+def assess(psalm, linkage, folder):
     """Exit status and margin list of psalm."""
     name = os.path.join(folder, 'slides.nml')
     with open(name, 'w') as file:
@@ -281,12 +281,12 @@ def tune(psalm, linkage, draw, folder):
     factor = draw.choice((0.2, 0.5, 2.0, 4.0)) if name != 'range' else draw.choice((1.5, 2.0))
     wrong = sound*factor if name != 'range' else min(359.0, sound*factor)
     setattr(owner, name, wrong)
-    if judge(psalm, linkage, folder):
+    if assess(psalm, linkage, folder):
         return False
     for _ in range(18):
         middle = 0.5*(sound + wrong)
         setattr(owner, name, middle)
-        if judge(psalm, linkage, folder):
+        if assess(psalm, linkage, folder):
             sound = middle
         else:
             wrong = middle
@@ -306,12 +306,12 @@ def main():
         while sound < wanted:
             linkage = Linkage(draw)
             drawn += 1
-            if refuted(linkage, 60) is not None or not judge(psalm, linkage, folder):
+            if refuted(linkage, 60) is not None or not assess(psalm, linkage, folder):
                 continue
             sound += 1
             turns += linkage.turn
             tuned += tune(psalm, linkage, draw, folder)
-            if not judge(psalm, linkage, folder):
+            if not assess(psalm, linkage, folder):
                 sys.exit('the tuned linkage is not sound')
             worst = max(worst, compare(linkage, folder))
             more, differ = margins(linkage, psalm, folder)

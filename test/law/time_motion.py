@@ -3,8 +3,8 @@
 
 usage: time_motion.py BIN   (directory with the programs). The last line is N passed, N failed.
 
-The witness knows bodies, pins and slides in Cartesian co-ordinates: place and angle of every body, the closure differentiated twice,
-accelerations and multipliers from one linear system, SciPy's DOP853. It shares neither co-ordinates nor closure nor forces with kalm.
+The witness knows bodies, pins and slides in Cartesian coordinates: place and angle of every body, the closure differentiated twice,
+accelerations and multipliers from one linear system, SciPy's DOP853. It shares neither coordinates nor closure nor forces with kalm.
 """
 import math
 import os

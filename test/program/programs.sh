@@ -175,7 +175,7 @@ check 'slopes: the derivatives on device 9 are those of kalm' awk '
                 else if (block == "derivatives;" && NF == 10) want[++n] = $3 " " $7; next }
     $1 + 0 > 0 && NF >= 7 { gsub("D", "E"); split(want[++m], w); v = NF == 7 ? $3 : $4; a = NF == 7 ? $4 : $6
                 if ((v - w[1])^2 + (a - w[2])^2 > 1e-9) bad = 1 } END { exit !(n == 7 && m == 7 && !bad) }' slopes.dev9 out
-cat >wished.nml <<'EOF'
+cat >desired.nml <<'EOF'
 POSE AND ITS SPEED
  &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,33.0,90.0,20.0, JY=0.0,31.0,82.0,5.0,95.0, LNAME='frame','crank','coupler','rocker',
   LNK='A D','A B','B C P','C D', VARY='A B','B C','place D' &END
@@ -183,7 +183,7 @@ POSE AND ITS SPEED
   WVEL1=1.0,0.0 &END
  &METHOD NDES=2, DELT=0.0,20.0 &END &SEARCH SOLVER='LSQ' &END
 EOF
-status 0 'derivatives of a sketch' "$psalm" --quiet wished.nml
+status 0 'derivatives of a sketch' "$psalm" --quiet desired.nml
 check 'derivatives of a sketch: what is desired and what became of it' test "$(grep -cE \
     '^  pose_P_coupler.(x|y|angle)( +[12]| \(VEL\) +1)( +-?[0-9.]+){3}$' out)" -eq 9
 awk '/^SLIDER-CRANK$/ { on = 1; print; next } on && /^[A-Z]/ { exit } on' "$data/types/ten_for_corner.nml" |

@@ -207,7 +207,7 @@ def one_numbers(directory, data):
     check("calm: the least base radius is that of the cam", search["least"] == ["base"] and near(search["after"][0], float(next(
         v for n, v in base.items() if n in ("base_radius", "least_height"))), 1e-4), "%s %s" % (search, base))
     check("calm: what varied", values["item"] == ["ORIGLK"] and 30.0 <= float(values["after"][0]) <= 90.0 and float(values["before"][0]) == 48.0, str(values))
-    check("calm: no fault where it keeps its limits", blocks["judgement"]["columns"]["fails"] == [int("exceeds" in errors or "undercut" in errors)], errors)
+    check("calm: no fault where it keeps its limits", blocks["assessment"]["columns"]["fails"] == [int("exceeds" in errors or "undercut" in errors)], errors)
 
 
 SKETCH = """A SKETCH
@@ -215,7 +215,7 @@ SKETCH = """A SKETCH
   LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P','C D' &END
  &DRIVES DRIVE='A' &END
 """
-WISHED = """ &METHOD NDES=3, DELT=0.0,10.0,20.0, DESX=60.0,58.0,55.0, DESY=60.0,62.0,64.0, YMULT=1.0,0.0,1.0 &END
+DESIRED = """ &METHOD NDES=3, DELT=0.0,10.0,20.0, DESX=60.0,58.0,55.0, DESY=60.0,62.0,64.0, YMULT=1.0,0.0,1.0 &END
 """
 
 
@@ -224,23 +224,23 @@ def numbers(block):
     return {name: [float(v) if v is not None else math.nan for v in values] for name, values in block["columns"].items()}
 
 
-def wished(psalm):
+def desired(psalm):
     """Desired values of a sketch, whether it has outputs or not: all of them, and errors in the unit of what is desired."""
     for name, outputs, point in (("no outputs", "", "P"), ("a point", " &OUTPUTS OUTPUT='point P', ONAME='tip' &END\n", "tip")):
-        with open("wished.nml", "w", encoding="ascii") as file:
-            file.write(SKETCH + outputs + WISHED)
-        blocks = compare(psalm, os.path.abspath("wished.nml"))
+        with open("desired.nml", "w", encoding="ascii") as file:
+            file.write(SKETCH + outputs + DESIRED)
+        blocks = compare(psalm, os.path.abspath("desired.nml"))
         columns = numbers(blocks["positions"])
         check("desired, %s: every value" % name, [columns["%s.%s.desired" % (point, c)] for c in "xy"] == [[60.0, 58.0, 55.0], [60.0, 62.0, 64.0]], str(columns))
         gaps = [math.hypot(*(columns["P." + c][k] - columns["%s.%s.desired" % (point, c)][k] for c in "xy")) for k in range(3)]
         row = {n: v[0] for n, v in blocks["summary"]["columns"].items()}
         check("desired, %s: errors" % name, near(row["error_largest"], max(gaps)) and int(row["error_largest_position"]) == 1 + gaps.index(max(gaps)), str(row))
-    with open("wished.nml", "w", encoding="ascii") as file:
+    with open("desired.nml", "w", encoding="ascii") as file:
         file.write(SKETCH + """ &OUTPUTS OUTPUT='point P','angle rocker', ONAME='tip','swing', DES2=270.0,275.0 &END
  &METHOD NDES=2, DELT=0.0,10.0 &END
  &LIMITS TANGLE=1.0 &END
 """)
-    blocks = compare(psalm, os.path.abspath("wished.nml"))
+    blocks = compare(psalm, os.path.abspath("desired.nml"))
     columns = numbers(blocks["positions"])
     check("desired angle: unit", blocks["summary"]["units"]["error_rms"] == "deg", str(blocks["summary"]["units"]))
     check("desired angle: error", near(blocks["summary"]["columns"]["error_largest"][0], max(
@@ -269,7 +269,7 @@ def main(directory):
     with tempfile.TemporaryDirectory() as work:
         os.chdir(work)
         check("there are sketches", len(sketches) > 15)
-        wished(psalm)
+        desired(psalm)
         for case in sketches:
             stem = os.path.basename(case)[:-4]
             names = list(compare(psalm, case)["positions"]["columns"])
@@ -312,7 +312,7 @@ def main(directory):
                 ("ssics", "ssics/drive_loads.nml", {"drive", "drive_inertia", "drive_torque", "drive_multipliers", "drive_harmonics"}),
                 ("ssics", "ssics/hill.nml", {"hill", "hill_multipliers", "hill_harmonics", "hill_response"}),
                 ("bridge", "bridge/four_bar_haines.nml", {"clearance", "minima", "losses", "following", "least_forces", "speeds", "flight", "cycle"}),
-                ("calm", "calm/knuckle_press.nml", {"cam", "segments", "law", "law_joints", "judgement", "extremes"}),
+                ("calm", "calm/knuckle_press.nml", {"cam", "segments", "law", "law_joints", "assessment", "extremes"}),
                 ("psalm", "exact/five_poses.nml", {"exact"}),
                 ("psalm", "cheapest_tolerances.nml", {"positions", "tolerances", "allocation", "allocation_bands"}),
                 ("psalm", "adjustable_stroke.nml", {"positions", "sweep"})):
@@ -325,9 +325,9 @@ def main(directory):
               " &METHOD NDES=3, DELT=0.0,1.0,2.0 &END\n &LIMITS LAST=1 &END\n"
         with open("two.nml", "w", encoding="utf-8") as file:
             file.write(two)
-        wishes = compare(psalm, "two.nml").get("wishes", {"columns": {"position": []}})["columns"]
-        check("desired values of a further output: a row for each", wishes["position"] == [1, 2, 3] and all(
-            abs(float(d) - float(a) - float(e)) < 1e-9 for d, a, e in zip(wishes["desired"], wishes["actual"], wishes["error"])), str(wishes))
+        targets = compare(psalm, "two.nml").get("desired_values", {"columns": {"position": []}})["columns"]
+        check("desired values of a further output: a row for each", targets["position"] == [1, 2, 3] and all(
+            abs(float(d) - float(a) - float(e)) < 1e-9 for d, a, e in zip(targets["desired"], targets["actual"], targets["error"])), str(targets))
         done = subprocess.run([os.path.join(directory, "balm"), "--json", sketches[0]], capture_output=True, text=True, check=False)
         check("--json is no option of balm", done.returncode == 2 and "--json is an option of the programs that compute: psalm" in done.stderr, done.stderr)
         bare = "A CASE WITHOUT OUTPUTS\n &CHAIN JNT='A','B','C','D', JX=0.,0.,40.,70., JY=0.,30.,60.,0., LNK='A D','A B','B C','C D' &END\n" \

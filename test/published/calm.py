@@ -507,7 +507,7 @@ def knuckle(place):
         close(numpy.abs(got[k] - want[k]).max(), 0.0, tolerance, "knuckle passed: derivative %d of the input" % k)
     check(run.blocks["extremes"].count(["dead_point_passed"] + next(r for r in run.blocks["extremes"] if r[0] == "dead_point_passed")[1:]) >= 1
           and abs(run.extremes["dead_point_passed"][0] - 270) < 1e-9, "knuckle: device 9 has the dead point", run.blocks["extremes"])
-    # degree 7 has no acceleration there: it turns back, or passes where that is wished
+    # degree 7 has no acceleration there: it turns back, or passes where that is desired
     turning = equal.replace("4*'HARMONIC'", "4*'POLY4567'")
     run = Run(turning, place)
     check(run.code == 0 and run.listing.count("THE INPUT TURNS BACK AT") == 2, "knuckle: the input turns back", run.error)

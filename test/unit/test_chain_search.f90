@@ -11,7 +11,7 @@ program test_chain_search
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, make_problem
    use psalm_kinds, only: wp
-   use psalm_output_wishes, only: output_wishes_t, prepare_output_wishes, find_output_wishes, differentiate_output_wishes
+   use psalm_output_targets, only: output_targets_t, prepare_output_targets, find_output_targets, differentiate_output_targets
    use psalm_parameters, only: variable_aside, variable_aside_angle, words_of
    use psalm_place, only: beside_t
    use psalm_preparation, only: prepared_t, prepare
@@ -275,7 +275,7 @@ contains
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       real(wp), parameter :: h = 1.0e-5_wp
-      type(output_wishes_t), allocatable :: wishes
+      type(output_targets_t), allocatable :: targets
       type(sample_set_t), allocatable :: samples
       type(clearance_t), allocatable :: clearances(:)
       type(beside_t), allocatable :: beside(:)
@@ -284,30 +284,30 @@ contains
       real(wp), allocatable :: by(:, :, :), up(:, :), joint_by(:, :, :, :), joint_up(:, :, :), values(:), moved(:)
       integer :: v
 
-      allocate (wishes, samples)
-      call prepare_output_wishes(set, problem, .false., .true., wishes)
+      allocate (targets, samples)
+      call prepare_output_targets(set, problem, .false., .true., targets)
       call list_clearances(set%constr, problem%mechanism, problem%given%outlk <= 0.0_wp, clearances, joints, beside)
       call t%equal_integer(size(joints, 2), 1, 'one joint has a region')
       call prepare_samples(problem, problem%delt, .false., joints, .true., samples, beside)
       dimensions = problem%given
       values = problem%parameters%first_values(dimensions)
-      call differentiate_output_wishes(wishes, dimensions)
+      call differentiate_output_targets(targets, dimensions)
       call linearise_samples(samples, dimensions)
-      by = wishes%by
+      by = targets%by
       joint_by = samples%djoints
       do v = 1, size(values)
          moved = values
          moved(v) = values(v) + h
          call problem%parameters%apply(moved, dimensions)
-         call find_output_wishes(wishes, dimensions)
+         call find_output_targets(targets, dimensions)
          call evaluate_samples(samples, dimensions)
-         up = wishes%miss
+         up = targets%miss
          joint_up = samples%joints
          moved(v) = values(v) - h
          call problem%parameters%apply(moved, dimensions)
-         call find_output_wishes(wishes, dimensions)
+         call find_output_targets(targets, dimensions)
          call evaluate_samples(samples, dimensions)
-         call t%close_to(maxval(abs((up - wishes%miss)/(2.0_wp*h) - by(:, v, :))), 0.0_wp, 1.0e-6_wp, &
+         call t%close_to(maxval(abs((up - targets%miss)/(2.0_wp*h) - by(:, v, :))), 0.0_wp, 1.0e-6_wp, &
                          'outputs by '//words_of(problem%parameters%variables(v)))
          call t%close_to(maxval(abs((joint_up - samples%joints)/(2.0_wp*h) - joint_by(:, :, :, v))), 0.0_wp, 1.0e-6_wp, &
                          'the joint of a region by '//words_of(problem%parameters%variables(v)))
@@ -371,16 +371,16 @@ contains
          " VARY='A C','H J','K T','angle K I K T' &END"//nl// &
          " &DRIVES DRIVE='BC','DF','GJ', DELT2=0.0,0.1,0.2,0.0, DELT3=0.0,-0.1,0.0,0.1 &END"//nl// &
          ' &METHOD NDES=4, DELT=0.0,0.05,0.1,0.15 &END'//nl
-      character(200) :: wishes
+      character(200) :: targets
 
       call read_one('EXCAVATOR'//nl//" &CHAIN JNT='A','B','C','D','E','F','G','H','I','J','K','T',"//nl// &
                     ' JX=0.0,0.5,2.6,2.9,5.2,4.6,5.0,6.0,6.6,6.3,5.9,7.0,'//rest//" &OUTPUTS OUTPUT='point T' &END"//nl, &
                     set, findings)
       call study_chain(set, 1.0_wp, 0.0_wp, study)
-      write (wishes, '(8(f0.9,","))') study%values(:, 0, :)
+      write (targets, '(8(f0.9,","))') study%values(:, 0, :)
       call read_one('EXCAVATOR'//nl//" &CHAIN JNT='A','B','C','D','E','F','G','H','I','J','K','T',"//nl// &
                     ' JX=0.0,0.5,2.6,2.9,5.2,4.6,5.0,6.0,6.6,6.3,5.9,7.1,'//rest//" &OUTPUTS OUTPUT='point T',"//nl// &
-                    ' DES1='//trim(wishes)//" &END &SEARCH SOLVER='LSQ' &END &LIMITS TANGLE=90.0 &END"//nl, set, findings)
+                    ' DES1='//trim(targets)//" &END &SEARCH SOLVER='LSQ' &END &LIMITS TANGLE=90.0 &END"//nl, set, findings)
       call t%is_true(.not. findings%failed(), 'an excavator with desired places')
       call synthesise_chain(set, 1, stop, search, findings)
       call t%equal_integer(size(search%best), 1, 'the excavator: a linkage is found')

@@ -1,6 +1,7 @@
 !> Every eight-bar chain of simple joints: how many there are, their inversions, and what Assur groups they fall into.
 !>
-!> The chains are enumerated here as graphs, links for vertices and joints for edges; freedom is judged by counting links and joints
+!> The chains are enumerated here as graphs, links for vertices and joints for edges; freedom is found by counting links
+!> and joints
 !> of all their parts. The library finds freedom by pebbles and groups by payment, so that the counts are an independent route.
 !> Published: 16 chains, 71 inversions (Oldham 1977, chapter 3, and the literature it names).
 program test_eight_bars
@@ -9,14 +10,14 @@ program test_eight_bars
    use psalm_freedom, only: freedom_t, find_freedom
    use psalm_sketch, only: sketch_t, drive_turns
    implicit none (type, external)
-   integer, parameter :: links = 8, joints = 10, room = 20, most_permutations = 1440
+   integer, parameter :: links = 8, joints = 10, capacity = 20, most_permutations = 1440
    type(checks_t) :: t
-   logical :: chains(links, links, room)         !! which links are joined
+   logical :: chains(links, links, capacity)         !! which links are joined
    integer :: found, i, k, inversions, without_four_bar, without_dyads
    integer :: on_frame(3), anywhere(3)           !! classes of frame and drive: dyads only, a group of four, one of six
    integer :: on_frame_before, anywhere_before
    integer, parameter :: wanted_on_frame(3) = [69, 52, 32], wanted_anywhere(3) = [144, 206, 225]
-   integer :: walks(4, room)                     !! closed walks of 4 to 7 steps: chains that differ in them are different
+   integer :: walks(4, capacity)                     !! closed walks of 4 to 7 steps: chains that differ in them are different
 
    found = 0
    call enumerate([3, 3, 3, 3, 2, 2, 2, 2])

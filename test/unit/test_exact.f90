@@ -5,7 +5,7 @@ program test_exact
    use psalm_burmester, only: curve_point_t, pin_pair_t, dyads_t, five_poses, four_poses_curve, pin_for_pivot, &
                               polynomial_roots, slider_pin
    use psalm_certificate, only: certificate_t, certify_poses
-   use psalm_defects, only: exact_linkage_t, verdict_t, cognates_of, judge, place_pins
+   use psalm_defects, only: exact_linkage_t, verdict_t, cognates_of, assess, place_pins
    use psalm_function_points, only: generators_t, generator_t, five_points, four_points, output_of, three_points
    use psalm_generic, only: generic_solutions
    use psalm_kinds, only: wp, radians_per_degree
@@ -14,7 +14,7 @@ program test_exact
    use psalm_six_bars, only: closing_links, find_stephenson, find_watt, most_links, six_bar_output, six_bar_t, six_bars_t
    use psalm_start_text, only: decode, decode_short, encode, encode_short
    use psalm_text, only: to_text
-   use psalm_wanted_function, only: function_kind, wanted_function_t
+   use psalm_desired_function, only: function_kind, desired_function_t
    implicit none (type, external)
    type(checks_t) :: t
    real(wp), parameter :: tight = 1.0e-11_wp
@@ -160,7 +160,7 @@ contains
       real(wp), parameter :: psi(5) = [0.0_wp, 12.0_wp, 27.0_wp, 45.0_wp, 66.0_wp]*radians_per_degree
       type(six_bar_t) :: links(most_links)
       type(six_bars_t) :: found
-      type(wanted_function_t) :: wanted
+      type(desired_function_t) :: wanted
       real(wp) :: worst, got, sine
       logical :: closes
       integer :: count_of_links, i, k
@@ -298,7 +298,7 @@ contains
       integer :: k
 
       call crank_rocker(one)
-      call judge(one, .true., own)
+      call assess(one, .true., own)
       call cognates_of(one, others)
       do k = 1, 2
          call t%close_to(maxval(abs(abs(others(k)%c - others(k)%a) - abs(others(k)%c(1) - others(k)%a))), 0.0_wp, tight, &
@@ -309,7 +309,7 @@ contains
          call place_pins(others(k)%c(1), others(k)%d(1), placed)
          call t%close_to(maxval(abs(placed%c - others(k)%c) + abs(placed%d - others(k)%d)), 0.0_wp, tight, &
                          'cognate: its coupler is rigid')
-         call judge(others(k), .true., other)
+         call assess(others(k), .true., other)
          call t%is_true(own%circuit .eqv. other%circuit, 'cognate: the same circuit')
          call t%is_true(own%order .eqv. other%order, 'cognate: the same order')
       end do
@@ -321,7 +321,7 @@ contains
       complex(wp) :: direction
 
       call crank_rocker(one)
-      call judge(one, .true., verdict)
+      call assess(one, .true., verdict)
       call t%is_true(verdict%class == 1, 'a crank-rocker has no defect')
       ! by the law of cosines, where crank and frame are in line
       call t%close_to(cos(verdict%transmission*radians_per_degree), &
@@ -331,13 +331,13 @@ contains
       one%d(3:4) = one%d([4, 3])
       one%p(3:4) = one%p([4, 3])
       one%turn(3:4) = one%turn([4, 3])
-      call judge(one, .true., verdict)
+      call assess(one, .true., verdict)
       call t%is_true(verdict%class == 4, 'two points exchanged: a defect of order')
       call crank_rocker(one)
       ! the other assembly at one point
       direction = (one%b - one%c(5))/abs(one%b - one%c(5))
       one%d(5) = one%c(5) + direction*conjg((one%d(5) - one%c(5))/direction)
-      call judge(one, .true., verdict)
+      call assess(one, .true., verdict)
       call t%is_true(verdict%class == 5 .and. .not. verdict%circuit, 'the other assembly of a crank-rocker: a defect of circuit')
    end subroutine defects
 

@@ -1,4 +1,4 @@
-!> Small rooms everything stands on: marks of runs, rows of the store, kinds of dyads, kernels of arcs, orders.
+!> What everything else uses: marks of runs, rows of the store, kinds of dyads, kernels of arcs, orders.
 program test_foundation
    use, intrinsic :: iso_c_binding, only: c_intptr_t, c_loc
    use check, only: checks_t
@@ -75,12 +75,12 @@ contains
    subroutine rows()
       type(rows_t), target :: store
       integer(c_intptr_t) :: address
-      integer, parameter :: room = 21, count = 5
+      integer, parameter :: capacity = 21, count = 5
       integer :: row
       logical :: aligned
 
-      call make_rows(room, count, store)
-      call t%is_true(lbound(store%v, 1) <= 1 .and. ubound(store%v, 1) >= room .and. size(store%v, 2) == count, &
+      call make_rows(capacity, count, store)
+      call t%is_true(lbound(store%v, 1) <= 1 .and. ubound(store%v, 1) >= capacity .and. size(store%v, 2) == count, &
                      'room for all positions')
       call t%is_true(all(abs(store%v) <= 0.0_wp), 'rows begin with zeros')
       aligned = .true.

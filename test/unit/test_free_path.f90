@@ -105,11 +105,11 @@ contains
    !> The least-squares problem of pivot, crank and coupler point, and what makes it a least one.
    subroutine linear_unknowns()
       type(fitted_path_t) :: path
-      type(path_workspace_t) :: room
+      type(path_workspace_t) :: work
       type(path_timing_t) :: timing
       complex(wp) :: e(18), v(18), miss(18)
 
-      call prepare_path(x, y, even, none, box, 1.0_wp, 1.0_wp, path, room)
+      call prepare_path(x, y, even, none, box, 1.0_wp, 1.0_wp, path, work)
       timing = path_timing_t(g=2.0_wp, sigma=1.2_wp, q=0.3_wp)
       timing%t = [(-20.0_wp*real(i - 1, wp), i=1, 18)]
       call trace_coupler(timing, timing%t, e, v)
@@ -126,13 +126,13 @@ contains
    !> The best known linkage for the 18 points, from five seeds; its bounds, order and turn.
    subroutine searches()
       type(fitted_path_t) :: path
-      type(path_workspace_t) :: room
+      type(path_workspace_t) :: work
       type(path_timing_t) :: best, timing
       type(xoshiro_t) :: random
       integer :: seed, batch, reached
       real(wp), parameter :: known = 0.001772854210_wp
 
-      call prepare_path(x, -y, even, none, box, 1.0_wp, 1.0_wp, path, room) ! mirrored: the crank falls
+      call prepare_path(x, -y, even, none, box, 1.0_wp, 1.0_wp, path, work) ! mirrored: the crank falls
       reached = 0
       allocate (timing%t(18), source=0.0_wp)
       do seed = 1, 3
@@ -140,7 +140,7 @@ contains
          best%error = huge(1.0_wp)
          do batch = 1, 100
             call random%use_stream(batch)
-            call search_batch([path], random, room, timing)
+            call search_batch([path], random, work, timing)
             if (timing%worst > 1.0e-6_wp .or. timing%error > best%error) cycle
             best = timing
             if (best%error*path%size**2 < 1.001_wp*known) exit
@@ -158,7 +158,7 @@ contains
    !> With a limit of the transmission angle no position of the turn passes it.
    subroutine transmission()
       type(fitted_path_t) :: path
-      type(path_workspace_t) :: room
+      type(path_workspace_t) :: work
       type(path_timing_t) :: timing
       type(xoshiro_t) :: random
       complex(wp) :: e(360), v(360)
@@ -166,13 +166,13 @@ contains
       real(wp), parameter :: least = 0.5_wp ! cosine of 60 degrees
       integer :: batch, kept
 
-      call prepare_path(x, -y, even, none, box, least, 1.0_wp, path, room)
+      call prepare_path(x, -y, even, none, box, least, 1.0_wp, path, work)
       allocate (timing%t(18), source=0.0_wp)
       call random%seed(1, purpose_starts)
       kept = 0
       do batch = 1, 12
          call random%use_stream(batch)
-         call search_batch([path], random, room, timing)
+         call search_batch([path], random, work, timing)
          if (timing%worst > 1.0e-6_wp) cycle
          kept = kept + 1
          call trace_coupler(timing, [(real(i, wp), i=1, 360)], e, v)
@@ -247,7 +247,7 @@ contains
    !> turn, its sum of squares found by other programs. A wider limit, from the same random numbers, is never worse.
    subroutine both_limits()
       type(fitted_path_t) :: paths(2)
-      type(path_workspace_t) :: room
+      type(path_workspace_t) :: work
       type(path_timing_t) :: timing
       type(xoshiro_t) :: random
       real(wp), parameter :: points_x(20) = [-27.0_wp, -21.857_wp, -16.7_wp, -11.571_wp, -6.428_wp, -1.285_wp, 3.857_wp, 9.0_wp, &
@@ -269,13 +269,13 @@ contains
          do k = 1, size(least)
             if (seed > 1 .and. least(k) /= asked) cycle
             cosine = cos(real(least(k), wp)/degrees_per_radian)
-            call prepare_path(points_x, points_y, spread(1.0_wp, 1, 20), low, high, cosine, 1.0_wp, paths(1), room)
-            call prepare_path(points_x, -points_y, spread(1.0_wp, 1, 20), low, high, cosine, -1.0_wp, paths(2), room)
+            call prepare_path(points_x, points_y, spread(1.0_wp, 1, 20), low, high, cosine, 1.0_wp, paths(1), work)
+            call prepare_path(points_x, -points_y, spread(1.0_wp, 1, 20), low, high, cosine, -1.0_wp, paths(2), work)
             call random%seed(seed, purpose_starts)
             found = huge(found)
             do batch = 1, 20
                call random%use_stream(batch)
-               call search_batch(paths, random, room, timing)
+               call search_batch(paths, random, work, timing)
                if (timing%worst <= 1.0e-6_wp) found = min(found, timing%error*paths(1)%size**2)
             end do
             call t%is_true(found <= before*(1.0_wp + 1.0e-6_wp), 'a wider limit of the transmission angle is never worse')

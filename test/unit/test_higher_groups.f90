@@ -75,7 +75,7 @@ contains
       real(wp) :: x, y, length
       integer :: block, offset, n, loop, j
 
-      block = (position - 1)/problem%linkage%room + 1
+      block = (position - 1)/problem%linkage%capacity + 1
       call problem%solve_block(block, offset, n)
       dimensions%anchor = dimensions%crnki + problem%delt(position)
       do loop = 1, mechanism%nloop

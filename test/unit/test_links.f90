@@ -65,7 +65,7 @@ contains
       call t%close_to(slope, 0.0_wp, 1.0e-5_wp, 'gradient of the signed distance')
    end subroutine separations
 
-   !> The distance with one co-ordinate changed; a point is moved as a whole.
+   !> The distance with one coordinate changed; a point is moved as a whole.
    subroutine move(p, q, i, j, by, moved)
       real(wp), intent(in) :: p(2, 2), q(:, :), by
       integer, intent(in) :: i, j
@@ -168,9 +168,9 @@ contains
       call compare(set, problem, least, 'a crank')
       ! what it must not be proven to break, what it must
       set%constr%regions(3)%clearance = a - half - 1.0e-6_wp
-      call judge(set, problem, [.false., .false., .false., .false., .false., .false., .false., .false., .true.])
+      call assess(set, problem, [.false., .false., .false., .false., .false., .false., .false., .false., .true.])
       set%constr%regions(3)%clearance = a - half + 1.0e-6_wp
-      call judge(set, problem, [.false., .false., .true., .false., .false., .false., .false., .false., .true.])
+      call assess(set, problem, [.false., .false., .true., .false., .false., .false., .false., .false., .true.])
    end subroutine solved_by_hand
 
    !> The pin between coupler and rocker comes nearest to the crank's pivot where crank and coupler are in line, folded, and goes
@@ -237,7 +237,7 @@ contains
    end subroutine compare
 
    !> What is proven to be broken.
-   subroutine judge(set, problem, broken)
+   subroutine assess(set, problem, broken)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       logical, intent(in) :: broken(:)
@@ -248,5 +248,5 @@ contains
       call t%is_true(all(study%kept%is_broken .eqv. broken), 'what is proven to be broken is broken, and nothing else')
       call t%is_true(study%is_violating(), 'a broken clearance is a violation')
       call t%is_true(.not. study%is_open(), 'and the linkage closes')
-   end subroutine judge
+   end subroutine assess
 end program test_links

@@ -83,7 +83,7 @@ contains
       type(margin_t), allocatable :: margins(:)
       type(proven_extreme_t), allocatable :: extremes(:)
       type(proof_t) :: proof
-      real(wp) :: least, room
+      real(wp) :: least, slack
       integer :: boxes(2), i, k
       logical :: valid
 
@@ -96,11 +96,11 @@ contains
       least = huge(least)
       do i = 1, size(extremes)
          if (extremes(i)%kind /= extreme_angle) cycle
-         room = min(extremes(i)%least_low - (right_angle - tangle), right_angle + tangle - extremes(i)%greatest_high)
-         least = min(least, room)
+         slack = min(extremes(i)%least_low - (right_angle - tangle), right_angle + tangle - extremes(i)%greatest_high)
+         least = min(least, slack)
          do k = 1, size(margins)
             if (margins(k)%kind /= margin_angle .or. margins(k)%which /= extremes(i)%loop) cycle
-            if (abs(margins(k)%margin - room) > near) margins_off = margins_off + 1
+            if (abs(margins(k)%margin - slack) > near) margins_off = margins_off + 1
          end do
       end do
       if (proof%closes_everywhere() .eqv. valid) then

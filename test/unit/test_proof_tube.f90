@@ -208,7 +208,7 @@ contains
       rocker_angle = atan2(c%im, c%re)*degrees_per_radian
    end function rocker_angle
 
-   !> Two arms, the second geared to the first, whose end has a co-ordinate with a double dead point, or two or none near it: every
+   !> Two arms, the second geared to the first, whose end has a coordinate with a double dead point, or two or none near it: every
    !> root of the closed form lies in a bracket, and a bracket that is narrow says how the sign changes.
    subroutine double_points()
       type(chain_study_t) :: s
@@ -264,7 +264,7 @@ contains
 
    end subroutine double_points
 
-   !> Rate of the co-ordinate of two arms, the second `b` long.
+   !> Rate of the coordinate of two arms, the second `b` long.
    real(wp) function speed_of_arms(b, phase, degrees)
       real(wp), intent(in) :: b, phase, degrees
 

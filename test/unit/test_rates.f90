@@ -46,7 +46,7 @@ contains
 
       call load_case(name, problem, set, n=which)
       call problem%want_derivatives(.false.)
-      n = min(problem%positions, problem%linkage%room)
+      n = min(problem%positions, problem%linkage%capacity)
       allocate (values(0:highest_order - 1, 2*n, -3:3), x(highest_order, n), y(highest_order, n))
       unit = merge(1.0_wp, radians_per_degree, problem%mechanism%sliding_input)
       step = merge(1.0e-4_wp, 1.0e-2_wp, quad)*merge(maxval(abs(problem%delt)), 1.0_wp, problem%mechanism%sliding_input)

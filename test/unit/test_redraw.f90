@@ -67,7 +67,7 @@ program test_redraw
    call several_outputs('four-bar, beside its arcs', four_bar, "'A B','B C','C D','B P','angle B C B P'", by_left, &
                         "'point P','distance P D','angle D P'", '21.0,93.0,12.0,95.0,4.0,93.0,-3.0,88.0,-8.0,80.0,-11.0,70.0', &
                         '112.0,119.0,122.5,125.0,124.5,120.0', '128.0,131.0,134.5,138.0,143.0,147.0')
-   call further_outputs('no wish for the first', six_bar, "'E F','B C','P E'", by_rod, &
+   call further_outputs('no target for the first', six_bar, "'E F','B C','P E'", by_rod, &
                         "'point P','angle D C', DES2=126.0,123.0,120.0,117.5,115.0,113.0")
    call further_outputs('no output of the loops first', six_bar, "'E F','B C','P E'", by_rod, &
                         "'between A B D C','x C', DES1=7.0,6.8,6.3,5.5,4.3,2.9, DES2=35.5,37.2,39.4,41.8,44.0,45.7")
@@ -207,27 +207,27 @@ contains
       type(diagnostics_t) :: findings
       type(chain_synthesis_t) :: poses
       type(stop_t) :: stop
-      character(:), allocatable :: wishes, seven
+      character(:), allocatable :: targets, seven
       real(wp) :: found, read, other
 
-      wishes = ' &OUTPUTS OUTPUT='//outputs//', DES1='//first//','//nl//' DES2='//second//', WGT2=0.5, DES3='//third
-      if (present(fourth)) wishes = wishes//', DES4='//fourth
-      wishes = drives//wishes//' &END'//nl
-      call search(name//', outputs', 'OUTPUTS'//nl//chain//' VARY='//vary//' &END'//nl//wishes//lsq//turn//' &END'//nl//limits, &
+      targets = ' &OUTPUTS OUTPUT='//outputs//', DES1='//first//','//nl//' DES2='//second//', WGT2=0.5, DES3='//third
+      if (present(fourth)) targets = targets//', DES4='//fourth
+      targets = drives//targets//' &END'//nl
+      call search(name//', outputs', 'OUTPUTS'//nl//chain//' VARY='//vary//' &END'//nl//targets//lsq//turn//' &END'//nl//limits, &
                   set, seven, found)
       if (len(seven) == 0) return
       call analyse(name//', outputs', seven, again, read)
       call t%close_to(read, found, 1.0e-9_wp, name//', outputs: the objective of device 7 is that of the search')
-      call read_in_poses('POSES'//nl//chain//' VARY='//vary//' &END'//nl//wishes//lsq//turn//' &END'//nl//limits, in_poses, &
+      call read_in_poses('POSES'//nl//chain//' VARY='//vary//' &END'//nl//targets//lsq//turn//' &END'//nl//limits, in_poses, &
                          findings)
       call synthesise_chain(in_poses, 1, stop, poses, findings)
       call t%equal_integer(size(poses%best), 1, name//', outputs: found in poses')
       if (size(poses%best) == 0) return
       call t%close_to(found, poses%best(1)%objective, 1.0e-6_wp, name//', outputs: the optimum is the same by loops and in poses')
-      call search(name//', stages', 'STAGES'//nl//chain//' VARY='//vary//' &END'//nl//wishes//" &SEARCH SOLVER='LSQ', NFEW=2, "// &
+      call search(name//', stages', 'STAGES'//nl//chain//' VARY='//vary//' &END'//nl//targets//" &SEARCH SOLVER='LSQ', NFEW=2, "// &
                   'NSTART=3 &END'//nl//turn//' &END'//nl//limits, set, seven, other)
       call t%is_true(other < found*(1.0_wp + 1.0e-6_wp), name//', outputs: few positions first lead there, too')
-      call search(name//', free', 'FREE'//nl//chain//' VARY='//vary//' &END'//nl//wishes//lsq//turn//', IFREE=1 &END'//nl// &
+      call search(name//', free', 'FREE'//nl//chain//' VARY='//vary//' &END'//nl//targets//lsq//turn//', IFREE=1 &END'//nl// &
                   limits, &
                   set, seven, other)
       call t%is_true(other < found, name//', outputs: free inputs come nearer')

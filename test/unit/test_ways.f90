@@ -153,7 +153,7 @@ contains
          call problem%parameters%apply(found%best(1)%values, dimensions)
          call problem%evaluate(dimensions, objective, loop)
          call t%is_true(loop == 0 .and. abs(objective - found%best(1)%objective) <= 1.0e-12_wp*objective, &
-                        'judged at all positions')
+                        'assessed at all positions')
          call t%is_true(objective <= 0.4467_wp, 'as good as all at once')
       end do
    end subroutine stages_of_a_search

@@ -124,12 +124,12 @@ def compare_case(name, number, blocks, case):
                            abs(float(column["actual"][i - 1])), scale=size) for i in closed)
                   for s in case["slides"] if s["block"] == out), str(slide))
     if desired[0] in column:
-        wishes = {int(e.get("data-position")): e for e in picture.of_class("output", "desired")}
+        targets = {int(e.get("data-position")): e for e in picture.of_class("output", "desired")}
         wanted = range(1, len(rows) + 1) if motion == "point" else closed
-        check(law + "SVG: desired values", sorted(wishes) == list(wanted) and
-              all(wishes[i].get("data-value").split() == [column[n][i - 1] for n in desired] for i in wanted))
+        check(law + "SVG: desired values", sorted(targets) == list(wanted) and
+              all(targets[i].get("data-value").split() == [column[n][i - 1] for n in desired] for i in wanted))
         if motion == "point":
-            check(law + "SVG: desired points", all(place(wishes[i]) == tuple(column[n][i - 1] for n in desired) for i in wanted))
+            check(law + "SVG: desired points", all(place(targets[i]) == tuple(column[n][i - 1] for n in desired) for i in wanted))
 
     # joints: SVG = page = DXF, traces at every position, every bar keeps its length
     reference = case["reference"]

@@ -19,7 +19,7 @@ module linkage_campaign
 
    integer, parameter :: kinds(8) = [assur_rrr, assur_rpr, assur_rpr_guide_first, assur_rrp, assur_prr, assur_rpp, assur_ppr, &
                                      assur_prp]
-   integer, parameter :: most_dyads = 6, room = 64
+   integer, parameter :: most_dyads = 6, capacity = 64
    integer, parameter :: draw_plain = 1, draw_near_toggle = 2, draw_round = 3  !! how dimensions are drawn
    real(wp), parameter :: narrow = 1.0e-15_wp            !! of the range: what a bracket may be wide
    real(qp), parameter :: slack = 1.0e-28_qp             !! of the solver itself
@@ -40,7 +40,7 @@ module linkage_campaign
    !> A linkage drawn at random: the plan, and its dimensions by arc.
    type :: drawn_t
       type(proof_plan_t) :: plan
-      real(wp) :: length(room) = 0.0_wp, angle(room) = 0.0_wp  !! degrees from the root
+      real(wp) :: length(capacity) = 0.0_wp, angle(capacity) = 0.0_wp  !! degrees from the root
       integer :: arcs = 0, points = 0
    end type drawn_t
 
@@ -115,7 +115,7 @@ contains
       type(drawn_t) :: drawn
       type(proof_linkage_t) :: linkage
       real(wp) :: m(lanes), r(lanes)
-      real(qp), dimension(room) :: directions, lengths, before, before_length, after, after_length
+      real(qp), dimension(capacity) :: directions, lengths, before, before_length, after, after_length
       real(qp) :: s, x, y, at, rate, unit
       integer :: n, i, j, k
 
@@ -140,12 +140,12 @@ contains
                do k = root_crank + 1, drawn%plan%nroots
                   call unit_vector_quad(directions(k), x, y)
                   associate (models => rates%base)
-                     call judge(abs(cmplx(value_at(models%root(i, :, 1, k)) - x, value_at(models%root(i, :, 2, k)) - y, qp)), &
+                     call assess(abs(cmplx(value_at(models%root(i, :, 1, k)) - x, value_at(models%root(i, :, 2, k)) - y, qp)), &
                                 models%root_e(i, k))
                   end associate
                end do
                do k = 1, drawn%plan%nlengths
-                  call judge(abs(value_at(rates%base%slide(i, :, k)) - lengths(k)*real(linkage%numbers%scale, qp)), &
+                  call assess(abs(value_at(rates%base%slide(i, :, k)) - lengths(k)*real(linkage%numbers%scale, qp)), &
                              rates%base%slide_e(i, k))
                end do
                if (least_margin(drawn, at - step, before, before_length) <= 1.0e-4_qp) cycle
@@ -153,12 +153,12 @@ contains
                do k = root_crank + 1, drawn%plan%nroots
                   rate = after(k) - before(k)
                   rate = (rate - 360.0_qp*anint(rate/360.0_qp))*radians/(2.0_qp*step*unit)
-                  call judge(abs(value_at(rates%turn(i, :, k)) - rate), &
+                  call assess(abs(value_at(rates%turn(i, :, k)) - rate), &
                              rates%turn_e(i, k) + coarse*(1.0_wp + real(abs(rate), wp)))
                end do
                do k = 1, drawn%plan%nlengths
                   rate = (after_length(k) - before_length(k))*real(linkage%numbers%scale, qp)/(2.0_qp*step*unit)
-                  call judge(abs(value_at(rates%slide(i, :, k)) - rate), &
+                  call assess(abs(value_at(rates%slide(i, :, k)) - rate), &
                              rates%slide_e(i, k) + coarse*(1.0_wp + real(abs(rate), wp)))
                end do
             end do
@@ -167,7 +167,7 @@ contains
 
    contains
 
-      subroutine judge(miss, radius)
+      subroutine assess(miss, radius)
          real(qp), intent(in) :: miss
          real(wp), intent(in) :: radius
 
@@ -176,7 +176,7 @@ contains
          else
             inside = inside + 1
          end if
-      end subroutine judge
+      end subroutine assess
 
       real(qp) function value_at(p)
          real(wp), intent(in) :: p(0:)
@@ -234,7 +234,7 @@ contains
 
       drawn%plan%nroots = 2
       drawn%plan%sliding_input = mode == draw_plain .and. uniform(stream, 0.0_wp, 1.0_wp) < 0.15_wp
-      allocate (drawn%plan%steps(0), drawn%plan%root(room), drawn%plan%slot(room))
+      allocate (drawn%plan%steps(0), drawn%plan%root(capacity), drawn%plan%slot(capacity))
       drawn%plan%root = root_frame
       drawn%plan%slot = 0
       call add_arc(stream, drawn, mode, origin, merge(root_frame, root_crank, drawn%plan%sliding_input))
@@ -461,9 +461,9 @@ contains
    real(qp) function least_margin(drawn, input, directions, lengths)
       type(drawn_t), intent(in) :: drawn
       real(qp), intent(in) :: input          !! degrees, or length
-      real(qp), intent(out), optional :: directions(room), lengths(room) !! of roots, degrees; of slides
-      complex(qp) :: point(0:room), h
-      real(qp) :: direction(room), length(room), scale_of, phi, d, p, q, u, v, c, s, margin
+      real(qp), intent(out), optional :: directions(capacity), lengths(capacity) !! of roots, degrees; of slides
+      complex(qp) :: point(0:capacity), h
+      real(qp) :: direction(capacity), length(capacity), scale_of, phi, d, p, q, u, v, c, s, margin
       integer :: i
 
       direction = 0.0_qp                     ! of roots, degrees

@@ -1,6 +1,6 @@
 !> Derivatives of the output as wanted values: how they change with every variable against differences and against rates of the next
 !> order, gradients of searches, the same linkages as by a sketch in poses, the notation.
-program test_wanted_rates
+program test_desired_rates
    use cases, only: load_case, names
    use check, only: checks_t
    use poses, only: read_in_poses
@@ -26,7 +26,7 @@ program test_wanted_rates
    use psalm_stop, only: stop_t
    use psalm_synthesis, only: synthesis_t, synthesise
    use psalm_text, only: text_t, to_text
-   use psalm_wanted_rates, only: wanted_rates_t, prepare_wanted_rates, find_wanted_rates, differentiate_wanted_rates
+   use psalm_desired_rates, only: desired_rates_t, prepare_desired_rates, find_desired_rates, differentiate_desired_rates
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
    !> A crank-rocker; the rocker's angle at three crank angles.
@@ -74,15 +74,15 @@ contains
       integer, parameter :: power = 300
       type(problem_t) :: problem
       type(data_set_t) :: set
-      type(wanted_rates_t) :: own, large
+      type(desired_rates_t) :: own, large
       type(dimensions_t) :: dimensions
       integer :: v, order, by_input, by_this, of_output
       logical :: same
 
       call load_case(name, problem, set, vary=.true., motion=motion)
       call let_want(problem)
-      call prepare_wanted_rates(problem, .false., .true., own)
-      call differentiate_wanted_rates(own, problem%given)
+      call prepare_desired_rates(problem, .false., .true., own)
+      call differentiate_desired_rates(own, problem%given)
       dimensions = problem%given
       dimensions%arcl = scale(dimensions%arcl, power)
       dimensions%outlk = scale(dimensions%outlk, power)
@@ -92,8 +92,8 @@ contains
          call problem%set_inputs(scale(problem%delt(:problem%positions), power))
          call let_want(problem)
       end if
-      call prepare_wanted_rates(problem, .false., .true., large)
-      call differentiate_wanted_rates(large, dimensions)
+      call prepare_desired_rates(problem, .false., .true., large)
+      call differentiate_desired_rates(large, dimensions)
       call t%is_true(all(own%exists) .and. all(large%exists), name//': derivatives of lengths beyond the plain ones exist')
       of_output = merge(0, 1, problem%motion == motion_angle)
       associate (kinds => problem%parameters%variables%kind)
@@ -126,7 +126,7 @@ contains
       integer, intent(in), optional :: motion, n
       type(problem_t) :: problem
       type(data_set_t) :: set
-      type(wanted_rates_t) :: wanted, moved
+      type(desired_rates_t) :: wanted, moved
       type(rates_t) :: rates
       type(dimensions_t) :: dimensions
       real(wp), allocatable :: values(:), changed(:), slope(:, :, :)
@@ -138,9 +138,9 @@ contains
       call load_case(name, problem, set, n=n, vary=.true., motion=motion)
       label = trim(name)//', MOTION='//to_text(problem%motion)//': '
       call let_want(problem)
-      call prepare_wanted_rates(problem, .true., .true., wanted)
-      call prepare_wanted_rates(problem, .false., .false., moved)
-      call differentiate_wanted_rates(wanted, problem%given)
+      call prepare_desired_rates(problem, .true., .true., wanted)
+      call prepare_desired_rates(problem, .false., .false., moved)
+      call differentiate_desired_rates(wanted, problem%given)
       call t%is_true(all(wanted%exists), label//'derivatives exist')
       components = size(wanted%actual, 2)
       values = problem%parameters%first_values(problem%given)
@@ -153,7 +153,7 @@ contains
             changed(v) = values(v) + real(j, wp)*step
             dimensions = problem%given
             call problem%parameters%apply(changed, dimensions)
-            call find_wanted_rates(moved, dimensions)
+            call find_desired_rates(moved, dimensions)
             slope = slope + weight(abs(j))*sign(1.0_wp, real(j, wp))*moved%actual/step
          end do
          do order = 1, most_rates
@@ -194,10 +194,10 @@ contains
       integer :: i, c, order
 
       associate (n => problem%positions, components => problem%output%kind%components)
-         allocate (problem%rate_wanted(n, components, most_rates), problem%rate_weight(n, components, most_rates))
+         allocate (problem%rate_desired(n, components, most_rates), problem%rate_weight(n, components, most_rates))
          do order = 1, most_rates
             do c = 1, components
-               problem%rate_wanted(:, c, order) = [(0.1_wp*real(i + c, wp), i=1, n)]
+               problem%rate_desired(:, c, order) = [(0.1_wp*real(i + c, wp), i=1, n)]
                problem%rate_weight(:, c, order) = [(real(order, wp)*(1.0_wp + 0.2_wp*real(i, wp)), i=1, n)]
             end do
          end do
@@ -273,7 +273,7 @@ contains
          layout = '(1000(es23.15,","))'
       character(*), parameter :: items(0:most_rates, 3) = reshape([character(7) :: 'DESX', 'DVELX', 'DACCX', 'DESY', 'DVELY', &
                                                                    'DACCY', 'DESANG', 'DVELANG', 'DACCANG'], [3, 3])
-      character(1000) :: wishes(0:most_rates), row
+      character(1000) :: targets(0:most_rates), row
       character(:), allocatable :: method_items
       character(:), allocatable :: sketch
       integer :: order, c, columns, which
@@ -290,7 +290,7 @@ contains
       method_items = ''
       do order = 0, most_rates
          other%values(:, order, :) = other%values(:, order, :)*merge(1.0_wp, 1.05_wp, order < 2)
-         write (wishes(order), layout) other%values(:, order, :)
+         write (targets(order), layout) other%values(:, order, :)
          do c = 1, columns
             write (row, layout) other%values(c, order, :)
             which = merge(size(items, 2), c, columns == 1)
@@ -300,8 +300,8 @@ contains
          end do
       end do
       call read_one('BY POSES'//nl//" &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,33.0,90.0,20.0, JY=0.0,31.0,82.0,5.0,95.0,"// &
-                    sketch//' &OUTPUTS OUTPUT='//output//', DES1='//trim(wishes(0))//nl//' DVEL1='//trim(wishes(1))//nl// &
-                    ' DACC1='//trim(wishes(2))//nl//' WVEL1=2.0, WACC1=1.0,0.0,3.0,0.5,1.0 &END'//nl//method//' &END'//nl//rest, &
+                    sketch//' &OUTPUTS OUTPUT='//output//', DES1='//trim(targets(0))//nl//' DVEL1='//trim(targets(1))//nl// &
+                    ' DACC1='//trim(targets(2))//nl//' WVEL1=2.0, WACC1=1.0,0.0,3.0,0.5,1.0 &END'//nl//method//' &END'//nl//rest, &
                     in_poses, findings)
       call t%is_true(.not. findings%failed(), output//': a sketch with derivatives')
       call read_one('BY LOOPS'//nl//" &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,33.0,90.0,20.0, JY=0.0,31.0,82.0,5.0,95.0,"// &
@@ -333,7 +333,7 @@ contains
       call write_data_set(set, problem, dimensions, text)
       call read_one(text%content(), again, findings)
       call t%equal_integer(findings%count, 0, output//': device 7 is read again')
-      call t%is_true(all(abs(again%method%rate_wanted - set%method%rate_wanted) <= 0.0_wp .and. abs(again%method%rate_weight - &
+      call t%is_true(all(abs(again%method%rate_desired - set%method%rate_desired) <= 0.0_wp .and. abs(again%method%rate_weight - &
                                                             set%method%rate_weight) &
                          <= 0.0_wp), output//': and wants the same')
       ! &METHOD says the same to a sketch in poses
@@ -349,14 +349,14 @@ contains
    subroutine scotch_yoke()
       type(problem_t) :: problem
       type(data_set_t) :: set
-      type(wanted_rates_t) :: wanted
+      type(desired_rates_t) :: wanted
       real(wp) :: r
       integer :: i
 
       call load_case('dyad6_scotch_yoke', problem, set, vary=.true.)
       call let_want(problem)
-      call prepare_wanted_rates(problem, .false., .false., wanted)
-      call find_wanted_rates(wanted, problem%given)
+      call prepare_desired_rates(problem, .false., .false., wanted)
+      call find_desired_rates(wanted, problem%given)
       r = problem%given%arcl(1)
       do i = 1, problem%positions
          call t%close_to(hypot(wanted%actual(i, 1, 1), wanted%actual(i, 1, 2)), r, 1.0e-12_wp, &
@@ -428,7 +428,7 @@ contains
       type(line_t) :: none(0)
       type(stop_t) :: stop
       type(text_t) :: text
-      character(:), allocatable :: wishes
+      character(:), allocatable :: targets
       character(*), parameter :: ways(4) = [character(60) :: '', " &SEARCH SOLVER='LSQ' &END", " &SEARCH SOLVER='LD_SLSQP' &END", &
          " &SEARCH SOLVER='LN_SBPLX', MAXEVAL=4000 &END"]
       character(400) :: line
@@ -438,14 +438,14 @@ contains
       set%method%desired = .true.
       call prepare(set, none, prepared, findings)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
-      problem%rate_wanted = reshape(spread(0.0_wp, 1, 6), [3, 1, 2])
-      problem%rate_weight = problem%rate_wanted + 1.0_wp
+      problem%rate_desired = reshape(spread(0.0_wp, 1, 6), [3, 1, 2])
+      problem%rate_weight = problem%rate_desired + 1.0_wp
       call analyse(set, problem, prepared%given, wanted_t(), analysis)
       write (line, '(a,3(f0.9,","),a,3(f0.9,","),a,f0.9,",,",f0.9)') ', DESANG=', analysis%motion%actual(:, 1), ' DVELANG=', &
          analysis%motion%rates(:, 1, 1), ' DACCANG=', analysis%motion%rates(1, 1, 2), analysis%motion%rates(3, 1, 2)
-      wishes = trim(line)//', WVELANG=500.0, WACCANG=100.0,1.0,50.0'
+      targets = trim(line)//', WVELANG=500.0, WACCANG=100.0,1.0,50.0'
       do k = 1, size(ways)
-         call read_one(changed_length(four_bar)//wishes//' &END &LIMITS TANGLE=80.0 &END'//trim(ways(k))//nl, set, findings)
+         call read_one(changed_length(four_bar)//targets//' &END &LIMITS TANGLE=80.0 &END'//trim(ways(k))//nl, set, findings)
          call t%is_true(.not. findings%failed(), 'a crank-rocker with slopes is read')
          if (findings%failed()) return
          call t%close_to(set%method%rate_weight(2, 1, 2), 0.0_wp, 0.0_wp, 'a value that is left out is not wanted')
@@ -465,7 +465,7 @@ contains
       call prepare(set, none, prepared, findings)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
       call t%is_true(all(abs(problem%rate_weight(:, 1, 2) - [100.0_wp, 0.0_wp, 50.0_wp]) <= 0.0_wp), 'its weights are the same')
-      call t%close_to(maxval(abs(problem%rate_wanted - set%method%rate_wanted)), 0.0_wp, 0.0_wp, 'and what is wanted')
+      call t%close_to(maxval(abs(problem%rate_desired - set%method%rate_desired)), 0.0_wp, 0.0_wp, 'and what is wanted')
    end subroutine solvers
 
    !> The case with the lengths that vary given wrong.
@@ -496,4 +496,4 @@ contains
       call t%equal_integer(findings%count, 1, 'one message: '//words)
       call t%finds(findings, words, 'message')
    end subroutine reported
-end program test_wanted_rates
+end program test_desired_rates

@@ -1,9 +1,9 @@
 !> The function that a linkage is to generate: by name over a range, or as a table; input and output as angles or travel.
-module psalm_wanted_function
+module psalm_desired_function
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
-   public :: wanted_function_t, function_names, function_kind, function_table
+   public :: desired_function_t, function_names, function_kind, function_table
 
    character(*), parameter :: function_names(*) = [character(7) :: 'LOG10', 'LN', 'EXP', 'SIN', 'COS', 'TAN', 'POWER', 'TABLE']
    integer, parameter :: function_log10 = 1, function_ln = 2, function_exp = 3, function_sin = 4, function_cos = 5, &
@@ -11,7 +11,7 @@ module psalm_wanted_function
    real(wp), parameter :: degree = 3.14159265358979323846264338327950288_wp/180.0_wp
 
    !> A function y(x) and how it is laid out on both axes.
-   type :: wanted_function_t
+   type :: desired_function_t
       integer :: kind = function_log10
       real(wp) :: low = 0.0_wp, high = 1.0_wp        !! range of x; of SIN, COS, TAN in degrees
       real(wp) :: power = 2.0_wp                     !! of POWER
@@ -29,7 +29,7 @@ module psalm_wanted_function
       procedure :: input_at
       procedure :: output_at
       procedure :: place_of
-   end type wanted_function_t
+   end type desired_function_t
 
 contains
 
@@ -42,7 +42,7 @@ contains
 
    !> Keep what every evaluation needs; not necessary.
    pure subroutine prepare(self)
-      class(wanted_function_t), intent(inout) :: self
+      class(desired_function_t), intent(inout) :: self
 
       if (.not. self%continuous) return
       self%at_low = self%value_at(self%low)
@@ -52,7 +52,7 @@ contains
 
    !> y of x.
    elemental real(wp) function value_at(self, x)
-      class(wanted_function_t), intent(in) :: self
+      class(desired_function_t), intent(in) :: self
       real(wp), intent(in) :: x
 
       select case (self%kind)
@@ -75,7 +75,7 @@ contains
 
    !> Input at a place from 0 to 1, radians.
    elemental real(wp) function input_at(self, place)
-      class(wanted_function_t), intent(in) :: self
+      class(desired_function_t), intent(in) :: self
       real(wp), intent(in) :: place
 
       input_at = self%swing_in*place
@@ -83,7 +83,7 @@ contains
 
    !> Output wanted there, radians or travel.
    elemental real(wp) function output_at(self, place)
-      class(wanted_function_t), intent(in) :: self
+      class(desired_function_t), intent(in) :: self
       real(wp), intent(in) :: place
       real(wp) :: first, last
       integer :: i
@@ -106,9 +106,9 @@ contains
 
    !> Place of an entry of the table, from 0 to 1.
    elemental real(wp) function place_of(self, entry)
-      class(wanted_function_t), intent(in) :: self
+      class(desired_function_t), intent(in) :: self
       integer, intent(in) :: entry
 
       place_of = (self%table_input(entry) - self%table_input(1))/self%swing_in
    end function place_of
-end module psalm_wanted_function
+end module psalm_desired_function

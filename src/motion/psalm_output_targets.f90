@@ -4,7 +4,7 @@
 !> Those of the first output are, where they can be, the desired values of the problem itself; here are the others. Angles are
 !> in degrees, in derivatives in radians. Where the linkage does not close nothing is compared; at a dead point no derivative is,
 !> and no ratio where the second of its rates is none.
-module psalm_output_wishes
+module psalm_output_targets
    use psalm_angles, only: unit_vector
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
@@ -19,31 +19,31 @@ module psalm_output_wishes
    use psalm_rates, only: prepare_rates, differentiate, form_frames, is_dead
    use psalm_rows, only: rows_t, make_rows, clear_rows
    use psalm_sensitivity, only: sensitivity_t, wanted_outputs_t, prepare_sensitivity, find_jacobian, unit_of, clear_changes
-   use psalm_sketch, only: sketch_t, sketch_output_t, wish_column_t, output_ratio, columns_of, first_number, &
-                           most_wished
+   use psalm_sketch, only: sketch_t, sketch_output_t, target_column_t, output_ratio, columns_of, first_number, &
+                           most_targets
    use psalm_sketch_motion, only: find_places, observe_sketch, find_rate_changes, find_own_rate_changes
    use psalm_sketch_outputs, only: names_of_numbers, values_of_outputs, change_of_values, name_length
    implicit none (type, external)
    private
-   public :: output_wishes_t, prepare_output_wishes, find_output_wishes, differentiate_output_wishes, sum_of_wish_errors, &
-             compare_with_wishes, wish_group_t, wish_groups, first_wish
+   public :: output_targets_t, prepare_output_targets, find_output_targets, differentiate_output_targets, sum_of_desired_errors, &
+             compare_with_targets, target_group_t, target_groups, first_target
 
    integer, parameter :: of_one_joint(*) = [variable_outlk, variable_outang, variable_aside, variable_aside_angle] !! kinds
-   character(*), parameter :: of_order(0:most_wished) = [character(6) :: '', ' (VEL)', ' (ACC)'] !! after the items that want them
+   character(*), parameter :: of_order(0:most_targets) = [character(6) :: '', ' (VEL)', ' (ACC)'] !! after the items that want them
 
    !> Numbers whose errors are given as one: x and y of a point, else one number.
-   type :: wish_group_t
-      integer, allocatable :: columns(:)            !! of the wishes
+   type :: target_group_t
+      integer, allocatable :: columns(:)            !! of the targets
       integer :: number = 0                         !! the first of them, counted through the numbers of all outputs of the sketch
       integer :: order = 0                          !! derivative
       character(name_length) :: name = ''             !! of the output, or of the number
-   end type wish_group_t
+   end type target_group_t
 
-   !> Room to work in, and the linkage looked at last. Columns are the numbers that are wanted, as `wish_columns` has them.
-   type :: output_wishes_t
+   !> Room to work in, and the linkage looked at last. Columns are the numbers that are wanted, as `target_columns` has them.
+   type :: output_targets_t
       class(problem_t), allocatable :: problem      !! finds every joint
       type(sensitivity_t) :: work
-      type(wanted_outputs_t) :: wanted              !! outputs with wishes, and those of which ratios are
+      type(wanted_outputs_t) :: wanted              !! outputs with targets, and those of which ratios are
       type(rows_t) :: change(0:most_rates)          !! changes with one variable of positions, first and second derivatives
       integer :: shown = 0                          !! of the joints that move: the first output, if it stands off its arc; 0: none
       logical :: moving = .false.                   !! derivatives or ratios are wanted
@@ -56,55 +56,55 @@ module psalm_output_wishes
       real(wp), allocatable :: actual(:, :)         !! shape (positions, columns)
       real(wp), allocatable :: miss(:, :)           !! the same shape: actual - desired
       real(wp), allocatable :: by(:, :, :)          !! shape (positions, variables, columns): derivatives of `miss`
-   end type output_wishes_t
+   end type output_targets_t
 
 contains
 
-   !> Make ready for a problem with such wishes. With `timed` the input of every position is the last variable.
-   subroutine prepare_output_wishes(set, problem, timed, derivatives, wishes)
+   !> Make ready for a problem with such targets. With `timed` the input of every position is the last variable.
+   subroutine prepare_output_targets(set, problem, timed, derivatives, targets)
       type(data_set_t), intent(in) :: set           !! a sketch with its loops
       type(problem_t), intent(in) :: problem
       logical, intent(in) :: timed
       logical, intent(in) :: derivatives            !! by the variables
-      type(output_wishes_t), intent(out) :: wishes
+      type(output_targets_t), intent(out) :: targets
       type(variable_t) :: input
       integer :: k
 
-      allocate (wishes%problem, source=problem)
-      if (allocated(wishes%problem%linkages)) deallocate (wishes%problem%linkages)
+      allocate (targets%problem, source=problem)
+      if (allocated(targets%problem%linkages)) deallocate (targets%problem%linkages)
       if (timed) then
          input%kind = variable_crnki
-         wishes%problem%parameters%variables = [problem%parameters%variables, input]
+         targets%problem%parameters%variables = [problem%parameters%variables, input]
       end if
-      associate (wanted => wishes%wanted, n => problem%positions)
+      associate (wanted => targets%wanted, n => problem%positions)
          call locate_sketch(set, wanted%sketch, problem%given)
-         call list_columns(set%sketch%outputs, set%sketch%wish_columns(), wishes)
+         call list_columns(set%sketch%outputs, set%sketch%target_columns(), targets)
          do k = 1, size(wanted%sketch%moving)
-            if (wanted%sketch%moving(k)%joint == set%traced%output_joint .and. problem%given%outlk > 0.0_wp) wishes%shown = k
+            if (wanted%sketch%moving(k)%joint == set%traced%output_joint .and. problem%given%outlk > 0.0_wp) targets%shown = k
          end do
-         call wishes%problem%want_derivatives(.true., wanted%sketch%points)
-         allocate (wishes%exists(n, size(wishes%number)), source=.false.)
-         allocate (wishes%actual(n, size(wishes%number)), wishes%miss(n, size(wishes%number)), source=0.0_wp)
+         call targets%problem%want_derivatives(.true., wanted%sketch%points)
+         allocate (targets%exists(n, size(targets%number)), source=.false.)
+         allocate (targets%actual(n, size(targets%number)), targets%miss(n, size(targets%number)), source=0.0_wp)
       end associate
       if (.not. derivatives) then
-         if (wishes%moving) call prepare_rates(wishes%problem, wishes%work%rates)
+         if (targets%moving) call prepare_rates(targets%problem, targets%work%rates)
          return
       end if
-      allocate (wishes%by(problem%positions, size(wishes%problem%parameters%variables), size(wishes%number)), source=0.0_wp)
-      call prepare_sensitivity(wishes%problem, wishes%work)
-      if (.not. wishes%moving) return
-      associate (link => wishes%problem%linkage)
+      allocate (targets%by(problem%positions, size(targets%problem%parameters%variables), size(targets%number)), source=0.0_wp)
+      call prepare_sensitivity(targets%problem, targets%work)
+      if (.not. targets%moving) return
+      associate (link => targets%problem%linkage)
          do k = 0, most_rates
-            call make_rows(link%room, size(link%store%v, 2), wishes%change(k))
+            call make_rows(link%capacity, size(link%store%v, 2), targets%change(k))
          end do
       end associate
-   end subroutine prepare_output_wishes
+   end subroutine prepare_output_targets
 
    !> The outputs that are wanted, or whose rates are parts of a ratio that is, and what each column is of them.
-   subroutine list_columns(outputs, columns, wishes)
+   subroutine list_columns(outputs, columns, targets)
       type(sketch_output_t), intent(in) :: outputs(:)
-      type(wish_column_t), intent(in) :: columns(:)
-      type(output_wishes_t), intent(inout) :: wishes
+      type(target_column_t), intent(in) :: columns(:)
+      type(output_targets_t), intent(inout) :: targets
       character(name_length), allocatable :: names(:)
       logical, allocatable :: turning(:)
       integer :: first(size(outputs)), place(size(outputs)), n, k
@@ -114,7 +114,7 @@ contains
       do k = 1, size(outputs)
          if (used(k) .and. outputs(k)%kind == output_ratio) used(outputs(k)%outputs) = .true.
       end do
-      associate (wanted => wishes%wanted)
+      associate (wanted => targets%wanted)
          wanted%outputs = pack(outputs, used)
          place = [(count(used(:k)), k=1, size(outputs))]
          n = 0
@@ -127,96 +127,96 @@ contains
          end do
          call names_of_numbers(wanted%outputs, names, turning, wanted%angle)
          wanted%numbers = n
-         wishes%number = first(columns%output) + columns%component
-         wishes%order = columns%order
-         wishes%angle = wanted%angle(wishes%number) .and. wishes%order == 0
-         wishes%rate = wishes%order > 0 .or. outputs(columns%output)%kind == output_ratio
-         wishes%is_length = .not. (wanted%angle(wishes%number) .or. outputs(columns%output)%kind == output_ratio)
-         wishes%moving = any(wishes%rate)
-         wishes%names = names(wishes%number)
+         targets%number = first(columns%output) + columns%component
+         targets%order = columns%order
+         targets%angle = wanted%angle(targets%number) .and. targets%order == 0
+         targets%rate = targets%order > 0 .or. outputs(columns%output)%kind == output_ratio
+         targets%is_length = .not. (wanted%angle(targets%number) .or. outputs(columns%output)%kind == output_ratio)
+         targets%moving = any(targets%rate)
+         targets%names = names(targets%number)
          do k = 1, size(columns)
-            if (columns(k)%order > 0) wishes%names(k) = trim(wishes%names(k))//of_order(columns(k)%order)
+            if (columns(k)%order > 0) targets%names(k) = trim(targets%names(k))//of_order(columns(k)%order)
          end do
       end associate
    end subroutine list_columns
 
    !> What a linkage does of what is desired.
-   subroutine find_output_wishes(wishes, dimensions)
-      type(output_wishes_t), intent(inout) :: wishes
+   subroutine find_output_targets(targets, dimensions)
+      type(output_targets_t), intent(inout) :: targets
       type(dimensions_t), intent(in) :: dimensions
 
-      call look(wishes, dimensions, .false.)
-   end subroutine find_output_wishes
+      call look(targets, dimensions, .false.)
+   end subroutine find_output_targets
 
    !> The same, and its changes with every variable.
-   subroutine differentiate_output_wishes(wishes, dimensions)
-      type(output_wishes_t), intent(inout) :: wishes
+   subroutine differentiate_output_targets(targets, dimensions)
+      type(output_targets_t), intent(inout) :: targets
       type(dimensions_t), intent(in) :: dimensions
-      real(wp) :: unused(size(wishes%by, 1), size(wishes%by, 2), wishes%problem%output%kind%components)
+      real(wp) :: unused(size(targets%by, 1), size(targets%by, 2), targets%problem%output%kind%components)
       integer :: v, k, nvar
 
-      call look(wishes, dimensions, wishes%moving)
-      if (.not. wishes%moving) then
-         call find_jacobian(wishes%problem, dimensions, wishes%work, unused, wanted=wishes%wanted)
-         nvar = size(wishes%by, 2)
-         wishes%by = wishes%wanted%change(:, :nvar, wishes%number)
+      call look(targets, dimensions, targets%moving)
+      if (.not. targets%moving) then
+         call find_jacobian(targets%problem, dimensions, targets%work, unused, wanted=targets%wanted)
+         nvar = size(targets%by, 2)
+         targets%by = targets%wanted%change(:, :nvar, targets%number)
          do v = 1, nvar
-            associate (kind => wishes%problem%parameters%variables(v)%kind)
+            associate (kind => targets%problem%parameters%variables(v)%kind)
                if (all(kind /= of_one_joint)) cycle
-               wishes%by(:, v, :) = 0.0_wp
-               k = findloc(wishes%wanted%apart, moved_by(wishes, v), dim=1)
-               if (moved_by(wishes, v) == 0 .or. k == 0) cycle
-               wishes%by(:, v, :) = wishes%wanted%change(:, nvar + 2*k - merge(1, 0, any(kind == [variable_outlk, &
-                                                                                      variable_aside])), wishes%number)
+               targets%by(:, v, :) = 0.0_wp
+               k = findloc(targets%wanted%apart, moved_by(targets, v), dim=1)
+               if (moved_by(targets, v) == 0 .or. k == 0) cycle
+               targets%by(:, v, :) = targets%wanted%change(:, nvar + 2*k - merge(1, 0, any(kind == [variable_outlk, &
+                                                                                      variable_aside])), targets%number)
             end associate
          end do
       end if
-      do v = 1, size(wishes%by, 2)
-         where (.not. wishes%exists) wishes%by(:, v, :) = 0.0_wp
+      do v = 1, size(targets%by, 2)
+         where (.not. targets%exists) targets%by(:, v, :) = 0.0_wp
       end do
-   end subroutine differentiate_output_wishes
+   end subroutine differentiate_output_targets
 
    !> Which of the joints that move off the arcs has the distance or angle that a variable of one joint is; 0: none.
-   pure integer function moved_by(wishes, v) result(moving)
-      type(output_wishes_t), intent(in) :: wishes
+   pure integer function moved_by(targets, v) result(moving)
+      type(output_targets_t), intent(in) :: targets
       integer, intent(in) :: v                      !! variable, one of `of_one_joint`
 
-      moving = wishes%shown
-      associate (variable => wishes%problem%parameters%variables(v))
+      moving = targets%shown
+      associate (variable => targets%problem%parameters%variables(v))
          if (any(variable%kind == [variable_aside, variable_aside_angle])) &
-            moving = findloc(wishes%wanted%sketch%moving%joint, variable%n, dim=1)
+            moving = findloc(targets%wanted%sketch%moving%joint, variable%n, dim=1)
       end associate
    end function moved_by
 
    !> What a linkage does of what is desired at the positions that it comes to; elsewhere nothing is compared.
-   subroutine compare_with_wishes(set, problem, dimensions, closed, wishes)
+   subroutine compare_with_targets(set, problem, dimensions, closed, targets)
       type(data_set_t), intent(in) :: set           !! a sketch with its loops
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
       logical, intent(in) :: closed(:)              !! shape (positions): by the analysis of the problem
-      type(output_wishes_t), intent(out) :: wishes
+      type(output_targets_t), intent(out) :: targets
       integer :: k
 
-      call prepare_output_wishes(set, problem, .false., .false., wishes)
-      call find_output_wishes(wishes, dimensions)
-      do k = 1, size(wishes%miss, 2)
-         wishes%exists(:, k) = wishes%exists(:, k) .and. closed
+      call prepare_output_targets(set, problem, .false., .false., targets)
+      call find_output_targets(targets, dimensions)
+      do k = 1, size(targets%miss, 2)
+         targets%exists(:, k) = targets%exists(:, k) .and. closed
       end do
-      where (.not. wishes%exists) wishes%miss = 0.0_wp
-   end subroutine compare_with_wishes
+      where (.not. targets%exists) targets%miss = 0.0_wp
+   end subroutine compare_with_targets
 
    !> What errors are given of, in the order of the columns. The angle of a pose is given by itself.
-   pure function wish_groups(sketch) result(groups)
+   pure function target_groups(sketch) result(groups)
       type(sketch_t), intent(in) :: sketch
-      type(wish_group_t), allocatable :: groups(:)
-      type(wish_column_t), allocatable :: columns(:)
-      type(wish_group_t) :: one
+      type(target_group_t), allocatable :: groups(:)
+      type(target_column_t), allocatable :: columns(:)
+      type(target_group_t) :: one
       character(name_length), allocatable :: names(:)
       logical, allocatable :: turning(:)
       integer, parameter :: of_x = 1, of_y = 2  ! components
       integer :: k
 
-      columns = sketch%wish_columns()
+      columns = sketch%target_columns()
       call names_of_numbers(sketch%outputs, names, turning)
       allocate (groups(0))
       do k = 1, size(columns)
@@ -234,60 +234,61 @@ contains
             groups = [groups, one]
          end associate
       end do
-   end function wish_groups
+   end function target_groups
 
    !> What the errors of a linkage are those of where they are given as one number: the first that a value is wanted of, else the
    !> first of all.
-   pure integer function first_wish(groups)
-      type(wish_group_t), intent(in) :: groups(:)   !! at least one
+   pure integer function first_target(groups)
+      type(target_group_t), intent(in) :: groups(:)   !! at least one
 
-      first_wish = max(1, findloc(groups%order, 0, dim=1))
-   end function first_wish
+      first_target = max(1, findloc(groups%order, 0, dim=1))
+   end function first_target
 
    !> Values, of a moving linkage with derivatives, and, with `changes`, what these do with every variable.
-   subroutine look(wishes, dimensions, changes)
-      type(output_wishes_t), intent(inout) :: wishes
+   subroutine look(targets, dimensions, changes)
+      type(output_targets_t), intent(inout) :: targets
       type(dimensions_t), intent(in) :: dimensions
       logical, intent(in) :: changes
       complex(wp), allocatable :: joint(:, :, :), joint_change(:, :, :)
       real(wp), allocatable :: moved(:, :, :), moved_change(:, :, :), values(:, :, :)
       integer :: block, offset, n, v, order
 
-      call place_first_output(wishes, dimensions)
-      associate (problem => wishes%problem, sketch => wishes%wanted%sketch, room => wishes%problem%linkage%room)
-         allocate (joint(size(sketch%drawn), 0:most_orders, room), source=(0.0_wp, 0.0_wp))
-         allocate (moved(size(sketch%arcs), 0:most_orders, room), source=0.0_wp)
-         allocate (values(wishes%wanted%numbers, 0:most_orders, room))
+      call place_first_output(targets, dimensions)
+      associate (problem => targets%problem, sketch => targets%wanted%sketch, capacity => targets%problem%linkage%capacity)
+         allocate (joint(size(sketch%drawn), 0:most_orders, capacity), source=(0.0_wp, 0.0_wp))
+         allocate (moved(size(sketch%arcs), 0:most_orders, capacity), source=0.0_wp)
+         allocate (values(targets%wanted%numbers, 0:most_orders, capacity))
          if (changes) then
-            allocate (joint_change(size(sketch%drawn), 0:most_wished, room), moved_change(size(sketch%arcs), 0:most_wished, room))
+            allocate (joint_change(size(sketch%drawn), 0:most_targets, capacity), &
+                      moved_change(size(sketch%arcs), 0:most_targets, capacity))
          end if
          call problem%bind(dimensions)
          do block = 1, problem%blocks()
             call problem%solve_block(block, offset, n)
-            if (wishes%moving) then
-               call differentiate(problem, wishes%work%rates, n, most_orders)
+            if (targets%moving) then
+               call differentiate(problem, targets%work%rates, n, most_orders)
                ! by the input itself: it moves at the rate 1
-               call observe_sketch(sketch, problem, wishes%work%rates, n, 1.0_wp, 0.0_wp, joint(:, :, :n), moved(:, :, :n))
+               call observe_sketch(sketch, problem, targets%work%rates, n, 1.0_wp, 0.0_wp, joint(:, :, :n), moved(:, :, :n))
             else
                call find_places(sketch, problem, n, joint(:, 0, :n), moved(:, 0, :n))
             end if
-            call compare(wishes, offset, n, joint, moved, values)
+            call compare(targets, offset, n, joint, moved, values)
             if (.not. changes) cycle
-            call form_frames(problem, wishes%work%rates, padded(n), fixed_too=.true.)
+            call form_frames(problem, targets%work%rates, padded(n), fixed_too=.true.)
             do order = 0, most_rates
-               call clear_rows(wishes%change(order))
+               call clear_rows(targets%change(order))
             end do
-            do v = 1, size(wishes%by, 2)
-               call change_of_places(wishes, v, n, joint_change(:, :, :n), moved_change(:, :, :n))
-               call note_changes(wishes, v, offset, n, joint, joint_change, moved_change, values)
+            do v = 1, size(targets%by, 2)
+               call change_of_places(targets, v, n, joint_change(:, :, :n), moved_change(:, :, :n))
+               call note_changes(targets, v, offset, n, joint, joint_change, moved_change, values)
             end do
          end do
       end associate
    end subroutine look
 
    !> The numbers that are wanted at the block just solved, and by how much they miss.
-   subroutine compare(wishes, offset, n, joint, moved, values)
-      type(output_wishes_t), intent(inout) :: wishes
+   subroutine compare(targets, offset, n, joint, moved, values)
+      type(output_targets_t), intent(inout) :: targets
       integer, intent(in) :: offset, n
       complex(wp), intent(in) :: joint(:, 0:, :)
       real(wp), intent(in) :: moved(:, 0:, :)
@@ -296,24 +297,24 @@ contains
       integer :: i, k, loop
 
       do i = 1, n
-         associate (problem => wishes%problem, exists => wishes%exists(offset + i, :), actual => wishes%actual(offset + i, :), &
-                    miss => wishes%miss(offset + i, :))
+         associate (problem => targets%problem, exists => targets%exists(offset + i, :), actual => targets%actual(offset + i, :), &
+                    miss => targets%miss(offset + i, :))
             closes = all([(problem%linkage%closes(i, loop), loop=1, problem%mechanism%nloop)])
             alive = closes
-            if (closes .and. wishes%moving) alive = .not. any([(is_dead(problem, wishes%work%rates, loop, i), &
+            if (closes .and. targets%moving) alive = .not. any([(is_dead(problem, targets%work%rates, loop, i), &
                                                                  loop=1, problem%mechanism%nloop)])
-            exists = merge(alive, closes, wishes%rate)
+            exists = merge(alive, closes, targets%rate)
             values(:, :, i) = 0.0_wp
             actual = 0.0_wp
             miss = 0.0_wp
             if (.not. closes) cycle
-            call values_of_outputs(wishes%wanted%outputs, joint(:, :, i), moved(:, :, i), fastest(i), values(:, :, i))
+            call values_of_outputs(targets%wanted%outputs, joint(:, :, i), moved(:, :, i), fastest(i), values(:, :, i))
             do k = 1, size(miss)
-               exists(k) = exists(k) .and. values(wishes%number(k), wishes%order(k), i) < huge(1.0_wp)
+               exists(k) = exists(k) .and. values(targets%number(k), targets%order(k), i) < huge(1.0_wp)
                if (.not. exists(k)) cycle
-               actual(k) = values(wishes%number(k), wishes%order(k), i)
-               miss(k) = actual(k) - problem%wish_values(offset + i, k)
-               if (wishes%angle(k)) miss(k) = miss(k) - full_turn*anint(miss(k)/full_turn)
+               actual(k) = values(targets%number(k), targets%order(k), i)
+               miss(k) = actual(k) - problem%target_values(offset + i, k)
+               if (targets%angle(k)) miss(k) = miss(k) - full_turn*anint(miss(k)/full_turn)
             end do
          end associate
       end do
@@ -327,10 +328,10 @@ contains
          integer :: r
 
          fastest = 0.0_wp
-         if (.not. wishes%moving) return
-         associate (link => wishes%problem%linkage)
+         if (.not. targets%moving) return
+         associate (link => targets%problem%linkage)
             do r = 1, size(link%root_x)
-               fastest(1) = max(fastest(1), abs(wishes%work%rates%d(1)%v(i, link%root_x(r))))
+               fastest(1) = max(fastest(1), abs(targets%work%rates%d(1)%v(i, link%root_x(r))))
             end do
          end associate
          fastest(2) = max(maxval(abs(joint(:, 1, i))), maxval(abs(moved(:, 1, i))))
@@ -338,83 +339,83 @@ contains
    end subroutine compare
 
    !> Changes of places and their derivatives with a variable. Dimensions of the output arc are those of a joint that stands off it.
-   subroutine change_of_places(wishes, v, n, joint, moved)
-      type(output_wishes_t), intent(inout) :: wishes
+   subroutine change_of_places(targets, v, n, joint, moved)
+      type(output_targets_t), intent(inout) :: targets
       integer, intent(in) :: v, n
-      complex(wp), intent(out) :: joint(:, 0:, :)    !! shape (joints, 0:most_wished, n)
-      real(wp), intent(out) :: moved(:, 0:, :)       !! shape (slides, 0:most_wished, n)
-      complex(wp) :: along(0:most_wished), across(0:most_wished)
+      complex(wp), intent(out) :: joint(:, 0:, :)    !! shape (joints, 0:most_targets, n)
+      real(wp), intent(out) :: moved(:, 0:, :)       !! shape (slides, 0:most_targets, n)
+      complex(wp) :: along(0:most_targets), across(0:most_targets)
       real(wp) :: x, y
       integer :: i, k, order
 
-      associate (problem => wishes%problem, kind => wishes%problem%parameters%variables(v)%kind, sketch => wishes%wanted%sketch)
+      associate (problem => targets%problem, kind => targets%problem%parameters%variables(v)%kind, sketch => targets%wanted%sketch)
          if (any(kind == of_one_joint)) then
             joint = (0.0_wp, 0.0_wp)
             moved = 0.0_wp
-            k = moved_by(wishes, v)
+            k = moved_by(targets, v)
             if (k == 0) return
             do i = 1, n
-               call find_own_rate_changes(sketch, problem, wishes%work%rates, k, i, along, across)
+               call find_own_rate_changes(sketch, problem, targets%work%rates, k, i, along, across)
                joint(sketch%moving(k)%joint, :, i) = merge(along, across, any(kind == [variable_outlk, variable_aside]))
             end do
             return
          end if
-         call change_rates(problem, wishes%work, v, padded(n), wishes%change)
+         call change_rates(problem, targets%work, v, padded(n), targets%change)
          call problem%output%change_of_origin(kind, x, y)
-         call find_rate_changes(sketch, problem, wishes%work%rates, wishes%change, wishes%work%turn(:, v), cmplx(x, y, wp), &
+         call find_rate_changes(sketch, problem, targets%work%rates, targets%change, targets%work%turn(:, v), cmplx(x, y, wp), &
                                 unit_of(problem, v), n, joint, moved)
          do order = 0, most_rates
-            call clear_changes(problem, v, padded(n), wishes%work%moves(:, v), wishes%change(order))
+            call clear_changes(problem, v, padded(n), targets%work%moves(:, v), targets%change(order))
          end do
       end associate
    end subroutine change_of_places
 
    !> The same of the numbers that are wanted.
-   subroutine note_changes(wishes, v, offset, n, joint, joint_change, moved_change, values)
-      type(output_wishes_t), intent(inout) :: wishes
+   subroutine note_changes(targets, v, offset, n, joint, joint_change, moved_change, values)
+      type(output_targets_t), intent(inout) :: targets
       integer, intent(in) :: v, offset, n
       complex(wp), intent(in) :: joint(:, 0:, :), joint_change(:, 0:, :)
       real(wp), intent(in) :: moved_change(:, 0:, :)
       real(wp), intent(in) :: values(:, 0:, :)
-      real(wp) :: change(wishes%wanted%numbers, 0:most_wished)
+      real(wp) :: change(targets%wanted%numbers, 0:most_targets)
       integer :: i, k
 
       do i = 1, n
-         wishes%by(offset + i, v, :) = 0.0_wp
-         if (.not. any(wishes%exists(offset + i, :))) cycle
-         call change_of_values(wishes%wanted%outputs, joint(:, :, i), joint_change(:, :, i), moved_change(:, :, i), &
+         targets%by(offset + i, v, :) = 0.0_wp
+         if (.not. any(targets%exists(offset + i, :))) cycle
+         call change_of_values(targets%wanted%outputs, joint(:, :, i), joint_change(:, :, i), moved_change(:, :, i), &
                                values(:, :, i), change)
-         do k = 1, size(wishes%number)
-            wishes%by(offset + i, v, k) = change(wishes%number(k), wishes%order(k))
+         do k = 1, size(targets%number)
+            targets%by(offset + i, v, k) = change(targets%number(k), targets%order(k))
          end do
       end do
    end subroutine note_changes
 
    !> The joint that is the first output moves with OUTLK and OUTANG, others off the arcs with what varies of them.
-   subroutine place_first_output(wishes, dimensions)
-      type(output_wishes_t), intent(inout) :: wishes
+   subroutine place_first_output(targets, dimensions)
+      type(output_targets_t), intent(inout) :: targets
       type(dimensions_t), intent(in) :: dimensions
       real(wp) :: c, s
       integer :: v
 
-      associate (moving => wishes%wanted%sketch%moving)
-         do v = 1, size(wishes%problem%parameters%variables)
-            associate (variable => wishes%problem%parameters%variables(v))
-               if (all(variable%kind /= [variable_aside, variable_aside_angle]) .or. moved_by(wishes, v) == 0) cycle
+      associate (moving => targets%wanted%sketch%moving)
+         do v = 1, size(targets%problem%parameters%variables)
+            associate (variable => targets%problem%parameters%variables(v))
+               if (all(variable%kind /= [variable_aside, variable_aside_angle]) .or. moved_by(targets, v) == 0) cycle
                call unit_vector(dimensions%aside_angle(variable%n), c, s)
-               moving(moved_by(wishes, v))%offset = dimensions%aside_length(variable%n)*cmplx(c, s, wp)
+               moving(moved_by(targets, v))%offset = dimensions%aside_length(variable%n)*cmplx(c, s, wp)
             end associate
          end do
       end associate
-      if (wishes%shown == 0) return
+      if (targets%shown == 0) return
       call unit_vector(dimensions%outang, c, s)
-      wishes%wanted%sketch%moving(wishes%shown)%offset = dimensions%outlk*cmplx(c, s, wp)
+      targets%wanted%sketch%moving(targets%shown)%offset = dimensions%outlk*cmplx(c, s, wp)
    end subroutine place_first_output
 
    !> Sum of weight * miss**2 of the linkage looked at last.
-   pure real(wp) function sum_of_wish_errors(wishes) result(total)
-      type(output_wishes_t), intent(in) :: wishes
+   pure real(wp) function sum_of_desired_errors(targets) result(total)
+      type(output_targets_t), intent(in) :: targets
 
-      total = sum(wishes%problem%wish_weights*wishes%miss**2)
-   end function sum_of_wish_errors
-end module psalm_output_wishes
+      total = sum(targets%problem%target_weights*targets%miss**2)
+   end function sum_of_desired_errors
+end module psalm_output_targets

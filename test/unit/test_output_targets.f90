@@ -1,6 +1,6 @@
 !> Desired values, derivatives and ratios of several outputs of a sketch: their changes with every variable against differences of
 !> the values, the values against the sketch solved in poses, and what a known linkage does found again.
-program test_output_wishes
+program test_output_targets
    use check, only: checks_t
    use poses, only: read_in_poses
    use psalm_cases, only: read_case_text
@@ -9,7 +9,7 @@ program test_output_wishes
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t, make_problem
    use psalm_kinds, only: wp
-   use psalm_output_wishes, only: output_wishes_t, prepare_output_wishes, find_output_wishes, differentiate_output_wishes
+   use psalm_output_targets, only: output_targets_t, prepare_output_targets, find_output_targets, differentiate_output_targets
    use psalm_preparation, only: prepared_t, prepare
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t
@@ -78,7 +78,7 @@ contains
       type(data_set_t) :: set, posed
       type(problem_t) :: problem
       type(dimensions_t) :: dimensions
-      type(output_wishes_t) :: wishes
+      type(output_targets_t) :: targets
       type(diagnostics_t) :: findings
       type(chain_study_t) :: witness
       real(wp), allocatable :: x(:), slope(:, :), at(:, :, :), size_of(:)
@@ -86,45 +86,45 @@ contains
       integer :: v, k, which
 
       call load(title//nl//text//" &LIMITS TANGLE=89.0, TOGGLE=0.0 &END"//nl, set, problem, dimensions)
-      if (.not. allocated(problem%wish_values)) then
-         call t%is_true(.false., title//': has wishes')
+      if (.not. allocated(problem%target_values)) then
+         call t%is_true(.false., title//': has targets')
          return
       end if
-      call prepare_output_wishes(set, problem, .false., .true., wishes)
+      call prepare_output_targets(set, problem, .false., .true., targets)
       x = problem%parameters%first_values(problem%given)
-      call differentiate_output_wishes(wishes, dimensions)
-      call t%is_true(all(wishes%exists), title//': all exist')
-      call t%is_true(any(wishes%order == 2) .and. any(wishes%order == 1), title//': derivatives are wanted')
+      call differentiate_output_targets(targets, dimensions)
+      call t%is_true(all(targets%exists), title//': all exist')
+      call t%is_true(any(targets%order == 2) .and. any(targets%order == 1), title//': derivatives are wanted')
       ! the witness: poses, at the drawing
       call read_in_poses(title//nl//text, posed, findings)
       call study_chain(posed, 1.0_wp, 0.0_wp, witness)
       call t%is_true(all(witness%closed), title//': the witness reaches all positions')
-      do k = 1, size(wishes%number)
-         which = findloc([(trim(witness%names(v)) == plain(wishes%names(k)), v=1, size(witness%names))], .true., dim=1)
-         call t%is_true(which > 0, title//': the witness knows '//trim(wishes%names(k)))
+      do k = 1, size(targets%number)
+         which = findloc([(trim(witness%names(v)) == plain(targets%names(k)), v=1, size(witness%names))], .true., dim=1)
+         call t%is_true(which > 0, title//': the witness knows '//trim(targets%names(k)))
          if (which == 0) cycle
-         associate (own => wishes%actual(:, k), other => witness%values(which, wishes%order(k), :))
+         associate (own => targets%actual(:, k), other => witness%values(which, targets%order(k), :))
             call t%is_true(all(abs(modulo(own - other + 180.0_wp, 360.0_wp) - 180.0_wp) <= 1.0e-9_wp*max(100.0_wp, abs(own)) .or. &
                                abs(own - other) <= 1.0e-9_wp*max(1.0_wp, abs(own))), &
-                           title//': as in poses: '//trim(wishes%names(k)))
+                           title//': as in poses: '//trim(targets%names(k)))
          end associate
       end do
       ! central differences of the fourth order
-      allocate (at(size(wishes%miss, 1), size(wishes%miss, 2), size(steps)))
+      allocate (at(size(targets%miss, 1), size(targets%miss, 2), size(steps)))
       do v = 1, size(x)
          do k = 1, size(steps)
             x(v) = x(v) + steps(k)*h
             call problem%parameters%apply(x, dimensions)
-            call find_output_wishes(wishes, dimensions)
-            at(:, :, k) = wishes%actual
+            call find_output_targets(targets, dimensions)
+            at(:, :, k) = targets%actual
             x(v) = x(v) - steps(k)*h
          end do
          slope = (8.0_wp*(at(:, :, 2) - at(:, :, 3)) - (at(:, :, 1) - at(:, :, 4)))/(12.0_wp*h)
          call problem%parameters%apply(x, dimensions)
-         size_of = [(max(1.0_wp, maxval(abs(wishes%by(:, :, k)))), k=1, size(wishes%by, 3))]
+         size_of = [(max(1.0_wp, maxval(abs(targets%by(:, :, k)))), k=1, size(targets%by, 3))]
          do k = 1, size(size_of)
-            call t%close_to(maxval(abs(slope(:, k) - wishes%by(:, v, k)))/size_of(k), 0.0_wp, 1.0e-7_wp, &
-                            title//': variable '//to_text(v)//' changes '//trim(wishes%names(k)))
+            call t%close_to(maxval(abs(slope(:, k) - targets%by(:, v, k)))/size_of(k), 0.0_wp, 1.0e-7_wp, &
+                            title//': variable '//to_text(v)//' changes '//trim(targets%names(k)))
          end do
       end do
    end subroutine changes
@@ -149,25 +149,25 @@ contains
       type(data_set_t) :: set
       type(problem_t) :: problem
       type(dimensions_t) :: dimensions
-      type(output_wishes_t) :: wishes
+      type(output_targets_t) :: targets
       type(synthesis_t) :: synthesis
       type(stop_t) :: stop
       character(200) :: row
 
       call load('AS IT IS'//nl//chain//" &END"//nl//rest//', DES3=5*1.0 &END'//nl//method, set, problem, dimensions)
-      if (.not. allocated(problem%wish_values)) return
-      call prepare_output_wishes(set, problem, .false., .false., wishes)
+      if (.not. allocated(problem%target_values)) return
+      call prepare_output_targets(set, problem, .false., .false., targets)
       ! another rocker and another seat stay than those drawn
       call problem%parameters%apply(problem%parameters%first_values(problem%given)*[1.03_wp, 0.99_wp], dimensions)
-      call find_output_wishes(wishes, dimensions)
-      call t%is_true(all(wishes%exists), 'the leverage of another rocker is known')
-      write (row, '(5(f0.12,","))') wishes%actual(:, 1)
+      call find_output_targets(targets, dimensions)
+      call t%is_true(all(targets%exists), 'the leverage of another rocker is known')
+      write (row, '(5(f0.12,","))') targets%actual(:, 1)
       call load('ANOTHER'//nl//chain//" &END"//nl//rest//', DES3='//trim(row)//' &END'//nl//" &SEARCH SOLVER='LSQ' &END"//nl// &
                 method//' &LIMITS TANGLE=89.0, TOGGLE=0.0 &END'//nl, set, problem, dimensions)
-      if (.not. allocated(problem%wish_values)) return
+      if (.not. allocated(problem%target_values)) return
       call synthesise(set, reshape([real(wp) ::], [0, 0]), problem, 1, stop, dimensions, synthesis)
       call t%is_true(size(synthesis%found%best) > 0, 'a leverage is found')
       if (size(synthesis%found%best) == 0) return
       call t%is_true(synthesis%found%best(1)%objective < 1.0e-12_wp, 'the leverage asked for')
    end subroutine ratio_found_again
-end program test_output_wishes
+end program test_output_targets

@@ -2,7 +2,7 @@
 !>
 !> Angles are in radians in derivatives, per radian of a crank or per length of a sliding input. Where the linkage does not close,
 !> or a dyad is at a dead point, there are none: they count as zero, and so do their changes.
-module psalm_wanted_rates
+module psalm_desired_rates
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t, motion_t
    use psalm_kinds, only: wp
@@ -15,11 +15,11 @@ module psalm_wanted_rates
    use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, unit_of, clear_changes
    implicit none (type, external)
    private
-   public :: wanted_rates_t, prepare_wanted_rates, find_wanted_rates, differentiate_wanted_rates, sum_of_rate_errors, &
+   public :: desired_rates_t, prepare_desired_rates, find_desired_rates, differentiate_desired_rates, sum_of_rate_errors, &
              all_rates_exist, add_rates_to_motion
 
    !> Room to work in, and the linkage looked at last.
-   type :: wanted_rates_t
+   type :: desired_rates_t
       class(problem_t), allocatable :: problem     !! finds everything that derivatives need
       type(sensitivity_t) :: work                  !! its rates are those by the input
       type(rows_t) :: change(0:most_rates)         !! changes with one variable of positions, first and second derivatives
@@ -27,16 +27,16 @@ module psalm_wanted_rates
       real(wp), allocatable :: actual(:, :, :)     !! shape (positions, components, most_rates)
       real(wp), allocatable :: miss(:, :, :)       !! the same shape: actual - desired
       real(wp), allocatable :: by(:, :, :, :)      !! shape (positions, variables, components, most_rates): derivatives of `miss`
-   end type wanted_rates_t
+   end type desired_rates_t
 
 contains
 
    !> Make ready for a problem in which derivatives are wanted. With `timed` the input of every position is the last variable.
-   subroutine prepare_wanted_rates(problem, timed, derivatives, wanted)
+   subroutine prepare_desired_rates(problem, timed, derivatives, wanted)
       type(problem_t), intent(in) :: problem
       logical, intent(in) :: timed
       logical, intent(in) :: derivatives           !! by the variables
-      type(wanted_rates_t), intent(out) :: wanted
+      type(desired_rates_t), intent(out) :: wanted
       type(variable_t) :: input
       integer :: order
 
@@ -58,14 +58,14 @@ contains
          allocate (wanted%by(n, columns, components, most_rates), source=0.0_wp)
          call prepare_sensitivity(wanted%problem, wanted%work)
          do order = 0, most_rates
-            call make_rows(link%room, size(link%store%v, 2), wanted%change(order))
+            call make_rows(link%capacity, size(link%store%v, 2), wanted%change(order))
          end do
       end associate
-   end subroutine prepare_wanted_rates
+   end subroutine prepare_desired_rates
 
    !> Derivatives of a linkage by the input, and by how much they miss.
-   subroutine find_wanted_rates(wanted, dimensions)
-      type(wanted_rates_t), intent(inout) :: wanted
+   subroutine find_desired_rates(wanted, dimensions)
+      type(desired_rates_t), intent(inout) :: wanted
       type(dimensions_t), intent(in) :: dimensions
       integer :: block, offset, n
 
@@ -74,11 +74,11 @@ contains
          call wanted%problem%solve_block(block, offset, n)
          call rates_of_block(wanted, offset, n)
       end do
-   end subroutine find_wanted_rates
+   end subroutine find_desired_rates
 
    !> The same, and their changes with every variable.
-   subroutine differentiate_wanted_rates(wanted, dimensions)
-      type(wanted_rates_t), intent(inout) :: wanted
+   subroutine differentiate_desired_rates(wanted, dimensions)
+      type(desired_rates_t), intent(inout) :: wanted
       type(dimensions_t), intent(in) :: dimensions
       integer :: block, offset, n, v, i, order
 
@@ -107,11 +107,11 @@ contains
             end associate
          end do
       end do
-   end subroutine differentiate_wanted_rates
+   end subroutine differentiate_desired_rates
 
    !> Derivatives by the input at the positions of the block just solved.
    subroutine rates_of_block(wanted, offset, n)
-      type(wanted_rates_t), intent(inout) :: wanted
+      type(desired_rates_t), intent(inout) :: wanted
       integer, intent(in) :: offset, n
       real(wp) :: values(highest_order, size(wanted%actual, 2))
       integer :: i, order, loop
@@ -129,7 +129,7 @@ contains
             if (exists(offset + i)) call output_rates(problem, wanted%work%rates, i, most_rates, values)
             do order = 1, most_rates
                wanted%actual(offset + i, :, order) = values(order, :)
-               wanted%miss(offset + i, :, order) = values(order, :) - problem%rate_wanted(offset + i, :, order)
+               wanted%miss(offset + i, :, order) = values(order, :) - problem%rate_desired(offset + i, :, order)
             end do
          end do
       end associate
@@ -137,7 +137,7 @@ contains
 
    !> Sum of weight * miss**2 of the linkage looked at last; of one order if it is given.
    pure real(wp) function sum_of_rate_errors(wanted, order) result(total)
-      type(wanted_rates_t), intent(in) :: wanted
+      type(desired_rates_t), intent(in) :: wanted
       integer, intent(in), optional :: order
       integer :: o, c
 
@@ -154,7 +154,7 @@ contains
 
    !> True if the linkage looked at last has derivatives wherever one is wanted.
    pure logical function all_rates_exist(wanted)
-      type(wanted_rates_t), intent(in) :: wanted
+      type(desired_rates_t), intent(in) :: wanted
       integer :: i
 
       all_rates_exist = .true.
@@ -168,12 +168,12 @@ contains
       type(problem_t), intent(in) :: problem       !! in which derivatives are wanted
       type(dimensions_t), intent(in) :: dimensions
       type(motion_t), intent(inout) :: motion
-      class(wanted_rates_t), allocatable :: wanted  ! in memory of its own: it would fill a small stack
+      class(desired_rates_t), allocatable :: wanted  ! in memory of its own: it would fill a small stack
       integer :: order
 
       allocate (wanted)
-      call prepare_wanted_rates(problem, .false., .false., wanted)
-      call find_wanted_rates(wanted, dimensions)
+      call prepare_desired_rates(problem, .false., .false., wanted)
+      call find_desired_rates(wanted, dimensions)
       ! a loop that the output does not need may be open
       wanted%exists = wanted%exists .and. motion%closed
       allocate (motion%part(0:most_rates))
@@ -191,4 +191,4 @@ contains
       end do
       motion%total = motion%part(0) + sum_of_rate_errors(wanted)
    end subroutine add_rates_to_motion
-end module psalm_wanted_rates
+end module psalm_desired_rates

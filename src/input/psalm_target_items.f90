@@ -1,24 +1,24 @@
 !> What the outputs of a sketch are to be: DES1, DES2 ... of &OUTPUTS, derivatives DVEL1, DACC1 ..., weights WGT1, WVEL1, WACC1 ...
 !>
-!> Source of the wish for derivatives at precision points: Oldham (1977), 9.1.1.
-module psalm_wish_items
+!> Source of the target for derivatives at precision points: Oldham (1977), 9.1.1.
+module psalm_target_items
    use psalm_group, only: group_t, out_of
    use psalm_kinds, only: wp
-   use psalm_sketch, only: sketch_t, columns_of, most_wished, output_ratio
+   use psalm_sketch, only: sketch_t, columns_of, most_targets, output_ratio
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: read_wishes, values_of, weights_of
+   public :: read_targets, values_of, weights_of
 
-   character(*), parameter :: values_of(0:most_wished) = [character(4) :: 'DES', 'DVEL', 'DACC']
-   character(*), parameter :: weights_of(0:most_wished) = [character(4) :: 'WGT', 'WVEL', 'WACC']
+   character(*), parameter :: values_of(0:most_targets) = [character(4) :: 'DES', 'DVEL', 'DACC']
+   character(*), parameter :: weights_of(0:most_targets) = [character(4) :: 'WGT', 'WVEL', 'WACC']
 
 contains
 
    !> Read them. An output of several numbers has those of the first position, then those of the second ... Errors: too few
    !> values, weights below zero, derivatives of a ratio.
-   subroutine read_wishes(group, positions, sketch, findings)
+   subroutine read_targets(group, positions, sketch, findings)
       type(group_t), intent(inout) :: group
       integer, intent(in) :: positions          !! NDES
       type(sketch_t), intent(inout) :: sketch
@@ -30,7 +30,7 @@ contains
       do k = 1, max(1, size(sketch%outputs))
          columns = 1
          if (k <= size(sketch%outputs)) columns = columns_of(sketch%outputs(k))
-         do order = 0, most_wished
+         do order = 0, most_targets
             if (allocated(values)) deallocate (values, weights)
             allocate (values(columns*positions), source=0.0_wp)
             allocate (weights(positions), source=1.0_wp)
@@ -57,9 +57,9 @@ contains
                findings, last_weight)
             i = findloc(weights < 0.0_wp, .true., dim=1)
             if (i > 0) call out_of(group, trim(weights_of(order))//to_text(k), 'weights must not be negative', findings, i)
-            sketch%outputs(k)%wishes(order)%values = reshape(values, [columns, positions])
-            sketch%outputs(k)%wishes(order)%weights = spread(weights, 1, columns)
+            sketch%outputs(k)%targets(order)%values = reshape(values, [columns, positions])
+            sketch%outputs(k)%targets(order)%weights = spread(weights, 1, columns)
          end do
       end do
-   end subroutine read_wishes
-end module psalm_wish_items
+   end subroutine read_targets
+end module psalm_target_items
