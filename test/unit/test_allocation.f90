@@ -226,8 +226,8 @@ contains
       call t%equal_integer(good, trials*size(laws), 'widths: convex')
    end subroutine convex_widths
 
-   !> The table of ISO 286 against the formulas that it was rounded from: within a tenth, sizes up to 3 mm 16 per cent; and values known
-   !> from every handbook: IT7 of 50 mm and beyond it, IT6 of 10, IT11 of 500, IT8 of 120, IT13 of 3150.
+   !> The table of ISO 286 against the formulas that it was rounded from: within a tenth, sizes up to 3 mm 16 per cent; and values
+   !> known from every handbook: IT7 of 50 mm and beyond it, IT6 of 10, IT11 of 500, IT8 of 120, IT13 of 3150.
    subroutine grades()
       real(wp), parameter :: limits(0:21) = [1.0_wp, 3.0_wp, 6.0_wp, 10.0_wp, 18.0_wp, 30.0_wp, 50.0_wp, 80.0_wp, 120.0_wp, &
                                              180.0_wp, 250.0_wp, 315.0_wp, 400.0_wp, 500.0_wp, 630.0_wp, 800.0_wp, 1000.0_wp, &
