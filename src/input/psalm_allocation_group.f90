@@ -42,6 +42,8 @@ module psalm_allocation_group
       real(wp), allocatable :: grade_cost(:)   !! ALGCST: of the grades from IT5 on; none: by the formula
       real(wp), allocatable :: step(:), step_cost(:) !! ALSTEP, ALSCST: tolerances of the tables and their costs
       integer, allocatable :: step_table(:)    !! ALSTAB, shape (steps): the table it belongs to
+      integer, allocatable :: group(:)         !! ALGRP, shape (names): correlated group, below 0: against its others; 0: in none
+      real(wp), allocatable :: correlation(:)  !! ALCORR, by group
       integer :: most_nodes = 0                !! ALNODE: of the search for grades and steps
       integer :: trials = 0                    !! ALTRY: linkages of the sample
    contains
@@ -98,6 +100,11 @@ module psalm_allocation_group
              'costs of the steps, in their order: a step costs A + B times that (B: ALCOST, by default 1)'), &
       rule_t('ALSTAB', a_whole, 'n', '', '1', '[1,)', &
              'table that each of these steps belongs to'), &
+      rule_t('ALGRP', a_whole, 'n', '', '0', '[-99,99]', &
+             'correlated group, in the order of ALNAM: deviations of a group have a part in common; negative: it is turned '// &
+             'round in this dimension; 0: in none'), &
+      rule_t('ALCORR', a_number, 'n', '', '1', '[0,1]', &
+             'correlation of two deviations of each of these groups; 1: they deviate as one'), &
       rule_t('ALNODE', a_whole, '', '', '100000', '[1,1000000000]', &
              'nodes of the search for grades and steps at most'), &
       rule_t('ALTRY', a_whole, '', '', '0', '[0,1000000000]', &
@@ -152,6 +159,12 @@ contains
             call out_of(group, 'ALMIN', 'the least tolerance of '//trim(self%names(i))//' is above the largest', findings, i)
       end do
       call read_steps(self, group, n, findings)
+      allocate (self%group(n))
+      call take(group, 'ALGRP', self%group, findings)
+      allocate (self%correlation(maxval(abs([self%group, 0]))))
+      call take(group, 'ALCORR', self%correlation, findings)
+      if (group%given('ALCORR') .and. size(self%correlation) == 0) &
+         call out_of(group, 'ALCORR', 'no dimension is in a correlated group (ALGRP)', findings)
    end subroutine read_allocation
 
    !> Grades and tables of steps. Errors: grades that ISO 286 does not have here, or in the wrong order; both a grade and a table; a

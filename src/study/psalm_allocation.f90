@@ -23,8 +23,9 @@ module psalm_allocation
    use psalm_sketch_outputs, only: names_of_numbers, name_length
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t
+   use psalm_sum_law, only: law_normal
    use psalm_text, only: to_text
-   use psalm_tolerance, only: allowance_t, column_length, deviating_t, sample_t, tolerance_t, allot, allowances_of, &
+   use psalm_tolerance, only: allowance_t, column_length, deviating_t, sample_t, tolerance_t, allot, allowances_of, correlate, &
                               dimensions_to_allot, draw_sample, find_tolerances
    implicit none (type, external)
    private
@@ -91,7 +92,7 @@ contains
       type(stop_t) :: limited
       type(band_rule_t) :: rule
       type(cheapest_t) :: cheapest
-      real(wp), allocatable :: within(:, :), given_cost(:), slope(:)
+      real(wp), allocatable :: within(:, :), given_cost(:), slope(:), own(:), common(:)
       real(wp) :: far
       integer :: j
 
@@ -115,7 +116,7 @@ contains
       call make_bands(asked, allowance, linear%dead, result%bands)
       limited = stop
       call limited%limit_time(set%search%maxtime)
-      rule = band_rule_t(asked%rule, asked%law, asked%yield)
+      rule = band_rule_t(asked%rule, asked%law, asked%yield, terms%group, asked%correlation)
       call find_cheapest(asked, rule, allowance, terms, result%bands, limited, cheapest)
       call take_down(terms, cheapest, result)
       result%out_of_time = limited%late()
@@ -134,6 +135,11 @@ contains
       end if
       if (.not. result%solved .or. asked%trials == 0) return
       call allot(allowance, result%tolerance, asked%law, deviating, linear)
+      if (rule%is_grouped()) then
+         allocate (own(size(allowance%names)), common(size(allowance%names)))
+         call rule%parts(asked%law == law_normal, own, common)
+         call correlate(allowance, terms%group, own, common, linear)
+      end if
       j = size(linear%effect, 3)
       if (.not. allocated(linear%bands)) j = 0
       result%columns = result%bands%number + j
@@ -240,6 +246,9 @@ contains
                high = asked%high(i)
                entry = i
             end where
+            if (asked%group(i) /= 0 .and. any(named .and. index(names, ' OF JOINT ') > 0)) &
+               call set%origins%error(findings, 'ALLOC', 'ALGRP', "'"//trim(asked%names(i))//"' means a joint off the lines of "// &
+                                      'its link, whose place can be in no group', i)
             if (asked%finest(i) > 0 .and. any(named .and. is_angle)) call set%origins%error(findings, 'ALLOC', 'ALGRAD', &
                "'"//trim(asked%names(i))//"' means angles, and ISO 286 has grades for lengths", i)
             cycle

@@ -25,6 +25,7 @@ module psalm_allocation_terms
    type :: terms_t
       real(wp), allocatable :: fixed(:), cost(:), power(:), low(:), high(:)
       integer, allocatable :: class(:)
+      integer, allocatable :: group(:)                !! shape (dimensions): correlated group with its sign; 0: in none
       logical, allocatable :: in_steps(:)             !! shape (dimensions): else any tolerance
       integer, allocatable :: steps(:)                !! shape (dimensions): how many are within its limits
       integer, allocatable :: kind(:, :)              !! shape (steps, dimensions): grade, or number in its table: ascending
@@ -48,7 +49,7 @@ contains
       n = size(allowance%names)
       allocate (terms%fixed(n), terms%cost(n), terms%low(n), terms%high(n), source=0.0_wp)
       allocate (terms%power(n), source=1.0_wp)
-      allocate (terms%class(n), source=0)
+      allocate (terms%class(n), terms%group(n), source=0)
       entry = [(0, i=1, n)]
       do k = 1, size(asked%names)
          associate (named => are_meant(asked%names(k), allowance%names, allowance%is_angle))
@@ -59,6 +60,7 @@ contains
                terms%low = asked%low(k)
                terms%high = asked%high(k)
                terms%class = asked%class(k)
+               terms%group = asked%group(k)
                entry = k
             end where
          end associate

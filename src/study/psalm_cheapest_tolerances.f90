@@ -20,6 +20,9 @@ module psalm_cheapest_tolerances
    integer, parameter :: most_rounds = 100            !! of weights
    integer, parameter :: undamped = 8                 !! rounds that go all the way to the next weights
    real(wp), parameter :: kept_to = 1.0e-6_wp         !! part of a band that rounds which have ended may leave over
+   real(wp), parameter :: end_of_rounds = 1.0e-6_wp   !! gap of correlated groups, of the cost, up to which they are solved
+   real(wp), parameter :: aside = 1.0e-3_wp           !! part of a tolerance by which one goes to the other side of an edge
+   real(wp), parameter :: same_plane = 1.0e-6_wp      !! of its largest slope: two planes are one
    real(wp), parameter :: steady = 1.0e-9_wp          !! change of the cost between two rounds at which they end
    real(wp), parameter :: least_change = 1.0e-10_wp   !! part of the largest change below which a dimension has none
 
@@ -72,13 +75,16 @@ contains
       allocate (result%worth(size(terms%cost)), source=0.0_wp)
       if (any(terms%in_steps)) then
          call find_steps(asked, rule, allowance, terms, bands, stop, result)
+      else if (rule%is_grouped()) then
+         call find_steps(asked, rule, allowance, terms, bands, stop, result)
+         if (result%solved) call settle(rule, allowance, terms, bands, result)
       else
          call find_any(asked, rule, allowance, terms, bands, result)
       end if
       if (.not. result%solved) return
       do j = 1, size(bands)
          call rule%reach(allowance%change(bands(j)%position, :, bands(j)%number), result%tolerance, bands(j)%used, slope)
-         result%worth = result%worth + bands(j)%price*slope*result%tolerance/bands(j)%width
+         if (.not. rule%is_grouped()) result%worth = result%worth + bands(j)%price*slope*result%tolerance/bands(j)%width
          bands(j)%share = rule%share(allowance%change(bands(j)%position, :, bands(j)%number), result%tolerance, bands(j)%width)
       end do
       result%cost = costs_of(terms, result%tolerance)
@@ -99,6 +105,78 @@ contains
       if (with_wider%solved) result%wider_saves = result%bound - with_wider%bound
       if (.not. (result%proven .and. with_wider%proven)) result%wider_saves = 0.0_wp
    end subroutine find_cheapest
+
+   !> Tolerances of any size in correlated groups that were found by linear bands: bound and prices by the planes that touch there.
+   subroutine settle(rule, allowance, terms, bands, result)
+      type(band_rule_t), intent(in) :: rule
+      type(allowance_t), intent(in) :: allowance
+      type(terms_t), intent(in) :: terms
+      type(allocated_band_t), intent(inout) :: bands(:)
+      type(cheapest_t), intent(inout) :: result
+      type(separable_t) :: planes
+      type(separable_solution_t) :: solution
+      real(wp), allocatable :: slopes(:, :)           !! shape (dimensions, planes)
+      integer, allocatable :: of(:)                   !! shape (planes): their bands
+      integer :: b, c, k, n
+
+      allocate (planes%unknown(size(terms%cost)))
+      call number_unknowns(terms%class, planes%unknown)
+      n = maxval(planes%unknown)
+      planes%cost = terms%cost
+      planes%power = terms%power
+      planes%low = [(maxval(terms%low, planes%unknown == c), c=1, n)]
+      planes%high = max(planes%low, [(minval(terms%high, planes%unknown == c), c=1, n)])
+      allocate (slopes(size(terms%cost), 0), of(0))
+      do b = 1, size(bands)
+         associate (change => allowance%change(bands(b)%position, :, bands(b)%number))
+            call touch(change, result%tolerance)
+            ! the worst case has an edge where what a group has in common cancels: a plane on either side
+            do c = 1, merge(size(change), 0, rule%rule == rule_worst)
+               if (rule%group(c) == 0) cycle
+               call touch(change, result%tolerance*[(merge(1.0_wp + aside, 1.0_wp, k == c), k=1, size(change))])
+               call touch(change, result%tolerance*[(merge(1.0_wp - aside, 1.0_wp, k == c), k=1, size(change))])
+            end do
+         end associate
+      end do
+      allocate (planes%share(n, size(of)), source=0.0_wp)
+      do k = 1, size(of)
+         do c = 1, size(terms%cost)
+            associate (share => planes%share(planes%unknown(c), k))
+               share = share + slopes(c, k)
+            end associate
+         end do
+      end do
+      call solve_separable(planes, solution)
+      if (solution%solved) then
+         do k = 1, size(of)
+            bands(of(k))%price = bands(of(k))%price + solution%price(k)
+            result%worth = result%worth + solution%price(k)*slopes(:, k)*result%tolerance
+         end do
+         result%bound = sum(terms%fixed) + solution%bound
+      end if
+      result%value = sum(costs_of(terms, result%tolerance))
+      result%nodes = 0
+      result%proven = .true.
+      result%unsettled = .not. solution%solved .or. result%value - result%bound > end_of_rounds*result%value
+      result%solved = .not. result%unsettled
+
+   contains
+
+      !> One more plane of band b, if it is none of those that it has.
+      subroutine touch(change, tolerance)
+         real(wp), intent(in) :: change(:), tolerance(:)
+         real(wp) :: far, slope(size(change))
+         integer :: p
+
+         call rule%reach(change, tolerance, far, slope)
+         slope = slope/bands(b)%width
+         do p = 1, size(of)
+            if (of(p) == b .and. all(abs(slopes(:, p) - slope) <= same_plane*maxval(abs(slope)))) return
+         end do
+         slopes = reshape([slopes, slope], [size(slope), size(of) + 1])
+         of = [of, b]
+      end subroutine touch
+   end subroutine settle
 
    !> Tolerances of any size.
    subroutine find_any(asked, rule, allowance, terms, bands, result)

@@ -1,6 +1,6 @@
 """The cheapest tolerances of random four-bars against SciPy, on a model of their own.
 
-usage: allocation.py PROGRAM_DIRECTORY [--cases N] [--steps N]. The changes of the coupler point with every length are differences of positions
+usage: allocation.py PROGRAM_DIRECTORY [--cases N] [--steps N] [--groups N]. The changes of the coupler point with every length are differences of positions
 computed here. Of each case SLSQP has several starts; no allocation may be dearer than its best, leave a band, or lie below its bound.
 Of a yield random linkages of this model are drawn. Grades and steps are compared with every choice there is. Last line: N passed, N failed.
 """
@@ -291,6 +291,79 @@ def discrete(program, folder, number, random):
     tally.check(where + ": it is one of the steps", all(min(abs(steps[i] - chosen[i])) < 1e-9 for i in in_steps), str(chosen))
 
 
+def correlated(program, folder, number, random):
+    """Two groups with a part in common: SLSQP on the norms of this model, and linkages drawn by its law."""
+    lengths, start, side, carried = random_case(random)
+    b = lengths[0]*numpy.exp(1j*start)
+    p = coupler_point(lengths, numpy.array([start]), carried, side)[0]
+    c = b + (p - b)/(lengths[4]*carried)*lengths[1]
+    turned = numpy.exp(1j*random.random()*6)
+    joints = numpy.array((0, b, c, lengths[3], p))*turned
+    rule = ("WORST", "RSS", "YIELD")[number % 3]
+    law = "NORMAL" if number % 2 else "UNIFORM"
+    groups = numpy.array([(1, 1, 0, 2, 2), (1, 2, -1, 2, 0), (1, 1, -1, -1, 1)][int(random.integers(3))])
+    correlation = numpy.array((random.random(), 1.0 if random.random() < 0.3 else random.random()))
+    cost, power, band = 10**(random.random(5) - 0.5), 0.4 + 1.6*random.random(5), 0.01 + 0.04*random.random()
+
+    def listed(values):
+        return ",".join(repr(float(v)) for v in values)
+    items = ["ALBAND=%r" % band, "ALRULE='%s'" % rule, "ALLAW='%s'" % law, "ALNAM=" + ",".join("'%s'" % n for n in LENGTHS),
+             "ALCOST=" + listed(cost), "ALEXP=" + listed(power), "ALGRP=" + ",".join(map(str, groups)),
+             "ALCORR=" + listed(correlation[:abs(groups).max()]), "ALTRY=4000"] + (["ALYLD=%r" % (100*YIELD)] if rule == "YIELD" else [])
+    path = os.path.join(folder, "case.nml")
+    with open(path, "w", encoding="utf-8") as f:
+        f.write(STEPS % (listed(joints.real), listed(joints.imag), ",\n  ".join(items)))
+    done = subprocess.run([program, "--json", "--output-dir", folder, path], capture_output=True, text=True, check=False)
+    where = "groups %d, %s, %s" % (number, rule, law)
+    # of 48 bands one may well have more linkages beyond it than three standard errors
+    tally.check(where + ": done", done.returncode == 0 or "the linear bands are not those" in done.stderr, done.stderr)
+    if not os.path.exists(os.path.join(folder, "case.allocation.csv")):
+        return
+    with open(os.path.join(folder, "case.allocation.csv"), encoding="utf-8") as f:
+        rows = {row["dimension"].lower(): row for row in csv.DictReader(f)}
+    with open(os.path.join(folder, "case.allocation_bands.csv"), encoding="utf-8") as f:
+        bands = list(csv.DictReader(f))
+    tolerance = numpy.array([float(rows[n.lower()]["tolerance"]) for n in LENGTHS])
+    worth = numpy.array([float(rows[n.lower()]["worth"]) for n in LENGTHS])
+    prices = sum(float(row["price"]) for row in bands)
+    tally.check(where + ": the worth of all is the price of the bands", abs(worth.sum() - prices) < 1e-4*prices, (worth, prices))
+    changes = numpy.concatenate(changes_of(lengths, start, side, carried, turned))
+
+    def sources(squares):
+        """Deviations of the lengths by each independent deviation: (lengths, sources)."""
+        r = numpy.where(groups != 0, correlation[abs(groups) - 1], 0.0)
+        both = 1.0 if squares else numpy.sqrt(r) + numpy.sqrt(1 - r)
+        common = numpy.stack([numpy.where(abs(groups) == g, numpy.sign(groups)*numpy.sqrt(r)/both, 0) for g in (1, 2)], axis=1)
+        return numpy.concatenate((numpy.diag(numpy.sqrt(1 - r)/both), common), axis=1)
+
+    def far(t):
+        if rule == "WORST":
+            return abs((changes*t) @ sources(False)).sum(axis=1)
+        return numpy.sqrt((((changes*t) @ sources(True))**2).sum(axis=1))*(NORMAL_WIDTH/3 if rule == "YIELD" else 1.0)
+    drawn = random.standard_normal((DRAWN, 7))/3 if law == "NORMAL" else 2*random.random((DRAWN, 7)) - 1
+    within = numpy.mean(abs(drawn @ ((changes*tolerance) @ sources(law == "NORMAL")).T) <= band, axis=0)
+    mine = numpy.array([float(row["share_within"]) for row in bands])
+    error = numpy.sqrt(numpy.maximum(mine*(1 - mine), 1/DRAWN)/DRAWN)
+    tally.check(where + ": shares are those of linkages drawn", (abs(within - mine)/error).max() < 5, (abs(within - mine)/error).max())
+    beyond = numpy.array([float(row["sample_beyond"]) for row in bands])/4000
+    error = numpy.sqrt(numpy.maximum(mine*(1 - mine), 1/4000)/4000)
+    tally.check(where + ": so are those of the sample", (abs(1 - beyond - mine)/error).max() < 5, (abs(1 - beyond - mine)/error).max())
+    if rule == "YIELD" and law != "NORMAL":
+        tally.check(where + ": the fullest band holds the yield", abs(mine.min() - YIELD) < 1e-6, mine.min())
+        return
+    tally.check(where + ": within the bands", far(tolerance).max() < band*(1 + 1e-6), far(tolerance).max()/band)
+    limits = [(numpy.log(1e-6), numpy.log(0.1*v)) for v in lengths]
+    best = numpy.inf
+    for _ in range(2):
+        begin = numpy.log(0.5*band/abs(changes).max()/5*(0.2 + random.random(5)))
+        found = minimize(lambda y: numpy.sum(cost*numpy.exp(-power*y)), begin, bounds=limits, method="SLSQP",
+                         constraints={"type": "ineq", "fun": lambda y: 1 - far(numpy.exp(y))/band}, options={"maxiter": 200, "ftol": 1e-10})
+        if far(numpy.exp(found.x)).max() < band*(1 + 1e-8):
+            best = min(best, found.fun)
+    total = numpy.sum(cost*tolerance**-power)
+    tally.check(where + ": not dearer than SLSQP", total <= best*(1 + 1e-6), "%r %r" % (total, best))
+
+
 def keeps(changes, tolerances, band, rule):
     """Which tolerances, of the shape (choices, 5), keep the band everywhere, by a rule."""
     effects = abs(changes*tolerances[:, None, :])
@@ -397,7 +470,8 @@ def main():
     parser = argparse.ArgumentParser(usage=__doc__)
     parser.add_argument("programs")
     parser.add_argument("--cases", type=int, default=60)
-    parser.add_argument("--steps", type=int, default=40)
+    parser.add_argument("--steps", type=int, default=30)
+    parser.add_argument("--groups", type=int, default=12)
     options = parser.parse_args()
     random = numpy.random.default_rng(41)
     with tempfile.TemporaryDirectory() as folder:
@@ -405,6 +479,8 @@ def main():
         edges(os.path.join(os.path.abspath(options.programs), "psalm"), folder)
         for number in range(options.cases):
             one(os.path.join(os.path.abspath(options.programs), "psalm"), folder, number, random)
+        for number in range(options.groups):
+            correlated(os.path.join(os.path.abspath(options.programs), "psalm"), folder, number, random)
         for number in range(options.steps):
             discrete(os.path.join(os.path.abspath(options.programs), "psalm"), folder, number, random)
     return tally.report()

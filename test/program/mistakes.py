@@ -199,6 +199,8 @@ MISTAKES = [
      "'*' means angles, and ISO 286 has grades for lengths"),
     (SKETCH, " &METHOD", " &ALLOC ALBAND=0.1, ALNAM='A B','B C', ALGRAD=6,0, ALCLAS=1,1 &END\n &METHOD",
      "class 1 has grades, steps of a table and tolerances of any size, or two of these"),
+    (SKETCH, " &METHOD", " &ALLOC ALBAND=0.1, ALCORR=0.5 &END\n &METHOD", "no dimension is in a correlated group (ALGRP)"),
+    (SKETCH, " &METHOD", " &ALLOC ALBAND=0.1, ALNAM='A B', ALGRP=1, ALCORR=1.5 &END\n &METHOD", "&ALLOC ALCORR: entry 1: must be"),
     (BRACED, " &METHOD", " &ALLOC ALBAND=0.1 &END\n &METHOD", "meet with the lengths they have and no others"),
     # sweeps
     (FOUR_BAR, " &LIMITS", " &SWEEP SWHAT='WIDTH', SWLOW=1.0, SWHIGH=2.0 &END\n &LIMITS", "one of 'LENGTH', 'ANGLE', 'OUTLK'"),
