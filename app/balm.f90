@@ -20,8 +20,9 @@ program balm
    use psalm_text, only: text_t
    implicit none (type, external)
    character(*), parameter :: nl = new_line('a')
-   character(*), parameter :: endings(*) = [character(11) :: '.svg', '.html', '.dxf', '.flat.dxf', '.curves.svg', &
-                                           '.edit.html', '.move.svg', '.sheet.html', '.mjcf.xml', '.sdf', '.urdf']
+   character(*), parameter :: endings(*) = [character(15) :: '.svg', '.html', '.dxf', '.flat.dxf', '.curves.svg', &
+                                           '.edit.html', '.move.svg', '.sheet.html', '.mjcf.xml', '.sdf', '.urdf', &
+                                           '.tolerances.svg']
    type(arguments_t) :: arguments
    logical :: finished
    integer :: code, i
@@ -31,7 +32,8 @@ program balm
       '       balm --edit [options] [CASE.nml ...]'//nl// &
       nl//'Pictures of each case: CASE.svg, the linkage at its reference position with joints and output at every'//nl// &
       'position; CASE.html, a page on which it moves; CASE.dxf for CAD (&DXF). Further cases get CASE.2.svg and'//nl// &
-      'so on; the page has them all. The linkage is drawn as given, no search is made: for its result draw CASE.dev7.'//nl// &
+      'so on; the page has them all. With &ALLOC CASE.tolerances.svg too. The linkage is drawn as given, no search'//nl// &
+      'is made: for its result draw CASE.dev7.'//nl// &
       nl//'  --edit            the drawing board instead: CASE.edit.html, a page on which the sketch of a case is'//nl// &
       '                    changed and saved; without a case sketch.edit.html, empty'//nl// &
       '  --curves          curves too: CASE.curves.svg; convergence from CASE.dev1'//nl// &

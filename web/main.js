@@ -2,7 +2,7 @@
 'use strict';
 
 (() => {
-  const { scene, drawing, curves, charts, messages, controls, save } = balm;
+  const { scene, drawing, curves, charts, allotted, messages, controls, save } = balm;
   const $ = (id) => document.getElementById(id);
   const cases = scene.read($('data').textContent);
   const state = {
@@ -46,7 +46,7 @@
     for (const box of $('overlays').querySelectorAll('input')) box.disabled = Number(box.dataset.overlay) === i;
     $('title').textContent = document.title = titleOf(c);
     $('stage').hidden = !c.sound;
-    if (!c.sound) $('chartbox').hidden = true;
+    if (!c.sound) $('chartbox').hidden = $('allottedbox').hidden = true;
     document.querySelector('.keys').hidden = !c.sound;
     messages.list(c);
     if (!c.sound) {
@@ -78,6 +78,7 @@
     drawing.layOut(c);
     curves.layOut(c);
     charts.layOut(c);
+    allotted.layOut(c);
     for (const box of $('overlays').querySelectorAll('input')) {
       const on = box.checked && !box.disabled;
       box.parentNode.style.color = on ? drawing.linkColour(Number(box.dataset.overlay) + 1) : '';
@@ -158,6 +159,7 @@
     drawing.begin();
     curves.begin();
     charts.begin();
+    allotted.begin();
     controls.begin(refresh);
     save.begin();
     listCases();

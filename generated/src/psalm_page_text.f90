@@ -214,7 +214,8 @@ module psalm_page_text
    '  }'//nl// &
    '}'//nl// &
    ''//nl// &
-   '#chartbox canvas {'//nl// &
+   '#chartbox canvas,'//nl// &
+   '#allottedbox canvas {'//nl// &
    '  display: block;'//nl// &
    '  width: 100%;'//nl// &
    '}'//nl// &
@@ -222,10 +223,10 @@ module psalm_page_text
    '</head>'//nl// &
    '<body>'//nl// &
    '<header>'//nl// &
-   '  <h1 id="title"></h1>'//nl// &
-   '  <span id="facts"></span>'//nl
+   '  <h1 id="title"></h1>'//nl
 
    character(*), parameter :: part_5 = &
+   '  <span id="facts"></span>'//nl// &
    '  <label id="chooser" hidden>case <select id="case" aria-label="case shown"></select></label>'//nl// &
    '</header>'//nl// &
    '<main id="stage">'//nl// &
@@ -286,6 +287,10 @@ module psalm_page_text
    '</main>'//nl// &
    '<section id="chartbox" hidden>'//nl// &
    '  <canvas id="charts" role="img" aria-label="deflection over speeds, chart of stability"></canvas>'//nl// &
+   '</section>'//nl// &
+   '<section id="allottedbox" hidden>'//nl// &
+   '  <canvas id="allotted" role="img" aria-label="allotted tolerances: cost, part of the deviation, bands of the outputs">'// &
+   '</canvas>'//nl// &
    '</section>'//nl// &
    '<section id="messages" aria-label="messages"></section>'//nl// &
    '<p class="keys">Drag the picture to move the input; point at an arc (or tap it) to have it named; drag on the curves'//nl// &
@@ -1848,6 +1853,109 @@ module psalm_page_text
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
+   '// Tolerances that &ALLOC allots: of every dimension its part of the cost and of the deviation in the tightest band; th'// &
+   'e bands.'//nl// &
+   "'use strict';"//nl// &
+   ''//nl// &
+   'balm.allotted = (() => {'//nl// &
+   '  const HEIGHT = 300;       // pixels of a panel of bands'//nl// &
+   '  const ROW = 26;           // of a dimension'//nl// &
+   '  const HEAD = 58;          // of the words above the bars'//nl// &
+   '  const NARROW = 640;       // pixels across, below which panels stand one below the other'//nl// &
+   '  const WIDE = 1280;        // pixels across, above which letters grow'//nl// &
+   '  let canvas, box, u = 1;'//nl// &
+   ''//nl// &
+   '  function begin() {'//nl// &
+   "    canvas = document.getElementById('allotted');"//nl// &
+   "    box = document.getElementById('allottedbox');"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Bars on the left, bands beside them, on a phone below; nothing for a case without them. */'//nl// &
+   '  function layOut(c) {'//nl// &
+   '    const a = c.allotted;'//nl// &
+   '    box.hidden = !a;'//nl
+
+   character(*), parameter :: part_22 = &
+   '    if (box.hidden) return;'//nl// &
+   '    u = balm.drawing.sizeOf(box.clientWidth / WIDE, Infinity);'//nl// &
+   '    const below = box.clientWidth < NARROW, bars = (HEAD + ROW * a.rows.length) * u, bands = HEIGHT * u * a.bands.lengt'// &
+   'h;'//nl// &
+   "    canvas.style.height = (below ? bars + bands : Math.max(bars, bands)) + 'px';"//nl// &
+   "    const [w] = panels.fit(canvas), g = canvas.getContext('2d'), half = below ? w : w / 2;"//nl// &
+   '    g.clearRect(0, 0, w, canvas.clientHeight);'//nl// &
+   '    g.font = panels.font(u);'//nl// &
+   '    drawBars(g, a, 18 * u, half - 16 * u);'//nl// &
+   '    a.bands.forEach((band, i) => {'//nl// &
+   '      const left = below ? 0 : half, top = (below ? bars : 0) + i * HEIGHT * u;'//nl// &
+   '      drawBand(g, a, band, { left: left + 64 * u, right: w - 16 * u, top, bottom: top + (HEIGHT - 40) * u });'//nl// &
+   '    });'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Two bars a dimension, in proportion to the parts that they stand for. */'//nl// &
+   '  function drawBars(g, a, left, right) {'//nl// &
+   '    const { pens } = balm.drawing, colours = [pens.link0, pens.link1], at = left + 0.34 * (right - left), room = 0.3 * '// &
+   '(right - left);'//nl// &
+   '    const largest = Math.max(...a.rows.flatMap((row) => [row.cost, row.share]));'//nl// &
+   '    panels.head(g, [[a.words, pens.ink]], left, 16 * u, right - left, u);'//nl// &
+   "    panels.head(g, [['part of the cost', colours[0]], [a.legend, colours[1]]], left, 34 * u, right - left, u);"//nl// &
+   '    a.rows.forEach((row, i) => {'//nl// &
+   '      const y = (HEAD + ROW * i) * u;'//nl// &
+   '      g.fillStyle = pens.soft;'//nl// &
+   "      g.textAlign = 'right';"//nl// &
+   '      g.fillText(row.name, at - 8 * u, y + 12 * u, at - left - 8 * u);'//nl// &
+   "      g.textAlign = 'left';"//nl// &
+   '      [row.cost, row.share].forEach((part, k) => {'//nl// &
+   '        g.fillStyle = colours[k];'//nl// &
+   '        g.fillRect(at, y + 10 * u * k, Math.max(1, part / largest * room), 8 * u);'//nl// &
+   '        g.fillStyle = pens.soft;'//nl// &
+   '        g.fillText(row.parts[k], at + Math.max(1, part / largest * room) + 5 * u, y + (10 * k + 8) * u);'//nl// &
+   '      });'//nl// &
+   '      g.fillStyle = pens.ink;'//nl// &
+   '      g.fillText(row.tolerance, at + room + 60 * u, y + 13 * u);'//nl// &
+   '    });'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** What an output deviates over the input: worst case and root-sum-square, the band dashed. */'//nl// &
+   '  function drawBand(g, a, band, at) {'//nl// &
+   '    const { pens } = balm.drawing;'//nl// &
+   "    const lines = [['worst case', pens.link1, band.worst], ['root-sum-square', pens.link0, band.square],"//nl// &
+   "      ...band.used ? [['share of the linkages', pens.link2, band.used]] : [], ['band', pens.actual, band.width]];"//nl// &
+   "    const words = [['deviation of ' + band.name, pens.ink], ...lines.map(([label, colour]) => [label, colour])];"//nl// &
+   '    const most = 1.05 * Math.max(...lines.flatMap(([, , values]) => values)), n = band.input.length;'//nl// &
+   '    const [from, to] = band.input[0] < band.input[n - 1] ? [band.input[0], band.input[n - 1]] : [band.input[0] - 0.5, b'// &
+   'and.input[0] + 0.5];'//nl// &
+   '    at.top += 6 * u + panels.headHeight(g, words, at.right - at.left, u);'//nl// &
+   '    const x = (v) => at.left + (v - from) / (to - from) * (at.right - at.left);'//nl// &
+   '    const y = (v) => at.bottom - (v + most) / (2 * most) * (at.bottom - at.top);'//nl// &
+   '    panels.head(g, words, at.left, at.top - 6 * u, at.right - at.left, u);'//nl// &
+   '    panels.grid(g, pens, at, scales.ticks(-most, most, 6), y, u);'//nl// &
+   '    panels.axis(g, pens, at, scales.ticks(from, to, 6, a.turning), x, a.input, u);'//nl// &
+   '    const places = n > 1 ? band.input : [from, to], value = (values, i) => values[Math.min(i, n - 1)];'//nl// &
+   '    for (const [label, colour, values] of lines) {'//nl// &
+   '      g.strokeStyle = g.fillStyle = colour;'//nl// &
+   '      g.lineWidth = 1.6 * u;'//nl// &
+   "      g.setLineDash(label === 'band' ? [6, 4] : values === band.used ? [2, 3] : []);"//nl// &
+   '      if (values === band.worst || values === band.square) {'//nl// &
+   '        g.globalAlpha = 0.22;'//nl// &
+   '        g.beginPath();'//nl// &
+   '        places.forEach((v, i) => g.lineTo(x(v), y(value(values, i))));'//nl// &
+   '        for (let i = places.length - 1; i >= 0; i--) g.lineTo(x(places[i]), y(-value(values, i)));'//nl// &
+   '        g.fill();'//nl// &
+   '        g.globalAlpha = 1;'//nl// &
+   '      }'//nl// &
+   '      for (const side of [1, -1]) {'//nl// &
+   '        g.beginPath();'//nl// &
+   '        places.forEach((v, i) => g.lineTo(x(v), y(side * value(values, i))));'//nl// &
+   '        g.stroke();'//nl// &
+   '      }'//nl// &
+   '    }'//nl// &
+   '    g.setLineDash([]);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  return { begin, layOut };'//nl// &
+   '})();'//nl// &
+   '</script>'//nl// &
+   '<script>'//nl// &
    '// Words: what the linkage does at the position shown, what is wrong there, the messages of a case, names of arcs.'//nl// &
    "'use strict';"//nl// &
    ''//nl// &
@@ -1868,13 +1976,13 @@ module psalm_page_text
    '    const value = (key) => shortOutput(c, near >= 0 ? p[key][near] : mixed(s[key], at));'//nl// &
    '    const input = near >= 0 ? p.input[near] : c.ring ? modulo(inputAt(c, t), 360) : inputAt(c, t);'//nl// &
    "    if (c.time) return 'time ' + timeAt(c, t) + ' s, ' + (c.motion === 'point' ? 'x ' + shortOutput(c, mixed(s.actual, "// &
-   "at)) + ', y ' +"//nl
-
-   character(*), parameter :: part_22 = &
+   "at)) + ', y ' +"//nl// &
    "      shortOutput(c, mixed(s.actual_y, at)) : c.motion + ' ' + shortOutput(c, mixed(s.actual, at)) + (c.motion === 'ang"// &
    "le' ? '\u00b0' : ''));"//nl// &
    "    let text = (c.sliding || c.inputLabel ? 'input ' : 'crank ') + short(input) + (c.sliding ? ', ' : '\u00b0, ');"//nl// &
-   "    if (c.motion === 'point') text += 'x ' + value('actual') + ', y ' + value('actual_y');"//nl// &
+   "    if (c.motion === 'point') text += 'x ' + value('actual') + ', y ' + value('actual_y');"//nl
+
+   character(*), parameter :: part_23 = &
    "    else text += c.motion + ' ' + value('actual') + (c.motion === 'angle' ? '\u00b0' : '');"//nl// &
    "    if ((near >= 0 ? p.closed[near] : s.closed[at[0]]) === '0') text += ' (does not close)';"//nl// &
    '    if (near < 0) return text;'//nl// &
@@ -1973,12 +2081,12 @@ module psalm_page_text
    '      [dx, dy] = [ux, uy];'//nl// &
    '    }'//nl// &
    '    const angle = modulo(Math.atan2(dy, dx) * 180 / Math.PI, 360);'//nl// &
-   '    const link = bar.body >= 0 && c.bodies[bar.body].name;'//nl
-
-   character(*), parameter :: part_23 = &
+   '    const link = bar.body >= 0 && c.bodies[bar.body].name;'//nl// &
    "    return (link ? 'link ' + link : bar.loop ? 'loop ' + bar.loop + ', arc ' + bar.arc : 'output arc') +"//nl// &
    "      ': length ' + short(Number(length.toPrecision(6))) + ', angle ' + angle.toFixed(2) + '\u00b0' +"//nl// &
-   "      (bar.others ? ' (also ' + bar.others + ')' : '');"//nl// &
+   "      (bar.others ? ' (also ' + bar.others + ')' : '');"//nl
+
+   character(*), parameter :: part_24 = &
    '  }'//nl// &
    ''//nl// &
    '  /** The tip at a point of a box of the given width and height; without words it goes. */'//nl// &
@@ -2075,12 +2183,12 @@ module psalm_page_text
    '  }'//nl// &
    ''//nl// &
    '  function speed(way) {'//nl// &
-   "    const box = $('speed');"//nl
-
-   character(*), parameter :: part_24 = &
+   "    const box = $('speed');"//nl// &
    '    box.selectedIndex = Math.min(box.options.length - 1, Math.max(0, box.selectedIndex + way));'//nl// &
    '    balm.state.speed = Number(box.value);'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_25 = &
    ''//nl// &
    '  // ---- the picture -------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
@@ -2182,12 +2290,12 @@ module psalm_page_text
    '-'//nl// &
    ''//nl// &
    '  function key(event) {'//nl// &
-   '    if (event.altKey || event.ctrlKey || event.metaKey || !shown().sound) return;'//nl
-
-   character(*), parameter :: part_25 = &
+   '    if (event.altKey || event.ctrlKey || event.metaKey || !shown().sound) return;'//nl// &
    "    const own = event.target.tagName, button = (own === 'BUTTON' || own === 'INPUT') && event.target.type !== 'range';"//nl// &
    "    if (own === 'SELECT') return;"//nl// &
-   '    const far = event.shiftKey ? 10 : 1, [from, to] = limits();'//nl// &
+   '    const far = event.shiftKey ? 10 : 1, [from, to] = limits();'//nl
+
+   character(*), parameter :: part_26 = &
    '    const actions = {'//nl// &
    "      ' ': () => setPlaying(!balm.state.playing),"//nl// &
    '      ArrowLeft: () => step(-far),'//nl// &
@@ -2290,12 +2398,12 @@ module psalm_page_text
    "    closePath() { if (this.begun) this.d += 'Z'; }"//nl// &
    "    rect(x, y, w, h) { this.d += 'M' + [x, y].map(digits).join(' ') + 'h' + digits(w) + 'v' + digits(h) + 'h' + digits("// &
    "-w) + 'Z'; this.begun = true; }"//nl// &
-   '    arc(x, y, r, from, to) {'//nl
-
-   character(*), parameter :: part_26 = &
+   '    arc(x, y, r, from, to) {'//nl// &
    "      const turn = Math.min(2 * Math.PI, to - from), size = 'A' + digits(r) + ' ' + digits(r) + ' 0 0 1 ';"//nl// &
    '      this.lineTo(x + r * Math.cos(from), y + r * Math.sin(from));'//nl// &
-   '      // in two, for a whole circle ends where it begins'//nl// &
+   '      // in two, for a whole circle ends where it begins'//nl
+
+   character(*), parameter :: part_27 = &
    "      for (const part of [0.5, 1]) this.d += size + digits(x + r * Math.cos(from + part * turn)) + ' ' + digits(y + r *"// &
    " Math.sin(from + part * turn));"//nl// &
    '    }'//nl// &
@@ -2400,12 +2508,12 @@ module psalm_page_text
    '    button.disabled = true;'//nl// &
    "    button.textContent = 'recording \u2026';"//nl// &
    '    try {'//nl// &
-   "      give(await film(balm.controls.duration()), '.film.' + kindOfFilm()[1]);"//nl
-
-   character(*), parameter :: part_27 = &
+   "      give(await film(balm.controls.duration()), '.film.' + kindOfFilm()[1]);"//nl// &
    '    } finally {'//nl// &
    '      button.disabled = false;'//nl// &
-   '      button.textContent = words;'//nl// &
+   '      button.textContent = words;'//nl
+
+   character(*), parameter :: part_28 = &
    '    }'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -2427,7 +2535,7 @@ module psalm_page_text
    "'use strict';"//nl// &
    ''//nl// &
    '(() => {'//nl// &
-   '  const { scene, drawing, curves, charts, messages, controls, save } = balm;'//nl// &
+   '  const { scene, drawing, curves, charts, allotted, messages, controls, save } = balm;'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
    "  const cases = scene.read($('data').textContent);"//nl// &
    '  const state = {'//nl// &
@@ -2471,7 +2579,7 @@ module psalm_page_text
    "    for (const box of $('overlays').querySelectorAll('input')) box.disabled = Number(box.dataset.overlay) === i;"//nl// &
    "    $('title').textContent = document.title = titleOf(c);"//nl// &
    "    $('stage').hidden = !c.sound;"//nl// &
-   "    if (!c.sound) $('chartbox').hidden = true;"//nl// &
+   "    if (!c.sound) $('chartbox').hidden = $('allottedbox').hidden = true;"//nl// &
    "    document.querySelector('.keys').hidden = !c.sound;"//nl// &
    '    messages.list(c);'//nl// &
    '    if (!c.sound) {'//nl// &
@@ -2502,11 +2610,12 @@ module psalm_page_text
    '    if (!c.sound) return;'//nl// &
    '    drawing.layOut(c);'//nl// &
    '    curves.layOut(c);'//nl// &
-   '    charts.layOut(c);'//nl
-
-   character(*), parameter :: part_28 = &
+   '    charts.layOut(c);'//nl// &
+   '    allotted.layOut(c);'//nl// &
    "    for (const box of $('overlays').querySelectorAll('input')) {"//nl// &
-   '      const on = box.checked && !box.disabled;'//nl// &
+   '      const on = box.checked && !box.disabled;'//nl
+
+   character(*), parameter :: part_29 = &
    "      box.parentNode.style.color = on ? drawing.linkColour(Number(box.dataset.overlay) + 1) : '';"//nl// &
    '    }'//nl// &
    '    laidOut = true;'//nl// &
@@ -2585,6 +2694,7 @@ module psalm_page_text
    '    drawing.begin();'//nl// &
    '    curves.begin();'//nl// &
    '    charts.begin();'//nl// &
+   '    allotted.begin();'//nl// &
    '    controls.begin(refresh);'//nl// &
    '    save.begin();'//nl// &
    '    listCases();'//nl// &
@@ -2604,10 +2714,10 @@ module psalm_page_text
    '    const before = state.t, [from, to] = controls.limits(), began = performance.now();'//nl// &
    '    for (let i = 0; i < count; i++) {'//nl// &
    '      state.t = from + (to - from) * ((i * 0.618034) % 1);'//nl// &
-   '      draw();'//nl
+   '      draw();'//nl// &
+   '      if (raster) for (const pen of [drawing.pen, curves.chart]) pen.getImageData(0, 0, 1, 1);'//nl
 
-   character(*), parameter :: part_29 = &
-   '      if (raster) for (const pen of [drawing.pen, curves.chart]) pen.getImageData(0, 0, 1, 1);'//nl// &
+   character(*), parameter :: part_30 = &
    '    }'//nl// &
    '    const mean = (performance.now() - began) / count;'//nl// &
    '    state.t = before;'//nl// &
@@ -2652,6 +2762,6 @@ contains
              part_6//panels_js//part_7//part_8//part_9//part_10//part_11//part_12// &
              part_13//part_14//part_15//part_16//part_17//part_18//part_19//part_20// &
              part_21//part_22//part_23//part_24//part_25//part_26//part_27//part_28// &
-             part_29
+             part_29//part_30
    end function page_text
 end module psalm_page_text

@@ -14,8 +14,10 @@ module psalm_allocation_group
    public :: allocation_items
    public :: allocation_group_t, allocation_of
    public :: rule_worst, rule_square, rule_yield
+   public :: proof_none, proof_scale
 
    integer, parameter :: rule_worst = 1, rule_square = 2, rule_yield = 3 !! words of ALRULE in their order
+   integer, parameter :: proof_none = 1, proof_scale = 3 !! words of ALPROF in their order; between them: the bands as they are
    real(wp), parameter :: percent = 0.01_wp
    real(wp), parameter :: per_metre = 1000.0_wp  !! millimetres
    integer, parameter :: first_grade = 5, grades = 9 !! of ISO 286, up to IT13
@@ -45,6 +47,7 @@ module psalm_allocation_group
       integer, allocatable :: group(:)         !! ALGRP, shape (names): correlated group, below 0: against its others; 0: in none
       real(wp), allocatable :: correlation(:)  !! ALCORR, by group
       integer :: most_nodes = 0                !! ALNODE: of the search for grades and steps
+      integer :: proof = proof_none            !! ALPROF: one of `proof_...`
       integer :: trials = 0                    !! ALTRY: linkages of the sample
    contains
       procedure :: read => read_allocation
@@ -107,6 +110,9 @@ module psalm_allocation_group
              'correlation of two deviations of each of these groups; 1: they deviate as one'), &
       rule_t('ALNODE', a_whole, '', '', '100000', '[1,1000000000]', &
              'nodes of the search for grades and steps at most'), &
+      rule_t('ALPROF', a_word, '', '', 'NO', 'NO CHECK SCALE', &
+             'proof of the worst case: whether every linkage within the tolerances keeps the bands; SCALE: all tolerances are '// &
+             'multiplied by the factor that makes it so'), &
       rule_t('ALTRY', a_whole, '', '', '0', '[0,1000000000]', &
              'linkages of a Monte-Carlo sample within the tolerances found')]
 
@@ -143,6 +149,9 @@ contains
       call take(group, 'ALTRY', self%trials, findings)
       if (group%given('ALLAW') .and. self%rule /= rule_yield .and. self%trials == 0) &
          call out_of(group, 'ALLAW', "is for ALRULE='YIELD' and for a sample (ALTRY)", findings)
+      call take(group, 'ALPROF', self%proof, findings)
+      if (self%proof /= proof_none .and. self%rule /= rule_worst) &
+         call out_of(group, 'ALPROF', "is for ALRULE='WORST'", findings)
       call group%get_texts('ALNAM', texts, findings)
       n = size(texts)
       self%names = [character(text_length) :: (adjustl(texts(i)), i=1, n)]
@@ -163,6 +172,10 @@ contains
       call take(group, 'ALGRP', self%group, findings)
       allocate (self%correlation(maxval(abs([self%group, 0]))))
       call take(group, 'ALCORR', self%correlation, findings)
+      if (self%proof /= proof_none .and. any(self%group /= 0)) call out_of(group, 'ALPROF', 'all linkages within the tolerances '// &
+         'are enclosed, as if no deviations were correlated (ALGRP)', findings)
+      if (self%proof == proof_scale .and. any(self%finest > 0 .or. self%table > 0)) call out_of(group, 'ALPROF', &
+         "'SCALE' makes tolerances smaller, and grades and steps (ALGRAD, ALTAB) are what they are; use 'CHECK'", findings)
       if (group%given('ALCORR') .and. size(self%correlation) == 0) &
          call out_of(group, 'ALCORR', 'no dimension is in a correlated group (ALGRP)', findings)
    end subroutine read_allocation

@@ -45,7 +45,7 @@ module psalm_group_table
       known_group_t('CLEAR', 'balm bridge muscle'), &
       known_group_t('DXF', 'balm'), &
       known_group_t('SWEEP', 'psalm balm'), &
-      known_group_t('ALLOC', 'psalm'), &
+      known_group_t('ALLOC', 'psalm balm'), &
       known_group_t('EXACT', 'psalm balm')]
 
    character(*), parameter :: everything = '*' !! in place of a program: who reads all groups that a program of the suite reads

@@ -1,5 +1,6 @@
 !> Scenes become files: SVG, moving SVG and DXF of each case, curves, one page of all.
 module psalm_drawing
+   use psalm_allocation_svg, only: write_allocation_svg
    use psalm_animation, only: write_animation
    use psalm_curves, only: make_curves
    use psalm_data_set, only: data_set_t
@@ -52,6 +53,11 @@ contains
          call add_comment()
          call put(ending(k, '.svg'))
          if (.not. cases(k)%scene%valid) cycle
+         if (allocated(cases(k)%scene%allotted)) then
+            call write_allocation_svg(cases(k)%scene%title, cases(k)%scene%allotted, text)
+            call add_comment()
+            call put(ending(k, '.tolerances.svg'))
+         end if
          if (animate .and. .not. allocated(cases(k)%poles)) then
             call write_animation(cases(k)%scene, text)
             call add_comment()

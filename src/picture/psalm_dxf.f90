@@ -6,11 +6,12 @@ module psalm_dxf
    use psalm_dxf_group, only: dxf_group_t
    use psalm_dxf_text, only: dxf_t, layer_length
    use psalm_elementary, only: hypotenuse
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: wp, degrees_per_radian
    use psalm_link_outline, only: outline_t, outline_of, spine_of
    use psalm_output_kind, only: motion_point, motion_angle
    use psalm_scene, only: scene_t
    use psalm_text, only: text_t, to_text, upper_case
+   use psalm_tolerance_marks, only: tolerance_mark_t, list_marks, layer_of_tolerances
    use psalm_trace, only: position_row_t, rail_ends
    implicit none (type, external)
    private
@@ -19,6 +20,10 @@ module psalm_dxf
    real(wp), parameter :: circle_part = 0.008_wp !! radius of a joint's circle, part of the view, where PIN is not given
    real(wp), parameter :: gap_part = 0.04_wp     !! between links laid flat, part of the view
    real(wp), parameter :: away = 1.6_wp, height = 2.5_wp !! of a letter: place from its joint, height, radii of the circle
+   real(wp), parameter :: beside = 0.5_wp        !! of a tolerance from its line, heights of its letters
+   real(wp), parameter :: line_height = 1.6_wp   !! from line to line, heights of letters
+   real(wp), parameter :: smaller = 0.7_wp       !! letters of tolerances, of those of joints
+   integer, parameter :: colour_of_tolerances = 3
    integer, parameter :: colours = 6             !! CAD colours 1 to 6 in turn
    character(*), parameter :: fit = 'ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-$' !! for a layer's name in release 12
 
@@ -31,9 +36,10 @@ contains
       type(text_t), intent(inout) :: text
       type(dxf_t) :: drawing
       type(position_row_t), allocatable :: row
+      type(tolerance_mark_t), allocatable :: marks(:)
       character(layer_length), allocatable :: layers(:)
       real(wp) :: radius
-      integer :: at, b
+      integer :: at, b, below
 
       call choose_position(scene, dxf, row, at)
       layers = layer_names(scene)
@@ -47,11 +53,18 @@ contains
       call drawing%add_layer('DESIRED', 5)
       call drawing%add_layer('SLIDES', 9)
       if (allocated(scene%edges)) call drawing%add_layer('ENVELOPE', 3)
-      call drawing%begin(scene%low, scene%high, dxf%unit)
+      below = 0
+      if (allocated(scene%allotted)) then
+         call drawing%add_layer(layer_of_tolerances, colour_of_tolerances)
+         call list_marks(scene, marks)
+         below = count([(.not. has_place(marks(b)), b=1, size(marks))])
+      end if
+      call drawing%begin(scene%low - [0.0_wp, real(below, wp)*line_height*smaller*height*radius], scene%high, dxf%unit)
       call add_plates()
       call add_bars()
       call add_slides()
       call add_joints()
+      if (allocated(marks)) call add_tolerances()
       call add_path()
       call add_targets()
       if (allocated(scene%wheels)) call add_wheels()
@@ -156,6 +169,36 @@ contains
          end do
       end subroutine add_joints
 
+      !> True if a tolerance stands at joints that are drawn.
+      pure logical function has_place(mark)
+         type(tolerance_mark_t), intent(in) :: mark
+
+         has_place = all(mark%joints > 0)
+         if (has_place) has_place = all(row%known(mark%joints, at))
+      end function has_place
+
+      !> Dimensions with their tolerances, each at its line or its vertex; those that have none below the drawing.
+      subroutine add_tolerances()
+         real(wp) :: letters, placed(2, size(marks))
+         integer :: k, listed
+
+         letters = smaller*height*radius
+         placed = huge(1.0_wp)
+         listed = 0
+         do k = 1, size(marks)
+            associate (mark => marks(k))
+               if (has_place(mark)) then
+                  call write_mark(drawing, mark, [row%x(mark%joints(1), at), row%y(mark%joints(1), at)], &
+                                  [row%x(mark%joints(2), at), row%y(mark%joints(2), at)], letters, rank_of(marks, k), placed(:, :k))
+               else
+                  listed = listed + 1
+                  call drawing%words(layer_of_tolerances, scene%low(1), scene%low(2) - line_height*letters*real(listed, wp), &
+                                     letters, mark%name//' '//mark%words)
+               end if
+            end associate
+         end do
+      end subroutine add_tolerances
+
       !> The output point at the prescribed positions: a point each, and a polyline through each run of closed ones. With
       !> MOTION 1 a line along the direction of the output arc at each position.
       subroutine add_path()
@@ -240,6 +283,7 @@ contains
       type(dxf_t) :: drawing
       type(position_row_t), allocatable :: row
       type(outline_t), allocatable :: outlines(:)
+      type(tolerance_mark_t), allocatable :: marks(:)
       character(layer_length), allocatable :: layers(:)
       integer, allocatable :: order(:)
       real(wp) :: origin(2, size(scene%bodies)), along(2, size(scene%bodies)), shift(2, size(scene%bodies))
@@ -265,6 +309,10 @@ contains
       call drawing%add_layer('POINTS', 1)
       call drawing%add_layer('SLIDES', 9)
       call drawing%add_layer('NAMES', 7)
+      if (allocated(scene%allotted)) then
+         call drawing%add_layer(layer_of_tolerances, colour_of_tolerances)
+         call list_marks(scene, marks)
+      end if
       call drawing%begin([0.0_wp, 0.0_wp], [widest, max(top - gap, 0.0_wp)], dxf%unit)
       do k = 1, size(order)
          if (allocated(outlines(order(k))%x)) call draw_link(order(k))
@@ -324,6 +372,7 @@ contains
       subroutine draw_link(b)
          integer, intent(in) :: b
          real(wp) :: place(2), ends(2, 2)
+         real(wp), allocatable :: placed(:, :)
          integer :: i, s
 
          associate (joints => scene%bodies(b)%joints, outline => outlines(b))
@@ -354,12 +403,63 @@ contains
                   call drawing%line('SLIDES', ends(1, 1), ends(2, 1), ends(1, 2), ends(2, 2))
                end associate
             end do
+            if (allocated(marks)) then
+               allocate (placed(2, size(marks)), source=huge(1.0_wp))
+               do i = 1, size(marks)
+                  if (marks(i)%body /= b) cycle
+                  ends(:, 1) = turned(b, row%x(marks(i)%joints(1), at), row%y(marks(i)%joints(1), at))
+                  ends(:, 2) = turned(b, row%x(marks(i)%joints(2), at), row%y(marks(i)%joints(2), at))
+                  call write_mark(drawing, marks(i), ends(:, 1), ends(:, 2), smaller*height*radius, rank_of(marks, i), &
+                                  placed(:, :i))
+               end do
+            end if
             ! beyond the arc at the end
             call drawing%words('NAMES', maxval(outline%x) + 0.5_wp*dxf%width + 2.0_wp*radius, &
                                0.5_wp*(minval(outline%y) + maxval(outline%y)), height*radius, trim(layers(b)))
          end associate
       end subroutine draw_link
    end subroutine write_flat_dxf
+
+   !> A dimension with its tolerance: along the line between two places, or under the first of them.
+   subroutine write_mark(drawing, mark, from, to, letters, rank, placed)
+      type(dxf_t), intent(inout) :: drawing
+      type(tolerance_mark_t), intent(in) :: mark
+      real(wp), intent(in) :: from(2), to(2), letters !! letters: their height
+      integer, intent(in) :: rank                     !! among the angles at one place
+      real(wp), intent(inout) :: placed(:, :)         !! shape (2, marks): where those before it are; its own comes last
+      real(wp) :: along(2), aside(2), place(2), degrees
+      integer :: k
+
+      if (mark%angle) then
+         call drawing%words(layer_of_tolerances, from(1) + letters, from(2) - line_height*letters*real(rank, wp) - letters, &
+                            letters, mark%words)
+         return
+      end if
+      along = to - from
+      if (along(1) < 0.0_wp) along = -along             ! to be read from below
+      along = along/max(norm2(along), tiny(1.0_wp))
+      degrees = degrees_per_radian*atan2(along(2), along(1))
+      aside = [-along(2), along(1)]
+      place = 0.5_wp*(from + to) + beside*letters*aside
+      do k = 1, size(placed, 2)
+         if (.not. any(hypotenuse(placed(1, :) - place(1), placed(2, :) - place(2)) < line_height*letters)) exit
+         place = place + line_height*letters*aside
+      end do
+      placed(:, size(placed, 2)) = place
+      call drawing%words_along(layer_of_tolerances, place(1), place(2), letters, degrees, mark%words)
+   end subroutine write_mark
+
+   !> Number of an angle among those at its vertex, from 1.
+   pure integer function rank_of(marks, k) result(rank)
+      type(tolerance_mark_t), intent(in) :: marks(:)
+      integer, intent(in) :: k
+      integer :: i
+
+      rank = 0
+      do i = 1, k
+         if (marks(i)%angle .and. marks(i)%joints(1) == marks(k)%joints(1)) rank = rank + 1
+      end do
+   end function rank_of
 
    !> The position that is drawn.
    subroutine choose_position(scene, dxf, row, at)

@@ -30,6 +30,7 @@ module psalm_dxf_text
       procedure :: point
       procedure :: circle
       procedure :: words
+      procedure :: words_along
       procedure :: polyline
       procedure, private :: group
       procedure, private :: place
@@ -160,6 +161,21 @@ contains
       call self%group(40, full_precision(height))
       call self%group(1, text)
    end subroutine words
+
+   !> Words in the middle of a line, turned by an angle.
+   subroutine words_along(self, layer, x, y, height, degrees, text)
+      class(dxf_t), intent(inout) :: self
+      character(*), intent(in) :: layer
+      real(wp), intent(in) :: x, y, height, degrees !! x and y: the middle of the words' base line
+      character(*), intent(in) :: text
+
+      call self%words(layer, x, y, height, text)
+      call self%group(50, full_precision(degrees))
+      call self%group(72, '1')
+      call self%group(11, full_precision(x))
+      call self%group(21, full_precision(y))
+      call self%group(31, '0.0')
+   end subroutine words_along
 
    !> A polyline. A bulge is the tangent of a quarter of the angle of the arc that leads on from its vertex; 0: straight.
    subroutine polyline(self, layer, x, y, closed, bulge)

@@ -1,5 +1,6 @@
 !> Scenes as one self-contained HTML page: the page's text is part of the program, the scenes go into it as JSON.
 module psalm_page
+   use psalm_allocation_page, only: write_allocation_data
    use psalm_clearance_page, only: write_clearance_data
    use psalm_constraint_group, only: region_box, region_half_plane
    use psalm_dyad_kind, only: assur_rrr
@@ -88,6 +89,10 @@ contains
             call text%add_text(',"outputLabel":'//json_text(scene%output_label))
          if (size(scene%panels) > 0) call write_panels(scene, text)
          if (allocated(scene%band)) call write_band(scene%band, text)
+         if (allocated(scene%allotted)) then
+            call text%add_text(',"allotted":')
+            call write_allocation_data(scene%allotted, text)
+         end if
          if (allocated(scene%vibration)) then
             call text%add_text(',"vibration":')
             associate (v => scene%vibration, bar => scene%bars(scene%vibration%bar))

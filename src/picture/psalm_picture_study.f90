@@ -1,5 +1,6 @@
 !> The cases of a file become scenes: what pictures show. Source: Oldham (1977), section 15.1.
 module psalm_picture_study
+   use psalm_allocation_scene, only: allocation_scene_t, make_allocation_scene
    use psalm_chain_report, only: unreached_words
    use psalm_chain_scene, only: make_chain_scene
    use psalm_clearance_scene, only: clearance_scene_t, make_clearance_scene
@@ -89,6 +90,7 @@ contains
          if (timed .and. prepared%ready) cycle
          if (by_links) then
             call make_chain_scene(sets(k), own, cases(k)%scene, chosen)
+            if (sets(k)%gives('ALLOC') .and. cases(k)%scene%valid) call add_allotted_by_links(sets(k), findings, cases(k), stop)
             cycle
          end if
          if (prepared%ready) then
@@ -104,6 +106,7 @@ contains
                end if
                if (each%gives('VIBR') .and. scene%valid) call add_vibration(each, prepared, scene, stop)
                if (each%gives('CLEAR') .and. scene%valid) call add_clearance(each, prepared, scene, stop)
+               if (each%gives('ALLOC') .and. scene%valid) call add_allotted(each, prepared, findings, cases(k), stop)
             end associate
             if (allocated(cases(k)%scene%prescribed%beyond)) then
                if (any(cases(k)%scene%prescribed%beyond)) &
@@ -228,6 +231,43 @@ contains
       call make_clearance_scene(set, prepared, scene%sweep%delt, clearance, found, stop)
       if (found) scene%clearance = clearance
    end subroutine add_clearance
+
+   !> The tolerances of the group ALLOC; a case without such tolerances is drawn without them, with a warning.
+   subroutine add_allotted(set, prepared, findings, case, stop)
+      type(data_set_t), intent(in) :: set
+      type(prepared_t), intent(in) :: prepared
+      type(diagnostics_t), intent(inout) :: findings
+      type(pictured_t), intent(inout) :: case
+      type(stop_t), intent(in), optional :: stop
+      type(allocation_scene_t), allocatable :: allotted
+      logical :: found
+
+      allocate (allotted)
+      call make_allocation_scene(set, prepared, allotted, found, stop)
+      if (.not. found) then
+         call set%origins%warning(findings, 'ALLOC', '', 'no tolerances are drawn; psalm lists why there are none')
+         return
+      end if
+      if (allocated(case%parts)) case%parts%allotted = allotted
+      call move_alloc(allotted, case%scene%allotted)
+   end subroutine add_allotted
+
+   !> The same of a sketch that is drawn in the poses of its links, whose loops are not made ready yet.
+   subroutine add_allotted_by_links(set, findings, case, stop)
+      type(data_set_t), intent(in) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      type(pictured_t), intent(inout) :: case
+      type(stop_t), intent(in), optional :: stop
+      class(prepared_t), allocatable :: prepared  ! large: it would fill a small stack
+      type(diagnostics_t) :: noted
+      type(line_t) :: none(0)
+
+      allocate (prepared)
+      noted%file = set%file
+      call prepare(set, none, prepared, noted, need)
+      call findings%append(noted)
+      if (prepared%ready) call add_allotted(set, prepared, findings, case, stop)
+   end subroutine add_allotted_by_links
 
    !> Numbers of evenly chosen positions, as many as a picture can show, and of those of the least and the greatest input, which
    !> are the range.

@@ -11,9 +11,9 @@ module psalm_plot_svg
    use psalm_text, only: text_t, full_precision, number_or_nan, to_text
    implicit none (type, external)
    private
-   public :: write_plots
+   public :: write_plots, draw_plot, height_of_plot, plot_style, plot_width
 
-   real(wp), parameter :: width = 720.0_wp, left = 84.0_wp, right = 26.0_wp, header = 58.0_wp !! pixels
+   real(wp), parameter :: plot_width = 720.0_wp, left = 84.0_wp, right = 26.0_wp, header = 58.0_wp !! pixels
    real(wp), parameter :: panel_height = 200.0_wp, head = 20.0_wp, foot = 62.0_wp, row_height = 17.0_wp
    real(wp), parameter :: letter = 7.2_wp, sample = 26.0_wp   !! width of a letter; of the line in the legend
    real(wp), parameter :: ring = 3.5_wp                       !! radius
@@ -39,28 +39,43 @@ contains
 
       top = header
       do p = 1, size(plots)
-         top = top + head + row_height*real(rows_of_legend(plots(p)), wp) + panel_height + foot
+         top = top + height_of_plot(plots(p))
       end do
-      call begin_picture(title, width, top, own//palette_style(), text)
+      call begin_picture(title, plot_width, top, plot_style(), text)
       top = header
       do p = 1, size(plots)
          call draw_plot(plots(p), p, top, text)
-         top = top + head + row_height*real(rows_of_legend(plots(p)), wp) + panel_height + foot
+         top = top + height_of_plot(plots(p))
       end do
       call text%add('</svg>')
    end subroutine write_plots
 
+   !> What plots have besides the style of all pictures.
+   pure function plot_style() result(style)
+      character(:), allocatable :: style
+
+      style = own//palette_style()
+   end function plot_style
+
+   !> Height of a plot with its head and axis, pixels.
+   pure real(wp) function height_of_plot(plot) result(height)
+      type(plot_t), intent(in) :: plot
+
+      height = head + row_height*real(rows_of_legend(plot), wp) + panel_height + foot
+   end function height_of_plot
+
+   !> Append a plot, `number` of its picture, below `top`.
    subroutine draw_plot(plot, number, top, text)
       type(plot_t), intent(in) :: plot
       integer, intent(in) :: number
-      real(wp), intent(in) :: top
+      real(wp), intent(in) :: top              !! pixels
       type(text_t), intent(inout) :: text
       type(plot_panel_t) :: panel
       real(wp) :: low, high, tick
       integer :: k
 
       call find_range(plot, low, high)
-      panel = plot_panel_t(left, top + head + row_height*real(rows_of_legend(plot), wp), width - left - right, panel_height, &
+      panel = plot_panel_t(left, top + head + row_height*real(rows_of_legend(plot), wp), plot_width - left - right, panel_height, &
                            plot%from, plot%to, low, high)
       tick = round_step((plot%to - plot%from)/ticks)
       if (plot%turning .and. plot%to - plot%from >= part_of_turn) tick = turn_tick
@@ -252,7 +267,7 @@ contains
       integer :: k
 
       rows = 0
-      x = width
+      x = plot_width
       do k = 1, size(plot%lines)
          if (len_trim(plot%lines(k)%label) == 0) cycle
          call next_place(plot%lines(k)%label, x, rows)
@@ -267,7 +282,7 @@ contains
       real(wp) :: size_
 
       size_ = sample + 20.0_wp + letter*real(len_trim(label), wp)
-      if (x + size_ > width - right) then
+      if (x + size_ > plot_width - right) then
          x = left
          row = row + 1
       end if
@@ -282,7 +297,7 @@ contains
       integer :: k, row
 
       row = 0
-      x = width
+      x = plot_width
       do k = 1, size(plot%lines)
          associate (line => plot%lines(k))
             if (len_trim(line%label) == 0) cycle

@@ -2,6 +2,7 @@
 !>
 !> Two rows of positions (`psalm_trace`): the prescribed ones and a sweep between and beyond them.
 module psalm_scene
+   use psalm_allocation_scene, only: allocation_scene_t
    use psalm_angles, only: unit_vector
    use psalm_clearance_scene, only: clearance_scene_t
    use psalm_constraint_group, only: region_t
@@ -70,6 +71,7 @@ module psalm_scene
       integer, allocatable :: drawn(:)                    !! by point of the mechanism: the joint that is drawn there
       type(panel_t), allocatable :: panels(:)             !! other curves over the sweep: rates, further outputs
       type(tolerance_band_t), allocatable :: band                   !! of the output, if the dimensions have tolerances
+      type(allocation_scene_t), allocatable :: allotted   !! tolerances, if the case asks for the cheapest
       character(:), allocatable :: output_label           !! of a sketch: name of the output drawn
       ! of sketches without loops of dyads only
       character(:), allocatable :: input_label            !! what counts along the sweep

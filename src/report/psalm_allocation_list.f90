@@ -3,13 +3,14 @@ module psalm_allocation_list
    use psalm_allocation, only: allocation_t
    use psalm_allocation_terms, only: item_name
    use psalm_cheapest_tolerances, only: limit_largest, limit_least, wider
+   use psalm_allocation_proof, only: band_certified, band_violated
    use psalm_allocation_group, only: rule_square, rule_worst, rule_yield
    use psalm_column_names, only: input_name, input_unit, position_name
    use psalm_columns, only: left_column, right_column
    use psalm_kinds, only: wp
    use psalm_number_format, only: error_words, figures_of, in_sentence, number_words
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
-   use psalm_text, only: text_t, fixed, to_text, upper_case
+   use psalm_text, only: text_t, fixed, lower_case, to_text, upper_case
    implicit none (type, external)
    private
    public :: list_allocation, put_allocation
@@ -29,7 +30,7 @@ contains
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
       character(15), dimension(size(result%names)) :: tolerance, cost, worth
-      character(15), dimension(size(result%bands)) :: input, width, saves
+      character(15), dimension(size(result%bands)) :: input, width, saves, all_input, all_width
       logical :: is_full(size(result%bands))
       integer :: i, j
 
@@ -37,10 +38,12 @@ contains
       cost = figures_of(named, result%cost)
       worth = figures_of(named, percent*result%worth)
       associate (of => result%bands)
-         is_full = of%used >= (1.0_wp - full)*of%width
+         is_full = of%used >= (1.0_wp - full)*result%scaled*of%width
          input = figures_of(named, result%input(of%position), is_full)
          width = figures_of(named, of%width, is_full)
          saves = figures_of(named, percent*of%price, is_full)
+         all_input = figures_of(named, result%input(of%position))
+         all_width = figures_of(named, of%width)
       end associate
       call text%add()
       select case (result%rule)
@@ -103,6 +106,7 @@ contains
          if (.not. result%in_steps) line = line//': EVERY TOLERANCE IS THE LARGEST'
          call text%add(line)
       end if
+      if (result%proof%asked) call list_proof()
       if (result%sample%trials == 0) return
       line = ' LINKAGES OF THE SAMPLE '//to_text(result%sample%trials)//', WITHIN ALL BANDS '//to_text(result%sample%kept)//' ('
       line = line//part_words(real(result%sample%kept, wp)/real(result%sample%trials, wp))//' PER CENT)'
@@ -127,6 +131,47 @@ contains
          words = trim(adjustl(in_sentence(named, part/percent)))
       end function part_words
 
+      !> What is proven of the bands that are full, and of those that are not kept.
+      subroutine list_proof()
+         character(15), dimension(size(result%bands)) :: low, high, corner
+         logical :: shown(size(result%bands))
+
+         associate (proof => result%proof)
+            shown = is_full .or. proof%verdict /= band_certified
+            low = figures_of(named, proof%low, shown .and. proof%known)
+            high = figures_of(named, proof%high, shown .and. proof%known)
+            corner = figures_of(named, proof%corner, shown .and. proof%verdict /= band_certified .and. &
+                                proof%corner < huge(1.0_wp))
+            call text%add()
+            call text%add(' PROOF OF THE WORST CASE: '//to_text(count(proof%verdict == band_certified))//' OF '// &
+                          to_text(size(proof%verdict))//' BANDS CERTIFIED')
+            if (result%scaled < 1.0_wp) then
+               call text%add(' ALL TOLERANCES WERE MULTIPLIED BY '//trim(adjustl(in_sentence(named, result%scaled)))//' FOR IT')
+            else if (proof%factor > 0.0_wp .and. proof%factor < 1.0_wp) then
+               call text%add(' ALL TOLERANCES TIMES '//trim(adjustl(in_sentence(named, proof%factor)))// &
+                             ' WOULD CERTIFY ALL BANDS')
+            end if
+            if (.not. any(shown)) return
+            call text%add(' NUMBER          POSITION          INPUT      BAND (+-)         LOWEST        HIGHEST  VERDICT'// &
+                          '           CORNER')
+            do j = 1, size(result%bands)
+               if (.not. shown(j)) cycle
+               line = ' '//trim(result%numbers(result%bands(j)%number))
+               if (.not. named) line = upper_case(line)
+               line = left_column(line, 17)//right_column(result%bands(j)%position, 8)//all_input(j)//all_width(j)//low(j)//high(j)
+               line = line//'  '//verdict_words(proof%verdict(j))
+               if (proof%verdict(j) /= band_certified) then
+                  if (proof%corner(j) < huge(1.0_wp)) then
+                     line = line//corner(j)
+                  else
+                     line = line//' DOES NOT CLOSE'
+                  end if
+               end if
+               call text%add(trim(line))
+            end do
+         end associate
+      end subroutine list_proof
+
       pure function limit_of(i) result(word)
          integer, intent(in) :: i
          character(limit_room) :: word
@@ -136,6 +181,21 @@ contains
          if (result%limit(i) == limit_largest) word = 'LARGEST'
       end function limit_of
    end subroutine list_allocation
+
+   !> What is proven of a band.
+   pure function verdict_words(verdict) result(words)
+      integer, intent(in) :: verdict
+      character(10) :: words
+
+      select case (verdict)
+      case (band_certified)
+         words = 'CERTIFIED'
+      case (band_violated)
+         words = 'VIOLATED'
+      case default
+         words = 'UNDECIDED'
+      end select
+   end function verdict_words
 
    !> The tables `allocation` and `allocation_bands`.
    subroutine put_allocation(sliding_input, result, tables)
@@ -179,8 +239,18 @@ contains
          call table%add('used', bands%used)
          if (.not. result%in_steps) call table%add('price', bands%price)
          call table%add('share_within', bands%share)
-         if (result%sample%trials > 0) call table%add('sample_beyond', &
-            [(result%sample%beyond(bands(i)%position, result%columns(i)), i=1, size(bands))])
+         if (result%proof%asked) then
+            call table%add('lowest', result%proof%low, known=result%proof%known)
+            call table%add('highest', result%proof%high, known=result%proof%known)
+            call table%add('proof', [(lower_case(verdict_words(result%proof%verdict(i))), i=1, size(bands))])
+         end if
+         if (result%sample%trials > 0) then
+            call table%add('sample_beyond', [(result%sample%beyond(bands(i)%position, result%columns(i)), i=1, size(bands))])
+            call table%add('sample_lowest', [(result%sample%low(bands(i)%position, result%columns(i)), i=1, size(bands))], &
+                           known=spread(result%sample%any_closed, 1, size(bands)))
+            call table%add('sample_highest', [(result%sample%high(bands(i)%position, result%columns(i)), i=1, size(bands))], &
+                           known=spread(result%sample%any_closed, 1, size(bands)))
+         end if
       end associate
       call tables%put(table)
    end subroutine put_allocation

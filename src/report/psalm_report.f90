@@ -2,8 +2,10 @@
 module psalm_report
    use psalm_adjustment_list, only: list_adjustments, put_adjustments
    use psalm_allocation, only: allocation_t
+   use psalm_allocation_proof, only: band_undecided, band_violated
    use psalm_allocation_list, only: list_allocation, put_allocation
    use psalm_allocation_terms, only: item_name
+   use psalm_cheapest_tolerances, only: limit_least
    use psalm_analysis, only: analysis_t
    use psalm_chain_report, only: range_lines, report_unreached, several_outputs
    use psalm_check_list, only: list_arcs, list_reference_joints, list_setup
@@ -522,6 +524,7 @@ contains
       if (.not. result%proven) call devices%remark(set, search_ended()//': the tolerances of &ALLOC keep the bands, but '// &
                                                    'cheaper ones may cost '//number_words(result%bound)//' in place of '// &
                                                    number_words(result%value))
+      if (result%proof%asked) call report_proof_of_bands()
       if (result%trials == 0) return
       if (result%sample%trials < result%trials) call devices%remark(set, &
          trim(merge('MAXTIME passed', 'interrupted   ', result%out_of_time))//': the sample of &ALLOC has '// &
@@ -531,7 +534,8 @@ contains
       associate (band => result%bands(missed))
          call devices%remark(set, 'the linear bands are not those of the linkage: of '//to_text(result%sample%trials)// &
                              ' linkages '//to_text(nint(result%sample%beyond(band%position, result%columns(missed))))// &
-                             ' leave the band of '//trim(result%numbers(band%number))//' at position '//to_text(band%position))
+                             ' leave the band of '//trim(result%numbers(band%number))//' at position '//to_text(band%position)// &
+                             ', by up to '//number_words(beyond(missed)))
       end associate
 
    contains
@@ -543,6 +547,43 @@ contains
          words = 'the search for grades and steps ended at node '//to_text(result%nodes)
          if (result%out_of_time) words = 'MAXTIME passed: '//words
       end function search_ended
+
+      !> How far the sample leaves a band.
+      pure real(wp) function beyond(j)
+         integer, intent(in) :: j
+
+         associate (at => result%bands(j)%position, column => result%columns(j))
+            beyond = max(result%sample%high(at, column), -result%sample%low(at, column)) - result%bands(j)%width
+         end associate
+      end function beyond
+
+      !> Remarks on bands that are not certified.
+      subroutine report_proof_of_bands()
+         integer :: k
+
+         associate (proof => result%proof)
+            k = findloc(proof%verdict, band_violated, dim=1)
+            if (k > 0) then
+               associate (band => result%bands(k))
+                  if (proof%corner(k) < huge(1.0_wp)) then
+                     call devices%remark(set, 'a linkage within the tolerances leaves the band of '// &
+                                         trim(result%numbers(band%number))//' at position '//to_text(band%position)//': it '// &
+                                         'deviates by '//number_words(proof%corner(k)))
+                  else
+                     call devices%remark(set, 'a linkage within the tolerances does not close, at a corner of '// &
+                                         'the band of '//trim(result%numbers(band%number))//' at position '//to_text(band%position))
+                  end if
+               end associate
+            end if
+            k = findloc(proof%verdict, band_undecided, dim=1)
+            if (k > 0) call devices%remark(set, 'not certified: the band of '// &
+                                           trim(result%numbers(result%bands(k)%number))//' at position '// &
+                                           to_text(result%bands(k)%position)//', and '// &
+                                           to_text(count(proof%verdict == band_undecided) - 1)//' more')
+            if (any(result%limit == limit_least) .and. result%scaled < 1.0_wp) call devices%remark(set, &
+               'ALPROF=''SCALE'' makes tolerances smaller than their least (ALMIN)')
+         end associate
+      end subroutine report_proof_of_bands
    end subroutine report_allocation
 
    ! ---- rates -------------------------------------------------------------------------------------------------------

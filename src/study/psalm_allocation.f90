@@ -8,10 +8,11 @@
 !> changes, ends where the conditions of the optimum hold. Source: Chase and Greenwood (1988), Design issues in mechanical tolerance
 !> analysis; Spotts (1973), Allocation of tolerances to minimize cost of assembly.
 module psalm_allocation
-   use psalm_allocation_group, only: allocation_group_t, allocation_of, rule_worst
+   use psalm_allocation_group, only: allocation_group_t, allocation_of, proof_none, proof_scale, rule_worst
+   use psalm_allocation_proof, only: allocation_proof_t, prove_bands, band_certified
    use psalm_allocation_rule, only: allocated_band_t, band_rule_t
    use psalm_allocation_terms, only: are_meant, costs_of, item_name, make_terms, terms_t
-   use psalm_cheapest_tolerances, only: cheapest_t, find_cheapest
+   use psalm_cheapest_tolerances, only: at_limit, cheapest_t, find_cheapest, limit_least, limit_none
    use psalm_column_names, only: output_name
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
@@ -19,6 +20,7 @@ module psalm_allocation
    use psalm_kinds, only: wp
    use psalm_mechanism, only: mechanism_t
    use psalm_output_kind, only: output_kind_t, output_kind
+   use psalm_parameters, only: parameters_t, variable_gama, variable_length
    use psalm_sketch, only: output_ratio
    use psalm_sketch_outputs, only: names_of_numbers, name_length
    use psalm_status, only: diagnostics_t
@@ -43,7 +45,10 @@ module psalm_allocation
       character(column_length), allocatable :: names(:) !! shape (dimensions)
       logical, allocatable :: is_angle(:)             !! shape (dimensions)
       integer, allocatable :: class(:)                !! shape (dimensions); 0: in none
+      real(wp), allocatable :: nominal(:)             !! shape (dimensions): the length or angle itself; 0: not known
+      integer, allocatable :: loop(:), place(:)       !! shape (dimensions): of a length or angle its arc; 0: of none
       real(wp), allocatable :: tolerance(:), cost(:)  !! shape (dimensions)
+      real(wp), allocatable :: effect(:, :)           !! shape (dimensions, bands): change of the output by the whole tolerance
       integer, allocatable :: limit(:)                !! shape (dimensions): one of `limit_...`
       logical :: in_steps = .false.                   !! some dimensions have grades or steps
       logical, allocatable :: graded(:)               !! shape (dimensions): its steps are grades
@@ -59,6 +64,8 @@ module psalm_allocation
       integer :: impossible = 0                       !! band that even the least tolerances do not keep; 0: there is none
       real(wp), allocatable :: input(:)               !! shape (positions), as listings have it
       logical, allocatable :: dead(:)                 !! shape (positions): dead points where a band was asked for and there is none
+      type(allocation_proof_t) :: proof               !! of the worst case, if it is asked for
+      real(wp) :: scaled = 1.0_wp                     !! all tolerances have been multiplied by this so that it is proven
       logical :: with_given = .false.                 !! the case has tolerances of its own (TOLER)
       real(wp) :: cost_of_given = 0.0_wp              !! their cost
       real(wp) :: use_of_given = 0.0_wp               !! and how much of a band they use at most
@@ -74,7 +81,7 @@ module psalm_allocation
 contains
 
    !> The cheapest tolerances of a linkage, and the sample of linkages within them if one is asked for.
-   subroutine study_allocation(set, mechanism, dimensions, threads, stop, result, delt, given, analysed)
+   subroutine study_allocation(set, mechanism, dimensions, threads, stop, result, delt, given, analysed, unchecked)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions    !! the nominal linkage
@@ -84,6 +91,7 @@ contains
       real(wp), intent(in), optional :: delt(:)       !! increments of the input in place of those of the case
       type(problem_t), intent(in), optional :: given  !! see `find_tolerances`
       type(motion_t), intent(in), optional :: analysed
+      logical, intent(in), optional :: unchecked      !! no sample is wanted
       type(allocation_group_t) :: asked
       type(deviating_t), allocatable :: deviating
       type(tolerance_t), allocatable :: linear
@@ -97,6 +105,12 @@ contains
       integer :: j
 
       asked = allocation_of(set)
+      if (present(unchecked)) then
+         if (unchecked) then
+            asked%trials = 0
+            if (asked%proof /= proof_scale) asked%proof = proof_none
+         end if
+      end if
       result%rule = asked%rule
       result%yield = asked%yield
       result%trials = asked%trials
@@ -109,6 +123,7 @@ contains
       result%turns = allowance%turns
       result%names = allowance%names
       result%is_angle = allowance%is_angle
+      call take_dimensions(linear, allowance, result)
       result%dead = linear%dead .and. asked%factors > 0.0_wp
       result%input = linear%nominal%input
       call make_terms(asked, allowance, linear%dimensions, terms)
@@ -118,7 +133,7 @@ contains
       call limited%limit_time(set%search%maxtime)
       rule = band_rule_t(asked%rule, asked%law, asked%yield, terms%group, asked%correlation)
       call find_cheapest(asked, rule, allowance, terms, result%bands, limited, cheapest)
-      call take_down(terms, cheapest, result)
+      call take_down(terms, allowance, cheapest, result)
       result%out_of_time = limited%late()
       result%with_given = set%toler%given
       if (result%with_given) then
@@ -133,7 +148,11 @@ contains
             end associate
          end do
       end if
-      if (.not. result%solved .or. asked%trials == 0) return
+      if (.not. result%solved) return
+      if (asked%proof /= proof_none) call prove_all(asked, terms, deviating, linear, allowance, result)
+      if (asked%trials == 0) return
+      limited = stop
+      call limited%limit_time(set%search%maxtime)
       call allot(allowance, result%tolerance, asked%law, deviating, linear)
       if (rule%is_grouped()) then
          allocate (own(size(allowance%names)), common(size(allowance%names)))
@@ -148,14 +167,16 @@ contains
          within(result%bands(j)%position, result%columns(j)) = result%bands(j)%width
       end do
       call draw_sample(deviating, linear, asked%trials, set%method%istart, threads, result%sample, limited, within)
-      result%out_of_time = limited%late()
+      result%out_of_time = result%out_of_time .or. limited%late()
    end subroutine study_allocation
 
    !> What was found.
-   pure subroutine take_down(terms, cheapest, result)
+   pure subroutine take_down(terms, allowance, cheapest, result)
       type(terms_t), intent(in) :: terms
+      type(allowance_t), intent(in) :: allowance
       type(cheapest_t), intent(in) :: cheapest
       type(allocation_t), intent(inout) :: result
+      integer :: j
 
       result%solved = cheapest%solved
       result%unsettled = cheapest%unsettled
@@ -174,7 +195,66 @@ contains
       result%wider_saves = cheapest%wider_saves
       result%value = cheapest%value
       result%bound = cheapest%bound
+      allocate (result%effect(size(result%tolerance), size(result%bands)))
+      do j = 1, size(result%bands)
+         associate (band => result%bands(j))
+            result%effect(:, j) = allowance%change(band%position, :, band%number)*result%tolerance
+         end associate
+      end do
    end subroutine take_down
+
+   !> Prove the worst case, with all tolerances made smaller for it if that is asked for.
+   subroutine prove_all(asked, terms, deviating, linear, allowance, result)
+      type(allocation_group_t), intent(in) :: asked
+      type(terms_t), intent(in) :: terms
+      type(deviating_t), intent(in) :: deviating
+      type(tolerance_t), intent(in) :: linear
+      type(allowance_t), intent(in) :: allowance
+      type(allocation_t), intent(inout) :: result
+
+      call prove()
+      if (asked%proof /= proof_scale .or. result%proof%factor >= 1.0_wp .or. .not. result%proof%factor > 0.0_wp) return
+      result%scaled = result%proof%factor
+      result%tolerance = result%scaled*result%tolerance
+      result%effect = result%scaled*result%effect
+      result%bands%used = result%scaled*result%bands%used
+      result%cost = costs_of(terms, result%tolerance)
+      result%value = sum(result%cost)
+      result%limit = limit_none
+      where (result%tolerance < (1.0_wp - at_limit)*terms%low) result%limit = limit_least
+      call prove()
+
+   contains
+
+      subroutine prove()
+         call prove_bands(deviating, linear, allowance, result%tolerance, result%bands%position, result%bands%number, &
+                          result%bands%width, result%proof)
+      end subroutine prove
+   end subroutine prove_all
+
+   !> The dimensions themselves, and the arcs that they are of.
+   pure subroutine take_dimensions(linear, allowance, result)
+      type(tolerance_t), intent(in) :: linear
+      type(allowance_t), intent(in) :: allowance
+      type(allocation_t), intent(inout) :: result
+      type(parameters_t) :: parameters
+      real(wp), allocatable :: values(:)
+      integer :: i
+
+      parameters%variables = linear%variables
+      values = parameters%first_values(linear%dimensions)
+      result%nominal = allowance%size
+      allocate (result%loop(size(allowance%column)), result%place(size(allowance%column)), source=0)
+      do i = 1, size(allowance%column)
+         if (allowance%column(i) > size(values)) cycle      ! of a joint that stands off the arcs
+         associate (variable => linear%variables(allowance%column(i)))
+            result%nominal(i) = values(allowance%column(i))
+            if (.not. any(variable%kind == [variable_length, variable_gama])) cycle
+            result%loop(i) = variable%loop
+            result%place(i) = variable%arc
+         end associate
+      end do
+   end subroutine take_dimensions
 
    !> True if no tolerances keep the bands, there are dead points without bands, the search for steps or the sample ended early, or
    !> the linkages of the sample do not keep what the tolerances promise.
@@ -185,6 +265,7 @@ contains
       is_violating = .false.
       if (.not. self%closes) return
       is_violating = .not. self%solved .or. any(self%dead) .or. .not. self%proven
+      if (.not. is_violating .and. self%proof%asked) is_violating = any(self%proof%verdict /= band_certified)
       if (is_violating .or. self%trials == 0) return
       is_violating = self%sample%trials < self%trials .or. any([(.not. self%is_kept(j), j=1, size(self%bands))])
    end function is_violating

@@ -12,7 +12,7 @@ module psalm_cheapest_tolerances
    implicit none (type, external)
    private
    public :: cheapest_t, find_cheapest
-   public :: limit_none, limit_least, limit_largest, wider
+   public :: limit_none, limit_least, limit_largest, wider, at_limit
 
    real(wp), parameter :: wider = 0.1_wp              !! part of all bands, for what wider ones save with steps
    integer, parameter :: limit_none = 0, limit_least = 1, limit_largest = 2

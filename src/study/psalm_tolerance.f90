@@ -18,6 +18,7 @@ module psalm_tolerance
    use psalm_linkage, only: padded
    use psalm_moving_joints, only: sketch_motion_t
    use psalm_output_kind, only: output_kind_t
+   use psalm_proof_deviation, only: deviation_model_t, enclosure_t, make_deviation_model, enclose_number, enclose_unknowns
    use psalm_rates, only: form_frames, is_dead
    use psalm_sensitivity, only: sensitivity_t, wanted_outputs_t, prepare_sensitivity, find_jacobian
    use psalm_sketch, only: sketch_t, sketch_output_t, output_angle, output_pose, output_ratio, columns_of
@@ -33,6 +34,7 @@ module psalm_tolerance
    implicit none (type, external)
    private
    public :: tolerances_t, tolerance_t, sample_t, deviating_t, study_tolerances, find_tolerances, draw_sample
+   public :: enclose_bands, find_deviations
    public :: column_length, allowance_t, allowances_of, names_of_tolerances, dimensions_to_allot, allot, correlate
 
    integer, parameter :: linkages_of_stream = 1000 !! of the random numbers
@@ -43,6 +45,7 @@ module psalm_tolerance
    integer, parameter :: solved_unasked = 20000 !! positions between two looks whether the sample must end
    integer, parameter :: most_named = 10        !! linkages of the sample that are named because they do not close
    integer, parameter :: column_length = 120      !! characters of the name of a dimension
+   integer, parameter :: halvings = 40            !! of the range of a factor that is looked for
 
    !> The linkage with every dimension that has a tolerance as a variable.
    type :: deviating_t
@@ -626,6 +629,172 @@ contains
          linear%common(allowance%column(k)) = common(k)
       end do
    end subroutine correlate
+
+   ! ---- proven --------------------------------------------------------------------------------------------------------
+
+   !> How far numbers of outputs go at positions for every linkage within tolerances, proven to second order; and by which factor
+   !> all tolerances would have to be multiplied for the bands to be kept, 0: none was found.
+   subroutine enclose_bands(deviating, linear, allowance, tolerance, position, number, width, low, high, known, factor)
+      type(deviating_t), intent(in) :: deviating
+      type(tolerance_t), intent(in) :: linear
+      type(allowance_t), intent(in) :: allowance
+      real(wp), intent(in) :: tolerance(:)         !! shape (dimensions)
+      integer, intent(in) :: position(:), number(:) !! shape (bands)
+      real(wp), intent(in) :: width(:)             !! shape (bands): to either side
+      real(wp), intent(out) :: low(:), high(:)     !! shape (bands)
+      logical, intent(out) :: known(:)             !! shape (bands): something can be said
+      real(wp), intent(out) :: factor              !! 1 at most
+      class(problem_t), allocatable :: problem     ! large, as the work room: they would fill a small stack
+      type(sensitivity_t), allocatable :: work
+      type(deviation_model_t), allocatable :: model
+      real(wp), allocatable :: all_tolerances(:)
+      integer, allocatable :: own_column(:, :), list(:)
+      integer :: block, offset, n, i, k
+
+      low = -huge(1.0_wp)
+      high = huge(1.0_wp)
+      known = .false.
+      factor = 1.0_wp
+      allocate (problem, source=deviating%problem)
+      allocate (work, model)
+      call prepare_sensitivity(problem, work)
+      n = size(linear%variables)
+      if (allocated(linear%bands)) n = n + size(linear%bands%of_apart)
+      allocate (all_tolerances(n), source=0.0_wp)
+      all_tolerances(allowance%column) = tolerance
+      if (allocated(deviating%outputs)) call find_columns()
+      call problem%bind(linear%dimensions)
+      do block = 1, problem%blocks()
+         call problem%solve_block(block, offset, n)
+         call problem%output_of(n)
+         do i = 1, n
+            list = pack([(k, k=1, size(position))], position == offset + i)
+            if (size(list) == 0) cycle
+            if (allocated(deviating%outputs)) then
+               call make_deviation_model(problem, work, i, size(all_tolerances), model, deviating%outputs%sketch, &
+                                         deviating%outputs%outputs, own_column)
+            else
+               call make_deviation_model(problem, work, i, size(all_tolerances), model)
+            end if
+            call bound(1.0_wp)
+            if (.not. is_kept()) call look_for_factor()
+         end do
+      end do
+
+   contains
+
+      !> Columns of the dimensions of joints that stand off the arcs; of that which the output arc ends at those of this arc.
+      subroutine find_columns()
+         integer :: m
+
+         associate (all => deviating%outputs)
+            allocate (own_column(2, size(all%sketch%moving)), source=0)
+            do m = 1, size(all%apart)
+               own_column(:, all%apart(m)) = size(linear%variables) + [2*m - 1, 2*m]
+               if (m /= all%listed) cycle
+               own_column(:, all%apart(m)) = [findloc(linear%variables%kind, variable_outlk, dim=1), &
+                                              findloc(linear%variables%kind, variable_outang, dim=1)]
+            end do
+         end associate
+      end subroutine find_columns
+
+      !> Bounds at this position for a part of all tolerances.
+      subroutine bound(part)
+         real(wp), intent(in) :: part
+         type(enclosure_t) :: enclosure
+         integer :: b
+
+         call enclose_unknowns(model, part*all_tolerances, enclosure)
+         do b = 1, size(list)
+            call enclose_number(model, number(list(b)), enclosure, low(list(b)), high(list(b)), known(list(b)))
+         end do
+      end subroutine bound
+
+      logical function is_kept()
+         is_kept = all(known(list) .and. max(-low(list), high(list)) <= width(list))
+      end function is_kept
+
+      !> The largest part of all tolerances that keeps the bands here; the bounds stay those of the whole.
+      subroutine look_for_factor()
+         real(wp) :: of_whole(2, size(list)), least, most
+         logical :: was_known(size(list))
+         integer :: step
+
+         of_whole(1, :) = low(list)
+         of_whole(2, :) = high(list)
+         was_known = known(list)
+         least = 0.0_wp
+         most = factor
+         call bound(most)
+         if (is_kept()) least = most
+         do step = 1, merge(0, halvings, least > 0.0_wp)
+            call bound(0.5_wp*(least + most))
+            if (is_kept()) then
+               least = 0.5_wp*(least + most)
+            else
+               most = 0.5_wp*(least + most)
+            end if
+         end do
+         factor = min(factor, least)
+         low(list) = of_whole(1, :)
+         high(list) = of_whole(2, :)
+         known(list) = was_known
+      end subroutine look_for_factor
+   end subroutine enclose_bands
+
+   !> How far all numbers go for one linkage, in the order of the columns of a sample; `closes` is false if it does not everywhere.
+   subroutine find_deviations(deviating, linear, deviation, miss, closes)
+      type(deviating_t), intent(in) :: deviating
+      type(tolerance_t), intent(in) :: linear
+      real(wp), intent(in) :: deviation(:)         !! of the variables, then of joints that stand off the arcs
+      real(wp), allocatable, intent(out) :: miss(:, :) !! shape (positions, columns)
+      logical, intent(out) :: closes
+      class(problem_t), allocatable :: problem
+      type(sketch_motion_t) :: sketch
+      type(dimensions_t) :: dimensions
+      complex(wp), allocatable :: joint(:, :)
+      real(wp), allocatable :: moved(:, :)
+      real(wp) :: c, s
+      integer :: n, components, columns, failed, k, nvar
+
+      allocate (problem, source=deviating%lean)
+      n = problem%positions
+      components = problem%output%kind%components
+      columns = components
+      nvar = size(linear%variables)
+      if (allocated(deviating%outputs)) columns = columns + size(deviating%outputs%known)
+      allocate (miss(n, columns), source=0.0_wp)
+      call problem%set_inputs(deviating%problem%delt)
+      call problem%set_desired(linear%nominal%actual, spread(spread(1.0_wp, 1, n), 2, components))
+      dimensions = linear%dimensions
+      call problem%parameters%apply(problem%parameters%first_values(linear%dimensions) + deviation(:nvar), dimensions)
+      call problem%deviations(dimensions, miss(:, :components), failed)
+      closes = failed == 0
+      if (.not. closes .or. .not. allocated(deviating%outputs)) return
+      associate (all => deviating%outputs)
+         sketch = all%sketch
+         do k = 1, size(all%apart)
+            associate (nominal => all%sketch%moving(all%apart(k))%offset, offset => sketch%moving(all%apart(k))%offset)
+               if (k == all%listed) then
+                  call unit_vector(dimensions%outang, c, s)
+                  offset = dimensions%outlk*cmplx(c, s, wp)
+               else
+                  call unit_vector(deviation(nvar + 2*k), c, s)
+                  offset = nominal*(1.0_wp + deviation(nvar + 2*k - 1)/abs(nominal))*cmplx(c, s, wp)
+               end if
+            end associate
+         end do
+         allocate (joint(size(sketch%drawn), problem%linkage%capacity), moved(size(sketch%arcs), problem%linkage%capacity))
+         call find_numbers(all, sketch, joint, moved, problem, .true., miss(:, components + 1:))
+         do k = 1, size(all%known)
+            if (all%angle(k)) then
+               miss(:, components + k) = nearest_difference(miss(:, components + k), all%nominal(:, k))
+            else
+               miss(:, components + k) = miss(:, components + k) - all%nominal(:, k)
+            end if
+         end do
+      end associate
+   end subroutine find_deviations
 
    !> Every dimension with a tolerance as a variable.
    pure function deviating_dimensions(set, toler, mechanism) result(parameters)

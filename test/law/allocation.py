@@ -2,7 +2,8 @@
 
 usage: allocation.py PROGRAM_DIRECTORY [--cases N] [--steps N] [--groups N]. The changes of the coupler point with every length are differences of positions
 computed here. Of each case SLSQP has several starts; no allocation may be dearer than its best, leave a band, or lie below its bound.
-Of a yield random linkages of this model are drawn. Grades and steps are compared with every choice there is. Last line: N passed, N failed.
+Of a yield random linkages of this model are drawn. Grades and steps are compared with every choice there is. Proofs of the worst case are
+compared with all corners of the box. Last line: N passed, N failed.
 """
 import argparse
 import csv
@@ -24,6 +25,7 @@ RULES = ("WORST", "RSS", "YIELD")
 YIELD = 0.95
 DRAWN = 200000          # linkages of a yield
 STARTS = 4
+PROOFS = 6              # four-bars whose worst case is proven
 CASE = """RANDOM FOUR-BAR
  &CHAIN JNT='A','B','C','D','P', JX=%s, JY=%s, LNK='A D','A B','B C P','C D' &END
  &DRIVES DRIVE='A' &END
@@ -401,6 +403,60 @@ def two_more(changes, tolerance, any_size, cost, power, band, rule, lengths):
     return best if numpy.isfinite(best) else None
 
 
+def proofs(program, folder, random):
+    """The worst case proven: no corner of the box leaves the enclosure, and the worst one nearly fills it."""
+    verdicts = set()
+    for number in range(PROOFS):
+        lengths, start, side, carried = random_case(random)
+        crank = start + numpy.radians(15)*numpy.arange(POSITIONS)
+        b = lengths[0]*numpy.exp(1j*start)
+        p = coupler_point(lengths, crank[:1], carried, side)[0]
+        c = b + (p - b)/(lengths[4]*carried)*lengths[1]
+        joints = numpy.array((0, b, c, lengths[3], p))
+        path = os.path.join(folder, "proof.nml")
+        for word in ("CHECK", "SCALE"):
+            with open(path, "w", encoding="utf-8") as f:
+                f.write("""RANDOM FOUR-BAR
+ &CHAIN JNT='A','B','C','D','P', JX=%s, JY=%s, LNK='A D','A B','B C P','C D' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point P','distance A P' &END
+ &METHOD IKIN=15 &END
+ &LIMITS IPROOF=0 &END
+ &ALLOC ALBAND=%r, ALOUT='point_P.x','point_P.y','distance_A_P', ALPROF='%s' &END
+""" % (",".join(map(repr, map(float, joints.real))), ",".join(map(repr, map(float, joints.imag))), (0.01, 0.1, 1.0)[number % 3], word))
+            done = subprocess.run([program, "--quiet", "--json", "--output-dir", folder, path], capture_output=True, text=True, check=False)
+            where = "proof %d, %s" % (number, word)
+            tally.check(where + ": done", done.returncode in (0, 1), done.stderr)
+            if done.returncode not in (0, 1):
+                return
+            with open(os.path.join(folder, "proof.allocation.csv"), encoding="utf-8") as f:
+                table = {row["dimension"].lower(): float(row["tolerance"]) for row in csv.DictReader(f)}
+            with open(os.path.join(folder, "proof.allocation_bands.csv"), encoding="utf-8") as f:
+                bands = list(csv.DictReader(f))
+            tolerance = numpy.array([table[n.lower()] for n in LENGTHS])
+            corners = numpy.array(numpy.meshgrid(*[(-1, 1)]*5)).reshape(5, -1).T*tolerance
+            places = coupler_point(lengths + corners, crank, carried, side)
+            nominal = coupler_point(lengths, crank, carried, side)
+            moved = {"point_P.x": places.real - nominal.real, "point_P.y": places.imag - nominal.imag,
+                     "distance_A_P": abs(places) - abs(nominal)}
+            verdicts |= {row["proof"] for row in bands}
+            outside = narrow = wrong = 0
+            for row in bands:
+                most = moved[row["number"]][:, int(row["position"]) - 1]
+                low, high, band = float(row["lowest"]), float(row["highest"]), float(row["band"])
+                outside += most.min() < low - 1e-9 or most.max() > high + 1e-9
+                narrow += max(most.min() - low, high - most.max()) > 0.05*(high - low)
+                beyond = max(-most.min(), most.max()) > band
+                wrong += row["proof"] == "certified" and beyond or row["proof"] == "violated" and not beyond
+            tally.check(where + ": no corner is outside", outside == 0, outside)
+            tally.check(where + ": corners nearly fill what is proven", narrow == 0, narrow)
+            tally.check(where + ": verdicts are those of the corners", wrong == 0, wrong)
+        tally.check(where + ": all bands are certified", done.returncode == 0 and {row["proof"] for row in bands} == {"certified"}, done.stderr)
+        fullest = max(max(-float(row["lowest"]), float(row["highest"]))/float(row["band"]) for row in bands)
+        tally.check(where + ": one is full", 1 - 1e-6 < fullest <= 1, fullest)
+    tally.check("proofs: some bands are violated, some certified", {"certified", "violated"} <= verdicts, verdicts)
+
+
 def by_loops(program, folder):
     """A linkage by &LINKS: 19 dimensions, lengths and angles, named as its listing names them."""
     data = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "data", "needle.nml")
@@ -477,6 +533,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         by_loops(os.path.join(os.path.abspath(options.programs), "psalm"), folder)
         edges(os.path.join(os.path.abspath(options.programs), "psalm"), folder)
+        proofs(os.path.join(os.path.abspath(options.programs), "psalm"), folder, numpy.random.default_rng(42))
         for number in range(options.cases):
             one(os.path.join(os.path.abspath(options.programs), "psalm"), folder, number, random)
         for number in range(options.groups):

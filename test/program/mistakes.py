@@ -175,6 +175,8 @@ MISTAKES = [
     (FOUR_BAR, " &LIMITS", " &ALLOC ALBAND=0.0 &END\n &LIMITS", "&ALLOC ALBAND: entry 1: must be above 0"),
     (FOUR_BAR, " &LIMITS", " &ALLOC ALBAND=0.1, ALYLD=99.0 &END\n &LIMITS", "ALYLD: is for ALRULE='YIELD'"),
     (FOUR_BAR, " &LIMITS", " &ALLOC ALBAND=0.1, ALLAW='NORMAL' &END\n &LIMITS", "ALLAW: is for ALRULE='YIELD' and for a sample"),
+    (FOUR_BAR, " &LIMITS", " &ALLOC ALBAND=0.1, ALRULE='RSS', ALPROF='CHECK' &END\n &LIMITS", "ALPROF: is for ALRULE='WORST'"),
+    (FOUR_BAR, " &LIMITS", " &ALLOC ALBAND=0.1, ALPROF='MAYBE' &END\n &LIMITS", "one of 'NO', 'CHECK', 'SCALE'"),
     (FOUR_BAR, " &LIMITS", " &ALLOC ALBAND=0.1, ALNAM='length A B' &END\n &LIMITS",
      "no dimension with a tolerance is called 'length A B'; there are 'length of arc 1 in loop 1'"),
     (FOUR_BAR, " &LIMITS", " &ALLOC ALBAND=0.1, ALNAM='*', ALMIN=0.2, ALMAX=0.1 &END\n &LIMITS", "the least tolerance of * is above the largest"),
@@ -201,6 +203,8 @@ MISTAKES = [
      "class 1 has grades, steps of a table and tolerances of any size, or two of these"),
     (SKETCH, " &METHOD", " &ALLOC ALBAND=0.1, ALCORR=0.5 &END\n &METHOD", "no dimension is in a correlated group (ALGRP)"),
     (SKETCH, " &METHOD", " &ALLOC ALBAND=0.1, ALNAM='A B', ALGRP=1, ALCORR=1.5 &END\n &METHOD", "&ALLOC ALCORR: entry 1: must be"),
+    (SKETCH, " &METHOD", " &ALLOC ALBAND=0.1, ALNAM='A B', ALGRP=1, ALPROF='CHECK' &END\n &METHOD", "as if no deviations were correlated"),
+    (SKETCH, " &METHOD", " &ALLOC ALBAND=0.1, ALNAM='A B', ALGRAD=6, ALPROF='SCALE' &END\n &METHOD", "grades and steps (ALGRAD, ALTAB) are what"),
     (BRACED, " &METHOD", " &ALLOC ALBAND=0.1 &END\n &METHOD", "meet with the lengths they have and no others"),
     # sweeps
     (FOUR_BAR, " &LIMITS", " &SWEEP SWHAT='WIDTH', SWLOW=1.0, SWHIGH=2.0 &END\n &LIMITS", "one of 'LENGTH', 'ANGLE', 'OUTLK'"),

@@ -30,7 +30,7 @@ RUNS = {("balm", "--curves", "--assemblies", "--animate"): (
         ("ssics", "--curves"): ("rig_coupler", "stephenson3_rod_driven"),
         ("calm",): ("calm/five_bar_cams", "calm/swinging_roller", "calm/wedge_cam", "calm/knuckle_press"),
         ("bridge",): ("bridge/four_bar_haines",)}
-PAGES = tuple((case, ".html", (".svg", ".curves.svg", ".ssics.curves.svg")) for case in RUNS[("balm", "--curves", "--assemblies", "--animate")]) \
+PAGES = tuple((case, ".html", (".svg", ".curves.svg", ".tolerances.svg", ".ssics.curves.svg")) for case in RUNS[("balm", "--curves", "--assemblies", "--animate")]) \
     + tuple((case, ".calm.html", (".calm.svg",)) for case in RUNS[("calm",)])
 # row of the manual's table, as it begins -> SVG that has it, what to look for, SVG that has not
 ROWS = {
@@ -45,6 +45,7 @@ ROWS = {
     "bent link of &VIBR": (("rig_coupler.svg", ("straight",)), ("four_bar_haines.svg", ("hole", "pin", "bearing")), ("needle.svg", ("straight", "hole"))),
     "curves of outputs": (("needle.curves.svg", ("plot",)), None),
     "bands of tolerance, forces": (("cheapest_tolerances.curves.svg", ("area",)), ("needle.curves.svg", ("area",))),
+    "tolerances of &ALLOC": (("cheapest_tolerances.tolerances.svg", ("dimension", "cost", "share", "area")), None),
     "inputs at which": (("apart.curves.svg", ("span",)), ("beyond.curves.svg", ("mild",)), ("geared_five_bar.curves.svg", ("span", "mild"))),
     "deflection over speeds": (("rig_coupler.ssics.curves.svg", ("area", "span")), None),
     "cams, pitch curve": (("five_bar_cams.calm.svg", ("profile", "pitch", "cutter", "follower", "push", "bar", "joint", "ground")),
@@ -108,7 +109,7 @@ def every_word(browser):
 
 def every_unit():
     for name in sorted(os.listdir(".")):
-        if not name.endswith("curves.svg"):
+        if not name.endswith(("curves.svg", "tolerances.svg")):
             continue
         for group in ElementTree.parse(name).getroot().iter(SVG + "g"):
             if group.get("class") != "plot":
