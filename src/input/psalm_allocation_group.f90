@@ -172,8 +172,8 @@ contains
       call take(group, 'ALGRP', self%group, findings)
       allocate (self%correlation(maxval(abs([self%group, 0]))))
       call take(group, 'ALCORR', self%correlation, findings)
-      if (self%proof /= proof_none .and. any(self%group /= 0)) call out_of(group, 'ALPROF', 'all linkages within the tolerances '// &
-         'are enclosed, as if no deviations were correlated (ALGRP)', findings)
+      if (self%proof /= proof_none .and. any(self%group /= 0)) call out_of(group, 'ALPROF', &
+         'all linkages within the tolerances are enclosed, as if no deviations were correlated (ALGRP)', findings)
       if (self%proof == proof_scale .and. any(self%finest > 0 .or. self%table > 0)) call out_of(group, 'ALPROF', &
          "'SCALE' makes tolerances smaller, and grades and steps (ALGRAD, ALTAB) are what they are; use 'CHECK'", findings)
       if (group%given('ALCORR') .and. size(self%correlation) == 0) &

@@ -73,13 +73,13 @@ contains
       class(band_rule_t), intent(in) :: self
       real(wp), intent(in) :: change(:), tolerance(:)
       real(wp), intent(out) :: far, slope(:)
-      real(wp) :: own(size(change)), common(size(change))
+      real(wp) :: own(size(change)), shared(size(change))
       real(wp), dimension(size(change) + size(self%correlation)) :: effect, of_effect
       integer :: n, i
 
       n = size(change)
-      call self%parts(self%rule == rule_square .or. (self%rule == rule_yield .and. self%law == law_normal), own, common)
-      effect = effects_of(self, change*tolerance, own, common)
+      call self%parts(self%rule == rule_square .or. (self%rule == rule_yield .and. self%law == law_normal), own, shared)
+      effect = effects_of(self, change*tolerance, own, shared)
       select case (self%rule)
       case (rule_worst)
          far = sum(abs(effect))
@@ -94,16 +94,16 @@ contains
       do i = 1, n
          slope(i) = of_effect(i)*own(i)*abs(change(i))
          associate (g => abs(self%group(i)))
-            if (g > 0) slope(i) = slope(i) + sign(of_effect(n + g), effect(n + g))*common(i)*change(i)
+            if (g > 0) slope(i) = slope(i) + sign(of_effect(n + g), effect(n + g))*shared(i)*change(i)
          end associate
       end do
    end subroutine reach_of_groups
 
    !> Effects of the independent deviations: each dimension's own, then each group's.
-   pure function effects_of(self, effect, own, common) result(effects)
+   pure function effects_of(self, effect, own, shared) result(effects)
       class(band_rule_t), intent(in) :: self
       real(wp), intent(in) :: effect(:)               !! of the whole deviations, with signs
-      real(wp), intent(in) :: own(:), common(:)       !! the same shape: see `parts`
+      real(wp), intent(in) :: own(:), shared(:)       !! the same shape: see `parts`
       real(wp) :: effects(size(effect) + size(self%correlation))
       integer :: i
 
@@ -111,29 +111,29 @@ contains
       effects(:size(effect)) = own*effect
       do i = 1, size(effect)
          associate (at => size(effect) + abs(self%group(i)))
-            if (self%group(i) /= 0) effects(at) = effects(at) + common(i)*effect(i)
+            if (self%group(i) /= 0) effects(at) = effects(at) + shared(i)*effect(i)
          end associate
       end do
    end function effects_of
 
    !> Parts of the tolerances within which dimensions deviate by themselves and with their group, there with its sign. Squares that
    !> add up keep a variance, as normal deviations do; parts that add up keep the tolerance as the largest deviation.
-   pure subroutine parts(self, squares, own, common)
+   pure subroutine parts(self, squares, own, shared)
       class(band_rule_t), intent(in) :: self
       logical, intent(in) :: squares                  !! the squares of both parts add up to 1, else the parts
-      real(wp), intent(out) :: own(:), common(:)      !! shape (dimensions)
+      real(wp), intent(out) :: own(:), shared(:)      !! shape (dimensions)
       real(wp) :: both
       integer :: i
 
       own = 1.0_wp
-      common = 0.0_wp
+      shared = 0.0_wp
       do i = 1, size(own)
          if (self%group(i) == 0) cycle
          associate (correlation => self%correlation(abs(self%group(i))))
             both = 1.0_wp
             if (.not. squares) both = sqrt(correlation) + sqrt(1.0_wp - correlation)
             own(i) = sqrt(1.0_wp - correlation)/both
-            common(i) = real(sign(1, self%group(i)), wp)*sqrt(correlation)/both
+            shared(i) = real(sign(1, self%group(i)), wp)*sqrt(correlation)/both
          end associate
       end do
    end subroutine parts
@@ -143,11 +143,11 @@ contains
       class(band_rule_t), intent(in) :: self
       real(wp), intent(in) :: change(:), tolerance(:) !! see `reach`
       real(wp), intent(in) :: width                   !! of the band, to either side
-      real(wp) :: own(size(change)), common(size(change))
+      real(wp) :: own(size(change)), shared(size(change))
 
       if (self%is_grouped()) then
-         call self%parts(self%law == law_normal, own, common)
-         share = share_within(self%law, effects_of(self, change*tolerance, own, common), width)
+         call self%parts(self%law == law_normal, own, shared)
+         share = share_within(self%law, effects_of(self, change*tolerance, own, shared), width)
       else
          share = share_within(self%law, change*tolerance, width)
       end if
