@@ -133,6 +133,8 @@ contains
          end if
          if (mod(solution%nodes, repaired) == 1 .or. .not. solution%found) then
             option = rounded(problem, part)
+            ! the rest fills the bands beside it
+            if (size(problem%rest%low) > 0) call close_choice(problem, option, solution)
             call repair(problem, node, option)
             call close_choice(problem, option, solution)
          end if

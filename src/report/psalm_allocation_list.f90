@@ -61,8 +61,9 @@ contains
       if (result%in_steps) then
          line = ' NODES OF THE SEARCH FOR GRADES AND STEPS '//to_text(result%nodes)
          if (result%proven) then
-            line = line//', NO CHOICE IS CHEAPER; ALL BANDS WIDER BY '//to_text(nint(wider/percent))//' PER CENT SAVE'// &
-                   in_sentence(named, result%wider_saves)
+            line = line//', NO CHOICE IS CHEAPER'
+            if (result%wider_saves >= 0.0_wp) line = line//'; ALL BANDS WIDER BY '//to_text(nint(wider/percent))// &
+                                                     ' PER CENT SAVE'//in_sentence(named, result%wider_saves)
          else
             line = line//', ENDED EARLY'
          end if

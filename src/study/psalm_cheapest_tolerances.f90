@@ -23,6 +23,7 @@ module psalm_cheapest_tolerances
    real(wp), parameter :: end_of_rounds = 1.0e-6_wp   !! gap of correlated groups, of the cost, up to which they are solved
    real(wp), parameter :: aside = 1.0e-3_wp           !! part of a tolerance by which one goes to the other side of an edge
    real(wp), parameter :: same_plane = 1.0e-6_wp      !! of its largest slope: two planes are one
+   real(wp), parameter :: rounding = 1.0e-12_wp       !! of the cost
    real(wp), parameter :: steady = 1.0e-9_wp          !! change of the cost between two rounds at which they end
    real(wp), parameter :: least_change = 1.0e-10_wp   !! part of the largest change below which a dimension has none
 
@@ -39,7 +40,7 @@ module psalm_cheapest_tolerances
       logical :: proven = .true.                      !! nothing is cheaper
       real(wp), allocatable :: worth(:)               !! shape (dimensions): cost saved by a smaller effect, to first order, for the
                                                       !! whole effect; with steps 0
-      real(wp) :: wider_saves = 0.0_wp                !! with steps: what all bands wider by `wider` save
+      real(wp) :: wider_saves = 0.0_wp                !! with steps: what all bands wider by `wider` save; below 0: not known
       integer :: without_step = 0                     !! dimension that has no step within its limits, or none with its class
    end type cheapest_t
 
@@ -89,6 +90,8 @@ contains
       end do
       result%cost = costs_of(terms, result%tolerance)
       result%value = sum(result%cost)
+      ! a choice that is proven costs its bound, but for the order in which costs are added
+      if (any(terms%in_steps) .and. abs(result%value - result%bound) <= rounding*result%value) result%bound = result%value
       result%limit = [(limit_none, i=1, size(terms%cost))]
       where (result%tolerance >= (1.0_wp - at_limit)*terms%high) result%limit = limit_largest
       where (result%tolerance <= (1.0_wp + at_limit)*terms%low) result%limit = limit_least
@@ -102,8 +105,8 @@ contains
       allowed = bands
       allowed%width = (1.0_wp + wider)*bands%width
       call find_steps(asked, rule, allowance, terms, allowed, stop, with_wider)
-      if (with_wider%solved) result%wider_saves = result%bound - with_wider%bound
-      if (.not. (result%proven .and. with_wider%proven)) result%wider_saves = 0.0_wp
+      result%wider_saves = result%bound - with_wider%bound
+      if (.not. (result%proven .and. with_wider%proven .and. with_wider%solved)) result%wider_saves = -1.0_wp
    end subroutine find_cheapest
 
    !> Tolerances of any size in correlated groups that were found by linear bands: bound and prices by the planes that touch there.

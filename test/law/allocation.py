@@ -290,6 +290,17 @@ def discrete(program, folder, number, random):
     tally.check(where + ": as cheap as the cheapest of all choices", abs(mine/best - 1) < (1e-5 if mixed else 1e-9), "%r %r" % (mine, best))
     chosen = numpy.array([float(rows[n.lower()]["tolerance"]) for n in LENGTHS])
     tally.check(where + ": the choice keeps the bands", keeps(changes, chosen[None], band*(1 + 1e-6), rule)[0], str(chosen))
+    if number % 6 == 0:
+        with open(path, encoding="utf-8") as f:
+            text = f.read().replace("&ALLOC ", "&ALLOC ALNODE=1, ")
+        with open(path, "w", encoding="utf-8") as f:
+            f.write(text)
+        early = subprocess.run([program, "--json", "--output-dir", folder, path], capture_output=True, text=True, check=False)
+        with open(os.path.join(folder, "case.allocation.csv"), encoding="utf-8") as f:
+            early_cost = sum(float(row["cost"]) for row in csv.DictReader(f))
+        bound = float(early.stdout.split("LOWER BOUND")[1].split()[0].replace("D", "E")) if "LOWER BOUND" in early.stdout else best
+        tally.check(where + ": one node says what it has proven", bound <= best*(1 + 1e-6) and early_cost >= best*(1 - 1e-9) and
+                    early.returncode == int("ended at node 1" in early.stderr), (bound, best, early_cost, early.stderr))
     tally.check(where + ": it is one of the steps", all(min(abs(steps[i] - chosen[i])) < 1e-9 for i in in_steps), str(chosen))
 
 
