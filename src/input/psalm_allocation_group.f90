@@ -19,6 +19,9 @@ module psalm_allocation_group
    integer, parameter :: rule_worst = 1, rule_square = 2, rule_yield = 3 !! words of ALRULE in their order
    integer, parameter :: proof_none = 1, proof_scale = 3 !! words of ALPROF in their order; between them: the bands as they are
    real(wp), parameter :: percent = 0.01_wp
+   real(wp), parameter :: per_metre = 1000.0_wp  !! millimetres
+   integer, parameter :: first_grade = 5, grades = 9 !! of ISO 286, up to IT13
+   integer, parameter :: most_steps = 500        !! of all tables
    integer, parameter :: text_length = 120       !! characters of a name
 
    type, extends(case_group_t) :: allocation_group_t
@@ -34,6 +37,16 @@ module psalm_allocation_group
       real(wp), allocatable :: power(:)        !! ALEXP
       real(wp), allocatable :: low(:), high(:) !! ALMIN, ALMAX; 0: as by default
       integer, allocatable :: class(:)         !! ALCLAS; 0: in none
+      integer, allocatable :: finest(:), coarsest(:) !! ALGRAD, ALGRDC, shape (names): grades of ISO 286; finest 0: none
+      integer, allocatable :: table(:)         !! ALTAB, shape (names): number of a table of steps; 0: none
+      real(wp) :: millimetres = 1.0_wp         !! ALUNIT: in one unit of length
+      logical :: unit_given = .false.          !! ALUNIT was
+      real(wp), allocatable :: grade_cost(:)   !! ALGCST: of the grades from IT5 on; none: by the formula
+      real(wp), allocatable :: step(:), step_cost(:) !! ALSTEP, ALSCST: tolerances of the tables and their costs
+      integer, allocatable :: step_table(:)    !! ALSTAB, shape (steps): the table it belongs to
+      integer, allocatable :: group(:)         !! ALGRP, shape (names): correlated group, below 0: against its others; 0: in none
+      real(wp), allocatable :: correlation(:)  !! ALCORR, by group
+      integer :: most_nodes = 0                !! ALNODE: of the search for grades and steps
       integer :: proof = proof_none            !! ALPROF: one of `proof_...`
       integer :: trials = 0                    !! ALTRY: linkages of the sample
    contains
@@ -72,6 +85,31 @@ module psalm_allocation_group
              'largest tolerance, in the order of ALNAM; 0: a tenth of the length, 5 degrees'), &
       rule_t('ALCLAS', a_whole, 'n', '', '0', '[0,)', &
              'class, in the order of ALNAM: tolerances of a class are equal; 0: in none'), &
+      rule_t('ALGRAD', a_whole, 'n', '', '0', '[0,13]', &
+             'finest grade of ISO 286 that the length may have, 5 to 13, in the order of ALNAM: its tolerance is half the '// &
+             'width of a grade; 0: any tolerance'), &
+      rule_t('ALGRDC', a_whole, 'n', '', '13', '[5,13]', &
+             'coarsest grade, in the order of ALNAM'), &
+      rule_t('ALGCST', a_number, '9', '', '', '(0,)', &
+             'costs of the grades IT5 to IT13: a grade costs A + B times that (B: ALCOST, by default 1); without it '// &
+             'A + B/T**K'), &
+      rule_t('ALUNIT', a_number, '', 'mm', '1', '(0,)', &
+             'millimetres in one unit of length, for the grades; with UNITL of &MASSES that by default'), &
+      rule_t('ALTAB', a_whole, 'n', '', '0', '[0,)', &
+             'table of the steps that the tolerance has, in the order of ALNAM; 0: any tolerance'), &
+      rule_t('ALSTEP', a_number, 'n', '', '', '(0,)', &
+             'tolerances of the steps of all tables'), &
+      rule_t('ALSCST', a_number, 'n', '', '', '(0,)', &
+             'costs of the steps, in their order: a step costs A + B times that (B: ALCOST, by default 1)'), &
+      rule_t('ALSTAB', a_whole, 'n', '', '1', '[1,)', &
+             'table that each of these steps belongs to'), &
+      rule_t('ALGRP', a_whole, 'n', '', '0', '[-99,99]', &
+             'correlated group, in the order of ALNAM: deviations of a group have a part in common; negative: it is turned '// &
+             'round in this dimension; 0: in none'), &
+      rule_t('ALCORR', a_number, 'n', '', '1', '[0,1]', &
+             'correlation of two deviations of each of these groups; 1: they deviate as one'), &
+      rule_t('ALNODE', a_whole, '', '', '100000', '[1,1000000000]', &
+             'nodes of the search for grades and steps at most'), &
       rule_t('ALPROF', a_word, '', '', 'NO', 'NO CHECK SCALE', &
              'proof of the worst case: whether every linkage within the tolerances keeps the bands; SCALE: all tolerances are '// &
              'multiplied by the factor that makes it so'), &
@@ -129,8 +167,71 @@ contains
          if (self%high(i) > 0.0_wp .and. self%low(i) > self%high(i)) &
             call out_of(group, 'ALMIN', 'the least tolerance of '//trim(self%names(i))//' is above the largest', findings, i)
       end do
-
+      call read_steps(self, group, n, findings)
+      allocate (self%group(n))
+      call take(group, 'ALGRP', self%group, findings)
+      allocate (self%correlation(maxval(abs([self%group, 0]))))
+      call take(group, 'ALCORR', self%correlation, findings)
+      if (self%proof /= proof_none .and. any(self%group /= 0)) call out_of(group, 'ALPROF', &
+         'all linkages within the tolerances are enclosed, as if no deviations were correlated (ALGRP)', findings)
+      if (self%proof == proof_scale .and. any(self%finest > 0 .or. self%table > 0)) call out_of(group, 'ALPROF', &
+         "'SCALE' makes tolerances smaller, and grades and steps (ALGRAD, ALTAB) are what they are; use 'CHECK'", findings)
+      if (group%given('ALCORR') .and. size(self%correlation) == 0) &
+         call out_of(group, 'ALCORR', 'no dimension is in a correlated group (ALGRP)', findings)
    end subroutine read_allocation
+
+   !> Grades and tables of steps. Errors: grades that ISO 286 does not have here, or in the wrong order; both a grade and a table; a
+   !> table without steps; costs and steps that are not as many.
+   subroutine read_steps(self, group, n, findings)
+      class(allocation_group_t), intent(inout) :: self
+      type(group_t), intent(inout) :: group
+      integer, intent(in) :: n                 !! names
+      type(diagnostics_t), intent(inout) :: findings
+      real(wp) :: costs(grades), tolerances(most_steps)
+      integer :: i, steps, last
+
+      allocate (self%finest(n), self%coarsest(n), self%table(n))
+      call take(group, 'ALGRAD', self%finest, findings)
+      call take(group, 'ALGRDC', self%coarsest, findings)
+      call take(group, 'ALTAB', self%table, findings)
+      call take(group, 'ALUNIT', self%millimetres, findings)
+      self%unit_given = group%given('ALUNIT')
+      costs = 1.0_wp
+      allocate (self%grade_cost(0))
+      call take(group, 'ALGCST', costs, findings, last=last)
+      if (group%given('ALGCST')) then
+         self%grade_cost = costs
+         if (last /= grades) call out_of(group, 'ALGCST', 'costs of the 9 grades IT5 to IT13 are expected; found '// &
+                                         to_text(last), findings, last)
+         if (.not. any(self%finest > 0)) call out_of(group, 'ALGCST', 'no dimension has grades (ALGRAD)', findings)
+      end if
+      if (self%unit_given .and. .not. any(self%finest > 0)) &
+         call out_of(group, 'ALUNIT', 'no dimension has grades (ALGRAD)', findings)
+      tolerances = 1.0_wp
+      call take(group, 'ALSTEP', tolerances, findings, last=steps)
+      self%step = tolerances(:steps)
+      tolerances = 1.0_wp
+      call take(group, 'ALSCST', tolerances, findings, last=last)
+      self%step_cost = tolerances(:steps)
+      if (last /= steps) call out_of(group, 'ALSCST', 'a cost for each of the '//to_text(steps)//' steps of ALSTEP is '// &
+                                     'expected; found '//to_text(last), findings, last)
+      allocate (self%step_table(steps))
+      call take(group, 'ALSTAB', self%step_table, findings)
+      call take(group, 'ALNODE', self%most_nodes, findings)
+      if (group%given('ALNODE') .and. .not. any(self%finest > 0 .or. self%table > 0)) &
+         call out_of(group, 'ALNODE', 'no dimension has grades or steps (ALGRAD, ALTAB)', findings)
+      if (steps > 0 .and. .not. any(self%table > 0)) call out_of(group, 'ALSTEP', 'no dimension has these steps (ALTAB)', findings)
+      do i = 1, n
+         if (self%finest(i) > 0 .and. self%finest(i) < first_grade) &
+            call out_of(group, 'ALGRAD', 'grades are 5 to 13; found '//to_text(self%finest(i)), findings, i)
+         if (self%finest(i) > self%coarsest(i)) &
+            call out_of(group, 'ALGRDC', 'the coarsest grade of '//trim(self%names(i))//' is finer than the finest', findings, i)
+         if (self%finest(i) > 0 .and. self%table(i) > 0) &
+            call out_of(group, 'ALTAB', trim(self%names(i))//' has grades (ALGRAD) and cannot have a table, too', findings, i)
+         if (self%table(i) > 0 .and. .not. any(self%step_table == self%table(i))) &
+            call out_of(group, 'ALTAB', 'table '//to_text(self%table(i))//' has no steps (ALSTEP, ALSTAB)', findings, i)
+      end do
+   end subroutine read_steps
 
    !> The group ALLOC of a case; as it is by default where the case does not have it.
    pure function allocation_of(set) result(allocation)
@@ -144,5 +245,6 @@ contains
       type is (allocation_group_t)
          allocation = group
       end select
+      if (set%masses%given .and. .not. allocation%unit_given) allocation%millimetres = per_metre*set%masses%metre
    end function allocation_of
 end module psalm_allocation_group

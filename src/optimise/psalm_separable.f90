@@ -11,7 +11,7 @@ module psalm_separable
    use psalm_linear, only: solve_positive
    implicit none (type, external)
    private
-   public :: separable_t, separable_solution_t, solve_separable, dual_value, inverse_power
+   public :: separable_t, separable_solution_t, solve_separable, dual_value, inverse_power, cheapest, own_cost, own_curve
 
    integer, parameter :: most_iterations = 200
    real(wp), parameter :: wanted = 1.0e-10_wp        !! gap at which it ends, of the cost
@@ -25,7 +25,8 @@ module psalm_separable
    integer, parameter :: most_halvings = 40
    integer, parameter :: most_newton = 100
 
-   !> The problem. Costs and powers are above 0, shares and lower bounds at least 0.
+   !> The problem. Costs and powers are above 0, lower bounds at least 0. Shares are at least 0 but for bands that all lower bounds
+   !> together keep.
    type :: separable_t
       real(wp), allocatable :: cost(:)               !! shape (terms)
       real(wp), allocatable :: power(:)              !! shape (terms)
@@ -58,7 +59,7 @@ contains
       solution%x = problem%low
       allocate (solution%price(size(problem%share, 2)), source=0.0_wp)
       do j = 1, size(least)
-         least(j) = sum(problem%share(:, j)*problem%low)
+         least(j) = sum(min(problem%share(:, j)*problem%low, problem%share(:, j)*problem%high))
       end do
       if (size(least) > 0) then
          j = maxloc(least, dim=1)
@@ -299,6 +300,20 @@ contains
          if (problem%unknown(term) == c) cost = cost + problem%cost(term)*inverse_power(x, problem%power(term))
       end do
    end function own_cost
+
+   !> The second derivative of the terms of one unknown.
+   pure real(wp) function own_curve(problem, c, x) result(curve)
+      type(separable_t), intent(in) :: problem
+      integer, intent(in) :: c
+      real(wp), intent(in) :: x
+      integer :: term
+
+      curve = 0.0_wp
+      do term = 1, size(problem%cost)
+         if (problem%unknown(term) == c) curve = curve + problem%power(term)*(problem%power(term) + 1.0_wp)*problem%cost(term)* &
+            inverse_power(x, problem%power(term))/x**2
+      end do
+   end function own_curve
 
    !> Where the terms of an unknown and its price together cost least. Their slope rises and is concave: from the left Newton's
    !> method never passes the zero.

@@ -1,6 +1,7 @@
 !> What pictures show of allotted tolerances: what each costs and takes of its band, and how far the outputs go.
 module psalm_allocation_scene
-   use psalm_allocation, only: allocation_t, item_name, study_allocation
+   use psalm_allocation, only: allocation_t, study_allocation
+   use psalm_allocation_terms, only: item_name
    use psalm_allocation_group, only: rule_square, rule_worst, rule_yield
    use psalm_column_names, only: output_unit
    use psalm_data_set, only: data_set_t

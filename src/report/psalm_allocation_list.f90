@@ -1,6 +1,8 @@
 !> Allotted tolerances in the listing and in tables.
 module psalm_allocation_list
-   use psalm_allocation, only: allocation_t, item_name, limit_largest, limit_least
+   use psalm_allocation, only: allocation_t
+   use psalm_allocation_terms, only: item_name
+   use psalm_cheapest_tolerances, only: limit_largest, limit_least, wider
    use psalm_allocation_proof, only: band_certified, band_violated
    use psalm_allocation_group, only: rule_square, rule_worst, rule_yield
    use psalm_column_names, only: input_name, input_unit, position_name
@@ -17,6 +19,7 @@ module psalm_allocation_list
    real(wp), parameter :: full = 1.0e-6_wp      !! part of a band that is left where it is full
    integer, parameter :: name_columns = 32
    integer, parameter :: limit_room = 7
+   integer, parameter :: step_column = 91       !! characters before the grade or step
 
 contains
 
@@ -26,13 +29,14 @@ contains
       type(allocation_t), intent(in) :: result
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
-      character(15), dimension(size(result%names)) :: tolerance, cost
+      character(15), dimension(size(result%names)) :: tolerance, cost, worth
       character(15), dimension(size(result%bands)) :: input, width, saves, all_input, all_width
       logical :: is_full(size(result%bands))
       integer :: i, j
 
       tolerance = figures_of(named, result%tolerance)
       cost = figures_of(named, result%cost)
+      worth = figures_of(named, percent*result%worth)
       associate (of => result%bands)
          is_full = of%used >= (1.0_wp - full)*result%scaled*of%width
          input = figures_of(named, result%input(of%position), is_full)
@@ -52,28 +56,57 @@ contains
                        ' PER CENT AT EACH POSITION')
       end select
       call text%add(' COST'//in_sentence(named, result%value)//'   LOWER BOUND'//in_sentence(named, result%bound)// &
-                    '   DUALITY GAP'//error_words(named, result%value - result%bound))
+                    trim(merge('   GAP        ', '   DUALITY GAP', result%in_steps))// &
+                    error_words(named, result%value - result%bound))
+      if (result%in_steps) then
+         line = ' NODES OF THE SEARCH FOR GRADES AND STEPS '//to_text(result%nodes)
+         if (result%proven) then
+            line = line//', NO CHOICE IS CHEAPER'
+            if (result%wider_saves >= 0.0_wp) line = line//'; ALL BANDS WIDER BY '//to_text(nint(wider/percent))// &
+                                                     ' PER CENT SAVE'//in_sentence(named, result%wider_saves)
+         else
+            line = line//', ENDED EARLY'
+         end if
+         call text%add(line)
+      end if
       if (result%with_given) call text%add(' COST OF THE TOLERANCES OF TOLER'//in_sentence(named, result%cost_of_given)// &
          ', WHICH TAKE UP AT MOST '//part_words(result%use_of_given)//' PER CENT OF A BAND')
-      call text%add(' DIMENSION                       TOLERANCE (+-)           COST  PER CENT  LIMIT    CLASS')
+      line = ' DIMENSION                       TOLERANCE (+-)           COST  PER CENT'
+      if (.not. result%in_steps) line = line//'          WORTH'
+      line = line//'  LIMIT    CLASS'
+      if (result%in_steps) line = line//'  STEP'
+      call text%add(line)
       do i = 1, size(result%names)
          line = ' '//trim(result%names(i))
          line = left_column(line, name_columns)//tolerance(i)//cost(i)// &
-                fixed(result%cost(i)/result%value/percent, 10, 2)//'  '//limit_of(i)
+                fixed(result%cost(i)/result%value/percent, 10, 2)
+         if (.not. result%in_steps) line = line//worth(i)
+         line = line//'  '//limit_of(i)
          if (result%class(i) > 0) line = line//'  '//to_text(result%class(i))
+         if (result%in_steps .and. result%step(i) > 0) line = left_column(line, step_column)//step_name(i)
          call text%add(trim(line))
       end do
       call text%add()
-      call text%add(' BANDS THAT ARE FULL: WHAT A BAND WIDER BY 1 PER CENT SAVES')
-      call text%add(' NUMBER          POSITION          INPUT      BAND (+-)          SAVES')
+      if (result%in_steps) then
+         call text%add(' BANDS THAT ARE FULL')
+         call text%add(' NUMBER          POSITION          INPUT      BAND (+-)')
+      else
+         call text%add(' BANDS THAT ARE FULL: WHAT A BAND WIDER BY 1 PER CENT SAVES')
+         call text%add(' NUMBER          POSITION          INPUT      BAND (+-)          SAVES')
+      end if
       do j = 1, size(result%bands)
          if (.not. is_full(j)) cycle
          line = ' '//trim(result%numbers(result%bands(j)%number))
          if (.not. named) line = upper_case(line)
-         line = left_column(line, 17)//right_column(result%bands(j)%position, 8)//input(j)//width(j)//saves(j)
+         line = left_column(line, 17)//right_column(result%bands(j)%position, 8)//input(j)//width(j)
+         if (.not. result%in_steps) line = line//saves(j)
          call text%add(line)
       end do
-      if (.not. any(is_full)) call text%add(' NONE: EVERY TOLERANCE IS THE LARGEST')
+      if (.not. any(is_full)) then
+         line = ' NONE'
+         if (.not. result%in_steps) line = line//': EVERY TOLERANCE IS THE LARGEST'
+         call text%add(line)
+      end if
       if (result%proof%asked) call list_proof()
       if (result%sample%trials == 0) return
       line = ' LINKAGES OF THE SAMPLE '//to_text(result%sample%trials)//', WITHIN ALL BANDS '//to_text(result%sample%kept)//' ('
@@ -81,6 +114,15 @@ contains
       call text%add(line//', THAT DO NOT CLOSE '//to_text(result%sample%open))
 
    contains
+
+      !> A grade, or the number of a step in its table.
+      pure function step_name(i) result(name)
+         integer, intent(in) :: i
+         character(:), allocatable :: name
+
+         name = to_text(result%step(i))
+         if (result%graded(i)) name = 'IT'//name
+      end function step_name
 
       !> A part in per cent.
       pure function part_words(part) result(words)
@@ -182,6 +224,12 @@ contains
       where (result%limit == limit_largest) limits = 'largest'
       call table%add('limit', limits)
       call table%add('class', result%class)
+      if (.not. result%in_steps) then
+         call table%add('worth', result%worth)
+      else
+         call table%add('grade', merge(result%step, 0, result%graded))
+         call table%add('step', merge(result%step, 0, .not. result%graded))
+      end if
       call tables%put(table)
       table = table_of('allocation_bands', 'a row for each number of an output and position that has a band (+-)')
       associate (bands => result%bands)
@@ -190,7 +238,7 @@ contains
          call table%add(input_name(), result%input(bands%position), input_unit(sliding_input))
          call table%add('band', bands%width)
          call table%add('used', bands%used)
-         call table%add('price', bands%price)
+         if (.not. result%in_steps) call table%add('price', bands%price)
          call table%add('share_within', bands%share)
          if (result%proof%asked) then
             call table%add('lowest', result%proof%low, known=result%proof%known)

@@ -1,9 +1,11 @@
 !> Results of studies become texts of the devices, remarks for standard error and the exit status. Nothing is computed here.
 module psalm_report
    use psalm_adjustment_list, only: list_adjustments, put_adjustments
-   use psalm_allocation, only: allocation_t, limit_least
+   use psalm_allocation, only: allocation_t
    use psalm_allocation_proof, only: band_undecided, band_violated
    use psalm_allocation_list, only: list_allocation, put_allocation
+   use psalm_allocation_terms, only: item_name
+   use psalm_cheapest_tolerances, only: limit_least
    use psalm_analysis, only: analysis_t
    use psalm_chain_report, only: range_lines, report_unreached, several_outputs
    use psalm_check_list, only: list_arcs, list_reference_joints, list_setup
@@ -499,7 +501,12 @@ contains
       if (any(result%dead)) call devices%remark(set, 'dead point at position '// &
          to_text(findloc(result%dead, .true., dim=1))//': effects of tolerances are infinite there, and the bands leave it out')
       if (.not. result%solved) then
-         if (result%impossible > 0) then
+         if (result%without_step > 0) then
+            call devices%remark(set, 'no tolerances are allotted: '//item_name(result%names(result%without_step))// &
+                                ' has no grade or step within its limits (ALMIN, ALMAX), or none in common with its class')
+         else if (.not. result%proven) then
+            call devices%remark(set, 'no tolerances are allotted: '//search_ended()//' before it found any')
+         else if (result%impossible > 0) then
             associate (band => result%bands(result%impossible))
                call devices%remark(set, 'no tolerances are allotted: the least ones let '// &
                                    trim(result%numbers(band%number))//' leave its band at position '//to_text(band%position))
@@ -514,6 +521,9 @@ contains
       end if
       call list_allocation(set%has_names(), result, devices%six)
       call put_allocation(sliding_input, result, devices%cases(devices%last_case()))
+      if (.not. result%proven) call devices%remark(set, search_ended()//': the tolerances of &ALLOC keep the bands, but '// &
+                                                   'cheaper ones may cost '//number_words(result%bound)//' in place of '// &
+                                                   number_words(result%value))
       if (result%proof%asked) call report_proof_of_bands()
       if (result%trials == 0) return
       if (result%sample%trials < result%trials) call devices%remark(set, &
@@ -529,6 +539,14 @@ contains
       end associate
 
    contains
+
+      !> Why the search for grades and steps ended early.
+      function search_ended() result(words)
+         character(:), allocatable :: words
+
+         words = 'the search for grades and steps ended at node '//to_text(result%nodes)
+         if (result%out_of_time) words = 'MAXTIME passed: '//words
+      end function search_ended
 
       !> How far the sample leaves a band.
       pure real(wp) function beyond(j)

@@ -8,49 +8,30 @@
 !> changes, ends where the conditions of the optimum hold. Source: Chase and Greenwood (1988), Design issues in mechanical tolerance
 !> analysis; Spotts (1973), Allocation of tolerances to minimize cost of assembly.
 module psalm_allocation
-   use psalm_allocation_group, only: allocation_group_t, allocation_of, proof_none, proof_scale, rule_worst, rule_yield
+   use psalm_allocation_group, only: allocation_group_t, allocation_of, proof_none, proof_scale, rule_worst
    use psalm_allocation_proof, only: allocation_proof_t, prove_bands, band_certified
+   use psalm_allocation_rule, only: allocated_band_t, band_rule_t
+   use psalm_allocation_terms, only: are_meant, costs_of, item_name, make_terms, terms_t
+   use psalm_cheapest_tolerances, only: at_limit, cheapest_t, find_cheapest, limit_least, limit_none
    use psalm_column_names, only: output_name
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t, motion_t, inputs_of
-   use psalm_kinds, only: wp, radians_per_degree
+   use psalm_kinds, only: wp
    use psalm_mechanism, only: mechanism_t
    use psalm_output_kind, only: output_kind_t, output_kind
    use psalm_parameters, only: parameters_t, variable_gama, variable_length
    use psalm_sketch, only: output_ratio
-   use psalm_separable, only: separable_t, separable_solution_t, solve_separable, inverse_power
    use psalm_sketch_outputs, only: names_of_numbers, name_length
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t
-   use psalm_sum_law, only: half_width, share_within
-   use psalm_text, only: to_text, upper_case, lower_case
-   use psalm_tolerance, only: allowance_t, column_length, deviating_t, sample_t, tolerance_t, allot, allowances_of, &
+   use psalm_sum_law, only: law_normal
+   use psalm_text, only: to_text
+   use psalm_tolerance, only: allowance_t, column_length, deviating_t, sample_t, tolerance_t, allot, allowances_of, correlate, &
                               dimensions_to_allot, draw_sample, find_tolerances
    implicit none (type, external)
    private
-   public :: allocation_t, study_allocation, check_allocation, item_name
-   public :: limit_least, limit_largest
-
-   integer, parameter :: limit_none = 0, limit_least = 1, limit_largest = 2
-   real(wp), parameter :: largest_of_length = 0.1_wp  !! part of a length that its tolerance is at most, by default
-   real(wp), parameter :: largest_angle = 5.0_wp      !! degrees, the same of an angle
-   real(wp), parameter :: at_limit = 1.0e-6_wp        !! part of a limit within which a tolerance is at it
-   integer, parameter :: most_rounds = 100            !! of weights
-   integer, parameter :: undamped = 8                 !! rounds that go all the way to the next weights
-   real(wp), parameter :: kept_to = 1.0e-6_wp         !! part of a band that rounds which have ended may leave over
-   real(wp), parameter :: steady = 1.0e-9_wp          !! change of the cost between two rounds at which they end
-   character(*), parameter :: of_joint = ' OF JOINT ', of_arc = ' OF ARC ' !! in names that joints have no part in, or one
-   real(wp), parameter :: least_change = 1.0e-10_wp           !! part of the largest change below which a dimension has none
-
-   !> A band at a position.
-   type :: allocated_band_t
-      integer :: position = 0, number = 0             !! number: of the outputs
-      real(wp) :: width = 0.0_wp                      !! to either side
-      real(wp) :: used = 0.0_wp                       !! deviation by the rule
-      real(wp) :: price = 0.0_wp                      !! cost saved by a wider band, to first order, for its whole width
-      real(wp) :: share = 0.0_wp                      !! of the linkages within it, by the law of the deviations
-   end type allocated_band_t
+   public :: allocation_t, study_allocation, check_allocation
 
    !> Results.
    type :: allocation_t
@@ -69,6 +50,15 @@ module psalm_allocation
       real(wp), allocatable :: tolerance(:), cost(:)  !! shape (dimensions)
       real(wp), allocatable :: effect(:, :)           !! shape (dimensions, bands): change of the output by the whole tolerance
       integer, allocatable :: limit(:)                !! shape (dimensions): one of `limit_...`
+      logical :: in_steps = .false.                   !! some dimensions have grades or steps
+      logical, allocatable :: graded(:)               !! shape (dimensions): its steps are grades
+      integer, allocatable :: step(:)                 !! shape (dimensions): grade, or number of its step; 0: any tolerance
+      integer :: nodes = 0                            !! of the search for steps
+      logical :: proven = .true.                      !! nothing is cheaper; else the search for steps ended early
+      real(wp), allocatable :: worth(:)               !! shape (dimensions): cost saved by a smaller effect, to first order, for the
+                                                      !! whole effect; with steps 0
+      real(wp) :: wider_saves = 0.0_wp                !! with steps: what all bands wider by `wider` save
+      integer :: without_step = 0                     !! dimension that has no step within its limits; 0: there is none
       real(wp) :: value = 0.0_wp, bound = 0.0_wp      !! cost of all, and what it cannot be below
       type(allocated_band_t), allocatable :: bands(:) !! by number of the output, then by position
       integer :: impossible = 0                       !! band that even the least tolerances do not keep; 0: there is none
@@ -87,12 +77,6 @@ module psalm_allocation
       procedure :: is_violating
       procedure :: is_kept
    end type allocation_t
-
-   !> The terms of the costs and the limits of every dimension.
-   type :: terms_t
-      real(wp), allocatable :: fixed(:), cost(:), power(:), low(:), high(:)
-      integer, allocatable :: class(:)
-   end type terms_t
 
 contains
 
@@ -114,7 +98,10 @@ contains
       type(allowance_t) :: allowance
       type(terms_t) :: terms
       type(stop_t) :: limited
-      real(wp), allocatable :: within(:, :)
+      type(band_rule_t) :: rule
+      type(cheapest_t) :: cheapest
+      real(wp), allocatable :: within(:, :), given_cost(:), slope(:), own(:), common(:)
+      real(wp) :: far
       integer :: j
 
       asked = allocation_of(set)
@@ -142,13 +129,23 @@ contains
       call make_terms(asked, allowance, linear%dimensions, terms)
       result%class = terms%class
       call make_bands(asked, allowance, linear%dead, result%bands)
-      call find_cheapest(asked, allowance, terms, result)
+      limited = stop
+      call limited%limit_time(set%search%maxtime)
+      rule = band_rule_t(asked%rule, asked%law, asked%yield, terms%group, asked%correlation)
+      call find_cheapest(asked, rule, allowance, terms, result%bands, limited, cheapest)
+      call take_down(terms, allowance, cheapest, result)
+      result%out_of_time = limited%late()
       result%with_given = set%toler%given
       if (result%with_given) then
-         result%cost_of_given = sum(costs_of(terms, allowance%given))
+         given_cost = costs_of(terms, allowance%given)
+         result%with_given = all(given_cost < huge(1.0_wp)) ! a step that is finer than all costs nothing known
+         if (result%with_given) result%cost_of_given = sum(given_cost)
+         allocate (slope(size(allowance%names)))
          do j = 1, size(result%bands)
-            result%use_of_given = max(result%use_of_given, &
-                                      used_of(asked, allowance, result%bands(j), allowance%given)/result%bands(j)%width)
+            associate (band => result%bands(j))
+               call rule%reach(allowance%change(band%position, :, band%number), allowance%given, far, slope)
+               result%use_of_given = max(result%use_of_given, far/band%width)
+            end associate
          end do
       end if
       if (.not. result%solved) return
@@ -157,6 +154,11 @@ contains
       limited = stop
       call limited%limit_time(set%search%maxtime)
       call allot(allowance, result%tolerance, asked%law, deviating, linear)
+      if (rule%is_grouped()) then
+         allocate (own(size(allowance%names)), common(size(allowance%names)))
+         call rule%parts(asked%law == law_normal, own, common)
+         call correlate(allowance, terms%group, own, common, linear)
+      end if
       j = size(linear%effect, 3)
       if (.not. allocated(linear%bands)) j = 0
       result%columns = result%bands%number + j
@@ -165,8 +167,41 @@ contains
          within(result%bands(j)%position, result%columns(j)) = result%bands(j)%width
       end do
       call draw_sample(deviating, linear, asked%trials, set%method%istart, threads, result%sample, limited, within)
-      result%out_of_time = limited%late()
+      result%out_of_time = result%out_of_time .or. limited%late()
    end subroutine study_allocation
+
+   !> What was found.
+   pure subroutine take_down(terms, allowance, cheapest, result)
+      type(terms_t), intent(in) :: terms
+      type(allowance_t), intent(in) :: allowance
+      type(cheapest_t), intent(in) :: cheapest
+      type(allocation_t), intent(inout) :: result
+      integer :: j
+
+      result%solved = cheapest%solved
+      result%unsettled = cheapest%unsettled
+      result%impossible = cheapest%impossible
+      result%in_steps = any(terms%in_steps)
+      result%graded = terms%graded
+      result%step = cheapest%step
+      result%nodes = cheapest%nodes
+      result%proven = cheapest%proven
+      result%without_step = cheapest%without_step
+      if (.not. cheapest%solved) return
+      result%tolerance = cheapest%tolerance
+      result%cost = cheapest%cost
+      result%limit = cheapest%limit
+      result%worth = cheapest%worth
+      result%wider_saves = cheapest%wider_saves
+      result%value = cheapest%value
+      result%bound = cheapest%bound
+      allocate (result%effect(size(result%tolerance), size(result%bands)))
+      do j = 1, size(result%bands)
+         associate (band => result%bands(j))
+            result%effect(:, j) = allowance%change(band%position, :, band%number)*result%tolerance
+         end associate
+      end do
+   end subroutine take_down
 
    !> Prove the worst case, with all tolerances made smaller for it if that is asked for.
    subroutine prove_all(asked, terms, deviating, linear, allowance, result)
@@ -221,15 +256,15 @@ contains
       end do
    end subroutine take_dimensions
 
-   !> True if no tolerances keep the bands, there are dead points without bands, the sample ended early, or the linkages of the
-   !> sample do not keep what the tolerances promise.
+   !> True if no tolerances keep the bands, there are dead points without bands, the search for steps or the sample ended early, or
+   !> the linkages of the sample do not keep what the tolerances promise.
    pure logical function is_violating(self)
       class(allocation_t), intent(in) :: self
       integer :: j
 
       is_violating = .false.
       if (.not. self%closes) return
-      is_violating = .not. self%solved .or. any(self%dead)
+      is_violating = .not. self%solved .or. any(self%dead) .or. .not. self%proven
       if (.not. is_violating .and. self%proof%asked) is_violating = any(self%proof%verdict /= band_certified)
       if (is_violating .or. self%trials == 0) return
       is_violating = self%sample%trials < self%trials .or. any([(.not. self%is_kept(j), j=1, size(self%bands))])
@@ -264,7 +299,7 @@ contains
       character(column_length), allocatable :: names(:)
       character(name_length), allocatable :: numbers(:)
       logical, allocatable :: is_angle(:), turning(:), named(:)
-      integer, allocatable :: class(:)
+      integer, allocatable :: class(:), entry(:)
       real(wp), allocatable :: low(:), high(:)
       type(allocation_group_t) :: asked
       type(output_kind_t) :: kind
@@ -281,7 +316,7 @@ contains
          call set%origins%error(findings, 'ALLOC', '', 'no dimension has a tolerance that is above 0 in &TOLER')
          return
       end if
-      allocate (class(size(names)), source=0)
+      allocate (class(size(names)), entry(size(names)), source=0)
       allocate (low(size(names)), high(size(names)), source=0.0_wp)
       do i = 1, size(asked%names)
          named = are_meant(asked%names(i), names, is_angle)
@@ -290,7 +325,13 @@ contains
                class = asked%class(i)
                low = asked%low(i)
                high = asked%high(i)
+               entry = i
             end where
+            if (asked%group(i) /= 0 .and. any(named .and. index(names, ' OF JOINT ') > 0)) &
+               call set%origins%error(findings, 'ALLOC', 'ALGRP', "'"//trim(asked%names(i))//"' means a joint off the lines of "// &
+                                      'its link, whose place can be in no group', i)
+            if (asked%finest(i) > 0 .and. any(named .and. is_angle)) call set%origins%error(findings, 'ALLOC', 'ALGRAD', &
+               "'"//trim(asked%names(i))//"' means angles, and ISO 286 has grades for lengths", i)
             cycle
          end if
          list = ''
@@ -305,6 +346,11 @@ contains
          if (any(class == class(i) .and. low > high(i) .and. high(i) > 0.0_wp)) then
             call set%origins%error(findings, 'ALLOC', 'ALCLAS', 'class '//to_text(class(i))//': the least tolerance of one '// &
                                    'dimension is above the largest of another')
+            exit
+         end if
+         if (any(class == class(i) .and. [(.not. same_steps(asked, entry(i), entry(k)), k=1, size(names))])) then
+            call set%origins%error(findings, 'ALLOC', 'ALCLAS', 'class '//to_text(class(i))//' has grades, steps of a table '// &
+                                   'and tolerances of any size, or two of these')
             exit
          end if
          if (all((class /= class(i)) .or. (is_angle .eqv. is_angle(i)))) cycle
@@ -339,108 +385,16 @@ contains
       end do
    end subroutine check_allocation
 
-   !> The name of a dimension as ALNAM has it: small letters, names of joints as they are.
-   pure function item_name(name)
-      character(*), intent(in) :: name
-      character(:), allocatable :: item_name
-      integer :: at
-
-      item_name = trim(name)
-      at = index(item_name, ' ')
-      if (is_by_joints(name)) then
-         item_name(:at) = lower_case(item_name(:at))
-      else if (index(item_name, of_joint) == 0) then
-         item_name = lower_case(item_name)
-      end if
-   end function item_name
-
-   !> True for a length or an angle of a sketch, which has the names of joints.
-   elemental logical function is_by_joints(name)
-      character(*), intent(in) :: name
-
-      is_by_joints = (index(name, 'LENGTH ') == 1 .or. index(name, 'ANGLE ') == 1) .and. index(name, of_joint) == 0 .and. &
-                     index(name, of_arc) == 0
-   end function is_by_joints
-
-   !> Which dimensions a name of ALNAM means. Of a length between two joints the order is free, and the word `length`.
-   pure function are_meant(name, names, is_angle) result(meant)
-      character(*), intent(in) :: name, names(:)
-      logical, intent(in) :: is_angle(:)
-      logical :: meant(size(names))
-      character(:), allocatable :: pair
-      integer :: i, blank
-
-      select case (upper_case(name))
-      case ('*')
-         meant = .true.
-      case ('LENGTH *')
-         meant = .not. is_angle
-      case ('ANGLE *')
-         meant = is_angle
-      case default
-         pair = trim(name)
-         if (index(upper_case(name), 'LENGTH ') == 1) pair = trim(adjustl(name(len('LENGTH '):)))
-         blank = index(pair, ' ')
-         do i = 1, size(names)
-            if (.not. is_by_joints(names(i))) then
-               meant(i) = upper_case(trim(names(i))) == upper_case(trim(name))
-            else if (is_angle(i)) then
-               meant(i) = names(i)(len('ANGLE '):) == after(name, 'ANGLE ')
-            else
-               meant(i) = names(i) == 'LENGTH '//pair
-               if (blank > 0) meant(i) = meant(i) .or. names(i) == 'LENGTH '//trim(adjustl(pair(blank:)))//' '//pair(:blank - 1)
-            end if
-         end do
-      end select
-   end function are_meant
-
-   !> What follows a word at the beginning of a name, with one blank before it; nothing if the name does not begin so.
-   pure function after(name, word) result(rest)
-      character(*), intent(in) :: name, word
-      character(:), allocatable :: rest
-
-      rest = ''
-      if (index(upper_case(name), word) == 1) rest = ' '//trim(adjustl(name(len(word):)))
-   end function after
-
-   !> Costs and limits of every dimension: those of the last entry that means it, else as by default.
-   pure subroutine make_terms(asked, allowance, dimensions, terms)
+   !> True if two entries of ALNAM have tolerances of one kind: grades, steps of one table, or any.
+   pure logical function same_steps(asked, one, other)
       type(allocation_group_t), intent(in) :: asked
-      type(allowance_t), intent(in) :: allowance
-      type(dimensions_t), intent(in) :: dimensions
-      type(terms_t), intent(out) :: terms
-      real(wp) :: mean, own
-      integer :: i, k, n
+      integer, intent(in) :: one, other               !! 0: none
 
-      n = size(allowance%names)
-      allocate (terms%fixed(n), terms%cost(n), terms%low(n), terms%high(n), source=0.0_wp)
-      allocate (terms%power(n), source=1.0_wp)
-      allocate (terms%class(n), source=0)
-      do k = 1, size(asked%names)
-         associate (named => are_meant(asked%names(k), allowance%names, allowance%is_angle))
-            where (named)
-               terms%fixed = asked%fixed(k)
-               terms%cost = asked%cost(k)
-               terms%power = asked%power(k)
-               terms%low = asked%low(k)
-               terms%high = asked%high(k)
-               terms%class = asked%class(k)
-            end where
-         end associate
-      end do
-      mean = sum(abs(dimensions%arcl))/real(max(1, count(abs(dimensions%arcl) > 0.0_wp)), wp)
-      do i = 1, n
-         if (.not. terms%cost(i) > 0.0_wp) then
-            terms%cost(i) = 1.0_wp
-            if (allowance%is_angle(i)) terms%cost(i) = inverse_power(radians_per_degree*mean, terms%power(i))
-         end if
-         if (terms%high(i) > 0.0_wp) cycle
-         own = abs(allowance%size(i))
-         if (.not. own > 0.0_wp) own = mean           ! of a travel, or of a length that is 0
-         terms%high(i) = merge(largest_angle, largest_of_length*own, allowance%is_angle(i))
-         terms%high(i) = max(terms%high(i), terms%low(i))
-      end do
-   end subroutine make_terms
+      same_steps = one == other
+      if (same_steps .or. one == 0 .or. other == 0) return
+      same_steps = (asked%finest(one) > 0) .eqv. (asked%finest(other) > 0)
+      same_steps = same_steps .and. asked%table(one) == asked%table(other)
+   end function same_steps
 
    !> The bands, at every position but dead points.
    pure subroutine make_bands(asked, allowance, dead, bands)
@@ -498,139 +452,4 @@ contains
       end function stem
    end function belongs_to_first
 
-   ! ---- the problem ---------------------------------------------------------------------------------------------------
-
-   !> Solve the problem and take down what it led to.
-   subroutine find_cheapest(asked, allowance, terms, result)
-      type(allocation_group_t), intent(in) :: asked
-      type(allowance_t), intent(in) :: allowance
-      type(terms_t), intent(in) :: terms
-      type(allocation_t), intent(inout) :: result
-      type(separable_t) :: problem
-      type(separable_solution_t) :: solution
-      integer :: unknown(size(terms%cost)), i, j, k, n, rounds
-      real(wp) :: weights(size(terms%cost), size(result%bands)), before, order, most
-
-      n = 0
-      do i = 1, size(unknown)
-         k = 0
-         if (terms%class(i) > 0) k = findloc(terms%class(:i - 1), terms%class(i), dim=1)
-         if (k > 0) then
-            unknown(i) = unknown(k)
-         else
-            n = n + 1
-            unknown(i) = n
-         end if
-      end do
-      order = merge(1.0_wp, 2.0_wp, asked%rule == rule_worst)
-      problem%cost = terms%cost
-      problem%power = terms%power/order
-      problem%unknown = unknown
-      problem%low = [(maxval(terms%low, unknown == k), k=1, n)]**nint(order)
-      problem%high = [(minval(terms%high, unknown == k), k=1, n)]**nint(order)
-      problem%high = max(problem%low, problem%high)
-      do j = 1, size(result%bands)
-         associate (band => result%bands(j))
-            weights(:, j) = abs(allowance%change(band%position, :, band%number))
-            most = maxval(weights(:, j))
-            where (weights(:, j) < least_change*most) weights(:, j) = 0.0_wp
-            if (order > 1.0_wp) weights(:, j) = weights(:, j)**2
-         end associate
-      end do
-      before = huge(1.0_wp)
-      do rounds = 1, merge(most_rounds, 1, asked%rule == rule_yield)
-         call solve_with(weights)
-         if (.not. solution%solved) exit
-         result%tolerance = solution%x(unknown)
-         if (order > 1.0_wp) result%tolerance = sqrt(result%tolerance)
-         if (asked%rule /= rule_yield) exit
-         if (abs(solution%value - before) <= steady*solution%value) exit
-         before = solution%value
-         call reweigh(rounds > undamped)
-      end do
-      result%impossible = solution%tightest
-      result%solved = solution%solved
-      if (.not. result%solved) return
-      do j = 1, size(result%bands)
-         result%bands(j)%used = used_of(asked, allowance, result%bands(j), result%tolerance)
-      end do
-      if (asked%rule == rule_yield) result%unsettled = rounds > most_rounds .or. &
-         any(result%bands%used > (1.0_wp + kept_to)*result%bands%width)
-      result%solved = .not. result%unsettled
-      if (.not. result%solved) return
-      result%cost = costs_of(terms, result%tolerance)
-      result%value = sum(result%cost)
-      result%bound = sum(terms%fixed) + solution%bound
-      result%limit = [(limit_none, i=1, size(unknown))]
-      where (result%tolerance >= (1.0_wp - at_limit)*terms%high) result%limit = limit_largest
-      where (result%tolerance <= (1.0_wp + at_limit)*terms%low) result%limit = limit_least
-      allocate (result%effect(size(unknown), size(result%bands)))
-      do j = 1, size(result%bands)
-         associate (band => result%bands(j))
-            band%price = order*solution%price(j)
-            result%effect(:, j) = allowance%change(band%position, :, band%number)*result%tolerance
-            band%share = share_within(asked%law, result%effect(:, j), band%width)
-         end associate
-      end do
-
-   contains
-
-      subroutine solve_with(weights)
-         real(wp), intent(in) :: weights(:, :)
-         integer :: c, b
-
-         if (allocated(problem%share)) deallocate (problem%share)
-         allocate (problem%share(n, size(weights, 2)), source=0.0_wp)
-         do b = 1, size(weights, 2)
-            do c = 1, size(unknown)
-               problem%share(unknown(c), b) = problem%share(unknown(c), b) + weights(c, b)/result%bands(b)%width**nint(order)
-            end do
-         end do
-         call solve_separable(problem, solution)
-      end subroutine solve_with
-
-      !> Weights whose sum has the value and the slopes of the width that holds the share; damped, halfway from those before.
-      subroutine reweigh(damped)
-         logical, intent(in) :: damped
-         real(wp) :: width, slope(size(unknown)), effect(size(unknown)), next(size(unknown))
-         integer :: b
-
-         do b = 1, size(result%bands)
-            effect = abs(allowance%change(result%bands(b)%position, :, result%bands(b)%number))
-            where (effect < least_change*maxval(effect)) effect = 0.0_wp
-            call half_width(asked%law, effect*result%tolerance, asked%yield, width, slope)
-            next = width*slope*effect/result%tolerance
-            if (damped) next = 0.5_wp*(next + weights(:, b))
-            weights(:, b) = next
-         end do
-      end subroutine reweigh
-   end subroutine find_cheapest
-
-   !> What tolerances cost.
-   pure function costs_of(terms, tolerance) result(costs)
-      type(terms_t), intent(in) :: terms
-      real(wp), intent(in) :: tolerance(:)            !! shape (dimensions)
-      real(wp) :: costs(size(tolerance))
-
-      costs = terms%fixed + terms%cost*inverse_power(tolerance, terms%power)
-   end function costs_of
-
-   !> How far tolerances let the output go in a band, by the rule.
-   pure real(wp) function used_of(asked, allowance, band, tolerance) result(used)
-      type(allocation_group_t), intent(in) :: asked
-      type(allowance_t), intent(in) :: allowance
-      type(allocated_band_t), intent(in) :: band
-      real(wp), intent(in) :: tolerance(:)            !! shape (dimensions)
-      real(wp) :: effect(size(tolerance)), slope(size(tolerance))
-
-      effect = allowance%change(band%position, :, band%number)*tolerance
-      select case (asked%rule)
-      case (rule_worst)
-         used = sum(abs(effect))
-      case (rule_yield)
-         call half_width(asked%law, effect, asked%yield, used, slope)
-      case default
-         used = sqrt(sum(effect**2))
-      end select
-   end function used_of
 end module psalm_allocation

@@ -36,7 +36,7 @@ module psalm_tolerance
    private
    public :: tolerances_t, tolerance_t, sample_t, deviating_t, study_tolerances, find_tolerances, draw_sample
    public :: enclose_bands, find_deviations
-   public :: column_length, allowance_t, allowances_of, names_of_tolerances, dimensions_to_allot, allot
+   public :: column_length, allowance_t, allowances_of, names_of_tolerances, dimensions_to_allot, allot, correlate
 
    integer, parameter :: linkages_of_stream = 1000 !! of the random numbers
    integer, parameter :: least_chunk = 1000     !! linkages of a chunk; sums are formed by chunk and added in order
@@ -95,6 +95,8 @@ module psalm_tolerance
       logical, allocatable :: dead(:)              !! shape (positions): a dead point, where the effects are infinite
       type(output_bands_t), allocatable :: bands   !! of a sketch: all its outputs
       integer :: law = law_uniform                 !! of the deviations of a sample: one of `law_...`
+      integer, allocatable :: group(:)             !! shape (nvar): correlated group of each; 0: none. Not allocated: there are none
+      real(wp), allocatable :: own(:), common(:)   !! shape (nvar): parts of the tolerance: own deviation, that of its group
    end type tolerance_t
 
    !> The dimensions to which tolerances can be allotted.
@@ -609,6 +611,26 @@ contains
       deviating%outputs%turn = tolerance(nvar + 2::2)
    end subroutine allot
 
+   !> Correlate the deviations of a sample: parts of the tolerances that dimensions have for themselves and with their group.
+   pure subroutine correlate(allowance, group, own, common, linear)
+      type(allowance_t), intent(in) :: allowance
+      integer, intent(in) :: group(:)              !! shape (dimensions); 0: none
+      real(wp), intent(in) :: own(:), common(:)    !! shape (dimensions)
+      type(tolerance_t), intent(inout) :: linear
+      integer :: nvar, k
+
+      nvar = size(linear%variables)
+      linear%group = [(0, k=1, nvar)]
+      linear%own = [(1.0_wp, k=1, nvar)]
+      linear%common = [(0.0_wp, k=1, nvar)]
+      do k = 1, size(group)
+         if (allowance%column(k) > nvar) cycle
+         linear%group(allowance%column(k)) = abs(group(k))
+         linear%own(allowance%column(k)) = own(k)
+         linear%common(allowance%column(k)) = common(k)
+      end do
+   end subroutine correlate
+
    ! ---- proven --------------------------------------------------------------------------------------------------------
 
    !> How far numbers of outputs go at positions for every linkage within tolerances, proven to second order; and by which factor
@@ -927,7 +949,7 @@ contains
       type(dimensions_t) :: dimensions
       type(sketch_motion_t), allocatable :: sketch
       complex(wp), allocatable :: joint(:, :)
-      real(wp), allocatable :: nominal(:), values(:), miss(:, :), moved(:, :)
+      real(wp), allocatable :: nominal(:), values(:), miss(:, :), moved(:, :), of_group(:)
       real(wp) :: deviation
       logical :: within
       integer :: t, v, failed, i, k, unasked, first
@@ -951,6 +973,7 @@ contains
          allocate (joint(size(sketch%drawn), problem%linkage%capacity), moved(size(sketch%arcs), problem%linkage%capacity))
       end if
       unasked = max(1, solved_unasked/max(1, problem%positions))
+      if (allocated(linear%group)) allocate (of_group(maxval(linear%group)))
       made = 0
       do t = from, to
          if (mod(t - from, unasked) == 0) then
@@ -958,8 +981,13 @@ contains
          end if
          made = made + 1
          if (mod(t - 1, linkages_of_stream) == 0) call random%use_stream((t - 1)/linkages_of_stream)
+         if (allocated(linear%group)) call next_of_groups()
          do v = 1, size(values)
             call next_deviation(random, linear%law, deviation)
+            if (allocated(linear%group)) then
+               deviation = linear%own(v)*deviation
+               if (linear%group(v) > 0) deviation = deviation + linear%common(v)*of_group(linear%group(v))
+            end if
             values(v) = nominal(v) + linear%tolerance(v)*deviation
          end do
          call problem%parameters%apply(values, dimensions)
@@ -992,6 +1020,15 @@ contains
       end do
 
    contains
+
+      !> What the groups have in common.
+      subroutine next_of_groups()
+         integer :: g
+
+         do g = 1, size(of_group)
+            call next_deviation(random, linear%law, of_group(g))
+         end do
+      end subroutine next_of_groups
 
       !> Deviations of all outputs.
       subroutine miss_of_outputs()

@@ -1,11 +1,14 @@
 """The cheapest tolerances of random four-bars against SciPy, on a model of their own.
 
-usage: allocation.py PROGRAM_DIRECTORY [--cases N] [--starts N] [--sample N] [--only PART]. The changes of the coupler point with every length are differences of positions
+usage: allocation.py PROGRAM_DIRECTORY [--cases N] [--starts N] [--sample N] [--steps N] [--groups N] [--only PART]. The changes of the coupler point with every length are differences of positions
 computed here. Of each case SLSQP has several starts; no allocation may be dearer than its best, leave a band, or lie below its bound.
-Of a yield random linkages of this model are drawn. Proofs of the worst case are compared with all corners of the box. Last line: N passed, N failed.
+Of a yield random linkages of this model are drawn. Grades and steps are compared with every choice there is. Proofs of the worst case are
+compared with all corners of the box. Last line: N passed, N failed.
 """
 import argparse
 import csv
+import itertools
+import math
 import os
 import subprocess
 import sys
@@ -32,6 +35,16 @@ CASE = """RANDOM FOUR-BAR
  &LIMITS IPROOF=0 &END
  &ALLOC ALBAND=%r, ALRULE='%s', ALNAM=%s, ALCOST=%s, ALEXP=%s, ALMIN=%s, ALMAX=%s, ALCLAS=%s, ALPOS=%s%s &END
 """
+STEPS = """RANDOM FOUR-BAR
+ &CHAIN JNT='A','B','C','D','P', JX=%s, JY=%s, LNK='A D','A B','B C P','C D' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point P' &END
+ &METHOD IKIN=15 &END
+ &LIMITS IPROOF=0 &END
+ &ALLOC %s &END
+"""
+IT = {30: (33, 52, 84), 50: (39, 62, 100), 80: (46, 74, 120), 120: (54, 87, 140)} # IT8 to IT10 up to these sizes in mm: ISO 286-1, micrometres
+NORMAL_WIDTH = 1.959963984540054 # standard deviations to either side that hold 95 per cent
 
 
 def coupler_point(lengths, crank, carried, side):
@@ -162,6 +175,244 @@ def one(program, folder, number, random, starts):
     tally.check(where + ": not dearer than SLSQP", total <= best*(1 + 1e-6), "%r %r" % (total, best))
     tally.check(where + ": the bound is below every allocation", bound <= min(total, best)*(1 + 2e-6), "%r %r" % (bound, best))
     tally.check(where + ": the bound is near", total - bound < 2e-6*total, "%r %r" % (bound, total))
+
+
+def share_of_uniform(effects, band):
+    """Share of the sums of uniform deviations within +-effects, of the shape (..., n), that is within +-band: by inclusion and exclusion."""
+    effects = numpy.maximum(abs(effects), 1e-3*abs(effects).max(axis=-1, keepdims=True))
+    n = effects.shape[-1]
+    total = 0.0
+    for signs in itertools.product((-1, 1), repeat=n):
+        e = effects @ numpy.array(signs)
+        total = total + numpy.prod(signs)*(numpy.maximum(band + e, 0)**n - numpy.maximum(-band + e, 0)**n)
+    return total/(2**n*math.factorial(n)*numpy.prod(effects, axis=-1))
+
+
+def changes_of(lengths, start, side, carried, turned):
+    """Changes of x and of y of the coupler point with every length, at every position: (positions, lengths) each."""
+    crank = start + numpy.radians(15)*numpy.arange(POSITIONS)
+    step = 1e-4
+    moves = [(coupler_point(lengths + step*e, crank, carried, side) - coupler_point(lengths - step*e, crank, carried, side))/(2*step)*turned
+             for e in numpy.eye(5)]
+    moves = numpy.stack(moves, axis=1)
+    return moves.real, moves.imag
+
+
+def discrete(program, folder, number, random):
+    """Steps of tables and grades against every choice: all five lengths in steps, or three and two of any size."""
+    lengths, start, side, carried = random_case(random)
+    b = lengths[0]*numpy.exp(1j*start)
+    p = coupler_point(lengths, numpy.array([start]), carried, side)[0]
+    c = b + (p - b)/(lengths[4]*carried)*lengths[1]
+    turned = numpy.exp(1j*random.random()*6)
+    joints = numpy.array((0, b, c, lengths[3], p))*turned
+    rule = ("WORST", "RSS", "YIELD", "NORMAL")[number % 4]
+    mixed = number % 5 == 4
+    if mixed and rule == "YIELD":
+        rule = "RSS"
+    graded = number % 3 == 2
+    band = 0.1 + 0.4*random.random()
+    classes = [0]*5
+    if random.random() < 0.5 and not mixed:
+        classes[0] = classes[3] = 3
+    steps, costs = [], []
+    cost, power = 10**(random.random(5) - 0.5), 0.4 + 1.6*random.random(5)
+    for i in range(5):
+        if graded:
+            widths = [IT[next(k for k in sorted(IT) if lengths[i] <= k)][g] for g in range(3)]
+            steps.append(numpy.array(widths)*1e-3/2)
+            costs.append(cost[i]*steps[-1]**-power[i])
+        else:
+            k = 3 + random.integers(2)
+            steps.append(numpy.sort(0.15*random.random(k) + 0.004))
+            costs.append(numpy.sort(random.random(k)*4 + 0.1)[::-1])
+    if classes[0] and not graded:
+        steps[3], costs[3] = steps[0], costs[0]
+    any_size = [1, 2] if mixed else []
+    items = ["ALBAND=%r" % band, "ALRULE='%s'" % rule.replace("NORMAL", "YIELD"), "ALNAM=" + ",".join("'%s'" % n for n in LENGTHS),
+             "ALCLAS=" + ",".join(map(str, classes))]
+    if rule in ("YIELD", "NORMAL"):
+        items.append("ALYLD=%r" % (100*YIELD))
+    if rule == "NORMAL":
+        items.append("ALLAW='NORMAL'")
+
+    def listed(values):
+        return ",".join(repr(float(v)) for v in values)
+    if graded:
+        first = 8
+        items += ["ALGRAD=" + ",".join("0" if i in any_size else str(first) for i in range(5)), "ALGRDC=5*%d" % (first + 2),
+                  "ALCOST=" + listed(cost), "ALEXP=" + listed(power)]
+    else:
+        tables = [i for i in range(5) if i not in any_size and not (classes[0] and i == 3)]
+        items += ["ALTAB=" + ",".join("0" if i in any_size else "1" if classes[0] and i == 3 else str(i + 1) for i in range(5)),
+                  "ALSTEP=" + ",".join(listed(steps[i]) for i in tables), "ALSCST=" + ",".join(listed(costs[i]) for i in tables),
+                  "ALSTAB=" + ",".join(str(i + 1) for i in tables for _ in steps[i])]
+        if mixed:
+            items += ["ALCOST=" + listed(c if i in any_size else 1.0 for i, c in enumerate(cost)),
+                      "ALEXP=" + listed(c if i in any_size else 1.0 for i, c in enumerate(power))]
+    path = os.path.join(folder, "case.nml")
+    with open(path, "w", encoding="utf-8") as f:
+        f.write(STEPS % (listed(joints.real), listed(joints.imag), ",\n  ".join(items)))
+    for name in ("allocation", "allocation_bands"):
+        if os.path.exists(os.path.join(folder, "case.%s.csv" % name)):
+            os.remove(os.path.join(folder, "case.%s.csv" % name))
+    done = subprocess.run([program, "--json", "--output-dir", folder, path], capture_output=True, text=True, check=False)
+    where = "steps %d, %s%s%s" % (number, rule, ", mixed" if mixed else "", ", grades" if graded else "")
+    changes = numpy.concatenate(changes_of(lengths, start, side, carried, turned))
+    in_steps = [i for i in range(5) if i not in any_size]
+    choices = numpy.array([k for k in itertools.product(*(range(len(steps[i])) for i in in_steps))
+                           if not classes[0] or k[0] == k[in_steps.index(3)]])
+    tolerances = numpy.zeros((len(choices), 5))
+    for column, i in enumerate(in_steps):
+        tolerances[:, i] = steps[i][choices[:, column]]
+    totals = sum(costs[i][choices[:, column]] for column, i in enumerate(in_steps))
+    if mixed:
+        order = numpy.argsort(totals)
+        best = numpy.inf
+        for k in order:
+            if totals[k] >= best:
+                break
+            found = two_more(changes, tolerances[k], any_size, cost, power, band, rule, lengths)
+            if found is not None:
+                best = min(best, totals[k] + found)
+    else:
+        kept = keeps(changes, tolerances, band, rule)
+        best = totals[kept].min() if kept.any() else numpy.inf
+    if not numpy.isfinite(best):
+        tally.check(where + ": no choice keeps the bands, and the program says so", done.returncode == 1 and "no tolerances are allotted: the least ones" in
+                    done.stderr, done.stderr)
+        return
+    tally.check(where + ": done", done.returncode == 0, done.stderr)
+    if done.returncode != 0:
+        return
+    with open(os.path.join(folder, "case.allocation.csv"), encoding="utf-8") as f:
+        rows = {row["dimension"].lower(): row for row in csv.DictReader(f)}
+    mine = sum(float(rows[n.lower()]["cost"]) for n in LENGTHS)
+    tally.check(where + ": as cheap as the cheapest of all choices", abs(mine/best - 1) < (1e-5 if mixed else 1e-9), "%r %r" % (mine, best))
+    chosen = numpy.array([float(rows[n.lower()]["tolerance"]) for n in LENGTHS])
+    tally.check(where + ": the choice keeps the bands", keeps(changes, chosen[None], band*(1 + 1e-6), rule)[0], str(chosen))
+    if number % 6 == 0:
+        with open(path, encoding="utf-8") as f:
+            text = f.read().replace("&ALLOC ", "&ALLOC ALNODE=1, ")
+        with open(path, "w", encoding="utf-8") as f:
+            f.write(text)
+        early = subprocess.run([program, "--json", "--output-dir", folder, path], capture_output=True, text=True, check=False)
+        with open(os.path.join(folder, "case.allocation.csv"), encoding="utf-8") as f:
+            early_cost = sum(float(row["cost"]) for row in csv.DictReader(f))
+        bound = float(early.stdout.split("LOWER BOUND")[1].split()[0].replace("D", "E")) if "LOWER BOUND" in early.stdout else best
+        tally.check(where + ": one node says what it has proven", bound <= best*(1 + 1e-6) and early_cost >= best*(1 - 1e-9) and
+                    early.returncode == int("ended at node 1" in early.stderr), (bound, best, early_cost, early.stderr))
+    tally.check(where + ": it is one of the steps", all(min(abs(steps[i] - chosen[i])) < 1e-9 for i in in_steps), str(chosen))
+
+
+def correlated(program, folder, number, random):
+    """Two groups with a part in common: SLSQP on the norms of this model, and linkages drawn by its law."""
+    lengths, start, side, carried = random_case(random)
+    b = lengths[0]*numpy.exp(1j*start)
+    p = coupler_point(lengths, numpy.array([start]), carried, side)[0]
+    c = b + (p - b)/(lengths[4]*carried)*lengths[1]
+    turned = numpy.exp(1j*random.random()*6)
+    joints = numpy.array((0, b, c, lengths[3], p))*turned
+    rule = ("WORST", "RSS", "YIELD")[number % 3]
+    law = "NORMAL" if number % 2 else "UNIFORM"
+    groups = numpy.array([(1, 1, 0, 2, 2), (1, 2, -1, 2, 0), (1, 1, -1, -1, 1)][int(random.integers(3))])
+    correlation = numpy.array((random.random(), 1.0 if random.random() < 0.3 else random.random()))
+    cost, power, band = 10**(random.random(5) - 0.5), 0.4 + 1.6*random.random(5), 0.01 + 0.04*random.random()
+
+    def listed(values):
+        return ",".join(repr(float(v)) for v in values)
+    items = ["ALBAND=%r" % band, "ALRULE='%s'" % rule, "ALLAW='%s'" % law, "ALNAM=" + ",".join("'%s'" % n for n in LENGTHS),
+             "ALCOST=" + listed(cost), "ALEXP=" + listed(power), "ALGRP=" + ",".join(map(str, groups)),
+             "ALCORR=" + listed(correlation[:abs(groups).max()]), "ALTRY=4000"] + (["ALYLD=%r" % (100*YIELD)] if rule == "YIELD" else [])
+    path = os.path.join(folder, "case.nml")
+    with open(path, "w", encoding="utf-8") as f:
+        f.write(STEPS % (listed(joints.real), listed(joints.imag), ",\n  ".join(items)))
+    done = subprocess.run([program, "--json", "--output-dir", folder, path], capture_output=True, text=True, check=False)
+    where = "groups %d, %s, %s" % (number, rule, law)
+    # of 48 bands one may well have more linkages beyond it than three standard errors
+    tally.check(where + ": done", done.returncode == 0 or "the linear bands are not those" in done.stderr, done.stderr)
+    if not os.path.exists(os.path.join(folder, "case.allocation.csv")):
+        return
+    with open(os.path.join(folder, "case.allocation.csv"), encoding="utf-8") as f:
+        rows = {row["dimension"].lower(): row for row in csv.DictReader(f)}
+    with open(os.path.join(folder, "case.allocation_bands.csv"), encoding="utf-8") as f:
+        bands = list(csv.DictReader(f))
+    tolerance = numpy.array([float(rows[n.lower()]["tolerance"]) for n in LENGTHS])
+    worth = numpy.array([float(rows[n.lower()]["worth"]) for n in LENGTHS])
+    prices = sum(float(row["price"]) for row in bands)
+    tally.check(where + ": the worth of all is the price of the bands", abs(worth.sum() - prices) < 1e-4*prices, (worth, prices))
+    changes = numpy.concatenate(changes_of(lengths, start, side, carried, turned))
+
+    def sources(squares):
+        """Deviations of the lengths by each independent deviation: (lengths, sources)."""
+        r = numpy.where(groups != 0, correlation[abs(groups) - 1], 0.0)
+        both = 1.0 if squares else numpy.sqrt(r) + numpy.sqrt(1 - r)
+        common = numpy.stack([numpy.where(abs(groups) == g, numpy.sign(groups)*numpy.sqrt(r)/both, 0) for g in (1, 2)], axis=1)
+        return numpy.concatenate((numpy.diag(numpy.sqrt(1 - r)/both), common), axis=1)
+
+    def far(t):
+        if rule == "WORST":
+            return abs((changes*t) @ sources(False)).sum(axis=1)
+        return numpy.sqrt((((changes*t) @ sources(True))**2).sum(axis=1))*(NORMAL_WIDTH/3 if rule == "YIELD" else 1.0)
+    drawn = random.standard_normal((DRAWN, 7))/3 if law == "NORMAL" else 2*random.random((DRAWN, 7)) - 1
+    within = numpy.mean(abs(drawn @ ((changes*tolerance) @ sources(law == "NORMAL")).T) <= band, axis=0)
+    mine = numpy.array([float(row["share_within"]) for row in bands])
+    error = numpy.sqrt(numpy.maximum(mine*(1 - mine), 1/DRAWN)/DRAWN)
+    tally.check(where + ": shares are those of linkages drawn", (abs(within - mine)/error).max() < 5, (abs(within - mine)/error).max())
+    beyond = numpy.array([float(row["sample_beyond"]) for row in bands])/4000
+    error = numpy.sqrt(numpy.maximum(mine*(1 - mine), 1/4000)/4000)
+    tally.check(where + ": so are those of the sample", (abs(1 - beyond - mine)/error).max() < 5, (abs(1 - beyond - mine)/error).max())
+    if rule == "YIELD" and law != "NORMAL":
+        tally.check(where + ": the fullest band holds the yield", abs(mine.min() - YIELD) < 1e-6, mine.min())
+        return
+    tally.check(where + ": within the bands", far(tolerance).max() < band*(1 + 1e-6), far(tolerance).max()/band)
+    limits = [(numpy.log(1e-6), numpy.log(0.1*v)) for v in lengths]
+    best = numpy.inf
+    for _ in range(2):
+        begin = numpy.log(0.5*band/abs(changes).max()/5*(0.2 + random.random(5)))
+        found = minimize(lambda y: numpy.sum(cost*numpy.exp(-power*y)), begin, bounds=limits, method="SLSQP",
+                         constraints={"type": "ineq", "fun": lambda y: 1 - far(numpy.exp(y))/band}, options={"maxiter": 200, "ftol": 1e-10})
+        if far(numpy.exp(found.x)).max() < band*(1 + 1e-8):
+            best = min(best, found.fun)
+    total = numpy.sum(cost*tolerance**-power)
+    tally.check(where + ": not dearer than SLSQP", total <= best*(1 + 1e-6), "%r %r" % (total, best))
+
+
+def keeps(changes, tolerances, band, rule):
+    """Which tolerances, of the shape (choices, 5), keep the band everywhere, by a rule."""
+    effects = abs(changes*tolerances[:, None, :])
+    if rule == "WORST":
+        return effects.sum(axis=2).max(axis=1) <= band*(1 + 1e-9)
+    if rule in ("RSS", "NORMAL"):
+        return scale_of(rule)*numpy.sqrt((effects**2).sum(axis=2).max(axis=1)) <= band*(1 + 1e-9)
+    return share_of_uniform(effects, band).min(axis=1) >= YIELD*(1 - 1e-6)
+
+
+def scale_of(rule):
+    return NORMAL_WIDTH/3 if rule == "NORMAL" else 1.0
+
+
+def two_more(changes, tolerance, any_size, cost, power, band, rule, lengths):
+    """Cheapest cost of two tolerances of any size beside those given: along the edge of the bands; none: nothing keeps them."""
+    order = 1 if rule == "WORST" else 2
+    effects = abs(changes*scale_of(rule))**order
+    room = band**order - effects @ tolerance**order
+    if room.min() <= 0:
+        return None
+    one, other = (effects[:, i] for i in any_size)
+
+    def cost_of(first):
+        second = ((room[:, None] - one[:, None]*first**order)/numpy.maximum(other, 1e-12)[:, None]).min(axis=0)
+        ok = second > 0
+        second = numpy.minimum(numpy.where(ok, second, 1.0)**(1/order), 0.1*lengths[any_size[1]])
+        return numpy.where(ok, cost[any_size[0]]*first**-power[any_size[0]] + cost[any_size[1]]*second**-power[any_size[1]], numpy.inf)
+    low, high = 1e-7, 0.1*lengths[any_size[0]]
+    for _ in range(6):
+        first = numpy.geomspace(low, high, 200)
+        at = int(numpy.argmin(cost_of(first)))
+        low, high = first[max(at - 1, 0)], first[min(at + 1, 199)]
+    best = cost_of(first)[at]
+    return best if numpy.isfinite(best) else None
 
 
 def proofs(program, folder, random):
@@ -313,6 +564,8 @@ def main():
     parser.add_argument("--starts", type=int, default=STARTS)
     parser.add_argument("--sample", type=int, default=SAMPLE)
     parser.add_argument("--only", choices=("cases", "sample"))
+    parser.add_argument("--steps", type=int, default=30)
+    parser.add_argument("--groups", type=int, default=12)
     options = parser.parse_args()
     random = numpy.random.default_rng(41)
     program = os.path.join(os.path.abspath(options.programs), "psalm")
@@ -321,6 +574,10 @@ def main():
             by_loops(program, folder)
             edges(program, folder)
             proofs(program, folder, numpy.random.default_rng(42))
+            for number in range(options.groups):
+                correlated(program, folder, number, random)
+            for number in range(options.steps):
+                discrete(program, folder, number, random)
         if options.only != "cases":
             sampled(program, folder, options.sample)
         for number in range(0 if options.only == "sample" else options.cases):

@@ -3,6 +3,7 @@ program test_allocation
    use check, only: checks_t
    use psalm_kinds, only: wp
    use psalm_separable, only: separable_t, separable_solution_t, solve_separable, dual_value
+   use psalm_standard_tolerances, only: grade_width, finest_grade, coarsest_grade
    use psalm_sum_law, only: law_uniform, law_triangle, law_normal, half_width, share_within, standard_normal
    use psalm_xoshiro, only: xoshiro_t, purpose_sample
    implicit none (type, external)
@@ -16,6 +17,8 @@ program test_allocation
    call widths()
    call shares()
    call normal_deviations()
+   call convex_widths()
+   call grades()
    call t%report()
 
 contains
@@ -201,4 +204,56 @@ contains
       end do
       call t%is_true(worst < 1.0e-12_wp, 'normal deviations')
    end subroutine normal_deviations
+   !> The width of a share is convex in the deviations, for every law: between two rows of them it is at most the mean of theirs.
+   subroutine convex_widths()
+      integer, parameter :: laws(3) = [law_uniform, law_triangle, law_normal], n = 5, trials = 300
+      real(wp) :: one(n), other(n), slope(n), of_one, of_other, between, share, part
+      integer :: law, trial, i, good
+
+      good = 0
+      do law = 1, size(laws)
+         do trial = 1, trials
+            one = [(next()**3, i=1, n)]
+            other = [(next()**3, i=1, n)]
+            share = 0.02_wp + 0.97_wp*next()
+            part = next()
+            call half_width(laws(law), one, share, of_one, slope)
+            call half_width(laws(law), other, share, of_other, slope)
+            call half_width(laws(law), part*one + (1.0_wp - part)*other, share, between, slope)
+            if (between <= (part*of_one + (1.0_wp - part)*of_other)*(1.0_wp + 1.0e-7_wp)) good = good + 1
+         end do
+      end do
+      call t%equal_integer(good, trials*size(laws), 'widths: convex')
+   end subroutine convex_widths
+
+   !> The table of ISO 286 against the formulas that it was rounded from: within a tenth, sizes up to 3 mm 16 per cent; and values
+   !> known from every handbook: IT7 of 50 mm and beyond it, IT6 of 10, IT11 of 500, IT8 of 120, IT13 of 3150.
+   subroutine grades()
+      real(wp), parameter :: limits(0:21) = [1.0_wp, 3.0_wp, 6.0_wp, 10.0_wp, 18.0_wp, 30.0_wp, 50.0_wp, 80.0_wp, 120.0_wp, &
+                                             180.0_wp, 250.0_wp, 315.0_wp, 400.0_wp, 500.0_wp, 630.0_wp, 800.0_wp, 1000.0_wp, &
+                                             1250.0_wp, 1600.0_wp, 2000.0_wp, 2500.0_wp, 3150.0_wp]
+      real(wp), parameter :: times(finest_grade:coarsest_grade) = [7.0_wp, 10.0_wp, 16.0_wp, 25.0_wp, 40.0_wp, 64.0_wp, 100.0_wp, &
+                                                                  160.0_wp, 250.0_wp]
+      real(wp) :: mean, unit
+      integer :: step, grade, near, rising
+
+      near = 0
+      rising = 0
+      do step = 1, ubound(limits, 1)
+         mean = sqrt(limits(step - 1)*limits(step))
+         unit = 1.0e-3_wp*merge(0.45_wp*mean**(1.0_wp/3.0_wp) + 1.0e-3_wp*mean, 4.0e-3_wp*mean + 2.1_wp, limits(step) <= 500.0_wp)
+         do grade = finest_grade, coarsest_grade
+            associate (width => grade_width(grade, limits(step)), formula => times(grade)*unit)
+               if (abs(width - formula) <= merge(0.16_wp, 0.1_wp, step == 1)*formula) near = near + 1
+               if (grade_width(grade, limits(step)*1.001_wp) > width .or. step == ubound(limits, 1)) rising = rising + 1
+            end associate
+         end do
+      end do
+      call t%equal_integer(near, 21*9, 'grades: near the formula')
+      call t%equal_integer(rising, 21*9, 'grades: wider beyond each step')
+      call t%close_to(maxval(abs(grade_width([7, 7, 6, 11, 8, 13], [50.0_wp, 50.1_wp, 10.0_wp, 500.0_wp, 120.0_wp, 3150.0_wp]) - &
+                                 [0.025_wp, 0.030_wp, 0.009_wp, 0.4_wp, 0.054_wp, 3.3_wp])), 0.0_wp, 1.0e-12_wp, 'grades: handbook')
+      call t%is_true(all(abs(grade_width([4, 14, 7, 7], [10.0_wp, 10.0_wp, 0.0_wp, 3151.0_wp])) &
+                         <= 0.0_wp), 'grades: those that there are not')
+   end subroutine grades
 end program test_allocation
