@@ -222,6 +222,11 @@ contains
       integer :: files
 
       ready = .false.
+      if (arguments%parts > 0 .and. .not. team%takes_part) then
+         call say(arguments%program, 'cannot make a part: the ranks of this job share all parts; leave --part out')
+         code = max(code, exit_bad_input)
+         return
+      end if
       if (arguments%every > 0) team%every = arguments%every
       team%mode = all_of_it
       if (arguments%parts > 0) then

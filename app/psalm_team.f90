@@ -12,6 +12,7 @@ module psalm_team
    type, extends(parts_t) :: team_t
       logical :: shares = .false.             !! numbered work is looked after: it is shared, or written now and then
       logical :: delivers = .true.            !! this process writes the results
+      logical :: takes_part = .true.          !! --part may ask for one part of the work
    contains
       procedure :: start
       procedure :: read_parts

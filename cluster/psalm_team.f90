@@ -1,9 +1,11 @@
 !> Who does the numbered work of a run: the ranks of an MPI job, each with threads of its own.
 !>
 !> Every rank runs the whole program on the same cases, so that all come to the same batches of work in the same order; what is
-!> numbered is divided. An item goes to whoever asks next: the number of the next one is a counter in a window of rank 0, taken one
-!> by one by MPI_Fetch_and_op. At the end of a batch every rank gets what the others have made. Rank 0 alone writes results; every
-!> rank writes what it has made to a file of its own now and then, from which a later run goes on.
+!> numbered is divided. Items go to whoever asks next: a counter in a window of rank 0, raised by MPI_Fetch_and_op, numbers portions
+!> of items, large ones first and single items at last, so that the counter is asked seldom and all ranks end at the same time
+!> (source: guided self-scheduling, Polychronopoulos and Kuck (1987), with half its portions). At the end of a batch every rank
+!> gets what the others have made. Rank 0 alone writes results; every rank writes what it has made to a file of its own now and then,
+!> from which a later run goes on.
 !>
 !> A run ends where rank 0 says so: its clock is the one that counts for MAXTIME. Within a batch whoever finds that it must end
 !> raises a flag beside the counter.
@@ -14,7 +16,7 @@ module psalm_team
    use psalm_kinds, only: wp
    use psalm_stop, only: stop_request_t
    use psalm_system, only: finish_program
-   use psalm_work_parts, only: parts_t
+   use psalm_work_parts, only: parts_t, known_only
    implicit none (type, external)
    private
    public :: team_t
@@ -28,10 +30,13 @@ module psalm_team
    type, extends(parts_t) :: team_t
       logical :: shares = .true.              !! as in the programs without MPI
       logical :: delivers = .true.            !! this is rank 0
+      logical :: takes_part = .false.         !! as there: ranks share all of the work
       integer, private :: rank = 0, ranks = 1
       logical, private :: asked = .false.     !! one of the ranks was asked to end
       class(stop_request_t), pointer, private :: host => null()
       integer, allocatable, private :: pending(:) !! items of the batch that are not known
+      integer, allocatable, private :: ends_at(:) !! shape (portions): the last item of each, as a place in `pending`
+      integer, private :: at = 0, upto = 0    !! the places of this rank's portion that are left: those after `at`
       integer, pointer, private :: window(:) => null()
       type(MPI_Win), private :: handle
       integer(int64), private :: looked = 0_int64
@@ -189,7 +194,14 @@ contains
       integer :: i, before
 
       call self%parts_t%open(label, items)
-      self%pending = pack([(i, i=1, items)], [(.not. self%is_known(i), i=1, items)])
+      if (self%now > 0) then
+         self%pending = pack([(i, i=1, items)], [(.not. self%is_known(i), i=1, items)])
+      else
+         self%pending = [integer ::]
+      end if
+      self%ends_at = portions_of(size(self%pending), self%ranks)
+      self%at = 0
+      self%upto = 0
       self%raised = .false.
       if (self%delivers) then
          call MPI_Fetch_and_op(0, before, MPI_INTEGER, 0, place(counter), MPI_REPLACE, self%handle)
@@ -199,23 +211,53 @@ contains
       call MPI_Barrier(MPI_COMM_WORLD)
    end subroutine open_batch
 
+   !> The portions in which items are taken: each a part of what is left before it.
+   pure function portions_of(items, ranks) result(ends_at)
+      integer, intent(in) :: items, ranks
+      integer, parameter :: finer = 2      !! portions of what is left for each rank
+      integer, allocatable :: ends_at(:)   !! the last item of each
+      integer :: n, turn, upto
+
+      do turn = 1, 2 ! to count them, to note them
+         n = 0
+         upto = 0
+         do while (upto < items)
+            n = n + 1
+            upto = upto + max(1, (items - upto)/(finer*ranks))
+            if (turn == 2) ends_at(n) = upto
+         end do
+         if (turn == 1) allocate (ends_at(n))
+      end do
+   end function portions_of
+
    pure integer(MPI_ADDRESS_KIND) function place(which)
       integer, intent(in) :: which
 
       place = int(which - 1, MPI_ADDRESS_KIND)
    end function place
 
-   !> The next item that no rank has taken.
+   !> The next item of the portion of this rank, or of the next portion that no rank has taken.
    integer function next_item(self) result(item)
       class(team_t), intent(inout) :: self
       integer :: taken
 
-      !$omp critical (psalm_ranks)
-      call MPI_Fetch_and_op(1, taken, MPI_INTEGER, 0, place(counter), MPI_SUM, self%handle)
-      call MPI_Win_flush(0, self%handle)
-      !$omp end critical (psalm_ranks)
       item = 0
-      if (taken < size(self%pending)) item = self%pending(taken + 1)
+      if (self%mode == known_only) return
+      !$omp critical (psalm_ranks)
+      if (self%at == self%upto) then
+         call MPI_Fetch_and_op(1, taken, MPI_INTEGER, 0, place(counter), MPI_SUM, self%handle)
+         call MPI_Win_flush(0, self%handle)
+         if (taken < size(self%ends_at)) then
+            self%upto = self%ends_at(taken + 1)
+            self%at = 0
+            if (taken > 0) self%at = self%ends_at(taken)
+         end if
+      end if
+      if (self%at < self%upto) then
+         self%at = self%at + 1
+         item = self%pending(self%at)
+      end if
+      !$omp end critical (psalm_ranks)
    end function next_item
 
    !> End a batch: all get what each has made.
@@ -260,7 +302,10 @@ contains
          at = at + 2 + size(numbers)
       end do
       call MPI_Allgather(length, 1, MPI_INTEGER, counts, 1, MPI_INTEGER, MPI_COMM_WORLD)
-      offsets = [(sum(counts(:k - 1)), k=1, self%ranks)]
+      offsets(1) = 0
+      do k = 2, self%ranks
+         offsets(k) = offsets(k - 1) + counts(k - 1)
+      end do
       allocate (all_of_it(sum(counts)))
       call MPI_Type_match_size(MPI_TYPECLASS_REAL, storage_size(1.0_wp)/8, kind_of_numbers)
       call MPI_Allgatherv(mine, length, kind_of_numbers, all_of_it, counts, offsets, kind_of_numbers, MPI_COMM_WORLD)

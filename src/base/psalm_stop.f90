@@ -31,10 +31,12 @@ module psalm_stop
       private
       class(stop_request_t), pointer :: request => null()
       class(sharing_t), pointer :: others => null()    !! not associated: all work is done here
+      logical :: by_items = .true.                     !! batches are shared with them; false: only the end is agreed with them
       integer(int64) :: end = huge(1_int64)            !! clock count after which time is up
    contains
       procedure :: listen_to
       procedure :: share_with
+      procedure :: within_item
       procedure :: is_shared
       procedure :: members
       procedure :: open_batch
@@ -76,11 +78,19 @@ contains
       self%others => others
    end subroutine share_with
 
+   !> The token for what belongs to one item of a shared batch: its own work is not shared, but it ends when the others end.
+   type(stop_t) function within_item(self)
+      class(stop_t), intent(in) :: self
+
+      within_item = self
+      within_item%by_items = .false.
+   end function within_item
+
    !> True if numbered work is shared.
    pure logical function is_shared(self)
       class(stop_t), intent(in) :: self
 
-      is_shared = associated(self%others)
+      is_shared = associated(self%others) .and. self%by_items
    end function is_shared
 
    !> How many share the work, each with threads of its own.
@@ -88,7 +98,7 @@ contains
       class(stop_t), intent(in) :: self
 
       members = 1
-      if (associated(self%others)) members = self%others%members()
+      if (self%is_shared()) members = self%others%members()
    end function members
 
    !> Begin a batch of numbered items; without others nothing is done by this.
@@ -97,7 +107,7 @@ contains
       character(*), intent(in) :: label                !! what the items are, one word
       integer, intent(in) :: items
 
-      if (associated(self%others)) call self%others%open(label, items)
+      if (self%is_shared()) call self%others%open(label, items)
    end subroutine open_batch
 
    !> The item to do after `item`, which was done last by this thread: the next one for this machine if the work is shared, else the
@@ -107,7 +117,7 @@ contains
       integer, intent(in) :: item, step, items
 
       next_item = item + step
-      if (.not. associated(self%others)) return
+      if (.not. self%is_shared()) return
       next_item = self%others%next()
       if (next_item == 0) next_item = items + 1
    end function next_item
@@ -118,14 +128,14 @@ contains
       integer, intent(in) :: item
       real(wp), intent(in) :: numbers(:)
 
-      if (associated(self%others)) call self%others%keep(item, numbers)
+      if (self%is_shared()) call self%others%keep(item, numbers)
    end subroutine keep_item
 
    !> End the batch.
    subroutine close_batch(self)
       class(stop_t), intent(in) :: self
 
-      if (associated(self%others)) call self%others%close()
+      if (self%is_shared()) call self%others%close()
    end subroutine close_batch
 
    !> What an item of the batch closed last led to; not allocated: it is not known, or the work is not shared.
@@ -134,7 +144,7 @@ contains
       integer, intent(in) :: item
       real(wp), allocatable, intent(out) :: numbers(:)
 
-      if (associated(self%others)) call self%others%take(item, numbers)
+      if (self%is_shared()) call self%others%take(item, numbers)
    end subroutine take_item
 
    !> Give so many seconds from now on; 0: no limit.

@@ -12,6 +12,7 @@ module psalm_multistart
    implicit none (type, external)
    private
    public :: starter_t, candidate_t, multistart_t
+   public :: numbers_of, take_numbers, promise_of
 
    real(wp), parameter :: same = 1.0e-3_wp         !! relative difference of objectives that are the same
    real(wp), parameter :: tie = 1.0e-6_wp          !! and of those that count as equal
@@ -85,6 +86,8 @@ module psalm_multistart
       procedure :: make_all
       procedure :: make_more
       procedure :: finish
+      procedure :: keep_as_they_are
+      procedure :: leading
       procedure :: number_of
    end type multistart_t
 
@@ -285,6 +288,25 @@ contains
       call keep_different(self, team(1), left, leader, candidates, best)
    end subroutine finish
 
+   !> The places of the results kept where nothing is searched on.
+   subroutine keep_as_they_are(self, team, candidates, best)
+      class(multistart_t), intent(in) :: self
+      class(starter_t), intent(inout) :: team(:)
+      type(candidate_t), intent(in) :: candidates(:)
+      integer, allocatable, intent(out) :: best(:)
+
+      call keep_different(self, team(1), candidates%feasible, 0, candidates, best)
+   end subroutine keep_as_they_are
+
+   !> The places of the best results to search on from, as `make_all` gives them.
+   pure function leading(self, candidates) result(best)
+      class(multistart_t), intent(in) :: self
+      type(candidate_t), intent(in) :: candidates(:)
+      integer, allocatable :: best(:)
+
+      call rank(self, max(self%refined, self%kept), candidates, best)
+   end function leading
+
    !> Search on from some results.
    subroutine refine_all(team, which, thorough, stop, candidates)
       class(starter_t), intent(inout) :: team(:)
@@ -337,20 +359,37 @@ contains
       do i = 1, size(which)
          call stop%take_item(i, numbers)
          if (.not. allocated(numbers)) cycle
-         associate (candidate => candidates(which(i)))
-            candidate%objective = numbers(1)
-            candidate%promise = numbers(2)
-            candidate%evaluations = nint(numbers(3))
-            candidate%jacobians = nint(numbers(4))
-            candidate%done = numbers(5) > 0.0_wp
-            candidate%feasible = numbers(6) > 0.0_wp
-            candidate%refused = numbers(7) > 0.0_wp
-            candidate%settled = numbers(8) > 0.0_wp
-            candidate%refined = numbers(9) > 0.0_wp
-            candidate%x = numbers(10:)
-         end associate
+         call take_numbers(numbers, candidates(which(i)))
       end do
    end subroutine take_shared
+
+   !> The candidate that numbers describe: the reverse of `numbers_of`.
+   pure subroutine take_numbers(numbers, candidate)
+      real(wp), intent(in) :: numbers(:)
+      type(candidate_t), intent(inout) :: candidate
+
+      candidate%objective = numbers(1)
+      candidate%promise = numbers(2)
+      candidate%evaluations = nint(numbers(3))
+      candidate%jacobians = nint(numbers(4))
+      candidate%done = numbers(5) > 0.0_wp
+      candidate%feasible = numbers(6) > 0.0_wp
+      candidate%refused = numbers(7) > 0.0_wp
+      candidate%settled = numbers(8) > 0.0_wp
+      candidate%refined = numbers(9) > 0.0_wp
+      candidate%x = numbers(10:)
+   end subroutine take_numbers
+
+   !> The least objective that starts came to; of a linkage that obeys not every constraint ten times as much and a handicap.
+   pure real(wp) function promise_of(candidates, handicap) result(promise)
+      type(candidate_t), intent(in) :: candidates(:)
+      real(wp), intent(in) :: handicap
+      real(wp), parameter :: times = 10.0_wp
+
+      promise = huge(promise)
+      if (any(candidates%done)) promise = minval(merge(candidates%objective, times*candidates%objective + handicap, &
+                                                       candidates%feasible), mask=candidates%done)
+   end function promise_of
 
    !> The starts of one member: first, first + step ... of those after `before`, up to `until`; or those that it gets where the work
    !> is shared.

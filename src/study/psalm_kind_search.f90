@@ -13,14 +13,13 @@
 module psalm_kind_search
    use psalm_cases, only: resolve_drawn
    use psalm_data_set, only: data_set_t
-   use psalm_error, only: problem_t, make_problem
+   use psalm_kind_contender, only: kind_contender_t, prepare_search, glance_shared, search_shared, finish_shared, hits_of
    use psalm_kind_sketch, only: draw_at_random
    use psalm_kinds, only: wp
    use psalm_kinds_group, only: kinds_group_t, kinds_of
    use psalm_linkage_kinds, only: linkage_kind_t, wanted_kinds_t, find_kinds
    use psalm_method_group, only: method_group_t
    use psalm_preparation, only: prepared_t, prepare
-   use psalm_search, only: search_t
    use psalm_search_group, only: search_group_t, ranking_common
    use psalm_sketch, only: sketch_t
    use psalm_source, only: line_t
@@ -52,19 +51,6 @@ module psalm_kind_search
    real(wp), parameter :: behind = 0.03_wp     !! RMS error, in the same sizes, by which a linkage that does not obey stands behind
    real(wp), parameter :: usual_low = 0.02_wp, usual_high = 5.0_wp !! bounds of lengths in these sizes
    real(wp), parameter :: of_glance = 0.35_wp, of_rounds = 0.9_wp !! parts of MAXTIME at which glances and rounds end
-
-   !> An assembly of a kind in the running.
-   type :: assembly_in_search_t
-      integer :: kind = 0
-      type(data_set_t), pointer :: set => null()
-      class(prepared_t), allocatable :: prepared
-      type(search_t), allocatable :: search
-      real(wp) :: best = huge(1.0_wp)          !! objective
-      real(wp) :: promise = huge(1.0_wp)       !! what it is ranked by before the rounds end
-      integer :: starts = 0                    !! searched to their ends
-      logical :: glanced = .false.
-      integer, allocatable :: signs(:)         !! of its loops: which assembly it is
-   end type assembly_in_search_t
 
    !> What was seen of a kind.
    type :: looked_t
@@ -134,7 +120,7 @@ contains
       integer, intent(in) :: threads
       type(stop_t), intent(in) :: stop            !! asked now and then
       class(kind_study_t), intent(inout) :: study
-      type(assembly_in_search_t), allocatable :: contenders(:)
+      type(kind_contender_t), allocatable :: contenders(:)
       type(kinds_group_t) :: asked
       type(stop_t) :: of_all, of_rounds_only, of_glances
       real(wp) :: floor, handicap
@@ -155,7 +141,11 @@ contains
       floor = max(set%method%fmin, real(set%method%ndes, wp)*(exact*extent_of(set))**2)
       handicap = real(set%method%ndes, wp)*(behind*extent_of(set))**2
       call draw_contenders(set, asked, study, contenders, of_glances)
-      call glance(contenders, threads, of_glances, of_rounds_only, floor, handicap, set%search%nstart)
+      if (stop%is_shared()) then
+         call glance_together(contenders, threads, of_glances, floor, handicap, set%search%nstart)
+      else
+         call glance(contenders, threads, of_glances, of_rounds_only, floor, handicap, set%search%nstart)
+      end if
       call make_rounds(set, asked, contenders, threads, of_rounds_only, floor, handicap, study)
       call take_results(asked, contenders, threads, of_all, study)
       if (of_all%requested()) study%ending = kinds_request
@@ -178,10 +168,10 @@ contains
       type(data_set_t), intent(in) :: set
       type(kinds_group_t), intent(in) :: asked
       class(kind_study_t), intent(inout) :: study
-      type(assembly_in_search_t), allocatable, intent(out) :: contenders(:)
+      type(kind_contender_t), allocatable, intent(out) :: contenders(:)
       type(stop_t), intent(in) :: stop
-      type(assembly_in_search_t), allocatable :: one
-      type(assembly_in_search_t) :: all_of_them(most_assemblies*size(study%kinds))
+      type(kind_contender_t), allocatable :: one
+      type(kind_contender_t) :: all_of_them(most_assemblies*size(study%kinds))
       type(xoshiro_t) :: random
       complex(wp) :: centre
       integer :: k, turn, n, tried, i
@@ -224,7 +214,7 @@ contains
    end subroutine draw_contenders
 
    subroutine hand_over(from, to)
-      type(assembly_in_search_t), intent(inout) :: from, to
+      type(kind_contender_t), intent(inout) :: from, to
 
       to%kind = from%kind
       to%set => from%set
@@ -241,7 +231,7 @@ contains
       type(linkage_kind_t), intent(in) :: kind
       complex(wp), intent(in) :: centre
       type(xoshiro_t), intent(inout) :: random
-      type(assembly_in_search_t), intent(inout) :: one
+      type(kind_contender_t), intent(inout) :: one
       logical, intent(out) :: valid
       type(data_set_t), allocatable :: drawn ! large
       type(method_group_t) :: method
@@ -279,7 +269,7 @@ contains
 
    !> Few random linkages of each.
    subroutine glance(contenders, threads, stop, later, floor, handicap, most)
-      type(assembly_in_search_t), intent(inout) :: contenders(:)
+      type(kind_contender_t), intent(inout) :: contenders(:)
       integer, intent(in) :: threads
       type(stop_t), intent(in) :: stop, later     !! of glances; of what follows
       real(wp), intent(in) :: floor               !! objective below which a linkage is exact
@@ -301,7 +291,7 @@ contains
 
    !> Tell the host how many starts were made, glances included, of how many at most.
    subroutine tell_starts(contenders, most, stop)
-      type(assembly_in_search_t), intent(in) :: contenders(:)
+      type(kind_contender_t), intent(in) :: contenders(:)
       integer, intent(in) :: most                 !! starts of each
       type(stop_t), intent(in) :: stop
       real(wp) :: of
@@ -311,28 +301,51 @@ contains
    end subroutine tell_starts
 
    subroutine glance_at(one, stop, later, handicap)
-      type(assembly_in_search_t), intent(inout) :: one
+      type(kind_contender_t), intent(inout) :: one
       type(stop_t), intent(in) :: stop, later     !! as `glance` has them
       real(wp), intent(in) :: handicap
-      class(problem_t), allocatable :: problem
 
-      allocate (one%search, problem)
       one%set%search%nstart = 1
-      call make_problem(one%set, one%prepared%mechanism, one%prepared%given, one%prepared%parameters, problem)
-      call problem%set_threads(1)
-      call one%search%make_starts(one%set, problem, one%prepared%parameters%first_values(one%prepared%given), &
-                                  one%prepared%vertices, 1, stop, hasty=.true.)
+      call prepare_search(one, stop, 1, one%search)
       call one%search%end_by(later)
       one%best = one%search%least_objective()
       one%promise = one%search%promise(handicap)
       one%glanced = .true.
    end subroutine glance_at
 
+   !> The glances where the work is shared, in batches of more and more assemblies. What was glanced at after an exact linkage does
+   !> not count, as if it had not been made.
+   subroutine glance_together(contenders, threads, stop, floor, handicap, most)
+      type(kind_contender_t), intent(inout) :: contenders(:)
+      integer, intent(in) :: threads
+      type(stop_t), intent(in) :: stop
+      real(wp), intent(in) :: floor, handicap     !! as `glance` has them
+      integer, intent(in) :: most
+      integer :: first, last, upto, width
+
+      first = 1
+      width = glanced_at_once
+      do while (first <= size(contenders))
+         last = min(first + width - 1, size(contenders))
+         call glance_shared(contenders(first:last), threads, stop, handicap)
+         do upto = min(first + glanced_at_once - 1, last), last, glanced_at_once
+            if (minval(contenders(:upto)%best) > floor) cycle
+            contenders(upto + 1:)%glanced = .false.
+            contenders(upto + 1:)%best = huge(1.0_wp)
+            contenders(upto + 1:)%promise = huge(1.0_wp)
+         end do
+         call tell_starts(contenders, most, stop)
+         if (minval(contenders(:last)%best) <= floor) return
+         first = last + 1
+         width = 2*width
+      end do
+   end subroutine glance_together
+
    !> Rounds of halving, each of twice as many contenders as the one before.
    subroutine make_rounds(set, asked, contenders, threads, stop, floor, handicap, study)
       type(data_set_t), intent(in) :: set
       type(kinds_group_t), intent(in) :: asked
-      type(assembly_in_search_t), intent(inout) :: contenders(:)
+      type(kind_contender_t), intent(inout) :: contenders(:)
       integer, intent(in) :: threads
       type(stop_t), intent(in) :: stop
       real(wp), intent(in) :: floor, handicap     !! as `glance` has them
@@ -360,7 +373,9 @@ contains
          call keep_best(contenders%promise, min(width, count(left)), left)
          starts = first_starts
          do while (any(left))
-            if (count(left) < threads) then
+            if (stop%is_shared()) then
+               call search_shared(contenders, left, starts, set%search%nstart, threads, stop, handicap)
+            else if (count(left) < threads) then
                do k = 1, size(contenders)
                   if (.not. left(k) .or. stop%waiting()) cycle
                   call contenders(k)%search%share_among(threads)
@@ -389,7 +404,7 @@ contains
 
    !> So many starts more.
    subroutine search_on(one, more, handicap)
-      type(assembly_in_search_t), intent(inout) :: one
+      type(kind_contender_t), intent(inout) :: one
       integer, intent(in) :: more
       real(wp), intent(in) :: handicap            !! as `glance` has it
 
@@ -418,7 +433,7 @@ contains
    !> The best assembly of each of the best kinds, searched on to convergence; then all are put in order.
    subroutine take_results(asked, contenders, threads, stop, study)
       type(kinds_group_t), intent(in) :: asked
-      type(assembly_in_search_t), intent(inout) :: contenders(:)
+      type(kind_contender_t), intent(inout) :: contenders(:)
       integer, intent(in) :: threads
       type(stop_t), intent(in) :: stop
       class(kind_study_t), intent(inout) :: study
@@ -433,7 +448,7 @@ contains
             looked%starts = looked%starts + one%starts
             if (one%best < looked%best) then
                looked%best = one%best
-               looked%hits = one%search%hits(1.0e-2_wp)
+               looked%hits = hits_of(one, 1.0e-2_wp)
             end if
          end associate
       end do
@@ -445,11 +460,15 @@ contains
          unlisted = unlisted .and. contenders%kind /= contenders(i)%kind
       end do
       objective = huge(1.0_wp)
-      !$omp parallel do num_threads(threads) schedule(dynamic)
-      do k = 1, size(chosen)
-         call finish(contenders(chosen(k)), stop)
-      end do
-      !$omp end parallel do
+      if (stop%is_shared()) then
+         call finish_shared(contenders, chosen, threads, stop)
+      else
+         !$omp parallel do num_threads(threads) schedule(dynamic)
+         do k = 1, size(chosen)
+            call finish(contenders(chosen(k)), stop)
+         end do
+         !$omp end parallel do
+      end if
       do k = 1, size(chosen)
          associate (one => contenders(chosen(k)))
             ! what was left undone of this kind is reported of all kinds together
@@ -480,7 +499,7 @@ contains
    end subroutine take_results
 
    subroutine finish(one, stop)
-      type(assembly_in_search_t), intent(inout) :: one
+      type(kind_contender_t), intent(inout) :: one
       type(stop_t), intent(in) :: stop
 
       call one%search%end_by(stop)

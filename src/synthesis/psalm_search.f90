@@ -16,7 +16,7 @@ module psalm_search
    use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated
    use psalm_random_batch, only: draw_batch
    use psalm_merit, only: merit_t, prepare_merit, eliminate_linear, forget_sides, hold, let_go, set_range, extra_positions
-   use psalm_multistart, only: candidate_t, multistart_t, starter_t
+   use psalm_multistart, only: candidate_t, multistart_t, starter_t, promise_of
    use psalm_nlp, only: repair_count_t
    use psalm_search_group, only: order_either, pareto_none
    use psalm_solver, only: solver_t, ending_t, observer_t, stop_refused
@@ -139,7 +139,11 @@ module psalm_search
       procedure :: hits
       procedure :: least_objective
       procedure :: promise
+      procedure :: made
+      procedure :: go_on_from
+      procedure :: search_on
       procedure :: finish
+      procedure :: report
    end type search_t
 
 contains
@@ -296,22 +300,62 @@ contains
    pure real(wp) function promise(self, handicap)
       class(search_t), intent(in) :: self
       real(wp), intent(in) :: handicap
-      real(wp), parameter :: times = 10.0_wp
 
-      promise = huge(promise)
-      associate (candidates => self%candidates)
-         if (any(candidates%done)) promise = minval(merge(candidates%objective, times*candidates%objective + handicap, &
-                                                          candidates%feasible), mask=candidates%done)
-      end associate
+      promise = promise_of(self%candidates, handicap)
    end function promise
+
+   !> What became of the starts so far.
+   pure subroutine made(self, candidates, best)
+      class(search_t), intent(in) :: self       !! starts were made
+      type(candidate_t), allocatable, intent(out) :: candidates(:)
+      integer, allocatable, intent(out), optional :: best(:) !! places of the best
+
+      candidates = self%candidates
+      if (present(best)) best = self%best
+   end subroutine made
+
+   !> Take the place of a search that came to these results.
+   pure subroutine go_on_from(self, candidates, best)
+      class(search_t), intent(inout) :: self    !! starts were made, or none (`starts` = 0)
+      type(candidate_t), intent(in) :: candidates(:)
+      integer, intent(in), optional :: best(:)  !! places of the results kept; without it: of those to search on from
+
+      self%candidates = candidates
+      self%rules%starts = size(candidates) - self%rules%supplied
+      if (present(best)) then
+         self%best = best
+      else
+         self%best = self%rules%leading(candidates)
+      end if
+   end subroutine go_on_from
+
+   !> Search on from the best starts, or keep them as they are.
+   subroutine search_on(self, further)
+      class(search_t), intent(inout) :: self    !! its starts are made
+      logical, intent(in) :: further
+
+      if (further) then
+         call self%rules%finish(self%team, self%ending, self%candidates, self%best)
+      else
+         call self%rules%keep_as_they_are(self%team, self%candidates, self%best)
+      end if
+   end subroutine search_on
 
    !> Search on from the best starts, and tell what was found.
    subroutine finish(self, result)
       class(search_t), intent(inout) :: self    !! its starts are made
       type(result_t), intent(out) :: result
+
+      call self%search_on(further=.true.)
+      call self%report(result)
+   end subroutine finish
+
+   !> What was found, when its best starts were searched on from.
+   subroutine report(self, result)
+      class(search_t), intent(in) :: self
+      type(result_t), intent(out) :: result
       integer :: i
 
-      call self%rules%finish(self%team, self%ending, self%candidates, self%best)
       associate (candidates => self%candidates, ending => self%ending, first => self%first)
          result%by_default = self%by_default
          result%low = self%low
@@ -341,7 +385,7 @@ contains
             end associate
          end do
       end associate
-   end subroutine finish
+   end subroutine report
 
    !> Distance of a linkage from the first one: the largest relative change of a value.
    pure real(wp) function distance_of(values, first) result(distance)

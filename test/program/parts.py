@@ -30,6 +30,7 @@ CHART = read("bridge", "four_bar_haines.nml").replace("&CLEAR ", "&CLEAR NCRAD=5
 PATHS = read("exact", "five_points_pivots.nml")
 ANALYSIS = read("sketch_four_bar.nml")
 KINDS = read("types", "kinds_for_corner.nml")
+KINDS_IN_STAGES = KINDS.replace("&SEARCH ", "&SEARCH NFEW=5, ")
 
 
 class Case:
@@ -39,6 +40,8 @@ class Case:
         self.programs, self.program, self.place = programs, program, tempfile.mkdtemp()
         with open(os.path.join(self.place, "c.nml"), "w", encoding="utf-8") as file:
             file.write(text)
+        if "corner.txt" in text:
+            shutil.copy(os.path.join(DATA, "types", "corner.txt"), self.place)
 
     def run(self, *options, before=()):
         done = subprocess.run([*before, os.path.join(self.programs, self.program), *options, "c.nml"], cwd=self.place,
@@ -80,7 +83,6 @@ def parts_of(programs, program, text, name, parts, passes):
 def refusals(programs):
     for text, words in ((ANALYSIS, "no numbered work"), (KINDS, "search over kinds")):
         case = Case(programs, "psalm", text)
-        shutil.copy(os.path.join(DATA, "types", "corner.txt"), case.place)
         check("what cannot be divided is refused", case.run("--part", "1/2") == 2 and words in case.said, case.said)
     case = Case(programs, "psalm", SEARCH)
     for options, words in ((("--merge",), "nothing to go on from"), (("--part", "3/2"), "expects K/N"),
@@ -102,10 +104,14 @@ def refusals(programs):
 
 def killed(programs):
     """A run that is killed goes on from what it has written."""
-    text = SEARCH.replace("NSTART=60", "NSTART=600")
+    for text in (SEARCH.replace("NSTART=60", "NSTART=600"), KINDS):
+        killed_once(programs, text)
+
+
+def killed_once(programs, text):
     expected, code = whole(programs, "psalm", text)
     case = Case(programs, "psalm", text)
-    run = subprocess.Popen([os.path.join(programs, "psalm"), "--checkpoint", "1", "c.nml"], cwd=case.place,
+    run = subprocess.Popen([os.path.join(programs, "psalm"), "--threads", "2", "--checkpoint", "1", "c.nml"], cwd=case.place,
                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     file = os.path.join(case.place, "c.part1")
     while run.poll() is None and not os.path.exists(file):
@@ -133,7 +139,8 @@ def over_ranks(programs, mpi):
     os.environ.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMPI_MCA_rmaps_base_oversubscribe="1",
                       OMPI_MCA_mpi_yield_when_idle="1")
     over = os.path.join(TOP, "build", "cluster", mpi, "bin")
-    for program, text, counts in (("psalm", SEARCH, (1, 2, 4, 7)), ("psalm", PATHS, (2,)), ("bridge", CHART, (2,))):
+    for program, text, counts in (("psalm", SEARCH, (1, 2, 4, 7)), ("psalm", PATHS, (2,)), ("bridge", CHART, (2,)),
+                                  ("psalm", KINDS, (3,)), ("psalm", KINDS_IN_STAGES, (2,))):
         expected, code = whole(programs, program, text)
         for ranks in counts:
             case = Case(over, program + "-mpi", text)
@@ -141,7 +148,59 @@ def over_ranks(programs, mpi):
             check("%s, %d ranks: the exit status of one process" % (mpi, ranks), case.code == code, case.said)
             check("%s, %d ranks: its bytes" % (mpi, ranks), case.files() == expected,
                   [f for f in {**expected, **case.files()} if expected.get(f) != case.files().get(f)])
+    case = Case(over, "psalm-mpi", SEARCH)
+    case.run("--part", "1/2", before=("mpiexec." + mpi, "-n", "2"))
+    check(mpi + ": a part of a job is refused", case.code == 2 and "share all parts" in case.said, case.said)
+    ended(programs, over, mpi)
     return 0
+
+
+def ended(programs, over, mpi):
+    """Jobs that end early: by MAXTIME, by TERM to one rank, by a rank that is killed; each goes on from its files."""
+    text = SEARCH.replace("NSTART=60", "NSTART=600")
+    expected, code = whole(programs, "psalm", text)
+    start = ["mpiexec." + mpi, "-n", "2"]
+    in_time = Case(over, "psalm-mpi", SEARCH.replace("NSTART=60", "NSTART=1000000, MAXTIME=1"))
+    begun = time.time()
+    in_time.run(before=start)
+    check(mpi + ": MAXTIME ends all ranks", in_time.code == 1 and time.time() - begun < 20 and "MAXTIME" in in_time.said,
+          in_time.said)
+    check(mpi + ": what was made in time is kept", os.path.exists(os.path.join(in_time.place, "c.part2")), sorted(in_time.files()))
+    for number in (signal.SIGTERM, signal.SIGKILL):
+        case = Case(over, "psalm-mpi", text)
+        job = subprocess.Popen([*start, os.path.join(over, "psalm-mpi"), "--checkpoint", "1", "c.nml"], cwd=case.place,
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        file = os.path.join(case.place, "c.part2")
+        while job.poll() is None and not os.path.exists(file):
+            time.sleep(0.02)
+        ranks = ranks_of(case.place)
+        if ranks:
+            os.kill(ranks[-1], number)
+        case.listing, _ = job.communicate()
+        if job.returncode == code:
+            continue  # it was done before
+        check("%s, signal %d to one rank: the job ends" % (mpi, number), job.returncode != 0)
+        if number == signal.SIGTERM:
+            check(mpi + ": and reports the best so far", os.path.exists(os.path.join(case.place, "c.dev7")), sorted(case.files()))
+        so_far = case.run("--so-far", before=start)
+        check("%s, signal %d: what there is so far" % (mpi, number), so_far == 1, case.said)
+        case.run("--resume", before=("mpiexec." + mpi, "-n", "3"))
+        check("%s, signal %d: resumed, the exit status of one run" % (mpi, number), case.code == code, case.said)
+        check("%s, signal %d: and its bytes" % (mpi, number), case.files() == expected,
+              [f for f in {**expected, **case.files()} if expected.get(f) != case.files().get(f)])
+
+
+def ranks_of(place):
+    """The processes of psalm-mpi that work in a directory."""
+    found = []
+    for name in os.listdir("/proc"):
+        if name.isdigit():
+            try:
+                if os.readlink("/proc/%s/cwd" % name) == place and os.readlink("/proc/%s/exe" % name).endswith("/psalm-mpi"):
+                    found.append(int(name))
+            except OSError:
+                pass  # it has ended, or belongs to another user
+    return sorted(found)
 
 
 def main():
