@@ -8,6 +8,7 @@
 !> Lengths are in the user's one unit, angles in degrees, rates of angles in radians.
 module psalm
    use psalm_allocation, only: allocation_t
+   use psalm_allocation_proof, only: band_certified, band_undecided, band_violated
    use psalm_analysis, only: analysis_t, wanted_t
    use psalm_assembly_study, only: assembly_study_t
    use psalm_case, only: case_t, new_case, read_file, read_text
@@ -62,6 +63,7 @@ module psalm
    public :: find_time, time_study_t
    public :: find_tolerances, tolerances_t
    public :: find_allocation, allocation_t
+   public :: band_certified, band_undecided, band_violated   !! of `proof%verdict` of an `allocation_t`
    public :: find_family, family_t
    public :: synthesise, synthesis_t, found_t, found_case
    public :: ended_unmade, ended_infeasible, ended_converged, ended_small_objective, ended_iterations, ended_starts, ended_time, &

@@ -4,7 +4,8 @@
 balm.allotted = (() => {
   const HEIGHT = 300;       // pixels of a panel of bands
   const ROW = 26;           // of a dimension
-  const HEAD = 58;          // of the words above the bars
+  const GAP = 8;            // between words and bars
+  const PART = 46;          // room of the per cent at the end of a bar
   const NARROW = 640;       // pixels across, below which panels stand one below the other
   const WIDE = 1280;        // pixels across, above which letters grow
   let canvas, box, u = 1;
@@ -20,9 +21,12 @@ balm.allotted = (() => {
     box.hidden = !a;
     if (box.hidden) return;
     u = balm.drawing.sizeOf(box.clientWidth / WIDE, Infinity);
-    const below = box.clientWidth < NARROW, bars = (HEAD + ROW * a.rows.length) * u, bands = HEIGHT * u * a.bands.length;
+    const below = box.clientWidth < NARROW, half = below ? box.clientWidth : box.clientWidth / 2, g = canvas.getContext('2d');
+    g.font = panels.font(u);
+    const room = half - 34 * u, head = wordsOf(a).reduce((sum, words) => sum + panels.headHeight(g, words, room, u), GAP * u);
+    const bars = head + ROW * a.rows.length * u, bands = HEIGHT * u * a.bands.length;
     canvas.style.height = (below ? bars + bands : Math.max(bars, bands)) + 'px';
-    const [w] = panels.fit(canvas), g = canvas.getContext('2d'), half = below ? w : w / 2;
+    const [w] = panels.fit(canvas);
     g.clearRect(0, 0, w, canvas.clientHeight);
     g.font = panels.font(u);
     drawBars(g, a, 18 * u, half - 16 * u);
@@ -32,14 +36,25 @@ balm.allotted = (() => {
     });
   }
 
+  /** What stands above the bars, line by line. */
+  function wordsOf(a) {
+    const { pens } = balm.drawing;
+    return [[[a.words, pens.ink]], [['part of the cost', pens.link0], [a.legend, pens.link1]]];
+  }
+
   /** Two bars a dimension, in proportion to the parts that they stand for. */
   function drawBars(g, a, left, right) {
-    const { pens } = balm.drawing, colours = [pens.link0, pens.link1], at = left + 0.34 * (right - left), room = 0.3 * (right - left);
+    const { pens } = balm.drawing, colours = [pens.link0, pens.link1], at = left + 0.34 * (right - left);
+    const room = right - at - PART * u - Math.max(...a.rows.map((row) => g.measureText(row.tolerance).width)) - GAP * u;
     const largest = Math.max(...a.rows.flatMap((row) => [row.cost, row.share]));
-    panels.head(g, [[a.words, pens.ink]], left, 16 * u, right - left, u);
-    panels.head(g, [['part of the cost', colours[0]], [a.legend, colours[1]]], left, 34 * u, right - left, u);
+    let top = 0;
+    for (const words of wordsOf(a)) {
+      top += panels.headHeight(g, words, right - left, u);
+      panels.head(g, words, left, top, right - left, u);
+    }
+    top += GAP * u;
     a.rows.forEach((row, i) => {
-      const y = (HEAD + ROW * i) * u;
+      const y = top + ROW * i * u;
       g.fillStyle = pens.soft;
       g.textAlign = 'right';
       g.fillText(row.name, at - 8 * u, y + 12 * u, at - left - 8 * u);
@@ -51,7 +66,9 @@ balm.allotted = (() => {
         g.fillText(row.parts[k], at + Math.max(1, part / largest * room) + 5 * u, y + (10 * k + 8) * u);
       });
       g.fillStyle = pens.ink;
-      g.fillText(row.tolerance, at + room + 60 * u, y + 13 * u);
+      g.textAlign = 'right';
+      g.fillText(row.tolerance, right, y + 13 * u);
+      g.textAlign = 'left';
     });
   }
 

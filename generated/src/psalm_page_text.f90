@@ -1860,7 +1860,8 @@ module psalm_page_text
    'balm.allotted = (() => {'//nl// &
    '  const HEIGHT = 300;       // pixels of a panel of bands'//nl// &
    '  const ROW = 26;           // of a dimension'//nl// &
-   '  const HEAD = 58;          // of the words above the bars'//nl// &
+   '  const GAP = 8;            // between words and bars'//nl// &
+   '  const PART = 46;          // room of the per cent at the end of a bar'//nl// &
    '  const NARROW = 640;       // pixels across, below which panels stand one below the other'//nl// &
    '  const WIDE = 1280;        // pixels across, above which letters grow'//nl// &
    '  let canvas, box, u = 1;'//nl// &
@@ -1872,16 +1873,20 @@ module psalm_page_text
    ''//nl// &
    '  /** Bars on the left, bands beside them, on a phone below; nothing for a case without them. */'//nl// &
    '  function layOut(c) {'//nl// &
-   '    const a = c.allotted;'//nl// &
-   '    box.hidden = !a;'//nl
+   '    const a = c.allotted;'//nl
 
    character(*), parameter :: part_22 = &
+   '    box.hidden = !a;'//nl// &
    '    if (box.hidden) return;'//nl// &
    '    u = balm.drawing.sizeOf(box.clientWidth / WIDE, Infinity);'//nl// &
-   '    const below = box.clientWidth < NARROW, bars = (HEAD + ROW * a.rows.length) * u, bands = HEIGHT * u * a.bands.lengt'// &
-   'h;'//nl// &
+   "    const below = box.clientWidth < NARROW, half = below ? box.clientWidth : box.clientWidth / 2, g = canvas.getContext"// &
+   "('2d');"//nl// &
+   '    g.font = panels.font(u);'//nl// &
+   '    const room = half - 34 * u, head = wordsOf(a).reduce((sum, words) => sum + panels.headHeight(g, words, room, u), GA'// &
+   'P * u);'//nl// &
+   '    const bars = head + ROW * a.rows.length * u, bands = HEIGHT * u * a.bands.length;'//nl// &
    "    canvas.style.height = (below ? bars + bands : Math.max(bars, bands)) + 'px';"//nl// &
-   "    const [w] = panels.fit(canvas), g = canvas.getContext('2d'), half = below ? w : w / 2;"//nl// &
+   '    const [w] = panels.fit(canvas);'//nl// &
    '    g.clearRect(0, 0, w, canvas.clientHeight);'//nl// &
    '    g.font = panels.font(u);'//nl// &
    '    drawBars(g, a, 18 * u, half - 16 * u);'//nl// &
@@ -1891,15 +1896,26 @@ module psalm_page_text
    '    });'//nl// &
    '  }'//nl// &
    ''//nl// &
+   '  /** What stands above the bars, line by line. */'//nl// &
+   '  function wordsOf(a) {'//nl// &
+   '    const { pens } = balm.drawing;'//nl// &
+   "    return [[[a.words, pens.ink]], [['part of the cost', pens.link0], [a.legend, pens.link1]]];"//nl// &
+   '  }'//nl// &
+   ''//nl// &
    '  /** Two bars a dimension, in proportion to the parts that they stand for. */'//nl// &
    '  function drawBars(g, a, left, right) {'//nl// &
-   '    const { pens } = balm.drawing, colours = [pens.link0, pens.link1], at = left + 0.34 * (right - left), room = 0.3 * '// &
-   '(right - left);'//nl// &
+   '    const { pens } = balm.drawing, colours = [pens.link0, pens.link1], at = left + 0.34 * (right - left);'//nl// &
+   '    const room = right - at - PART * u - Math.max(...a.rows.map((row) => g.measureText(row.tolerance).width)) - GAP * u'// &
+   ';'//nl// &
    '    const largest = Math.max(...a.rows.flatMap((row) => [row.cost, row.share]));'//nl// &
-   '    panels.head(g, [[a.words, pens.ink]], left, 16 * u, right - left, u);'//nl// &
-   "    panels.head(g, [['part of the cost', colours[0]], [a.legend, colours[1]]], left, 34 * u, right - left, u);"//nl// &
+   '    let top = 0;'//nl// &
+   '    for (const words of wordsOf(a)) {'//nl// &
+   '      top += panels.headHeight(g, words, right - left, u);'//nl// &
+   '      panels.head(g, words, left, top, right - left, u);'//nl// &
+   '    }'//nl// &
+   '    top += GAP * u;'//nl// &
    '    a.rows.forEach((row, i) => {'//nl// &
-   '      const y = (HEAD + ROW * i) * u;'//nl// &
+   '      const y = top + ROW * i * u;'//nl// &
    '      g.fillStyle = pens.soft;'//nl// &
    "      g.textAlign = 'right';"//nl// &
    '      g.fillText(row.name, at - 8 * u, y + 12 * u, at - left - 8 * u);'//nl// &
@@ -1911,7 +1927,9 @@ module psalm_page_text
    '        g.fillText(row.parts[k], at + Math.max(1, part / largest * room) + 5 * u, y + (10 * k + 8) * u);'//nl// &
    '      });'//nl// &
    '      g.fillStyle = pens.ink;'//nl// &
-   '      g.fillText(row.tolerance, at + room + 60 * u, y + 13 * u);'//nl// &
+   "      g.textAlign = 'right';"//nl// &
+   '      g.fillText(row.tolerance, right, y + 13 * u);'//nl// &
+   "      g.textAlign = 'left';"//nl// &
    '    });'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1961,7 +1979,9 @@ module psalm_page_text
    ''//nl// &
    'balm.messages = (() => {'//nl// &
    '  const MOST_OUTPUTS = 5;   // of several told in the line of facts'//nl// &
-   '  const { OPEN, between, mixed, modulo, inputAt, prescribedAt, short, shortOutput, explain } = balm.scene;'//nl// &
+   '  const { OPEN, between, mixed, modulo, inputAt, prescribedAt, short, shortOutput, explain } = balm.scene;'//nl
+
+   character(*), parameter :: part_23 = &
    '  const MOST = 3;           // violations told below the picture at a time'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
    ''//nl// &
@@ -1980,9 +2000,7 @@ module psalm_page_text
    "      shortOutput(c, mixed(s.actual_y, at)) : c.motion + ' ' + shortOutput(c, mixed(s.actual, at)) + (c.motion === 'ang"// &
    "le' ? '\u00b0' : ''));"//nl// &
    "    let text = (c.sliding || c.inputLabel ? 'input ' : 'crank ') + short(input) + (c.sliding ? ', ' : '\u00b0, ');"//nl// &
-   "    if (c.motion === 'point') text += 'x ' + value('actual') + ', y ' + value('actual_y');"//nl
-
-   character(*), parameter :: part_23 = &
+   "    if (c.motion === 'point') text += 'x ' + value('actual') + ', y ' + value('actual_y');"//nl// &
    "    else text += c.motion + ' ' + value('actual') + (c.motion === 'angle' ? '\u00b0' : '');"//nl// &
    "    if ((near >= 0 ? p.closed[near] : s.closed[at[0]]) === '0') text += ' (does not close)';"//nl// &
    '    if (near < 0) return text;'//nl// &
@@ -2067,7 +2085,9 @@ module psalm_page_text
    "    if (c.sound) part('Closure and limits at the prescribed positions', c.prescribed.violations, 'error', link);"//nl// &
    "    part(c.time ? 'Constraints, end of the motion' : 'Constraints', c.breaches, 'error', plain);"//nl// &
    "    part('Warnings', c.warnings, 'warning', plain);"//nl// &
-   "    if (c.proof) part('Proven', c.proof.marks, 'proof', mark => 't' in mark ? goTo(mark.text, mark.t) : mark.text);"//nl// &
+   "    if (c.proof) part('Proven', c.proof.marks, 'proof', mark => 't' in mark ? goTo(mark.text, mark.t) : mark.text);"//nl
+
+   character(*), parameter :: part_24 = &
    '  }'//nl// &
    ''//nl// &
    '  /** Name, length and direction of a bar at t. */'//nl// &
@@ -2084,9 +2104,7 @@ module psalm_page_text
    '    const link = bar.body >= 0 && c.bodies[bar.body].name;'//nl// &
    "    return (link ? 'link ' + link : bar.loop ? 'loop ' + bar.loop + ', arc ' + bar.arc : 'output arc') +"//nl// &
    "      ': length ' + short(Number(length.toPrecision(6))) + ', angle ' + angle.toFixed(2) + '\u00b0' +"//nl// &
-   "      (bar.others ? ' (also ' + bar.others + ')' : '');"//nl
-
-   character(*), parameter :: part_24 = &
+   "      (bar.others ? ' (also ' + bar.others + ')' : '');"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** The tip at a point of a box of the given width and height; without words it goes. */'//nl// &
@@ -2169,7 +2187,9 @@ module psalm_page_text
    '    go(t);'//nl// &
    '    requestAnimationFrame(tick);'//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_25 = &
    '  function step(way) {'//nl// &
    '    if (!shown().sound) return;'//nl// &
    '    setPlaying(false);'//nl// &
@@ -2186,9 +2206,7 @@ module psalm_page_text
    "    const box = $('speed');"//nl// &
    '    box.selectedIndex = Math.min(box.options.length - 1, Math.max(0, box.selectedIndex + way));'//nl// &
    '    balm.state.speed = Number(box.value);'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_25 = &
+   '  }'//nl// &
    ''//nl// &
    '  // ---- the picture -------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
@@ -2275,7 +2293,9 @@ module psalm_page_text
    '  }'//nl// &
    ''//nl// &
    '  // ---- the curves --------------------------------------------------------------------------------------------------'// &
-   '-'//nl// &
+   '-'//nl
+
+   character(*), parameter :: part_26 = &
    ''//nl// &
    '  const beforeTurn = (t) => balm.curves.to >= 360 ? Math.min(t, balm.curves.to - BEFORE_TURN) : t;'//nl// &
    ''//nl// &
@@ -2293,9 +2313,7 @@ module psalm_page_text
    '    if (event.altKey || event.ctrlKey || event.metaKey || !shown().sound) return;'//nl// &
    "    const own = event.target.tagName, button = (own === 'BUTTON' || own === 'INPUT') && event.target.type !== 'range';"//nl// &
    "    if (own === 'SELECT') return;"//nl// &
-   '    const far = event.shiftKey ? 10 : 1, [from, to] = limits();'//nl
-
-   character(*), parameter :: part_26 = &
+   '    const far = event.shiftKey ? 10 : 1, [from, to] = limits();'//nl// &
    '    const actions = {'//nl// &
    "      ' ': () => setPlaying(!balm.state.playing),"//nl// &
    '      ArrowLeft: () => step(-far),'//nl// &
@@ -2383,7 +2401,9 @@ module psalm_page_text
    "      Object.assign(this, { width, height, parts: [], stack: [], d: '', begun: false, dash: [], fillStyle: '#000', stro"// &
    "keStyle: '#000',"//nl// &
    "        lineWidth: 1, lineCap: 'butt', lineJoin: 'miter', globalAlpha: 1, font: '10px sans-serif', textAlign: 'left' })"// &
-   ";"//nl// &
+   ";"//nl
+
+   character(*), parameter :: part_27 = &
    '    }'//nl// &
    '    save() {'//nl// &
    '      const { dash, fillStyle, strokeStyle, lineWidth, lineCap, lineJoin, globalAlpha, font, textAlign } = this;'//nl// &
@@ -2401,9 +2421,7 @@ module psalm_page_text
    '    arc(x, y, r, from, to) {'//nl// &
    "      const turn = Math.min(2 * Math.PI, to - from), size = 'A' + digits(r) + ' ' + digits(r) + ' 0 0 1 ';"//nl// &
    '      this.lineTo(x + r * Math.cos(from), y + r * Math.sin(from));'//nl// &
-   '      // in two, for a whole circle ends where it begins'//nl
-
-   character(*), parameter :: part_27 = &
+   '      // in two, for a whole circle ends where it begins'//nl// &
    "      for (const part of [0.5, 1]) this.d += size + digits(x + r * Math.cos(from + part * turn)) + ' ' + digits(y + r *"// &
    " Math.sin(from + part * turn));"//nl// &
    '    }'//nl// &
@@ -2494,7 +2512,9 @@ module psalm_page_text
    ''//nl// &
    '  /** Hands a file over. */'//nl// &
    '  function give(content, ending, type) {'//nl// &
-   "    const link = document.createElement('a'), blob = content instanceof Blob ? content : new Blob([content], { type });"//nl// &
+   "    const link = document.createElement('a'), blob = content instanceof Blob ? content : new Blob([content], { type });"//nl
+
+   character(*), parameter :: part_28 = &
    "    const number = balm.state.c ? '.' + (balm.state.c + 1) : '';"//nl// &
    '    link.href = URL.createObjectURL(blob);'//nl// &
    "    link.download = (shown().file || 'linkage').replace(/\.[^.]*$/, '') + number + ending;"//nl// &
@@ -2511,9 +2531,7 @@ module psalm_page_text
    "      give(await film(balm.controls.duration()), '.film.' + kindOfFilm()[1]);"//nl// &
    '    } finally {'//nl// &
    '      button.disabled = false;'//nl// &
-   '      button.textContent = words;'//nl
-
-   character(*), parameter :: part_28 = &
+   '      button.textContent = words;'//nl// &
    '    }'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -2596,7 +2614,9 @@ module psalm_page_text
    "    $('pinbox').hidden = !c.clearance;"//nl// &
    "    $('whole').checked = state.whole;"//nl// &
    "    $('wholebox').hidden = !c.limited;"//nl// &
-   "    $('clock').hidden = !c.time;"//nl// &
+   "    $('clock').hidden = !c.time;"//nl
+
+   character(*), parameter :: part_29 = &
    "    $('speed').title = c.time ? 'times true time' : '';"//nl// &
    "    $('time').setAttribute('aria-label', c.time ? 'time' : 'input');"//nl// &
    "    $('other').parentNode.hidden = !c.pairs.length;"//nl// &
@@ -2613,9 +2633,7 @@ module psalm_page_text
    '    charts.layOut(c);'//nl// &
    '    allotted.layOut(c);'//nl// &
    "    for (const box of $('overlays').querySelectorAll('input')) {"//nl// &
-   '      const on = box.checked && !box.disabled;'//nl
-
-   character(*), parameter :: part_29 = &
+   '      const on = box.checked && !box.disabled;'//nl// &
    "      box.parentNode.style.color = on ? drawing.linkColour(Number(box.dataset.overlay) + 1) : '';"//nl// &
    '    }'//nl// &
    '    laidOut = true;'//nl// &
@@ -2698,7 +2716,9 @@ module psalm_page_text
    '    controls.begin(refresh);'//nl// &
    '    save.begin();'//nl// &
    '    listCases();'//nl// &
-   "    new ResizeObserver(refresh).observe($('stage'));"//nl// &
+   "    new ResizeObserver(refresh).observe($('stage'));"//nl
+
+   character(*), parameter :: part_30 = &
    "    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', refresh);"//nl// &
    '    // paper is white, whatever the scheme of the screen'//nl// &
    "    for (const [kind, paper] of [['beforeprint', true], ['afterprint', false]]) addEventListener(kind, () => {"//nl// &
@@ -2715,9 +2735,7 @@ module psalm_page_text
    '    for (let i = 0; i < count; i++) {'//nl// &
    '      state.t = from + (to - from) * ((i * 0.618034) % 1);'//nl// &
    '      draw();'//nl// &
-   '      if (raster) for (const pen of [drawing.pen, curves.chart]) pen.getImageData(0, 0, 1, 1);'//nl
-
-   character(*), parameter :: part_30 = &
+   '      if (raster) for (const pen of [drawing.pen, curves.chart]) pen.getImageData(0, 0, 1, 1);'//nl// &
    '    }'//nl// &
    '    const mean = (performance.now() - began) / count;'//nl// &
    '    state.t = before;'//nl// &

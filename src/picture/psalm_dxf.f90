@@ -442,7 +442,7 @@ contains
       aside = [-along(2), along(1)]
       place = 0.5_wp*(from + to) + beside*letters*aside
       do k = 1, size(placed, 2)
-         if (.not. any(hypotenuse(placed(1, :) - place(1), placed(2, :) - place(2)) < line_height*letters)) exit
+         if (.not. any(max(abs(placed(1, :) - place(1)), abs(placed(2, :) - place(2))) < line_height*letters)) exit
          place = place + line_height*letters*aside
       end do
       placed(:, size(placed, 2)) = place

@@ -20,6 +20,7 @@ module psalm_allocation_list
    integer, parameter :: name_columns = 32
    integer, parameter :: limit_room = 7
    integer, parameter :: step_column = 91       !! characters before the grade or step
+   integer, parameter :: verdict_room = 10
 
 contains
 
@@ -186,7 +187,7 @@ contains
    !> What is proven of a band.
    pure function verdict_words(verdict) result(words)
       integer, intent(in) :: verdict
-      character(10) :: words
+      character(verdict_room) :: words
 
       select case (verdict)
       case (band_certified)
@@ -206,6 +207,7 @@ contains
       type(table_t) :: table
       integer :: i
       character(len=limit_room) :: limits(size(result%names))
+      character(verdict_room) :: verdicts(size(result%bands))
       character(len(result%names)), allocatable :: names(:)
 
       table = table_of('allocation', 'a row for each dimension: its cheapest tolerance; cost '// &
@@ -243,7 +245,10 @@ contains
          if (result%proof%asked) then
             call table%add('lowest', result%proof%low, known=result%proof%known)
             call table%add('highest', result%proof%high, known=result%proof%known)
-            call table%add('proof', [(lower_case(verdict_words(result%proof%verdict(i))), i=1, size(bands))])
+            do i = 1, size(bands)
+               verdicts(i) = lower_case(verdict_words(result%proof%verdict(i)))
+            end do
+            call table%add('proof', verdicts)
          end if
          if (result%sample%trials > 0) then
             call table%add('sample_beyond', [(result%sample%beyond(bands(i)%position, result%columns(i)), i=1, size(bands))])
