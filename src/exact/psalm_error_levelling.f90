@@ -7,6 +7,7 @@ module psalm_error_levelling
    use psalm_conic, only: conic_t, conic_solution_t, solve_conic
    use psalm_dense, only: factors_t, factorise, solve
    use psalm_kinds, only: wp
+   use psalm_linear, only: along_columns
    implicit none (type, external)
    private
    public :: error_family_t, level_errors, hopeless
@@ -292,7 +293,7 @@ contains
             if (turn == family%corrections .or. largest - nearest > good_gain*promised) exit
             call family%errors(trial, at, found)
             if (maxval(abs(found)) > hopeless) exit
-            model = found - matmul(step, slopes)
+            model = found - along_columns(slopes, step)
          end do
          if (.not. solution%solved .and. turn == 0 .and. family%corrections == 0) return
          associate (gain => largest - nearest)

@@ -9,6 +9,7 @@ module psalm_proof_deviation
    use psalm_dense, only: factors_t, factorise, solve
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, degrees_per_radian
+   use psalm_linear, only: along_columns, product_of
    use psalm_moving_joints, only: sketch_motion_t
    use psalm_observable, only: observable_t
    use psalm_output_kind, only: motion_distance
@@ -286,12 +287,12 @@ contains
          end do
          if (.not. all(abs(inverse) < huge(1.0_wp))) return
          model%inverse = abs(inverse)
-         model%defect = abs(matmul(inverse, matrix))
+         model%defect = abs(product_of(inverse, matrix))
          do r = 1, model%unknowns
             model%defect(r, r) = abs(dot_product(inverse(r, :), matrix(:, r)) - 1.0_wp)
          end do
-         model%defect = model%defect + rounding*matmul(model%inverse, abs(matrix))
-         model%first = -matmul(inverse, right)
+         model%defect = model%defect + rounding*product_of(model%inverse, abs(matrix))
+         model%first = -product_of(inverse, right)
          do r = 1, size(model%rings)
             call complete(model%rings(r), with_unknowns=.false.)
          end do
@@ -631,10 +632,10 @@ contains
 
       if (.not. model%regular) return
       enclosure%tolerance = tolerance
-      enclosure%first = matmul(abs(model%first), tolerance)
+      enclosure%first = along_columns(transpose(abs(model%first)), tolerance)
       allocate (enclosure%second(model%unknowns), enclosure%left(model%unknowns), source=0.0_wp)
       do k = 1, model%unknowns
-         enclosure%second(k) = dot_product(tolerance, matmul(abs(model%second(:, :, k)), tolerance))
+         enclosure%second(k) = dot_product(tolerance, along_columns(abs(model%second(:, :, k)), tolerance))
       end do
       do trial = 1, most_trials
          image = image_of(model, enclosure)
@@ -664,7 +665,8 @@ contains
       end do
       all_first = 1.0_wp + sum(box%first + box%second + box%left, model%is_angle)
       left(2*size(model%rings) + 1:) = rounding*model%ties*all_first
-      image = matmul(model%inverse, left) + matmul(model%defect, box%first + box%second + box%left)
+      image = along_columns(transpose(model%inverse), left) + &
+              along_columns(transpose(model%defect), box%first + box%second + box%left)
    end function image_of
 
    !> Bound of what both orders leave out of an arc; with `own` what unknowns leave out to first order, too.
@@ -769,7 +771,7 @@ contains
       if (.not. bounded) return
       associate (by => 1.0_wp/abs(vector%value))
          first = by*dot_product(abs(vector%first), box%tolerance)
-         second = by*dot_product(box%tolerance, matmul(abs(vector%second), box%tolerance))
+         second = by*dot_product(box%tolerance, along_columns(abs(vector%second), box%tolerance))
          left = by*rest_of_vector(vector, box)
       end associate
       all_of = first + second + left
@@ -779,7 +781,8 @@ contains
       if (of_length) then
          rest = rest + 4.0_wp - 2.0_wp*all_of - 0.5_wp*all_of**2 - 4.0_wp*sqrt(1.0_wp - all_of)
       else
-         rest = rest - log(1.0_wp - all_of) - all_of - 0.5_wp*all_of**2
+         ! -log(1 - a) - a - a**2/2 is the sum of a**k/k from k = 3 on, below a**3/3 times that of a**k from k = 0 on
+         rest = rest + all_of**3/(3.0_wp*(1.0_wp - all_of))
       end if
       rest = rest + rounding
    end subroutine rest_of_relative
