@@ -47,9 +47,10 @@ contains
    end function complete
 
    !> Follow the solutions of a start set to a problem of its kind.
-   subroutine solve_six_bar(start, to, found, stop)
+   subroutine solve_six_bar(start, to, certain, found, stop)
       type(start_set_t), intent(in) :: start
       type(six_bar_data_t), intent(in) :: to
+      logical, intent(in) :: certain                 !! the start set has all; if not one pass is made
       type(solutions_t), intent(out) :: found
       type(stop_t), intent(in), optional :: stop     !! asked now and then
       type(six_bar_data_t) :: from
@@ -65,7 +66,7 @@ contains
          found%paths = n
          allocate (found%ends(2*problem%unknowns, 0))
          allocate (arrived(n))
-         do pass = 1, most_passes
+         do pass = 1, merge(most_passes, 1, certain)
             l = nearest_turn(problem%points, to%e0, to%de, start%data(1)%e0, start%data(1)%de)*turn(signs(1, pass))
             m = nearest_turn(problem%points, to%f0, to%df, start%data(1)%f0, start%data(1)%df)*turn(signs(2, pass))
             call scale_data(problem, start%data(1), l, m, from)
@@ -80,8 +81,13 @@ contains
             if (.not. found%stopped) call mend(problem, from, to, starts, ends, arrived, found, stop)
             found%passes = pass
             found%followed = merge(count(arrived), n, found%stopped)
-            found%lost_far = count(.not. arrived .and. maxval(abs(ends), 1) > far_off)
-            found%lost_near = count(.not. arrived) - found%lost_far
+            ! a path that was cut off is not lost
+            found%lost_far = 0
+            found%lost_near = 0
+            if (.not. found%stopped) then
+               found%lost_far = count(.not. arrived .and. maxval(abs(ends), 1) > far_off)
+               found%lost_near = count(.not. arrived) - found%lost_far
+            end if
             ends = pack_columns(ends, arrived)
             allocate (all_of_them(size(ends, 1), size(found%ends, 2) + size(ends, 2)))
             all_of_them(:, :size(found%ends, 2)) = found%ends

@@ -134,8 +134,8 @@ module psalm_exact_group
              'of ''WATT'' through eight points the arm B D of the middle link; of ''STEPHENSON2'' the arm E G of the '// &
              'floating link'), &
       rule_t('START', a_flag, '', '', '0', '', &
-             'six-bars through 9 (''STEPHENSON'') or 11 points: 1: their start set is made once, which takes from a quarter '// &
-             'of an hour to hours (the message without it says how long)'), &
+             'six-bars through 9 (''STEPHENSON'') or 11 points: 1: their start set is made once, which takes from eight '// &
+             'minutes to hours (the message without it says how long)'), &
       rule_t('NGRID', a_whole, '', '', '6', '[2,12]', &
              'six-bars: values of each dimension that is sampled'), &
       rule_t('TRMIN', a_number, '', 'degrees', 'six-bars: 20, else none', '[0,90)', &
@@ -432,20 +432,21 @@ contains
       if (exact%frame > 0.0_wp) call check_given_lengths(group, exact, findings)
    end subroutine check_six_bar
 
-   !> How long the start set of a problem takes that is made on request only, by doc/measured/six_bars.md.
+   !> How long the start set of a problem takes that is made on request only: measured for nine points (doc/measured/six_bars.md),
+   !> from there by the number of solutions and the cost of a step for eleven.
    pure function hours_of(six_bar, points) result(text)
       integer, intent(in) :: six_bar, points
       character(:), allocatable :: text
 
       if (six_bar == six_bar_stephenson .and. points == with_pivot) then
-         text = 'nine points of Stephenson III have about 117 000 solutions; to make their start set takes 1 GB and about a '// &
-                'quarter of an hour of one thread, once:'
+         text = 'nine points of Stephenson III have about 117 000 solutions; to make their start set took eight '// &
+                'minutes of one thread, once:'
       else if (six_bar == six_bar_stephenson) then
-         text = 'eleven points of Stephenson III have about 830 000 solutions; to make their start set takes 4 GB and about '// &
-                'three hours of one thread, once, and every problem half an hour:'
+         text = 'eleven points of Stephenson III have about 830 000 solutions; to make their start set takes, by an '// &
+                'estimate, 2 GB and one to two hours of one thread, once, and every problem an hour:'
       else
          text = 'eleven points of Stephenson II have about 1 520 000 solutions, each linkage twice; to make their start set '// &
-                'takes 8 GB and about six hours of one thread, once, and every problem an hour:'
+                'takes, by an estimate, 4 GB and two to four hours of one thread, once, and every problem two hours:'
       end if
    end function hours_of
 

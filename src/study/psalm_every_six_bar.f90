@@ -110,7 +110,7 @@ contains
       allocate (every%best(0), every%real_ones(0), every%found%ends(2*problem%unknowns, 0))
       every%found%stopped = stop%waiting()
       if (every%found%stopped) return
-      call solve_six_bar(start, every%data, every%found, stop)
+      call solve_six_bar(start, every%data, every%certain, every%found, stop)
       allocate (all_of_them(size(every%found%ends, 2)))
       k = 0
       do i = 1, size(every%found%ends, 2)
