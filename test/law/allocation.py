@@ -576,10 +576,6 @@ def main():
             by_loops(program, folder)
             edges(program, folder)
             proofs(program, folder, numpy.random.default_rng(42))
-            for number in range(options.groups):
-                correlated(program, folder, number, random)
-            for number in range(options.steps):
-                discrete(program, folder, number, random)
         if options.only != "cases":
             sampled(program, folder, options.sample)
         for number in range(0 if options.only == "sample" else options.cases):
