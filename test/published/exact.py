@@ -627,7 +627,7 @@ def refused(folder):
         ("XP=0,1,2,3,4,5,6,7,8,9,10,11, YP=12*1", 2, "one circle or line"),
         ("XP=0,1,2,3,4,5,6,7,8,9, YP=0,2,1,1,5,3,2,8,7,6, TIMP=0,10", 2, "a four-bar with points only"),
         ("KIND='MOTION', XP=0,1,2,3,4, YP=0,2,1,1,5, ANGP=5*10.0", 1, "degenerate"),
-        ("KIND='FUNCTION', SIXBAR='WATT', PHI=0,10,20, PSI=0,5,12", 2, "a six-bar of Watt II is made for 5 points (a sample) 8 with ARMLEN or 9"),
+        ("KIND='FUNCTION', SIXBAR='WATT', PHI=0,10,20, PSI=0,5,12", 2, "a six-bar of Watt II is made for 5 points (a sample), 8 with ARMLEN or 9"),
         (SEVEN + "PIVOTS=-1.4,-0.5, CRANK=0,0", 2, "has no length: its pin is at A"),
         (SEVEN + "PIVOTS=0,0, CRANK=0.4,0.1", 2, "the third fixed pivot is at A"),
         (SEVEN + "PIVOTS=1,0, CRANK=0.4,0.1", 2, "the third fixed pivot is at B"),
