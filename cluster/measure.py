@@ -256,14 +256,14 @@ def main():
     gap, each = gaps_of(few, batches)
     kind_batches, kind_rest, kind_total = work_of(kinds)
     kind_starts, kind_numbers = measure_items(kind_batches, "kinds")
-    glances, _ = measure_items(kind_batches, "glances")
+    screenings, _ = measure_items(kind_batches, "screenings")
     kind_gap = sum(b.gap for b in kind_batches if b.label == "kinds")/sum(1 for b in kind_batches if b.label == "kinds")
     out = print
     out("## Items\n\nSeconds of the processor in one process (`psalm-timed`).\n")
     out("| item | measured | mean, ms | standard deviation, ms | longest, ms | bytes of a result |\n| --- | --- | --- | --- | --- | --- |")
     spreads = {}
     for name, times, count in (("start of a four-bar", starts, numbers), ("start of a six- or eight-bar", kind_starts, kind_numbers),
-                               ("glance at an assembly", glances, kind_numbers)):
+                               ("screening of an assembly", screenings, kind_numbers)):
         spread = spreads[name] = Spread(times)
         out("| %s | %d | %s | %s | %s | %d |" % (name, len(times), milliseconds(spread.mean), milliseconds(spread.deviation),
                                                 milliseconds(spread.times[-1]), round(8*count)))

@@ -1,6 +1,6 @@
-!> An assembly of a kind of linkages in the running of a search over kinds: a glance at it, more starts, the search of its best to
-!> the end. Here, where the work is shared, these are numbered items of batches: a glance and the last search are an item for each
-!> assembly, and every start is one (all starts of an assembly that is searched in stages).
+!> An assembly of a kind of linkages in the running of a search over kinds: its screening, more starts, the search of its best to
+!> the end. Here, where the work is shared, these are numbered items of batches: a screening and the last search are one item for
+!> each assembly, and every start is one (all starts of an assembly that is searched in stages).
 !>
 !> A host that shares has all results on every process. So an assembly has its results alone there, and every thread has one search
 !> at its desk, prepared for the assembly of its last item. Without such a host every assembly keeps a search of its own
@@ -15,7 +15,7 @@ module psalm_kind_contender
    use psalm_stop, only: stop_t
    implicit none (type, external)
    private
-   public :: kind_contender_t, prepare_search, glance_shared, search_shared, finish_shared, hits_of
+   public :: kind_contender_t, prepare_search, screen_shared, search_shared, finish_shared, hits_of
 
    type :: kind_contender_t
       integer :: kind = 0
@@ -26,7 +26,7 @@ module psalm_kind_contender
       real(wp) :: best = huge(1.0_wp)          !! objective
       real(wp) :: promise = huge(1.0_wp)       !! what it is ranked by before the rounds end
       integer :: starts = 0                    !! searched to their ends
-      logical :: glanced = .false.
+      logical :: screened = .false.
       integer, allocatable :: signs(:)         !! of its loops: which assembly it is
    end type kind_contender_t
 
@@ -39,11 +39,11 @@ module psalm_kind_contender
 
 contains
 
-   !> A search of an assembly. Without `glances` no start is made.
-   subroutine prepare_search(one, stop, glances, search)
+   !> A search of an assembly. Without `screenings` no start is made.
+   subroutine prepare_search(one, stop, screenings, search)
       type(kind_contender_t), intent(in) :: one      !! NSTART of its set is 1
-      type(stop_t), intent(in) :: stop          !! asked while the glances are made
-      integer, intent(in) :: glances            !! starts that are cut short
+      type(stop_t), intent(in) :: stop          !! asked while the screenings are made
+      integer, intent(in) :: screenings         !! starts that are cut short
       type(search_t), allocatable, intent(out) :: search
       class(problem_t), allocatable :: problem
 
@@ -51,7 +51,7 @@ contains
       call make_problem(one%set, one%prepared%mechanism, one%prepared%given, one%prepared%parameters, problem)
       call problem%set_threads(1)
       call search%make_starts(one%set, problem, one%prepared%parameters%first_values(one%prepared%given), &
-                              one%prepared%vertices, 1, stop, starts=glances, hasty=.true.)
+                              one%prepared%vertices, 1, stop, starts=screenings, hasty=.true.)
    end subroutine prepare_search
 
    !> How many starts led to the best objective, but for a part of it.
@@ -68,7 +68,7 @@ contains
    end function hits_of
 
    !> Few random linkages of each.
-   subroutine glance_shared(contenders, threads, stop, handicap)
+   subroutine screen_shared(contenders, threads, stop, handicap)
       type(kind_contender_t), intent(inout) :: contenders(:)
       integer, intent(in) :: threads
       type(stop_t), intent(in) :: stop
@@ -79,10 +79,10 @@ contains
       do i = 1, size(contenders)
          contenders(i)%set%search%nstart = 1
       end do
-      call stop%open_batch('glances', size(contenders))
+      call stop%open_batch('screenings', size(contenders))
       !$omp parallel do num_threads(threads) schedule(static)
       do t = 1, threads
-         call glance_at_some(contenders, stop)
+         call screen_some(contenders, stop)
       end do
       !$omp end parallel do
       call stop%close_batch()
@@ -91,13 +91,13 @@ contains
          if (.not. allocated(numbers)) cycle
          allocate (contenders(i)%candidates(0))
          call add_results(contenders(i), numbers)
-         contenders(i)%glanced = .true.
+         contenders(i)%screened = .true.
          call rate(contenders(i), handicap)
       end do
-   end subroutine glance_shared
+   end subroutine screen_shared
 
-   !> The glances of one thread.
-   subroutine glance_at_some(contenders, stop)
+   !> The screenings of one thread.
+   subroutine screen_some(contenders, stop)
       type(kind_contender_t), intent(in) :: contenders(:)
       type(stop_t), intent(in) :: stop
       type(search_t), allocatable :: search
@@ -113,7 +113,7 @@ contains
          call search%made(candidates)
          call stop%keep_item(i, packed(candidates))
       end do
-   end subroutine glance_at_some
+   end subroutine screen_some
 
    !> So many starts more of each of those left.
    subroutine search_shared(contenders, left, starts, most, threads, stop, handicap)
@@ -122,7 +122,7 @@ contains
       integer, intent(in) :: starts, most       !! at this time, and of an assembly in all
       integer, intent(in) :: threads
       type(stop_t), intent(in) :: stop
-      real(wp), intent(in) :: handicap          !! as `glance_shared` has it
+      real(wp), intent(in) :: handicap          !! as `screen_shared` has it
       type(portion_t), allocatable :: portions(:)
       type(candidate_t), allocatable :: blank(:)
       real(wp), allocatable :: numbers(:)

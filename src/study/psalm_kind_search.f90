@@ -1,6 +1,6 @@
 !> Which kind of linkage does what is wanted? All kinds of &KINDS, in several assemblies each, share the time of one search.
 !>
-!> First every assembly of every kind is glanced at: few random linkages, hardly improved. Then rounds of successive halving
+!> First every assembly of every kind is screened: few random linkages, hardly improved. Then rounds of successive halving
 !> follow: the best assemblies by what they have come to so far - 8, in the next round 16, and so on - are searched from some
 !> starts, the better half of them from twice as many, until one is left. What a kind has found is kept from round to round. The
 !> search ends when a linkage does what is wanted exactly, when PATNCE rounds brought nothing better, when all starts are made,
@@ -13,7 +13,7 @@
 module psalm_kind_search
    use psalm_cases, only: resolve_drawn
    use psalm_data_set, only: data_set_t
-   use psalm_kind_contender, only: kind_contender_t, prepare_search, glance_shared, search_shared, finish_shared, hits_of
+   use psalm_kind_contender, only: kind_contender_t, prepare_search, screen_shared, search_shared, finish_shared, hits_of
    use psalm_kind_sketch, only: draw_at_random
    use psalm_kinds, only: wp
    use psalm_kinds_group, only: kinds_group_t, kinds_of
@@ -42,7 +42,7 @@ module psalm_kind_search
    integer, parameter :: kinds_request = 5     !! the host asked for the end
 
    integer, parameter :: most_assemblies = 4   !! of a kind
-   integer, parameter :: glanced_at_once = 32  !! assemblies, then it is asked whether one is exact: not a number of threads
+   integer, parameter :: screened_at_once = 32  !! assemblies, then it is asked whether one is exact: not a number of threads
    integer, parameter :: drawings = 12         !! in a row without a new assembly, after which there are no more
    integer, parameter :: first_width = 8, first_starts = 2 !! of the first round
    integer, parameter :: usual_patience = 3    !! rounds
@@ -50,7 +50,7 @@ module psalm_kind_search
    real(wp), parameter :: exact = 1.0e-9_wp    !! RMS error in sizes of what is wanted
    real(wp), parameter :: behind = 0.03_wp     !! RMS error, in the same sizes, by which a linkage that does not obey stands behind
    real(wp), parameter :: usual_low = 0.02_wp, usual_high = 5.0_wp !! bounds of lengths in these sizes
-   real(wp), parameter :: of_glance = 0.35_wp, of_rounds = 0.9_wp !! parts of MAXTIME at which glances and rounds end
+   real(wp), parameter :: of_screening = 0.35_wp, of_rounds = 0.9_wp !! parts of MAXTIME at which screenings and rounds end
 
    !> What was seen of a kind.
    type :: looked_t
@@ -66,7 +66,7 @@ module psalm_kind_search
       type(looked_t), allocatable :: looked(:) !! shape (kinds)
       integer :: ending = kinds_none
       integer :: rounds = 0
-      integer :: best_round = 0                !! in which the best linkage was found; 0: at the glance
+      integer :: best_round = 0                !! in which the best linkage was found; 0: at the screening
       type(data_set_t), allocatable :: sets(:) !! cases of the best kinds, the best first
       type(prepared_t), allocatable :: prepared(:) !! with what was found
    end type kind_study_t
@@ -122,7 +122,7 @@ contains
       class(kind_study_t), intent(inout) :: study
       type(kind_contender_t), allocatable :: contenders(:)
       type(kinds_group_t) :: asked
-      type(stop_t) :: of_all, of_rounds_only, of_glances
+      type(stop_t) :: of_all, of_rounds_only, of_screenings
       real(wp) :: floor, handicap
 
       asked = kinds_of(set)
@@ -132,19 +132,19 @@ contains
       if (size(study%kinds) == 0) return
       of_all = stop
       of_rounds_only = stop
-      of_glances = stop
+      of_screenings = stop
       associate (time => set%search%maxtime)
          call of_all%limit_time(time)
          call of_rounds_only%limit_time(of_rounds*time)
-         call of_glances%limit_time(of_glance*time)
+         call of_screenings%limit_time(of_screening*time)
       end associate
       floor = max(set%method%fmin, real(set%method%ndes, wp)*(exact*extent_of(set))**2)
       handicap = real(set%method%ndes, wp)*(behind*extent_of(set))**2
-      call draw_contenders(set, asked, study, contenders, of_glances)
+      call draw_contenders(set, asked, study, contenders, of_screenings)
       if (stop%is_shared()) then
-         call glance_together(contenders, threads, of_glances, floor, handicap, set%search%nstart)
+         call screen_together(contenders, threads, of_screenings, floor, handicap, set%search%nstart)
       else
-         call glance(contenders, threads, of_glances, of_rounds_only, floor, handicap, set%search%nstart)
+         call screen(contenders, threads, of_screenings, of_rounds_only, floor, handicap, set%search%nstart)
       end if
       call make_rounds(set, asked, contenders, threads, of_rounds_only, floor, handicap, study)
       call take_results(asked, contenders, threads, of_all, study)
@@ -268,28 +268,28 @@ contains
    end subroutine draw_case
 
    !> Few random linkages of each.
-   subroutine glance(contenders, threads, stop, later, floor, handicap, most)
+   subroutine screen(contenders, threads, stop, later, floor, handicap, most)
       type(kind_contender_t), intent(inout) :: contenders(:)
       integer, intent(in) :: threads
-      type(stop_t), intent(in) :: stop, later     !! of glances; of what follows
+      type(stop_t), intent(in) :: stop, later     !! of screenings; of what follows
       real(wp), intent(in) :: floor               !! objective below which a linkage is exact
       real(wp), intent(in) :: handicap            !! of linkages that do not obey
       integer, intent(in) :: most                 !! starts of each
       integer :: i, first, last
 
-      do first = 1, size(contenders), glanced_at_once
-         last = min(first + glanced_at_once - 1, size(contenders))
+      do first = 1, size(contenders), screened_at_once
+         last = min(first + screened_at_once - 1, size(contenders))
          !$omp parallel do num_threads(threads) schedule(dynamic)
          do i = first, last
-            if (i == 1 .or. .not. stop%waiting()) call glance_at(contenders(i), stop, later, handicap)
+            if (i == 1 .or. .not. stop%waiting()) call screen_one(contenders(i), stop, later, handicap)
          end do
          !$omp end parallel do
          call tell_starts(contenders, most, stop)
          if (minval(contenders(:last)%best) <= floor) return
       end do
-   end subroutine glance
+   end subroutine screen
 
-   !> Tell the host how many starts were made, glances included, of how many at most.
+   !> Tell the host how many starts were made, screenings included, of how many at most.
    subroutine tell_starts(contenders, most, stop)
       type(kind_contender_t), intent(in) :: contenders(:)
       integer, intent(in) :: most                 !! starts of each
@@ -297,12 +297,12 @@ contains
       real(wp) :: of
 
       of = min(real(size(contenders), wp)*real(1 + most, wp), real(huge(most), wp))
-      call stop%tell(count(contenders%glanced) + sum(contenders%starts), int(of))
+      call stop%tell(count(contenders%screened) + sum(contenders%starts), int(of))
    end subroutine tell_starts
 
-   subroutine glance_at(one, stop, later, handicap)
+   subroutine screen_one(one, stop, later, handicap)
       type(kind_contender_t), intent(inout) :: one
-      type(stop_t), intent(in) :: stop, later     !! as `glance` has them
+      type(stop_t), intent(in) :: stop, later     !! as `screen` has them
       real(wp), intent(in) :: handicap
 
       one%set%search%nstart = 1
@@ -310,27 +310,27 @@ contains
       call one%search%end_by(later)
       one%best = one%search%least_objective()
       one%promise = one%search%promise(handicap)
-      one%glanced = .true.
-   end subroutine glance_at
+      one%screened = .true.
+   end subroutine screen_one
 
-   !> The glances where the work is shared, in batches of more and more assemblies. What was glanced at after an exact linkage does
+   !> The screenings where the work is shared, in batches of more and more assemblies. What was screened after an exact linkage does
    !> not count, as if it had not been made.
-   subroutine glance_together(contenders, threads, stop, floor, handicap, most)
+   subroutine screen_together(contenders, threads, stop, floor, handicap, most)
       type(kind_contender_t), intent(inout) :: contenders(:)
       integer, intent(in) :: threads
       type(stop_t), intent(in) :: stop
-      real(wp), intent(in) :: floor, handicap     !! as `glance` has them
+      real(wp), intent(in) :: floor, handicap     !! as `screen` has them
       integer, intent(in) :: most
       integer :: first, last, upto, width
 
       first = 1
-      width = glanced_at_once
+      width = screened_at_once
       do while (first <= size(contenders))
          last = min(first + width - 1, size(contenders))
-         call glance_shared(contenders(first:last), threads, stop, handicap)
-         do upto = min(first + glanced_at_once - 1, last), last, glanced_at_once
+         call screen_shared(contenders(first:last), threads, stop, handicap)
+         do upto = min(first + screened_at_once - 1, last), last, screened_at_once
             if (minval(contenders(:upto)%best) > floor) cycle
-            contenders(upto + 1:)%glanced = .false.
+            contenders(upto + 1:)%screened = .false.
             contenders(upto + 1:)%best = huge(1.0_wp)
             contenders(upto + 1:)%promise = huge(1.0_wp)
          end do
@@ -339,7 +339,7 @@ contains
          first = last + 1
          width = 2*width
       end do
-   end subroutine glance_together
+   end subroutine screen_together
 
    !> Rounds of halving, each of twice as many contenders as the one before.
    subroutine make_rounds(set, asked, contenders, threads, stop, floor, handicap, study)
@@ -348,7 +348,7 @@ contains
       type(kind_contender_t), intent(inout) :: contenders(:)
       integer, intent(in) :: threads
       type(stop_t), intent(in) :: stop
-      real(wp), intent(in) :: floor, handicap     !! as `glance` has them
+      real(wp), intent(in) :: floor, handicap     !! as `screen` has them
       class(kind_study_t), intent(inout) :: study
       logical :: left(size(contenders))
       real(wp) :: best
@@ -364,7 +364,7 @@ contains
          if (best <= floor) return
          study%ending = kinds_time
          if (stop%waiting()) return
-         left = contenders%glanced .and. contenders%starts < set%search%nstart
+         left = contenders%screened .and. contenders%starts < set%search%nstart
          study%ending = kinds_all
          if (.not. any(left)) return
          study%ending = kinds_patient
@@ -406,7 +406,7 @@ contains
    subroutine search_on(one, more, handicap)
       type(kind_contender_t), intent(inout) :: one
       integer, intent(in) :: more
-      real(wp), intent(in) :: handicap            !! as `glance` has it
+      real(wp), intent(in) :: handicap            !! as `screen` has it
 
       call one%search%make_more_starts(more)
       one%starts = one%starts + more
@@ -444,7 +444,7 @@ contains
 
       do i = 1, size(contenders)
          associate (one => contenders(i), looked => study%looked(contenders(i)%kind))
-            if (one%glanced) looked%assemblies = looked%assemblies + 1
+            if (one%screened) looked%assemblies = looked%assemblies + 1
             looked%starts = looked%starts + one%starts
             if (one%best < looked%best) then
                looked%best = one%best
@@ -452,7 +452,7 @@ contains
             end if
          end associate
       end do
-      unlisted = contenders%glanced .and. contenders%best < huge(1.0_wp)
+      unlisted = contenders%screened .and. contenders%best < huge(1.0_wp)
       allocate (chosen(0))
       do while (any(unlisted) .and. size(chosen) < asked%listed)
          i = minloc(contenders%best, dim=1, mask=unlisted)

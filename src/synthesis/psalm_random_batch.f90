@@ -21,7 +21,7 @@ module psalm_random_batch
    public :: draw_batch
 
    integer, parameter :: samples = 64, short = 16, medium = 3 !! of a batch; the best one is handed on
-   integer, parameter :: hasty_samples = 24, hasty_short = 6 !! of a batch for a glance
+   integer, parameter :: hasty_samples = 24, hasty_short = 6 !! of a batch for a screening
    integer, parameter :: tries = 16                  !! of proportions with which the linkage closes all the way
    integer, parameter :: short_steps = 8, medium_steps = 40 !! evaluations of a descent
    real(wp), parameter :: gain = 1.0e-3_wp           !! relative, of a step that ends a descent
@@ -51,7 +51,7 @@ contains
       type(xoshiro_t), intent(inout) :: random
       real(wp), intent(out) :: values(:)             !! shape (nvar)
       integer, intent(out) :: way
-      logical, intent(in) :: hasty                   !! a small batch, for a glance
+      logical, intent(in) :: hasty                   !! a small batch, for a screening
       type(trial_t) :: batch(samples), copy
       integer :: i, order(samples), most, drawn, few, fewer
 

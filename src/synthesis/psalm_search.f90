@@ -106,7 +106,7 @@ module psalm_search
       real(wp) :: sense = 1.0_wp                  !! of DELT
       integer :: way = 1                          !! 1 if the input goes the way of DELT, 2 if the other way
       logical :: batches = .false.                !! starts are the best of batches of random linkages
-      logical :: hasty = .false.                  !! a start is a glance: little is drawn, nothing is searched to its end
+      logical :: hasty = .false.                  !! a start is one of a screening: little is drawn, nothing is searched to its end
       class(solver_t), allocatable :: solver
       type(stop_t) :: stop
       type(xoshiro_t) :: random
@@ -176,7 +176,7 @@ contains
       type(stop_t), intent(in) :: stop          !! asked now and then
       class(observer_t), intent(inout), optional :: observer
       integer, intent(in), optional :: starts   !! in place of NSTART
-      logical, intent(in), optional :: hasty    !! a glance: these starts are cut short
+      logical, intent(in), optional :: hasty    !! a screening: these starts are cut short
       integer :: t
 
       self%ending = stop

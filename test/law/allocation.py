@@ -71,6 +71,14 @@ def random_case(random):
     return lengths, start, side, carried
 
 
+def joints_of(lengths, start, side, carried):
+    """Joints at the first position: both ends of the crank, both of the rocker, the coupler point."""
+    b = lengths[0]*numpy.exp(1j*start)
+    p = coupler_point(lengths, numpy.array([start]), carried, side)[0]
+    c = b + (p - b)/(lengths[4]*carried)*lengths[1]
+    return numpy.array((0, b, c, lengths[3], p))
+
+
 def cheapest(cost, power, low, high, classes, shares, order, random, starts):
     """SLSQP over the logarithms of the tolerances: the best of several starts that keeps the bands."""
     first = {k: i for i, k in reversed(list(enumerate(classes))) if k > 0}
@@ -105,11 +113,8 @@ def cheapest(cost, power, low, high, classes, shares, order, random, starts):
 def one(program, folder, number, random, starts, failed):
     lengths, start, side, carried = random_case(random)
     crank = start + numpy.radians(15)*numpy.arange(POSITIONS)
-    b = lengths[0]*numpy.exp(1j*start)
-    p = coupler_point(lengths, crank[:1], carried, side)[0]
-    c = b + (p - b)/(lengths[4]*carried)*lengths[1]
     turned = numpy.exp(1j*random.random()*6)
-    joints = numpy.array((0, b, c, lengths[3], p))*turned
+    joints = joints_of(lengths, start, side, carried)*turned
     rule = RULES[number % 3]
     order = 1 if rule == "WORST" else 2
     plain = rule == "YIELD"
@@ -202,11 +207,8 @@ def changes_of(lengths, start, side, carried, turned):
 def discrete(program, folder, number, random):
     """Steps of tables and grades against every choice: all five lengths in steps, or three and two of any size."""
     lengths, start, side, carried = random_case(random)
-    b = lengths[0]*numpy.exp(1j*start)
-    p = coupler_point(lengths, numpy.array([start]), carried, side)[0]
-    c = b + (p - b)/(lengths[4]*carried)*lengths[1]
     turned = numpy.exp(1j*random.random()*6)
-    joints = numpy.array((0, b, c, lengths[3], p))*turned
+    joints = joints_of(lengths, start, side, carried)*turned
     rule = ("WORST", "RSS", "YIELD", "NORMAL")[number % 4]
     mixed = number % 5 == 4
     if mixed and rule == "YIELD":
@@ -309,11 +311,8 @@ def discrete(program, folder, number, random):
 def correlated(program, folder, number, random):
     """Two groups with a part in common: SLSQP on the norms of this model, and linkages drawn by its law."""
     lengths, start, side, carried = random_case(random)
-    b = lengths[0]*numpy.exp(1j*start)
-    p = coupler_point(lengths, numpy.array([start]), carried, side)[0]
-    c = b + (p - b)/(lengths[4]*carried)*lengths[1]
     turned = numpy.exp(1j*random.random()*6)
-    joints = numpy.array((0, b, c, lengths[3], p))*turned
+    joints = joints_of(lengths, start, side, carried)*turned
     rule = ("WORST", "RSS", "YIELD")[number % 3]
     law = "NORMAL" if number % 2 else "UNIFORM"
     groups = numpy.array([(1, 1, 0, 2, 2), (1, 2, -1, 2, 0), (1, 1, -1, -1, 1)][int(random.integers(3))])
@@ -422,10 +421,7 @@ def proofs(program, folder, random):
     for number in range(PROOFS):
         lengths, start, side, carried = random_case(random)
         crank = start + numpy.radians(15)*numpy.arange(POSITIONS)
-        b = lengths[0]*numpy.exp(1j*start)
-        p = coupler_point(lengths, crank[:1], carried, side)[0]
-        c = b + (p - b)/(lengths[4]*carried)*lengths[1]
-        joints = numpy.array((0, b, c, lengths[3], p))
+        joints = joints_of(lengths, start, side, carried)
         path = os.path.join(folder, "proof.nml")
         for word in ("CHECK", "SCALE"):
             with open(path, "w", encoding="utf-8") as f:
