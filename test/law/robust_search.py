@@ -2,11 +2,12 @@
 
 usage: robust_search.py PROGRAM_DIRECTORY. A four-bar that guides a point is modelled here once more. The objective that the program
 lists is the mean of the squared errors over linkages within the tolerances, to first order: it is compared with that of random
-linkages. No small change of the variables lowers it, by a minimiser that has differences of this model alone. Last line: N passed, N
-failed.
+linkages. No small change of the variables lowers it, by a minimiser that has differences of this model alone. A sketch
+and its loops lead to the same linkage. Last line: N passed, N failed.
 """
 import csv
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -68,10 +69,53 @@ def search(program, folder, weight, nearly):
     return [{k: float(v) for k, v in row.items() if k in ("objective", "rms_error", "tolerance_band")} for row in ranking], points, done.stdout
 
 
+SKETCH = """A PATH BOTH WAYS
+ &CHAIN JNT='A','B','C','D','P', JX=0.0,-30.0,50.0,90.0,60.0, JY=0.0,0.0,60.0,0.0,110.0,
+  LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P','C D', VARY='length A B','length B C','length C D' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT=%s &END
+ &METHOD NDES=5, DELT=0.0,20.0,40.0,60.0,80.0, DESX=60.0,65.0,68.0,70.0,70.0, DESY=110.0,108.0,103.0,97.0,90.0 &END
+ &TOLER TOLLEN=0.5, TOLOBJ=%s &END
+ &SEARCH SOLVER='LSQ' &END
+"""
+GIVEN = (30.0, 100.0, 5200.0**0.5)      # lengths that the search begins with
+
+
+def linkage_of(program, folder, text, *options):
+    """Lengths and objective of the linkage that a search ends with, and its device 7."""
+    path = os.path.join(folder, "case.nml")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
+    done = subprocess.run([program, "--quiet", *options, "--output-dir", folder, path], capture_output=True, text=True, check=False)
+    tally.check("both ways: done", done.returncode == 0, done.stderr)
+    with open(os.path.join(folder, "case.dev7"), encoding="utf-8") as file:
+        device = file.read()
+    line = re.search(r"^!F +1 (.*)$", device, re.M)
+    return [float(number.replace("D", "E")) for number in line.group(1).split()] if line else [], device
+
+
+def both_ways(program, folder):
+    """A sketch, the sketch with a second output, and its loops lead to the same linkage."""
+    without = []
+    for weight in ("0.0", "1.0"):
+        one, device = linkage_of(program, folder, SKETCH % ("'point P'", weight), "--links")
+        other, _ = linkage_of(program, folder, SKETCH % ("'point P','angle C D'", weight), "--links")
+        loops = re.sub(r"^!.*\n", "", device, flags=re.M)
+        loops = re.sub(r"ARCL=[^,]*,[^,]*,[^,]*", "ARCL=%.16g,%.16g,%.16g" % GIVEN, loops)
+        loops = loops.replace("  XADD=", "  IVA=1,1,1,0, VAR=0.0,\n  XADD=").replace("&LIMITS ", "&LIMITS OPLOW=3*1.0, OPHIGH=3*500.0, LIMVAL=1, ")
+        by_loops, _ = linkage_of(program, folder, loops.replace(" &TOLER", " &SEARCH SOLVER='LSQ' &END\n &TOLER"))
+        tally.check("TOLOBJ=%s: four numbers" % weight, len(one) == 4, device)
+        tally.check("TOLOBJ=%s: a second output changes nothing" % weight, one == other, (one, other))
+        tally.check("TOLOBJ=%s: a sketch and its loops agree" % weight, numpy.allclose(one, by_loops, rtol=1e-5), (one, by_loops))
+        without = without or one
+    tally.check("TOLOBJ changes the objective", one[3] > without[3]*1.001, (one, without))
+
+
 def main():
     program = os.path.join(os.path.abspath(sys.argv[1]), "psalm")
     random = numpy.random.default_rng(41)
     with tempfile.TemporaryDirectory() as folder:
+        both_ways(program, folder)
         plain, at, _ = search(program, folder, 0.0, 1.0)
         for weight in (1.0, 10.0):
             ranking, points, listing = search(program, folder, weight, 1.0)
