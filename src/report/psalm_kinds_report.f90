@@ -43,8 +43,8 @@ contains
       do k = 1, size(kinds)
          associate (one => kinds(k))
             call devices%six%add(rank_column(k)//right_column(one%graph%n, 8)//right_column(one%slides, 7)// &
-                                 right_column(one%groups, 7)//right_column(one%largest_group, 8)//'   '//left_column(trim(one%name), width)// &
-                                 words_of_joints(one))
+                                 right_column(one%groups, 7)//right_column(one%largest_group, 8)//'   '// &
+                                 left_column(trim(one%name), width)//words_of_joints(one))
          end associate
       end do
       variant = variant_of(set)

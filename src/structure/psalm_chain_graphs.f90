@@ -5,8 +5,8 @@
 !> without a cut vertex is made so. Chains of more than one freedom may also be two chains with one link in common. No part of a
 !> chain may be stiff: k links have 3(k-1) - 2j >= 1 freedoms with the j joints between them. A gear pair is an edge, too, between
 !> its wheels; it is no joint of the chain. Isomorphs are recognised by a canonical form: links are parted by what joints lead where
-!> until nothing more can be distinguished; then one of the smallest part of several is singled out, each in turn, and the least form
-!> is taken.
+!> until nothing more can be distinguished; then one of the smallest part of several is singled out, each in turn, and the least
+!> form is taken.
 !>
 !> Sources: Whitney (1932) for the paths, McKay (1981) for the form, Mruthyunjaya (2003) for the numbers of chains.
 module psalm_chain_graphs

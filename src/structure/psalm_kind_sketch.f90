@@ -184,8 +184,8 @@ contains
       if (kind%graph%joint(kind%base, kind%driven) == joint_driven_slide) drawn_joints = drawn_joints - 1
    end function drawn_joints
 
-   !> Joints anywhere in a square of that side round a centre: which assembly that is, chance decides. Gears have a random ratio, too:
-   !> `pair` is its place among those that the kind may have, 0: there are no gears.
+   !> Joints anywhere in a square of that side round a centre: which assembly that is, chance decides. Gears have a random ratio,
+   !> too: `pair` is its place among those that the kind may have, 0: there are no gears.
    pure subroutine draw_at_random(kind, what, centre, side, random, sketch, pair)
       type(linkage_kind_t), intent(in) :: kind
       integer, intent(in) :: what
