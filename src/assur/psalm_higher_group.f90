@@ -19,7 +19,7 @@ module psalm_higher_group
    private
    public :: keep_state, put_state, predict, correct, is_trusted
    public :: rows_of_higher, form_higher, differentiate_higher, solve_higher, is_dead_higher, bounds_higher
-   public :: closure_of_higher, change_of_higher, gaps_of_ties, put_known_turns, keep_known_turns
+   public :: closure_of_higher, change_of_higher, gaps_of_ties, add_gaps_of_phase, put_known_turns, keep_known_turns
    public :: find_turns, turn_wheel, keep_turns
    public :: dead_measure, correction_t
 
@@ -492,7 +492,7 @@ contains
       type(rows_t), intent(in) :: store
       type(frames_t), intent(inout) :: frames
       real(wp) :: matrix(higher%equations, higher%unknowns), inverse(higher%equations, higher%equations), product, determinant
-      integer :: i, j, k, row
+      integer :: i, j, k, row, different
 
       do k = 1, size(higher%terms)
          associate (term => higher%terms(k))
@@ -500,7 +500,9 @@ contains
                           frames, at + rows_of_arc*(k - 1))
          end associate
       end do
-      do i = 1, n
+      ! ties alone are alike at every position
+      different = merge(min(1, n), n, higher%rings == 0)
+      do i = 1, different
          call equations(higher, store, i, higher%equations, higher%unknowns, matrix, inverse(:, 1))
          product = 1.0_wp
          do j = 1, higher%unknowns
@@ -519,6 +521,10 @@ contains
             row = row + higher%equations
          end do
          frames%work%v(i, row) = determinant
+      end do
+      if (different == n) return
+      do k = inverse_row(higher, at), measure_row(higher, at)
+         frames%work%v(2:n, k) = frames%work%v(1, k)
       end do
    end subroutine form_higher
 
@@ -607,6 +613,26 @@ contains
       end do
    end subroutine gaps_of_ties
 
+   !> What is left of each tie where the direction grows from which the turns of an unknown arc are counted, per radian.
+   pure subroutine add_gaps_of_phase(n, higher, arc, gap)
+      integer, intent(in) :: n
+      type(higher_t), intent(in) :: higher
+      integer, intent(in) :: arc                   !! sequential number; of no unknown: nothing is left
+      real(wp), intent(inout) :: gap(:, :)         !! shape (n, equations)
+      integer :: k, r, j, unknown
+
+      unknown = findloc(higher%arc, arc, dim=1)
+      if (unknown == 0) return
+      do k = 1, size(higher%ties)
+         r = 2*higher%rings + k
+         associate (tie => higher%ties(k))
+            do j = 1, size(tie%unknown)
+               if (tie%unknown(j) == unknown) gap(:n, r) = gap(:n, r) + tie%factors(j)
+            end do
+         end associate
+      end do
+   end subroutine add_gaps_of_phase
+
    !> How far a group is from a dead point: 1 less its measure, at positions that are not reached 1 less that in the store.
    pure subroutine closure_of_higher(n, higher, store, measure, k)
       integer, intent(in) :: n
@@ -616,10 +642,18 @@ contains
       real(wp), intent(out) :: k(:)                !! shape (n)
       real(wp) :: matrix(higher%equations, higher%unknowns), right(higher%equations, 1), product, determinant
       integer :: i, j
+      logical :: known
 
+      known = .false.
       do i = 1, n
          k(i) = 1.0_wp - store%v(i, measure)
          if (store%v(i, measure) <= 0.0_wp) cycle
+         if (known) then
+            ! ties alone are alike at every position
+            k(i) = 1.0_wp - abs(determinant)/max(sqrt(product), tiny(1.0_wp))
+            cycle
+         end if
+         known = higher%rings == 0
          call equations(higher, store, i, higher%equations, higher%unknowns, matrix, right(:, 1))
          product = 1.0_wp
          do j = 1, higher%unknowns
@@ -644,6 +678,10 @@ contains
                   change(higher%equations, higher%unknowns), product, determinant, x, y, u, v, length, grows, turns, total
       integer :: i, j, k, r
 
+      if (higher%rings == 0) then
+         dk(:n) = 0.0_wp
+         return
+      end if
       do i = 1, n
          call equations(higher, store, i, higher%equations, higher%unknowns, matrix, inverse(:, 1))
          change = 0.0_wp

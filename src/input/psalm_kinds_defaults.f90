@@ -15,10 +15,12 @@ module psalm_kinds_defaults
 
    !> The items of the group.
    type(rule_t), parameter :: kinds_items(*) = [ &
-      rule_t('LINKS', a_whole, 'n', '', '4,6', '4 6 8', &
-             'links of the linkages, the frame included'), &
+      rule_t('LINKS', a_whole, 'n', '', '4,6; with GEARS=1 4,5,6', '4 5 6 7 8', &
+             'links of the linkages, the frame included; an odd number has a gear pair'), &
       rule_t('SLIDES', a_whole, '2', '', '0', '[0,3]', &
              'pins replaced by slides: at most, or at least and at most'), &
+      rule_t('GEARS', a_whole, '2', '', '0', '[0,1]', &
+             'gear pairs: at most, or at least and at most'), &
       rule_t('DRIVEN', a_word, '', '', 'CRANK', 'CRANK CYLINDER', &
              '''CRANK'', a link on the frame turns; ''CYLINDER'', a cylinder between two links stretches (cylinder and '// &
              'rod count as links)'), &

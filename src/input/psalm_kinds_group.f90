@@ -18,11 +18,12 @@ module psalm_kinds_group
 
    character(8), parameter :: weighable(*) = [character(8) :: 'ERROR', 'LARGEST', 'ANGLE', 'RATIO', 'ROOM', 'LENGTH', 'LINKS', &
                                                'JOINTS'] !! the words of `weigh_words`
-   integer, parameter :: most_sizes = 3     !! entries of LINKS that differ: 4, 6, 8
+   integer, parameter :: most_sizes = 5     !! entries of LINKS that differ: 4 to 8
 
    type, extends(case_group_t) :: kinds_group_t
       integer, allocatable :: links(:)      !! LINKS
       integer :: slides(2) = 0              !! SLIDES: least, most
+      integer :: gears(2) = 0               !! GEARS: least, most
       integer :: drive = 1                  !! DRIVEN: 1 crank, 2 cylinder
       integer :: output = 1                 !! OUTPUT: 1 point, 2 angle, 3 pose
       integer :: largest_group = 2          !! GROUPS
@@ -37,7 +38,8 @@ module psalm_kinds_group
 
 contains
 
-   !> Read it. Errors: numbers of links that are odd or out of range, a range the wrong way round, one bound without the other.
+   !> Read it. Errors: numbers of links that are out of range or do not go with GEARS, a range the wrong way round, one bound
+   !> without the other.
    subroutine read_kinds(self, group, about, findings)
       class(kinds_group_t), intent(inout) :: self
       type(group_t), intent(inout) :: group
@@ -48,23 +50,28 @@ contains
       self%given = group%line > 0
       call group%follow(kinds_items)
       links = 0
+      call read_range('GEARS', self%gears, 1, 'a linkage has one gear pair, 1, or none, 0', &
+                      'the least number of gear pairs comes first')
       call group%get_integers('LINKS', links, findings, last=last)
       allocate (self%links(0))
       do k = 1, last
-         if (all(links(k) /= [4, 6, 8])) then
-            call out_of(group, 'LINKS', 'kinds of 4, 6 and 8 links are searched', findings, k)
+         if (all(links(k) /= [4, 5, 6, 7, 8])) then
+            call out_of(group, 'LINKS', 'kinds of 4, 6 and 8 links are searched, and with GEARS=1 of 5 and 7', findings, k)
+         else if (modulo(links(k), 2) == 1 .and. self%gears(2) == 0) then
+            call out_of(group, 'LINKS', 'only a gear pair gives an odd number of links one degree of freedom; set GEARS=1', &
+                        findings, k)
+         else if (modulo(links(k), 2) == 0 .and. self%gears(1) > 0) then
+            call out_of(group, 'LINKS', 'linkages with a gear pair have 5 or 7 links; with GEARS=0,1 those without gears '// &
+                        'are searched, too', findings, k)
          else if (.not. any(self%links == links(k))) then
             self%links = [self%links, links(k)]
          end if
       end do
-      if (last == 0) self%links = [4, 6]
-      call group%get_integers('SLIDES', self%slides, findings, last=last)
-      if (last == 1) self%slides = [0, self%slides(1)]
-      if (any(self%slides < 0 .or. self%slides > 3)) then
-         call out_of(group, 'SLIDES', 'from 0 to 3 pins are replaced by slides', findings)
-      else if (self%slides(1) > self%slides(2)) then
-         call out_of(group, 'SLIDES', 'the least number of slides comes first', findings)
+      if (last == 0) then
+         self%links = [4, 5, 6]
+         self%links = pack(self%links, modulo(self%links, 2) >= self%gears(1) .and. modulo(self%links, 2) <= self%gears(2))
       end if
+      call read_range('SLIDES', self%slides, 3, 'from 0 to 3 pins are replaced by slides', 'the least number of slides comes first')
       call take(group, 'DRIVEN', self%drive, findings)
       call take(group, 'OUTPUT', self%output, findings)
       call take(group, 'GROUPS', self%largest_group, findings)
@@ -85,6 +92,22 @@ contains
       end associate
 
    contains
+
+      !> At most, or at least and at most.
+      subroutine read_range(item, range, largest, in_words, order)
+         character(*), intent(in) :: item
+         integer, intent(inout) :: range(2)
+         integer, intent(in) :: largest
+         character(*), intent(in) :: in_words, order !! messages
+
+         call group%get_integers(item, range, findings, last=last)
+         if (last == 1) range = [0, range(1)]
+         if (any(range < 0 .or. range > largest)) then
+            call out_of(group, item, in_words, findings)
+         else if (range(1) > range(2)) then
+            call out_of(group, item, order, findings)
+         end if
+      end subroutine read_range
 
       subroutine read_weighed()
          character(:), allocatable :: words(:)

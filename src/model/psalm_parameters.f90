@@ -37,6 +37,7 @@ module psalm_parameters
       procedure :: vary_aside
       procedure :: vary_length
       procedure :: vary_angle
+      procedure :: vary_phase
       procedure :: first_values
       procedure :: apply
       procedure :: has_search
@@ -123,6 +124,18 @@ contains
          if (mechanism%angle_owner(i) == owner) self%angle_variable(i) = size(self%variables)
       end do
    end subroutine vary_angle
+
+   !> How a wheel in gear stands to the other: its direction in the drawing, from which its turns are counted.
+   pure subroutine vary_phase(self, mechanism, n)
+      class(parameters_t), intent(inout) :: self
+      type(mechanism_t), intent(in) :: mechanism
+      integer, intent(in) :: n           !! an arc of the wheel, whose direction a group with gears finds
+
+      if (self%angle_variable(n) > 0) return
+      self%variables = [self%variables, variable_t(variable_gama, mechanism%arcs(n)%loop, mechanism%arcs(n)%place, n, &
+                                                    mechanism%angle_called(n))]
+      self%angle_variable(n) = size(self%variables)
+   end subroutine vary_phase
 
    !> True if any dimension may vary.
    pure logical function has_search(self)

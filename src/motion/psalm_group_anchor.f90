@@ -8,7 +8,7 @@ module psalm_group_anchor
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t, new_problem
    use psalm_kinds, only: wp
-   use psalm_mechanism, only: mechanism_t, arc_slide
+   use psalm_mechanism, only: mechanism_t, tie_t, arc_slide
    use psalm_parameters, only: no_parameters
    implicit none (type, external)
    private
@@ -18,7 +18,7 @@ contains
 
    !> Put the unknown arcs of larger groups at the best of the inputs, if the linkage reaches any.
    subroutine choose_anchor(mechanism, inputs, dimensions)
-      type(mechanism_t), intent(in) :: mechanism
+      type(mechanism_t), intent(inout) :: mechanism !! turns of gears are counted from there, too
       real(wp), intent(in) :: inputs(:)             !! increments from the reference position
       type(dimensions_t), intent(inout) :: dimensions
       class(problem_t), allocatable :: problem      ! large: it would fill a small stack
@@ -56,6 +56,25 @@ contains
                end if
             end associate
          end do
+         if (.not. allocated(mechanism%groups(loop)%ties)) cycle
+         do j = 1, size(mechanism%groups(loop)%ties)
+            call draw_tie(problem, best - offset, mechanism%groups(loop)%ties(j))
+         end do
       end do
    end subroutine choose_anchor
+
+   !> The directions of the links of a tie at a position of the block just solved.
+   subroutine draw_tie(problem, at, tie)
+      type(problem_t), intent(in) :: problem
+      integer, intent(in) :: at
+      type(tie_t), intent(inout) :: tie
+      real(wp) :: x, y, length
+      integer :: k
+
+      do k = 1, size(tie%arcs)
+         if (tie%arcs(k) == 0) cycle
+         call problem%linkage%arc_at(problem%plan, tie%arcs(k), at, x, y, length)
+         tie%drawn(k) = degrees_of(x, y)
+      end do
+   end subroutine draw_tie
 end module psalm_group_anchor

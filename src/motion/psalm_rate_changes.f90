@@ -9,11 +9,11 @@ module psalm_rate_changes
    use psalm_error, only: problem_t
    use psalm_frames, only: rows_of_arc, matrix_row
    use psalm_group_rings, only: higher_t
-   use psalm_higher_group, only: gaps_of_ties, solve_higher
+   use psalm_higher_group, only: gaps_of_ties, add_gaps_of_phase, solve_higher
    use psalm_kinds, only: wp
    use psalm_linkage, only: put_driven_lengths
    use psalm_output_kind, only: most_rates
-   use psalm_parameters, only: variable_crnki
+   use psalm_parameters, only: variable_crnki, variable_gama
    use psalm_plan, only: step_point
    use psalm_rows, only: rows_t
    use psalm_sensitivity, only: sensitivity_t
@@ -102,6 +102,9 @@ contains
          end associate
       end do
       call gaps_of_ties(n, higher, change(order), gap)
+      associate (variable => problem%parameters%variables(v))
+         if (order == 0 .and. variable%kind == variable_gama) call add_gaps_of_phase(n, higher, variable%n, gap)
+      end associate
       call solve_higher(n, higher, at, work%rates%frames, gap, change(order))
    end subroutine change_of_group
 

@@ -9,7 +9,7 @@ module psalm_sensitivity
    use psalm_error, only: problem_t
    use psalm_frames, only: frames_t, rows_of_arc, matrix_row
    use psalm_group_rings, only: higher_t
-   use psalm_higher_group, only: change_of_higher, gaps_of_ties, solve_higher
+   use psalm_higher_group, only: change_of_higher, gaps_of_ties, add_gaps_of_phase, solve_higher
    use psalm_kinds, only: wp, degrees_per_radian, radians_per_degree
    use psalm_linkage, only: padded, put_driven_lengths
    use psalm_moving_joints, only: sketch_motion_t
@@ -107,6 +107,8 @@ contains
                                         any([(changes(higher%terms(m)%arc), m=1, size(higher%terms))]) .or. &
                                         any([(any(row(higher%ties(m)%roots)) .or. row(higher%ties(m)%drive_root), &
                                               m=1, size(higher%ties))])
+                     if (problem%parameters%variables(v)%kind == variable_gama .and. size(higher%ties) > 0) &
+                        work%moves(k, v) = work%moves(k, v) .or. any(higher%arc == problem%parameters%variables(v)%n)
                      row(higher%row) = work%moves(k, v)
                   end associate
                else
@@ -375,7 +377,10 @@ contains
                                   d(1, step%from_x), d(1, step%from_y), d(1, step%to_x), d(1, step%to_y))
                end associate
             else if (allocated(link%steps(k)%dyad%higher)) then
-               call group_change(link%steps(k)%dyad%higher, work%rates%place(k), v, n, link%scale, work)
+               associate (variable => problem%parameters%variables(v))
+                  call group_change(link%steps(k)%dyad%higher, work%rates%place(k), v, n, &
+                                    merge(variable%n, 0, variable%kind == variable_gama), link%scale, work)
+               end associate
             else
                call dyad_change(link%steps(k)%dyad, work%rates%place(k), v, n, link%scale, work)
             end if
@@ -425,9 +430,10 @@ contains
    end subroutine dyad_change
 
    !> The same for a larger group: unknown rows hold zero here.
-   subroutine group_change(higher, at, v, n, scale, work)
+   subroutine group_change(higher, at, v, n, phase, scale, work)
       type(higher_t), intent(in) :: higher
       integer, intent(in) :: at, v, n
+      integer, intent(in) :: phase        !! the arc whose angle varies; 0: the variable is no angle of an arc
       real(wp), intent(in) :: scale
       type(sensitivity_t), intent(inout) :: work
       real(wp) :: gap(n, higher%equations)
@@ -447,6 +453,7 @@ contains
             end associate
          end do
          call gaps_of_ties(n, higher, work%rates%d(1), gap)
+         if (phase > 0) call add_gaps_of_phase(n, higher, phase, gap)
          call solve_higher(n, higher, at, work%rates%frames, gap, work%rates%d(1))
       end associate
    end subroutine group_change

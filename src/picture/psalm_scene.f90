@@ -750,6 +750,7 @@ contains
             if (scene%prescribed%broken(loop, k)) &
                call take(scene%prescribed%tip(1::2, loop, k), scene%prescribed%tip(2::2, loop, k))
          end do
+         if (allocated(scene%wheels)) call take_wheels(k)
       end do
       if (scene%motion == motion_point .and. scene%desired) call take(scene%prescribed%wanted, scene%prescribed%desired_y)
       if (scene%motion == motion_distance) call take([0.0_wp], [0.0_wp])
@@ -781,6 +782,20 @@ contains
          low = min(low, max([minval(x), minval(y)], widest_low))
          high = max(high, min([maxval(x), maxval(y)], widest_high))
       end subroutine take
+
+      !> The pitch circles at a prescribed position.
+      subroutine take_wheels(at)
+         integer, intent(in) :: at
+         integer :: w
+
+         do w = 1, size(scene%wheels)
+            associate (wheel => scene%wheels(w))
+               if (.not. scene%prescribed%known(wheel%centre, at)) cycle
+               call take(scene%prescribed%x(wheel%centre, at) + wheel%radius*[-1.0_wp, 1.0_wp], &
+                         scene%prescribed%y(wheel%centre, at) + wheel%radius*[-1.0_wp, 1.0_wp])
+            end associate
+         end do
+      end subroutine take_wheels
    end subroutine choose_view
 
    !> How far the rail of each slide reaches: from its guide over all places of its block that can be seen.

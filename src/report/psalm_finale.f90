@@ -3,14 +3,14 @@
 !> Layout and numbers follow the published listing (Oldham 1977, figure 7.2), so that listings can be compared. A line of its own
 !> begins what that listing does not have.
 module psalm_finale
-   use psalm_angles, only: unit_vector
+   use psalm_angles, only: degrees_of, unit_vector
    use psalm_columns, only: left_column
    use psalm_data_set, only: data_set_t
    use psalm_dyad, only: violation_too_short, violation_too_long, violation_parallel, violation_angle_small, &
                          violation_angle_large, violation_undetermined, violation_slides, violation_toggle
    use psalm_dyad_kind, only: assur_rpr, assur_rpr_guide_first, form_of, form_t
    use psalm_elementary, only: hypotenuse
-   use psalm_error, only: problem_t, motion_t, violation_t, crossing_t
+   use psalm_error, only: problem_t, motion_t, violation_t, crossing_t, new_problem
    use psalm_group_words, only: group_heading, group_words
    use psalm_input_text, only: angle_text, crank_heading, input_heading, input_text, list_sketch_notes
    use psalm_loop_arrays, only: loop_arrays_t, arrays_of
@@ -19,10 +19,10 @@ module psalm_finale
    use psalm_number_format, only: number_format_t, format_of, figure, figures_of, in_a_row, number_in_sentence => in_sentence, &
                                   rounding_error
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_pose, most_rates
-   use psalm_parameters, only: variable_aside, variable_aside_angle, variable_outlk, variable_outang
+   use psalm_parameters, only: no_parameters, variable_aside, variable_aside_angle, variable_outlk, variable_outang
    use psalm_plan, only: root_crank, root_frame
    use psalm_dimensions, only: dimensions_t
-   use psalm_mechanism, only: mechanism_t
+   use psalm_mechanism, only: mechanism_t, arc_link
    use psalm_text, only: text_t, cased, fixed, to_text
    implicit none (type, external)
    private
@@ -102,6 +102,10 @@ contains
          deallocate (names, values)
          allocate (names(0), values(0))
          do n = 1, size(mechanism%arcs)
+            if (is_phase(n)) then
+               call take(mechanism%angle_called(n), direction_at_reference(mechanism, dimensions, n))
+               cycle
+            end if
             if (is_found(n)) cycle
             if (follows(n)) cycle
             call take(mechanism%angle_called(n), dimensions%gama(n))
@@ -126,6 +130,13 @@ contains
             is_found = arc%dyad /= 0 .or. problem%plan%root(n) == root_crank
          end associate
       end function is_found
+
+      !> True if a search may choose how a wheel stands to the one that it is in gear with, and the arc shows it.
+      pure logical function is_phase(n)
+         integer, intent(in) :: n
+
+         is_phase = problem%mechanism%arcs(n)%kind == arc_link .and. problem%parameters%angle_variable(n) > 0
+      end function is_phase
 
       !> True if an arc has no direction of its own: it is one joint, it lies along the one that it hangs on, or it is the same line
       !> of two joints back again.
@@ -185,6 +196,23 @@ contains
          end do
       end subroutine add_rows
    end subroutine list_by_joints
+
+   !> Direction of an arc at the reference input, degrees.
+   real(wp) function direction_at_reference(mechanism, dimensions, arc) result(direction)
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      integer, intent(in) :: arc
+      class(problem_t), allocatable :: problem      ! large: it would fill a small stack
+      real(wp) :: x, y, length
+      integer :: offset, n
+
+      allocate (problem)
+      call new_problem(mechanism, dimensions, no_parameters(mechanism), [0.0_wp], .true., problem)
+      call problem%bind(dimensions)
+      call problem%solve_block(1, offset, n)
+      call problem%linkage%arc_at(problem%plan, arc, 1, x, y, length)
+      direction = degrees_of(x, y)
+   end function direction_at_reference
 
    !> True if the output link is that of the output, or its dimensions vary.
    pure logical function shows_output_link(problem)

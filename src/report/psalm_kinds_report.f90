@@ -1,7 +1,7 @@
 !> Kinds of linkages in the listing: which there are, what a search found of each, the choice between the best.
 module psalm_kinds_report
-   use psalm_chain_graphs, only: joint_none, joint_slide, joint_driven_pin, joint_driven_slide
-   use psalm_columns, only: right_column
+   use psalm_chain_graphs, only: joint_none, joint_slide, joint_driven_pin, joint_driven_slide, joint_gear
+   use psalm_columns, only: left_column, right_column
    use psalm_data_set, only: data_set_t, title_columns
    use psalm_devices, only: devices_t
    use psalm_kind_choice, only: choice_t, unbeaten_choices, proven_unknown, proven_closes
@@ -18,7 +18,7 @@ module psalm_kinds_report
    private
    public :: report_kinds, report_choice, put_kinds
 
-   integer, parameter :: name_column = 34
+   integer, parameter :: name_column = 34       !! at least
    integer, parameter :: atlas_step = 10        !! degrees between the positions of a neat sketch
    real(wp), parameter :: none_found = huge(1.0_wp)
 
@@ -30,17 +30,21 @@ contains
       type(linkage_kind_t), intent(in) :: kinds(:)
       type(devices_t), intent(inout) :: devices
       type(variant_t) :: variant
-      integer :: k
+      character(:), allocatable :: gears
+      integer :: k, width
 
+      width = max(name_column, 2 + maxval([0, len_trim(kinds%name)]))
+      gears = ''
+      if (any(kinds%arm > 0)) gears = ': GEARS (THE ARM), '
       call devices%six%add(' '//trim(set%title))
       call devices%six%add(' KINDS OF LINKAGES: '//to_text(size(kinds)))
-      call devices%six%add('  RANK   LINKS SLIDES GROUPS LARGEST   KIND'//repeat(' ', name_column - 4)// &
-                           'LINK 1 IS THE FRAME; - A PIN, = A SLIDE, * THE DRIVE, P THE OUTPUT')
+      call devices%six%add('  RANK   LINKS SLIDES GROUPS LARGEST   KIND'//repeat(' ', width - 4)// &
+                           'LINK 1 IS THE FRAME; - A PIN, = A SLIDE, '//gears//'* THE DRIVE, P THE OUTPUT')
       do k = 1, size(kinds)
          associate (one => kinds(k))
             call devices%six%add(rank_column(k)//right_column(one%graph%n, 8)//right_column(one%slides, 7)// &
-                                 right_column(one%groups, 7)//right_column(one%largest_group, 8)//'   '//padded(one%name)// &
-                                 words_of_joints(one))
+                                 right_column(one%groups, 7)//right_column(one%largest_group, 8)//'   '// &
+                                 left_column(trim(one%name), width)//words_of_joints(one))
          end associate
       end do
       variant = variant_of(set)
@@ -107,6 +111,9 @@ contains
             text = '*-'
          case (joint_driven_slide)
             text = '*='
+         case (joint_gear)
+            text = to_text(i)//':'//to_text(j)//'('//to_text(number(kind%arm))//') '
+            return
          case default
             text = '-'
          end select
@@ -277,11 +284,4 @@ contains
       unseen = count(study%looked%assemblies == 0)
       if (unseen > 0) words = words//'; '//to_text(unseen)//' kinds were not examined'
    end function what_more_would_bring
-
-   pure function padded(name) result(text)
-      character(*), intent(in) :: name
-      character(name_column) :: text
-
-      text = name
-   end function padded
 end module psalm_kinds_report

@@ -2,23 +2,26 @@
 !> one.
 !>
 !> A chain of given links and freedom is built from rings by adding paths of links between two links that are there: every graph
-!> without a cut vertex is made so. No part of it may be stiff: k links have 3(k-1) - 2j >= 1 freedoms with the j joints between
-!> them. Isomorphs are recognised by a canonical form: links are parted by what joints lead where until nothing more can
-!> be distinguished; then one of the smallest part of several is singled out, each in turn, and the least form is taken.
+!> without a cut vertex is made so. Chains of more than one freedom may also be two chains with one link in common. No part of a
+!> chain may be stiff: k links have 3(k-1) - 2j >= 1 freedoms with the j joints between them. A gear pair is an edge, too, between
+!> its wheels; it is no joint of the chain. Isomorphs are recognised by a canonical form: links are parted by what joints lead where
+!> until nothing more can be distinguished; then one of the smallest part of several is singled out, each in turn, and the least
+!> form is taken.
 !>
 !> Sources: Whitney (1932) for the paths, McKay (1981) for the form, Mruthyunjaya (2003) for the numbers of chains.
 module psalm_chain_graphs
    implicit none (type, external)
    private
    public :: chain_graph_t, canonical_form, find_chains
-   public :: most_links, form_length, joint_none, joint_pin, joint_slide, joint_driven_pin, joint_driven_slide
+   public :: most_links, form_length, joint_none, joint_pin, joint_slide, joint_driven_pin, joint_driven_slide, joint_gear
 
    integer, parameter :: most_links = 10
    integer, parameter :: form_length = most_links + (most_links*(most_links - 1))/2
 
    ! kinds of joints
    integer, parameter :: joint_none = 0, joint_pin = 1, joint_slide = 2, joint_driven_pin = 3, joint_driven_slide = 4
-   integer, parameter :: joint_kinds = 4
+   integer, parameter :: joint_gear = 5         !! the wheels of a gear pair: no joint, but what parts links
+   integer, parameter :: joint_kinds = 5
 
    !> Links, with a colour each, and the joints between them.
    type :: chain_graph_t
@@ -28,6 +31,7 @@ module psalm_chain_graphs
    contains
       procedure :: joints
       procedure :: degree
+      procedure :: are_joined
    end type chain_graph_t
 
 contains
@@ -36,7 +40,9 @@ contains
    pure integer function joints(self)
       class(chain_graph_t), intent(in) :: self
 
-      joints = count(self%joint(:self%n, :self%n) /= joint_none)/2
+      associate (joint => self%joint(:self%n, :self%n))
+         joints = count(joint /= joint_none .and. joint /= joint_gear)/2
+      end associate
    end function joints
 
    !> Joints of a link.
@@ -44,8 +50,18 @@ contains
       class(chain_graph_t), intent(in) :: self
       integer, intent(in) :: link
 
-      degree = count(self%joint(:self%n, link) /= joint_none)
+      associate (joint => self%joint(:self%n, link))
+         degree = count(joint /= joint_none .and. joint /= joint_gear)
+      end associate
    end function degree
+
+   !> True if a joint connects two links.
+   pure logical function are_joined(self, a, b)
+      class(chain_graph_t), intent(in) :: self
+      integer, intent(in) :: a, b
+
+      are_joined = self%joint(a, b) /= joint_none .and. self%joint(a, b) /= joint_gear
+   end function are_joined
 
    !> True if links among themselves have no freedom left, or less than none. The whole is not looked at.
    pure logical function has_stiff_part(graph)
@@ -200,7 +216,7 @@ contains
    ! ---- chains ------------------------------------------------------------------------------------------------------
 
    !> All chains with so many links and freedoms and pins only. None where the numbers do not fit.
-   pure subroutine find_chains(links, freedom, chains)
+   pure recursive subroutine find_chains(links, freedom, chains)
       integer, intent(in) :: links, freedom
       type(chain_graph_t), allocatable, intent(out) :: chains(:)
       type(chain_graph_t), allocatable :: before(:), level(:)
@@ -243,7 +259,53 @@ contains
       do g = 1, size(before)
          if (before(g)%n == links) chains = [chains, before(g)]
       end do
+      if (freedom > 1) call add_common_links(links, freedom, chains)
    end subroutine find_chains
+
+   !> Chains that are two with a link in common: their freedoms add up.
+   pure recursive subroutine add_common_links(links, freedom, chains)
+      integer, intent(in) :: links, freedom
+      type(chain_graph_t), allocatable, intent(inout) :: chains(:)
+      type(chain_graph_t), allocatable :: one(:), other(:)
+      character(form_length), allocatable :: forms(:)
+      type(chain_graph_t) :: graph
+      integer :: k, f, i, j, a, b
+
+      allocate (forms(0))
+      do f = 1, freedom/2
+         do k = 4, links - 3
+            call find_chains(k, f, one)
+            if (size(one) == 0) cycle
+            call find_chains(links + 1 - k, freedom - f, other)
+            do i = 1, size(one)
+               do j = 1, size(other)
+                  do a = 1, one(i)%n
+                     do b = 1, other(j)%n
+                        graph = together(one(i), a, other(j), b)
+                        call keep_new(graph, chains, forms)
+                     end do
+                  end do
+               end do
+            end do
+         end do
+      end do
+   end subroutine add_common_links
+
+   !> Two chains of which link a of the one is link b of the other.
+   pure function together(one, a, other, b) result(graph)
+      type(chain_graph_t), intent(in) :: one, other
+      integer, intent(in) :: a, b
+      type(chain_graph_t) :: graph
+      integer :: number(other%n), i
+
+      graph = one
+      number = [(one%n + i - merge(1, 0, i > b), i=1, other%n)]
+      number(b) = a
+      graph%n = one%n + other%n - 1
+      do i = 1, other%n
+         graph%joint(number, number(i)) = graph%joint(number, number(i)) + other%joint(:other%n, i)
+      end do
+   end function together
 
    !> Take a graph in if it has no stiff part, the whole included, and is not there yet.
    pure subroutine keep_new(graph, graphs, forms)

@@ -1,9 +1,9 @@
 !> A kind of linkage as a sketch: joints where they are put, links, slides, drive and output with names.
 module psalm_kind_sketch
    use psalm_angles, only: degrees_of
-   use psalm_chain_graphs, only: joint_none, joint_pin, joint_slide, joint_driven_pin, joint_driven_slide
+   use psalm_chain_graphs, only: joint_none, joint_pin, joint_slide, joint_driven_pin, joint_driven_slide, joint_gear
    use psalm_kinds, only: wp, half_turn
-   use psalm_linkage_kinds, only: linkage_kind_t, kind_of_angle, kind_of_pose
+   use psalm_linkage_kinds, only: linkage_kind_t, ratios_of, kind_of_angle, kind_of_pose
    use psalm_sketch, only: link_t, sketch_t, drive_turns, drive_stretches, output_point, output_angle, output_pose, &
                            frame_link, vary_all
    use psalm_text, only: to_text
@@ -13,17 +13,20 @@ module psalm_kind_sketch
    public :: draw_at_random, draw_neatly
 
    character(*), parameter :: letters = 'ABCDEFGHIJKLMNOQRSTUVWXYZ' ! P is the output
+   real(wp), parameter :: teeth = 20.0_wp       !! of the smaller wheel
    real(wp), parameter :: step_of_direction = 22.5_wp !! degrees; slides in neat drawings
 
 contains
 
    !> The sketch. `places` are those of its joints and slides, one for each joint of the graph in the order of pairs of links, a
-   !> drive between cylinder and rod left out, and of the output point last; `angles` are directions of the slides, degrees.
-   pure subroutine draw_kind(kind, what, places, angles, sketch)
+   !> drive between cylinder and rod left out, and of the output point last; `angles` are directions of the slides, degrees; `ratio`
+   !> is that of the gear pair, where there is one.
+   pure subroutine draw_kind(kind, what, places, angles, ratio, sketch)
       type(linkage_kind_t), intent(in) :: kind
       integer, intent(in) :: what                   !! one of `kind_of_...`
       complex(wp), intent(in) :: places(:)          !! shape (joints + 1)
       real(wp), intent(in) :: angles(:)             !! shape (joints + 1)
+      real(wp), intent(in) :: ratio
       type(sketch_t), intent(out) :: sketch
       integer :: link(kind%graph%n), order(kind%graph%n), a, b, n, next, at, joint, slide, cylinder, drive
       logical :: has_point
@@ -67,7 +70,7 @@ contains
          do a = 1, n - 1
             do b = a + 1, n
                select case (graph%joint(a, b))
-               case (joint_none, joint_driven_slide)
+               case (joint_none, joint_driven_slide, joint_gear)
                   cycle
                case (joint_slide)
                   at = at + 1
@@ -97,7 +100,8 @@ contains
             sketch%y(joint) = places(at)%im
             call hang(sketch%links(link(kind%output)), joint)
          end if
-         allocate (sketch%drives(1), sketch%outputs(1), sketch%gears(0), sketch%variations(1))
+         allocate (sketch%drives(1), sketch%outputs(1), sketch%gears(merge(1, 0, kind%arm > 0)), sketch%variations(1))
+         if (kind%arm > 0) call put_in_gear(sketch)
          allocate (sketch%length_of(2, 0), sketch%length(0))
          sketch%variations(1)%kind = vary_all
          associate (one => sketch%drives(1))
@@ -145,11 +149,23 @@ contains
          count_of = 0
          do i = 1, n - 1
             do j = i + 1, n
-               if (any(kind%graph%joint(i, j) == [joint_none, joint_driven_slide])) cycle
+               if (any(kind%graph%joint(i, j) == [joint_none, joint_driven_slide, joint_gear])) cycle
                if ((kind%graph%joint(i, j) == what_joint) .eqv. is_it) count_of = count_of + 1
             end do
          end do
       end function count_of
+
+      !> The pair, the smaller wheel with `teeth`; of an internal pair the second number is negative.
+      pure subroutine put_in_gear(of)
+         type(sketch_t), intent(inout) :: of
+
+         associate (gear => of%gears(1))
+            gear%wheels = link(kind%wheels)
+            gear%carrier = link(kind%arm)
+            gear%ratio = ratio
+            gear%teeth = [teeth*max(1.0_wp, abs(ratio)), -sign(teeth*max(1.0_wp, 1.0_wp/abs(ratio)), ratio)]
+         end associate
+      end subroutine put_in_gear
    end subroutine draw_kind
 
    !> A link gets one more joint.
@@ -168,16 +184,19 @@ contains
       if (kind%graph%joint(kind%base, kind%driven) == joint_driven_slide) drawn_joints = drawn_joints - 1
    end function drawn_joints
 
-   !> Joints anywhere in a square of that side round a centre: which assembly that is, chance decides.
-   pure subroutine draw_at_random(kind, what, centre, side, random, sketch)
+   !> Joints anywhere in a square of that side round a centre: which assembly that is, chance decides. Gears have a random ratio,
+   !> too: `pair` is its place among those that the kind may have, 0: there are no gears.
+   pure subroutine draw_at_random(kind, what, centre, side, random, sketch, pair)
       type(linkage_kind_t), intent(in) :: kind
       integer, intent(in) :: what
       complex(wp), intent(in) :: centre
       real(wp), intent(in) :: side
       type(xoshiro_t), intent(inout) :: random
       type(sketch_t), intent(out) :: sketch
+      integer, intent(out) :: pair
       complex(wp) :: places(drawn_joints(kind) + 1)
       real(wp) :: angles(size(places)), u, v
+      real(wp), allocatable :: ratios(:)
       integer :: k
 
       do k = 1, size(places)
@@ -187,7 +206,13 @@ contains
          call random%next(u)
          angles(k) = half_turn*u
       end do
-      call draw_kind(kind, what, places, angles, sketch)
+      ratios = [ratios_of(kind), 1.0_wp]
+      pair = 0
+      if (kind%arm > 0) then
+         call random%next(u)
+         pair = 1 + int(u*real(size(ratios) - 1, wp))
+      end if
+      call draw_kind(kind, what, places, angles, ratios(max(1, pair)), sketch)
    end subroutine draw_at_random
 
    !> Joints so that a picture shows the kind: those of one link one unit apart, others as far as the links between them say (least
@@ -211,7 +236,7 @@ contains
          k = 0
          do a = 1, graph%n - 1
             do b = a + 1, graph%n
-               if (any(graph%joint(a, b) == [joint_none, joint_driven_slide])) cycle
+               if (any(graph%joint(a, b) == [joint_none, joint_driven_slide, joint_gear])) cycle
                k = k + 1
                on(:, k) = [a, b]
                ! cylinder and rod are one link
@@ -275,7 +300,9 @@ contains
          end do
          if (j > 0) angles(k) = direction(best(j) - best(k))
       end do
-      call draw_kind(kind, what, best, angles, sketch)
+      associate (ratios => [ratios_of(kind), 1.0_wp])
+         call draw_kind(kind, what, best, angles, ratios(1), sketch)
+      end associate
 
    contains
 

@@ -4,13 +4,17 @@
 !> Two linkages are of one kind if their links can be renumbered so that joints, frame, drive and output agree. Left out are
 !> kinds with links that do not move the output, and with outputs that a simpler kind has (a point on a crank or rocker). Pins
 !> become slides where links can still turn against each other: in every loop two joints at least stay pins.
+!>
+!> A chain of two freedoms with a gear pair has one, too. The wheels are two links that are pinned to a third, the arm. No other
+!> link is pinned to both (the four would be stiff), so two wheels have one arm.
 module psalm_linkage_kinds
    use psalm_chain_graphs, only: chain_graph_t, canonical_form, find_chains, form_length, most_links, joint_none, joint_pin, &
-                                 joint_slide, joint_driven_pin, joint_driven_slide
+                                 joint_slide, joint_driven_pin, joint_driven_slide, joint_gear
+   use psalm_kinds, only: wp
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: linkage_kind_t, wanted_kinds_t, find_kinds
+   public :: linkage_kind_t, wanted_kinds_t, find_kinds, ratios_of
    public :: kind_of_angle, kind_of_pose
 
    ! what the output is
@@ -22,10 +26,16 @@ module psalm_linkage_kinds
    integer, parameter :: colour_frame = 1, colour_output = 2
    integer, parameter :: name_length = 48
 
+   ! Turns of the driven wheel by those of the driver, seen from the arm. Whole numbers: where the driver comes back after a turn of
+   ! the crank, so does the driven wheel. Not 1: the wheels would stay parallel. Two wheels of one group drive each other.
+   real(wp), parameter :: ratios(*) = [-1.0_wp, -2.0_wp, 2.0_wp]
+   real(wp), parameter :: ratios_in_group(*) = [-1.0_wp, -2.0_wp, 2.0_wp, -0.5_wp, 0.5_wp]
+
    !> What kinds are wanted.
    type :: wanted_kinds_t
       integer, allocatable :: links(:)
       integer :: slides(2) = 0                     !! least and most, the driven one left out
+      integer :: gears(2) = 0                      !! pairs, least and most: 0 or 1
       integer :: drive = driven_by_crank
       integer :: output = kind_of_point
       integer :: largest_group = 2                 !! links of an Assur group at most
@@ -37,6 +47,8 @@ module psalm_linkage_kinds
       integer :: frame = 0, base = 0, driven = 0   !! links; the drive moves `driven` against `base`
       integer :: output = 0                        !! the link that has it
       integer :: slides = 0                        !! not driven
+      integer :: wheels(2) = 0, arm = 0            !! of its gear pair: links; 0: it has none. The first drives the second
+      logical :: wheels_in_group = .false.         !! both belong to one Assur group
       integer :: largest_group = 0                 !! links of its largest Assur group
       integer :: groups = 0
       character(name_length) :: name = ''            !! unique among the kinds found together
@@ -54,7 +66,14 @@ contains
 
       allocate (kinds(0))
       do k = 1, size(wanted%links)
-         call find_chains(wanted%links(k), 1, chains)
+         ! a gear pair takes one freedom: chains of two freedoms have an odd number of links
+         if (modulo(wanted%links(k), 2) == 0) then
+            if (wanted%gears(1) > 0) cycle
+            call find_chains(wanted%links(k), 1, chains)
+         else
+            if (wanted%gears(2) < 1) cycle
+            call find_chains(wanted%links(k), 2, chains)
+         end if
          do c = 1, size(chains)
             first = size(kinds)
             allocate (forms(0))
@@ -97,13 +116,75 @@ contains
                      kind%graph%colour(frame) = colour_frame
                      kind%graph%colour(output) = colour_output
                      kind%name = family_of(chain, number, frame)
-                     call choose_slides(kind, slides, 1, wanted, kinds, forms)
+                     if (modulo(chain%n, 2) == 0) then
+                        call choose_slides(kind, slides, 1, wanted, kinds, forms)
+                     else
+                        call choose_wheels(kind, slides, wanted, kinds, forms)
+                     end if
                   end do
                end do
             end do
          end do
       end do
    end subroutine add_kinds
+
+   !> Put every two links in gear that a third is pinned to, then make so many pins slides.
+   pure subroutine choose_wheels(kind, slides, wanted, kinds, forms)
+      type(linkage_kind_t), intent(in) :: kind
+      integer, intent(in) :: slides
+      type(wanted_kinds_t), intent(in) :: wanted
+      type(linkage_kind_t), allocatable, intent(inout) :: kinds(:)
+      character(form_length), allocatable, intent(inout) :: forms(:)
+      type(linkage_kind_t) :: geared
+      integer :: arm, a, b
+
+      do arm = 1, kind%graph%n
+         do a = 2, kind%graph%n
+            do b = 1, a - 1
+               if (.not. (is_pin(a) .and. is_pin(b))) cycle
+               if (kind%graph%joint(a, b) /= joint_none) cycle
+               geared = kind
+               geared%wheels = [a, b]
+               geared%arm = arm
+               call set_joint(geared%graph, a, b, joint_gear)
+               if (has_stiff_part(geared)) cycle
+               call choose_slides(geared, slides, 1, wanted, kinds, forms)
+            end do
+         end do
+      end do
+
+   contains
+
+      !> A link is pinned to the arm, and no part of a cylinder.
+      pure logical function is_pin(link)
+         integer, intent(in) :: link
+
+         is_pin = any(kind%graph%joint(link, arm) == [joint_pin, joint_driven_pin])
+         if (wanted%drive == driven_by_cylinder) is_pin = is_pin .and. all(link /= [kind%base, kind%driven]) .and. &
+                                                          all(arm /= [kind%base, kind%driven])
+      end function is_pin
+   end subroutine choose_wheels
+
+   !> True if links among themselves, the wheels and their arm among them, have no freedom left. The whole is not looked at.
+   pure logical function has_stiff_part(kind)
+      type(linkage_kind_t), intent(in) :: kind
+      integer :: set, pins, a, b
+
+      has_stiff_part = .true.
+      associate (graph => kind%graph)
+         do set = 1, 2**graph%n - 2
+            if (.not. (btest(set, kind%wheels(1) - 1) .and. btest(set, kind%wheels(2) - 1) .and. btest(set, kind%arm - 1))) cycle
+            pins = 0
+            do a = 2, graph%n
+               do b = 1, a - 1
+                  if (btest(set, a - 1) .and. btest(set, b - 1) .and. graph%are_joined(a, b)) pins = pins + 1
+               end do
+            end do
+            if (3*(popcnt(set) - 1) - 2*pins - 1 < 1) return
+         end do
+      end associate
+      has_stiff_part = .false.
+   end function has_stiff_part
 
    !> Make so many more pins slides, in every way, of the pairs of links from `next` on.
    pure recursive subroutine choose_slides(kind, left, next, wanted, kinds, forms)
@@ -133,6 +214,8 @@ contains
          b = modulo(pair - 1, most_links) + 1
          if (b <= a .or. b > kind%graph%n) cycle
          if (kind%graph%joint(a, b) /= joint_pin) cycle
+         ! wheels turn on the arm
+         if (any([a, b] == kind%arm) .and. (any(kind%wheels == a) .or. any(kind%wheels == b))) cycle
          ! cylinder and rod have a pin each
          if (wanted%drive == driven_by_cylinder .and. any([a, b] == kind%base .or. [a, b] == kind%driven)) cycle
          more = kind
@@ -150,7 +233,7 @@ contains
    end subroutine set_joint
 
    !> True if every loop has two pins at least: links that slides join turn together, so slides close no loop, and no pin joins two
-   !> links that slides join. A link that only slides hold has two of them at most.
+   !> links that slides join, nor are two such links in gear. A link that only slides hold has two of them at most.
    pure logical function turns(graph)
       type(chain_graph_t), intent(in) :: graph
       integer :: together(most_links), a, b, k
@@ -166,7 +249,7 @@ contains
       end do
       do a = 2, graph%n
          do b = 1, a - 1
-            if (any(graph%joint(a, b) == [joint_pin, joint_driven_pin]) .and. together(a) == together(b)) return
+            if (any(graph%joint(a, b) == [joint_pin, joint_driven_pin, joint_gear]) .and. together(a) == together(b)) return
          end do
       end do
       do a = 1, graph%n
@@ -185,7 +268,7 @@ contains
          if (output == kind_of_angle) then
             serves = on_frame == joint_pin
          else
-            serves = on_frame == joint_none
+            serves = .not. kind%graph%are_joined(kind%frame, kind%output)
          end if
       end associate
    end function serves
@@ -196,7 +279,7 @@ contains
       type(linkage_kind_t), intent(inout) :: kind
       integer, intent(in) :: drive
       logical :: known(most_links), needed(most_links)
-      integer :: group_of(most_links), set, size_of, k, j, a, b
+      integer :: group_of(most_links), set, size_of, k, j, a, b, gear_group
       logical :: inside(most_links), found
 
       associate (graph => kind%graph, n => kind%graph%n)
@@ -219,12 +302,17 @@ contains
                   do a = 1, n
                      if (.not. inside(a)) cycle
                      do b = 1, n
-                        if (graph%joint(a, b) == joint_none) cycle
+                        if (.not. graph%are_joined(a, b)) cycle
                         if (known(b) .or. (inside(b) .and. b < a)) j = j + 1
                      end do
                   end do
                   k = 3*size_of - 2*j
                   if (drive == driven_by_cylinder .and. inside(kind%base)) k = k - 1
+                  if (kind%arm > 0) then
+                     associate (members => [kind%wheels, kind%arm])
+                        if (any(inside(members)) .and. all(inside(members) .or. known(members))) k = k - 1
+                     end associate
+                  end if
                   if (k /= 0) cycle
                   found = .true.
                   exit sizes
@@ -242,6 +330,8 @@ contains
             kind%largest_group = max(kind%largest_group, size_of)
          end do
          ! what the output depends on
+         gear_group = 0
+         if (kind%arm > 0) gear_group = maxval(group_of([kind%wheels, kind%arm]))
          needed = .false.
          needed(kind%output) = .true.
          do
@@ -250,15 +340,35 @@ contains
                if (.not. needed(a)) cycle
                do b = 1, n
                   if (group_of(b) > 0 .and. group_of(b) == group_of(a)) needed(b) = .true.
-                  if (graph%joint(a, b) /= joint_none .and. group_of(b) < group_of(a)) needed(b) = .true.
+                  if (graph%are_joined(a, b) .and. group_of(b) < group_of(a)) needed(b) = .true.
                end do
+               if (gear_group > 0 .and. group_of(a) == gear_group) needed([kind%wheels, kind%arm]) = .true.
             end do
             if (all(needed .eqv. inside)) exit
          end do
          needed(kind%frame) = .true.
          if (.not. all(needed(:n))) kind%groups = 0
+         if (kind%arm == 0) return
+         if (gear_group == 0) kind%groups = 0
+         kind%wheels_in_group = all(group_of(kind%wheels) == gear_group)
+         if (group_of(kind%wheels(1)) > group_of(kind%wheels(2))) kind%wheels = kind%wheels([2, 1])
       end associate
    end subroutine find_groups
+
+   !> The ratios that the gear pair of a kind may have: turns of the second wheel by those of the first, seen from the arm. None
+   !> where it has no gears.
+   pure function ratios_of(kind) result(list)
+      type(linkage_kind_t), intent(in) :: kind
+      real(wp), allocatable :: list(:)
+
+      if (kind%arm == 0) then
+         allocate (list(0))
+      else if (kind%wheels_in_group) then
+         list = ratios_in_group
+      else
+         list = ratios
+      end if
+   end function ratios_of
 
    ! ---- names -------------------------------------------------------------------------------------------------------
 
@@ -272,6 +382,10 @@ contains
       select case (chain%n)
       case (4)
          name = 'four-bar'
+      case (5)
+         name = 'geared five-bar'
+      case (7)
+         name = 'geared seven-bar '//to_text(number)
       case (6)
          ternary = pack([(k, k=1, chain%n)], [(chain%degree(k) == 3, k=1, chain%n)])
          if (chain%joint(ternary(1), ternary(2)) /= joint_none) then

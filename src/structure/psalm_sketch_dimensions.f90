@@ -7,8 +7,8 @@ module psalm_sketch_dimensions
    use psalm_sketch, only: sketch_t, variation_t, frame_link, vary_length, vary_angle, vary_place, vary_input, vary_all
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
-   use psalm_traced_loops, only: loops_t, arc_with, traced_determined, traced_link, traced_slide, traced_crank, traced_actuator, &
-                                 traced_frame
+   use psalm_traced_loops, only: loops_t, traced_gear_t, arc_with, traced_determined, traced_link, traced_slide, traced_crank, &
+                                 traced_actuator, traced_frame
    implicit none (type, external)
    private
    public :: take_dimensions, fill_variables, fill_tolerances, quadrant_angle, dimension_words, none_such
@@ -194,7 +194,7 @@ contains
       end subroutine place_aside
 
       !> All lengths and angles of arcs that are not zero, or another's, or the input; the output point on its link; the place
-      !> of the whole; the reference input, unless timing is free.
+      !> of the whole; how wheels in gear stand to each other; the reference input, unless timing is free.
       subroutine vary_every(one)
          type(variation_t), intent(in) :: one
          real(wp), parameter :: far = 100.0_wp  ! times the longest length: bound of the distance of the input pivot
@@ -207,6 +207,9 @@ contains
                arc%length_varies = arc%length > 0.0_wp
                arc%angle_varies = arc%kind == traced_determined .or. arc%kind == traced_frame
             end associate
+         end do
+         do i = 1, size(loops%gears)
+            call vary_phase(loops%gears(i))
          end do
          loops%outlk_varies = loops%outlk > 0.0_wp
          loops%outang_varies = loops%outlk_varies
@@ -223,6 +226,21 @@ contains
             high(of_input) = far*one%high(1)
          end if
       end subroutine vary_every
+
+      !> How the wheels of a gear pair stand to each other: the direction, in the drawing, of one that its group finds.
+      subroutine vary_phase(gear)
+         type(traced_gear_t), intent(in) :: gear
+         integer :: side, arc
+
+         if (gear%drive > 0 .or. gear%of_slides) return
+         do side = size(gear%wheels), 1, -1
+            arc = loops%axis(gear%wheels(side))
+            if (arc <= 0) cycle
+            if (loops%arcs(arc)%kind /= traced_link .or. loops%arcs(arc)%loop /= gear%loop) cycle
+            loops%arcs(arc)%angle_varies = .true.
+            return
+         end do
+      end subroutine vary_phase
 
       !> Bounds of a direction from the pivot, for a frame arc that is traced against it when `turn` is 180.
       subroutine angle_bounds(arc, lowest, highest, turn)

@@ -6,6 +6,7 @@ module psalm_variables
    use psalm_parameters, only: parameters_t, no_parameters, variable_crnki, variable_origlk, variable_origng, &
                                variable_outang, variable_outlk, variable_aside, variable_aside_angle
    use psalm_status, only: diagnostics_t
+   use psalm_traced_loops, only: traced_link
    implicit none (type, external)
    private
    public :: find_variables
@@ -55,7 +56,12 @@ contains
          if (traced%outlk_varies) call parameters%vary(mechanism, variable_outlk)
          if (traced%pivot_varies) call parameters%vary(mechanism, variable_origlk)
          do n = 1, size(traced%arcs)
-            if (traced%arcs(n)%angle_varies) call parameters%vary_angle(mechanism, n)
+            if (.not. traced%arcs(n)%angle_varies) cycle
+            if (traced%arcs(n)%kind == traced_link) then
+               call parameters%vary_phase(mechanism, n)
+            else
+               call parameters%vary_angle(mechanism, n)
+            end if
          end do
          call take_aside(variable_aside_angle)
          if (traced%outang_varies) call parameters%vary(mechanism, variable_outang)

@@ -25,7 +25,7 @@ module psalm_kind_search
    use psalm_source, only: line_t
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t
-   use psalm_text, only: lower_case
+   use psalm_text, only: lower_case, to_text
    use psalm_traced_loops, only: traced_link
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
@@ -42,6 +42,7 @@ module psalm_kind_search
    integer, parameter :: kinds_request = 5     !! the host asked for the end
 
    integer, parameter :: most_assemblies = 4   !! of a kind
+   integer, parameter :: most_geared = 12      !! of a kind with gears, whose ratio is one more thing that may differ
    integer, parameter :: screened_at_once = 32  !! assemblies, then it is asked whether one is exact: not a number of threads
    integer, parameter :: drawings = 12         !! in a row without a new assembly, after which there are no more
    integer, parameter :: first_width = 8, first_starts = 2 !! of the first round
@@ -85,6 +86,7 @@ contains
       asked = kinds_of(set)
       wanted%links = asked%links
       wanted%slides = asked%slides
+      wanted%gears = asked%gears
       wanted%drive = asked%drive
       wanted%output = asked%output
       wanted%largest_group = asked%largest_group
@@ -164,8 +166,8 @@ contains
       if (.not. extent_of > 0.0_wp) extent_of = 1.0_wp
    end function extent_of
 
-   !> Assemblies of every kind: joints drawn at random until no new signs come. First one of each kind, then another of each,
-   !> and so on.
+   !> Assemblies of every kind: joints, and ratios of gears, drawn at random until no new signs or ratios come. First one of each
+   !> kind, then another of each, and so on.
    subroutine draw_contenders(set, asked, study, contenders, stop)
       type(data_set_t), intent(in) :: set
       type(kinds_group_t), intent(in) :: asked
@@ -173,19 +175,22 @@ contains
       type(kind_contender_t), allocatable, intent(out) :: contenders(:)
       type(stop_t), intent(in) :: stop
       type(kind_contender_t), allocatable :: one
-      type(kind_contender_t) :: all_of_them(most_assemblies*size(study%kinds))
+      type(kind_contender_t), allocatable :: all_of_them(:)
       type(xoshiro_t) :: random
       complex(wp) :: centre
       integer :: k, turn, n, tried, i
+      integer :: most(size(study%kinds))
       logical :: new, valid
 
+      most = merge(most_geared, most_assemblies, study%kinds%arm > 0)
+      allocate (all_of_them(sum(most)))
       centre = (0.0_wp, 0.0_wp)
       if (set%method%ndes > 0) centre = cmplx(sum(set%method%desx), sum(set%method%desy), wp)/real(set%method%ndes, wp)
       n = 0
-      do turn = 1, most_assemblies
+      do turn = 1, maxval(most)
          do k = 1, size(study%kinds)
             if (turn > 1 .and. stop%waiting()) exit
-            if (.not. study%looked(k)%drawn) cycle
+            if (.not. study%looked(k)%drawn .or. turn > most(k)) cycle
             call random%seed(set%method%istart, purpose_starts)
             call random%use_stream(turn*size(study%kinds) + k)
             new = .false.
@@ -241,6 +246,8 @@ contains
       type(sketch_t) :: sketch
       type(diagnostics_t) :: findings
       type(line_t) :: none(0)
+      character(:), allocatable :: title
+      integer :: pair
 
       allocate (one%set, one%prepared, drawn)
       method = set%method
@@ -251,13 +258,15 @@ contains
       search%ranking = ranking_common
       search%maxtime = 0.0_wp       ! of all kinds together
       sketch = set%sketch
-      call draw_at_random(kind, asked%output, centre, extent_of(set), random, sketch)
+      call draw_at_random(kind, asked%output, centre, extent_of(set), random, sketch, pair)
+      title = trim(set%title)//': '//trim(kind%name)
+      if (pair > 0) title = title//', gears '//teeth_of(sketch)
       associate (every => sketch%variations(1))
          every%bounded = .true.
          every%low(1) = merge(asked%low, usual_low*extent_of(set), asked%low > 0.0_wp)
          every%high(1) = merge(asked%high, usual_high*extent_of(set), asked%high > 0.0_wp)
       end associate
-      call set%redraw(trim(set%title)//': '//trim(kind%name), sketch, method, search, drawn)
+      call set%redraw(title, sketch, method, search, drawn)
       call resolve_drawn(drawn, one%set, findings)
       valid = .not. findings%failed()
       if (valid) valid = one%set%loops() > 0 .and. .not. allocated(one%set%search_in_poses)
@@ -266,9 +275,17 @@ contains
       valid = one%prepared%ready .and. .not. findings%failed()
       if (.not. valid) return
       associate (arcs => one%set%traced%arcs)
-         one%signs = pack(arcs%sign, arcs%kind == traced_link)
+         one%signs = [pack(arcs%sign, arcs%kind == traced_link), pair]
       end associate
    end subroutine draw_case
+
+   !> Teeth of the gear pair of a sketch, as 40/20; negative of an internal wheel.
+   pure function teeth_of(sketch) result(text)
+      type(sketch_t), intent(in) :: sketch
+      character(:), allocatable :: text
+
+      text = to_text(nint(sketch%gears(1)%teeth(1)))//'/'//to_text(nint(sketch%gears(1)%teeth(2)))
+   end function teeth_of
 
    !> Few random linkages of each.
    subroutine screen(contenders, threads, stop, later, floor, handicap, most)

@@ -7,7 +7,8 @@
 !>    P(t) = z0 + w1 J(t) + w2 u(t),
 !>
 !> and for given proportions and inputs the best z0, w1, w2 solve a least-squares problem. Written back, z0 is ORIGLK at ORIGNG; all
-!> lengths are multiplied by abs(w1); the angles of the frame and the inputs, free ones or CRNKI, are turned by its argument; w2
+!> lengths are multiplied by abs(w1); the angles of the frame and the inputs, free ones or CRNKI, are turned by its argument, those
+!> from which the turns of wheels in gear are counted by what their pairs make of it (`turn_of_phase`); w2
 !> over that turn is OUTLK at OUTANG. No dyad is solved again. Whether the dimensions that vary allow it is tried on the given
 !> linkage: enlarged and turned, it must move as the given one does. Source of the elimination: Golub and Pereyra (1973).
 module psalm_linear_unknowns
@@ -15,7 +16,7 @@ module psalm_linear_unknowns
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
    use psalm_kinds, only: wp, full_turn, half_turn
-   use psalm_mechanism, only: body_frame
+   use psalm_mechanism, only: mechanism_t, arc_link, body_frame
    use psalm_output_kind, only: motion_point
    use psalm_parameters, only: variable_length, variable_outlk, variable_outang, variable_origlk, variable_origng, &
                                variable_gama, variable_crnki
@@ -39,6 +40,7 @@ module psalm_linear_unknowns
       logical :: free = .false.                      !! the inputs turn, else CRNKI
       integer :: outlk = 0, outang = 0, origlk = 0, origng = 0 !! variables
       logical, allocatable :: grows(:), turns(:)     !! shape (nvar): lengths, angles of the frame
+      real(wp), allocatable :: times(:)              !! shape (nvar): of what turns, its turn by that of the whole
       complex(wp), allocatable :: joint(:), arm(:)   !! shape (positions): J, u
    end type linear_unknowns_t
 
@@ -66,11 +68,13 @@ contains
          if (min(linear%outlk, linear%outang, linear%origlk, linear%origng) == 0) return
          linear%grows = variables%kind == variable_length
          linear%turns = [(variables(v)%kind == variable_gama, v=1, size(variables))]
+         allocate (linear%times(size(variables)), source=1.0_wp)
          do v = 1, size(variables)
             if (linear%turns(v)) then
                ! one that hangs on another arc of the frame turns with that
                associate (arc => problem%mechanism%arcs(variables(v)%n))
-                  linear%turns(v) = arc%body == body_frame .and. arc%reference == 0
+                  linear%turns(v) = (arc%body == body_frame .and. arc%reference == 0) .or. arc%kind == arc_link
+                  if (arc%kind == arc_link) linear%times(v) = turn_of_phase(problem%mechanism, variables(v)%n)
                end associate
             end if
             if (variables(v)%kind == variable_crnki) linear%turns(v) = .not. free
@@ -95,13 +99,32 @@ contains
       joint = linear%joint
       arm = linear%arm
       where (linear%grows) values = trial_size*values
-      where (linear%turns) values = values + trial_turn
+      where (linear%turns) values = values + linear%times*trial_turn
       call look(linear, values, problem%delt + merge(trial_turn, 0.0_wp, free))
       call unit_vector(trial_turn, c, s)
       far = sqrt(maxval(square(linear%joint)))
       linear%applies = all(square(linear%joint - trial_size*cmplx(c, s, wp)*joint) <= (alike*far)**2) .and. &
                        all(square(linear%arm - cmplx(c, s, wp)*arm) <= alike**2)
    end subroutine prepare_linear_unknowns
+
+   !> How far the direction turns, from which the turns of a wheel are counted, where all links but the frame turn by 1. In a tie
+   !> the sum of factors times turns is zero.
+   pure real(wp) function turn_of_phase(mechanism, arc) result(turn)
+      type(mechanism_t), intent(in) :: mechanism
+      integer, intent(in) :: arc                     !! of the wheel
+      integer :: group, k, j
+
+      turn = 1.0_wp
+      do group = 1, mechanism%nloop
+         if (.not. allocated(mechanism%groups(group)%ties)) cycle
+         do k = 1, size(mechanism%groups(group)%ties)
+            associate (tie => mechanism%groups(group)%ties(k))
+               j = findloc(tie%arcs, arc, dim=1)
+               if (j > 0 .and. tie%drive == 0) turn = sum(tie%factors, mask=tie%arcs > 0)/tie%factors(j)
+            end associate
+         end do
+      end do
+   end function turn_of_phase
 
    !> J and u of a linkage.
    subroutine look(linear, values, delt)
@@ -143,7 +166,7 @@ contains
       w2 = w2*conjg(w1)/growth
       trial = values
       where (linear%grows) trial = growth*values
-      where (linear%turns) trial = values + turn
+      where (linear%turns) trial = values + linear%times*turn
       trial(linear%origlk) = sqrt(square(z0))
       trial(linear%origng) = degrees_of(real(z0, wp), aimag(z0))
       trial(linear%outlk) = sqrt(square(w2))

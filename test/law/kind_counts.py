@@ -4,8 +4,8 @@
 usage: test/law/kind_counts.py PROGRAM_DIRECTORY
 
 Chains are found another way than in the program: links of three and more joints as a multigraph, links of two put on its edges, the least
-description over all renumberings of the former. Kinds of them - frame, crank, output, slides - are told apart by all renumberings, and
-are counted; psalm --kinds must list as many, no two of them the same. Last line: N passed, N failed.
+description over all renumberings of the former. Kinds of them - frame, crank, output, slides, a gear pair - are told apart by all
+renumberings, and are counted; psalm --kinds must list as many, no two of them the same. Last line: N passed, N failed.
 """
 import hashlib
 import itertools
@@ -20,6 +20,7 @@ from tally import check, report
 
 PSALM = os.path.join(os.path.abspath(sys.argv[1]), "psalm")
 PUBLISHED = {4: 1, 6: 2, 8: 16, 10: 230}         # chains of one freedom with pins
+PUBLISHED_TWO = {5: 1, 7: 4, 9: 40}              # of two freedoms
 INVERSIONS = {4: 1, 6: 5, 8: 71}
 
 
@@ -33,19 +34,21 @@ def stiff(n, joints):
     return False
 
 
-def degree_lists(n):
-    """Joints of the links with more than two, for one freedom: their sum is 3n - 4 with those of two."""
+def degree_lists(n, freedom):
+    """Joints of the links with more than two: their sum is 3n - 3 - freedom with those of two."""
     found = []
-    for many in range(2, n):
+    for many in range(1, n):
         for degrees in itertools.combinations_with_replacement(range(3, n), many):
-            if sum(degrees) + 2*(n - many) == 3*n - 4:
+            if sum(degrees) + 2*(n - many) == 3*n - 3 - freedom:
                 found.append(tuple(sorted(degrees, reverse=True)))
     return found
 
 
-def multigraphs(degrees):
-    """How many paths join each pair of links, of themselves none."""
+def multigraphs(degrees, freedom):
+    """How many paths join each pair of links; a link with itself only where there are two freedoms, one in each of two parts."""
     pairs = list(itertools.combinations(range(len(degrees)), 2))
+    if freedom > 1:
+        pairs += [(a, a) for a in range(len(degrees))]
 
     def go(i, left):
         if i == len(pairs):
@@ -53,7 +56,7 @@ def multigraphs(degrees):
                 yield ()
             return
         a, b = pairs[i]
-        for m in range(min(left[a], left[b]) + 1):
+        for m in range((min(left[a], left[b]) if a != b else left[a]//2) + 1):
             rest = list(left)
             rest[a] -= m
             rest[b] -= m
@@ -62,12 +65,12 @@ def multigraphs(degrees):
     return pairs, go(0, list(degrees))
 
 
-def chains(n):
+def chains(n, freedom=1):
     """All chains as lists of joints."""
     found = []
-    for degrees in degree_lists(n):
+    for degrees in degree_lists(n, freedom):
         binaries, many = n - len(degrees), range(len(degrees))
-        pairs, graphs = multigraphs(degrees)
+        pairs, graphs = multigraphs(degrees, freedom)
         place = {pair: i for i, pair in enumerate(pairs)}
         # by a renumbering the paths of a pair become those of another
         moves = [tuple(place[tuple(sorted((p[a], p[b])))] for a, b in pairs) for p in itertools.permutations(many)
@@ -93,6 +96,8 @@ def chains(n):
                         row[i] = v
                     if any(v.count(0) > 1 for v in row) or tuple(row) in seen:
                         continue
+                    if any(a == b and min(v, default=3) < 3 for (a, b), v in zip(pairs, row)):
+                        continue
                     for move in own:
                         image = [()]*len(pairs)
                         for i, v in enumerate(row):
@@ -106,11 +111,18 @@ def chains(n):
                                 joints.append((last, next_link))
                                 last, next_link = next_link, next_link + 1
                             joints.append((last, b))
-                    if not stiff(n, joints):
+                    if not stiff(n, joints) and connected(n, joints):
                         found.append(joints)
-    if n == 4:
-        found.append([(0, 1), (1, 2), (2, 3), (0, 3)])
+    if n == 3 + freedom:
+        found.append([(k, k + 1) for k in range(n - 1)] + [(0, n - 1)])
     return found
+
+
+def connected(n, joints):
+    together = list(range(n))
+    for a, b in joints:
+        together = [together[a] if t == together[b] else t for t in together]
+    return len(set(together)) == 1
 
 
 def partitions(total, places, least=0):
@@ -181,7 +193,7 @@ def turns(n, joints):
             old, new = together[b], together[a]
             together = [new if t == old else t for t in together]
     if any(kind != "=" and together[a] == together[b] for (a, b), kind in joints.items()):
-        return False
+        return False                                # wheels, too: between links that slides join they would be locked
     return all(sum(kind == "=" and x in pair for pair, kind in joints.items()) <= 2 for x in range(n))
 
 
@@ -211,19 +223,84 @@ def own_kinds(n, slides, output_is):
     return found
 
 
-def listed(n, slides, output):
+def geared_kinds(n, slides, output_is, largest):
+    """With a gear pair: kinds in which no fewer links with the frame, the crank and the output have one freedom. Two links of a group at
+    most: wheels follow one by one, the others as dyads."""
+    found = set()
+    for chain in chains(n, 2):
+        joined = [sum(1 for a, b in chain if s >> a & s >> b & 1) for s in range(2**n)]
+        freedom = [3*(bin(s).count("1") - 1) - 2*joined[s] for s in range(2**n)]
+        beside = {a: {b for p in chain for b in p if a in p and b != a} for a in range(n)}
+        for arm in range(n):
+            for wheels in itertools.combinations(sorted(beside[arm]), 2):
+                if wheels in chain or wheels[::-1] in chain:
+                    continue
+                three = 1 << arm | 1 << wheels[0] | 1 << wheels[1]
+                left = [f - (s & three == three) for s, f in enumerate(freedom)]
+                if any(left[s] < 1 for s in range(2**n - 1) if bin(s).count("1") > 1):
+                    continue
+                for crank in chain:
+                    for frame in crank:
+                        driven = sum(crank) - frame
+                        for output in range(n):
+                            if output in (frame, driven):
+                                continue
+                            ends = 1 << frame | 1 << driven | 1 << output
+                            if any(left[s] == 1 for s in range(2**n - 1) if s & ends == ends):
+                                continue
+                            if largest == 2 and not wheel_and_dyads(n, beside, arm, wheels, frame, driven):
+                                continue
+                            pair = next((p for p in chain if set(p) == {frame, output}), None)
+                            others = [p for p in chain if p != crank and not (arm in p and set(p) & set(wheels))]
+                            for chosen in itertools.combinations(others, slides):
+                                joints = {p: "=" if p in chosen else "*" if p == crank else "-" for p in chain}
+                                on_frame = joints[pair] if pair else None
+                                if (on_frame is not None) if output_is != "ANGLE" else on_frame != "-":
+                                    continue
+                                joints[wheels] = ":"
+                                if not turns(n, joints):
+                                    continue
+                                colours = [0]*n
+                                colours[frame], colours[driven], colours[output] = 1, 2, 3
+                                found.add(least_form(n, joints, colours))
+    return found
+
+
+def wheel_and_dyads(n, beside, arm, wheels, frame, driven):
+    """All links follow, one wheel from the arm and the other wheel, two links at a time from the others."""
+    known = {frame, driven}
+    used = False
+    while len(known) < n:
+        step = None
+        for w, other in (wheels, wheels[::-1]):
+            if not used and w not in known and {arm, other} <= known and beside[w] & known == {arm}:
+                step = {w}
+                used = True
+        if not step:
+            for a in set(range(n)) - known:
+                for b in beside[a] - known:
+                    if len(beside[a] & known) == 1 and len(beside[b] & known) == 1 and (used or not {arm, *wheels} <= known | {a, b}):
+                        step = {a, b}
+        if not step:
+            return False
+        known |= step
+    return used
+
+
+def listed(n, slides, output, gears="0", groups=2):
     name = os.path.join(FOLDER, "kinds.nml")
     with open(name, "w") as out:
-        out.write("kinds\n &KINDS LINKS=%d, SLIDES=%d,%d, OUTPUT='%s' &END\n &METHOD NDES=1 &END\n" % (n, slides, slides, output))
+        out.write("kinds\n &KINDS LINKS=%d, SLIDES=%d,%d, OUTPUT='%s', GEARS=%s, GROUPS=%d &END\n &METHOD NDES=1 &END\n"
+                  % (n, slides, slides, output, gears, groups))
     done = subprocess.run([PSALM, "--kinds", name], capture_output=True, text=True, timeout=300)
     kinds = []
     for line in done.stdout.split("\n"):
-        match = re.search(r"((?:\d+\*?[-=]\d+ )+) P ON (\d+)", line)
+        match = re.search(r"((?:\d+\*?[-=:]\d+(?:\(\d+\))? )+) P ON (\d+)", line)
         if not match:
             continue
         joints = {}
         driven = None
-        for a, kind, b in re.findall(r"(\d+)(\*?[-=])(\d+)", match.group(1)):
+        for a, kind, b in re.findall(r"(\d+)(\*?[-=:])(\d+)", match.group(1)):
             joints[(int(a) - 1, int(b) - 1)] = "*" if "*" in kind else kind
             if "*" in kind:
                 driven = int(b) - 1
@@ -252,5 +329,20 @@ for n, slides, output in ((4, 0, "POINT"), (4, 1, "POINT"), (4, 2, "POINT"), (4,
         forms.add(least_form(n, joints, colours))
     check(what + ": no two the same", len(forms) == len(kinds), (len(forms), len(kinds), said))
     own = own_kinds(n, slides, output)
+    check(what + ": all of them, %d" % len(own), forms == own, (len(own), len(forms), len(own - forms), len(forms - own)))
+for n, number in PUBLISHED_TWO.items():
+    found = chains(n, 2)
+    check("%d links: %d chains of two freedoms here" % (n, number), len(found) == number, len(found))
+for n, slides, output, groups in ((5, 0, "POINT", 2), (5, 0, "POINT", 6), (5, 1, "POINT", 6), (5, 2, "POINT", 6), (5, 1, "ANGLE", 6),
+                                  (5, 0, "POSE", 6), (7, 0, "POINT", 2), (7, 0, "POINT", 6), (7, 0, "ANGLE", 6), (7, 1, "ANGLE", 2)):
+    kinds, said = listed(n, slides, output, "1", groups)
+    what = "%d links with gears, %d slides, %s, GROUPS=%d" % (n, slides, output, groups)
+    forms = set()
+    for joints, driven, out in kinds:
+        colours = [0]*n
+        colours[0], colours[driven], colours[out] = 1, 2, 3
+        forms.add(least_form(n, joints, colours))
+    check(what + ": no two the same", len(forms) == len(kinds) > 0, (len(forms), len(kinds), said))
+    own = geared_kinds(n, slides, output, groups)
     check(what + ": all of them, %d" % len(own), forms == own, (len(own), len(forms), len(own - forms), len(forms - own)))
 sys.exit(report())

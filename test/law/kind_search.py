@@ -11,6 +11,7 @@ import html.parser
 import math
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -147,6 +148,62 @@ code, listing, said, stem = run("cylinders", "LINKS=6, SLIDES=1, DRIVEN='CYLINDE
 kinds = re.findall(r"^ +\d+ +6 .* (\d.*) P ON", listing, re.M)
 check("cylinder and rod have a pin each", len(kinds) > 1 and not any(re.search(r"\b[23]=|=[23]\b", k.replace("2*=3", "")) for k in kinds), kinds)
 
+# gears: the path of a five-bar whose second crank turns back twice as fast, by wheels and dyads of its own
+def meeting(p, r, q, s, side):
+    line = q - p
+    along = (abs(line)**2 + r*r - s*s)/(2*abs(line))
+    return p + line/abs(line)*complex(along, side*math.sqrt(max(r*r - along*along, 0.0)))
+
+
+def side_of(p, joint, q):
+    return 1.0 if ((q - p).conjugate()*(joint - p)).imag > 0 else -1.0
+
+
+def five_bar(joints, at, ratio, turn):
+    """The output point of a sketch whose wheels are crank and rocker on the frame; joints by name: pivots 'A', 'B', on the crank 'C', the
+    meeting 'D', on the wheel 'E', the output 'P' on `at`, 'CD' or 'DE'."""
+    a, b, c, d, e, p = (joints[k] for k in "ABCDEP")
+    c_now = a + (c - a)*cmath.exp(1j*math.radians(turn))
+    e_now = b + (e - b)*cmath.exp(1j*math.radians(ratio*turn))
+    d_now = meeting(c_now, abs(d - c), e_now, abs(d - e), side_of(c, d, e))
+    start, now = (c, c_now) if at == "CD" else (e, e_now)
+    return now + (p - start)*(d_now - now)/(d - start)
+
+
+GIVEN = dict(A=0j, B=3+0.5j, C=0.6+0.5j, D=1.9+2.9j, E=3.4+1.1j, P=0.5+3.1j)
+points = [five_bar(GIVEN, "CD", -2.0, 15*k) for k in range(24)]
+curve = "".join("%r,%r\n" % (z.real, z.imag) for z in points)
+wide = max(abs(z - w) for z in points for w in points)
+code, listing, said, stem = run("geared", "LINKS=5, GEARS=1,1, ONLY='geared five-bar, 1', PATNCE=2, NKINDS=1", "&LIMITS TANGLE=90 &END\n &SEARCH NSTART=150 &END",
+                                curve=curve)
+check("a geared five-bar is found again", code in (0, 1) and choice(listing)[0][0] < 0.01*wide and ", gears " in listing, (said, listing[:1500]))
+case = open(stem + ".dev7").read()
+numbers = lambda item: [float(x) for x in re.search(r"\b%s=([^A-Z']*?)(?:,?\s*(?:[A-Z]\w*=|&END))" % item, case.replace("E+", "e+").replace("E-", "e-"), re.S)
+                        .group(1).replace("\n", "").rstrip(", ").split(",")]
+names = re.findall(r"'(\w+)'", re.search(r"JNT=(.*?)\n  JX", case, re.S).group(1))
+drawn = dict(zip(names, (complex(x, y) for x, y in zip(numbers("JX"), numbers("JY")))))
+links = dict(zip(re.findall(r"'(\w+)'", re.search(r"LNAME=(.*?)\n", case).group(1)),
+                 (w.split() for w in re.findall(r"'([\w ]+)'", re.search(r"LNK=(.*?)\n", case).group(1)))))
+wheel = re.search(r"GEARB='(\w+)'", case).group(1)
+check("its wheels are the crank and a link on the frame", re.search(r"GEARA='crank'", case) and re.search(r"GCARR='frame'", case) and
+      set(links[wheel]) & set(links["frame"]), case[:800])
+ends = {"A": (set(links["frame"]) & set(links["crank"])).pop(), "B": (set(links["frame"]) & set(links[wheel])).pop()}
+ends["C"] = (set(links["crank"]) - {ends["A"]}).pop()
+ends["E"] = (set(links[wheel]) - {ends["B"]}).pop()
+ends["D"] = (set(names) - set(ends.values()) - {"P"}).pop()
+on = "CD" if any({ends["C"], "P"} <= set(link) for link in links.values()) else "DE"
+found = {k: drawn[v] for k, v in ends.items()} | {"P": drawn["P"]}
+ratio = -numbers("GTA")[0]/numbers("GTB")[0]
+off = [abs(five_bar(found, on, ratio, turn) - z) for turn, z in zip(numbers("DELT"), points)]
+rms = math.sqrt(sum(x*x for x in off)/len(off))
+check("its error is that of the law of its wheels", math.isclose(rms, choice(listing)[0][0], rel_tol=1e-4, abs_tol=1e-7*wide), (rms, choice(listing)[0]))
+code, listing, said, stem = run("atlas", "LINKS=4,5, GEARS=1, GROUPS=3", options=["--kinds"])
+check("kinds with and without gears", "KINDS OF LINKAGES: 10" in listing and "2:5(1)" in listing, listing)
+shutil.copy(stem + ".dev7", stem + "_drawn.nml")
+done = subprocess.run([os.path.join(BIN, "balm"), "--animate", stem + "_drawn.nml"], capture_output=True, text=True, timeout=300, cwd=FOLDER)
+svg = [open(os.path.join(FOLDER, f)).read() for f in sorted(os.listdir(FOLDER)) if f.startswith("atlas_drawn") and f.endswith(".move.svg")]
+check("wheels are drawn", len(svg) == 10 and sum('<g class="wheel' in s for s in svg) == 9, (len(svg), done.stderr[-300:]))
+
 # a function and poses, whose timing is prescribed
 text = "".join("%d,%r\n" % (10*k, 60 + 20*math.sin(k/3)) for k in range(8))
 code, listing, said, stem = run("function", "LINKS=4, OUTPUT='ANGLE', PATNCE=1, NKINDS=1", "&CONSTR IRANGE=1 &END\n &SEARCH NSTART=40 &END\n &LIMITS TANGLE=90 &END",
@@ -155,7 +212,9 @@ check("a function: a four-bar within half a degree", code == 0 and choice(listin
 code, listing, said, stem = run("bare", "LINKS=4, OUTPUT='ANGLE'")
 check("a function is not a path", code == 2 and "nothing is wanted" in said, said)
 
-for kinds, more, words in (("LINKS=5", "", "kinds of 4, 6 and 8 links"), ("LINKS=4, SLIDES=4", "", "from 0 to 3 pins"),
+for kinds, more, words in (("LINKS=9", "", "kinds of 4, 6 and 8 links"), ("LINKS=5", "", "only a gear pair gives an odd number"),
+                           ("LINKS=4, GEARS=1,1", "", "with a gear pair have 5 or 7 links"), ("GEARS=2", "", "a linkage has one gear pair"),
+                           ("GEARS=1,0", "", "least number of gear pairs comes first"), ("LINKS=4, SLIDES=4", "", "from 0 to 3 pins"),
                            ("LINKS=4, SLIDES=2,1", "", "least number of slides comes first"),
                            ("LINKS=4, LENLOW=1", "", "both bounds"), ("LINKS=4, LENLOW=2, LENHGH=1", "", "must be above LENLOW"),
                            ("LINKS=4, WEIGH='ERROR'", "", "two words are weighed"), ("LINKS=4, WEIGH='ERROR','X'", "", "is expected; found 'X'"),

@@ -11,6 +11,7 @@ links behind a wheel must be followed to every position that closes in a finer r
 import csv
 import math
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -115,9 +116,42 @@ def leads_to_a_group(teeth):
         check("%s: the same positions, steps of %g" % (what, step), off < NEAR, off)
 
 
+def stays_in_gear():
+    """A search of lengths leaves the teeth of wheels between each other that one group finds: their lines have the angles of the drawing."""
+    text = ("WHEELS OF ONE GROUP\n &CHAIN JNT='A','B','C','D','E','P', JX=0,1,4,6,5,3, JY=0,1,4,1,0,5,\n"
+            "  LNAME='frame','crank','arm','wheel','rocker', LNK='A E','A B','B C P','C D','D E',\n"
+            "  GEARA='crank', GEARB='wheel', GCARR='arm', GTA=%r, GTB=%r, VARY='A B','B C','C D','D E' &END\n &DRIVES DRIVE='A' &END\n"
+            " &OUTPUTS OUTPUT='point P' &END\n &METHOD NDES=6, DELT=10,20,30,40,50,60, DESX=2.9,2.7,2.5,2.3,2,1.8,\n"
+            "  DESY=5.1,5.2,5.3,5.4,5.4,5.3 &END\n &SEARCH SOLVER='LSQ', NSTART=2 &END\n")
+    for teeth in ((20.0, 20.0), (20.0, -40.0)):
+        with tempfile.TemporaryDirectory() as work:
+            name = os.path.join(work, "c.nml")
+            with open(name, "w", encoding="utf-8") as file:
+                file.write(text % teeth)
+            done = subprocess.run([os.path.join(programs, "psalm"), "--quiet", name], cwd=work, capture_output=True, text=True)
+            with open(os.path.join(work, "c.dev7"), encoding="utf-8") as file:
+                cases = [text % teeth, file.read().replace("E+", "e+").replace("E-", "e-")]
+        given, found = (in_gear([numbers_of(case, item) for item in ("JX", "JY")], -teeth[0]/teeth[1]) for case in cases)
+        # a turn of one wheel is a part of one of the other
+        off = abs(math.remainder(found - given, 360.0*min(1.0, abs(teeth[0]/teeth[1]))))
+        check("a search leaves wheels %g:%g in gear" % teeth, done.returncode in (0, 1) and off < NEAR, (off, done.stderr[-200:]))
+
+
+def numbers_of(case, item):
+    return [float(x) for x in re.search(r"\b%s=([\d.,+\-e\s]*)" % item, case).group(1).replace("\n", "").strip(" ,").split(",")]
+
+
+def in_gear(joints, ratio):
+    """What turns of crank, arm and wheel do not change: ratio (crank - arm) - (wheel - arm), degrees."""
+    x, y = joints
+    crank, arm, wheel = (math.degrees(math.atan2(y[k + 1] - y[k], x[k + 1] - x[k])) for k in range(3))
+    return ratio*(crank - arm) - (wheel - arm)
+
+
 for where in (FIXED, PLANET):
     for numbers in ((20.0, 10.0), (30.0, 10.0), (50.0, 10.0), (20.0, -20.0), (20.0, 30.0), (20.0, -37.0), (90.0, 17.0), (1.0, 7.0)):
         follows_its_teeth(where, numbers)
 for numbers in ((20.0, 10.0), (20.0, 20.0), (20.0, 30.0)):
     leads_to_a_group(numbers)
+stays_in_gear()
 sys.exit(report())
