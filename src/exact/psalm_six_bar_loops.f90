@@ -198,14 +198,18 @@ contains
    end subroutine add_to
 
    !> For each solution the first that is the same, itself if it is new.
-   pure function first_equal(solutions) result(first)
+   pure function first_equal(solutions, within) result(first)
       complex(wp), intent(in) :: solutions(:, :)     !! shape (2 unknowns, count)
+      real(wp), intent(in), optional :: within       !! square of the relative difference of numbers that are the same
       integer, allocatable :: first(:)
       real(wp), allocatable :: sums(:)
+      real(wp) :: square
       integer, allocatable :: order(:)
       complex(wp) :: weight(2*most_unknowns)
       integer :: i, k, n
 
+      square = same_within
+      if (present(within)) square = within
       n = size(solutions, 2)
       ! angles far from any that a problem has
       weight = [(exp(cmplx(0.0_wp, 1.7_wp*real(k, wp)**2, wp)), k=1, size(weight))]
@@ -219,7 +223,7 @@ contains
          do k = i - 1, 1, -1
             if (sums(order(i)) - sums(order(k)) > window) exit
             if (.not. all(abs(solutions(:, order(i)) - solutions(:, order(k)))**2 <= &
-                          same_within*(abs(solutions(:, order(i)))**2 + abs(solutions(:, order(k)))**2))) cycle
+                          square*(abs(solutions(:, order(i)))**2 + abs(solutions(:, order(k)))**2))) cycle
             first(order(i)) = min(first(order(k)), order(i))
             if (order(k) > first(order(i))) first(order(k)) = first(order(i))
          end do
