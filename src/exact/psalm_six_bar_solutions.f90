@@ -2,9 +2,9 @@
 !>
 !> The start is turned so that it is near the wanted problem, and by a further phase, since a straight way between real problems
 !> would meet singular ones. A path that does not arrive, or ends where another one did, is followed again the same way in extended
-!> precision with more care. Where the number of solutions is known the few that are lost all the same have their last part followed in
-!> quadruple precision: near solutions that nearly coincide, or that are far away, rounding hides the corrections. What is missing then
-!> is sought by another way; the ends of all ways are united.
+!> precision with more care. Where the number of solutions is known the few that are lost all the same have their last part
+!> followed in quadruple precision: near solutions that nearly coincide, or that are far away, rounding hides the corrections.
+!> What is missing then is sought by another way; the ends of all ways are united.
 module psalm_six_bar_solutions
    use psalm_kinds, only: wp
    use psalm_six_bar_loops, only: first_equal, start_set_t, pack_columns, usual_tolerance
@@ -12,6 +12,7 @@ module psalm_six_bar_solutions
    use psalm_six_bar_paths_extended, only: follow_extended => follow, polish_extended => polish
    use psalm_six_bar_paths_quad, only: follow_quad => follow
    use psalm_six_bar_problem, only: scale_data, scale_unknowns, six_bar_data_t, six_bar_problem_t
+   use psalm_six_bar_team, only: follow_shared
    use psalm_stop, only: stop_t
    implicit none (type, external)
    private
@@ -22,8 +23,8 @@ module psalm_six_bar_solutions
    real(wp), parameter :: careful(2) = [1.0e-5_wp, 1.0e-7_wp] !! errors of a prediction that is aimed at
    real(wp), parameter :: last_part = 0.01_wp        !! of a path, in quadruple precision
    integer, parameter :: most_in_quad = 64           !! more lost paths than that lie at the problem, not at rounding
-   real(wp), parameter :: same_exactly = 1.0e-18_wp  !! square of the relative difference of ends that are one, in extended precision
-   real(wp), parameter :: doubtful_digits = 1.0e-12_wp !! last correction of an end that is polished in extended precision too
+   real(wp), parameter :: same_exactly = 1.0e-18_wp  !! square of the relative difference of ends in extended precision that are one
+   real(wp), parameter :: doubtful_digits = 1.0e-12_wp !! last correction of an end that is polished again
    real(wp), parameter :: far_off = 1.0e3_wp         !! a number of a path that is lost far away, over the frame
    !> By which phases a pass turns input and output.
    real(wp), parameter :: signs(2, most_passes) = reshape([1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp, -1.0_wp, 0.6_wp], [2, most_passes])
@@ -54,10 +55,11 @@ contains
    end function complete
 
    !> Follow the solutions of a start set to a problem of its kind.
-   subroutine solve_six_bar(start, to, certain, found, stop)
+   subroutine solve_six_bar(start, to, certain, threads, found, stop)
       type(start_set_t), intent(in) :: start
       type(six_bar_data_t), intent(in) :: to
       logical, intent(in) :: certain                 !! the start set has all; if not one pass is made
+      integer, intent(in) :: threads                 !! that share the paths; the ends do not depend on it
       type(solutions_t), intent(out) :: found
       type(stop_t), intent(in), optional :: stop     !! asked now and then
       type(six_bar_data_t) :: from
@@ -82,10 +84,11 @@ contains
                call scale_unknowns(problem, l, m, starts(:, i))
             end do
             ends = starts
-            call follow(problem, from, to, starts, usual_tolerance, ends, arrived, steps, stop, 0, n)
+            call follow_shared(follow, problem, from, to, starts, usual_tolerance, threads, .true., ends, arrived, &
+                               steps, stop)
             found%steps = found%steps + steps
             if (present(stop)) found%stopped = stop%waiting()
-            if (.not. found%stopped) call mend(problem, from, to, starts, certain, ends, arrived, found, stop)
+            if (.not. found%stopped) call mend(problem, from, to, starts, certain, threads, ends, arrived, found, stop)
             found%passes = pass
             found%followed = merge(count(arrived), n, found%stopped)
             ! a path that was cut off is not lost
@@ -149,8 +152,8 @@ contains
       found%left(which) = left
    end subroutine polish_rest
 
-   !> For each end the first that is the same, itself if it is new. Real ends may lie so near each other that only extended precision
-   !> tells them apart. The first `known` differ from each other.
+   !> For each end the first that is the same, itself if it is new. Real ends may lie so near each other that only extended
+   !> precision separates them. The first `known` differ from each other.
    function same_ends(problem, to, ends, known) result(first)
       type(six_bar_problem_t), intent(in) :: problem
       type(six_bar_data_t), intent(in) :: to
@@ -183,11 +186,12 @@ contains
    end function same_ends
 
    !> Follow those that did not arrive, and those that ended at the same place, again with more care.
-   subroutine mend(problem, from, to, starts, certain, ends, arrived, found, stop)
+   subroutine mend(problem, from, to, starts, certain, threads, ends, arrived, found, stop)
       type(six_bar_problem_t), intent(in) :: problem
       type(six_bar_data_t), intent(in) :: from, to
       complex(wp), intent(in) :: starts(:, :)
       logical, intent(in) :: certain                 !! all paths have an end
+      integer, intent(in) :: threads
       complex(wp), intent(inout) :: ends(:, :)
       logical, intent(inout) :: arrived(:)
       type(solutions_t), intent(inout) :: found
@@ -210,11 +214,12 @@ contains
          if (size(which) == 0) exit
          allocate (again(size(starts, 1), size(which)), came(size(which)))
          if (care <= size(careful)) then
-            call follow_extended(problem, from, to, starts(:, which), careful(care), again, came, steps, stop)
+            call follow_shared(follow_extended, problem, from, to, starts(:, which), careful(care), threads, .false., &
+                               again, came, steps, stop)
          else if (size(which) > most_in_quad) then
             exit
          else
-            call follow_last_part(problem, from, to, starts(:, which), again, came, steps, stop)
+            call follow_last_part(problem, from, to, starts(:, which), threads, again, came, steps, stop)
          end if
          found%steps = found%steps + steps
          found%mended = found%mended + count(came .and. .not. arrived(which))
@@ -230,10 +235,11 @@ contains
    end subroutine mend
 
    !> Follow paths in extended precision and with the greatest care until little of the way is left, that in quadruple precision.
-   subroutine follow_last_part(problem, from, to, starts, ends, arrived, steps, stop)
+   subroutine follow_last_part(problem, from, to, starts, threads, ends, arrived, steps, stop)
       type(six_bar_problem_t), intent(in) :: problem
       type(six_bar_data_t), intent(in) :: from, to
       complex(wp), intent(in) :: starts(:, :)
+      integer, intent(in) :: threads
       complex(wp), intent(out) :: ends(:, :)
       logical, intent(out) :: arrived(:)
       integer, intent(out) :: steps
@@ -249,10 +255,12 @@ contains
       between%de = to%de + last_part*(from%de - to%de)
       between%df = to%df + last_part*(from%df - to%df)
       between%known = to%known + last_part*(from%known - to%known)
-      call follow_extended(problem, from, between, starts, careful(size(careful)), ends, arrived, steps, stop)
+      call follow_shared(follow_extended, problem, from, between, starts, careful(size(careful)), threads, .false., &
+                         ends, arrived, steps, stop)
       which = pack([(i, i=1, size(arrived))], arrived)
       allocate (rest(size(starts, 1), size(which)), came(size(which)))
-      call follow_quad(problem, between, to, ends(:, which), careful(1), rest, came, more, stop)
+      call follow_shared(follow_quad, problem, between, to, ends(:, which), careful(1), threads, .false., rest, came, &
+                         more, stop)
       steps = steps + more
       ends(:, which) = rest
       arrived(which) = came
