@@ -242,11 +242,12 @@ contains
       integer :: threads
 
       if (set%gives('EXACT')) then
-         call signals%hold(1)
+         call take_threads(set, threads, devices)
+         call signals%hold(threads)
          paths%request => signals
          stop_reported = stop
          call stop_reported%listen_to(paths)
-         call run_exact(set, stop_reported, devices)
+         call run_exact(set, threads, stop_reported, devices)
          if (paths%active) call write_standard_error(nl)
          stopped = asked_to_end()
          return

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Counts and times of all Watt II through nine points of a function: for doc/measured/six_bars.md and function_generators.md.
 
-usage: bench/six_bars.py random N [BIN]   N problems whose points are drawn: ends found, real ones certified, seconds of a thread
+usage: bench/six_bars.py BIN all          everything: 50 problems of the first kind, 20 of the second, the functions
+       bench/six_bars.py random N [BIN]   N problems whose points are drawn: ends found, real ones certified, seconds of a thread
        bench/six_bars.py known N [BIN]    N problems whose points are those of a Watt II that is drawn: it must be in the list
        bench/six_bars.py functions 0 [BIN] logarithm, square and sine by four-bar and Watt II (doc/measured/function_generators.md);
                                           errors are checked with intersections of circles at 2001 inputs
@@ -164,8 +165,8 @@ def rows_in(path):
     return rows
 
 
-def main():
-    task, n = sys.argv[1], int(sys.argv[2])
+def problems(task, n):
+    """Counts and times of n problems."""
     seconds, complete, certified, real_ones, found = [], 0, 0, 0, 0
     with tempfile.TemporaryDirectory() as folder:
         solve(folder, *drawn_points(0))     # the start set is there from now on
@@ -192,11 +193,17 @@ def main():
         complete, n, certified, real_ones, sum(seconds)/n, max(seconds)) + (", %d linkages found" % found if task == "known" else ""))
 
 
+def main():
+    """One task, or all."""
+    for task, n in [("random", 50), ("known", 20), ("functions", 0)] if sys.argv[2] == "all" else [(sys.argv[1], int(sys.argv[2]))]:
+        if task == "functions":
+            functions()
+        else:
+            problems(task, n)
+
+
 if __name__ == "__main__":
-    if len(sys.argv) not in (3, 4) or sys.argv[1] not in ("random", "known", "functions"):
+    if len(sys.argv) not in (3, 4) or not (sys.argv[2] == "all" or sys.argv[1] in ("random", "known", "functions")):
         sys.exit(__doc__)
-    BIN = sys.argv[3] if len(sys.argv) == 4 else os.path.join(TOP, "build", "local", "bin")
-    if sys.argv[1] == "functions":
-        functions()
-    else:
-        main()
+    BIN = sys.argv[1] if sys.argv[2] == "all" else sys.argv[3] if len(sys.argv) == 4 else os.path.join(TOP, "build", "local", "bin")
+    main()

@@ -454,9 +454,9 @@ class Case:
         """Search for better dimensions. Returns the linkages found, best first; `[0]` is a case without variables."""
         return self.study("synthesis", threads=threads, progress=progress)
 
-    def exact(self, progress: Progress = None) -> Search:
-        """All linkages that &EXACT asks for: exactly through points, poses or pairs of a function."""
-        return self.study("exact", progress=progress)
+    def exact(self, progress: Progress = None, threads: int = 0) -> Search:
+        """All linkages that &EXACT asks for: exactly through points, poses or pairs of a function. Threads share the paths of six-bars."""
+        return self.study("exact", threads=threads, progress=progress)
 
     def kinds(self, threads: int = 0, progress: Progress = None) -> Search:
         """Which kind of linkage does what is wanted, &KINDS: the best linkages of all kinds, best first; `tables["kinds"]` has what was

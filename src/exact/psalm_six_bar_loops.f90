@@ -11,6 +11,7 @@ module psalm_six_bar_loops
    use psalm_six_bar_paths, only: follow
    use psalm_six_bar_problem, only: data_of_angles, draw_six_bar, most_unknowns, near_data, scale_data, scale_unknowns, &
                                     six_bar_data_t, six_bar_problem_t, unit_phase
+   use psalm_six_bar_team, only: follow_shared
    use psalm_sort, only: ascending
    use psalm_stop, only: stop_t
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
@@ -88,9 +89,10 @@ contains
 
    !> One pass: all solutions known of one problem are followed to the other. With `expected` it is done when so many of the first
    !> are known, without it when almost none is found any more.
-   subroutine next_loop(loops, expected, stop, stopped)
+   subroutine next_loop(loops, expected, threads, stop, stopped)
       type(start_set_t), intent(inout) :: loops
       integer, intent(in) :: expected                !! 0: not known
+      integer, intent(in) :: threads                 !! that share the paths; the solutions do not depend on it
       type(stop_t), intent(in), optional :: stop
       logical, intent(out), optional :: stopped      !! the pass was cut off: nothing of it is kept
       type(xoshiro_t) :: random
@@ -117,8 +119,8 @@ contains
       call scale_all(loops%problem, l, m, starts)
       allocate (ends, mold=starts)
       allocate (arrived(size(starts, 2)))
-      call follow(loops%problem, turned, loops%data(3 - from), starts, usual_tolerance, ends, arrived, steps, stop, &
-                  0, size(starts, 2))
+      call follow_shared(follow, loops%problem, turned, loops%data(3 - from), starts, usual_tolerance, threads, .true., &
+                         ends, arrived, steps, stop)
       if (present(stopped)) stopped = .false.
       if (present(stop) .and. present(stopped)) then
          stopped = stop%waiting()
@@ -198,14 +200,18 @@ contains
    end subroutine add_to
 
    !> For each solution the first that is the same, itself if it is new.
-   pure function first_equal(solutions) result(first)
+   pure function first_equal(solutions, within) result(first)
       complex(wp), intent(in) :: solutions(:, :)     !! shape (2 unknowns, count)
+      real(wp), intent(in), optional :: within       !! square of the relative difference of numbers that are the same
       integer, allocatable :: first(:)
       real(wp), allocatable :: sums(:)
+      real(wp) :: square
       integer, allocatable :: order(:)
       complex(wp) :: weight(2*most_unknowns)
       integer :: i, k, n
 
+      square = same_within
+      if (present(within)) square = within
       n = size(solutions, 2)
       ! angles far from any that a problem has
       weight = [(exp(cmplx(0.0_wp, 1.7_wp*real(k, wp)**2, wp)), k=1, size(weight))]
@@ -219,7 +225,7 @@ contains
          do k = i - 1, 1, -1
             if (sums(order(i)) - sums(order(k)) > window) exit
             if (.not. all(abs(solutions(:, order(i)) - solutions(:, order(k)))**2 <= &
-                          same_within*(abs(solutions(:, order(i)))**2 + abs(solutions(:, order(k)))**2))) cycle
+                          square*(abs(solutions(:, order(i)))**2 + abs(solutions(:, order(k)))**2))) cycle
             first(order(i)) = min(first(order(k)), order(i))
             if (order(k) > first(order(i))) first(order(k)) = first(order(i))
          end do

@@ -8,6 +8,7 @@ module psalm_six_bar_paths
    public :: follow, polish, turns_at
 
    integer, parameter :: cp = wp
+   integer, parameter :: lanes = 8                   !! paths side by side
 
    include 'six_bar_paths.inc'
    include 'lane_elimination.inc'

@@ -9,6 +9,7 @@ module psalm_six_bar_paths_extended
 
    !> A kind of at least 18 digits: that of x87 where there is one.
    integer, parameter :: cp = merge(wp, selected_real_kind(18), precision(1.0_wp) >= 18)
+   integer, parameter :: lanes = 8                   !! paths side by side
 
    include 'six_bar_paths.inc'
    include 'lane_elimination.inc'

@@ -26,9 +26,10 @@ module psalm_six_bar_starts
 contains
 
    !> The start set of a problem: fewer solutions than `expected` if a stop came before it was made, or if no seed led to so many.
-   subroutine starts_of(problem, expected, stop, loops)
+   subroutine starts_of(problem, expected, threads, stop, loops)
       type(six_bar_problem_t), intent(in) :: problem
       integer, intent(in) :: expected                !! solutions of the kind; 0: not known, what the loops find is taken
+      integer, intent(in) :: threads                 !! that share the paths
       type(stop_t), intent(in), optional :: stop
       type(start_set_t), intent(out) :: loops
       character(:), allocatable :: file
@@ -51,7 +52,7 @@ contains
          end if
          kept = .false.
          do while (.not. loops%done)
-            call next_loop(loops, expected, stop, stopped)
+            call next_loop(loops, expected, threads, stop, stopped)
             if (stopped) return
             call write_loops(file, loops)
          end do

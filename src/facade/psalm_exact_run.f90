@@ -28,20 +28,22 @@ contains
 
    !> Find, prove and report. `set` has passed `check_exact`. After a stop, or when MAXTIME is over, what was found so far is
    !> reported.
-   subroutine run_exact(set, stop, devices)
+   subroutine run_exact(set, threads, stop, devices)
       type(data_set_t), intent(in) :: set
+      integer, intent(in) :: threads
       type(stop_t), intent(in) :: stop               !! asked now and then
       type(devices_t), intent(inout) :: devices
       type(exact_study_t), allocatable :: study
 
       allocate (study)
-      call study_all_exact(set, stop, study)
+      call study_all_exact(set, threads, stop, study)
       call report_exact(set, study, devices)
    end subroutine run_exact
 
    !> Find and prove.
-   subroutine study_all_exact(set, stop, study)
+   subroutine study_all_exact(set, threads, stop, study)
       type(data_set_t), intent(in) :: set
+      integer, intent(in) :: threads                 !! that share the paths of six-bars
       type(stop_t), intent(in) :: stop               !! asked now and then
       type(exact_study_t), intent(out) :: study
       type(exact_group_t) :: exact
@@ -50,7 +52,7 @@ contains
       limited = stop
       exact = exact_of(set)
       call limited%limit_time(exact%longest_time)
-      call find_exact(set, study, stop)
+      call find_exact(set, study, stop, threads)
       if (set%limits%iproof > 0) call prove(set, exact, limited, study)
    end subroutine study_all_exact
 

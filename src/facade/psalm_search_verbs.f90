@@ -222,21 +222,23 @@ contains
    end function found_case
 
    !> All linkages that the group EXACT asks for.
-   subroutine find_exact(case, exact, findings, stop, report)
+   subroutine find_exact(case, exact, findings, stop, report, threads)
       type(case_t), intent(in) :: case
       type(exact_study_t), intent(out) :: exact           !! empty if the case has errors
       type(findings_t), intent(inout) :: findings
       type(stop_t), intent(in), optional :: stop          !! by which the host can end it; what was found so far is there
       type(report_t), intent(out), optional :: report     !! listing, tables, the linkages
+      integer, intent(in), optional :: threads            !! that share the paths of six-bars; default THREADS of the case, or 1
       type(frame_t) :: frame
       type(stop_t) :: ending
 
       call frame%read(case, findings, report, 'EXACT')
+      if (frame%ready) frame%ready = may_share(threads, findings)
       if (.not. frame%ready) return
       call check_exact(frame%set, frame%noted)
       if (frame%fails(findings)) return
       if (present(stop)) ending = stop
-      call study_all_exact(frame%set, ending, exact)
+      call study_all_exact(frame%set, threads_for(frame%set, threads_of(threads)), ending, exact)
       if (.not. present(report)) return
       call report_exact(frame%set, exact, frame%devices)
       call frame%conclude(report, findings)

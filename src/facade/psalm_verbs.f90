@@ -128,7 +128,7 @@ contains
          call find_kinds(case, kinds, findings, threads, stop, report)
       case ('exact')
          allocate (exact)
-         call find_exact(case, exact, findings, stop, report)
+         call find_exact(case, exact, findings, stop, report, threads)
       case ('proof')
          allocate (proven)
          call prove(case, proven, findings, report, stop)

@@ -80,7 +80,7 @@ contains
    !> Find all, and rank those without a defect that transmit well enough and have no link that is too long: of a function by the
    !> error over its range, of a table by the transmission angle. With `minimax` each is then changed until its largest error is
    !> least, and the list has the optima, ranked by it.
-   subroutine find_every_six_bar(problem, wanted, phi, psi, given, least_angle, longest, minimax, every, stop)
+   subroutine find_every_six_bar(problem, wanted, phi, psi, given, least_angle, longest, minimax, threads, every, stop)
       type(six_bar_problem_t), intent(in) :: problem
       type(desired_function_t), intent(in) :: wanted
       real(wp), intent(in) :: phi(:), psi(:)         !! radians, shape (points + 1)
@@ -88,6 +88,7 @@ contains
       real(wp), intent(in) :: least_angle            !! transmission, degrees
       real(wp), intent(in) :: longest                !! link, over the frame
       logical, intent(in) :: minimax
+      integer, intent(in) :: threads                 !! that share the paths; nothing found depends on it
       type(every_six_bar_t), intent(out) :: every
       type(stop_t), intent(in) :: stop               !! asked now and then
       type(start_set_t) :: start
@@ -105,12 +106,12 @@ contains
          if (problem%length_of > 0) every%data%known(problem%length_of) = given(problem%length_of)
          every%data%known(n + 1:2*n) = conjg(every%data%known(:n))
       end associate
-      call starts_of(problem, merge(every%expected, 0, every%certain), stop, start)
+      call starts_of(problem, merge(every%expected, 0, every%certain), threads, stop, start)
       every%known = size(start%first, 2)
       allocate (every%best(0), every%real_ones(0), every%found%ends(2*problem%unknowns, 0))
       every%found%stopped = stop%waiting()
       if (every%found%stopped) return
-      call solve_six_bar(start, every%data, every%certain, every%found, stop)
+      call solve_six_bar(start, every%data, every%certain, threads, every%found, stop)
       allocate (all_of_them(size(every%found%ends, 2)))
       k = 0
       do i = 1, size(every%found%ends, 2)

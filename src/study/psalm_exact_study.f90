@@ -337,19 +337,23 @@ contains
 
    !> Find all linkages, assess and rank them. `set` has passed `check_exact`. After a stop, or when MAXTIME is over, those found so
    !> far; the list is never complete then, and there is no certificate.
-   subroutine find_exact(set, study, stop)
+   subroutine find_exact(set, study, stop, threads)
       type(data_set_t), intent(in) :: set
       type(exact_study_t), intent(out) :: study
       type(stop_t), intent(in), optional :: stop     !! asked now and then
+      integer, intent(in), optional :: threads       !! that share the paths of six-bars; default 1
       type(exact_group_t) :: exact
       type(stop_t) :: limited
+      integer :: team
 
+      team = 1
+      if (present(threads)) team = threads
       exact = exact_of(set)
       if (present(stop)) limited = stop
       call limited%limit_time(exact%longest_time)
       allocate (study%results(0), study%approximations(0))
       if (exact%kind == kind_function) then
-         call find_generators(exact, limited, study)
+         call find_generators(exact, team, limited, study)
       else if (exact%has_arm) then
          call find_six_bars_of_arm(exact, study)
       else if (exact%kind == kind_motion .and. size(exact%x) == 5 .and. .not. (exact%slider .or. exact%crank_pivot .or. &
@@ -880,8 +884,9 @@ contains
    end function angle_between
 
    !> Function generators: through points, or with the least largest error.
-   subroutine find_generators(exact, stop, study)
+   subroutine find_generators(exact, threads, stop, study)
       type(exact_group_t), intent(in) :: exact
+      integer, intent(in) :: threads
       type(stop_t), intent(in) :: stop
       type(exact_study_t), intent(inout) :: study
       integer :: node
@@ -899,7 +904,7 @@ contains
       study%phi = phi
       study%psi = psi
       if (exact%wants_every_six_bar()) then
-         call find_all_six_bars(exact, stop, study)
+         call find_all_six_bars(exact, threads, stop, study)
          return
       end if
       if (exact%six_bar /= six_bar_none) then
@@ -972,8 +977,9 @@ contains
    end subroutine choose_entries
 
    !> All six-bars through the points of a function.
-   subroutine find_all_six_bars(exact, stop, study)
+   subroutine find_all_six_bars(exact, threads, stop, study)
       type(exact_group_t), intent(in) :: exact
+      integer, intent(in) :: threads
       type(stop_t), intent(in) :: stop
       type(exact_study_t), intent(inout) :: study
       type(six_bar_problem_t) :: problem
@@ -1008,7 +1014,7 @@ contains
       call make_six_bar_problem(type, size(phi) - 1, is_given, length_of, problem)
       if (length_of > 0) given(length_of) = (exact%arm_length/exact%frame)**2
       call find_every_six_bar(problem, study%wanted, phi, psi, given, exact%least_transmission, exact%longest, exact%minimax, &
-                              study%every, stop)
+                              threads, study%every, stop)
       associate (found => study%every%found)
          study%expected = merge(study%every%expected, 0, study%every%certain)
          study%generic = study%every%known

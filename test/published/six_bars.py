@@ -228,6 +228,26 @@ def cut_short(folder, kept):
         check("a damaged start set is made anew: " + name, 0 < known(0.001) < solutions)
 
 
+def by_threads(folder, kept):
+    """Neither the start set nor a listing depends on the number of threads."""
+    results = []
+    for threads in (1, 3):
+        place = os.path.join(folder, "threads%d" % threads)
+        os.mkdir(place)
+        with open(os.path.join(place, "case.nml"), "w", encoding="utf-8") as file:
+            file.write(FUNCTION)
+        done = subprocess.run([os.path.abspath(os.path.join(BIN, "psalm")), "--threads", str(threads), "case.nml"], capture_output=True,
+                              text=True, cwd=place, check=False,
+                              env=dict(os.environ, XDG_CACHE_HOME=os.path.join(place, "cache")))
+        files = []
+        for name in ("case.dev7", "case.dev9", os.path.join("cache", "psalm", os.path.basename(kept))):
+            with open(os.path.join(place, name), "rb") as file:
+                files.append(file.read())
+        results.append([done.returncode, done.stdout, done.stderr.replace(place, "")] + files)
+    check("three threads: the same listing, files and start set", results[0] == results[1] and results[0][0] == 0,
+          [a == b for a, b in zip(*results)])
+
+
 def main():
     with tempfile.TemporaryDirectory() as folder:
         # counts of an independent program: doc/guide/exact.md
@@ -260,6 +280,7 @@ def main():
         check("both angles reversed: the same linkages mirrored", len(other) == len(found) and
               all(abs(a["longest"] - b["longest"]) < 1e-6 for a, b in zip(other, found)), listing + errors)
         check("a table has no error between its entries", "ERROR" not in listing and "error" not in found[0], listing)
+        by_threads(folder, kept)
         left_out(folder)
         least_errors(folder)
         cut_short(folder, kept)
