@@ -127,7 +127,7 @@ module psalm_allocation_group
       rule_t('PLOAD', a_whole, 'NPLAY', '', '0', '[0,1]', &
              '0: the gap may lie in any direction; 1: on the side to which the load of the case presses'), &
       rule_t('PGIVEN', a_number, 'NPLAY', 'length', '0', '[0,)', &
-             'clearance of today, for the comparison with &TOLER: radial, of a slide to either side'), &
+             'clearance of today, for the comparison with &TOLER: radial, of a slide to either side; 0: there is no comparison'), &
       rule_t('ALNODE', a_whole, '', '', '100000', '[1,1000000000]', &
              'nodes of the search for grades and steps at most'), &
       rule_t('ALPROF', a_word, '', '', 'NO', 'NO CHECK SCALE', &

@@ -151,7 +151,7 @@ contains
       call find_cheapest(asked, rule, allowance, terms, result%bands, limited, cheapest)
       call take_down(terms, allowance, cheapest, result)
       result%out_of_time = limited%late()
-      result%with_given = set%toler%given
+      result%with_given = set%toler%given .and. all(allowance%given > 0.0_wp)
       if (result%with_given) then
          given_cost = costs_of(terms, allowance%given)
          result%with_given = all(given_cost < huge(1.0_wp)) ! a step that is finer than all costs nothing known

@@ -78,7 +78,7 @@ contains
       allocate (names(size(asked%plays)))
       do k = 1, size(names)
          if (size(asked%play_names) >= k) then
-            names(k) = 'PLAY '//asked%play_names(k)
+            names(k) = 'PLAY '//trim(asked%play_names(k))
          else
             joint = joint_at(mechanism, asked%plays(k))
             names(k) = 'PLAY'
