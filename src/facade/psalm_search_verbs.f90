@@ -21,7 +21,7 @@ module psalm_search_verbs
    use psalm_report, only: begin_search_report, report_found, report_search
    use psalm_search, only: distance_of
    use psalm_search_log, only: search_log_t
-   use psalm_sketch_text, only: variant_t, variant_of
+   use psalm_sketch_text, only: variant_t, variant_of, take_found
    use psalm_solver, only: observer_t, solver_t, ending_t, stop_refused
    use psalm_solver_kind, only: solver_kind_t, find_solver, solver_names, family_unknown
    use psalm_solvers, only: new_solver
@@ -204,7 +204,7 @@ contains
          if (which >= 1 .and. which <= size(synthesis%found%best)) then
             if (size(synthesis%found%best(which)%values) /= size(problem%parameters%variables)) return
             call problem%parameters%apply(synthesis%found%best(which)%values, dimensions)
-            variant%delt = synthesis%found%best(which)%delt
+            call take_found(set, synthesis%found%best(which), variant)
          end if
       else if (allocated(synthesis%last%v) .and. which == 1) then
          call problem%parameters%apply(synthesis%last%v(:, synthesis%last%best), dimensions)

@@ -439,6 +439,7 @@ contains
       call read_constraint_group(groups(constr), set%links%nloop, set%links%maxarc, set%sketch, set%constr, findings)
       call settle_angle_limit(groups(limits), groups(constr), set, findings)
       call read_tolerance_group(groups(toler), set%links, set%method, set%sketch, set%toler, findings)
+      if (set%method%isim /= 0 .and. set%method%ikin == 0) call check_similarity(groups(method), set, findings)
       call read_rates_group(groups(rates), sliding_input(set), set%rates, findings)
       call read_mass_group(groups(masses), set%links%ilink, set%sketch, set%masses, findings)
       call read_load_group(groups(loads), set%links%ilink, set%sketch, set%loads, findings)
@@ -533,6 +534,37 @@ contains
       end if
    end subroutine settle_angle_limit
 
+   !> What desired points of any place, size and direction need.
+   subroutine check_similarity(group, set, findings)
+      type(group_t), intent(in) :: group             !! METHOD
+      type(data_set_t), intent(in) :: set
+      type(diagnostics_t), intent(inout) :: findings
+      type(output_kind_t) :: kind
+      integer, parameter :: fewest = 3               !! points: two are met by any linkage
+
+      kind = output_kind(set%method%motion)
+      if (.not. set%search%solver%many_starts) then
+         call out_of(group, 'ISIM', "ISIM=1 (points of any place, size and direction) needs the group &SEARCH with another "// &
+                     "SOLVER, as 'LSQ'", findings)
+      else if (.not. set%wants_search() .and. .not. set%gives('KINDS')) then
+         call out_of(group, 'ISIM', 'place, size and direction of the points are found by a search, but no dimension may vary', &
+                     findings)
+      else if (kind%components /= 2 .or. .not. set%method%desired) then
+         call out_of(group, 'ISIM', 'has desired points of any place, size and direction, but there are no desired points of '// &
+                     'the output (MOTION=0, DESX and DESY)', findings)
+      else if (allocated(set%method%rate_desired) .or. set%sketch%has_targets()) then
+         call out_of(group, 'ISIM', 'leaves the size of the points free: no derivatives and no other outputs can be desired '// &
+                     'beside them', findings)
+      else if (any(abs(set%method%xmult - set%method%ymult) > 0.0_wp)) then
+         call out_of(group, 'ISIM', 'leaves the direction of the points free: XMULT and YMULT must be equal', findings)
+      else if (set%method%ndes < fewest .or. .not. any(set%method%xmult > 0.0_wp)) then
+         call out_of(group, 'ISIM', 'needs three points at least: two are met by any linkage', findings)
+      else if (set%toler%in_objective > 0.0_wp) then
+         call out_of(group, 'ISIM', 'leaves the size of the points free: deviations within tolerances (TOLOBJ) cannot be added '// &
+                     'to their errors', findings)
+      end if
+   end subroutine check_similarity
+
    !> Ways of searching that need other items.
    subroutine check_ways(group, set, findings)
       type(group_t), intent(in) :: group             !! SEARCH
@@ -568,7 +600,7 @@ contains
       type(data_set_t), intent(in) :: set
       type(diagnostics_t), intent(inout) :: findings
       character(*), parameter :: of_positions(*) = [character(name_length) :: 'NDES', 'DELT', 'DESX', 'DESY', 'DESANG', 'XMULT', &
-                                                    'YMULT', 'ANMULT', 'IFREE']
+                                                    'YMULT', 'ANMULT', 'IFREE', 'ISIM']
       character(*), parameter :: of_points(*) = [character(name_length) :: 'DESX', 'DESY', 'XMULT', 'YMULT'], &
                                  of_angles(*) = [character(name_length) :: 'DESANG', 'ANMULT'], &
                                  of_weights(*) = [character(name_length) :: 'XMULT', 'YMULT', 'ANMULT'], &

@@ -26,6 +26,7 @@ module psalm_method_group
       integer, allocatable :: iva(:, :), ivg(:, :) !! shape (maxarc, nloop)
       integer :: ilkout = 0, ingout = 0, icrk = 0, iorig = 0
       integer :: ifree = 0                 !! the search finds every input position too
+      integer :: isim = 0                  !! place, size and direction of the desired points are free
       integer :: ikin = 0
       integer :: ndes = 0
       logical :: desired = .false.         !! desired values were given
@@ -125,6 +126,9 @@ module psalm_method_group
       rule_t('IFREE', a_flag, '', '', '0', '', &
              '1: free timing, the search finds every input position too (DELT is where it starts); not with '// &
              'SOLVER=''SIMPLEX'''), &
+      rule_t('ISIM', a_flag, '', '', '0', '', &
+             '1: place, size and direction of the desired points are free, the search finds them too; the output is a point '// &
+             '(MOTION=0); not with SOLVER=''SIMPLEX'''), &
       rule_t('NITER', a_whole, '', '', '2', '[0,)', &
              'iteration limit'), &
       rule_t('NCHECK', a_whole, '', '', '1', '[1,)', &
@@ -195,6 +199,7 @@ contains
       call take(group, 'ICRK', method%icrk, findings)
       call take(group, 'IORIG', method%iorig, findings)
       call take(group, 'IFREE', method%ifree, findings)
+      call take(group, 'ISIM', method%isim, findings)
       call take(group, 'IKIN', method%ikin, findings)
       call take_count(group, 'NDES', method%ndes, findings)
       if (group%given('NDES') .or. method%ndes > 0) then

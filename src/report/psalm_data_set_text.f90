@@ -157,8 +157,8 @@ contains
          kind = output_kind(set%motion())
          if (kind%components > 1) then
             call text%add('  XADD='//full_precision(set%method%xadd)//', YADD='//full_precision(set%method%yadd)//',')
-            call add_item('DESX=', set%method%desx, text)
-            call add_item('DESY=', set%method%desy, text)
+            call add_item('DESX=', own%desx, text)
+            call add_item('DESY=', own%desy, text)
             call add_item('XMULT=', set%method%xmult, text)
             call add_item('YMULT=', set%method%ymult, text)
          end if

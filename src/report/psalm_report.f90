@@ -13,7 +13,9 @@ module psalm_report
    use psalm_data_set_text, only: write_vertices, write_data_set
    use psalm_devices, only: devices_t, most_reported
    use psalm_warnings, only: describe_short_links, words_at_rest
-   use psalm_error, only: problem_t, motion_t
+   use psalm_angles, only: degrees_of
+   use psalm_elementary, only: hypotenuse
+   use psalm_error, only: problem_t, motion_t, desired_of
    use psalm_finale, only: list_results, describe_violation, describe_crossing
    use psalm_force_report, only: report_forces
    use psalm_force_study, only: force_study_t
@@ -34,11 +36,12 @@ module psalm_report
    use psalm_rate_list, only: list_rates, list_all_rates, dead_point_words
    use psalm_rate_study, only: rate_study_t
    use psalm_ranking_list, only: list_ranking, put_ranking, bounds_reached, add_to_ranking, add_share, list_common_ranking
-   use psalm_search, only: result_t
+   use psalm_search, only: found_t, result_t
    use psalm_search_group, only: ranking_none, ranking_shared
    use psalm_search_log, only: search_log_t, log_beginning, log_starts
+   use psalm_similarity, only: similarity_t, fit_similarity
    use psalm_sketch_study, only: sketch_study_t
-   use psalm_sketch_text, only: variant_t, variant_of
+   use psalm_sketch_text, only: variant_t, variant_of, take_found
    use psalm_status, only: diagnostics_t
    use psalm_summary, only: summary_t
    use psalm_summary_table, only: put_arcs, put_arc_rates, put_dimensions, put_output_ranges, put_simplex, put_starts, &
@@ -163,11 +166,31 @@ contains
             end do
             call write_vertices('F', vertices, found%best%objective, devices%seven)
          end if
+         if (size(found%best) > 0) call report_place(set, found%best(1), devices)
          call put_starts(found, devices%cases(devices%last_case()))
          call devices%one%add(' '//line)
          call devices%remark(set, line)
       end associate
    end subroutine report_starts
+
+   !> Where desired points of any place, size and direction lie for the best linkage.
+   subroutine report_place(set, best, devices)
+      type(data_set_t), intent(in) :: set
+      type(found_t), intent(in) :: best
+      type(devices_t), intent(inout) :: devices
+      type(similarity_t) :: similarity
+      real(wp), allocatable :: wanted(:, :), weight(:, :)
+
+      if (.not. allocated(best%desired)) return
+      call desired_of(set, wanted, weight)
+      call fit_similarity(cmplx(wanted(:, 1), wanted(:, 2), wp), cmplx(best%desired(:, 1), best%desired(:, 2), wp), &
+                          weight(:, 1), similarity)
+      associate (u => similarity%u, s => similarity%s, named => set%has_names())
+         call devices%remark(set, 'ISIM: the desired points are '//number_words(named, hypotenuse(u%re, u%im))// &
+                             ' times as large, turned by '//number_words(named, degrees_of(u%re, u%im))// &
+                             ' degrees about the origin and moved by '//number_words(named, s%re)//', '//number_words(named, s%im))
+      end associate
+   end subroutine report_place
 
    !> The linkages found: their ranking in the listing, their data sets on device 7. Without a search from many starts that of
    !> the linkage.
@@ -219,14 +242,14 @@ contains
       one = variant_of(set)
       if (present(variant)) one = variant
       if (size(found%best) <= 1) then
-         if (size(found%best) == 1) one%delt = found%best(1)%delt
+         if (size(found%best) == 1) call take_found(set, found%best(1), one)
          call write_data_set(set, problem, dimensions, text, one)
          return
       end if
       each = dimensions
       do i = 1, size(found%best)
          call problem%parameters%apply(found%best(i)%values, each)
-         one%delt = found%best(i)%delt
+         call take_found(set, found%best(i), one)
          one%last = merge(set%limits%last, 0, i == size(found%best))
          rank = ', RANK '//to_text(i)
          one%title = trim(set%title(:min(len(set%title), title_columns - len(rank))))//rank

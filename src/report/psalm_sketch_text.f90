@@ -5,13 +5,14 @@ module psalm_sketch_text
    use psalm_kinds, only: wp, right_angle
    use psalm_output_kind, only: output_kind_t, output_kind
    use psalm_rate_items, only: rate_row_t, wanted_rows
+   use psalm_search, only: found_t
    use psalm_sketch, only: sketch_t, drive_stretches, output_angle, output_between, output_distance, output_point, &
                            output_pose, output_ratio, output_slide, output_x, output_y, most_targets, target_t
    use psalm_text, only: quoted, text_t, full_precision, to_text
    use psalm_target_items, only: values_of, weights_of
    implicit none (type, external)
    private
-   public :: variant_t, variant_of, write_sketch, limit_of_angles
+   public :: variant_t, variant_of, take_found, write_sketch, limit_of_angles
 
    integer, parameter :: line_length = 100  !! columns of a line of values
 
@@ -21,6 +22,7 @@ module psalm_sketch_text
       integer :: last = 1                   !! LAST
       integer :: ikin = 0                   !! IKIN
       real(wp), allocatable :: delt(:)      !! DELT
+      real(wp), allocatable :: desx(:), desy(:) !! DESX, DESY
       type(sketch_t) :: sketch              !! of a linkage that has one
       real(wp) :: from_drawing = 0.0_wp     !! its CRNKI
       logical :: by_loops = .false.         !! it is written by its loops
@@ -38,9 +40,23 @@ contains
       variant%last = set%limits%last
       variant%ikin = set%method%ikin
       variant%delt = set%method%delt
+      variant%desx = set%method%desx
+      variant%desy = set%method%desy
       variant%sketch = set%sketch
       variant%from_drawing = set%method%crnki
    end function variant_of
+
+   !> The positions of a linkage that was found: its inputs, and where the desired points lie.
+   pure subroutine take_found(set, found, variant)
+      type(data_set_t), intent(in) :: set
+      type(found_t), intent(in) :: found
+      type(variant_t), intent(inout) :: variant
+
+      variant%delt = found%delt
+      if (.not. allocated(found%desired)) return
+      variant%desx = found%desired(:, 1) - set%method%xadd
+      variant%desy = found%desired(:, 2) - set%method%yadd
+   end subroutine take_found
 
    !> Append the data set of a sketch, as an analysis.
    subroutine write_sketch(set, text, variant)
@@ -257,8 +273,8 @@ contains
 
          if (kind%components > 1) then
             call text%add('  XADD='//full_precision(set%method%xadd)//', YADD='//full_precision(set%method%yadd)//',')
-            call numbers('DESX=', set%method%desx)
-            call numbers('DESY=', set%method%desy)
+            call numbers('DESX=', own%desx)
+            call numbers('DESY=', own%desy)
             call numbers('XMULT=', set%method%xmult)
             call numbers('YMULT=', set%method%ymult)
          end if

@@ -19,6 +19,7 @@ module psalm_chain_synthesis
    use psalm_solvers, only: new_solver
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t
+   use psalm_similarity, only: similarity_t, time_similar
    use psalm_timing_order, only: choose_inputs, inputs_of_path, never, steps_of_path
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
@@ -453,6 +454,12 @@ contains
          inputs = inputs_of_path(problem%delt, problem%sense, self%turns)
          call problem%find_path(x, inputs, values, known)
          if (.not. any(known)) return
+         if (problem%similar) then
+            call time_similar(cmplx(values(1, 0, :), values(2, 0, :), wp), known, inputs, &
+                              cmplx(problem%wanted(1, 0, :), problem%wanted(2, 0, :), wp), problem%weight(1, 0, :), self%turns, &
+                              problem%ordered, problem%sense, x(problem%variables + 1:), cost, best)
+            return
+         end if
          cost = 0.0_wp
          do k = 1, size(cost, 2)
             do order = 0, ubound(problem%weight, 2)
@@ -493,7 +500,9 @@ contains
       type(chain_problem_t) :: at_drawing
       type(closure_t) :: closure
       type(chain_motion_t) :: motion
+      type(similarity_t) :: similarity
       complex(wp) :: p
+      complex(wp), allocatable :: points(:)
       real(wp) :: cosine, sine, moved
       logical :: reached
       integer :: s
@@ -542,6 +551,13 @@ contains
       if (problem%free) then
          method%delt = problem%increments(x)
          method%ifree = 0
+      end if
+      if (problem%similar) then
+         call problem%find_similarity(x, similarity, reached)
+         points = similarity%placed(cmplx(method%desx + method%xadd, method%desy + method%yadd, wp))
+         method%desx = points%re - method%xadd
+         method%desy = points%im - method%yadd
+         method%isim = 0
       end if
       call set%redraw(set%title, sketch, method, set%search, drawn)
    end subroutine draw_anew

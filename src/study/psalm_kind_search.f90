@@ -110,6 +110,8 @@ contains
          call set%origins%error(findings, 'KINDS', '', 'nothing is wanted: give a curve (&CURVE), or NDES and desired values '// &
                                 'in &METHOD')
       end if
+      if (set%method%isim /= 0) call findings%remark('ISIM: linkages of all kinds are placed, turned and enlarged to meet the '// &
+                                                     'points; they are compared where they are')
       if (.not. set%search%solver%many_starts) call set%origins%error(findings, 'SEARCH', 'SOLVER', &
          "kinds are searched from many starts: leave SOLVER out (it is 'LSQ' then)")
    end subroutine check_kinds
@@ -243,6 +245,7 @@ contains
       allocate (one%set, one%prepared, drawn)
       method = set%method
       method%nguess = 0
+      method%isim = 0               ! all dimensions vary: it lies anywhere, in any size
       search = set%search
       search%first = 2              ! the first start would be the drawing
       search%ranking = ranking_common

@@ -13,7 +13,7 @@ module psalm_ranking
    use psalm_margins, only: margin_t, inspector_t, inspect, margin_slides, margin_guide, margin_bound
    use psalm_mechanism, only: arc_crank, arc_determined, arc_link
    use psalm_output_kind, only: motion_point, motion_pose
-   use psalm_search, only: found_t
+   use psalm_search, only: found_t, place_desired
    use psalm_search_group, only: pareto_largest, pareto_angle, pareto_ratio, pareto_room, pareto_band
    use psalm_sketch, only: columns_of
    use psalm_samples, only: sample_set_t, prepare_samples, evaluate_samples
@@ -65,6 +65,7 @@ contains
       dimensions = problem%given
       call problem%parameters%apply(found%values, dimensions)
       call problem%move_inputs(found%delt)
+      call place_desired(found, problem)
       call inspect(inspector, dimensions, found%delt, margins)
       ranked%longest_arc = maxval(dimensions%arcl)
       ranked%length_margin = ranked%longest_arc

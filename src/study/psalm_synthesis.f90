@@ -4,13 +4,14 @@
 module psalm_synthesis
    use psalm_constr, only: vertex_problem_t, make_vertex_problem, without_rates
    use psalm_data_set, only: data_set_t
-   use psalm_error, only: problem_t
+   use psalm_error, only: problem_t, motion_t, desired_of
    use psalm_few_positions, only: stage_sizes, positions_of_stage, take_positions
    use psalm_kinds, only: wp
    use psalm_margins, only: inspector_t, prepare_inspector
    use psalm_ranking, only: ranked_t, rate_linkage, figure_of, least_sensitive_first, unbeaten
-   use psalm_search, only: result_t, search_many
+   use psalm_search, only: found_t, result_t, search_many, place_desired
    use psalm_search_group, only: pareto_none, ranking_none
+   use psalm_similarity, only: similarity_t, fit_similarity
    use psalm_simplx, only: simplex_t, simplex_rules_t, search_simplex
    use psalm_solver, only: observer_t, search_state_t, stop_iterations, stop_small_objective, stop_interrupted
    use psalm_start, only: beginning_t, rules_of, start_simplex
@@ -205,9 +206,11 @@ contains
                           observer)
       end if
       associate (found => result%found)
+         if (set%method%isim /= 0) call find_places(set, problem, found%best)
          if (size(found%best) > 0) then
             call problem%parameters%apply(found%best(1)%values, dimensions)
             if (set%method%ifree /= 0) call problem%move_inputs(found%best(1)%delt)
+            call place_desired(found%best(1), problem)
          end if
          result%ending = ended_starts
          if (size(found%best) == 0) result%ending = ended_infeasible
@@ -219,8 +222,36 @@ contains
       if (set%search%nearly > 1.0_wp .and. size(result%found%best) > 0) then
          call problem%parameters%apply(result%found%best(1)%values, dimensions)
          if (set%method%ifree /= 0) call problem%move_inputs(result%found%best(1)%delt)
+         call place_desired(result%found%best(1), problem)
       end if
    end subroutine search_from_starts
+
+   !> Where the desired points, of any place, size and direction, lie for each linkage.
+   subroutine find_places(set, problem, best)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      type(found_t), intent(inout) :: best(:)
+      class(problem_t), allocatable :: each
+      type(dimensions_t) :: dimensions
+      type(motion_t) :: motion
+      type(similarity_t) :: similarity
+      real(wp), allocatable :: wanted(:, :), weight(:, :)
+      complex(wp), allocatable :: points(:)
+      integer :: i
+
+      call desired_of(set, wanted, weight)
+      allocate (each, source=problem)
+      dimensions = problem%given
+      do i = 1, size(best)
+         call each%parameters%apply(best(i)%values, dimensions)
+         call each%move_inputs(best(i)%delt)
+         call each%analyse(dimensions, motion)
+         points = cmplx(wanted(:, 1), wanted(:, 2), wp)
+         call fit_similarity(cmplx(motion%actual(:, 1), motion%actual(:, 2), wp), points, weight(:, 1), similarity)
+         points = similarity%placed(points)
+         best(i)%desired = reshape([points%re, points%im], [size(points), 2])
+      end do
+   end subroutine find_places
 
    !> True if the search found nothing, or ended before it was done.
    pure logical function is_short(self)

@@ -20,6 +20,7 @@ module psalm_chain_problem
    use psalm_kinds, only: wp, full_turn, half_turn, right_angle, radians_per_degree, degrees_per_radian
    use psalm_merit, only: extra_positions, least_margin, put_in_order
    use psalm_nlp, only: plain_nlp_t
+   use psalm_similarity, only: similarity_t, fit_similarity, errors_of, take_out_similarity
    use psalm_search_group, only: order_free
    use psalm_sketch, only: sketch_t, variation_t, columns_of, first_number, frame_link, most_targets, drive_turns, &
                            output_angle, output_between, output_pose, output_ratio, vary_angle, vary_input, vary_length, vary_place
@@ -80,6 +81,7 @@ module psalm_chain_problem
       real(wp) :: span = huge(1.0_wp)         !! most between the first and the last
       integer :: irange = range_positions     !! IRANGE
       real(wp), allocatable :: between(:)     !! shape (any): increments over the range at which constraints hold too
+      logical :: similar = .false.            !! place, size and direction of the desired points are free
       logical :: looks_between = .true.       !! they count, and the order of free inputs
    contains
       procedure :: project
@@ -89,6 +91,7 @@ module psalm_chain_problem
       procedure :: find_violations
       procedure :: find_path
       procedure :: residuals_at
+      procedure :: find_similarity
       procedure :: constraints_at
       procedure :: find_motion
       procedure :: find_values
@@ -137,6 +140,7 @@ contains
       call take_timing()
       problem%core = size(problem%first)
       call take_targets(set, problem)
+      problem%similar = set%method%isim /= 0
       call list_sketch_clearances(set%constr, set%sketch, problem%clearances)
       problem%margin = least_margin*margins_of(closure, start)
       call list_pairs(set%limits%tangle)
@@ -945,7 +949,66 @@ contains
             end do
          end do
       end do
+      if (self%similar) call compare_shapes(self, r, jacobian)
    end subroutine residuals_at
+
+   !> The same against desired points of any place, size and direction. All residuals are of x and y of the first output, at the
+   !> positions that weigh.
+   pure subroutine compare_shapes(self, r, jacobian)
+      class(chain_problem_t), intent(in) :: self
+      real(wp), intent(inout) :: r(:)                !! weighted deviations from the points where they were given
+      real(wp), intent(inout), optional :: jacobian(:, :)
+      complex(wp) :: actual(size(r)/2), desired(size(r)/2), error(size(r)/2)
+      complex(wp), allocatable :: by(:, :)
+      real(wp) :: weight(size(r)/2)
+      type(similarity_t) :: similarity
+
+      call weighing_points(self, desired, weight)
+      actual = cmplx(r(1::2), r(2::2), wp)/sqrt(weight) + desired
+      call fit_similarity(actual, desired, weight, similarity)
+      error = errors_of(similarity, actual, desired)
+      r(1::2) = sqrt(weight)*error%re
+      r(2::2) = sqrt(weight)*error%im
+      if (.not. present(jacobian)) return
+      by = cmplx(jacobian(1::2, :), jacobian(2::2, :), wp)*spread(similarity%u/sqrt(weight), 2, size(jacobian, 2))
+      call take_out_similarity(actual, weight, error, by)
+      by = by*spread(sqrt(weight), 2, size(jacobian, 2))
+      jacobian(1::2, :) = by%re
+      jacobian(2::2, :) = by%im
+   end subroutine compare_shapes
+
+   !> The desired points of the first output that weigh, and their weights.
+   pure subroutine weighing_points(self, desired, weight)
+      class(chain_problem_t), intent(in) :: self
+      complex(wp), intent(out) :: desired(:)
+      real(wp), intent(out) :: weight(:)
+      logical :: weighs(size(self%weight, 3))
+
+      weighs = self%weight(1, 0, :) > 0.0_wp
+      weight = pack(self%weight(1, 0, :), weighs)
+      desired = pack(cmplx(self%wanted(1, 0, :), self%wanted(2, 0, :), wp), weighs)
+   end subroutine weighing_points
+
+   !> Where the desired points lie for a linkage; `reached` is false where it does not come to all positions.
+   subroutine find_similarity(self, x, similarity, reached)
+      class(chain_problem_t), intent(in) :: self
+      real(wp), intent(in) :: x(:)                   !! shape (core)
+      type(similarity_t), intent(out) :: similarity
+      logical, intent(out) :: reached
+      type(closure_t) :: closure
+      type(chain_motion_t) :: motion
+      complex(wp) :: actual(size(self%inputs, 2))
+      real(wp) :: values(size(self%wanted, 1), 0:most_orders)
+      integer :: k
+
+      call self%find_motion(x, closure, motion, reached)
+      if (.not. reached) return
+      do k = 1, size(actual)
+         call self%find_values(x, closure, motion%states(k), values)
+         actual(k) = cmplx(values(1, 0), values(2, 0), wp)
+      end do
+      call fit_similarity(actual, cmplx(self%wanted(1, 0, :), self%wanted(2, 0, :), wp), self%weight(1, 0, :), similarity)
+   end subroutine find_similarity
 
    !> Derivative of a number's value, or of its derivative by the first drive, by the increment of that drive.
    pure real(wp) function by_input(self, values, n, order) result(slope)

@@ -19,6 +19,7 @@ module psalm_merit
    use psalm_output_kind, only: motion_point, motion_angle, most_rates
    use psalm_place, only: beside_t
    use psalm_search_group, only: order_free
+   use psalm_similarity, only: similarity_t, fit_similarity, errors_of, take_out_similarity
    use psalm_sort, only: pool_rising
    use psalm_start, only: random_limits
    use psalm_samples, only: sample_set_t, prepare_samples, evaluate_samples, linearise_samples, exceeds
@@ -30,7 +31,7 @@ module psalm_merit
    implicit none (type, external)
    private
    public :: merit_t, prepare_merit, eliminate_linear, hold, let_go, put_in_order
-   public :: constraint_inputs, set_range, extra_positions, forget_sides, least_margin
+   public :: constraint_inputs, set_range, extra_positions, forget_sides, least_margin, hold_place
 
    integer, parameter :: range_steps = 120           !! steps the range of the input is looked at in
    integer, parameter :: most_few = 40               !! places of it at which derivatives are found alone
@@ -70,6 +71,9 @@ module psalm_merit
       real(wp), allocatable :: late(:)               !! shape (positions): how far each input is past the next, radians or sizes
       real(wp), allocatable :: delt(:)               !! shape (positions): input increments
       real(wp), allocatable :: seen(:)               !! the point that the prescribed positions were last looked at for
+      logical :: similar = .false.                   !! place, size and direction of the desired points are free
+      type(similarity_t) :: similarity               !! of the linkage looked at last
+      complex(wp), allocatable :: shape_error(:)     !! shape (positions): its errors then, in the size of the desired points
       class(linear_unknowns_t), allocatable :: linear !! dimensions that are solved for after every step, where it is asked for
    contains
       procedure :: point
@@ -105,6 +109,8 @@ contains
       call merit%final%set_inputs(problem%delt)
       call copy_desired(problem, merit%final)
       merit%free = set%method%ifree /= 0
+      merit%similar = set%method%isim /= 0
+      allocate (merit%shape_error(n), source=(0.0_wp, 0.0_wp))
       merit%core = nvar
       merit%local = merge(n, 0, merit%free)
       merit%has_gradient = .true.
@@ -128,6 +134,7 @@ contains
       call copy_desired(problem, merit%main%problem)
       merit%main%leading = n
       merit%floor = sum(merit%main%problem%weight(:n, 1))*(epsilon(1.0_wp)*merit%size)**2
+      if (merit%similar) merit%floor = sum(merit%main%problem%weight(:n, 1))*(epsilon(1.0_wp)*extent_of_desired(problem))**2
       merit%small = max(1.0e-2_wp*sum(merit%main%problem%weight(:n, 1)) &
                         *merge(1.0_wp, merit%size, problem%motion == motion_angle)**2, sqrt(tiny(1.0_wp)))
       if (allocated(problem%rate_desired)) call want_rates(problem, merit)
@@ -368,12 +375,40 @@ contains
 
       call put_in(merit, x)
       call evaluate_samples(merit%main, merit%dimensions)
+      if (merit%similar) call compare_shapes(merit)
       if (allocated(merit%rates)) call find_desired_rates(merit%rates, merit%dimensions)
       if (allocated(merit%targets)) call find_output_targets(merit%targets, merit%dimensions)
       if (allocated(merit%tolerances)) call find_spread(merit%tolerances, merit%dimensions)
       merit%seen = x
       if (merit%has_range) call look_over_range(merit)
    end subroutine see
+
+   !> Errors of the linkage last looked at against desired points of any place, size and direction.
+   subroutine compare_shapes(merit)
+      class(merit_t), intent(inout) :: merit
+
+      associate (weight => merit%main%problem%weight(:merit%main%problem%positions, 1), actual => actual_points(merit), &
+                 desired => desired_points(merit))
+         call fit_similarity(actual, desired, weight, merit%similarity)
+         merit%shape_error = errors_of(merit%similarity, actual, desired)
+      end associate
+   end subroutine compare_shapes
+
+   pure function actual_points(merit) result(points)
+      class(merit_t), intent(in) :: merit
+      complex(wp) :: points(merit%main%problem%positions)
+
+      points = cmplx(merit%main%out(:, 1), merit%main%out(:, 2), wp) + desired_points(merit)
+   end function actual_points
+
+   pure function desired_points(merit) result(points)
+      class(merit_t), intent(in) :: merit
+      complex(wp) :: points(merit%main%problem%positions)
+
+      associate (wanted => merit%main%problem%wanted(:merit%main%problem%positions, :))
+         points = cmplx(wanted(:, 1), wanted(:, 2), wp)
+      end associate
+   end function desired_points
 
    !> Look at the samples over the range, with two slides on the side of each other that the prescribed positions say.
    subroutine look_over_range(merit)
@@ -390,6 +425,10 @@ contains
 
       associate (problem => merit%main%problem, n => merit%main%problem%positions)
          sum_of_errors = 0.0_wp
+         if (merit%similar) then
+            sum_of_errors = sum(problem%weight(:n, 1)*(merit%shape_error%re**2 + merit%shape_error%im**2))
+            return
+         end if
          do c = 1, size(merit%main%out, 2)
             sum_of_errors = sum_of_errors + sum(problem%weight(:n, c)*merit%main%out(:, c)**2)
          end do
@@ -468,9 +507,13 @@ contains
       self%jacobians = self%jacobians + 1
       call equations%clear(self%core, self%local)
       associate (nvar => self%core, main => self%main, n => self%main%problem%positions)
-         do r = 1, size(main%out, 2)
-            call add_errors(nvar, main%problem%weight(:n, r), main%out(:, r), main%dout(:, :, r), equations)
-         end do
+         if (self%similar) then
+            call add_shape(self, equations)
+         else
+            do r = 1, size(main%out, 2)
+               call add_errors(nvar, main%problem%weight(:n, r), main%out(:, r), main%dout(:, :, r), equations)
+            end do
+         end if
          if (allocated(self%rates)) then
             call differentiate_desired_rates(self%rates, self%dimensions)
             associate (rates => self%rates)
@@ -529,6 +572,33 @@ contains
          end do
       end associate
    end subroutine linearise
+
+   !> Errors against desired points of any place, size and direction, these eliminated.
+   subroutine add_shape(merit, equations)
+      class(merit_t), intent(inout) :: merit
+      type(normal_equations_t), intent(inout) :: equations
+      complex(wp) :: error(merit%main%problem%positions), by(merit%main%problem%positions, merit%core)
+      complex(wp) :: tangent(merit%main%problem%positions)
+      real(wp) :: columns(merit%main%problem%positions, merit%main%columns, 2)
+
+      associate (main => merit%main, nvar => merit%core, u => merit%similarity%u, n => merit%main%problem%positions)
+         call compare_shapes(merit)
+         error = merit%shape_error
+         by = u*cmplx(main%dout(:, :nvar, 1), main%dout(:, :nvar, 2), wp)
+         if (merit%free) then
+            tangent = u*cmplx(main%dout(:, nvar + 1, 1), main%dout(:, nvar + 1, 2), wp)
+            call take_out_similarity(actual_points(merit), main%problem%weight(:n, 1), error, by, tangent)
+            columns(:, nvar + 1, 1) = tangent%re
+            columns(:, nvar + 1, 2) = tangent%im
+         else
+            call take_out_similarity(actual_points(merit), main%problem%weight(:n, 1), error, by)
+         end if
+         columns(:, :nvar, 1) = by%re
+         columns(:, :nvar, 2) = by%im
+         call add_errors(nvar, main%problem%weight(:n, 1), real(error, wp), columns(:, :, 1), equations)
+         call add_errors(nvar, main%problem%weight(:n, 2), aimag(error), columns(:, :, 2), equations)
+      end associate
+   end subroutine add_shape
 
    !> What is violated over the range. Where nothing is, no derivatives are needed.
    subroutine add_range(merit, weight, equations)
@@ -707,8 +777,13 @@ contains
          call find_spread(self%tolerances, self%dimensions)
          objective = objective + sum_of_spread(self%tolerances)
       end if
+      if (self%similar) then
+         call evaluate_samples(self%main, self%dimensions)
+         call compare_shapes(self)
+         objective = sum_of_errors(self)
+      end if
       if (.not. feasible) return
-      call evaluate_samples(self%main, self%dimensions)
+      if (.not. self%similar) call evaluate_samples(self%main, self%dimensions)
       self%seen = x
       feasible = keeps_limits(self%main, self%limit)
       if (.not. (feasible .and. self%has_range)) return
@@ -855,6 +930,13 @@ contains
       call prepare_linear_unknowns(merit%final, merit%free, merit%low, merit%high, merit%linear)
       if (.not. merit%linear%applies) deallocate (merit%linear)
    end subroutine eliminate_linear
+
+   !> From now on the desired points stay where they are.
+   pure subroutine hold_place(merit)
+      class(merit_t), intent(inout) :: merit
+
+      merit%similar = .false.
+   end subroutine hold_place
 
    !> From now on these variables stay what they are: they are no unknowns of least squares.
    subroutine hold(merit, held)

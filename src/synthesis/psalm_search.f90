@@ -15,7 +15,8 @@ module psalm_search
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
    use psalm_margins, only: inspector_t, margin_t, prepare_inspector, inspect, is_violated
    use psalm_random_batch, only: draw_batch
-   use psalm_merit, only: merit_t, prepare_merit, eliminate_linear, forget_sides, hold, let_go, set_range, extra_positions
+   use psalm_merit, only: merit_t, prepare_merit, eliminate_linear, forget_sides, hold, hold_place, let_go, set_range, &
+                          extra_positions
    use psalm_multistart, only: candidate_t, multistart_t, starter_t, promise_of
    use psalm_nlp, only: repair_count_t
    use psalm_search_group, only: order_either, pareto_none
@@ -29,7 +30,7 @@ module psalm_search
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    private
-   public :: found_t, result_t, start_record_t, search_t, search_many, distance_of
+   public :: found_t, result_t, start_record_t, search_t, search_many, distance_of, place_desired
 
    real(wp), parameter :: least_value = 1.0e-3_wp  !! of the first linkage: smaller ones do not tell relative changes
    integer, parameter :: most_returns = 4          !! times a search goes back to work on what an inspection found
@@ -53,6 +54,7 @@ module psalm_search
    type :: found_t
       real(wp), allocatable :: values(:)   !! shape (nvar)
       real(wp), allocatable :: delt(:)     !! shape (positions): input increments (those given, but for free timing)
+      real(wp), allocatable :: desired(:, :) !! shape (positions, 2): where the desired points lie; not allocated: as given
       real(wp) :: objective = 0.0_wp
       integer :: start = 0                 !! the start that led to it; -j: the j-th supplied vertex
       real(wp) :: distance = 0.0_wp        !! from the first linkage: largest relative change of a value
@@ -387,6 +389,17 @@ contains
       end associate
    end subroutine report
 
+   !> Give a problem the desired points where they lie for a linkage.
+   subroutine place_desired(found, problem)
+      type(found_t), intent(in) :: found
+      type(problem_t), intent(inout) :: problem
+      real(wp), allocatable :: weight(:, :)
+
+      if (.not. allocated(found%desired)) return
+      weight = problem%weight(:problem%positions, :)
+      call problem%set_desired(found%desired, weight)
+   end subroutine place_desired
+
    !> Distance of a linkage from the first one: the largest relative change of a value.
    pure real(wp) function distance_of(values, first) result(distance)
       real(wp), intent(in) :: values(:), first(:)
@@ -450,6 +463,9 @@ contains
          if (set%search%solver%refines) call prepare_free_start(problem, worker%merit, worker%free_start(way))
       end do
       if (set%search%solver%refines .and. .not. worker%free_start(1)%applies) call eliminate_linear(worker%merit)
+      ! the linkage itself can lie anywhere, in any size: the points need not
+      if (set%limits%limval /= 1 .and. (worker%free_start(1)%applies .or. allocated(worker%merit%linear))) &
+         call hold_place(worker%merit)
       worker%dyads = dyads_of_variables(problem%mechanism, problem%parameters)
       worker%batches = allocated(worker%merit%linear) .and. worker%merit%free .and. worker%merit%ordered .and. &
                        worker%merit%irange == range_turn

@@ -7,6 +7,7 @@ module psalm_timing
    use psalm_kinds, only: wp
    use psalm_merit, only: merit_t
    use psalm_samples, only: sample_set_t, prepare_samples, evaluate_samples
+   use psalm_similarity, only: time_similar
    use psalm_timing_order, only: choose_inputs, inputs_of_path, never, steps_of_path
    implicit none (type, external)
    private
@@ -40,7 +41,7 @@ contains
    subroutine find_timing(timing, merit, delt)
       type(timing_t), intent(inout) :: timing
       type(merit_t), intent(in) :: merit
-      real(wp), intent(out) :: delt(:)            !! shape (positions)
+      real(wp), intent(inout) :: delt(:)          !! shape (positions); where the desired points have no place, those to begin with
       real(wp) :: trial(size(delt)), total, best
       integer :: i
 
@@ -49,7 +50,12 @@ contains
       best = huge(best)
       do i = 1, steps_of_path
          if (timing%like(i) /= i) cycle
-         call time_path(timing, merit, i, trial, total)
+         if (merit%similar) then
+            trial = delt
+            call time_shape(timing, merit, i, trial, total)
+         else
+            call time_path(timing, merit, i, trial, total)
+         end if
          if (i > 1 .and. total >= best) cycle
          best = total
          delt = trial
@@ -72,6 +78,21 @@ contains
          end do
       end associate
    end subroutine find_paths
+
+   !> The same where the desired points may lie anywhere, in any size.
+   subroutine time_shape(timing, merit, path, delt, best)
+      type(timing_t), intent(inout) :: timing
+      type(merit_t), intent(in) :: merit
+      integer, intent(in) :: path                 !! its first step
+      real(wp), intent(inout) :: delt(:)          !! shape (positions)
+      real(wp), intent(out) :: best
+
+      associate (problem => merit%main%problem, out => timing%path%out, n => size(delt))
+         call time_similar(cmplx(out(:, 1), out(:, 2), wp), timing%path%closed .and. timing%like == path, timing%inputs, &
+                           cmplx(problem%wanted(:n, 1), problem%wanted(:n, 2), wp), problem%weight(:n, 1), &
+                           .not. problem%mechanism%sliding_input, merit%ordered, merit%sense, delt, timing%cost, best)
+      end associate
+   end subroutine time_shape
 
    !> The best timing on one of the paths, and what it costs.
    subroutine time_path(timing, merit, path, delt, best)
