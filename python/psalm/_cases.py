@@ -440,7 +440,8 @@ class Case:
         return result
 
     def allocation(self, threads: int = 0, progress: Progress = None) -> Result:
-        """The cheapest tolerances within the bands of &ALLOC: a row for each dimension. `Error` if the linkage does not close."""
+        """The cheapest tolerances within the bands of &ALLOC: a row for each dimension, clearances of joints the last; what gaps do is in
+        `tables["clearances"]` and `tables["clearance_effects"]`. `Error` if the linkage does not close."""
         result = self.study("allocation", threads=threads, progress=progress)
         if library.psalm_table_count(result._handle) == 0:
             raise Error(_library.VIOLATION, result.findings)

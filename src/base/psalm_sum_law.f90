@@ -5,18 +5,25 @@
 !> L/2 - 4 L/pi**2 sum over odd k of cos(k pi x/L)/k**2 times the characteristic function of R at k pi/L, for any L of at least
 !> twice the largest |R|. A triangular deviation is the sum of two uniform ones within half its tolerance each. Of normal
 !> deviations the tolerance is three standard deviations.
+!>
+!> A place that is uniform in a disc of the radius a deviates in any direction by the density 2 sqrt(a**2 - x**2)/(pi a**2): its
+!> variance is a**2/4, its characteristic function 2 J1(a t)/(a t). It is one of the others; where there is no uniform deviation
+!> P(b) = D'(b).
 module psalm_sum_law
-   use psalm_angles, only: unit_vector
-   use psalm_kinds, only: wp, half_turn, pi
+   use psalm_angles, only: degrees_of, unit_vector
+   use psalm_kinds, only: wp, degrees_per_radian, half_turn, pi, radians_per_degree
    implicit none (type, external)
    private
-   public :: law_uniform, law_triangle, law_normal, half_width, share_within, standard_normal
+   public :: law_uniform, law_triangle, law_normal, normal_of_disc, half_width, share_within, standard_normal
 
    integer, parameter :: law_uniform = 1, law_triangle = 2, law_normal = 3
    real(wp), parameter :: deviations_of_tolerance = 3.0_wp !! of a normal deviation: standard deviations within its tolerance
+   real(wp), parameter :: normal_of_disc = 1.5_wp         !! tolerance of a normal deviation with a disc's variance, by its radius
+   real(wp), parameter :: of_envelope = 1.6_wp            !! |2 J1(z)/z| is at most that times z**-1.5
    integer, parameter :: most_terms = 4096                !! of the series
    real(wp), parameter :: least_term = 1.0e-14_wp         !! where it ends
    real(wp), parameter :: least_effect = 1.0e-12_wp       !! of the largest: smaller ones are none
+   real(wp), parameter :: least_uniform = 1.0e-6_wp      !! of the largest: a smaller uniform deviation is not taken out
    integer, parameter :: most_rounds = 200                !! of a search for a width
    real(wp), parameter :: nearness = 1.0e-13_wp           !! of a width that is found, of all deviations together
    ! the normal distribution turned round, algorithm AS 241 (Wichura 1988): numerators and denominators of the middle and of the
@@ -45,30 +52,37 @@ module psalm_sum_law
 
    !> Uniform deviations: the largest and the sum of all others.
    type :: sum_t
-      integer :: largest = 0                              !! its number
+      integer :: largest = 0                              !! its number; 0: there is none, and the others are all
       real(wp) :: a = 0.0_wp                              !! its amount
       integer, allocatable :: others(:)                   !! their numbers
       real(wp) :: all_others = 0.0_wp                     !! sum of their amounts
+      logical :: one_uniform = .false., one_disc = .false. !! there is one other: closed forms
       real(wp) :: length = 0.0_wp                         !! L
       integer :: terms = 0                                !! of the series; term i is of k = 2 i - 1
-      real(wp), allocatable :: sine(:, :), cosine(:, :)   !! shape (terms, others): of k pi a_i/L
+      real(wp), allocatable :: sine(:, :), cosine(:, :)   !! shape (terms, others): of z = k pi a_i/L; of a disc 2 J1(z) and
+                                                          !! 2 J1(z)/z - 2 J2(z), which enter in the same way
       real(wp), allocatable :: characteristic(:)          !! shape (terms)
    end type sum_t
 
 contains
 
    !> The width to either side within which a share of the sums lies, and its change with every effect.
-   pure subroutine half_width(law, effect, share, width, slope)
+   pure subroutine half_width(law, effect, share, width, slope, disc)
       integer, intent(in) :: law                          !! one of `law_...`
       real(wp), intent(in) :: effect(:)                   !! largest deviations, of any sign
       real(wp), intent(in) :: share                       !! above 0, below 1
       real(wp), intent(out) :: width
       real(wp), intent(out) :: slope(:)                   !! shape (effects): by the amount of each
+      logical, intent(in), optional :: disc(:)            !! shape (effects): radius of a disc, whatever the law of the others
       real(wp) :: amount(size(effect)), halves(2*size(effect)), of_halves(2*size(effect)), sigma
+      logical :: round(size(effect))
       integer :: n
 
       n = size(effect)
       amount = abs(effect)
+      round = .false.
+      if (present(disc)) round = disc
+      where (round .and. law == law_normal) amount = normal_of_disc*amount
       width = 0.0_wp
       slope = 0.0_wp
       if (.not. any(amount > 0.0_wp)) return
@@ -77,37 +91,53 @@ contains
          sigma = sqrt(sum(amount**2))/deviations_of_tolerance
          width = normal_width(share)*sigma
          slope = width*amount/sum(amount**2)
+         where (round) slope = normal_of_disc*slope
       case (law_triangle)
-         halves = [0.5_wp*amount, 0.5_wp*amount]
-         call width_of_uniform(halves, share, width, of_halves)
+         halves = halves_of(amount, round)
+         call width_of_uniform(halves, share, width, of_halves, [round, round])
          slope = 0.5_wp*(of_halves(:n) + of_halves(n + 1:))
+         where (round) slope = of_halves(:n)
       case default
-         call width_of_uniform(amount, share, width, slope)
+         call width_of_uniform(amount, share, width, slope, round)
       end select
    end subroutine half_width
 
    !> Share of the sums within a band to either side.
-   pure real(wp) function share_within(law, effect, band) result(share)
+   pure real(wp) function share_within(law, effect, band, disc) result(share)
       integer, intent(in) :: law                          !! one of `law_...`
       real(wp), intent(in) :: effect(:)                   !! largest deviations, of any sign
       real(wp), intent(in) :: band
+      logical, intent(in), optional :: disc(:)            !! shape (effects), see `half_width`
       real(wp) :: amount(size(effect)), density
+      logical :: round(size(effect))
       type(sum_t) :: of
 
       amount = abs(effect)
+      round = .false.
+      if (present(disc)) round = disc
+      where (round .and. law == law_normal) amount = normal_of_disc*amount
       share = 1.0_wp
       if (.not. any(amount > 0.0_wp)) return
       select case (law)
       case (law_normal)
          share = erf(band*deviations_of_tolerance/sqrt(2.0_wp*sum(amount**2)))
       case (law_triangle)
-         call prepare([0.5_wp*amount, 0.5_wp*amount], of)
+         call prepare(halves_of(amount, round), [round, round], of)
          call find_share(of, band, share, density)
       case default
-         call prepare(amount, of)
+         call prepare(amount, round, of)
          call find_share(of, band, share, density)
       end select
    end function share_within
+
+   !> Triangular deviations as two uniform ones each; a disc stays one.
+   pure function halves_of(amount, round) result(halves)
+      real(wp), intent(in) :: amount(:)
+      logical, intent(in) :: round(:)                     !! the same shape
+      real(wp) :: halves(2*size(amount))
+
+      halves = [merge(amount, 0.5_wp*amount, round), merge(0.0_wp, 0.5_wp*amount, round)]
+   end function halves_of
 
    !> Standard deviations to either side that hold a share of a normal distribution.
    pure real(wp) function normal_width(share) result(width)
@@ -184,14 +214,15 @@ contains
    end function polynomial
 
    !> Width and slopes of uniform deviations: Newton's method within a bracket.
-   pure subroutine width_of_uniform(amount, share, width, slope)
+   pure subroutine width_of_uniform(amount, share, width, slope, round)
       real(wp), intent(in) :: amount(:), share
       real(wp), intent(out) :: width, slope(:)
+      logical, intent(in) :: round(:)                     !! shape (amounts): of a disc
       type(sum_t) :: of
       real(wp) :: low, high, found, density, next
       integer :: k
 
-      call prepare(amount, of)
+      call prepare(amount, round, of)
       low = 0.0_wp
       high = of%a + of%all_others
       width = share*high
@@ -212,16 +243,28 @@ contains
    end subroutine width_of_uniform
 
    !> The largest deviation, and the characteristic function of the sum of all others.
-   pure subroutine prepare(amount, of)
+   pure subroutine prepare(amount, round, of)
       real(wp), intent(in) :: amount(:)
+      logical, intent(in) :: round(:)                     !! shape (amounts): of a disc
       type(sum_t), intent(out) :: of
-      real(wp) :: envelope, c, s, c2, s2, before(2), k
+      real(wp) :: envelope, c, s, c2, s2, before(2), k, most, j0, j1
       integer :: i, j, terms
 
-      of%largest = maxloc(amount, dim=1)
+      most = maxval(amount)
+      of%largest = maxloc(merge(0.0_wp, amount, round), dim=1)
       of%a = amount(of%largest)
-      of%others = pack([(i, i=1, size(amount))], amount > least_effect*of%a .and. [(i /= of%largest, i=1, size(amount))])
+      if (any(round)) then
+         if (round(of%largest) .or. amount(of%largest) < least_uniform*most) then
+            of%largest = 0
+            of%a = 0.0_wp
+         end if
+      end if
+      of%others = pack([(i, i=1, size(amount))], amount > least_effect*most .and. [(i /= of%largest, i=1, size(amount))])
       of%all_others = sum(amount(of%others))
+      if (size(of%others) == 1) then
+         of%one_uniform = .not. round(of%others(1))
+         of%one_disc = round(of%others(1)) .and. of%largest == 0
+      end if
       of%length = 2.0_wp*of%all_others
       if (size(of%others) == 0) return
       terms = most_terms
@@ -229,7 +272,13 @@ contains
          k = real(2*i - 1, wp)
          envelope = 1.0_wp/k
          do j = 1, size(of%others)
-            envelope = envelope*min(1.0_wp, of%length/(k*pi*amount(of%others(j))))
+            associate (z => k*pi*amount(of%others(j))/of%length)
+               if (round(of%others(j))) then
+                  envelope = envelope*min(1.0_wp, of_envelope/(z*sqrt(z)))
+               else
+                  envelope = envelope*min(1.0_wp, of%length/(k*pi*amount(of%others(j))))
+               end if
+            end associate
          end do
          if (envelope > least_term) cycle
          terms = i
@@ -239,6 +288,17 @@ contains
       allocate (of%sine(terms, size(of%others)), of%cosine(terms, size(of%others)))
       allocate (of%characteristic(terms), source=1.0_wp)
       do j = 1, size(of%others)
+         if (round(of%others(j))) then
+            do i = 1, terms
+               associate (z => argument(of, i, amount(of%others(j))))
+                  call find_bessel(z, j0, j1)
+                  of%sine(i, j) = 2.0_wp*j1
+                  of%cosine(i, j) = 2.0_wp*j0 - 2.0_wp*j1/z
+                  of%characteristic(i) = of%characteristic(i)*of%sine(i, j)/z
+               end associate
+            end do
+            cycle
+         end if
          call unit_vector(half_turn*amount(of%others(j))/of%length, c, s)
          c2 = c**2 - s**2
          s2 = 2.0_wp*s*c
@@ -274,6 +334,12 @@ contains
       share = 1.0_wp
       density = 0.0_wp
       if (band >= of%a + of%all_others) return
+      if (of%largest == 0) then
+         inner = mean_distance(of, band)
+         share = inner(2)
+         density = density_of_others(of, band)
+         return
+      end if
       outer = mean_distance(of, of%a + band)
       inner = mean_distance(of, abs(band - of%a))
       share = (outer(1) - inner(1))/(2.0_wp*of%a)
@@ -290,8 +356,14 @@ contains
 
       d = [x, 1.0_wp]
       if (x >= of%all_others) return
-      if (size(of%others) == 1) then
+      if (of%one_uniform) then
          d = [0.5_wp*(x**2/of%all_others + of%all_others), x/of%all_others]
+         return
+      else if (of%one_disc) then
+         ! of the share alone; the distance is not needed
+         associate (part => x/of%all_others)
+            d(2) = 2.0_wp/pi*(part*sqrt(1.0_wp - part**2) + degrees_of(sqrt(1.0_wp - part**2), part)*radians_per_degree)
+         end associate
          return
       end if
       call unit_vector(half_turn*x/of%length, c, s)
@@ -310,6 +382,96 @@ contains
       d(2) = 4.0_wp/pi*d(2)
    end function mean_distance
 
+   !> Density of |R| where the other deviations are all.
+   pure real(wp) function density_of_others(of, x) result(density)
+      type(sum_t), intent(in) :: of
+      real(wp), intent(in) :: x                           !! not negative
+      real(wp) :: c, s, c2, s2, before(2)
+      integer :: i
+
+      density = 0.0_wp
+      if (x >= of%all_others) return
+      if (of%one_disc) then
+         density = 4.0_wp/(pi*of%all_others)*sqrt(1.0_wp - (x/of%all_others)**2)
+         return
+      end if
+      call unit_vector(half_turn*x/of%length, c, s)
+      c2 = c**2 - s**2
+      s2 = 2.0_wp*s*c
+      do i = 1, of%terms
+         density = density + c*of%characteristic(i)
+         before = [s, c]
+         s = before(1)*c2 + before(2)*s2
+         c = before(2)*c2 - before(1)*s2
+      end do
+      density = 4.0_wp/of%length*density
+   end function density_of_others
+
+   !> The Bessel functions J0 and J1: by their recurrence backwards (Miller), of larger arguments by Hankel's expansion. Source:
+   !> Abramowitz and Stegun (1964), 9.12 and 9.2.5.
+   pure subroutine find_bessel(z, j0, j1)
+      real(wp), intent(in) :: z                           !! above 0
+      real(wp), intent(out) :: j0, j1
+      real(wp), parameter :: large = 30.0_wp              !! the expansion has 1E-20 there
+      integer, parameter :: begin = 80                    !! even: J80(30) is below 1E-20
+      integer, parameter :: terms = 24
+      real(wp) :: next, this, before, total, c, s, of0(2), of1(2)
+      integer :: n
+
+      if (z < large) then
+         next = 0.0_wp
+         this = tiny(1.0_wp)/epsilon(1.0_wp)
+         total = 0.0_wp
+         do n = begin, 1, -1
+            if (mod(n, 2) == 0) total = total + 2.0_wp*this
+            before = 2.0_wp*real(n, wp)/z*this - next
+            next = this
+            this = before
+            if (abs(this) > 1.0_wp/epsilon(1.0_wp)) then
+               next = next*epsilon(1.0_wp)
+               this = this*epsilon(1.0_wp)
+               total = total*epsilon(1.0_wp)
+            end if
+         end do
+         total = total + this
+         j0 = this/total
+         j1 = next/total
+      else
+         of0 = expansion(0.0_wp)
+         of1 = expansion(4.0_wp)
+         call unit_vector(z*degrees_per_radian - 0.25_wp*half_turn, c, s)
+         j0 = sqrt(2.0_wp/(pi*z))*(of0(1)*c - of0(2)*s)
+         j1 = sqrt(2.0_wp/(pi*z))*(of1(1)*s + of1(2)*c)
+      end if
+
+   contains
+
+      !> Both sums of the expansion for the order n, of 4 n**2: they end with their least term.
+      pure function expansion(four_squares) result(sums)
+         real(wp), intent(in) :: four_squares
+         real(wp) :: sums(2), term, new
+         integer :: k
+
+         sums = [1.0_wp, 0.0_wp]
+         term = 1.0_wp
+         do k = 1, terms
+            new = term*(four_squares - real(2*k - 1, wp)**2)/(8.0_wp*real(k, wp)*z)
+            if (abs(new) > abs(term)) exit
+            term = new
+            select case (mod(k, 4))
+            case (1)
+               sums(2) = sums(2) + term
+            case (2)
+               sums(1) = sums(1) - term
+            case (3)
+               sums(2) = sums(2) - term
+            case default
+               sums(1) = sums(1) + term
+            end select
+         end do
+      end function expansion
+   end subroutine find_bessel
+
    !> Change of the width with every amount: that of the share, over the density.
    pure subroutine find_slopes(of, width, amount, share, slope)
       type(sum_t), intent(in) :: of
@@ -319,37 +481,50 @@ contains
       real(wp) :: change(size(of%others))
 
       slope = 0.0_wp
-      outer = mean_distance(of, of%a + width)
-      inner = mean_distance(of, abs(width - of%a))
-      density = (outer(2) - sign(inner(2), width - of%a))/(2.0_wp*of%a)
-      if (.not. density > 0.0_wp) return
-      slope(of%largest) = (share - 0.5_wp*(outer(2) + sign(inner(2), width - of%a)))/(of%a*density)
-      change = change_of_distance(of, of%a + width, amount) - change_of_distance(of, abs(width - of%a), amount)
-      slope(of%others) = -change/(2.0_wp*of%a*density)
+      if (of%largest == 0) then
+         density = density_of_others(of, width)
+         if (.not. density > 0.0_wp) return
+         if (of%one_disc) then
+            slope(of%others) = width/of%all_others
+            return
+         end if
+         slope(of%others) = -change_of_distance(of, width, amount, .true.)/density
+      else
+         outer = mean_distance(of, of%a + width)
+         inner = mean_distance(of, abs(width - of%a))
+         density = (outer(2) - sign(inner(2), width - of%a))/(2.0_wp*of%a)
+         if (.not. density > 0.0_wp) return
+         slope(of%largest) = (share - 0.5_wp*(outer(2) + sign(inner(2), width - of%a)))/(of%a*density)
+         change = change_of_distance(of, of%a + width, amount) - change_of_distance(of, abs(width - of%a), amount)
+         slope(of%others) = -change/(2.0_wp*of%a*density)
+      end if
       slope = max(slope, 0.0_wp)
       ! a width grows like the amounts: Euler's theorem takes out what the series leaves
       total = sum(slope*amount)
       if (total > 0.0_wp) slope = slope*width/total
    end subroutine find_slopes
 
-   !> Change of D(x) with the amounts of the other deviations.
-   pure function change_of_distance(of, x, amount) result(change)
+   !> Change of D(x), or of D'(x), with the amounts of the other deviations.
+   pure function change_of_distance(of, x, amount, of_slope) result(change)
       type(sum_t), intent(in) :: of
       real(wp), intent(in) :: x, amount(:)
+      logical, intent(in), optional :: of_slope           !! of D'(x)
       real(wp) :: change(size(of%others))
-      real(wp) :: c, s, others
+      real(wp) :: c, s, others, weight
       integer :: i, j, m
       real(wp) :: factor(size(of%others)), before(size(of%others) + 1), after
 
       change = 0.0_wp
       if (x >= of%all_others) return
-      if (size(of%others) == 1) then
+      if (of%one_uniform) then
          change = 0.5_wp*(1.0_wp - (x/of%all_others)**2)
          return
       end if
       m = size(of%others)
       do i = 1, of%terms
          call unit_vector(half_turn*real(2*i - 1, wp)*x/of%length, c, s)
+         weight = c/real(2*i - 1, wp)**2
+         if (present(of_slope)) weight = -s/real(2*i - 1, wp)*pi/of%length
          before(1) = 1.0_wp
          do j = 1, m
             factor(j) = of%sine(i, j)/argument(of, i, amount(of%others(j)))
@@ -358,7 +533,7 @@ contains
          after = 1.0_wp
          do j = m, 1, -1
             others = before(j)*after
-            change(j) = change(j) - c/real(2*i - 1, wp)**2*others*(of%cosine(i, j) - factor(j))/amount(of%others(j))
+            change(j) = change(j) - weight*others*(of%cosine(i, j) - factor(j))/amount(of%others(j))
             after = after*factor(j)
          end do
       end do

@@ -20,7 +20,7 @@ module psalm_force_model
    implicit none (type, external)
    private
    public :: force_model_t, location_t, load_t, spring_t, friction_t, make_force_model, forces_wanted, vertices_of
-   public :: location_of_place, joint_at, moving_pair, place_right, place_on_foot, place_afloat, place_nowhere
+   public :: body_of_link, location_of_place, joint_at, moving_pair, place_right, place_on_foot, place_afloat, place_nowhere
    public :: mass_parameters, parameter_mass, parameter_mx, parameter_my, parameter_inertia
 
    integer, parameter :: mass_parameters = 4  !! of a body

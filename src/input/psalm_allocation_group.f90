@@ -1,13 +1,15 @@
 !> The group ALLOC: bands of the outputs, and what tolerances cost: the cheapest tolerances within the bands are wanted.
 module psalm_allocation_group
-   use psalm_case_group, only: case_group_t, surroundings_t
+   use psalm_case_group, only: case_group_t, place_visitor_t, surroundings_t
    use psalm_data_set, only: data_set_t
    use psalm_group, only: group_t, out_of
    use psalm_kinds, only: wp
+   use psalm_link_place, only: read_places
+   use psalm_place, only: place_t
    use psalm_rule, only: rule_t, a_number, a_text, a_whole, a_word
    use psalm_status, only: diagnostics_t
    use psalm_sum_law, only: law_uniform
-   use psalm_take, only: take
+   use psalm_take, only: take, take_count
    use psalm_text, only: to_text
    implicit none (type, external)
    private
@@ -46,11 +48,16 @@ module psalm_allocation_group
       integer, allocatable :: step_table(:)    !! ALSTAB, shape (steps): the table it belongs to
       integer, allocatable :: group(:)         !! ALGRP, shape (names): correlated group, below 0: against its others; 0: in none
       real(wp), allocatable :: correlation(:)  !! ALCORR, by group
+      type(place_t), allocatable :: plays(:)   !! PLINK, PLOOP: joints with clearance; of a sketch PNAME
+      character(text_length), allocatable :: play_names(:) !! PNAME, shape (plays) of a sketch, else 0
+      integer, allocatable :: loaded(:)        !! PLOAD, shape (plays): 1: on the side of the load
+      real(wp), allocatable :: play_given(:)   !! PGIVEN, shape (plays): clearance of today, user's length
       integer :: most_nodes = 0                !! ALNODE: of the search for grades and steps
       integer :: proof = proof_none            !! ALPROF: one of `proof_...`
       integer :: trials = 0                    !! ALTRY: linkages of the sample
    contains
       procedure :: read => read_allocation
+      procedure :: visit_places => visit_allocation
    end type allocation_group_t
 
    !> The items of the group.
@@ -71,7 +78,7 @@ module psalm_allocation_group
              'deviations'), &
       rule_t('ALNAM', a_text, 'n', '', '', '', &
              'dimensions with entries of their own in the next items, by the names of the listing: `''length A B''`; '// &
-             '`''length *''`: all lengths, `''angle *''`: all angles, `''*''`: all'), &
+             '`''length *''`: all lengths, `''angle *''`: all angles, `''play *''`: all clearances, `''*''`: all'), &
       rule_t('ALCOST', a_number, 'n', '', '', '[0,)', &
              'cost B of a tolerance of 1, in the order of ALNAM; 0 or not given: 1 for a length, for an angle that of the '// &
              'length by which it moves the end of an arc of mean length'), &
@@ -108,6 +115,19 @@ module psalm_allocation_group
              'round in this dimension; 0: in none'), &
       rule_t('ALCORR', a_number, 'n', '', '1', '[0,1]', &
              'correlation of two deviations of each of these groups; 1: they deviate as one'), &
+      rule_t('NPLAY', a_whole, '', '', 'as many as the longest item has', '[0,1000]', &
+             'joints with clearance'), &
+      rule_t('PLINK', a_whole, 'NPLAY', '', 'required', '', &
+             'the joint at the finish of this arc; negative: at its start'), &
+      rule_t('PLOOP', a_whole, 'NPLAY', '', 'required', '', &
+             'the loop of that arc'), &
+      rule_t('PNAME', a_text, 'NPLAY', '', '', '', &
+             'of a sketch, in place of both: the joint or slide; where a joint pins more than two links with '// &
+             'the one that turns in it, `''B rod''`'), &
+      rule_t('PLOAD', a_whole, 'NPLAY', '', '0', '[0,1]', &
+             '0: the gap may lie in any direction; 1: on the side to which the load of the case presses'), &
+      rule_t('PGIVEN', a_number, 'NPLAY', 'length', '0', '[0,)', &
+             'clearance of today, for the comparison with &TOLER: radial, of a slide to either side; 0: there is no comparison'), &
       rule_t('ALNODE', a_whole, '', '', '100000', '[1,1000000000]', &
              'nodes of the search for grades and steps at most'), &
       rule_t('ALPROF', a_word, '', '', 'NO', 'NO CHECK SCALE', &
@@ -168,6 +188,7 @@ contains
             call out_of(group, 'ALMIN', 'the least tolerance of '//trim(self%names(i))//' is above the largest', findings, i)
       end do
       call read_steps(self, group, n, findings)
+      call read_plays(self, group, about, findings)
       allocate (self%group(n))
       call take(group, 'ALGRP', self%group, findings)
       allocate (self%correlation(maxval(abs([self%group, 0]))))
@@ -179,6 +200,28 @@ contains
       if (group%given('ALCORR') .and. size(self%correlation) == 0) &
          call out_of(group, 'ALCORR', 'no dimension is in a correlated group (ALGRP)', findings)
    end subroutine read_allocation
+
+   !> Joints with clearance. Errors: joints that are not there; a proof, which knows no clearances.
+   subroutine read_plays(self, group, about, findings)
+      class(allocation_group_t), intent(inout) :: self
+      type(group_t), intent(inout) :: group
+      class(surroundings_t), intent(in) :: about
+      type(diagnostics_t), intent(inout) :: findings
+      character(:), allocatable :: texts(:)
+      integer :: n, i
+
+      call take_count(group, 'NPLAY', n, findings)
+      allocate (self%plays(n), self%loaded(n), self%play_given(n))
+      call read_places(group, 'P', about%ilink, self%plays, findings, ends_only=.true., sketch=about%sketch)
+      call group%get_texts('PNAME', texts, findings)
+      self%play_names = [character(text_length) :: (adjustl(texts(i)), i=1, size(texts))]
+      call take(group, 'PLOAD', self%loaded, findings)
+      call take(group, 'PGIVEN', self%play_given, findings)
+      if (n > 0 .and. self%proof /= proof_none) call out_of(group, 'ALPROF', &
+         'the proof encloses linkages whose dimensions deviate, without clearances; leave out the joints with clearance, '// &
+         'or ALPROF', &
+         findings)
+   end subroutine read_plays
 
    !> Grades and tables of steps. Errors: grades that ISO 286 does not have here, or in the wrong order; both a grade and a table; a
    !> table without steps; costs and steps that are not as many.
@@ -232,6 +275,17 @@ contains
             call out_of(group, 'ALTAB', 'table '//to_text(self%table(i))//' has no steps (ALSTEP, ALSTAB)', findings, i)
       end do
    end subroutine read_steps
+
+   subroutine visit_allocation(self, visitor)
+      class(allocation_group_t), intent(inout) :: self
+      class(place_visitor_t), intent(in) :: visitor
+      integer :: k
+
+      if (.not. allocated(self%plays)) return
+      do k = 1, size(self%plays)
+         call visitor%joint(self%plays(k))
+      end do
+   end subroutine visit_allocation
 
    !> The group ALLOC of a case; as it is by default where the case does not have it.
    pure function allocation_of(set) result(allocation)

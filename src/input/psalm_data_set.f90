@@ -395,7 +395,7 @@ contains
       call keep_others(case, program, set)
       call refuse_unknown(case, program, findings)
       do i = 1, size(names)
-         if (program_reads(program, names(i))) then
+         if (reads_of(case, program, names(i))) then
             call case%take(trim(names(i)), groups(i))
          else
             call groups(i)%begin(trim(names(i)), 0)
@@ -870,7 +870,7 @@ contains
                cycle
             end select
             if (.not. (program == 'muscle' .and. any(group%name == written_by_muscle))) call group%render(others)
-            if (program_reads(program, group%name)) cycle
+            if (reads_of(case, program, group%name)) cycle
             if (len(set%skipped) > 0) set%skipped = set%skipped//', '
             set%skipped = set%skipped//'&'//trim(group%name)
             if (.not. is_users(group%name)) set%skipped = set%skipped//' ('//trim(program_of(group%name))//')'
@@ -878,6 +878,21 @@ contains
       end do
       set%others = others%content()
    end subroutine keep_others
+
+   !> True if the program reads the group of this case: forces for clearances on the side of their load as well.
+   pure logical function reads_of(case, program, group)
+      type(case_text_t), intent(in) :: case
+      character(*), intent(in) :: program, group
+      character(*), parameter :: of_forces(*) = [character(name_length) :: 'MASSES', 'LOADS', 'SPRING', 'FRICTN', 'RATES']
+      integer :: i
+
+      reads_of = program_reads(program, group)
+      if (reads_of .or. .not. program_reads(program, 'ALLOC') .or. all(of_forces /= group)) return
+      do i = 1, case%count
+         if (case%groups(i)%name == 'ALLOC') &
+            reads_of = reads_of .or. any(case%groups(i)%items(:case%groups(i)%count)%name == 'PLOAD')
+      end do
+   end function reads_of
 
    !> Groups that no program knows, and groups that are missing.
    subroutine refuse_unknown(case, program, findings)

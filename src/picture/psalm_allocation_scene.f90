@@ -17,6 +17,7 @@ module psalm_allocation_scene
    public :: legend_words, part_words, plus_minus, degree_sign
 
    character(*), parameter :: plus_minus = char(194)//char(177), degree_sign = char(194)//char(176) !! UTF-8
+   character(*), parameter :: radial = 'R '     !! before a radial clearance
    integer, parameter :: name_room = 120        !! characters of a name
    integer, parameter :: digits = 3             !! of a tolerance on a drawing
    integer, parameter :: digits_of_size = 7     !! of a length there
@@ -28,6 +29,7 @@ module psalm_allocation_scene
    type :: allotted_t
       character(name_room) :: name = ''         !! as ALNAM has it
       logical :: angle = .false.                !! degrees
+      logical :: pin = .false.                  !! a radial clearance
       integer :: loop = 0, arc = 0              !! the arc; 0: none
       real(wp) :: nominal = 0.0_wp              !! 0: not known
       real(wp) :: tolerance = 0.0_wp            !! to either side
@@ -85,6 +87,8 @@ contains
          associate (row => scene%rows(i))
             row%name = item_name(allocation%names(i))
             row%angle = allocation%is_angle(i)
+            j = i - (size(scene%rows) - size(allocation%plays))
+            if (j > 0) row%pin = .not. allocation%plays(j)%slides
             row%loop = allocation%loop(i)
             row%arc = allocation%place(i)
             row%nominal = allocation%nominal(i)
@@ -123,6 +127,10 @@ contains
             band%width = allocation%bands(list)%width
             band%worst = sum(abs(allocation%effect(:, list)), dim=1)
             band%square = sqrt(sum(allocation%effect(:, list)**2, dim=1))
+            if (allocated(allocation%worst)) then
+               band%worst = allocation%worst(list)
+               band%square = allocation%square(list)
+            end if
             band%used = allocation%bands(list)%used
          end associate
       end do
@@ -160,7 +168,8 @@ contains
       words = short_number(part/percent, digits_of_part)//' %'
    end function part_words
 
-   !> A dimension with its tolerance as a drawing has it: `120 +-0.05`. The tolerance is rounded down, so that the band is kept.
+   !> A dimension with its tolerance as a drawing has it: `120 +-0.05`; a radial clearance `R 0.02`. The tolerance is rounded down,
+   !> so that the band is kept.
    pure function tolerance_words(row, signs, degree) result(words)
       type(allotted_t), intent(in) :: row
       character(*), intent(in) :: signs, degree !! plus and minus; degree
@@ -168,7 +177,12 @@ contains
       real(wp) :: unit
 
       unit = 10.0_wp**(floor(log10(row%tolerance)) - digits + 1)
-      words = signs//short_number(unit*aint(row%tolerance/unit*(1.0_wp + epsilon(1.0_wp))), digits)
+      words = short_number(unit*aint(row%tolerance/unit*(1.0_wp + epsilon(1.0_wp))), digits)
+      if (row%pin) then
+         words = radial//words
+      else
+         words = signs//words
+      end if
       if (row%angle) words = words//degree
       if (.not. abs(row%nominal) > 0.0_wp) return
       if (row%angle) then

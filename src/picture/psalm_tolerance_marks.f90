@@ -9,6 +9,7 @@ module psalm_tolerance_marks
 
    character(*), parameter :: layer_of_tolerances = 'TOLERANCES'
    character(*), parameter :: plus_minus = '%%p', degree = '%%d' !! as DXF has them in texts
+   character(*), parameter :: of_play = 'play '    !! begins the name of a clearance
    integer, parameter :: most_joints = 4           !! in the name of a dimension
 
    type :: tolerance_mark_t
@@ -33,6 +34,20 @@ contains
             mark%angle = row%angle
             mark%words = tolerance_words(row, plus_minus, degree)
             mark%name = trim(row%name)
+            if (index(mark%name, of_play) == 1) then
+               ! at the joint, if its name is one of the drawing
+               call find_joints(scene, mark%name(:len(of_play) - 1 + index(mark%name(len(of_play) + 1:)//' ', ' ')), joints, n)
+               if (n == 0) cycle
+               mark%words = of_play//mark%words
+               mark%joints = joints(1)
+               mark%angle = .true.
+               do b = 1, size(scene%bodies)
+                  if (.not. holds(scene%bodies(b)%joints, joints(:1))) cycle
+                  mark%body = b
+                  exit
+               end do
+               cycle
+            end if
             call find_joints(scene, mark%name, joints, n)
             if (n >= 2) then
                mark%joints = joints(merge([n - 1, n], [1, 2], row%angle))

@@ -7,6 +7,7 @@ module psalm_allocation_list
    use psalm_allocation_group, only: rule_square, rule_worst, rule_yield
    use psalm_column_names, only: input_name, input_unit, position_name
    use psalm_columns, only: left_column, right_column
+   use psalm_joint_play, only: play_t, play_across, play_loaded
    use psalm_kinds, only: wp
    use psalm_number_format, only: error_words, figures_of, in_sentence, number_words
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
@@ -21,6 +22,7 @@ module psalm_allocation_list
    integer, parameter :: limit_room = 7
    integer, parameter :: step_column = 91       !! characters before the grade or step
    integer, parameter :: verdict_room = 10
+   integer, parameter :: gap_room = 26
 
 contains
 
@@ -108,6 +110,7 @@ contains
          if (.not. result%in_steps) line = line//': EVERY TOLERANCE IS THE LARGEST'
          call text%add(line)
       end if
+      if (size(result%plays) > 0) call list_plays()
       if (result%proof%asked) call list_proof()
       if (result%sample%trials == 0) return
       line = ' LINKAGES OF THE SAMPLE '//to_text(result%sample%trials)//', WITHIN ALL BANDS '//to_text(result%sample%kept)//' ('
@@ -132,6 +135,26 @@ contains
 
          words = trim(adjustl(in_sentence(named, part/percent)))
       end function part_words
+
+      !> Where the gaps of joints with clearance lie, and their loads.
+      subroutine list_plays()
+         character(15), dimension(size(result%plays)) :: least, most
+         integer :: p
+
+         least = figures_of(named, result%plays%least, result%plays%asked)
+         most = figures_of(named, result%plays%most, result%plays%asked)
+         call text%add()
+         line = ' JOINTS WITH CLEARANCE            GAP'
+         if (any(result%plays%asked)) line = left_column(line, name_columns + 2 + gap_room)//'LEAST LOAD (N)   LARGEST (N)'
+         call text%add(line)
+         do p = 1, size(result%plays)
+            associate (play => result%plays(p))
+               line = left_column(' '//trim(play%name), name_columns + 2)//upper_case(gap_words(play))
+               if (play%asked) line = left_column(line, name_columns + 2 + gap_room)//least(p)(2:)//most(p)
+               call text%add(trim(line))
+            end associate
+         end do
+      end subroutine list_plays
 
       !> What is proven of the bands that are full, and of those that are not kept.
       subroutine list_proof()
@@ -184,6 +207,21 @@ contains
       end function limit_of
    end subroutine list_allocation
 
+   !> Where a gap lies.
+   pure function gap_words(play) result(words)
+      type(play_t), intent(in) :: play
+      character(gap_room) :: words
+
+      select case (play%kind)
+      case (play_loaded)
+         words = 'on the side of the load'
+      case (play_across)
+         words = 'to either side'
+      case default
+         words = 'anywhere'
+      end select
+   end function gap_words
+
    !> What is proven of a band.
    pure function verdict_words(verdict) result(words)
       integer, intent(in) :: verdict
@@ -199,7 +237,7 @@ contains
       end select
    end function verdict_words
 
-   !> The tables `allocation` and `allocation_bands`.
+   !> The tables `allocation`, `allocation_bands`, and with clearances `clearances` and `clearance_effects`.
    subroutine put_allocation(sliding_input, result, tables)
       logical, intent(in) :: sliding_input
       type(allocation_t), intent(in) :: result
@@ -259,5 +297,45 @@ contains
          end if
       end associate
       call tables%put(table)
+      if (size(result%plays) > 0) call put_plays(sliding_input, result, tables)
    end subroutine put_allocation
+
+   !> Joints with clearance, and the effects of their gaps.
+   subroutine put_plays(sliding_input, result, tables)
+      logical, intent(in) :: sliding_input
+      type(allocation_t), intent(in) :: result
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      character(len(result%names)), allocatable :: names(:)
+      integer, allocatable :: play(:), band(:)
+      integer :: i, k, n, bands
+
+      n = size(result%plays)
+      bands = size(result%bands)
+      names = [character(len(result%names)) :: (item_name(result%plays(i)%name), i=1, n)]
+      associate (plays => result%plays)
+         table = table_of('clearances', 'a row for each joint with clearance: where its gap lies', audience=for_programs)
+         call table%add('dimension', names)
+         call table%add('gap', [(gap_words(plays(i)), i=1, n)])
+         call table%add('least_load', plays%least, 'N', known=plays%asked)
+         call table%add('largest_load', plays%most, 'N', known=plays%asked)
+         call tables%put(table)
+         table = table_of('clearance_effects', 'a row for each joint with clearance and each band: change of the output by a '// &
+                          'gap along x and y (of a slide: across it, and 0), and by the clearance', audience=for_programs)
+         play = [((i, k=1, bands), i=1, n)]
+         band = [((k, k=1, bands), i=1, n)]
+         call table%add('dimension', names(play))
+         call table%add('number', [character(len(result%numbers)) :: &
+                                   (result%numbers(result%bands(band(i))%number), i=1, size(band))])
+         call table%add(position_name, result%bands(band)%position)
+         call table%add(input_name(), result%input(result%bands(band)%position), input_unit(sliding_input))
+         call table%add('by_x', [(plays(play(i))%by_gap(1, result%bands(band(i))%position, result%bands(band(i))%number), &
+                                  i=1, size(band))])
+         call table%add('by_y', [(plays(play(i))%by_gap(2, result%bands(band(i))%position, result%bands(band(i))%number), &
+                                  i=1, size(band))])
+         call table%add('by_clearance', [(plays(play(i))%change(result%bands(band(i))%position, result%bands(band(i))%number), &
+                                          i=1, size(band))])
+         call tables%put(table)
+      end associate
+   end subroutine put_plays
 end module psalm_allocation_list

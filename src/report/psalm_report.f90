@@ -544,6 +544,19 @@ contains
       end if
       call list_allocation(set%has_names(), result, devices%six)
       call put_allocation(sliding_input, result, devices%cases(devices%last_case()))
+      do j = 1, size(result%plays)
+         associate (play => result%plays(j))
+            if (play%turns(1) == 0) cycle
+            if (play%turns(1) == play%turns(2)) then
+               call devices%remark(set, item_name(play%name)//': there is no load at position '//to_text(play%turns(1))// &
+                                   ' that could press the gap to one side (PLOAD); it is taken to lie anywhere')
+            else
+               call devices%remark(set, item_name(play%name)//': the load turns over between positions '// &
+                                   to_text(play%turns(1))//' and '//to_text(play%turns(2))//', so that the gap does not '// &
+                                   'stay on one side (PLOAD); it is taken to lie anywhere')
+            end if
+         end associate
+      end do
       if (.not. result%proven) call devices%remark(set, search_ended()//': the tolerances of &ALLOC keep the bands, but '// &
                                                    'cheaper ones may cost '//number_words(result%bound)//' in place of '// &
                                                    number_words(result%value))

@@ -3,6 +3,7 @@
 !> A loop may run parallel to a link that only slides on others (a dyad of a pin and two slides, say), and then has another joint
 !> in the place of one of the sketch's: positions are the same, forces are not.
 module psalm_loop_forces
+   use psalm_allocation_group, only: allocation_group_t, allocation_of
    use psalm_body_points, only: locate_point
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
@@ -19,11 +20,15 @@ module psalm_loop_forces
 
 contains
 
-   !> True for a case with masses, loads, springs or friction.
+   !> True for a case with masses, loads, springs or friction, or with clearances, whose effects are forces of joints.
    pure logical function asks_for_forces(set)
       type(data_set_t), intent(in) :: set
+      type(allocation_group_t) :: allocation
 
       asks_for_forces = set%masses%given .or. set%loads%given .or. set%springs%given .or. set%friction%given
+      if (asks_for_forces .or. .not. set%gives('ALLOC')) return
+      allocation = allocation_of(set)
+      asks_for_forces = size(allocation%plays) > 0
    end function asks_for_forces
 
    !> True if every joint of a sketch's loops is one of the sketch, between the same links, and every place of a mass, load,

@@ -8,15 +8,16 @@
 !> changes, ends where the conditions of the optimum hold. Source: Chase and Greenwood (1988), Design issues in mechanical tolerance
 !> analysis; Spotts (1973), Allocation of tolerances to minimize cost of assembly.
 module psalm_allocation
-   use psalm_allocation_group, only: allocation_group_t, allocation_of, proof_none, proof_scale, rule_worst
+   use psalm_allocation_group, only: allocation_group_t, allocation_of, proof_none, proof_scale, rule_square, rule_worst
    use psalm_allocation_proof, only: allocation_proof_t, prove_bands, band_certified
    use psalm_allocation_rule, only: allocated_band_t, band_rule_t
-   use psalm_allocation_terms, only: are_meant, costs_of, item_name, make_terms, terms_t
+   use psalm_allocation_terms, only: are_meant, costs_of, is_play, item_name, make_terms, terms_t
    use psalm_cheapest_tolerances, only: at_limit, cheapest_t, find_cheapest, limit_least, limit_none
    use psalm_column_names, only: output_name
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t, motion_t, inputs_of
+   use psalm_joint_play, only: play_t, check_plays, find_plays, names_of_plays, play_anywhere, play_loaded
    use psalm_kinds, only: wp
    use psalm_mechanism, only: mechanism_t
    use psalm_output_kind, only: output_kind_t, output_kind
@@ -27,8 +28,8 @@ module psalm_allocation
    use psalm_stop, only: stop_t
    use psalm_sum_law, only: law_normal
    use psalm_text, only: to_text
-   use psalm_tolerance, only: allowance_t, column_length, deviating_t, sample_t, tolerance_t, allot, allowances_of, correlate, &
-                              dimensions_to_allot, draw_sample, find_tolerances
+   use psalm_tolerance, only: allowance_t, column_length, deviating_t, sample_t, tolerance_t, add_plays, allot, &
+                              allowances_of, correlate, dimensions_to_allot, draw_sample, find_tolerances
    implicit none (type, external)
    private
    public :: allocation_t, study_allocation, check_allocation
@@ -49,6 +50,8 @@ module psalm_allocation
       integer, allocatable :: loop(:), place(:)       !! shape (dimensions): of a length or angle its arc; 0: of none
       real(wp), allocatable :: tolerance(:), cost(:)  !! shape (dimensions)
       real(wp), allocatable :: effect(:, :)           !! shape (dimensions, bands): change of the output by the whole tolerance
+      real(wp), allocatable :: worst(:), square(:)    !! shape (bands): worst case and root-sum-square, with clearances; without
+                                                      !! them not allocated: the effects add up
       integer, allocatable :: limit(:)                !! shape (dimensions): one of `limit_...`
       logical :: in_steps = .false.                   !! some dimensions have grades or steps
       logical, allocatable :: graded(:)               !! shape (dimensions): its steps are grades
@@ -73,6 +76,7 @@ module psalm_allocation
       type(sample_t) :: sample
       logical :: out_of_time = .false.                !! MAXTIME ended it
       integer, allocatable :: columns(:)              !! shape (bands): of the sample
+      type(play_t), allocatable :: plays(:)           !! joints with clearance, the last of the dimensions
    contains
       procedure :: is_violating
       procedure :: is_kept
@@ -100,6 +104,7 @@ contains
       type(stop_t) :: limited
       type(band_rule_t) :: rule
       type(cheapest_t) :: cheapest
+      type(play_t), allocatable :: plays(:)
       real(wp), allocatable :: within(:, :), given_cost(:), slope(:), own(:), common(:)
       real(wp) :: far
       integer :: j
@@ -119,6 +124,13 @@ contains
                            analysed=analysed)
       if (.not. result%closes) return
       call allowances_of(set, mechanism%sliding_input, deviating, linear, allowance)
+      if (present(delt)) then
+         call find_plays(set, asked, mechanism, dimensions, delt, plays)
+      else
+         call find_plays(set, asked, mechanism, dimensions, inputs_of(set), plays)
+      end if
+      call add_plays(plays, allowance)
+      result%plays = plays
       result%numbers = allowance%numbers
       result%turns = allowance%turns
       result%names = allowance%names
@@ -132,10 +144,14 @@ contains
       limited = stop
       call limited%limit_time(set%search%maxtime)
       rule = band_rule_t(asked%rule, asked%law, asked%yield, terms%group, asked%correlation)
+      if (size(plays) > 0) then
+         rule%disc = [(.false., j=1, size(allowance%column)), plays%kind == play_anywhere]
+         rule%leaning = [(.false., j=1, size(allowance%column)), plays%kind == play_loaded]
+      end if
       call find_cheapest(asked, rule, allowance, terms, result%bands, limited, cheapest)
       call take_down(terms, allowance, cheapest, result)
       result%out_of_time = limited%late()
-      result%with_given = set%toler%given
+      result%with_given = set%toler%given .and. all(allowance%given > 0.0_wp)
       if (result%with_given) then
          given_cost = costs_of(terms, allowance%given)
          result%with_given = all(given_cost < huge(1.0_wp)) ! a step that is finer than all costs nothing known
@@ -149,12 +165,17 @@ contains
          end do
       end if
       if (.not. result%solved) return
+      if (size(plays) > 0) then
+         allocate (result%worst(size(result%bands)), result%square(size(result%bands)))
+         call reach_by(rule_worst, result%worst)
+         call reach_by(rule_square, result%square)
+      end if
       if (asked%proof /= proof_none) call prove_all(asked, terms, deviating, linear, allowance, result)
       if (asked%trials == 0) return
       limited = stop
       call limited%limit_time(set%search%maxtime)
       call allot(allowance, result%tolerance, asked%law, deviating, linear)
-      if (rule%is_grouped()) then
+      if (any(terms%group /= 0)) then
          allocate (own(size(allowance%names)), common(size(allowance%names)))
          call rule%parts(asked%law == law_normal, own, common)
          call correlate(allowance, terms%group, own, common, linear)
@@ -168,6 +189,25 @@ contains
       end do
       call draw_sample(deviating, linear, asked%trials, set%method%istart, threads, result%sample, limited, within)
       result%out_of_time = result%out_of_time .or. limited%late()
+
+   contains
+
+      !> How far the tolerances let the outputs go by another rule.
+      subroutine reach_by(which, reached)
+         integer, intent(in) :: which              !! one of `rule_...`
+         real(wp), intent(out) :: reached(:)       !! shape (bands)
+         type(band_rule_t) :: other
+         real(wp) :: of_each(size(allowance%names))
+         integer :: b
+
+         other = rule
+         other%rule = which
+         do b = 1, size(reached)
+            associate (band => result%bands(b))
+               call other%reach(allowance%change(band%position, :, band%number), result%tolerance, reached(b), of_each)
+            end associate
+         end do
+      end subroutine reach_by
    end subroutine study_allocation
 
    !> What was found.
@@ -244,7 +284,7 @@ contains
       parameters%variables = linear%variables
       values = parameters%first_values(linear%dimensions)
       result%nominal = allowance%size
-      allocate (result%loop(size(allowance%column)), result%place(size(allowance%column)), source=0)
+      allocate (result%loop(size(allowance%names)), result%place(size(allowance%names)), source=0)
       do i = 1, size(allowance%column)
          if (allowance%column(i) > size(values)) cycle      ! of a joint that stands off the arcs
          associate (variable => linear%variables(allowance%column(i)))
@@ -312,6 +352,12 @@ contains
                                 ' positions of the input')
       end if
       call dimensions_to_allot(set, mechanism, dimensions, names, is_angle)
+      call check_plays(set, asked, mechanism, dimensions, findings)
+      if (size(asked%plays) > 0) then
+         if (findings%failed()) return
+         names = [names, [character(column_length) :: names_of_plays(asked, mechanism)]]
+         is_angle = [is_angle, [(.false., k=1, size(asked%plays))]]
+      end if
       if (size(names) == 0) then
          call set%origins%error(findings, 'ALLOC', '', 'no dimension has a tolerance that is above 0 in &TOLER')
          return
@@ -330,6 +376,12 @@ contains
             if (asked%group(i) /= 0 .and. any(named .and. index(names, ' OF JOINT ') > 0)) &
                call set%origins%error(findings, 'ALLOC', 'ALGRP', "'"//trim(asked%names(i))//"' means a joint off the lines of "// &
                                       'its link, whose place can be in no group', i)
+            if (asked%group(i) /= 0 .and. any(named .and. is_play(names))) &
+               call set%origins%error(findings, 'ALLOC', 'ALGRP', "'"//trim(asked%names(i))//"' means clearances of joints, "// &
+                                      'which can be in no group', i)
+            if (asked%finest(i) > 0 .and. any(named .and. is_play(names))) call set%origins%error(findings, 'ALLOC', 'ALGRAD', &
+               "'"//trim(asked%names(i))//"' means clearances of joints, and ISO 286 has grades for lengths; give a table of "// &
+               'fits (ALTAB)', i)
             if (asked%finest(i) > 0 .and. any(named .and. is_angle)) call set%origins%error(findings, 'ALLOC', 'ALGRAD', &
                "'"//trim(asked%names(i))//"' means angles, and ISO 286 has grades for lengths", i)
             cycle

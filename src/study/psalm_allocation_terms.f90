@@ -13,7 +13,7 @@ module psalm_allocation_terms
    use psalm_tolerance, only: allowance_t
    implicit none (type, external)
    private
-   public :: terms_t, make_terms, costs_of, are_meant, item_name
+   public :: terms_t, make_terms, costs_of, are_meant, is_play, item_name
 
    real(wp), parameter :: largest_of_length = 0.1_wp  !! part of a length that its tolerance is at most, by default
    real(wp), parameter :: largest_angle = 5.0_wp      !! degrees, the same of an angle
@@ -181,7 +181,7 @@ contains
 
       item_name = trim(name)
       at = index(item_name, ' ')
-      if (is_by_joints(name)) then
+      if (is_by_joints(name) .or. is_play(name)) then
          item_name(:at) = lower_case(item_name(:at))
       else if (index(item_name, of_joint) == 0) then
          item_name = lower_case(item_name)
@@ -196,6 +196,13 @@ contains
                      index(name, of_arc) == 0
    end function is_by_joints
 
+   !> True for the clearance of a joint.
+   elemental logical function is_play(name)
+      character(*), intent(in) :: name
+
+      is_play = index(name, 'PLAY ') == 1
+   end function is_play
+
    !> Which dimensions a name of ALNAM means. Of a length between two joints the order is free, and the word `length`.
    pure function are_meant(name, names, is_angle) result(meant)
       character(*), intent(in) :: name, names(:)
@@ -208,7 +215,9 @@ contains
       case ('*')
          meant = .true.
       case ('LENGTH *')
-         meant = .not. is_angle
+         meant = .not. (is_angle .or. is_play(names))
+      case ('PLAY *')
+         meant = is_play(names)
       case ('ANGLE *')
          meant = is_angle
       case default
@@ -216,7 +225,9 @@ contains
          if (index(upper_case(name), 'LENGTH ') == 1) pair = trim(adjustl(name(len('LENGTH '):)))
          blank = index(pair, ' ')
          do i = 1, size(names)
-            if (.not. is_by_joints(names(i))) then
+            if (is_play(names(i))) then
+               meant(i) = names(i)(len('PLAY '):) == after(name, 'PLAY ')
+            else if (.not. is_by_joints(names(i))) then
                meant(i) = upper_case(trim(names(i))) == upper_case(trim(name))
             else if (is_angle(i)) then
                meant(i) = names(i)(len('ANGLE '):) == after(name, 'ANGLE ')

@@ -134,8 +134,8 @@ contains
          associate (change => allowance%change(bands(b)%position, :, bands(b)%number))
             call touch(change, result%tolerance)
             ! the worst case has an edge where what a group has in common cancels: a plane on either side
-            do c = 1, merge(size(change), 0, rule%rule == rule_worst)
-               if (rule%group(c) == 0) cycle
+            do c = 1, merge(size(change), 0, rule%rule == rule_worst .or. rule%is_leaning())
+               if (rule%group(c) == 0 .and. .not. rule%leans(c)) cycle
                call touch(change, result%tolerance*[(merge(1.0_wp + aside, 1.0_wp, k == c), k=1, size(change))])
                call touch(change, result%tolerance*[(merge(1.0_wp - aside, 1.0_wp, k == c), k=1, size(change))])
             end do
@@ -205,7 +205,7 @@ contains
       problem%high = max(problem%low, problem%high)
       do j = 1, size(bands)
          associate (band => bands(j))
-            weights(:, j) = abs(allowance%change(band%position, :, band%number))
+            weights(:, j) = abs(rule%counted(allowance%change(band%position, :, band%number)))
             most = maxval(weights(:, j))
             where (weights(:, j) < least_change*most) weights(:, j) = 0.0_wp
             if (order > 1.0_wp) weights(:, j) = weights(:, j)**2
@@ -282,7 +282,11 @@ contains
          do b = 1, size(bands)
             effect = abs(allowance%change(bands(b)%position, :, bands(b)%number))
             where (effect < least_change*maxval(effect)) effect = 0.0_wp
-            call half_width(asked%law, effect*result%tolerance, asked%yield, width, slope)
+            if (rule%is_round()) then
+               call half_width(asked%law, effect*result%tolerance, asked%yield, width, slope, rule%disc)
+            else
+               call half_width(asked%law, effect*result%tolerance, asked%yield, width, slope)
+            end if
             next = width*slope*effect/result%tolerance
             if (damped) next = 0.5_wp*(next + weights(:, b))
             weights(:, b) = next

@@ -14,7 +14,8 @@ module psalm_tolerance
    use psalm_error, only: problem_t, motion_t, inputs_of, new_problem, own_inputs_at, follows_drawing
    use psalm_stop, only: stop_t
    use psalm_joint_location, only: locate_sketch
-   use psalm_kinds, only: wp
+   use psalm_joint_play, only: play_t, play_anywhere, play_loaded
+   use psalm_kinds, only: wp, full_turn
    use psalm_linkage, only: padded
    use psalm_moving_joints, only: sketch_motion_t
    use psalm_output_kind, only: output_kind_t
@@ -29,14 +30,14 @@ module psalm_tolerance
    use psalm_mechanism, only: mechanism_t
    use psalm_parameters, only: parameters_t, variable_t, no_parameters, name_of, variable_crnki, variable_length, variable_gama, &
                                variable_outlk, variable_outang, variable_origlk, variable_origng
-   use psalm_sum_law, only: law_uniform, law_triangle, law_normal, standard_normal
+   use psalm_sum_law, only: law_uniform, law_triangle, law_normal, normal_of_disc, standard_normal
    use psalm_tolerance_group, only: tolerance_group_t
    use psalm_xoshiro, only: xoshiro_t, purpose_sample
    implicit none (type, external)
    private
    public :: tolerances_t, tolerance_t, sample_t, deviating_t, study_tolerances, find_tolerances, draw_sample
    public :: enclose_bands, find_deviations
-   public :: column_length, allowance_t, allowances_of, names_of_tolerances, dimensions_to_allot, allot, correlate
+   public :: add_plays, column_length, allowance_t, allowances_of, names_of_tolerances, dimensions_to_allot, allot, correlate
 
    integer, parameter :: linkages_of_stream = 1000 !! of the random numbers
    integer, parameter :: least_chunk = 1000     !! linkages of a chunk; sums are formed by chunk and added in order
@@ -97,12 +98,14 @@ module psalm_tolerance
       integer :: law = law_uniform                 !! of the deviations of a sample: one of `law_...`
       integer, allocatable :: group(:)             !! shape (nvar): correlated group of each; 0: none. Not allocated: there are none
       real(wp), allocatable :: own(:), common(:)   !! shape (nvar): parts of the tolerance: own deviation, that of its group
+      type(play_t), allocatable :: plays(:)        !! joints with clearance, whose effects a sample adds; not allocated: none
+      real(wp), allocatable :: clearance(:)        !! shape (plays), user's length
    end type tolerance_t
 
    !> The dimensions to which tolerances can be allotted.
    type :: allowance_t
       character(column_length), allocatable :: names(:) !! shape (dimensions), of listings
-      integer, allocatable :: column(:)            !! shape (dimensions): of the tolerances
+      integer, allocatable :: column(:)            !! shape (dimensions): of the tolerances; clearances, the last, have none
       logical, allocatable :: is_angle(:)          !! shape (dimensions): its tolerance is in degrees
       real(wp), allocatable :: size(:)             !! shape (dimensions): the length; of angles 0
       real(wp), allocatable :: given(:)            !! shape (dimensions): tolerance that the case has
@@ -110,6 +113,7 @@ module psalm_tolerance
       logical, allocatable :: known(:)             !! shape (numbers): its changes are
       logical, allocatable :: turns(:)             !! shape (numbers): degrees
       real(wp), allocatable :: change(:, :, :)     !! shape (positions, dimensions, numbers): by a tolerance of 1
+      type(play_t), allocatable :: plays(:)        !! joints with clearance; not allocated: none
    end type allowance_t
 
    !> The sample.
@@ -402,6 +406,23 @@ contains
       end select
    end subroutine next_deviation
 
+   !> A place in a disc of the radius 1, uniformly; with normal deviations both coordinates have the variance of that.
+   pure subroutine next_gap(random, law, gap)
+      type(xoshiro_t), intent(inout) :: random
+      integer, intent(in) :: law                   !! one of `law_...`
+      real(wp), intent(out) :: gap(2)
+      real(wp) :: deviate(2)
+
+      call random%next(deviate(1))
+      call random%next(deviate(2))
+      if (law == law_normal) then
+         gap = normal_of_disc*standard_normal(deviate)
+      else
+         call unit_vector(full_turn*deviate(1), gap(1), gap(2))
+         gap = sqrt(deviate(2))*gap
+      end if
+   end subroutine next_gap
+
    ! ---- dimensions with tolerances ------------------------------------------------------------------------------------
 
    !> The tolerances of a case; where it has none, one for all lengths.
@@ -583,6 +604,35 @@ contains
       end associate
    end subroutine allowances_of
 
+   !> Clearances of joints as further dimensions, which come last.
+   subroutine add_plays(plays, allowance)
+      type(play_t), intent(in) :: plays(:)
+      type(allowance_t), intent(inout) :: allowance
+      character(column_length), allocatable :: names(:)
+      real(wp), allocatable :: change(:, :, :)
+      logical, allocatable :: is_angle(:)
+      integer :: k, n
+
+      if (size(plays) == 0) return
+      n = size(allowance%names)
+      allocate (names(n + size(plays)), is_angle(n + size(plays)))
+      allocate (change(size(allowance%change, 1), n + size(plays), size(allowance%change, 3)))
+      names(:n) = allowance%names
+      names(n + 1:) = plays%name
+      is_angle(:n) = allowance%is_angle
+      is_angle(n + 1:) = .false.
+      change(:, :n, :) = allowance%change
+      do k = 1, size(plays)
+         change(:, n + k, :) = plays(k)%change
+      end do
+      call move_alloc(names, allowance%names)
+      call move_alloc(is_angle, allowance%is_angle)
+      call move_alloc(change, allowance%change)
+      allowance%size = [allowance%size, [(0.0_wp, k=1, size(plays))]]
+      allowance%given = [allowance%given, plays%given]
+      allowance%plays = plays
+   end subroutine add_plays
+
    !> Give dimensions other tolerances, and the deviations of a sample a law.
    subroutine allot(allowance, allotted, law, deviating, linear)
       type(allowance_t), intent(in) :: allowance
@@ -596,7 +646,11 @@ contains
       nvar = size(linear%variables)
       tolerance = linear%tolerance
       if (allocated(linear%bands)) tolerance = [tolerance, linear%bands%of_apart]
-      tolerance(allowance%column) = allotted
+      tolerance(allowance%column) = allotted(:size(allowance%column))
+      if (allocated(allowance%plays)) then
+         linear%plays = allowance%plays
+         linear%clearance = allotted(size(allowance%column) + 1:)
+      end if
       do v = 1, nvar
          if (linear%tolerance(v) > 0.0_wp) &
             linear%effect(:, v, :) = linear%effect(:, v, :)*(tolerance(v)/linear%tolerance(v))
@@ -623,7 +677,7 @@ contains
       linear%group = [(0, k=1, nvar)]
       linear%own = [(1.0_wp, k=1, nvar)]
       linear%common = [(0.0_wp, k=1, nvar)]
-      do k = 1, size(group)
+      do k = 1, size(allowance%column)
          if (allowance%column(k) > nvar) cycle
          linear%group(allowance%column(k)) = abs(group(k))
          linear%own(allowance%column(k)) = own(k)
@@ -1003,6 +1057,7 @@ contains
             cycle
          end if
          if (allocated(sketch)) call miss_of_outputs()
+         if (allocated(linear%plays)) call add_gaps()
          within = .true.
          do k = 1, size(low, 2)
             do i = 1, size(miss, 1)
@@ -1029,6 +1084,30 @@ contains
             call next_deviation(random, linear%law, of_group(g))
          end do
       end subroutine next_of_groups
+
+      !> What gaps in joints do to the outputs, to first order.
+      subroutine add_gaps()
+         real(wp) :: gap(2)
+         integer :: p
+
+         do p = 1, size(linear%plays)
+            associate (play => linear%plays(p), columns => miss(:, size(miss, 2) - size(linear%plays(p)%change, 2) + 1:))
+               if (play%kind == play_loaded) then
+                  call next_deviation(random, linear%law, deviation)
+                  columns = columns + 0.5_wp*(1.0_wp + deviation)*linear%clearance(p)*play%change
+               else
+                  if (play%kind == play_anywhere) then
+                     call next_gap(random, linear%law, gap)
+                  else
+                     gap = 0.0_wp
+                     call next_deviation(random, linear%law, gap(1))
+                  end if
+                  gap = linear%clearance(p)*gap
+                  columns = columns + (gap(1)*play%by_gap(1, :, :) + gap(2)*play%by_gap(2, :, :))
+               end if
+            end associate
+         end do
+      end subroutine add_gaps
 
       !> Deviations of all outputs.
       subroutine miss_of_outputs()
