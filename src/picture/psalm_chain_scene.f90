@@ -77,6 +77,7 @@ contains
       else if (present(chosen)) then
          call trace_chosen(set, own, chosen, feet, scene)
       end if
+      if (.not. present(inputs)) call take_desired(set, scene)
       call tell_open(set%sketch, own, scene%prescribed)
       call tell_open(set%sketch, sweep, scene%sweep)
       scene%prescribed%violated = .not. all(scene%prescribed%closed)
@@ -115,6 +116,34 @@ contains
          scene%sweep%input = sweep%inputs(1, :)
       end subroutine take_sweep
    end subroutine make_chain_scene
+
+   !> The points that are desired of the first output.
+   subroutine take_desired(set, scene)
+      type(data_set_t), intent(in) :: set
+      type(scene_t), intent(inout) :: scene
+
+      if (size(set%sketch%outputs) == 0 .or. scene%motion /= motion_point) return
+      associate (row => scene%prescribed, target => set%sketch%outputs(1)%targets(0), method => set%method)
+         if (allocated(target%values)) then
+            if (size(target%values, 2) /= row%n) return
+            row%wanted = target%values(1, :)
+            row%desired_y = target%values(2, :)
+         else
+            ! of loops
+            if (.not. method%desired .or. method%ikin /= 0 .or. method%ndes /= row%n) return
+            if (set%sketch%joint_of_output(1) /= scene%output) return
+            row%wanted = method%desx + method%xadd
+            row%desired_y = method%desy + method%yadd
+         end if
+         scene%desired = .true.
+         row%desired_mark(1, :) = row%wanted
+         row%desired_mark(2, :) = row%desired_y
+         where (row%closed)
+            row%error = row%wanted - row%actual
+            row%error_y = row%desired_y - row%actual_y
+         end where
+      end associate
+   end subroutine take_desired
 
    !> One more position, by its increment.
    subroutine trace_chosen(set, own, increment, feet, scene, solved)

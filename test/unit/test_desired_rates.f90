@@ -55,6 +55,9 @@ program test_desired_rates
    call gradient('needle', .true.)
    call gradient('textile', .true.)
    call gradient('actuator_rapson_slide', .true.)
+   call gradient_of_wheels('wheels on the frame', 'crank', 'wheel', 'frame', '20.0, GTB=20.0', 14)
+   call gradient_of_wheels('a wheel on the crank', 'frame', 'first', 'crank', '40.0, GTB=-20.0', 14)
+   call gradient_of_wheels('wheels of a group', 'crank', 'second', 'first', '20.0, GTB=20.0', 14)
    call as_in_poses("'point P'", motion_point)
    call as_in_poses("'angle C D'", motion_angle)
    call as_in_poses("'distance P'", motion_distance)
@@ -210,16 +213,49 @@ contains
       logical, intent(in) :: free
       type(problem_t) :: problem
       type(data_set_t) :: set
+
+      call load_case(name, problem, set, vary=.true.)
+      call let_want(problem)
+      set%method%ifree = merge(1, 0, free)
+      set%search%solver = find_solver('LSQ')
+      call gradient_of(name, set, problem)
+   end subroutine gradient
+
+   !> The same of a five-bar with a gear pair, all of whose dimensions vary, how the wheels stand to each other among them.
+   subroutine gradient_of_wheels(name, first, second, carrier, teeth, unknowns)
+      character(*), intent(in) :: name, first, second, carrier, teeth
+      integer, intent(in) :: unknowns                !! lengths and angles, and three inputs
+      type(data_set_t) :: set
+      type(diagnostics_t) :: findings
+      type(prepared_t), allocatable :: prepared
+      type(problem_t) :: problem
+      type(line_t) :: none(0)
+
+      allocate (prepared)
+      call read_one('GEARS'//nl//" &CHAIN JNT='A','B','C','D','E','P', JX=0.0,1.0,4.0,6.0,5.0,3.0, JY=0.0,1.0,4.0,1.0,0.0,5.0,"// &
+                    nl//" LNAME='frame','crank','first','second','wheel', LNK='A E','A B','B C P','C D','D E',"//nl// &
+                    " GEARA='"//first//"', GEARB='"//second//"', GCARR='"//carrier//"', GTA="//teeth//", VARY='all' &END"//nl// &
+                    " &DRIVES DRIVE='A' &END &OUTPUTS OUTPUT='point P' &END"//nl// &
+                    ' &METHOD NDES=3, DELT=-5.0,2.0,9.0, IFREE=1, DESX=3.0,2.9,2.8, DESY=5.1,5.2,5.2,'//nl// &
+                    ' DVELX=3*-0.5, DVELY=3*0.2, WVELX=3*1.0, WVELY=3*1.0 &END'//nl// &
+                    " &SEARCH SOLVER='LSQ' &END"//nl, set, findings)
+      call t%equal_integer(findings%count, 0, name//': read')
+      call prepare(set, none, prepared, findings)
+      call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
+      call t%equal_integer(size(prepared%parameters%variables) + problem%positions, unknowns, name//': unknowns')
+      call gradient_of(name, set, problem)
+   end subroutine gradient_of_wheels
+
+   subroutine gradient_of(name, set, problem)
+      character(*), intent(in) :: name
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(inout) :: problem
       type(merit_t) :: merit
       type(normal_equations_t) :: equations
       real(wp), allocatable :: x(:), moved(:), slope(:)
       real(wp) :: step, ahead, behind, unused, difference
       integer :: v
 
-      call load_case(name, problem, set, vary=.true.)
-      call let_want(problem)
-      set%method%ifree = merge(1, 0, free)
-      set%search%solver = find_solver('LSQ')
       call prepare_merit(set, problem, problem%parameters%first_values(problem%given), merit)
       x = merit%point(problem%parameters%first_values(problem%given), problem%delt)
       call merit%linearise(x, 0.0_wp, equations)
@@ -236,7 +272,7 @@ contains
          call t%close_to((difference - slope(v))/maxval(abs(slope)), 0.0_wp, 1.0e-6_wp, &
                          name//': gradient, unknown '//to_text(v))
       end do
-   end subroutine gradient
+   end subroutine gradient_of
 
    subroutine read_one(text, set, findings)
       character(*), intent(in) :: text
