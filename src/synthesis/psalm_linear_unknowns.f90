@@ -24,7 +24,7 @@ module psalm_linear_unknowns
    use psalm_samples, only: sample_set_t, prepare_samples, evaluate_samples, evaluate_output
    implicit none (type, external)
    private
-   public :: linear_unknowns_t, prepare_linear_unknowns, solve_linear_unknowns
+   public :: linear_unknowns_t, prepare_linear_unknowns, solve_linear_unknowns, trace_linear
 
    integer, parameter :: fewest = 4                  !! points: three are met by any proportions
    real(wp), parameter :: trial_size = 1.25_wp, trial_turn = 37.0_wp !! of the linkage that is tried; degrees
@@ -126,22 +126,34 @@ contains
       end do
    end function turn_of_phase
 
-   !> J and u of a linkage.
+   !> J and u of a linkage at its prescribed positions.
    subroutine look(linear, values, delt)
       type(linear_unknowns_t), intent(inout) :: linear
       real(wp), intent(in) :: values(:), delt(:)     !! shapes (nvar), (positions)
+
+      call linear%samples%problem%move_inputs(delt)
+      call trace_linear([linear%outlk, linear%outang, linear%origlk, linear%origng], values, linear%dimensions, linear%samples, &
+                        linear%joint, linear%arm)
+   end subroutine look
+
+   !> J and u of a linkage at the positions of a set of samples.
+   subroutine trace_linear(of_output, values, dimensions, samples, joint, arm)
+      integer, intent(in) :: of_output(:)            !! the variables OUTLK, OUTANG, ORIGLK and ORIGNG
+      real(wp), intent(in) :: values(:)              !! shape (nvar)
+      type(dimensions_t), intent(inout) :: dimensions !! to work in
+      type(sample_set_t), intent(inout) :: samples
+      complex(wp), intent(inout) :: joint(:), arm(:) !! shape (positions of the samples)
       real(wp) :: bare(size(values))
 
       bare = values
-      bare([linear%outlk, linear%outang, linear%origlk, linear%origng]) = 0.0_wp
-      call linear%samples%problem%move_inputs(delt)
-      call linear%samples%problem%parameters%apply(bare, linear%dimensions)
-      call evaluate_samples(linear%samples, linear%dimensions)
-      linear%joint = cmplx(linear%samples%out(:, 1), linear%samples%out(:, 2), wp)
-      linear%dimensions%outlk = 1.0_wp
-      call evaluate_output(linear%samples, linear%dimensions)
-      linear%arm = cmplx(linear%samples%out(:, 1), linear%samples%out(:, 2), wp) - linear%joint
-   end subroutine look
+      bare(of_output) = 0.0_wp
+      call samples%problem%parameters%apply(bare, dimensions)
+      call evaluate_samples(samples, dimensions)
+      joint = cmplx(samples%out(:, 1), samples%out(:, 2), wp)
+      dimensions%outlk = 1.0_wp
+      call evaluate_output(samples, dimensions)
+      arm = cmplx(samples%out(:, 1), samples%out(:, 2), wp) - joint
+   end subroutine trace_linear
 
    !> Put the best place, size, direction and output point in. Nothing is changed where they would violate a bound.
    subroutine solve_linear_unknowns(linear, low, high, values, delt, solved)

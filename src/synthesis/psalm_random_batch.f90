@@ -9,7 +9,8 @@ module psalm_random_batch
    use psalm_merit, only: merit_t
    use psalm_error, only: problem_t
    use psalm_parameters, only: variable_aside, variable_length, variable_outlk, variable_origlk, variable_crnki
-   use psalm_path_fit, only: square
+   use psalm_linear_unknowns, only: trace_linear
+   use psalm_path_fit, only: square, fit_linear, error_of
    use psalm_solver, only: solver_t, ending_t
    use psalm_samples, only: evaluate_samples
    use psalm_stop, only: stop_t
@@ -22,6 +23,7 @@ module psalm_random_batch
 
    integer, parameter :: samples = 64, short = 16, medium = 3 !! of a batch; the best one is handed on
    integer, parameter :: hasty_samples = 24, hasty_short = 6 !! of a batch for a screening
+   integer, parameter :: timings = 24                !! tried of every other linkage
    integer, parameter :: tries = 16                  !! of proportions with which the linkage closes all the way
    integer, parameter :: short_steps = 8, medium_steps = 40 !! evaluations of a descent
    real(wp), parameter :: gain = 1.0e-3_wp           !! relative, of a step that ends a descent
@@ -65,7 +67,11 @@ contains
          batch(i)%way = 1
          if (ways > 1 .and. uniform(random) < 0.5_wp) batch(i)%way = 2
          call draw_proportions(problem, merit, timing(batch(i)%way), random, values)
-         call draw_inputs(merit, senses(batch(i)%way), random)
+         if (modulo(i, 2) == 0) then
+            call choose_timing(merit, timing(batch(i)%way), values, senses(batch(i)%way), random)
+         else
+            call draw_inputs(merit, senses(batch(i)%way), random)
+         end if
          batch(i)%x = merit%point(values, merit%delt)
          merit%sense = senses(batch(i)%way)
          call merit%fit_linear(batch(i)%x)
@@ -182,6 +188,46 @@ contains
          if (.not. least > 0.0_wp) exit
       end do
    end subroutine draw_proportions
+
+   !> Of several random timings the one with which the path, placed and enlarged as it fits best, comes nearest to the points, seen
+   !> at the steps of the range.
+   subroutine choose_timing(merit, timing, values, sense, random)
+      type(merit_t), intent(inout) :: merit
+      type(timing_t), intent(inout) :: timing
+      real(wp), intent(in) :: values(:)              !! shape (nvar): the linkage
+      real(wp), intent(in) :: sense
+      type(xoshiro_t), intent(inout) :: random
+      complex(wp) :: joint(size(timing%inputs)), arm(size(timing%inputs)), e(merit%local), v(merit%local)
+      real(wp) :: best(merit%local), error, least
+      integer :: step(merit%local), m, k
+
+      associate (linear => merit%linear)
+         call trace_linear([linear%outlk, linear%outang, linear%origlk, linear%origng], values, merit%dimensions, timing%path, &
+                           joint, arm)
+         least = huge(least)
+         do m = 1, timings
+            call draw_inputs(merit, sense, random)
+            do k = 1, size(step)
+               step(k) = nearest_step(timing%inputs, merit%delt(k))
+            end do
+            e = joint(step)
+            v = arm(step)
+            call fit_linear(linear%path, e, v, linear%fit, 0.0_wp)
+            error = error_of(linear%path, e, v, linear%fit)
+            if (m > 1 .and. .not. error < least) cycle
+            least = error
+            best = merit%delt
+         end do
+      end associate
+      merit%delt = best
+   end subroutine choose_timing
+
+   !> The step of a path over a turn that is nearest to an input.
+   pure integer function nearest_step(inputs, input) result(step)
+      real(wp), intent(in) :: inputs(:), input
+
+      step = 1 + modulo(nint((input - inputs(1))/(inputs(2) - inputs(1))), size(inputs))
+   end function nearest_step
 
    !> Random inputs, in order, into the merit.
    subroutine draw_inputs(merit, sense, random)
