@@ -432,8 +432,8 @@ contains
       if (exact%frame > 0.0_wp) call check_given_lengths(group, exact, findings)
    end subroutine check_six_bar
 
-   !> How long the start set of a problem takes that is made on request only: measured for nine points (doc/measured/six_bars.md),
-   !> from there by the number of solutions and the cost of a step for eleven.
+   !> How long the start set of a problem takes that is made on request only: measured for nine points and, until 800 000 solutions
+   !> were known, for eleven of Stephenson III (doc/measured/six_bars.md); twice that for Stephenson II.
    pure function hours_of(six_bar, points) result(text)
       integer, intent(in) :: six_bar, points
       character(:), allocatable :: text
@@ -443,10 +443,10 @@ contains
                 'minutes of one thread, once:'
       else if (six_bar == six_bar_stephenson) then
          text = 'eleven points of Stephenson III have about 830 000 solutions; to make their start set takes, by an '// &
-                'estimate, 2 GB and one to two hours of one thread, once, and every problem an hour:'
+                'estimate, 1 GB and an hour of one thread, once, and every problem half an hour:'
       else
          text = 'eleven points of Stephenson II have about 1 520 000 solutions, each linkage twice; to make their start set '// &
-                'takes, by an estimate, 4 GB and two to four hours of one thread, once, and every problem two hours:'
+                'takes, by an estimate, 2 GB and two hours of one thread, once, and every problem an hour:'
       end if
    end function hours_of
 

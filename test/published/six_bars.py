@@ -6,6 +6,7 @@ usage: test/published/six_bars.py [BIN]    default: build/local/bin
                                            their start sets
 The linkage is made here with intersections of circles; what is listed is run again as a sketch by the suite's own analysis."""
 import cmath
+import importlib.util
 import math
 import os
 import re
@@ -293,6 +294,15 @@ def main():
             meet("watt", folder, [90.0*x*x for x in chebyshev(9)])
             best = table_of(os.path.join(folder, "watt.dev9"), "exact")[0]["error"]
             check("watt: least error", abs(best - 3.73e-5) < 1e-6, best)
+            # two real ends 2.7e-6 apart; paths whose last part takes quadruple precision
+            drawn = importlib.util.spec_from_file_location("drawn", os.path.join(TOP, "bench", "six_bars.py"))
+            bench = importlib.util.module_from_spec(drawn)
+            drawn.loader.exec_module(bench)
+            for name, (inputs, outputs) in (("near", bench.drawn_points(36)), ("lost", bench.drawn_linkage(2)[:2])):
+                angles = [",\n  ".join("%.17g" % math.degrees(v) for v in values) for values in (inputs, outputs)]
+                _, listing, errors = psalm(name, "TABLE\n &EXACT KIND='FUNCTION', SIXBAR='WATT', PHI=%s,\n  PSI=%s,\n  TRMIN=0.0 &END\n" % tuple(angles),
+                                           folder)
+                check(name + ": all ends", "complete: 26370 of 26370 ends distinct" in listing, listing + errors)
             # counts of an independent program: 676 and 590 real ones
             for name, text, count, real, function in (
                     ("eight", EIGHT, 16908, 676, lambda x: 90.0*math.log10(1.0 + 49.0*x)/math.log10(50.0)),
