@@ -26,6 +26,7 @@ module psalm_proof_deviation
    real(wp), parameter :: widening = 1.5_wp       !! of the box from one trial to the next
    real(wp), parameter :: inside = 0.99_wp        !! part of the box that its image is to fill at most
    integer, parameter :: most_trials = 60
+   integer, parameter :: narrowings = 8           !! of the box by its image
    real(wp), parameter :: farthest = 1.0_wp       !! radians, or parts of the longest arc: larger boxes are not tried
 
    integer, parameter :: form_none = 0, form_x = 1, form_y = 2, form_turn = 3, form_slide = 4, form_direction = 5, &
@@ -488,6 +489,8 @@ contains
             if (component == 3) then
                number%form = form_direction
                number%scale = degrees_per_radian
+               call take_arc(output%joints(2:3), number)
+               if (number%form == form_turn) return
                number%line = line_of(output%joints(2), output%joints(3))
             end if
          case (output_x, output_y)
@@ -496,6 +499,8 @@ contains
          case (output_angle, output_between)
             number%form = merge(form_direction, form_between, output%kind == output_angle)
             number%scale = degrees_per_radian
+            if (output%kind == output_angle) call take_arc(output%joints(1:2), number)
+            if (number%form == form_turn) return
             number%line = line_of(output%joints(1), output%joints(2))
             if (output%kind == output_between) number%other = line_of(output%joints(3), output%joints(4))
          case (output_distance)
@@ -517,6 +522,26 @@ contains
             number%form = form_none                  ! a ratio of rates
          end select
       end function number_of_sketch
+
+      !> The direction of a line that is an arc of the loops is that of the arc: nothing is left out of it.
+      subroutine take_arc(ends, number)
+         integer, intent(in) :: ends(2)              !! joints of the sketch
+         type(number_t), intent(inout) :: number
+         type(arc_term_t) :: arc
+
+         do n = 1, size(problem%mechanism%arcs)
+            associate (own => problem%mechanism%arcs(n))
+               if (.not. own%attached .or. own%rail > 0 .or. own%leads_nowhere) cycle
+               if (.not. (all(own%joints == ends) .or. all(own%joints == ends([2, 1])))) cycle
+            end associate
+            if (problem%linkage%root_x(problem%plan%root(n)) == 0) cycle
+            arc = term_of(n, 1.0_wp)
+            number%form = form_turn
+            number%unknown = arc%angle
+            number%first = arc%turn
+            return
+         end do
+      end subroutine take_arc
 
       !> From one joint to another. Terms that both have in common cancel. A joint that stands still is a place without changes.
       function line_of(from, to) result(line)
@@ -642,9 +667,14 @@ contains
          if (.not. all(merge(enclosure%left, enclosure%left/max(model%size, tiny(1.0_wp)), model%is_angle) < farthest)) return
          if (trial > 1 .and. all(image <= inside*enclosure%left)) then
             enclosure%holds = .true.
-            return
+            exit
          end if
          enclosure%left = max(enclosure%left, widening*image)
+      end do
+      if (.not. enclosure%holds) return
+      ! what lies in the box lies in its image, too
+      do trial = 1, narrowings
+         enclosure%left = min(enclosure%left, image_of(model, enclosure))
       end do
    end subroutine enclose_unknowns
 

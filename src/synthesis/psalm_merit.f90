@@ -141,7 +141,12 @@ contains
       if (allocated(problem%target_values)) call want_outputs(set, problem, merit)
       if (set%toler%in_objective > 0.0_wp) then
          allocate (merit%tolerances)
-         call prepare_spread(set, merit%main%problem, merit%main%columns, merit%size, merit%tolerances)
+         if (allocated(merit%targets)) then
+            call prepare_spread(set, merit%main%problem, merit%main%columns, merit%size, merit%tolerances, &
+                                merit%targets%problem%target_weights)
+         else
+            call prepare_spread(set, merit%main%problem, merit%main%columns, merit%size, merit%tolerances)
+         end if
       end if
       call list_clearances(set%constr, problem%mechanism, problem%given%outlk <= 0.0_wp, merit%clearances, joints, beside)
       merit%has_range = merit%irange /= range_positions .or. size(merit%clearances) > 0

@@ -4,16 +4,22 @@
 !> e**2 + sum over v of (s_v t_v)**2/3, s_v being the change of the output with v. With TOLOBJ = q the objective has residuals
 !> sqrt(q/3) s_v t_v beside the errors, of the same weights; their slopes by the dimensions that vary are central differences of
 !> the exact s_v. Near a dead point s_v grows without bound: deviations d = s_v t_v are taken as d/(1 + (d/c)**4)**(1/4), c a tenth
-!> of the size of the linkage or of a radian, and where the linkage does not close as c.
+!> of the size of the linkage or of a radian, and where the linkage does not close as c. Further outputs of a sketch with desired
+!> values have residuals in the same way, of the weights of these values; of joints off the lines of their links distance and angle
+!> deviate by TOLLEN and TOLANG.
 module psalm_tolerance_spread
+   use psalm_angles, only: unit_vector
    use psalm_data_set, only: data_set_t
    use psalm_deviating_dimensions, only: deviating_dimensions, tolerance_of
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
+   use psalm_joint_location, only: locate_sketch
    use psalm_kinds, only: wp, degrees_per_radian, right_angle
    use psalm_mechanism, only: mechanism_t
-   use psalm_parameters, only: parameters_t
-   use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian
+   use psalm_parameters, only: parameters_t, variable_aside, variable_aside_angle
+   use psalm_sensitivity, only: sensitivity_t, wanted_outputs_t, prepare_sensitivity, find_jacobian
+   use psalm_sketch, only: target_column_t, first_number, output_ratio
+   use psalm_sketch_outputs, only: names_of_numbers, name_length
    use psalm_solver_kind, only: family_simplex
    use psalm_status, only: diagnostics_t
    implicit none (type, external)
@@ -28,9 +34,13 @@ module psalm_tolerance_spread
    type :: tolerance_spread_t
       class(problem_t), allocatable :: problem     !! its variables are the dimensions with a tolerance
       type(sensitivity_t) :: work
-      real(wp), allocatable :: tolerance(:)        !! shape (deviating)
+      class(wanted_outputs_t), allocatable :: wanted !! outputs of a sketch; not allocated: the first output of the loops alone
+      integer, allocatable :: number(:)            !! of the further numbers that count, in those outputs
+      integer, allocatable :: aside(:)             !! joints off the lines of their links whose places vary
+      integer :: shown = 0                         !! of the joints that move: the first output, if it stands off its arc; 0: none
+      real(wp), allocatable :: tolerance(:)        !! shape (deviating): of the variables, then of joints off the lines
       real(wp) :: root = 0.0_wp                    !! of the weight of their squares
-      real(wp), allocatable :: weight(:, :)        !! shape (positions, components)
+      real(wp), allocatable :: weight(:, :)        !! shape (positions, components): of the first output, then the further numbers
       real(wp), allocatable :: largest(:)          !! shape (components): deviations that are taken as that
       real(wp) :: size = 1.0_wp                    !! of the linkage
       real(wp), allocatable :: change(:, :, :)     !! shape (positions, deviating, components): changes of the output
@@ -51,8 +61,8 @@ contains
          call refuse("is for searches by other solvers than SOLVER='SIMPLEX', such as 'LSQ'")
       else if (allocated(set%search_in_poses)) then
          call refuse('this search is made in the poses of the links, without tolerances')
-      else if (mechanism%outputs(1)%stands_in .or. .not. set%method%desired) then
-         call refuse('the first output, a point, an angle, a length, has no desired values')
+      else if ((mechanism%outputs(1)%stands_in .or. .not. set%method%desired) .and. size(further_numbers(set)) == 0) then
+         call refuse('no output, a point, an angle, a length, has desired values')
       else if (size(deviating_variables(set, mechanism)) == 0) then
          call refuse('no dimension has a tolerance above 0')
       end if
@@ -65,6 +75,20 @@ contains
          call set%origins%error(findings, 'TOLER', 'TOLOBJ', why)
       end subroutine refuse
    end subroutine check_spread
+
+   !> Which of the columns of further desired values count: those that are no derivatives or ratios.
+   pure function further_numbers(set) result(list)
+      type(data_set_t), intent(in) :: set
+      integer, allocatable :: list(:)
+      type(target_column_t), allocatable :: columns(:)
+      integer :: k
+
+      allocate (list(0))
+      columns = set%sketch%target_columns()
+      do k = 1, size(columns)
+         if (columns(k)%order == 0 .and. set%sketch%outputs(columns(k)%output)%kind /= output_ratio) list = [list, k]
+      end do
+   end function further_numbers
 
    !> Tolerances of the dimensions that have one.
    function deviating_variables(set, mechanism) result(tolerances)
@@ -79,13 +103,15 @@ contains
    end function deviating_variables
 
    !> Make the spread of a search ready.
-   subroutine prepare_spread(set, problem, columns, size_of, spread)
+   subroutine prepare_spread(set, problem, columns, size_of, spread, target_weights)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem       !! with inputs and weights
       integer, intent(in) :: columns               !! variables, and with free timing one more
       real(wp), intent(in) :: size_of              !! the linkage
       type(tolerance_spread_t), intent(out) :: spread
-      integer :: n, c, deviating
+      real(wp), intent(in), optional :: target_weights(:, :) !! shape (positions, columns): of further desired values
+      integer, allocatable :: list(:)
+      integer :: n, c, deviating, components
 
       allocate (spread%problem, source=problem)
       if (allocated(spread%problem%linkages)) deallocate (spread%problem%linkages)
@@ -97,20 +123,89 @@ contains
       spread%root = sqrt(set%toler%in_objective*variance)
       deviating = size(spread%tolerance)
       call spread%problem%set_inputs(problem%delt)
-      call spread%problem%want_derivatives(.false.)
+      allocate (list(0))
+      if (present(target_weights)) list = further_numbers(set)
+      if (size(list) > 0) then
+         call prepare_wanted(set, problem, list, spread)
+         deviating = size(spread%tolerance)
+      else
+         call spread%problem%want_derivatives(.false.)
+      end if
       call prepare_sensitivity(spread%problem, spread%work)
       n = problem%positions
       associate (kind => problem%output%kind)
-         spread%weight = problem%weight(:n, :kind%components)
-         allocate (spread%largest(kind%components), source=largest_part*size_of)
-         do c = 1, kind%components
-            if (c == kind%angle) spread%largest(c) = largest_part*degrees_per_radian
+         components = kind%components + size(list)
+         allocate (spread%weight(n, components), source=0.0_wp)
+         if (set%method%desired .and. .not. problem%mechanism%outputs(1)%stands_in) &
+            spread%weight(:, :kind%components) = problem%weight(:n, :kind%components)
+         if (size(list) > 0) spread%weight(:, kind%components + 1:) = target_weights(:n, list)
+         allocate (spread%largest(components), source=largest_part*size_of)
+         do c = 1, components
+            if (c <= kind%components) then
+               if (c == kind%angle) spread%largest(c) = largest_part*degrees_per_radian
+            else if (spread%wanted%angle(spread%number(c - kind%components))) then
+               spread%largest(c) = largest_part*degrees_per_radian
+            end if
          end do
-         allocate (spread%change(n, deviating, kind%components), spread%miss(n, deviating, kind%components), source=0.0_wp)
-         allocate (spread%by(n, columns, deviating, kind%components), source=0.0_wp)
+         allocate (spread%change(n, deviating, components), spread%miss(n, deviating, components), source=0.0_wp)
+         allocate (spread%by(n, columns, deviating, components), source=0.0_wp)
       end associate
       spread%size = size_of
    end subroutine prepare_spread
+
+   !> Further outputs of a sketch, and the joints off the lines of their links.
+   subroutine prepare_wanted(set, problem, list, spread)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+      integer, intent(in) :: list(:)               !! columns of the desired values
+      type(tolerance_spread_t), intent(inout) :: spread
+      type(target_column_t), allocatable :: columns(:)
+      character(name_length), allocatable :: names(:)
+      logical, allocatable :: turning(:)
+      integer :: k, v
+
+      allocate (spread%wanted)
+      call locate_sketch(set, spread%wanted%sketch, problem%given)
+      spread%wanted%outputs = set%sketch%outputs
+      call names_of_numbers(set%sketch%outputs, names, turning, spread%wanted%angle)
+      spread%wanted%numbers = size(names)
+      columns = set%sketch%target_columns()
+      spread%number = [(first_number(set%sketch%outputs, columns(list(k))%output) + columns(list(k))%component - 1, &
+                        k=1, size(list))]
+      associate (moving => spread%wanted%sketch%moving)
+         do k = 1, size(moving)
+            if (moving(k)%joint == set%traced%output_joint .and. problem%given%outlk > 0.0_wp) spread%shown = k
+            if (abs(moving(k)%offset) > 0.0_wp) spread%tolerance = [spread%tolerance, set%toler%tollen, set%toler%tolang]
+         end do
+         allocate (spread%aside(0))
+         do v = 1, size(problem%parameters%variables)
+            associate (variable => problem%parameters%variables(v))
+               if (any(variable%kind == [variable_aside, variable_aside_angle])) spread%aside = [spread%aside, variable%n]
+            end associate
+         end do
+         call spread%problem%want_derivatives(.true., spread%wanted%sketch%points)
+      end associate
+   end subroutine prepare_wanted
+
+   !> Put joints that stand off the lines of their links where the dimensions have them.
+   subroutine place_joints(spread, dimensions)
+      class(tolerance_spread_t), intent(inout) :: spread
+      type(dimensions_t), intent(in) :: dimensions
+      real(wp) :: c, s
+      integer :: k, m
+
+      associate (moving => spread%wanted%sketch%moving)
+         do k = 1, size(spread%aside)
+            m = findloc(moving%joint, spread%aside(k), dim=1)
+            if (m == 0) cycle
+            call unit_vector(dimensions%aside_angle(spread%aside(k)), c, s)
+            moving(m)%offset = dimensions%aside_length(spread%aside(k))*cmplx(c, s, wp)
+         end do
+         if (spread%shown == 0) return
+         call unit_vector(dimensions%outang, c, s)
+         moving(spread%shown)%offset = dimensions%outlk*cmplx(c, s, wp)
+      end associate
+   end subroutine place_joints
 
    !> Residuals of a linkage.
    subroutine find_spread(spread, dimensions)
@@ -126,8 +221,9 @@ contains
       real(wp), intent(out) :: miss(:, :, :)       !! shape (positions, deviating, components)
       logical :: is_open(size(miss, 1))
       real(wp) :: part
-      integer :: block, offset, n, i, loop, v, c
+      integer :: block, offset, n, i, loop, v, c, nvar, components
 
+      if (allocated(spread%wanted)) call place_joints(spread, dimensions)
       associate (problem => spread%problem)
          is_open = .false.
          call problem%bind(dimensions)
@@ -141,7 +237,15 @@ contains
                end do
             end do
          end do
-         call find_jacobian(problem, dimensions, spread%work, spread%change, solved=problem%blocks() == 1)
+         nvar = size(problem%parameters%variables)
+         components = problem%output%kind%components
+         if (allocated(spread%wanted)) then
+            call find_jacobian(problem, dimensions, spread%work, spread%change(:, :nvar, :components), &
+                               solved=problem%blocks() == 1, wanted=spread%wanted)
+            spread%change(:, :, components + 1:) = spread%wanted%change(:, :, spread%number)
+         else
+            call find_jacobian(problem, dimensions, spread%work, spread%change, solved=problem%blocks() == 1)
+         end if
       end associate
       do c = 1, size(miss, 3)
          do v = 1, size(miss, 2)

@@ -10,12 +10,13 @@ import csv
 import itertools
 import math
 import os
+import re
 import subprocess
 import sys
 import tempfile
 
 import numpy
-from scipy.optimize import minimize
+from scipy.optimize import brentq, minimize
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
 import tally
 
@@ -463,7 +464,52 @@ def proofs(program, folder, random):
         tally.check(where + ": all bands are certified", done.returncode == 0 and {row["proof"] for row in bands} == {"certified"}, done.stderr)
         fullest = max(max(-float(row["lowest"]), float(row["highest"]))/float(row["band"]) for row in bands)
         tally.check(where + ": one is full", 1 - 1e-6 < fullest <= 1, fullest)
+    # an output that is a line of the loops, and a joint that has no effect on it: the sketch and its loops have one factor
+    factors = []
+    text = STEPS.replace("'point P'", "'angle C D'") % ("0.0,18.0,88.0,95.0,60.0", "0.0,22.0,71.0,-4.0,80.0", "ALBAND=1.0, ALPROF='CHECK'")
+    for options in (("--links",), ()):
+        path = os.path.join(folder, "line.nml")
+        with open(path, "w", encoding="utf-8") as f:
+            f.write(text)
+        done = subprocess.run([program, *options, "--output-dir", folder, path], capture_output=True, text=True, check=False)
+        factors += [float(n) for n in re.findall(r"ALL TOLERANCES TIMES +([0-9.]+)", done.stdout)]
+        with open(os.path.join(folder, "line.dev7"), encoding="utf-8") as f:
+            text = f.read()
+    tally.check("proofs: a sketch and its loops have one factor", len(factors) == 2 and abs(factors[0] - factors[1]) < 1e-6, factors)
     tally.check("proofs: some bands are violated, some certified", {"certified", "violated"} <= verdicts, verdicts)
+
+
+def stack(program, folder, random):
+    """Three lengths in a line, a stack, with reciprocal costs: the closed form of Lagrange's multiplier (Chase and Greenwood 1988; with one
+    exponent t_i is in proportion to B_i**(1/(K + order))), with different exponents the root of its equation."""
+    names = ("length A B", "length B C", "length C D")
+    for number in range(8):
+        order = 1 + number % 2
+        cost = 10**(random.random(3) - 0.5)
+        power = numpy.full(3, 0.4 + random.random()) if number < 4 else 0.4 + random.random(3)
+        band = 0.005 + 0.02*random.random()
+        path = os.path.join(folder, "stack.nml")
+        with open(path, "w", encoding="utf-8") as f:
+            f.write("""A STACK
+ &CHAIN JNT='A','B','C','D', JX=0.0,20.0,90.0,120.0, JY=4*0.0, LNAME='frame','crank','rod','slider', LNK='A','A B','B C','C D',
+  SLNK='frame', SLNK2='slider', SLX=90.0, SLY=0.0, SLANG=0.0 &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='x D' &END
+ &METHOD NDES=1, DELT=0.0 &END
+ &LIMITS IPROOF=0 &END
+ &ALLOC ALBAND=%r, ALRULE='%s', ALNAM=%s, ALCOST=%s, ALEXP=%s &END
+""" % (band, RULES[order - 1], ",".join("'%s'" % n for n in names), ",".join("%r" % float(c) for c in cost), ",".join("%r" % float(p) for p in power)))
+        done = subprocess.run([program, "--quiet", "--json", "--output-dir", folder, path], capture_output=True, text=True, check=False)
+        with open(os.path.join(folder, "stack.allocation.csv"), encoding="utf-8") as f:
+            table = {row["dimension"]: float(row["tolerance"]) for row in csv.DictReader(f)}
+        if number < 4:
+            expected = cost**(1/(power + order))
+            expected *= band/(expected**order).sum()**(1/order)
+        else:
+            at = lambda y: (cost*power*numpy.exp(-y))**(1/(power + order))
+            expected = at(brentq(lambda y: (at(y)**order).sum() - band**order, -40, 80, xtol=1e-14, rtol=1e-14))
+        found = numpy.array([table[n] for n in names])
+        tally.check("stack %d: tolerances by Lagrange" % number, done.returncode == 0 and numpy.allclose(found, expected, rtol=2e-5), (found, expected))
 
 
 def sampled(program, folder, count):
@@ -571,6 +617,7 @@ def main():
         if options.only is None:
             by_loops(program, folder)
             edges(program, folder)
+            stack(program, folder, numpy.random.default_rng(43))
             proofs(program, folder, numpy.random.default_rng(42))
         if options.only != "cases":
             sampled(program, folder, options.sample)

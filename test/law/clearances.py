@@ -356,6 +356,46 @@ def allotted(program, folder):
             tally.check(name + ": no share is below", share.min() >= 0.95 - 1e-6 and (any(loaded) or share.min() < 0.95 + 1e-6), share)
 
 
+def drawn(programs, folder):
+    """The layer TOLERANCES of a drawing: a text for every dimension, at its place, rounded down."""
+    import ezdxf
+    for case in ("pin_clearances", "cheapest_tolerances"):
+        path = os.path.join(TOP, "data", case + ".nml")
+        done = [subprocess.run([os.path.join(programs, p), "--quiet", *options, "--output-dir", folder, path], capture_output=True, text=True, check=False)
+                for p, options in (("balm", ()), ("psalm", ("--json",)))]
+        tally.check("%s: drawn" % case, done[0].returncode == 0, done[0].stderr)
+        with open(os.path.join(folder, case + ".allocation.csv"), encoding="utf-8") as f:
+            rows = list(csv.DictReader(f))
+        texts = [(e.dxf.text, complex(at.x, at.y)) for e in ezdxf.readfile(os.path.join(folder, case + ".dxf")).modelspace() if e.dxf.layer == "TOLERANCES"
+                 for at in [e.dxf.align_point if e.dxf.hasattr("align_point") else e.dxf.insert]]
+        tally.check("%s: a text for every dimension" % case, len(texts) == len(rows), (texts, len(rows)))
+        with open(path, encoding="utf-8") as f:
+            text = f.read()
+        names = re.findall("'([^']*)'", re.search(r"JNT=(.*?) JX", text).group(1))
+        joint = {n: complex(float(x), float(y)) for n, x, y in zip(names, *(re.search(k + "=(.*?), *[J\n]", text, re.S).group(1).split(",") for k in ("JX", "JY")))}
+        left, at_joint = list(texts), {}
+        for row in rows:
+            words = row["dimension"].split()
+            size = float(row["tolerance"])
+            sign = "R " if words[0] == "play" and words[1] in joint else "%%p"
+            named = [t for t in left for n in [re.search(re.escape(sign) + r"([0-9.Ee+-]+)(?:%%d)?$", t[0])]
+                     if n and 0 <= size - float(n.group(1)) < 1.001*10**(numpy.floor(numpy.log10(size)) - 2)]
+            tally.check("%s: %s is drawn" % (case, row["dimension"]), named, (row, left))
+            if not named:
+                continue
+            left.remove(named[0])
+            if words[0] == "play" and words[1] in joint:
+                at_joint[words[1]] = [at for _, at in named]
+            elif case == "cheapest_tolerances" and words[0] == "length" and all(w in joint for w in words[1:]):
+                middle = (joint[words[1]] + joint[words[2]])/2
+                tally.check("%s: %s is at its line" % (case, row["dimension"]), any(abs(at - middle) < 25 for _, at in named), (named, middle))
+        # the drawing is at the first position: links keep the distances of their joints
+        for one, other in (("B", "C"), ("E", "F")):
+            if one in at_joint and other in at_joint:
+                away = [abs(abs(a - b) - abs(joint[one] - joint[other])) for a in at_joint[one] for b in at_joint[other]]
+                tally.check("%s: clearances are at their joints %s, %s" % (case, one, other), min(away) < 0.01, away)
+
+
 def refused(program, folder):
     text = sketch(BAR, "fabc", "DRIVE='A'", "'point P'", METHOD)
     for items, words in (("PNAME='P'", "point of one link"), ("PNAME='X'", "no joint or slide is called 'X'"), ("PNAME='B', PLOAD=1", "the case has no forces"),
@@ -387,6 +427,7 @@ def main():
         under_load(program, folder)
         allotted(program, folder)
         refused(program, folder)
+        drawn(os.path.abspath(sys.argv[1]), folder)
     return tally.report()
 
 

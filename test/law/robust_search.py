@@ -111,11 +111,69 @@ def both_ways(program, folder):
     tally.check("TOLOBJ changes the objective", one[3] > without[3]*1.001, (one, without))
 
 
+def several_outputs(program, folder):
+    """Deviations of every output with desired values are in the objective, each with its weight: of the point and of the rocker's angle, of
+    the angle alone, of another point off the lines."""
+    turns = numpy.radians((0.0, 20.0, 40.0, 60.0, 80.0))
+    start = numpy.pi
+
+    def linkage(x):
+        """P, Q and the rocker's direction C D in degrees for the lengths A B, B C, C D, A D, P and Q on the coupler."""
+        r, coupler, rocker, frame, carried, other = x[0], x[1], x[2], x[3], x[4]*numpy.exp(1j*x[5]), x[6]*numpy.exp(1j*x[7])
+        b = r*numpy.exp(1j*(start + turns))
+        to = frame - b
+        far = abs(to)
+        cosine = (coupler**2 + far**2 - rocker**2)/(2*coupler*far)
+        along = to/far*(cosine + 1j*numpy.sqrt(1 - cosine**2))
+        c = b + coupler*along
+        return b + carried*along, b + other*along, numpy.degrees(numpy.angle(frame - c))
+    drawn = [50 + 60j - -30, 60 + 110j - -30, 20 + 90j - -30]
+    fixed = (90.0, abs(drawn[1]), numpy.angle(drawn[1]/drawn[0]), abs(drawn[2]), numpy.angle(drawn[2]/drawn[0]))
+    # nearly what another linkage does
+    aside = numpy.random.default_rng(8)
+    first, second, angles = linkage(numpy.array((33.0, 96.0, 75.0, *fixed)))
+    wanted, others = (numpy.round(z + aside.normal(size=5) + 1j*aside.normal(size=5), 3) for z in (first, second))
+    angles = numpy.round(angles + aside.normal(size=5), 3)
+    text = """A PATH AND AN ANGLE
+ &CHAIN JNT='A','B','C','D','P','Q', JX=0.0,-30.0,50.0,90.0,60.0,20.0, JY=0.0,0.0,60.0,0.0,110.0,90.0,
+  LNAME='frame','crank','coupler','rocker', LNK='A D','A B','B C P Q','C D', VARY='length A B','length B C','length C D' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point P','angle C D','point Q', %s &END
+ &METHOD NDES=5, DELT=0.0,20.0,40.0,60.0,80.0 &END
+ &TOLER TOLLEN=0.5, TOLOBJ=%s &END
+ &SEARCH SOLVER='LSQ' &END
+"""
+    point, other = (name + ",".join("%.3f,%.3f" % (w.real, w.imag) for w in z) for name, z in (("DES1=", wanted), ("DES3=", others)))
+    angle = "DES2=" + ",".join("%.3f" % a for a in angles) + ", WGT2=3.0"
+    found = {}
+    for name, items in (("point and angle", (point, angle)), ("point and point off the lines", (point, other)), ("all", (point, angle, other))):
+        for weight in (0.0, 2.0):
+            values, device = linkage_of(program, folder, text % (", ".join(items), weight), "--links")
+            tally.check("%s, TOLOBJ=%g: four numbers" % (name, weight), len(values) == 4, device[:300])
+            if len(values) != 4:
+                return
+            x = numpy.array([*values[:3], *fixed])
+
+            def total(x, items=items, weight=weight):
+                misses = lambda y: numpy.concatenate([a for item, a in zip((point, angle, other), (
+                    (linkage(y)[0] - wanted).view(float), 3**0.5*(linkage(y)[2] - angles),
+                    (linkage(y)[1] - others).view(float))) if item in items])
+                h = 1e-5
+                slopes = numpy.array([(misses(x + h*e) - misses(x - h*e))/(2*h) for e in numpy.eye(8)[[0, 1, 2, 3, 4, 6]]])
+                return (misses(x)**2).sum() + weight/3*((0.5*slopes)**2).sum()
+            tally.check("%s, TOLOBJ=%g: the objective is that of this model" % (name, weight), abs(total(x)/values[3] - 1) < 1e-5, (total(x), values))
+            near = min(total(x + d*numpy.concatenate((e, numpy.zeros(5)))) for e in numpy.eye(3) for d in (-0.05, 0.05))
+            tally.check("%s, TOLOBJ=%g: no change of a length lowers it" % (name, weight), near > total(x)*(1 - 1e-9), (near, total(x)))
+            found[name, weight] = x
+        tally.check(name + ": deviations move the result", abs(found[name, 0.0] - found[name, 2.0]).max() > 1e-6, found)
+
+
 def main():
     program = os.path.join(os.path.abspath(sys.argv[1]), "psalm")
     random = numpy.random.default_rng(41)
     with tempfile.TemporaryDirectory() as folder:
         both_ways(program, folder)
+        several_outputs(program, folder)
         plain, at, _ = search(program, folder, 0.0, 1.0)
         for weight in (1.0, 10.0):
             ranking, points, listing = search(program, folder, weight, 1.0)
