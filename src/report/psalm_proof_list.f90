@@ -378,6 +378,7 @@ contains
       unit = 10.0_dp**(power - 7)
       layout = '(g16.8)'
       if (power >= least_power .and. power < -1) write (layout, '("(f24.",i0,")")') 7 - power   ! g would write an exponent
+      if (power < least_power .and. abs(number) > 0.0_dp) layout = '(es16.7e2)'
       do i = 0, 2
          write (digits, layout) number + real(way*i, dp)*unit
          read (digits, *) read_back
