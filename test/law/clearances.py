@@ -264,6 +264,19 @@ def by_loops(program, folder):
         tally.check("loops%s: four clearances" % loaded, [len(p) for p in plays] == [4, 4] and min(costs) > 0, (plays, costs))
 
 
+def pose_by_loops(program, folder):
+    """A pose has three numbers, by a sketch and by &LINKS."""
+    text = sketch(BAR, "fabc", "DRIVE='A'", "'pose P B C'", METHOD)
+    run(program, folder, text, "--links")
+    with open(os.path.join(folder, "case.dev7"), encoding="utf-8") as f:
+        links = f.read().replace("MOTION=0", "MOTION=4")
+    rest = " &ALLOC ALBAND=0.5, %s &END\n"
+    found = [[(float(r["by_x"]), float(r["by_y"])) for r in run(program, folder, t + rest % p)[1].get("clearance_effects", [])]
+             for t, p in ((text, "PNAME='B'"), (links, "PLINK=1, PLOOP=1"))]
+    tally.check("pose: all numbers have bands, and the same effects", len(found[0]) == 12 and numpy.shape(found[0]) == numpy.shape(found[1]) and
+                numpy.abs(numpy.abs(found[0]) - numpy.abs(found[1])).max() < 1e-9, found)
+
+
 def under_load(program, folder):
     """The gap of a joint lies where the load presses it: the output moves as far as the linkage whose joint has that gap."""
     text = sketch(BAR, "fabc", "DRIVE='A'", "'point P'", METHOD) + LOADED
@@ -424,6 +437,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         by_differences(program, folder)
         by_loops(program, folder)
+        pose_by_loops(program, folder)
         under_load(program, folder)
         allotted(program, folder)
         refused(program, folder)
