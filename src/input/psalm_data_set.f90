@@ -462,7 +462,7 @@ contains
                                line=groups(masses)%line, group='MASSES', item='NMASS')
       end if
       if (.not. findings%failed()) then
-         call doubt_units(groups(masses), set, findings)
+         call doubt_units(groups(masses), groups(loads)%line, set, findings)
          call doubt_reference(groups(method), set, findings)
       end if
       do i = 1, size(groups)
@@ -471,21 +471,22 @@ contains
       end do
    end subroutine read_set
 
-   !> Masses on a linkage of many metres, where the unit of length is not said: it may be drawn in millimetres.
-   subroutine doubt_units(group, set, findings)
+   !> Masses or loads on a linkage of many metres, where the unit of length is not said: it may be drawn in millimetres.
+   subroutine doubt_units(group, line_of_loads, set, findings)
       type(group_t), intent(in) :: group             !! MASSES
+      integer, intent(in) :: line_of_loads           !! of LOADS; 0: it is not given
       type(data_set_t), intent(in) :: set
       type(diagnostics_t), intent(inout) :: findings
       real(wp) :: extent
 
-      if (size(set%masses%mass) == 0 .or. group%given('UNITL')) return
+      if (size(set%masses%mass) == 0 .and. line_of_loads == 0 .or. group%given('UNITL')) return
       extent = maxval(set%links%arcl)
       if (set%sketch%given .and. size(set%sketch%x) > 0) extent = max(maxval(set%sketch%x) - minval(set%sketch%x), &
                                                                       maxval(set%sketch%y) - minval(set%sketch%y))
       if (extent <= largest_machine) return
       call findings%warning('missing: lengths are taken as metres, and this linkage is '//to_text(nint(extent))// &
-                            ' m large; if it is drawn in millimetres, set UNITL=0.001', line=group%line, group='MASSES', &
-                            item='UNITL')
+                            ' m large; if it is drawn in millimetres, set UNITL=0.001', &
+                            line=merge(group%line, line_of_loads, group%line > 0), group='MASSES', item='UNITL')
    end subroutine doubt_units
 
    !> CRNKI of a sketch counts from the drawing, and DELT from there: who gives the crank's own angle turns it twice.

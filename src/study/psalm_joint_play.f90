@@ -2,7 +2,7 @@
 !>
 !> A gap g is how far the second link of a joint is from where the joint without clearance has it on the first. With the inputs
 !> held, a unit force on an output and the joint forces that balance it do no work: if r is the force of the first link on the
-!> second, the output changes by -r.g. A pin lies anywhere in the disc of its radial clearance; a shoe goes to either side of its
+!> second, the output changes by -r.g. A pin lies anywhere in the disc of its radial clearance; a slider goes to either side of its
 !> line. Under a load f, that of the first link on the second, the second link is pressed against it: g = -c f/|f|, at every
 !> position by the load there, and the output changes by c r.f/|f|. Source: Haines (about 1982), chapter 3, for the pin that lies
 !> against its hole.
@@ -31,7 +31,7 @@ module psalm_joint_play
    public :: play_anywhere, play_across, play_loaded, play_name_length
 
    integer, parameter :: play_anywhere = 1            !! a pin anywhere in its disc
-   integer, parameter :: play_across = 2              !! a shoe, to either side of its line
+   integer, parameter :: play_across = 2              !! a slider, to either side of its line
    integer, parameter :: play_loaded = 3              !! on the side of the load
    integer, parameter :: play_name_length = 120
    integer, parameter :: components_of_wrench = 3

@@ -110,7 +110,7 @@ contains
       call copy_desired(problem, merit%final)
       merit%free = set%method%ifree /= 0
       merit%similar = set%method%isim /= 0
-      allocate (merit%shape_error(n), source=(0.0_wp, 0.0_wp))
+      if (merit%similar) allocate (merit%shape_error(n), source=(0.0_wp, 0.0_wp))
       merit%core = nvar
       merit%local = merge(n, 0, merit%free)
       merit%has_gradient = .true.
@@ -782,13 +782,12 @@ contains
          call find_spread(self%tolerances, self%dimensions)
          objective = objective + sum_of_spread(self%tolerances)
       end if
+      if (self%similar .or. feasible) call evaluate_samples(self%main, self%dimensions)
       if (self%similar) then
-         call evaluate_samples(self%main, self%dimensions)
          call compare_shapes(self)
          objective = sum_of_errors(self)
       end if
       if (.not. feasible) return
-      if (.not. self%similar) call evaluate_samples(self%main, self%dimensions)
       self%seen = x
       feasible = keeps_limits(self%main, self%limit)
       if (.not. (feasible .and. self%has_range)) return

@@ -986,6 +986,8 @@ contains
          merit%high = high
          ! a search that had to end before it began knows nothing of the linkage within the bounds
          if (worker%stop%waiting()) return
+         ! where none obeys within the bounds the result stays as it is: it does
+         if (candidate%feasible .and. .not. held%feasible) return
          call unwind(worker, values)
          candidate = held
          candidate%x = merit%point(values, merit%delt)

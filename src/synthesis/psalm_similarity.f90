@@ -11,6 +11,7 @@
 module psalm_similarity
    use psalm_kinds, only: wp, full_turn
    use psalm_linear, only: solve_positive
+   use psalm_path_fit, only: square
    use psalm_timing_order, only: choose_inputs, never
    implicit none (type, external)
    private
@@ -87,7 +88,7 @@ contains
       end if
       do a = 1, freedoms
          do b = 1, freedoms
-            matrix(a, b) = product_of(bare(:, a), bare(:, b), weight)
+            matrix(a, b) = weighted_product(bare(:, a), bare(:, b), weight)
          end do
       end do
       ! the unknowns in units of their own: a point and a length differ by orders
@@ -112,7 +113,7 @@ contains
          integer :: k
 
          do k = 1, freedoms
-            right(k) = product_of(bare(:, k), column, weight)/unit(k)
+            right(k) = weighted_product(bare(:, k), column, weight)/unit(k)
          end do
          work = matrix
          call solve_positive(work, right, part, valid)
@@ -131,18 +132,12 @@ contains
       if (square(tangent) > tiny(1.0_wp)) across = line - tangent*(line%re*tangent%re + line%im*tangent%im)/square(tangent)
    end function across
 
-   pure real(wp) function product_of(a, b, weight)
+   pure real(wp) function weighted_product(a, b, weight)
       complex(wp), intent(in) :: a(:), b(:)
       real(wp), intent(in) :: weight(:)
 
-      product_of = sum(weight*(a%re*b%re + a%im*b%im))
-   end function product_of
-
-   elemental real(wp) function square(z)
-      complex(wp), intent(in) :: z
-
-      square = z%re**2 + z%im**2
-   end function square
+      weighted_product = sum(weight*(a%re*b%re + a%im*b%im))
+   end function weighted_product
 
    !> Free timing of a shape: the inputs of a path at which it comes nearest to the desired points, wherever they lie. From the
    !> timing given, shifted by parts of a turn, place and timing are found in turns.

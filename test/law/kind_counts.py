@@ -197,6 +197,24 @@ def turns(n, joints):
     return all(sum(kind == "=" and x in pair for pair, kind in joints.items()) <= 2 for x in range(n))
 
 
+def forms_with_slides(n, chain, crank, frame, driven, output, may_slide, slides, output_is, gears=()):
+    """Forms of the kinds that a chain gives with so many slides in place of pins, those that turn and whose output no simpler one has."""
+    pair = next((p for p in chain if set(p) == {frame, output}), None)
+    forms = set()
+    for chosen in itertools.combinations(may_slide, slides):
+        joints = {p: "=" if p in chosen else "*" if p == crank else "-" for p in chain}
+        on_frame = joints[pair] if pair else None
+        if (on_frame is not None) if output_is != "ANGLE" else on_frame != "-":
+            continue
+        joints.update(gears)
+        if not turns(n, joints):
+            continue
+        colours = [0]*n
+        colours[frame], colours[driven], colours[output] = 1, 2, 3
+        forms.add(least_form(n, joints, colours))
+    return forms
+
+
 def own_kinds(n, slides, output_is):
     found = set()
     for chain in chains(n):
@@ -206,20 +224,10 @@ def own_kinds(n, slides, output_is):
                     continue
                 driven = sum(crank) - frame
                 for output in range(n):
-                    pair = next((p for p in chain if set(p) == {frame, output}), None)
                     if output in (frame, driven) or not dyads_move_all(n, chain, frame, driven, output):
                         continue
                     others = [p for p in chain if p != crank]
-                    for chosen in itertools.combinations(others, slides):
-                        joints = {p: "=" if p in chosen else "*" if p == crank else "-" for p in chain}
-                        on_frame = joints[pair] if pair else None
-                        if (on_frame is not None) if output_is != "ANGLE" else on_frame != "-":
-                            continue
-                        if not turns(n, joints):
-                            continue
-                        colours = [0]*n
-                        colours[frame], colours[driven], colours[output] = 1, 2, 3
-                        found.add(least_form(n, joints, colours))
+                    found |= forms_with_slides(n, chain, crank, frame, driven, output, others, slides, output_is)
     return found
 
 
@@ -250,19 +258,8 @@ def geared_kinds(n, slides, output_is, largest):
                                 continue
                             if largest == 2 and not wheel_and_dyads(n, beside, arm, wheels, frame, driven):
                                 continue
-                            pair = next((p for p in chain if set(p) == {frame, output}), None)
                             others = [p for p in chain if p != crank and not (arm in p and set(p) & set(wheels))]
-                            for chosen in itertools.combinations(others, slides):
-                                joints = {p: "=" if p in chosen else "*" if p == crank else "-" for p in chain}
-                                on_frame = joints[pair] if pair else None
-                                if (on_frame is not None) if output_is != "ANGLE" else on_frame != "-":
-                                    continue
-                                joints[wheels] = ":"
-                                if not turns(n, joints):
-                                    continue
-                                colours = [0]*n
-                                colours[frame], colours[driven], colours[output] = 1, 2, 3
-                                found.add(least_form(n, joints, colours))
+                            found |= forms_with_slides(n, chain, crank, frame, driven, output, others, slides, output_is, {wheels: ":"})
     return found
 
 

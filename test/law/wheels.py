@@ -148,10 +148,33 @@ def in_gear(joints, ratio):
     return ratio*(crank - arm) - (wheel - arm)
 
 
+NOWHERE = """A GROUP WITH WHEELS THAT RUNS AWAY
+ &CHAIN JNT='A','B','C','D','E','P', JX=0.0,1.0,4.0,6.0,5.0,3.0, JY=0.0,1.0,4.0,1.0,0.0,5.0,
+  LNAME='frame','crank','arm','wheel','rocker', LNK='A E','A B','B C P','C D','D E',
+  GEARA='crank', GEARB='wheel', GCARR='arm', GTA=60.0, GTB=20.0, VARY='A B','B C','C D','D E' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point P' &END
+ &METHOD NDES=6, DELT=10.0,20.0,30.0,40.0,50.0,60.0, DESX=2.9,2.7,2.5,2.3,2.0,1.8, DESY=5.1,5.2,5.3,5.4,5.4,5.3 &END
+ &SEARCH SOLVER='LSQ', NSTART=2 &END
+"""
+
+
+def takes_none_that_is_open():
+    """Lengths grow without end here, and within the bounds that hold then the search finds nothing that closes."""
+    with tempfile.TemporaryDirectory() as work:
+        with open(os.path.join(work, "c.nml"), "w", encoding="utf-8") as file:
+            file.write(NOWHERE)
+        done = subprocess.run([os.path.join(programs, "psalm"), "c.nml"], cwd=work, capture_output=True, text=True)
+        found = re.search(r"(\d+) led to a linkage.*best objective (\S+)", done.stderr)
+        check("a linkage that a search takes closes, and has an objective", found is not None and float(found.group(2)) > 1e-6 and
+              "does not close" not in done.stderr and "DOES NOT CLOSE" not in done.stdout, done.stderr[:400])
+
+
 for where in (FIXED, PLANET):
     for numbers in ((20.0, 10.0), (30.0, 10.0), (50.0, 10.0), (20.0, -20.0), (20.0, 30.0), (20.0, -37.0), (90.0, 17.0), (1.0, 7.0)):
         follows_its_teeth(where, numbers)
 for numbers in ((20.0, 10.0), (20.0, 20.0), (20.0, 30.0)):
     leads_to_a_group(numbers)
 stays_in_gear()
+takes_none_that_is_open()
 sys.exit(report())
