@@ -282,6 +282,8 @@ DOUBTS = [
     ("psalm", SKETCH, "'point P'", "'x P'", "  Inputs              count from the drawing, where the crank is at 97.35238 degrees from the x axis"),
     ("kalm", SKETCH, " &METHOD", " &RATES SPEED=1.0 &END\n &MASSES NMASS=1, MNAME='crank', MASS=1.0 &END\n &METHOD",
      "&MASSES UNITL: missing: lengths are taken as metres, and this linkage is 95 m large"),
+    ("kalm", SKETCH, " &METHOD", " &RATES SPEED=1.0 &END\n &LOADS LNAME='crank', LFX=1.0 &END\n &METHOD",
+     "&MASSES UNITL: missing: lengths are taken as metres, and this linkage is 95 m large"),
     ("kalm", DRIVES, " &METHOD", " &RATES SPEED=1.0 &END\n &METHOD",
      "drive E stands still in the velocities and forces: its DSPEED of &DRIVES is 0, though DELT2 changes"),
     # items that nothing reads
