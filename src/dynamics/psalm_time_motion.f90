@@ -56,6 +56,9 @@ module psalm_time_motion
       type(stop_t) :: host                            !! who may ask for the end
       logical :: asked = .false.                      !! it was asked for
       type(event_t), allocatable :: events(:)
+      integer :: jumped = 0                           !! impacts, several at a time as one
+      real(wp), allocatable :: jumps(:, :)            !! shape (1 + 3 drives, at least `jumped`): time, s; by drive its place,
+                                                      !! its rate before and after, as `free_state_t` has them
    contains
       procedure :: rates
       procedure :: tolerances
@@ -72,6 +75,7 @@ module psalm_time_motion
       procedure, private :: settle
       procedure, private :: longest_step
       procedure, private :: note
+      procedure, private :: note_jump
    end type time_motion_t
 
 contains
@@ -90,6 +94,7 @@ contains
       moving%most_events = most_events
       moving%step = first_part*end
       allocate (moving%events(0))
+      allocate (moving%jumps(1 + 3*size(moving%motion%slides), 0))
       associate (f => size(speeds))
          length = length_of(moving%motion)
          moving%size_of = moving%sizes()
@@ -332,10 +337,11 @@ contains
       integer, intent(in), optional :: stop, side
       real(wp), dimension(size(self%size_of_stop)) :: before, impulse, part
       integer :: touched(size(self%size_of_stop)), k, round
-      real(wp) :: least
+      real(wp) :: least, y_before(size(self%y))
 
       valid = .true.
       if (size(touched) == 0) return
+      y_before = self%y
       associate (motion => self%motion)
          touched = motion%resting
          where (motion%place - motion%stops%low <= touching*self%size_of_stop) touched = side_low
@@ -363,7 +369,30 @@ contains
       end associate
       call self%rates(self%time, self%y, self%first, valid)
       if (valid) call self%rest_on_stops(touched, least, valid)
+      if (valid .and. any(abs(impulse) > 0.0_wp)) call self%note_jump(y_before)
    end subroutine meet_stops
+
+   !> Keep the rates of all drives before impacts, when the unknowns were `y_before`, and after them.
+   subroutine note_jump(self, y_before)
+      class(time_motion_t), intent(inout) :: self
+      real(wp), intent(in) :: y_before(:)
+      type(free_state_t) :: before, after
+      real(wp) :: y(size(self%y))
+      real(wp), allocatable :: more(:, :)
+
+      y = self%y
+      self%y = y_before
+      call self%observe(before)
+      self%y = y
+      call self%observe(after)
+      if (self%jumped == size(self%jumps, 2)) then
+         allocate (more(size(self%jumps, 1), 2*self%jumped + 1), source=0.0_wp)
+         more(:, :self%jumped) = self%jumps
+         call move_alloc(more, self%jumps)
+      end if
+      self%jumped = self%jumped + 1
+      self%jumps(:, self%jumped) = [self%time, after%input, before%rate, after%rate]
+   end subroutine note_jump
 
    !> Joints that touch a stop and are pressed to it rest if their bounces are over, or would be in next to no time.
    subroutine rest_on_stops(self, touched, least, valid)

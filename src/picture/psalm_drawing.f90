@@ -18,7 +18,7 @@ module psalm_drawing
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
-   public :: picture_t, add_picture, draw_file, draw_curves, draw_steady, ending
+   public :: picture_t, add_picture, draw_file, draw_curves, draw_phase, draw_steady, ending
 
    integer, parameter :: ending_width = 24 !! room for a number and a suffix
 
@@ -131,9 +131,26 @@ contains
          else
             call make_curves(cases(k)%scene, none, plots)
          end if
-         call add_plots(cases(k)%scene%title, plots, k, mark, pictures)
+         call add_plots(cases(k)%scene%title, plots, k, '.curves.svg', mark, pictures)
       end do
    end subroutine draw_curves
+
+   !> Phase planes of each case that has a motion in time with free drives.
+   subroutine draw_phase(cases, mark, pictures, drawn)
+      type(pictured_t), intent(in) :: cases(:)
+      character(*), intent(in) :: mark          !! of the run
+      type(picture_t), allocatable, intent(inout) :: pictures(:)
+      logical, intent(out) :: drawn             !! there is such a case
+      integer :: k
+
+      drawn = .false.
+      do k = 1, size(cases)
+         if (.not. allocated(cases(k)%phase)) cycle
+         if (size(cases(k)%phase) == 0) cycle
+         call add_plots(cases(k)%scene%title, cases(k)%phase, k, '.phase.svg', mark, pictures)
+         drawn = .true.
+      end do
+   end subroutine draw_phase
 
    !> Add the curves of what ssics found in case k of a file; nothing if there is nothing to draw.
    subroutine draw_steady(set, study, k, mark, pictures)
@@ -145,11 +162,11 @@ contains
       type(plot_t), allocatable :: plots(:)
 
       call make_steady_curves(study, plots)
-      if (size(plots) > 0) call add_plots(set%title, plots, k, mark, pictures)
+      if (size(plots) > 0) call add_plots(set%title, plots, k, '.curves.svg', mark, pictures)
    end subroutine draw_steady
 
-   subroutine add_plots(title, plots, k, mark, pictures)
-      character(*), intent(in) :: title, mark
+   subroutine add_plots(title, plots, k, suffix, mark, pictures)
+      character(*), intent(in) :: title, suffix, mark
       type(plot_t), intent(in) :: plots(:)
       integer, intent(in) :: k
       type(picture_t), allocatable, intent(inout) :: pictures(:)
@@ -157,7 +174,7 @@ contains
 
       call write_plots(title, plots, text)
       call text%add('<!-- run '//mark//' -->')
-      call add_picture(pictures, ending(k, '.curves.svg'), text%content())
+      call add_picture(pictures, ending(k, suffix), text%content())
    end subroutine add_plots
 
    pure subroutine add_picture(pictures, ending, content)

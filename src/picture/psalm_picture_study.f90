@@ -11,6 +11,7 @@ module psalm_picture_study
    use psalm_finale, only: describe_violation
    use psalm_kinds, only: wp
    use psalm_markup, only: strings_t, add_string
+   use psalm_phase_curves, only: make_phase_curves
    use psalm_pictured, only: new_pictures, pictured_t
    use psalm_pole_scene, only: asks_for_poles, check_poles, make_pole_scene
    use psalm_preparation, only: memory_need_t, prepared_t, prepare
@@ -203,7 +204,9 @@ contains
          end if
       end if
       drawn = case%scene%valid
-      if (drawn) call put_in_time(set, frames, case%scene)
+      if (.not. drawn) return
+      call put_in_time(set, frames, case%scene)
+      call make_phase_curves(set, frames%motion, case%phase)
    end subroutine add_motion
 
    !> The link that the group VIBR names; a case that ssics refuses is drawn without.

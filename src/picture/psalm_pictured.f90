@@ -2,6 +2,7 @@
 module psalm_pictured
    use psalm_dxf_group, only: dxf_group_t
    use psalm_markup, only: strings_t
+   use psalm_plot, only: plot_t
    use psalm_pole_scene, only: pole_scene_t
    use psalm_scene, only: scene_t
    implicit none (type, external)
@@ -14,6 +15,7 @@ module psalm_pictured
       type(scene_t), allocatable :: parts         !! for CAD, where the scene is of loops, which lack joints that they do not need
       type(dxf_group_t) :: dxf                    !! how the drawing for CAD is to be
       type(pole_scene_t), allocatable :: poles    !! in place of a linkage: four poses of &EXACT
+      type(plot_t), allocatable :: phase(:)       !! phase planes of a motion in time, one for each free drive
       type(strings_t), allocatable :: undrawn(:)  !! first violations at all positions, where not all are drawn
    end type pictured_t
 

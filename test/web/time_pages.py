@@ -16,6 +16,7 @@ from playwright.sync_api import sync_playwright
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, "..", "tools"))
 import picture_tools
+from curve_plots import plots_of
 from page_in_browser import Page
 from picture_tools import DATA, FLAGS, changed, check, page_data, read, run, write
 
@@ -32,7 +33,7 @@ LOOPS = """OFFSET SLIDER-CRANK THAT A MOTOR STARTS
 
 def both(name, codes=(0, 0)):
     """A case NAME.nml by kalm and by balm: blocks of tables, the case of the page."""
-    for program, more, code in (("kalm", ["--json"], codes[0]), ("balm", ["--animate", "--curves"], codes[1])):
+    for program, more, code in (("kalm", ["--json"], codes[0]), ("balm", ["--animate", "--curves", "--phase"], codes[1])):
         done = run(os.path.join(picture_tools.programs, program), *more, "--quiet", name + ".nml")
         check("%s %s ends with %d" % (program, name, code), done[0] == code, "%d %s" % (done[0], done[2]))
     with open(name + ".kalm.json", encoding="utf-8") as file:
@@ -89,6 +90,65 @@ def test_states():
             if key.startswith("stop."):
                 stop = line(case, "stop %s, N m" % key[len("stop."):])
                 near(name + ": force of a stop", [stop[frame] for frame in frames], time[key], max(map(abs, time[key])))
+
+
+def test_phase():
+    """Speeds over places are those that kalm lists; impacts are jumps between the speeds of its events."""
+    for path in sorted(glob.glob(os.path.join(DATA, "time", "*.nml"))):
+        name = os.path.basename(path)[:-len(".nml")]
+        with open(name + ".kalm.json", encoding="utf-8") as file:
+            blocks = {block: table["columns"] for block, table in json.load(file)["cases"][0]["blocks"].items()}
+        time, case = blocks["time"], page_data(name + ".html")[0]
+        given = {"crane": ["A"]}.get(name, [])
+        drives = [key[5:] for key in time if re.fullmatch(r"input(\.[A-Z]\w*)?", key) and key[6:] not in given]
+        plots = plots_of(name + ".phase.svg")
+        check(name + ": a phase plane for each free drive", len(plots) == len(drives), (drives, len(plots)))
+        hits = [k for k, kind in enumerate(blocks.get("events", {"event": []})["event"]) if kind == "impact"]
+        for plot, drive in zip(plots, drives):
+            places, speeds = time["input" + drive], time["input" + drive + ".v"]
+            follow(name + ": phase plane of " + (drive[1:] or "the drive"), plot, places, speeds)
+            check(name + ": start and end", near_point(plot, plot.line("start")[0], places[0], speeds[0]) and
+                  near_point(plot, plot.line("end")[0], places[-1], speeds[-1]))
+            strokes = [point for point in plot.line("motion") if point]
+            check(name + ": as many points as states, and three for each impact but for a gap",
+                  len(strokes) == case["sweep"]["n"] + 2*len(times_of(blocks, hits)), (len(strokes), case["sweep"]["n"]))
+            if "equilibria" in blocks:
+                rests, stable = blocks["equilibria"]["input" + drive], blocks["equilibria"]["stable"]
+                for label, kind in (("equilibrium", 1), ("equilibrium, not stable", 0)):
+                    marks = [place for place, is_so in zip(rests, stable) if is_so == kind]
+                    drawn = [point for point in plot.line(label) if point] if marks else []
+                    check(name + ": " + label, len(marks) == len(drawn) and
+                          all(near_point(plot, point, place, 0.0) for point, place in zip(drawn, marks)), (marks, drawn))
+        # a stop of the only free drive's own joint has that drive's rates
+        if name in ("toggle", "door_closer", "garage_door"):
+            jumps = [point for point in plots[0].line("impact") if point]
+            events = blocks["events"]
+            check(name + ": there are impacts", len(hits) > 0)
+            check(name + ": their jumps", len(jumps) == 2*len(hits) and all(
+                abs(jumps[2*i + side][1] - events[which][k]) <= 2*plots[0].error()
+                for i, k in enumerate(hits) for side, which in enumerate(("before", "after"))), (jumps, hits))
+            gaps = sum(point is None for point in plots[0].line("motion"))
+            check(name + ": the line is broken there", gaps == len(hits), (gaps, len(hits)))
+    write("still.nml", re.sub(r"&TIME .*?&END", "&TIME IEQUIL=1 &END", read("sprung_four_bar.nml")))
+    done = picture_tools.balm("--phase", "still.nml")
+    check("no motion: no phase plane, and says so", done[0] == 0 and "--phase draws motions in time" in done[2] and
+          not os.path.exists("still.phase.svg"), done)
+
+
+def times_of(blocks, hits):
+    """Impacts at one time are one jump."""
+    return {blocks["events"]["time"][k] for k in hits}
+
+
+def near_point(plot, point, place, speed):
+    wide = 0.02*(plot.last - plot.first)/plot.box[2]
+    return abs(point[0] - place) <= wide and abs(point[1] - speed) <= 2*plot.error()
+
+
+def follow(law, plot, places, speeds):
+    """All states are points of the line, in this order."""
+    points = iter(point for point in plot.line("motion") if point)
+    check(law, all(any(near_point(plot, point, place, speed) for point in points) for place, speed in zip(places, speeds)))
 
 
 def test_loops():
@@ -207,6 +267,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         test_states()
+        test_phase()
         test_loops()
         test_animation()
         test_long_motion()
