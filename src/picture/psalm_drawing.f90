@@ -40,7 +40,7 @@ contains
       type(text_t) :: text
       type(scene_t), allocatable :: scenes(:)
       integer, allocatable :: linkages(:)
-      integer :: k
+      integer :: k, i, n
 
       allocate (pictures(0))
       if (size(cases) == 0) return
@@ -62,6 +62,16 @@ contains
             call write_animation(cases(k)%scene, text)
             call add_comment()
             call put(ending(k, '.move.svg'))
+            if (allocated(cases(k)%modes)) then
+               do i = 1, size(cases(k)%modes)
+                  associate (one => cases(k)%modes(i))
+                     if (one%equilibrium == 0) cycle
+                     call write_animation(one%scene, text)
+                     call add_comment()
+                     call put(ending(k, '.mode-'//to_text(one%equilibrium)//'-'//to_text(one%mode)//'.svg'))
+                  end associate
+               end do
+            end if
          end if
          if (allocated(cases(k)%parts)) then
             call draw_parts(cases(k)%parts)
@@ -72,12 +82,24 @@ contains
       ! four poses do not move
       linkages = pack([(k, k=1, size(cases))], [(.not. allocated(cases(k)%poles), k=1, size(cases))])
       if (size(linkages) == 0) return
-      if (size(linkages) == size(cases)) then
+      n = size(linkages)
+      do k = 1, size(linkages)
+         if (allocated(cases(linkages(k))%modes)) n = n + count(cases(linkages(k))%modes%equilibrium > 0)
+      end do
+      if (n == size(cases)) then
          call write_page(cases%scene, text)
       else
-         allocate (scenes(size(linkages)))
+         allocate (scenes(n))
+         n = 0
          do k = 1, size(linkages)
-            scenes(k) = cases(linkages(k))%scene
+            n = n + 1
+            scenes(n) = cases(linkages(k))%scene
+            if (.not. allocated(cases(linkages(k))%modes)) cycle
+            do i = 1, size(cases(linkages(k))%modes)
+               if (cases(linkages(k))%modes(i)%equilibrium == 0) cycle
+               n = n + 1
+               scenes(n) = cases(linkages(k))%modes(i)%scene
+            end do
          end do
          call write_page(scenes, text)
       end if

@@ -5,6 +5,7 @@ usage: test/web/time_pages.py PROGRAM_DIRECTORY. Last line: N passed, N failed.
 """
 import glob
 import json
+import math
 import os
 import re
 import shutil
@@ -133,6 +134,63 @@ def test_phase():
     done = picture_tools.balm("--phase", "still.nml")
     check("no motion: no phase plane, and says so", done[0] == 0 and "--phase draws motions in time" in done[2] and
           not os.path.exists("still.phase.svg"), done)
+
+
+BARS = """TWO BARS THAT HANG
+ &CHAIN JNT='A','B','C', JX=3*0.0, JY=0.0,-1.0,-2.0, LNAME='frame','upper','lower', LNK='A','A B','B C' &END
+ &DRIVES DRIVE='A','B', DELT2=0.0 &END
+ &OUTPUTS OUTPUT='point C' &END
+ &METHOD NDES=1, DELT=0.0 &END
+ &MASSES MNAME='upper A','lower B', MASS=1.0,1.0, MDIST=0.5,0.5, MINERT=0.08333333333333333,0.08333333333333333, GRAVY=-9.81 &END
+ &TIME IEQUIL=1 &END
+"""
+
+
+def test_modes():
+    """Equilibria are ghosts where kalm has them; the modes of the stable ones swing in its shapes, each in an SVG of its own."""
+    write("bars.nml", BARS)
+    for name, drives in (("bars", (".A", ".B")), ("sprung_four_bar", ("",))):
+        blocks, _ = both(name)
+        cases, rests, motions = page_data(name + ".html"), blocks["equilibria"], blocks["small_motion"]
+        joints = [joint["name"] for joint in cases[0]["joints"]]
+        check(name + ": a ghost for each equilibrium", len(cases[0]["ghosts"]) == len(rests["equilibrium"]) > 1 and
+              [ghost["stable"] for ghost in cases[0]["ghosts"]] == [bool(stable) for stable in rests["stable"]])
+        first = turn_of(cases[0]["sweep"], joints, 0) if name == "sprung_four_bar" else -90.0
+        for k, ghost in enumerate(cases[0]["ghosts"]):
+            away = turn_of(ghost, joints) - first - rests["input" + drives[0]][k]
+            check("%s: ghost %d is where it rests" % (name, k + 1), abs((away + 180.0) % 360.0 - 180.0) < 1e-6, away)
+        wanted = [i for i, k in enumerate(motions["equilibrium"]) if rests["stable"][k - 1] and not rests["stop"][k - 1]]
+        check(name + ": a scene for each mode of the stable ones", len(cases) == 1 + len(wanted) > 1, len(cases))
+        for case, i in zip(cases[1:], wanted):
+            k, mode = motions["equilibrium"][i], motions["mode"][i]
+            law = "%s: equilibrium %d, mode %d" % (name, k, mode)
+            said = re.search(r"equilibrium %d, mode %d, ([\d.E+-]+) Hz, drawn with ([\d.]+) degrees of" % (k, mode), case["title"])
+            check(law + ": its title", said and abs(float(said[1])/motions["frequency"][i] - 1.0) < 1e-3, case["title"])
+            check(law + ": one oscillation", case["sweep"]["n"] == 360 and case["inputLabel"] == "phase, degrees" and "time" not in case)
+            shape = [motions["shape.input" + drive][i] for drive in drives]
+            swing = 0.15*180.0/math.pi
+            check(law + ": the largest amplitude", said and abs(float(said[2]) - swing*max(map(abs, shape))) < 1e-2)
+            for phase in (0, 37, 90, 270):
+                for d, drive in enumerate(drives):
+                    move = swing*shape[d]*math.sin(math.radians(phase))
+                    if drive:
+                        found = case["drives"][d]["sweep"][phase]
+                    else:
+                        found = turn_of(case["sweep"], joints, phase) - first
+                    away = found - rests["input" + drive][k - 1] - move
+                    check(law + ": drive %d at %d degrees" % (d + 1, phase), abs((away + 180.0) % 360.0 - 180.0) < 1e-6, away)
+            svg = read("%s.mode-%d-%d.svg" % (name, k, mode))
+            lists = re.findall(r' values="([^"]+)"', svg)
+            check(law + ": the SVG moves and closes", lists and all(one.split(";")[0] == one.split(";")[-1] for one in lists) and
+                  svg.count('class="equilibrium"') == len(rests["equilibrium"]))
+    check("no mode about what is not stable", not os.path.exists("sprung_four_bar.mode-2-1.svg"))
+
+
+def turn_of(row, joints, frame=None):
+    """Angle of the line from A to B, degrees."""
+    a, b = joints.index("A"), joints.index("B")
+    at = [[value(row[axis][j], frame) if frame is not None else row[axis][j] for axis in "xy"] for j in (a, b)]
+    return math.degrees(math.atan2(at[1][1] - at[0][1], at[1][0] - at[0][0]))
 
 
 def times_of(blocks, hits):
@@ -268,6 +326,7 @@ def main():
         os.chdir(folder)
         test_states()
         test_phase()
+        test_modes()
         test_loops()
         test_animation()
         test_long_motion()
