@@ -73,17 +73,19 @@ contains
    end subroutine rates_everywhere
 
    !> One step of length h; `error` is the estimated one in parts of what is allowed, huge where a stage has no derivatives.
-   subroutine one_step(ode, time, y, h, after, error, first)
+   subroutine one_step(ode, time, y, h, after, error, first, last)
       class(ode_t), intent(inout) :: ode
       real(wp), intent(in) :: time, y(:), h
       real(wp), intent(out) :: after(:)
       real(wp), intent(out), optional :: error
       real(wp), intent(in), optional :: first(:)   !! derivatives at the beginning, if they are known
+      real(wp), intent(out), optional :: last(:, :) !! shape (unknowns, 2): the last stage, which is at the end, its derivatives
       real(wp) :: d(size(y), stages), fifth, third, allowed(size(y)), state(size(y))
       logical :: valid
       integer :: s, j, k
 
       if (present(error)) error = huge(1.0_wp)
+      if (present(last)) last = 0.0_wp
       after = y
       if (present(first)) then
          d(:, 1) = first
@@ -99,6 +101,10 @@ contains
          call ode%rates(time + nodes(s)*h, y + h*state, d(:, s), valid)
          if (.not. valid) return
       end do
+      if (present(last)) then
+         last(:, 1) = y + h*state
+         last(:, 2) = d(:, stages)
+      end if
       state = 0.0_wp
       do j = 1, stages
          if (abs(weights(j)) > 0.0_wp) state = state + weights(j)*d(:, j)
@@ -119,15 +125,16 @@ contains
    end subroutine one_step
 
    !> A step that keeps the tolerance, not longer than `wanted`; it may miss the tolerance where it would be below `shortest`.
-   subroutine advance(ode, time, y, wanted, shortest, after, h, error, first)
+   subroutine advance(ode, time, y, wanted, shortest, after, h, error, first, last)
       class(ode_t), intent(inout) :: ode
       real(wp), intent(in) :: time, y(:), wanted, shortest
       real(wp), intent(out) :: after(:), h, error
       real(wp), intent(in), optional :: first(:)   !! derivatives at the beginning, if they are known
+      real(wp), intent(out), optional :: last(:, :) !! as `one_step` has it
 
       h = wanted
       do
-         call one_step(ode, time, y, h, after, error, first)
+         call one_step(ode, time, y, h, after, error, first, last)
          if (error <= 1.0_wp .or. h <= shortest) return
          h = h*max(shrink, min(safety, safety/eighth_root(error)))
       end do

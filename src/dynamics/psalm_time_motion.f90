@@ -15,6 +15,7 @@ module psalm_time_motion
    use psalm_linear, only: product_of, solve_positive
    use psalm_ode, only: ode_t, advance, next_step, one_step
    use psalm_root, only: root_search_t, begin_search
+   use psalm_stiff_steps, only: stiff_steps_t
    use psalm_stop, only: stop_t
    use psalm_time_events, only: passage_t, marks_t, crossings_of, value_of
    implicit none (type, external)
@@ -32,6 +33,10 @@ module psalm_time_motion
    real(wp), parameter :: touching = 1.0e-10_wp    !! radians, or parts of the size: a joint so near its stop touches it
    real(wp), parameter :: still = 64.0_wp*epsilon(1.0_wp) !! part of the greatest rate of a joint: less is 0
    real(wp), parameter :: most_turned = 1.0_wp     !! radians that a joint with stops turns in a step, for its turns are counted
+   real(wp), parameter :: stable_steps = 5.0_wp    !! step of the explicit method times the fastest decay: about 6.1 is the limit,
+                                                    !! about which steps vary by a tenth where it holds them
+   integer, parameter :: most_held = 15, most_free = 6 !! steps in turn that say that it limits them, or does not
+   real(wp), parameter :: most_left = 1.0e5_wp     !! steps that are left: the motion does not go on then
    integer, parameter :: most_blows = 1000         !! of stops that close together
    real(wp), parameter :: least_share = 0.1_wp     !! of the volume of the best drives: others take the place of drives with less
    integer, parameter :: event_impact = 1          !! a joint hits its stop
@@ -58,6 +63,10 @@ module psalm_time_motion
       real(wp), allocatable :: y(:), first(:)         !! unknowns there, and their rates
       real(wp) :: step = 0.0_wp                       !! s: the next that is tried
       integer :: steps = 0
+      class(stiff_steps_t), pointer :: stiff => null() !! steps by another method, which `close` ends; none: the explicit one
+      integer :: held_steps = 0, free_steps = 0       !! steps in turn that stability limits; since, those it does not
+      logical :: held = .false.                       !! it has limited many in turn,
+      logical :: endless = .false.                    !! and so many would follow that the motion ends there
       integer :: most_events = huge(1)
       logical :: crowded = .false.                    !! there were more events than that
       type(stop_t) :: host                            !! who may ask for the end
@@ -90,6 +99,7 @@ module psalm_time_motion
       procedure, private :: settle
       procedure, private :: longest_step
       procedure, private :: note
+      procedure, private :: note_stability
       procedure, private :: note_jump
    end type time_motion_t
 
@@ -198,7 +208,7 @@ contains
       real(wp), intent(in) :: target
       logical, intent(out) :: reached
       real(wp) :: after(size(self%y)), before(size(self%y)), rates_before(size(self%y)), taken, error, wanted, shortest, longest
-      real(wp) :: began, share
+      real(wp) :: began, share, last_stage(size(self%y), 2)
       integer :: better(size(self%size_of))
       type(marks_t) :: marks
       type(passage_t), allocatable :: crossings(:)
@@ -216,7 +226,14 @@ contains
          last = wanted >= (1.0_wp - sqrt(epsilon(1.0_wp)))*(target - self%time)
          if (last) wanted = target - self%time
          marks = self%marks()
-         call advance(self, self%time, self%y, wanted, shortest, after, taken, error, self%first)
+         if (associated(self%stiff)) then
+            wanted = min(target - self%time, longest)
+            last = wanted >= target - self%time
+            call self%stiff%step(self, self%time, self%y, wanted, after, taken, reached)
+            error = merge(1.0_wp, huge(1.0_wp), reached)
+         else
+            call advance(self, self%time, self%y, wanted, shortest, after, taken, error, self%first, last_stage)
+         end if
          short = merge(short + 1, 0, taken < creeping*self%end .and. .not. (last .or. taken >= longest))
          reached = error <= 1.0_wp .and. short <= most_creeping
          if (.not. reached) return
@@ -230,6 +247,7 @@ contains
          self%y = after
          call self%rates(self%time, self%y, self%first, reached)
          if (.not. reached) return
+         if (.not. associated(self%stiff)) call self%note_stability(before, taken, last_stage)
          crossings = crossings_of(self%motion, marks, self%marks(), taken)
          if (size(crossings) > 0) then
             call self%go_to_first(crossings, began, before, rates_before, taken, reached)
@@ -247,7 +265,7 @@ contains
          reached = self%motion%wound == 0
          if (.not. reached) return
          self%crowded = size(self%events) > self%most_events
-         reached = .not. self%crowded
+         reached = .not. (self%crowded .or. self%endless)
          if (.not. reached) return
          if (.not. allocated(self%joints)) cycle
          call self%compare_drives(share, better)
@@ -314,6 +332,7 @@ contains
       logical, intent(out) :: valid
       real(wp) :: work, lost
 
+      if (associated(self%stiff)) call self%stiff%close()
       self%poor = .false.
       associate (f => size(speeds))
          work = self%work()
@@ -434,6 +453,10 @@ contains
          real(wp) :: y(size(before))
 
          y = before
+         if (associated(self%stiff)) then
+            if (length > 0.0_wp) call self%stiff%state(began + length, y)
+            return
+         end if
          if (length > 0.0_wp) call one_step(self, began, before, length, y, first=rates_before)
       end function state_after
    end subroutine go_to_first
@@ -611,6 +634,34 @@ contains
          end associate
       end do
    end function longest_step
+
+   !> Whether stability, not the error, limits the steps: the step that has just been made, from `before`, times the greatest rate
+   !> at which deviations decay, by the last stage and the end, which are at the same time (Hairer and Wanner, Solving Ordinary
+   !> Differential Equations II, IV.2).
+   pure subroutine note_stability(self, before, h, last_stage)
+      class(time_motion_t), intent(inout) :: self
+      real(wp), intent(in) :: before(:), h, last_stage(:, :)
+      real(wp) :: away, change, allowed(size(self%y))
+      integer :: k
+
+      if (self%held) return
+      allowed = self%tolerances(before, self%y)
+      away = 0.0_wp
+      change = 0.0_wp
+      do k = 1, 2*size(self%size_of)
+         away = max(away, abs(self%y(k) - last_stage(k, 1))/allowed(k))
+         change = max(change, abs(self%first(k) - last_stage(k, 2))/allowed(k))
+      end do
+      if (h*change > stable_steps*away .and. away > 0.0_wp) then
+         self%held_steps = self%held_steps + 1
+         self%free_steps = 0
+      else
+         self%free_steps = self%free_steps + 1
+         if (self%free_steps >= most_free) self%held_steps = 0
+      end if
+      self%held = self%held_steps >= most_held
+      self%endless = self%held .and. self%end - self%time > most_left*h
+   end subroutine note_stability
 
    subroutine note(self, event)
       class(time_motion_t), intent(inout) :: self

@@ -22,6 +22,7 @@ module psalm_time_group
       real(wp), allocatable :: rates(:)           !! VSTART: rad/s or lengths a second at time 0
       real(wp) :: tolerance = 1.0e-13_wp          !! TTOL
       integer :: events = 10000                   !! NEVENT
+      logical :: stiff = .false.                  !! ISTIFF
       logical :: equilibria = .false.             !! IEQUIL
       integer :: starts = 100                     !! NSTART
    contains
@@ -52,6 +53,8 @@ module psalm_time_group
              'relative error of places and speeds that is allowed in a step'), &
       rule_t('NEVENT', a_whole, '', '', '10000', '[1,1000000]', &
              'the motion ends after so many impacts and other events of &STOPS'), &
+      rule_t('ISTIFF', a_flag, '', '', '0', '0 1', &
+             '1: the method for strong dampers, CVODE of SUNDIALS'), &
       rule_t('IEQUIL', a_flag, '', '', '0', '0 1', &
              '1: equilibrium positions and small oscillations about them; TEND may be left out then'), &
       rule_t('NSTART', a_whole, '', '', '100', '[0,100000]', &
@@ -84,6 +87,7 @@ contains
       call take(group, 'VSTART', own%rates, findings)
       call take(group, 'TTOL', own%tolerance, findings)
       call take(group, 'NEVENT', own%events, findings)
+      call take(group, 'ISTIFF', own%stiff, findings)
       call take(group, 'IEQUIL', own%equilibria, findings)
       call take(group, 'NSTART', own%starts, findings)
       if (.not. own%given) return

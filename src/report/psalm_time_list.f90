@@ -15,7 +15,7 @@ module psalm_time_list
    use psalm_tables, only: table_t, tables_t, table_of
    use psalm_text, only: text_t, to_text, upper_case
    use psalm_time_study, only: time_study_t, time_collapsed, time_crowded, time_done, time_massless, time_on_request, time_open, &
-                               time_wound
+                               time_stiff, time_wound
    use psalm_time_motion, only: event_impact, event_rest, event_lift
    implicit none (type, external)
    private
@@ -49,6 +49,8 @@ contains
       end if
       call list_time(set, problem%mechanism, study, devices%six)
       call put_time(set, problem, study, devices%cases(devices%last_case()))
+      if (study%stiff .and. study%ended /= time_stiff) call devices%remark(set, 'stability kept the steps of the motion short, '// &
+         'as with a strong damper; with ISTIFF=1 of &TIME they may be longer')
       if (study%ended == time_done) return
       call devices%note_violation()
       call devices%remark(set, 'the motion '//ending_words(problem%mechanism, study))
@@ -81,6 +83,9 @@ contains
          words = 'torsional spring '//to_text(study%loop)//' is turned past half a turn from SFREE'
       case (time_crowded)
          words = 'more events than NEVENT'
+      case (time_stiff)
+         words = 'stability keeps the steps so short, as with a very strong damper, that more than 100 000 would follow; '// &
+                 'ISTIFF=1 of &TIME takes longer ones'
       case (time_on_request)
          words = 'the end was asked for'
       end select

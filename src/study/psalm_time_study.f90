@@ -22,12 +22,13 @@ module psalm_time_study
    use psalm_time_group, only: time_group_t, time_of
    use psalm_stops_group, only: stops_group_t, stops_of
    use psalm_time_motion, only: time_motion_t, event_t, begin_motion
+   use psalm_stiff_steps, only: stiff_steps_there
    use psalm_stop, only: stop_t, tell_host
    use psalm_text, only: to_text
    implicit none (type, external)
    private
    public :: time_study_t, find_time, check_time, increments_of
-   public :: time_done, time_open, time_massless, time_collapsed, time_wound, time_crowded, time_on_request
+   public :: time_done, time_open, time_massless, time_collapsed, time_wound, time_crowded, time_on_request, time_stiff
 
    integer, parameter :: rates_shown = 2          !! orders of rates of drives and outputs
 
@@ -38,6 +39,7 @@ module psalm_time_study
    integer, parameter :: time_wound = 4           !! a torsional spring is turned past half a turn of SFREE
    integer, parameter :: time_crowded = 5         !! more events than NEVENT
    integer, parameter :: time_on_request = 6      !! the host asked for the end
+   integer, parameter :: time_stiff = 7           !! a strong damper keeps steps short, too many would follow
 
    !> Free drives, some of which took the place of others.
    type :: drive_exchange_t
@@ -52,6 +54,7 @@ module psalm_time_study
       real(wp) :: stopped = 0.0_wp                !! s: where it ended
       real(wp) :: end = 0.0_wp                    !! s: where it was to end
       integer :: steps = 0
+      logical :: stiff = .false.                  !! a strong damper kept steps short
       logical, allocatable :: free(:)             !! by drive: it moves freely
       real(wp), allocatable :: time(:)            !! shape (rows): s
       real(wp), allocatable :: drives(:, :, :)    !! shape (rows, drives, 0:2): as shown, degrees or length; by time, radians
@@ -96,6 +99,10 @@ contains
       if (.not. set%masses%given) call set%origins%error(findings, 'TIME', '', 'motion in time needs masses: give &MASSES')
       if (set%friction%given) call set%origins%error(findings, 'FRICTN', '', 'motion in time has no friction of joints; '// &
                                                     'leave &FRICTN or &TIME out')
+      if (time%stiff) then
+         if (.not. stiff_steps_there()) call set%origins%error(findings, 'TIME', 'ISTIFF', 'needs the library CVODE of '// &
+                                                              'SUNDIALS, version 6 or 7, which is not installed')
+      end if
       if (time%equilibria) then
          if (.not. any(free_drives(set, time))) call set%origins%error(findings, 'TIME', 'IEQUIL', 'equilibria need a free drive')
          if (moves(set, time)) call set%origins%error(findings, 'TIME', 'IEQUIL', 'equilibria need the drives that are '// &
@@ -200,6 +207,7 @@ contains
          call find_equilibria(still, moving%sizes(), time%starts, study%equilibria)
          deallocate (still)
       end if
+      if (time%stiff) allocate (moving%stiff)
       call begin_motion(speeds, study%end, time%tolerance, time%events, moving, valid)
       allocate (study%exchanges(0))
       if (set%has_names() .and. .not. present(times)) call list_drives(set, chart, moving)
@@ -221,6 +229,11 @@ contains
       end if
       study%stopped = moving%time
       study%steps = moving%steps
+      study%stiff = moving%held
+      if (associated(moving%stiff)) then
+         call moving%stiff%close()
+         deallocate (moving%stiff)
+      end if
       if (.not. valid) then
          study%ended = time_collapsed
          if (moving%motion%massless) study%ended = time_massless
@@ -231,6 +244,7 @@ contains
             study%loop = moving%motion%wound
          end if
          if (moving%crowded) study%ended = time_crowded
+         if (moving%endless) study%ended = time_stiff
          if (moving%asked) study%ended = time_on_request
       end if
       study%events = moving%events
