@@ -3,10 +3,16 @@
 !> Unknowns are the free drives, their speeds, and, carried along without a say in the steps, the work that is put in and that is
 !> lost: kinetic and potential energy less the one and with the other stay what they were. A step in which a joint comes to its stop
 !> or leaves it, or a table has a kink, is repeated so that it ends there (`psalm_time_events`).
+!>
+!> Drives are coordinates, some of which have dead points where the mechanism has none. After each step their rates at unit kinetic
+!> energy are compared with those of all joints; where others would be much better the motion stops to be given a motion with those
+!> (`poor`, `go_on_with`). What is compared for several drives is the volume of their rates as vectors; the best joints are chosen
+!> one by one, each the longest across those before.
 module psalm_time_motion
    use psalm_free_motion, only: free_motion_t, free_state_t
-   use psalm_joint_stops, only: side_none, side_low, side_high
+   use psalm_joint_stops, only: joint_stop_t, side_none, side_low, side_high
    use psalm_kinds, only: wp
+   use psalm_linear, only: product_of, solve_positive
    use psalm_ode, only: ode_t, advance, next_step, one_step
    use psalm_root, only: root_search_t, begin_search
    use psalm_stop, only: stop_t
@@ -27,6 +33,7 @@ module psalm_time_motion
    real(wp), parameter :: still = 64.0_wp*epsilon(1.0_wp) !! part of the greatest rate of a joint: less is 0
    real(wp), parameter :: most_turned = 1.0_wp     !! radians that a joint with stops turns in a step, for its turns are counted
    integer, parameter :: most_blows = 1000         !! of stops that close together
+   real(wp), parameter :: least_share = 0.1_wp     !! of the volume of the best drives: others take the place of drives with less
    integer, parameter :: event_impact = 1          !! a joint hits its stop
    integer, parameter :: event_rest = 2            !! it rests on it from then on
    integer, parameter :: event_lift = 3            !! it leaves it, because nothing presses it there
@@ -59,6 +66,9 @@ module psalm_time_motion
       integer :: jumped = 0                           !! impacts, several at a time as one
       real(wp), allocatable :: jumps(:, :)            !! shape (1 + 3 drives, at least `jumped`): time, s; by drive its place,
                                                       !! its rate before and after, as `free_state_t` has them
+      type(joint_stop_t), allocatable :: joints(:)    !! drives there might be, the present free ones first; none: no exchange
+      real(wp), allocatable :: weights(:)             !! of their rates: a travel by the size of the linkage
+      logical :: poor = .false.                       !! it stopped because drives are to be exchanged
    contains
       procedure :: rates
       procedure :: tolerances
@@ -67,6 +77,10 @@ module psalm_time_motion
       procedure :: sizes
       procedure :: work
       procedure :: lost
+      procedure :: compare_drives
+      procedure :: go_on_with
+      procedure :: go_back_to
+      procedure :: size_of_linkage
       procedure, private :: marks
       procedure, private :: go_to_first
       procedure, private :: meet_stops
@@ -108,6 +122,25 @@ contains
       call moving%meet_stops(valid)
       if (valid) call moving%motion%anchor()
    end subroutine begin_motion
+
+   !> Go on with the motion of before, which has been put in `motion` again.
+   subroutine go_back_to(self, y)
+      class(time_motion_t), intent(inout) :: self
+      real(wp), intent(in) :: y(:)
+      logical :: unused
+
+      call self%go_on_with(y(size(self%motion%free) + 1:2*size(self%motion%free)), unused)
+      self%y = y
+      self%largest = abs(y(:size(self%largest)))
+      call self%rates(self%time, self%y, self%first, unused)
+   end subroutine go_back_to
+
+   !> What lengths are compared with, user's length.
+   pure real(wp) function size_of_linkage(self)
+      class(time_motion_t), intent(in) :: self
+
+      size_of_linkage = length_of(self%motion)
+   end function size_of_linkage
 
    !> By free drive: a radian or the size of the linkage.
    pure function sizes(self)
@@ -163,7 +196,8 @@ contains
       real(wp), intent(in) :: target
       logical, intent(out) :: reached
       real(wp) :: after(size(self%y)), before(size(self%y)), rates_before(size(self%y)), taken, error, wanted, shortest, longest
-      real(wp) :: began
+      real(wp) :: began, share
+      integer :: better(size(self%size_of))
       type(marks_t) :: marks
       type(passage_t), allocatable :: crossings(:)
       integer :: short
@@ -213,9 +247,83 @@ contains
          self%crowded = size(self%events) > self%most_events
          reached = .not. self%crowded
          if (.not. reached) return
+         if (.not. allocated(self%joints)) cycle
+         call self%compare_drives(share, better)
+         self%poor = share < least_share
+         reached = .not. self%poor
+         if (.not. reached) return
       end do
       reached = .true.
    end subroutine advance_to
+
+   !> The best drives among the joints, and the part of their volume that the present ones have.
+   subroutine compare_drives(self, share, chosen)
+      class(time_motion_t), intent(inout) :: self
+      real(wp), intent(out) :: share
+      integer, intent(out) :: chosen(:)               !! shape (free drives): of `joints`
+      real(wp) :: rates(size(self%joints), size(chosen)), per_force(size(chosen), size(self%joints)), own, best
+      integer :: unused(size(chosen)), k
+      logical :: valid
+
+      call self%motion%rates_of(self%joints, rates)
+      do k = 1, size(self%joints)
+         rates(k, :) = rates(k, :)*self%weights(k)
+         call solve_positive(self%motion%inertia(self%motion%free, :), rates(k, :), per_force(:, k), valid)
+      end do
+      associate (products => product_of(rates, per_force), f => size(chosen))
+         call choose(products, chosen, best)
+         call choose(products(:f, :f), unused, own)
+      end associate
+      share = 1.0_wp
+      if (best > 0.0_wp) share = sqrt(own/best)
+   end subroutine compare_drives
+
+   !> Vectors of which each is the longest across those before, from the products of all; the square of their volume.
+   pure subroutine choose(products, chosen, square)
+      real(wp), intent(in) :: products(:, :)
+      integer, intent(out) :: chosen(:)
+      real(wp), intent(out) :: square
+      real(wp) :: rest(size(products, 1), size(products, 1)), across(size(products, 1)), pivot
+      logical :: taken(size(products, 1))
+      integer :: i, j, k
+
+      rest = products
+      taken = .false.
+      square = 1.0_wp
+      do i = 1, size(chosen)
+         across = [(rest(j, j), j=1, size(across))]
+         k = maxloc(across, dim=1, mask=.not. taken)
+         chosen(i) = k
+         taken(k) = .true.
+         pivot = max(0.0_wp, across(k))
+         square = square*pivot
+         if (.not. pivot > 0.0_wp) cycle
+         across = rest(:, k)
+         do j = 1, size(across)
+            rest(:, j) = rest(:, j) - across*(across(j)/pivot)
+         end do
+      end do
+   end subroutine choose
+
+   !> Go on with the motion of other drives that has been put in `motion`, at the position and time where it is.
+   subroutine go_on_with(self, speeds, valid)
+      class(time_motion_t), intent(inout) :: self
+      real(wp), intent(in) :: speeds(:)               !! shape (free drives)
+      logical, intent(out) :: valid
+      real(wp) :: work, lost
+
+      self%poor = .false.
+      associate (f => size(speeds))
+         work = self%work()
+         lost = self%lost()
+         self%size_of = self%sizes()
+         self%size_of_stop = merge(length_of(self%motion), 1.0_wp, self%motion%stops%slides)
+         self%y = [self%motion%start(self%motion%free), speeds, work, lost]
+         self%largest = abs(self%y(:2*f))
+      end associate
+      call self%rates(self%time, self%y, self%first, valid)
+      if (valid) call self%motion%anchor()
+   end subroutine go_on_with
 
    !> What events are known by, where it is now.
    function marks(self)

@@ -4,12 +4,13 @@
 !> Y'M Y q'' = Y'(F - M g0), where g0 are the accelerations at q'' = 0. The right side is what the free drives would have to bear at
 !> q'' = 0, a column of the matrix what they bear for the inertia at q'' = 1 of one of them: a sweep of the forces each.
 !> A joint that rests on its stop adds the equation that its acceleration is 0, and the force of the stop as an unknown.
+!> Where other drives have taken the place of those of the case (`watched`), theirs are joints like those with stops, without any.
 module psalm_free_motion
    use psalm_error, only: problem_t
    use psalm_force_analysis, only: columns_of, take_columns
    use psalm_force_model, only: force_model_t, load_t, spring_t
    use psalm_joint_stops, only: joint_stop_t, place_at, rate_at, press, side_none
-   use psalm_kinds, only: wp, pi, degrees_per_radian, radians_per_degree
+   use psalm_kinds, only: wp, pi, degrees_per_radian, radians_per_degree, full_turn
    use psalm_kinetostatics, only: forces_t, prepare_forces, move_bodies, clear_wrenches, add_source, sweep, external_power, &
                                   sources_of, source_inertia, source_weight
    use psalm_linear, only: solve_positive
@@ -55,13 +56,21 @@ module psalm_free_motion
       real(wp), allocatable :: acting(:)               !! by free drive: force on it, N m, N times metre
       real(wp), allocatable :: inertia(:, :)           !! shape (drives, free drives): what drives bear for q'' = 1
       real(wp), allocatable :: anchored(:)             !! by stop: its place where `anchor` was last
+      integer :: watched = 0                           !! the stop that stands for the first drive of the case, which others follow;
+                                                       !! 0: the drives are those of the case
+      real(wp), allocatable :: sense(:)                !! by drive of the case, if watched: its rate by that of its joint
+      real(wp) :: reference = 0.0_wp                   !! if watched: input of the first drive at time 0, degrees or length
+      logical :: turning = .false.                     !! if watched: that drive turns
    contains
       procedure :: accelerate
       procedure :: describe
       procedure :: anchor
       procedure :: loosen
+      procedure :: rates_of
+      procedure :: rate_for
       procedure :: first_input
       procedure :: first_speed
+      procedure, private :: table_input
       procedure, private :: put_normal
       procedure, private :: put_inputs
       procedure, private :: put_rates
@@ -71,6 +80,9 @@ module psalm_free_motion
    !> Everything about one moment.
    type :: free_state_t
       real(wp), allocatable :: input(:), rate(:), accel(:) !! by drive: increments, radians or lengths, and by time
+      real(wp), allocatable :: begun(:)                !! by drive: input at time 0
+      real(wp), allocatable :: named(:, :)             !! shape (drives, 0:2): if watched those of the case, from time 0
+      real(wp) :: motor = 0.0_wp                       !! if watched: torque of the motor less what its flywheel takes up, N m
       real(wp), allocatable :: columns(:)              !! as `force_table_t` has them
       real(wp) :: kinetic = 0.0_wp, growth = 0.0_wp    !! J, W; flywheel included
       real(wp) :: potential = 0.0_wp                   !! of weight and springs, J
@@ -80,7 +92,7 @@ module psalm_free_motion
 contains
 
    !> Bind a mechanism whose problem has all loops, roots and vertices (`vertices_of`) and one position.
-   subroutine make_free_motion(problem, model, motor, free, start, speed, accel, stops, motion)
+   subroutine make_free_motion(problem, model, motor, free, start, speed, accel, stops, motion, time)
       class(problem_t), intent(in) :: problem
       type(force_model_t), intent(in) :: model          !! without friction
       type(motor_group_t), intent(in) :: motor
@@ -88,6 +100,8 @@ contains
       real(wp), intent(in) :: start(:), speed(:), accel(:) !! by drive
       type(joint_stop_t), intent(in) :: stops(:)
       class(free_motion_t), intent(out) :: motion
+      real(wp), intent(in), optional :: time            !! where the free drives are at `start`; 0 if absent
+      real(wp) :: now
       integer :: d, k
 
       allocate (motion%problem, source=problem)
@@ -125,7 +139,9 @@ contains
       call prepare_rates(motion%problem, motion%rates)
       call prepare_forces(motion%problem, model, motion%forces)
       allocate (motion%side(problem%mechanism%nloop), source=.true.)
-      call motion%put_inputs(0.0_wp, start(motion%free), .false.)
+      now = 0.0_wp
+      if (present(time)) now = time
+      call motion%put_inputs(now, start(motion%free), .false.)
       do k = 1, size(motion%side)
          motion%side(k) = motion%problem%linkage%store%v(1, motion%problem%linkage%measure(k)) > 0.0_wp
       end do
@@ -150,7 +166,7 @@ contains
       real(wp), intent(out) :: a(:)
       real(wp), intent(out) :: work, loss               !! W
       logical, intent(out) :: valid
-      real(wp) :: b(size(self%slides)), rate(size(self%slides)), accel(size(self%slides)), torque
+      real(wp) :: b(size(self%slides)), rate(size(self%slides)), accel(size(self%slides)), torque, speed
       real(wp) :: unused
       integer :: j, k, source
 
@@ -181,7 +197,7 @@ contains
             self%growth(k) = rate_at(problem, self%rates, forces, self%stops(k), 2)
          end do
          call clear_wrenches(1, forces)
-         associate (input => [input_at(problem%mechanism, problem%given, problem%delt(1))])
+         associate (input => [self%table_input(time, q)])
             do source = source_weight + 1, sources_of(self%dampers)
                call add_source(problem, self%dampers, source, input, 1, forces)
             end do
@@ -203,12 +219,23 @@ contains
       end associate
       torque = 0.0_wp
       if (self%driven) then
-         call motor_torque(self%motor, rate(1), torque, unused)
-         b(1) = b(1) - torque
-         do j = 1, size(q)
-            if (self%free(j) == 1) self%inertia(1, j) = self%inertia(1, j) + self%motor%flywheel
-         end do
-         work = work + torque*rate(1)
+         if (self%watched == 0) then
+            call motor_torque(self%motor, rate(1), torque, unused)
+            b(1) = b(1) - torque
+            do j = 1, size(q)
+               if (self%free(j) == 1) self%inertia(1, j) = self%inertia(1, j) + self%motor%flywheel
+            end do
+            work = work + torque*rate(1)
+         else
+            k = self%watched
+            speed = self%sense(1)*self%pace(k)
+            call motor_torque(self%motor, speed, torque, unused)
+            work = work + torque*speed
+            b = b - (self%sense(1)*torque - self%motor%flywheel*self%growth(k))*self%normal(k, :)
+            do j = 1, size(q)
+               self%inertia(:, j) = self%inertia(:, j) + self%motor%flywheel*self%normal(k, self%free(j))*self%normal(k, :)
+            end do
+         end if
       end if
       self%push = 0.0_wp
       self%acting = -b(self%free)
@@ -275,12 +302,63 @@ contains
       call solve_positive(self%inertia(self%free, :), self%normal(stop, self%free), a, unused)
    end function loosen
 
+   !> Rates of joints for each free drive alone at rate 1, at the last evaluation. Accelerations of bodies are lost.
+   subroutine rates_of(self, joints, rates)
+      class(free_motion_t), intent(inout) :: self
+      type(joint_stop_t), intent(in) :: joints(:)
+      real(wp), intent(out) :: rates(:, :)              !! shape (joints, free drives): radians or user's lengths
+      real(wp) :: accel(size(self%slides))
+      integer :: j, k
+
+      do j = 1, size(self%free)
+         accel = 0.0_wp
+         accel(self%free(j)) = 1.0_wp
+         call self%put_rates(0.0_wp*accel, accel)
+         do k = 1, size(joints)
+            rates(k, j) = rate_at(self%problem, self%rates, self%forces, joints(k), 2)
+         end do
+      end do
+   end subroutine rates_of
+
+   !> Rate of a joint for one drive alone at rate 1, likewise.
+   real(wp) function rate_for(self, drive, joint)
+      class(free_motion_t), intent(inout) :: self
+      integer, intent(in) :: drive
+      type(joint_stop_t), intent(in) :: joint
+      real(wp) :: accel(size(self%slides))
+
+      accel = 0.0_wp
+      accel(drive) = 1.0_wp
+      call self%put_rates(0.0_wp*accel, accel)
+      rate_for = rate_at(self%problem, self%rates, self%forces, joint, 2)
+   end function rate_for
+
+   !> Input of the first drive as tables of loads have it: degrees or user's length.
+   pure real(wp) function table_input(self, time, q)
+      class(free_motion_t), intent(in) :: self
+      real(wp), intent(in) :: time, q(:)                !! shape (free drives)
+
+      if (self%watched == 0) then
+         table_input = input_at(self%problem%mechanism, self%problem%given, self%problem%delt(1))
+         return
+      end if
+      table_input = self%first_input(time, q)
+      if (.not. self%turning .or. size(self%model%table_input) == 0) return
+      associate (first => self%model%table_input(1))
+         table_input = first + modulo(table_input - first, full_turn)
+      end associate
+   end function table_input
+
    !> Input of the first drive as tables of loads count it, but not within a turn: degrees or user's length.
    pure real(wp) function first_input(self, time, q)
       class(free_motion_t), intent(in) :: self
       real(wp), intent(in) :: time, q(:)                !! shape (free drives)
       real(wp) :: input(size(self%slides))
 
+      if (self%watched > 0) then
+         first_input = self%reference + self%sense(1)*self%place(self%watched)*merge(degrees_per_radian, 1.0_wp, self%turning)
+         return
+      end if
       input = self%start + time*(self%speed + 0.5_wp*self%accel*time)
       input(self%free) = q
       first_input = reference_input(self%problem%mechanism, self%problem%given) + &
@@ -293,6 +371,10 @@ contains
       real(wp), intent(in) :: time, v(:)                !! shape (at least the free drives)
       real(wp) :: rate(size(self%slides))
 
+      if (self%watched > 0) then
+         first_speed = self%sense(1)*self%pace(self%watched)
+         return
+      end if
       rate = self%speed + self%accel*time
       rate(self%free) = v(:size(self%free))
       first_speed = rate(1)
@@ -320,7 +402,7 @@ contains
       class(free_motion_t), intent(inout) :: self
       real(wp), intent(in) :: time, q(:), v(:), a(:)
       type(free_state_t), intent(out) :: state
-      real(wp) :: columns(1, columns_of(self%problem))
+      real(wp) :: columns(1, columns_of(self%problem)), unused
       integer :: source, d
 
       call self%put_inputs(time, q, .true.)
@@ -330,6 +412,7 @@ contains
       state%accel(self%free) = a
       state%input = self%start + time*(self%speed + 0.5_wp*self%accel*time)
       state%input(self%free) = q
+      state%begun = self%start
       call self%put_rates(state%rate, state%accel)
       do d = 1, size(self%leader)
          if (self%leader(d) == d) cycle
@@ -341,7 +424,7 @@ contains
          state%potential = potential_energy(problem, self%model, forces)
          call clear_wrenches(1, forces)
          do source = source_inertia, sources_of(self%model)
-            call add_source(problem, self%model, source, [input_at(problem%mechanism, problem%given, problem%delt(1))], 1, forces)
+            call add_source(problem, self%model, source, [self%table_input(time, q)], 1, forces)
          end do
          state%kinetic = forces%w%v(1, forces%kinetic)
          state%growth = forces%w%v(1, forces%growth)
@@ -349,10 +432,31 @@ contains
          do d = 1, size(self%stops)
             if (abs(self%push(d)) > 0.0_wp) call press(problem, self%model, self%stops(d), state%stops(d), forces)
          end do
+         if (self%watched > 0) then
+            allocate (state%named(size(self%sense), 0:orders))
+            do d = 1, size(self%sense)
+               associate (one => self%stops(self%watched + d - 1))
+                  state%named(d, 0) = self%sense(d)*self%place(self%watched + d - 1)
+                  state%named(d, 1) = self%sense(d)*rate_at(problem, self%rates, forces, one, 1)
+                  state%named(d, 2) = self%sense(d)*rate_at(problem, self%rates, forces, one, 2)
+               end associate
+            end do
+            if (self%driven) then
+               call motor_torque(self%motor, state%named(1, 1), state%motor, unused)
+               state%motor = state%motor - self%motor%flywheel*state%named(1, 2)
+               call press(problem, self%model, self%stops(self%watched), self%sense(1)*state%motor, forces)
+            end if
+         end if
          call sweep(problem, 1, forces)
          if (self%driven) then
-            state%kinetic = state%kinetic + 0.5_wp*self%motor%flywheel*state%rate(1)**2
-            state%growth = state%growth + self%motor%flywheel*state%rate(1)*state%accel(1)
+            associate (rate => self%first_speed(time, v))
+               state%kinetic = state%kinetic + 0.5_wp*self%motor%flywheel*rate**2
+               if (self%watched > 0) then
+                  state%growth = state%growth + self%motor%flywheel*rate*state%named(1, 2)
+               else
+                  state%growth = state%growth + self%motor%flywheel*rate*state%accel(1)
+               end if
+            end associate
          end if
          call take_columns(problem, self%model, forces, 1, columns)
       end associate

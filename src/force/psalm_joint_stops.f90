@@ -8,11 +8,12 @@ module psalm_joint_stops
    use psalm_kinetostatics, only: forces_t, grip_joint
    use psalm_linkage, only: padded
    use psalm_mechanism, only: at_start, joint_prismatic
+   use psalm_place, only: place_t
    use psalm_rates, only: rates_t
    use psalm_stops_group, only: stops_group_t, stops_of, no_stop
    implicit none (type, external)
    private
-   public :: joint_stop_t, make_stops, place_at, rate_at, press
+   public :: joint_stop_t, make_stops, watch_joint, place_at, rate_at, press
    public :: side_none, side_low, side_high
 
    integer, parameter :: side_none = 0, side_low = -1, side_high = 1
@@ -39,32 +40,47 @@ contains
       class(problem_t), intent(in) :: problem
       type(joint_stop_t), allocatable, intent(out) :: stops(:)
       type(stops_group_t) :: group
-      real(wp) :: unit, sense
-      integer :: k, n
+      real(wp) :: unit
+      integer :: k
 
       group = stops_of(set)
       allocate (stops(size(group%joints)))
       do k = 1, size(stops)
-         associate (one => stops(k), mechanism => problem%mechanism)
-            call moving_pair(set, mechanism, group%joints(k), one%joint, one%bodies)
+         associate (one => stops(k))
+            call watch_joint(set, problem, group%joints(k), one)
             if (one%joint == 0) cycle
             one%entry = k
             one%restitution = group%restitution(k)
-            one%slides = mechanism%joints(one%joint)%kind == joint_prismatic
             unit = merge(1.0_wp, radians_per_degree, one%slides)
             if (group%low(k) > -no_stop) one%low = unit*group%low(k)
             if (group%high(k) < no_stop) one%high = unit*group%high(k)
-            if (.not. one%slides) cycle
-            n = mechanism%joints(one%joint)%slide
-            one%slot = problem%plan%length_slot(n)
-            sense = 1.0_wp
-            if (mechanism%arcs(n)%foot /= at_start) sense = -sense
-            if (mechanism%joints(one%joint)%bodies(2) /= mechanism%arcs(n)%body) sense = -sense
-            if (group%joints(k)%slide > 0) one%growth = set%traced%travels(group%joints(k)%slide)%sense
-            one%slip = sense*one%growth
          end associate
       end do
    end subroutine make_stops
+
+   !> A joint, without limits; `joint` is 0 where there is none.
+   subroutine watch_joint(set, problem, place, one)
+      type(data_set_t), intent(in) :: set
+      class(problem_t), intent(in) :: problem
+      type(place_t), intent(in) :: place
+      type(joint_stop_t), intent(out) :: one
+      real(wp) :: sense
+      integer :: n
+
+      associate (mechanism => problem%mechanism)
+         call moving_pair(set, mechanism, place, one%joint, one%bodies)
+         if (one%joint == 0) return
+         one%slides = mechanism%joints(one%joint)%kind == joint_prismatic
+         if (.not. one%slides) return
+         n = mechanism%joints(one%joint)%slide
+         one%slot = problem%plan%length_slot(n)
+         sense = 1.0_wp
+         if (mechanism%arcs(n)%foot /= at_start) sense = -sense
+         if (mechanism%joints(one%joint)%bodies(2) /= mechanism%arcs(n)%body) sense = -sense
+         if (place%slide > 0) one%growth = set%traced%travels(place%slide)%sense
+         one%slip = sense*one%growth
+      end associate
+   end subroutine watch_joint
 
    !> Place of a joint at the position just solved, whose bodies have been moved: radians, the nearest to `near`, or user's length.
    real(wp) function place_at(problem, forces, one, near)

@@ -25,6 +25,7 @@ module psalm_time_list
    character(*), parameter :: event_words(*) = [character(6) :: 'impact', 'rest', 'lift'] !! by `event_...`
    character(*), parameter :: nl = new_line('a')
    integer, parameter :: rates_shown = 2
+   integer, parameter :: most_exchanges = 3     !! of drives, that the summary has with their times
    real(wp), parameter :: full_circle = 2.0_wp*pi
 
 contains
@@ -123,6 +124,10 @@ contains
       end do
       if (size(study%time) > 1) call list_sizing(study%forces, 'THE TIME ', text)
       if (size(study%events) > 0) call list_events()
+      do k = 1, size(study%exchanges)
+         call text%add(' COORDINATES FROM '//plain_number(study%exchanges(k)%time)//' S: '// &
+                       upper_case(study%exchanges(k)%names)//', FOR THE DRIVES COME TO A DEAD POINT')
+      end do
       if (study%ended /= time_done) call text%add(' THE MOTION '//upper_case(ending_words(mechanism, study)))
 
    contains
@@ -383,6 +388,15 @@ contains
       if (study%turnover > 0.0_wp) words = words//'; energy in balance to '//plain_number(remainder(study)/study%turnover)
       call add_line('Motion', words, text)
       if (study%ended /= time_done) call add_line('Ends early', ending_words(problem%mechanism, study), text)
+      if (size(study%exchanges) > 0) then
+         words = 'the free drives'
+         do d = 1, min(most_exchanges, size(study%exchanges))
+            words = words//'; '//study%exchanges(d)%names//' from '//plain_number(study%exchanges(d)%time)//' s'
+         end do
+         if (size(study%exchanges) > most_exchanges) &
+            words = words//'; '//to_text(size(study%exchanges) - most_exchanges)//' more exchanges'
+         call add_line('Coordinates', words, text)
+      end if
       do d = 1, size(study%free)
          if (.not. study%free(d) .or. size(study%time) == 0) cycle
          at = maxloc(abs(study%drives(:, d, 1)), dim=1)

@@ -63,12 +63,17 @@ contains
    end subroutine resolve_all
 
    !> The loops of a sketch that was drawn anew.
-   subroutine resolve_drawn(drawn, set, findings)
+   subroutine resolve_drawn(drawn, set, findings, program)
       class(data_set_t), intent(in) :: drawn                 !! without loops
       type(data_set_t), intent(out) :: set                   !! the case with its loops
       type(diagnostics_t), intent(inout) :: findings
+      character(*), intent(in), optional :: program          !! who reads; default psalm
 
-      call resolve(drawn, 'psalm', set, findings)
+      if (present(program)) then
+         call resolve(drawn, program, set, findings)
+      else
+         call resolve(drawn, 'psalm', set, findings)
+      end if
    end subroutine resolve_drawn
 
    !> A sketch with its loops; those of larger groups where the loops of dyads do not give its joints at the drawing, or not its

@@ -11,14 +11,14 @@ module psalm_time_study
    use psalm_joint_stops, only: joint_stop_t, make_stops
    use psalm_kinds, only: wp, degrees_per_radian
    use psalm_mechanism, only: mechanism_t
-   use psalm_moving_joints, only: sketch_motion_t
    use psalm_motor_group, only: motor_group_t, motor_of
-   use psalm_rates, only: rates_t, prepare_rates, differentiate, output_rates, highest_order
+   use psalm_rates, only: prepare_rates, differentiate, output_rates, highest_order
    use psalm_shown_input, only: reference_input
    use psalm_sketch_motion, only: observe_sketch
    use psalm_sketch_outputs, only: names_of_numbers, values_of_outputs
    use psalm_sketch_study, only: sketch_study_t
    use psalm_status, only: diagnostics_t
+   use psalm_time_chart, only: time_chart_t, list_drives, exchange_drives
    use psalm_time_group, only: time_group_t, time_of
    use psalm_stops_group, only: stops_group_t, stops_of
    use psalm_time_motion, only: time_motion_t, event_t, begin_motion
@@ -38,6 +38,12 @@ module psalm_time_study
    integer, parameter :: time_wound = 4           !! a torsional spring is turned past half a turn of SFREE
    integer, parameter :: time_crowded = 5         !! more events than NEVENT
    integer, parameter :: time_on_request = 6      !! the host asked for the end
+
+   !> Free drives, some of which took the place of others.
+   type :: drive_exchange_t
+      real(wp) :: time = 0.0_wp                   !! s
+      character(:), allocatable :: names          !! of all free drives from then on, with commas
+   end type drive_exchange_t
 
    !> The motion at the times that were asked for, up to where it ended.
    type :: time_study_t
@@ -65,6 +71,7 @@ module psalm_time_study
       logical :: moves = .true.                   !! motion was asked for, not equilibria alone
       logical :: rests = .false.                  !! equilibria were asked for
       type(equilibria_t) :: equilibria
+      type(drive_exchange_t), allocatable :: exchanges(:) !! of drives
       real(wp) :: zero_input = 0.0_wp             !! input of the first drive as shown where its increment is 0
       integer, allocatable :: free_drives(:)      !! numbers of the free drives
       real(wp) :: turnover = 0.0_wp               !! largest of these energies, J
@@ -161,10 +168,9 @@ contains
       type(time_study_t), intent(out) :: study
       type(stop_t), intent(in), optional :: stop        !! asked before every step; the times so far are there then
       real(wp), intent(in), optional :: times(:)        !! s, ascending, the first 0: in place of those of the case
-      class(problem_t), allocatable :: problem, shown   ! large, as the others are: they would fill a small stack
+      class(problem_t), allocatable :: problem          ! large, as the others are: they would fill a small stack
+      type(time_chart_t), allocatable :: chart
       type(time_motion_t), allocatable :: moving
-      type(rates_t), allocatable :: rates
-      type(sketch_motion_t) :: sketch
       type(time_group_t) :: time
       type(stops_group_t) :: named
       type(joint_stop_t), allocatable :: stops(:)
@@ -195,11 +201,17 @@ contains
          deallocate (still)
       end if
       call begin_motion(speeds, study%end, time%tolerance, time%events, moving, valid)
+      allocate (study%exchanges(0))
+      if (set%has_names() .and. .not. present(times)) call list_drives(set, chart, moving)
       call make_rows(size(time%times))
       row = 0
       if (valid) then
          do k = 1, size(time%times)
-            call moving%advance_to(time%times(k), valid)
+            do
+               call moving%advance_to(time%times(k), valid)
+               if (.not. moving%poor) exit
+               call exchange()
+            end do
             if (.not. valid) exit
             call moving%observe(state)
             row = k
@@ -242,18 +254,19 @@ contains
          allocate (problem, source=given)
          if (allocated(problem%linkages)) deallocate (problem%linkages)
          call problem%set_inputs(start(:1), own)
-         allocate (shown, source=problem)
+         allocate (chart)
+         allocate (chart%shown, source=problem)
          call problem%want_derivatives(.true., vertices_of(problem%mechanism))
          call problem%bind(dimensions)
          if (set%has_names()) then
-            sketch = set%traced%moving
-            call shown%want_derivatives(.true., sketch%points)
+            chart%sketch = set%traced%moving
+            call chart%shown%want_derivatives(.true., chart%sketch%points)
          else
-            call shown%want_derivatives(.true.)
+            call chart%shown%want_derivatives(.true.)
          end if
-         call shown%bind(dimensions)
-         allocate (rates)
-         call prepare_rates(shown, rates)
+         call chart%shown%bind(dimensions)
+         allocate (chart%rates)
+         call prepare_rates(chart%shown, chart%rates)
          if (.not. problem%mechanism%sliding_input) start(1) = start(1)/degrees_per_radian
          speed(1) = set%rates%speed
          accel(1) = set%rates%accel
@@ -286,7 +299,7 @@ contains
          allocate (places(0, 0:most_orders, 1), moved(0, 0:most_orders, 1))
          if (.not. set%has_names()) return
          deallocate (places, moved)
-         allocate (places(size(sketch%drawn), 0:most_orders, 1), moved(size(set%sketch%slides), 0:most_orders, 1))
+         allocate (places(size(chart%sketch%drawn), 0:most_orders, 1), moved(size(set%sketch%slides), 0:most_orders, 1))
          call names_of_numbers(set%sketch%outputs, study%sketch%names, study%sketch%angles)
       end subroutine set_motion_up
 
@@ -331,6 +344,31 @@ contains
          study%forces%input = study%time
       end subroutine make_rows
 
+      !> Other drives take the place of the free ones; where that cannot be the motion goes on with these as far as it comes.
+      subroutine exchange()
+         integer :: better(size(moving%motion%free)), d
+         type(drive_exchange_t) :: one
+         real(wp) :: share
+         logical :: done
+
+         moving%poor = .false.
+         call moving%compare_drives(share, better)
+         call moving%observe(state)
+         call exchange_drives(set, given%mechanism, chart, moving, better, state, done)
+         if (.not. done) then
+            deallocate (moving%joints)
+            return
+         end if
+         call list_drives(chart%set, chart, moving)
+         one%time = moving%time
+         one%names = ''
+         do d = 1, size(better)
+            if (d > 1) one%names = one%names//', '
+            one%names = one%names//chart%set%sketch%drive_label(moving%motion%free(d))
+         end do
+         study%exchanges = [study%exchanges, one]
+      end subroutine exchange
+
       subroutine keep()
          real(wp) :: inputs(drives), values(highest_order, given%output%kind%components)
          real(wp) :: largest(2)
@@ -338,48 +376,57 @@ contains
 
          study%time(row) = time%times(row)
          inputs = state%input
-         where (.not. given%mechanism%actuators%slides) inputs = inputs*degrees_per_radian
-         study%drives(row, :, 1) = state%rate
-         study%drives(row, :, 2) = state%accel
-         study%drives(row, :, 0) = inputs
-         study%drives(row, 1, 0) = study%zero_input + inputs(1)
+         where (.not. moving%motion%slides) inputs = inputs*degrees_per_radian
+         if (allocated(state%named)) then
+            study%drives(row, :, 1:) = state%named(:, 1:)
+            study%drives(row, :, 0) = (start + state%named(:, 0))* &
+                                      merge(1.0_wp, degrees_per_radian, given%mechanism%actuators%slides)
+         else
+            study%drives(row, :, 1) = state%rate
+            study%drives(row, :, 2) = state%accel
+            study%drives(row, :, 0) = inputs
+         end if
+         study%drives(row, 1, 0) = study%zero_input + study%drives(row, 1, 0)
          do d = 2, drives
             if (given%mechanism%actuators(d)%geared) study%drives(row, d, 0) = &
                set%sketch%drives(d)%ratio*study%drives(row, 1, 0) + set%sketch%drives(d)%phase
          end do
+         associate (shown => chart%shown)
          if (drives > 1) shown%own_delt(1, :) = inputs(2:)
          call shown%move_inputs(inputs(:1))
          call shown%solve_block(1, offset, n)
          do d = 1, drives
             shown%linkage%drive_rate(:, d) = [state%rate(d), state%accel(d), 0.0_wp]
          end do
-         call differentiate(shown, rates, n, highest_order)
+         call differentiate(shown, chart%rates, n, highest_order)
          if (set%has_names()) then
-            call observe_sketch(sketch, shown, rates, n, 1.0_wp, 0.0_wp, places, moved)
+            call observe_sketch(chart%sketch, shown, chart%rates, n, 1.0_wp, 0.0_wp, places, moved)
+            if (allocated(chart%travelled)) moved(:, 0, 1) = moved(:, 0, 1) + chart%travelled
             study%sketch%joints(:, :, row) = places(:size(study%sketch%joints, 1), :, 1)
             largest = 0.0_wp
             do r = 1, size(shown%linkage%root_x)
-               largest(1) = max(largest(1), abs(rates%d(1)%v(1, shown%linkage%root_x(r))))
+               largest(1) = max(largest(1), abs(chart%rates%d(1)%v(1, shown%linkage%root_x(r))))
             end do
             largest(2) = max(maxval(abs(study%sketch%joints(:, 1, row))), maxval(abs(moved(:, 1, 1))))
             call values_of_outputs(set%sketch%outputs, study%sketch%joints(:, :, row), moved(:, :, 1), largest, &
                                    study%sketch%values(:, :, row))
          else
             call shown%output_of(n)
-            call output_rates(shown, rates, 1, rates_shown, values)
+            call output_rates(shown, chart%rates, 1, rates_shown, values)
             do c = 1, size(study%output, 2)
                study%output(row, c, 0) = shown%output%actual(c, 1, shown%linkage)
                study%output(row, c, 1:) = values(:rates_shown, c)
             end do
          end if
          call shown%follow_from_here()
+         end associate
          associate (table => study%forces%table)
-            table%value(row, :) = state%columns
+            table%value(row, :) = chart%columns_of_case(given%mechanism, study%free, state)
             if (.not. set%masses%motor_on_frame) call take_motors_off(given%mechanism, table%value(row:row, :))
             table%kinetic(row) = state%kinetic
             table%growth(row) = state%growth
             study%potential(row) = state%potential
-            study%stops(row, :) = state%stops
+            study%stops(row, :) = state%stops(:size(stops))
             study%work(row) = moving%work()
             study%lost(row) = moving%lost()
             if (row == 1) first_energy = state%kinetic + state%potential

@@ -371,10 +371,11 @@ def mistakes():
           "torsional spring 1 is turned past half a turn" in said and 5.9 < t["time"][-1] < 6.3)
     t, said = run(base.replace("MASS=1.0", "MASS=0.0"), want=1)
     check(f"no mass on a free link: {said[:200]}", "moves no mass" in said and len(t["time"]) == 0)
-    # a rocker as drive comes to its dead point: the motion ends there, and says so
+    # a rocker that another drive follows comes to its dead point: no joint can take its place, so the motion ends there, and says so
     swing = """FOUR-BAR, ITS ROCKER AS DRIVE
- &CHAIN JNT='A','B','C','D', JX=0.0,0.1,0.75,0.8, JY=0.0,0.25,0.5,0.0, LNAME='frame','ab','bc','cd', LNK='A D','A B','B C','C D' &END
- &DRIVES DRIVE='D' &END
+ &CHAIN JNT='A','B','C','D','E','F', JX=0.0,0.1,0.75,0.8,2.0,2.1, JY=0.0,0.25,0.5,0.0,0.0,0.0,
+  LNAME='frame','ab','bc','cd','wheel', LNK='A D E','A B','B C','C D','E F' &END
+ &DRIVES DRIVE='D','E', RATIO=0.0,2.0 &END
  &METHOD NDES=1, DELT=0.0 &END
  &MASSES MNAME='ab A','bc B','cd C', MASS=1.0,2.0,1.5, MDIST=.13462912017836259,.34820970692960316,.25124689052802224,
   MINERT=.006041666666666667,.08083333333333333,.0315625, GRAVY=-9.81 &END
@@ -382,17 +383,13 @@ def mistakes():
 """
     t, said = run(swing, want=1)
     check(f"a dead point of the drive ends the motion: {said[:200]}", "the motion ends at" in said and .3 < t["time"][-1] < .34)
-    t, _ = run(swing.replace("DRIVE='D'", "DRIVE='A'").replace("TEND=1.0, NTIME=100", "TAT=.208349952779839,.397602939745604"))
-    crank = np.radians(t["input"]) + math.atan2(.25, .1)
-    near(crank[1], 1.0, 1e-11, "with the crank as drive it goes on: 1 rad at its time")
-    near(crank[2], 0.0, 1e-11, "and 0 rad")
-    near(t["input.v"][2], -6.9393179694718, 1e-11, "and its rate there")
 
 
-known_numbers()
-random_mechanisms()
-laws()
-trebuchet()
-sizing()
-mistakes()
-sys.exit(report())
+if __name__ == "__main__":
+    known_numbers()
+    random_mechanisms()
+    laws()
+    trebuchet()
+    sizing()
+    mistakes()
+    sys.exit(report())
