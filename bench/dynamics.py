@@ -6,7 +6,7 @@ with open(os.path.join(sys.argv[1], "chart"), encoding="utf-8") as file:
     seconds, points, error, integrated, beside, wrong = file.read().split("|")
 print("""# Cost of the studies of dynamics
 
-Measured by `bench/dynamics`, one thread, processor time.
+Measured by `bench/dynamics`, one thread; of charts the processor time.
 
 ## Chart of stability
 

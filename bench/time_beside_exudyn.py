@@ -189,6 +189,10 @@ def main():
                     print("| %s | %s | %d steps | %.1e | %.2f |" % (title, words, steps, error, 1e3*seconds))
                     wanted = [one for one in wanted if one < error]
                 steps *= 2
+    print("""
+Exudyn solves the equations of every body and joint with methods of order 2 and fixed steps, which are made for any three-dimensional
+system, elastic bodies and contact among them; psalm solves those of one drive with an explicit method of order 8. Time includes, with
+psalm, the tables of forces and results, and with Exudyn neither.""")
     return 0
 
 
