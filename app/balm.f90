@@ -7,7 +7,7 @@ program balm
    use psalm_contact_sheet, only: write_contact_sheet
    use psalm_data_set, only: data_set_t, title_columns
    use psalm_devices, only: devices_t
-   use psalm_drawing, only: picture_t, add_picture, draw_file, draw_curves, ending
+   use psalm_drawing, only: picture_t, add_picture, draw_file, draw_curves, draw_phase, ending
    use psalm_picture_files, only: write_pictures, name_of
    use psalm_mark, only: mark_t
    use psalm_picture_report, only: report_picture
@@ -22,7 +22,7 @@ program balm
    character(*), parameter :: nl = new_line('a')
    character(*), parameter :: endings(*) = [character(15) :: '.svg', '.html', '.dxf', '.flat.dxf', '.curves.svg', &
                                            '.edit.html', '.move.svg', '.sheet.html', '.mjcf.xml', '.sdf', '.urdf', &
-                                           '.tolerances.svg']
+                                           '.tolerances.svg', '.phase.svg']
    type(arguments_t) :: arguments
    logical :: finished
    integer :: code, i
@@ -39,6 +39,7 @@ program balm
       '  --curves          curves too: CASE.curves.svg; convergence from CASE.dev1'//nl// &
       '  --assemblies      the SVG shows the other assembly of each dyad in grey'//nl// &
       '  --animate         CASE.move.svg too: the linkage moves, without a script'//nl// &
+      '  --phase           phase planes too, of a motion in time: CASE.phase.svg, each free drive''s speed over its place'//nl// &
       '  --sheet           CASE.sheet.html too: all cases of the file moving on one page (with --animate)'//nl// &
       '  --mjcf            CASE.mjcf.xml too: the links as bodies with their masses and joints, for MuJoCo'//nl// &
       '  --sdf             CASE.sdf too: the same for Gazebo'//nl// &
@@ -63,7 +64,7 @@ contains
 
    subroutine run_file(file)
       character(*), intent(in) :: file
-      type(diagnostics_t) :: findings
+      type(diagnostics_t) :: findings, draw_none
       type(data_set_t), allocatable :: sets(:)
       type(pictured_t), allocatable :: cases(:)
       type(devices_t) :: devices
@@ -95,6 +96,13 @@ contains
       call draw_file(cases, arguments%assemblies, arguments%animate, mark%name(), pictures)
       if (size(pictures) == 0) return
       if (arguments%curves) call draw_curves(cases, progress, mark%name(), pictures)
+      if (arguments%phase) then
+         call draw_phase(cases, mark%name(), pictures, ready)
+         if (.not. (ready .or. findings%failed())) then
+            call draw_none%warning('--phase draws motions in time with free drives, and there is none')
+            call show_findings(draw_none)
+         end if
+      end if
       if (arguments%sheet) call add_sheet(file, name_of(stem), sets, cases, pictures)
       do k = 1, size(models)
          call add_picture(pictures, trim(models(k)%ending), models(k)%content)

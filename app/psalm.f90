@@ -38,6 +38,7 @@ program psalm
    use psalm_signals, only: signals_t, shield_threads
    use psalm_sketch_study, only: sketch_study_t, study_conditions, study_sketch, study_sweep
    use psalm_sketch_text, only: variant_t, variant_of
+   use psalm_exact_group, only: exact_group_t, exact_of
    use psalm_source, only: line_t, read_lines
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t
@@ -113,6 +114,8 @@ contains
          reason = 'a search over kinds of linkages (&KINDS) decides by what it has found which kind is searched next'
       else if (any([(shares_starts(sets(k)), k=1, size(sets))])) then
          reason = 'cases that share their starts (RANKING=2) decide by what was found which case is searched next'
+      else if (any([(wants_every_six_bar(sets(k)), k=1, size(sets))])) then
+         reason = 'the paths of six-bars (&EXACT) are shared by threads and by the ranks of an MPI job, not by parts'
       else if (.not. any([(is_numbered(sets(k)), k=1, size(sets))])) then
          reason = 'there is no numbered work in it: many starts (SOLVER of &SEARCH other than the simplex), a sample '// &
                   '(NTRIAL of &TOLER, ALTRY of &ALLOC) or paths (&EXACT)'
@@ -126,6 +129,17 @@ contains
       is_numbered = is_sampled(set) .or. set%gives('EXACT') .or. &
                     (set%wants_search() .and. set%search%solver%many_starts)
    end function is_numbered
+
+   !> True if all six-bars through the points of a function are wanted.
+   pure logical function wants_every_six_bar(set)
+      type(data_set_t), intent(in) :: set
+      type(exact_group_t) :: exact
+
+      wants_every_six_bar = set%gives('EXACT')
+      if (.not. wants_every_six_bar) return
+      exact = exact_of(set)
+      wants_every_six_bar = exact%wants_every_six_bar()
+   end function wants_every_six_bar
 
    !> True if linkages within their tolerances are drawn.
    pure logical function is_sampled(set)

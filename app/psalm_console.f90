@@ -51,6 +51,7 @@ module psalm_console
       logical :: sheet = .false.            !! balm: a page of all cases, moving
       logical :: kinds = .false.            !! psalm: kinds of linkages are listed, not searched
       logical :: curves = .false., assemblies = .false. !! curves too; psalm, balm: all assemblies
+      logical :: phase = .false.                   !! balm: phase planes too
       logical :: animate = .false.                 !! balm: an SVG that moves
       type(robot_formats_t) :: robots              !! balm: models of the bodies for other programs
       ! psalm, bridge: numbered work
@@ -280,7 +281,8 @@ contains
             arguments%version = .true.
          case ('--quiet', '-q')
             arguments%quiet = .true.
-         case ('--curves', '--assemblies', '--edit', '--animate', '--sheet', '--mjcf', '--sdf', '--urdf')
+         case ('--curves', '--assemblies', '--edit', '--animate', '--phase', '--sheet', '--mjcf', '--sdf', &
+               '--urdf')
             if (program /= 'balm' .and. .not. (program == 'ssics' .and. word == '--curves') .and. &
                 .not. (program == 'psalm' .and. word == '--assemblies')) then
                call say(program, "'"//word//"' is an option of balm"// &
@@ -292,6 +294,7 @@ contains
             arguments%curves = arguments%curves .or. word == '--curves'
             arguments%assemblies = arguments%assemblies .or. word == '--assemblies'
             arguments%animate = arguments%animate .or. word == '--animate' .or. word == '--sheet'
+            arguments%phase = arguments%phase .or. word == '--phase'
             arguments%sheet = arguments%sheet .or. word == '--sheet'
             arguments%robots%mjcf = arguments%robots%mjcf .or. word == '--mjcf'
             arguments%robots%sdf = arguments%robots%sdf .or. word == '--sdf'
@@ -363,9 +366,9 @@ contains
       end do
       arguments%no_case = size(arguments%files) == 0
       if (arguments%edit .and. (arguments%curves .or. arguments%assemblies .or. arguments%animate .or. &
-                                arguments%robots%any())) then
+                                arguments%phase .or. arguments%robots%any())) then
          call say(program, '--edit makes the drawing board and no pictures or models; leave --curves, --assemblies, --animate, '// &
-                  '--mjcf, --sdf and --urdf out')
+                  '--phase, --mjcf, --sdf and --urdf out')
          arguments%code = exit_bad_input
       end if
       if (count([arguments%parts > 0, arguments%merge, arguments%so_far]) > 1) then

@@ -15,7 +15,7 @@ module psalm_team
    use mpi_f08
    use psalm_kinds, only: wp
    use psalm_stop, only: stop_request_t
-   use psalm_system, only: finish_program
+   use psalm_system, only: finish_program, held_signals_t
    use psalm_work_parts, only: parts_t, known_only
    implicit none (type, external)
    private
@@ -83,8 +83,12 @@ contains
       integer :: provided
       integer(MPI_ADDRESS_KIND) :: bytes
       integer(c_int) :: nowhere, ignored
+      type(held_signals_t) :: signals
 
+      ! threads of the MPI's own must not take the signals that a study waits for
+      call signals%hold()
       call MPI_Init_thread(MPI_THREAD_SERIALIZED, provided)
+      call signals%release()
       if (provided < MPI_THREAD_SERIALIZED) call MPI_Abort(MPI_COMM_WORLD, 3)
       call MPI_Comm_rank(MPI_COMM_WORLD, self%rank)
       call MPI_Comm_size(MPI_COMM_WORLD, self%ranks)
@@ -187,13 +191,14 @@ contains
    end subroutine leave
 
    !> Begin a batch: rank 0 sets the counter back before anyone takes from it.
-   subroutine open_batch(self, label, items)
+   subroutine open_batch(self, label, items, passing)
       class(team_t), intent(inout) :: self
       character(*), intent(in) :: label
       integer, intent(in) :: items
+      logical, intent(in) :: passing
       integer :: i, before
 
-      call self%parts_t%open(label, items)
+      call self%parts_t%open(label, items, passing)
       if (self%now > 0) then
          self%pending = pack([(i, i=1, items)], [(.not. self%is_known(i), i=1, items)])
       else

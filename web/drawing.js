@@ -390,6 +390,7 @@ balm.drawing = (() => {
       py[j] = Y(mixed(s.y[j], at));
     }
     pen.lineJoin = pen.lineCap = 'round';
+    if (c.ghosts && main) drawEquilibria(c);
     drawRails(c, at);
     if (c.proof && main) drawWide(c);
     drawPlates(c);
@@ -629,6 +630,29 @@ balm.drawing = (() => {
       g.lineWidth = 1.3 * view.small;
       g.stroke();
     });
+  }
+
+  /** Equilibria in grey, dashed where they are not stable, with their numbers. */
+  function drawEquilibria(c) {
+    const g = pen, high = 14 * view.u;
+    g.strokeStyle = pens.ghost;
+    g.lineWidth = 1.8 * view.u;
+    g.font = 'italic ' + high + 'px system-ui, "DejaVu Sans", sans-serif';
+    g.fillStyle = pens.soft;
+    for (const one of c.ghosts) {
+      g.setLineDash(one.stable ? [] : [4, 4]);
+      for (const bar of c.bars) {
+        const ends = [one.x[bar.from], one.y[bar.from], one.x[bar.to], one.y[bar.to]];
+        if (bar.from === bar.to || (bar.body >= 0 && c.bodies[bar.body].frame) || ends.includes(null)) continue;
+        g.beginPath();
+        g.moveTo(X(ends[0]), Y(ends[1]));
+        g.lineTo(X(ends[2]), Y(ends[3]));
+        g.stroke();
+      }
+      const j = c.joints.findIndex((joint, i) => !joint.fixed && one.x[i] !== null);
+      if (j >= 0) g.fillText(one.name, X(one.x[j]) + 7 * view.u, Y(one.y[j]) - 7 * view.u);
+    }
+    g.setLineDash([]);
   }
 
   /** The other assembly of each pair that has one, in grey. */

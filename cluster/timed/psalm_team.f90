@@ -60,13 +60,14 @@ contains
       call finish_program(status)
    end subroutine leave
 
-   subroutine open_batch(self, label, items)
+   subroutine open_batch(self, label, items, passing)
       class(team_t), intent(inout) :: self
       character(*), intent(in) :: label
       integer, intent(in) :: items
+      logical, intent(in) :: passing
 
       write (self%unit, '(a, f0.6, 1x, a, 1x, i0)') 'open ', seconds(), label, items
-      call self%parts_t%open(label, items)
+      call self%parts_t%open(label, items, passing)
    end subroutine open_batch
 
    integer function next_item(self) result(item)

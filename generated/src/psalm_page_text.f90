@@ -971,6 +971,7 @@ module psalm_page_text
    '      py[j] = Y(mixed(s.y[j], at));'//nl// &
    '    }'//nl// &
    "    pen.lineJoin = pen.lineCap = 'round';"//nl// &
+   '    if (c.ghosts && main) drawEquilibria(c);'//nl// &
    '    drawRails(c, at);'//nl// &
    '    if (c.proof && main) drawWide(c);'//nl// &
    '    drawPlates(c);'//nl// &
@@ -1033,10 +1034,10 @@ module psalm_page_text
    ''//nl// &
    '  /** The pin of a spring: on the frame with a triangle below it, else with a thin line to the link that holds it. */'//nl// &
    '  function drawSpringEnd(g, x, y, frame, footx, footy) {'//nl// &
-   '    const r = 2.6 * view.u, width = g.lineWidth;'//nl// &
-   '    g.beginPath();'//nl
+   '    const r = 2.6 * view.u, width = g.lineWidth;'//nl
 
    character(*), parameter :: part_14 = &
+   '    g.beginPath();'//nl// &
    '    if (frame) {'//nl// &
    '      g.moveTo(x, y);'//nl// &
    '      g.lineTo(x - 2 * r, y + 3.5 * r);'//nl// &
@@ -1135,10 +1136,10 @@ module psalm_page_text
    '      g.strokeStyle = pens.line;'//nl// &
    '      line(g, c.px[v.joint], c.py[v.joint], x, y);'//nl// &
    '      g.beginPath();'//nl// &
-   '      g.arc(c.px[v.joint], c.py[v.joint], 9 * u, 0, ROUND);'//nl// &
-   '      g.stroke();'//nl
+   '      g.arc(c.px[v.joint], c.py[v.joint], 9 * u, 0, ROUND);'//nl
 
    character(*), parameter :: part_15 = &
+   '      g.stroke();'//nl// &
    '    }'//nl// &
    '    g.fillStyle = pens.paper;'//nl// &
    '    g.strokeStyle = pens.frame;'//nl// &
@@ -1218,6 +1219,31 @@ module psalm_page_text
    '    });'//nl// &
    '  }'//nl// &
    ''//nl// &
+   '  /** Equilibria in grey, dashed where they are not stable, with their numbers. */'//nl// &
+   '  function drawEquilibria(c) {'//nl// &
+   '    const g = pen, high = 14 * view.u;'//nl// &
+   '    g.strokeStyle = pens.ghost;'//nl// &
+   '    g.lineWidth = 1.8 * view.u;'//nl// &
+   "    g.font = 'italic ' + high + 'px system-ui, ""DejaVu Sans"", sans-serif';"//nl// &
+   '    g.fillStyle = pens.soft;'//nl// &
+   '    for (const one of c.ghosts) {'//nl// &
+   '      g.setLineDash(one.stable ? [] : [4, 4]);'//nl// &
+   '      for (const bar of c.bars) {'//nl// &
+   '        const ends = [one.x[bar.from], one.y[bar.from], one.x[bar.to], one.y[bar.to]];'//nl// &
+   '        if (bar.from === bar.to || (bar.body >= 0 && c.bodies[bar.body].frame) || ends.includes(null)) continue;'//nl// &
+   '        g.beginPath();'//nl// &
+   '        g.moveTo(X(ends[0]), Y(ends[1]));'//nl// &
+   '        g.lineTo(X(ends[2]), Y(ends[3]));'//nl// &
+   '        g.stroke();'//nl// &
+   '      }'//nl// &
+   '      const j = c.joints.findIndex((joint, i) => !joint.fixed && one.x[i] !== null);'//nl// &
+   '      if (j >= 0) g.fillText(one.name, X(one.x[j]) + 7 * view.u, Y(one.y[j]) - 7 * view.u);'//nl// &
+   '    }'//nl// &
+   '    g.setLineDash([]);'//nl
+
+   character(*), parameter :: part_16 = &
+   '  }'//nl// &
+   ''//nl// &
    '  /** The other assembly of each pair that has one, in grey. */'//nl// &
    '  function drawOthers(c, at) {'//nl// &
    '    const g = pen, px = c.px, py = c.py;'//nl// &
@@ -1239,9 +1265,7 @@ module psalm_page_text
    '  function drawBars(c, at, main) {'//nl// &
    '    const g = pen, px = c.px, py = c.py, thin = (c.joints.length > MANY ? 0.7 : 1) * view.u;'//nl// &
    '    for (const bar of c.bars) {'//nl// &
-   '      if (bar.from === bar.to || !isFinite(px[bar.from]) || !isFinite(px[bar.to])) continue;'//nl
-
-   character(*), parameter :: part_16 = &
+   '      if (bar.from === bar.to || !isFinite(px[bar.from]) || !isFinite(px[bar.to])) continue;'//nl// &
    '      const fixed = bar.body >= 0 && c.bodies[bar.body].frame;'//nl// &
    '      g.strokeStyle = colourOf(c, bar.body);'//nl// &
    '      g.lineWidth = (bar === balm.state.hover && main ? 5 : fixed ? 1.4 : 2.8) * thin;'//nl// &
@@ -1318,7 +1342,9 @@ module psalm_page_text
    '      g.lineWidth = 1.3 * view.u;'//nl// &
    '      g.setLineDash([3, 4]);'//nl// &
    '      segment(g, ...tip);'//nl// &
-   '      g.setLineDash([]);'//nl// &
+   '      g.setLineDash([]);'//nl
+
+   character(*), parameter :: part_17 = &
    '    }'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1342,9 +1368,7 @@ module psalm_page_text
    '    g.lineWidth = 1.6 * m;'//nl// &
    '    g.strokeStyle = pens.ink;'//nl// &
    '    g.fillStyle = pens.paper;'//nl// &
-   '    g.beginPath();'//nl
-
-   character(*), parameter :: part_17 = &
+   '    g.beginPath();'//nl// &
    '    c.joints.forEach((joint, j) => {'//nl// &
    '      if (!joint.turning || !joint.fixed || !isFinite(px[j])) return;'//nl// &
    '      g.moveTo(px[j], py[j]);'//nl// &
@@ -1426,7 +1450,9 @@ module psalm_page_text
    '  return { pens, begin, readColours, sizeOf, linkColour, layOut, frame, picture, captions, nearest, machine,'//nl// &
    '    sizeAt: (c, t) => [view.w, view.h + captionRoom(c, t)],'//nl// &
    '    get canvas() { return canvas; }, get pen() { return pen; }, get scale() { return view.k; } };'//nl// &
-   '})();'//nl// &
+   '})();'//nl
+
+   character(*), parameter :: part_18 = &
    '</script>'//nl// &
    '<script>'//nl// &
    '// The curves against the input, with a cursor: output, error, transmission angles, rates, tolerances, forces; the stri'// &
@@ -1451,9 +1477,7 @@ module psalm_page_text
    "    strip = document.getElementById('strip');"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Least and greatest of all values of a panel that are seen from `from` to `to`. */'//nl
-
-   character(*), parameter :: part_18 = &
+   '  /** Least and greatest of all values of a panel that are seen from `from` to `to`. */'//nl// &
    '  function extent(panel, from, to) {'//nl// &
    '    let low = Infinity, high = -Infinity;'//nl// &
    '    const see = (t, v) => {'//nl// &
@@ -1534,7 +1558,9 @@ module psalm_page_text
    "    further('rates');"//nl// &
    '    if (c.forces) {'//nl// &
    '      const f = c.forces, curve = (label, colour, values) => ({ label, colour, values });'//nl// &
-   "      const shown = (name, scale, lines) => put('forces', { name, size: scale, zero: true, lines });"//nl// &
+   "      const shown = (name, scale, lines) => put('forces', { name, size: scale, zero: true, lines });"//nl
+
+   character(*), parameter :: part_19 = &
    '      const bare = f.bare ? (label, key) => [curve(label, pens.soft, f.bare[key])] : () => [];'//nl// &
    "      const with_before = f.bare ? ' (grey: without the ' + f.bare.of + ')' : '';"//nl// &
    "      shown((f.sliding ? 'force of the drive, N' : 'torque of the drive, N m') + with_before, f.sliding ? f.force : f.t"// &
@@ -1561,9 +1587,7 @@ module psalm_page_text
    '  function groupsOf(c) {'//nl// &
    '    const has = new Set(allPanels(c).map((panel) => panel.group));'//nl// &
    '    const list = Object.entries(GROUPS).filter(([group]) => has.has(group));'//nl// &
-   "    return list.length > 1 ? [['all', 'all'], ...list] : list;"//nl
-
-   character(*), parameter :: part_19 = &
+   "    return list.length > 1 ? [['all', 'all'], ...list] : list;"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** The group that is shown unasked: all, if there is room; else all but the rates; else the output alone. */'//nl// &
@@ -1642,7 +1666,9 @@ module psalm_page_text
    '    for (let i = 0; i < n;) {'//nl// &
    '      let k = i;'//nl// &
    '      while (k < n && isFinite(values[k]) && isFinite(square[k])) k++;'//nl// &
-   '      if (k > i + 1) {'//nl// &
+   '      if (k > i + 1) {'//nl
+
+   character(*), parameter :: part_20 = &
    '        g.beginPath();'//nl// &
    '        for (let m = i; m < k; m++) g.lineTo(plot.x(m), panel.y(values[m] + square[m]));'//nl// &
    '        for (let m = k - 1; m >= i; m--) g.lineTo(plot.x(m), panel.y(values[m] - square[m]));'//nl// &
@@ -1667,9 +1693,7 @@ module psalm_page_text
    '      if (!isFinite(values[i])) { down = false; continue; }'//nl// &
    '      if (down) g.lineTo(plot.x(i), panel.y(values[i])); else g.moveTo(plot.x(i), panel.y(values[i]));'//nl// &
    '      down = true;'//nl// &
-   '    }'//nl
-
-   character(*), parameter :: part_20 = &
+   '    }'//nl// &
    '    g.stroke();'//nl// &
    '    g.setLineDash([]);'//nl// &
    '  }'//nl// &
@@ -1745,7 +1769,9 @@ module psalm_page_text
    '  function placeAt(x) {'//nl// &
    '    const part = (x - plot.left) / (plot.right - plot.left);'//nl// &
    '    return plot.from + Math.min(1, Math.max(0, part)) * (plot.to - plot.from);'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_21 = &
    ''//nl// &
    '  return { begin, extent, groupsOf, firstGroup, layOut, frame, placeAt,'//nl// &
    '    get canvas() { return canvas; }, get chart() { return chart; }, get from() { return plot.from; },'//nl// &
@@ -1769,9 +1795,7 @@ module psalm_page_text
    ''//nl// &
    '  /** Panels side by side, on a phone one below the other; nothing for a case without them. */'//nl// &
    '  function layOut(c) {'//nl// &
-   '    const v = c.vibration, list = [];'//nl
-
-   character(*), parameter :: part_21 = &
+   '    const v = c.vibration, list = [];'//nl// &
    '    if (v && v.speeds.some(([, a]) => a !== null)) list.push(drawSpeeds);'//nl// &
    '    if (v && v.chart.length) list.push(drawChart);'//nl// &
    '    box.hidden = !list.length;'//nl// &
@@ -1848,7 +1872,9 @@ module psalm_page_text
    '    g.fill();'//nl// &
    '    g.restore();'//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_22 = &
    '  return { begin, layOut };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
@@ -1873,9 +1899,7 @@ module psalm_page_text
    ''//nl// &
    '  /** Bars on the left, bands beside them, on a phone below; nothing for a case without them. */'//nl// &
    '  function layOut(c) {'//nl// &
-   '    const a = c.allotted;'//nl
-
-   character(*), parameter :: part_22 = &
+   '    const a = c.allotted;'//nl// &
    '    box.hidden = !a;'//nl// &
    '    if (box.hidden) return;'//nl// &
    '    u = balm.drawing.sizeOf(box.clientWidth / WIDE, Infinity);'//nl// &
@@ -1955,7 +1979,9 @@ module psalm_page_text
    "      g.setLineDash(label === 'band' ? [6, 4] : values === band.used ? [2, 3] : []);"//nl// &
    '      if (values === band.worst || values === band.square) {'//nl// &
    '        g.globalAlpha = 0.22;'//nl// &
-   '        g.beginPath();'//nl// &
+   '        g.beginPath();'//nl
+
+   character(*), parameter :: part_23 = &
    '        places.forEach((v, i) => g.lineTo(x(v), y(value(values, i))));'//nl// &
    '        for (let i = places.length - 1; i >= 0; i--) g.lineTo(x(places[i]), y(-value(values, i)));'//nl// &
    '        g.fill();'//nl// &
@@ -1979,9 +2005,7 @@ module psalm_page_text
    ''//nl// &
    'balm.messages = (() => {'//nl// &
    '  const MOST_OUTPUTS = 5;   // of several told in the line of facts'//nl// &
-   '  const { OPEN, between, mixed, modulo, inputAt, prescribedAt, short, shortOutput, explain } = balm.scene;'//nl
-
-   character(*), parameter :: part_23 = &
+   '  const { OPEN, between, mixed, modulo, inputAt, prescribedAt, short, shortOutput, explain } = balm.scene;'//nl// &
    '  const MOST = 3;           // violations told below the picture at a time'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
    ''//nl// &
@@ -2060,7 +2084,9 @@ module psalm_page_text
    "      const h = document.createElement('h2'), ul = document.createElement('ul');"//nl// &
    '      h.textContent = head;'//nl// &
    '      ul.className = kind;'//nl// &
-   '      for (const item of items) {'//nl// &
+   '      for (const item of items) {'//nl
+
+   character(*), parameter :: part_24 = &
    "        const li = document.createElement('li');"//nl// &
    '        li.append(fill(item));'//nl// &
    '        ul.append(li);'//nl// &
@@ -2085,9 +2111,7 @@ module psalm_page_text
    "    if (c.sound) part('Closure and limits at the prescribed positions', c.prescribed.violations, 'error', link);"//nl// &
    "    part(c.time ? 'Constraints, end of the motion' : 'Constraints', c.breaches, 'error', plain);"//nl// &
    "    part('Warnings', c.warnings, 'warning', plain);"//nl// &
-   "    if (c.proof) part('Proven', c.proof.marks, 'proof', mark => 't' in mark ? goTo(mark.text, mark.t) : mark.text);"//nl
-
-   character(*), parameter :: part_24 = &
+   "    if (c.proof) part('Proven', c.proof.marks, 'proof', mark => 't' in mark ? goTo(mark.text, mark.t) : mark.text);"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Name, length and direction of a bar at t. */'//nl// &
@@ -2163,7 +2187,9 @@ module psalm_page_text
    "    button.setAttribute('aria-label', state.playing ? 'pause' : 'play');"//nl// &
    "    button.setAttribute('aria-pressed', String(state.playing));"//nl// &
    '    if (!state.playing) return;'//nl// &
-   '    last = 0;'//nl// &
+   '    last = 0;'//nl
+
+   character(*), parameter :: part_25 = &
    '    requestAnimationFrame(tick);'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -2187,9 +2213,7 @@ module psalm_page_text
    '    go(t);'//nl// &
    '    requestAnimationFrame(tick);'//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_25 = &
+   ''//nl// &
    '  function step(way) {'//nl// &
    '    if (!shown().sound) return;'//nl// &
    '    setPlaying(false);'//nl// &
@@ -2268,7 +2292,9 @@ module psalm_page_text
    '    if (best >= 0) go(best);'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** A tap names the arc it meets: a finger cannot point. */'//nl// &
+   '  /** A tap names the arc it meets: a finger cannot point. */'//nl
+
+   character(*), parameter :: part_26 = &
    '  function release(event) {'//nl// &
    "    if (drag && !drag.moved && event.type === 'pointerup') hover(event);"//nl// &
    '    drag = null;'//nl// &
@@ -2293,9 +2319,7 @@ module psalm_page_text
    '  }'//nl// &
    ''//nl// &
    '  // ---- the curves --------------------------------------------------------------------------------------------------'// &
-   '-'//nl
-
-   character(*), parameter :: part_26 = &
+   '-'//nl// &
    ''//nl// &
    '  const beforeTurn = (t) => balm.curves.to >= 360 ? Math.min(t, balm.curves.to - BEFORE_TURN) : t;'//nl// &
    ''//nl// &
@@ -2373,7 +2397,9 @@ module psalm_page_text
    '  return { begin, go, setPlaying, limits, duration };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
-   '<script>'//nl// &
+   '<script>'//nl
+
+   character(*), parameter :: part_27 = &
    '// Out of the page: a frame as SVG or PNG, the table of the sweep, a film. All is made here, nothing is asked for.'//nl// &
    "'use strict';"//nl// &
    ''//nl// &
@@ -2401,9 +2427,7 @@ module psalm_page_text
    "      Object.assign(this, { width, height, parts: [], stack: [], d: '', begun: false, dash: [], fillStyle: '#000', stro"// &
    "keStyle: '#000',"//nl// &
    "        lineWidth: 1, lineCap: 'butt', lineJoin: 'miter', globalAlpha: 1, font: '10px sans-serif', textAlign: 'left' })"// &
-   ";"//nl
-
-   character(*), parameter :: part_27 = &
+   ";"//nl// &
    '    }'//nl// &
    '    save() {'//nl// &
    '      const { dash, fillStyle, strokeStyle, lineWidth, lineCap, lineJoin, globalAlpha, font, textAlign } = this;'//nl// &
@@ -2487,7 +2511,9 @@ module psalm_page_text
    '  /** The whole motion once as a film of so many seconds; what is played in parts goes there and back. */'//nl// &
    '  function film(seconds) {'//nl// &
    '    const c = shown(), [from, to] = balm.controls.limits(), ring = c.ring && to - from >= 360, [type] = kindOfFilm();'//nl// &
-   '    const [canvas, g] = sheet(Math.min(2, window.devicePixelRatio || 1)), pieces = [];'//nl// &
+   '    const [canvas, g] = sheet(Math.min(2, window.devicePixelRatio || 1)), pieces = [];'//nl
+
+   character(*), parameter :: part_28 = &
    '    const at = (part) => from + (to - from) * (ring ? part % 1 : 1 - Math.abs(1 - 2 * part));'//nl// &
    '    balm.drawing.picture(c, at(0), g);'//nl// &
    '    const recorder = new MediaRecorder(canvas.captureStream(RATE), { mimeType: type, videoBitsPerSecond: BITS });'//nl// &
@@ -2512,9 +2538,7 @@ module psalm_page_text
    ''//nl// &
    '  /** Hands a file over. */'//nl// &
    '  function give(content, ending, type) {'//nl// &
-   "    const link = document.createElement('a'), blob = content instanceof Blob ? content : new Blob([content], { type });"//nl
-
-   character(*), parameter :: part_28 = &
+   "    const link = document.createElement('a'), blob = content instanceof Blob ? content : new Blob([content], { type });"//nl// &
    "    const number = balm.state.c ? '.' + (balm.state.c + 1) : '';"//nl// &
    '    link.href = URL.createObjectURL(blob);'//nl// &
    "    link.download = (shown().file || 'linkage').replace(/\.[^.]*$/, '') + number + ending;"//nl// &
@@ -2590,7 +2614,9 @@ module psalm_page_text
    ''//nl// &
    '  function choose(i) {'//nl// &
    '    const c = scene.prepare(cases[i]), fresh = state.c !== i || !laidOut;'//nl// &
-   '    state.c = i;'//nl// &
+   '    state.c = i;'//nl
+
+   character(*), parameter :: part_29 = &
    '    state.hover = null;'//nl// &
    "    $('case').value = String(i);"//nl// &
    '    // a case that is shown cannot be laid over itself'//nl// &
@@ -2614,9 +2640,7 @@ module psalm_page_text
    "    $('pinbox').hidden = !c.clearance;"//nl// &
    "    $('whole').checked = state.whole;"//nl// &
    "    $('wholebox').hidden = !c.limited;"//nl// &
-   "    $('clock').hidden = !c.time;"//nl
-
-   character(*), parameter :: part_29 = &
+   "    $('clock').hidden = !c.time;"//nl// &
    "    $('speed').title = c.time ? 'times true time' : '';"//nl// &
    "    $('time').setAttribute('aria-label', c.time ? 'time' : 'input');"//nl// &
    "    $('other').parentNode.hidden = !c.pairs.length;"//nl// &
@@ -2692,7 +2716,9 @@ module psalm_page_text
    '    cases.forEach((c, i) => {'//nl// &
    "      const option = document.createElement('option');"//nl// &
    '      option.value = String(i);'//nl// &
-   "      $('case').append(option);"//nl// &
+   "      $('case').append(option);"//nl
+
+   character(*), parameter :: part_30 = &
    "      const label = document.createElement('label'), box = document.createElement('input');"//nl// &
    "      box.type = 'checkbox';"//nl// &
    '      box.dataset.overlay = String(i);'//nl// &
@@ -2716,9 +2742,7 @@ module psalm_page_text
    '    controls.begin(refresh);'//nl// &
    '    save.begin();'//nl// &
    '    listCases();'//nl// &
-   "    new ResizeObserver(refresh).observe($('stage'));"//nl
-
-   character(*), parameter :: part_30 = &
+   "    new ResizeObserver(refresh).observe($('stage'));"//nl// &
    "    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', refresh);"//nl// &
    '    // paper is white, whatever the scheme of the screen'//nl// &
    "    for (const [kind, paper] of [['beforeprint', true], ['afterprint', false]]) addEventListener(kind, () => {"//nl// &

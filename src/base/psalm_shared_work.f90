@@ -25,12 +25,13 @@ module psalm_shared_work
 
    abstract interface
       !> Begin a batch. Called from one thread.
-      subroutine open_i(self, label, items)
+      subroutine open_i(self, label, items, passing)
          import :: sharing_t
          implicit none (type, external)
          class(sharing_t), intent(inout) :: self
          character(*), intent(in) :: label              !! what the items are, one word
          integer, intent(in) :: items
+         logical, intent(in) :: passing                 !! forgotten when the next begins, and in no file: it is too large
       end subroutine open_i
 
       !> An item that is to be done here and now; 0: none is left. Called from several threads at once.

@@ -102,12 +102,17 @@ contains
    end function members
 
    !> Begin a batch of numbered items; without others nothing is done by this.
-   subroutine open_batch(self, label, items)
+   subroutine open_batch(self, label, items, passing)
       class(stop_t), intent(in) :: self
       character(*), intent(in) :: label                !! what the items are, one word
       integer, intent(in) :: items
+      logical, intent(in), optional :: passing         !! forgotten when the next begins, and in no file; default no
+      logical :: forgotten
 
-      if (self%is_shared()) call self%others%open(label, items)
+      if (.not. self%is_shared()) return
+      forgotten = .false.
+      if (present(passing)) forgotten = passing
+      call self%others%open(label, items, forgotten)
    end subroutine open_batch
 
    !> The item to do after `item`, which was done last by this thread: the next one for this machine if the work is shared, else the

@@ -43,7 +43,8 @@ module psalm_work_parts
    type :: batch_t
       character(:), allocatable :: label
       integer :: of_case = 0, ordinal = 0
-      logical :: passing = .false.            !! depends on when the run had to end: not for a file
+      logical :: passing = .false.            !! depends on when the run had to end, or is too large: not for a file
+      logical :: forgotten = .false.          !! when the next begins
       type(made_t), allocatable :: items(:)
    end type batch_t
 
@@ -104,6 +105,7 @@ contains
       self%message = ''
       self%count = 0
       self%highest = self%parts
+      self%now = 0
       if (allocated(self%batches)) deallocate (self%batches)
       allocate (self%batches(8))
       self%ever_incomplete = .false.
@@ -120,6 +122,7 @@ contains
       class(parts_t), intent(inout) :: self
       integer, intent(in) :: number
 
+      call forget(self)
       self%of_case = number
       self%ordinal = 0
       self%incomplete = .false.
@@ -258,6 +261,7 @@ contains
             more(i)%of_case = self%batches(i)%of_case
             more(i)%ordinal = self%batches(i)%ordinal
             more(i)%passing = self%batches(i)%passing
+            more(i)%forgotten = self%batches(i)%forgotten
          end do
          call move_alloc(more, self%batches)
       end if
@@ -276,6 +280,7 @@ contains
       batch%of_case = of_case
       batch%ordinal = ordinal
       batch%passing = .false.
+      batch%forgotten = .false.
       if (allocated(batch%items)) deallocate (batch%items)
       allocate (batch%items(items))
    end subroutine renew
@@ -380,12 +385,26 @@ contains
       name = stem//'.part'//to_text(part)
    end function part_name
 
+   !> Forget the batch at hand if it asked for that.
+   pure subroutine forget(self)
+      class(parts_t), intent(inout) :: self
+
+      if (self%now == 0) return
+      associate (batch => self%batches(self%now))
+         if (.not. batch%forgotten) return
+         call renew(batch, batch%of_case, batch%ordinal, 'forgotten', 0)
+      end associate
+      if (self%now == self%count) self%count = self%count - 1
+   end subroutine forget
+
    !> Begin a batch: what files know of it is known.
-   subroutine open_batch(self, label, items)
+   subroutine open_batch(self, label, items, passing)
       class(parts_t), intent(inout) :: self
       character(*), intent(in) :: label
       integer, intent(in) :: items
+      logical, intent(in) :: passing
 
+      call forget(self)
       self%ordinal = self%ordinal + 1
       self%cursor = 0
       self%now = 0
@@ -402,7 +421,8 @@ contains
                call renew(batch, self%of_case, self%ordinal, label, items)
          end associate
       end if
-      self%batches(self%now)%passing = self%sealed
+      self%batches(self%now)%passing = self%sealed .or. passing
+      self%batches(self%now)%forgotten = passing
    end subroutine open_batch
 
    !> The next item that is not known and that this run is to make.

@@ -68,6 +68,9 @@ module psalm_time_motion
       logical :: asked = .false.                      !! it was asked for
       type(event_t), allocatable :: events(:)
       real(wp), allocatable :: fastest(:)             !! by stop: rate of a joint with friction so far, at its events
+      integer :: jumped = 0                           !! impacts, several at a time as one
+      real(wp), allocatable :: jumps(:, :)            !! shape (1 + 3 drives, at least `jumped`): time, s; by drive its place,
+                                                      !! its rate before and after, as `free_state_t` has them
       type(joint_stop_t), allocatable :: joints(:)    !! drives there might be, the present free ones first; none: no exchange
       real(wp), allocatable :: weights(:)             !! of their rates: a travel by the size of the linkage
       logical :: poor = .false.                       !! it stopped because drives are to be exchanged
@@ -92,6 +95,7 @@ module psalm_time_motion
       procedure, private :: choose_friction
       procedure, private :: longest_step
       procedure, private :: note
+      procedure, private :: note_jump
    end type time_motion_t
 
 contains
@@ -110,6 +114,7 @@ contains
       moving%most_events = most_events
       moving%step = first_part*end
       allocate (moving%events(0))
+      allocate (moving%jumps(1 + 3*size(moving%motion%slides), 0))
       associate (f => size(speeds))
          length = length_of(moving%motion)
          moving%size_of = moving%sizes()
@@ -454,10 +459,11 @@ contains
       integer, intent(in), optional :: stop, side
       real(wp), dimension(size(self%size_of_stop)) :: before, impulse, part
       integer :: touched(size(self%size_of_stop)), k, round
-      real(wp) :: least
+      real(wp) :: least, y_before(size(self%y))
 
       valid = .true.
       if (size(touched) == 0) return
+      y_before = self%y
       associate (motion => self%motion)
          touched = motion%resting
          where (motion%place - motion%stops%low <= touching*self%size_of_stop) touched = side_low
@@ -489,7 +495,34 @@ contains
          call self%rates(self%time, self%y, self%first, valid)
       end if
       if (valid) call self%rest_on_stops(touched, least, valid)
+      if (valid .and. any(abs(impulse) > 0.0_wp)) call self%note_jump(y_before)
    end subroutine meet_stops
+
+   !> Keep the rates of all drives before impacts, when the unknowns were `y_before`, and after them.
+   subroutine note_jump(self, y_before)
+      class(time_motion_t), intent(inout) :: self
+      real(wp), intent(in) :: y_before(:)
+      type(free_state_t) :: before, after
+      real(wp) :: y(size(self%y))
+      real(wp), allocatable :: more(:, :)
+
+      y = self%y
+      self%y = y_before
+      call self%observe(before)
+      self%y = y
+      call self%observe(after)
+      if (self%jumped == size(self%jumps, 2)) then
+         allocate (more(size(self%jumps, 1), 2*self%jumped + 1), source=0.0_wp)
+         more(:, :self%jumped) = self%jumps
+         call move_alloc(more, self%jumps)
+      end if
+      self%jumped = self%jumped + 1
+      if (allocated(after%named)) then
+         self%jumps(:, self%jumped) = [self%time, after%named(:, 0), before%named(:, 1), after%named(:, 1)]
+      else
+         self%jumps(:, self%jumped) = [self%time, after%input, before%rate, after%rate]
+      end if
+   end subroutine note_jump
 
    !> Joints that touch a stop and are pressed to it rest if their bounces are over, or would be in next to no time.
    subroutine rest_on_stops(self, touched, least, valid)

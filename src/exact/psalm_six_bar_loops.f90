@@ -9,8 +9,8 @@ module psalm_six_bar_loops
    use psalm_kinds, only: wp, pi
    use psalm_leg_problem, only: gaussian
    use psalm_six_bar_paths, only: follow
-   use psalm_six_bar_problem, only: data_of_angles, draw_six_bar, most_unknowns, near_data, scale_data, scale_unknowns, &
-                                    six_bar_data_t, six_bar_problem_t, unit_phase
+   use psalm_six_bar_problem, only: data_of_angles, draw_six_bar, most_unknowns, near_data, order_legs, scale_data, &
+                                    scale_unknowns, six_bar_data_t, six_bar_problem_t, unit_phase
    use psalm_six_bar_team, only: follow_shared
    use psalm_sort, only: ascending
    use psalm_stop, only: stop_t
@@ -83,18 +83,18 @@ contains
          if (drawn) exit
       end do
       if (.not. drawn) return
-      loops%first = reached
-      call add_to(loops%first, conjugates(problem, reached))
+      call add_to(problem, loops%first, reached)
+      call add_to(problem, loops%first, conjugates(problem, reached))
    end subroutine begin_loops
 
    !> One pass: all solutions known of one problem are followed to the other. With `expected` it is done when so many of the first
    !> are known, without it when almost none is found any more.
-   subroutine next_loop(loops, expected, threads, stop, stopped)
+   subroutine next_loop(loops, expected, threads, stopped, stop)
       type(start_set_t), intent(inout) :: loops
       integer, intent(in) :: expected                !! 0: not known
       integer, intent(in) :: threads                 !! that share the paths; the solutions do not depend on it
+      logical, intent(out) :: stopped                !! the pass was cut off: nothing of it is kept
       type(stop_t), intent(in), optional :: stop
-      logical, intent(out), optional :: stopped      !! the pass was cut off: nothing of it is kept
       type(xoshiro_t) :: random
       type(six_bar_data_t) :: turned
       complex(wp), allocatable :: starts(:, :), ends(:, :)
@@ -120,12 +120,8 @@ contains
       allocate (ends, mold=starts)
       allocate (arrived(size(starts, 2)))
       call follow_shared(follow, loops%problem, turned, loops%data(3 - from), starts, usual_tolerance, threads, .true., &
-                         ends, arrived, steps, stop)
-      if (present(stopped)) stopped = .false.
-      if (present(stop) .and. present(stopped)) then
-         stopped = stop%waiting()
-         if (stopped) return
-      end if
+                         ends, arrived, steps, stopped, stop)
+      if (stopped) return
       loops%paths = loops%paths + size(starts, 2)
       loops%lost = loops%lost + count(.not. arrived)
       loops%steps = loops%steps + steps
@@ -133,10 +129,10 @@ contains
       before = size(loops%first, 2) + size(loops%second, 2)
       ends = pack_columns(ends, arrived)
       if (from == 1) then
-         call add_to(loops%second, ends)
+         call add_to(loops%problem, loops%second, ends)
       else
-         call add_to(loops%first, ends)
-         call add_to(loops%first, conjugates(loops%problem, ends))
+         call add_to(loops%problem, loops%first, ends)
+         call add_to(loops%problem, loops%first, conjugates(loops%problem, ends))
       end if
       few = 0
       if (expected == 0) few = before/found_rarely
@@ -184,7 +180,8 @@ contains
    end function pack_columns
 
    !> Add solutions that are not there yet.
-   subroutine add_to(solutions, candidates)
+   subroutine add_to(problem, solutions, candidates)
+      type(six_bar_problem_t), intent(in) :: problem
       complex(wp), allocatable, intent(inout) :: solutions(:, :)
       complex(wp), intent(in) :: candidates(:, :)
       complex(wp), allocatable :: both(:, :)
@@ -195,6 +192,7 @@ contains
       allocate (both(size(solutions, 1), n + size(candidates, 2)))
       both(:, :n) = solutions
       both(:, n + 1:) = candidates
+      call order_legs(problem, both(:, n + 1:))
       equal = first_equal(both)
       solutions = pack_columns(both, equal == [(i, i=1, size(equal))])
    end subroutine add_to

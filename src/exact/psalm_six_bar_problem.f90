@@ -18,8 +18,8 @@ module psalm_six_bar_problem
    implicit none (type, external)
    private
    public :: six_bar_problem_t, six_bar_data_t, make_six_bar_problem, data_of_angles, scale_data, scale_unknowns, draw_six_bar, &
-             near_data, unit_phase, watt_2, stephenson_3, stephenson_2, most_six_bar_points, most_unknowns, type_names, &
-             number_name, at_p, at_q, at_r, at_s, at_c, at_output, at_first_arm
+             near_data, order_legs, unit_phase, watt_2, stephenson_3, stephenson_2, most_six_bar_points, most_unknowns, &
+             type_names, number_name, at_p, at_q, at_r, at_s, at_c, at_output, at_first_arm
 
    integer, parameter :: watt_2 = 1, stephenson_3 = 2, stephenson_2 = 3
    character(*), parameter :: type_names(3) = [character(14) :: 'Watt II', 'Stephenson III', 'Stephenson II']
@@ -84,6 +84,22 @@ contains
       end select
       problem%is_given = is_given
    end subroutine make_six_bar_problem
+
+   !> Put the legs of Stephenson II in an order where both are alike: exchanged they are the same linkage.
+   pure subroutine order_legs(problem, solutions)
+      type(six_bar_problem_t), intent(in) :: problem
+      complex(wp), intent(inout) :: solutions(:, :)  !! shape (2 unknowns, count)
+      integer, parameter :: exchanged(*) = [at_second_pin, at_first_pin, at_output, at_second_arm, at_first_arm]
+      integer :: i, n
+
+      n = problem%unknowns
+      if (problem%type /= stephenson_2) return
+      if (any(problem%is_given(:n) .and. exchanged(:n) /= at_output) .or. problem%length_of > 0) return
+      do i = 1, size(solutions, 2)
+         if (real(solutions(at_first_pin, i), wp) > real(solutions(at_second_pin, i), wp)) &
+            solutions(:, i) = solutions([exchanged, n + exchanged], i)
+      end do
+   end subroutine order_legs
 
    !> A word that tells problems with different start sets apart.
    pure function key(self) result(word)

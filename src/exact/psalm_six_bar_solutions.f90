@@ -11,7 +11,7 @@ module psalm_six_bar_solutions
    use psalm_six_bar_paths, only: follow, polish
    use psalm_six_bar_paths_extended, only: follow_extended => follow, polish_extended => polish
    use psalm_six_bar_paths_quad, only: follow_quad => follow
-   use psalm_six_bar_problem, only: scale_data, scale_unknowns, six_bar_data_t, six_bar_problem_t
+   use psalm_six_bar_problem, only: order_legs, scale_data, scale_unknowns, six_bar_data_t, six_bar_problem_t
    use psalm_six_bar_team, only: follow_shared
    use psalm_stop, only: stop_t
    implicit none (type, external)
@@ -85,9 +85,9 @@ contains
             end do
             ends = starts
             call follow_shared(follow, problem, from, to, starts, usual_tolerance, threads, .true., ends, arrived, &
-                               steps, stop)
+                               steps, found%stopped, stop)
+            call order_legs(problem, ends)
             found%steps = found%steps + steps
-            if (present(stop)) found%stopped = stop%waiting()
             if (.not. found%stopped) call mend(problem, from, to, starts, certain, threads, ends, arrived, found, stop)
             found%passes = pass
             found%followed = merge(count(arrived), n, found%stopped)
@@ -215,27 +215,27 @@ contains
          allocate (again(size(starts, 1), size(which)), came(size(which)))
          if (care <= size(careful)) then
             call follow_shared(follow_extended, problem, from, to, starts(:, which), careful(care), threads, .false., &
-                               again, came, steps, stop)
+                               again, came, steps, found%stopped, stop)
          else if (size(which) > most_in_quad) then
             exit
          else
-            call follow_last_part(problem, from, to, starts(:, which), threads, again, came, steps, stop)
+            call follow_last_part(problem, from, to, starts(:, which), threads, again, came, steps, found%stopped, stop)
          end if
          found%steps = found%steps + steps
          found%mended = found%mended + count(came .and. .not. arrived(which))
-         if (present(stop)) found%stopped = stop%waiting()
          if (found%stopped) exit
          do i = 1, size(which)
             if (.not. came(i)) cycle
             ends(:, which(i)) = again(:, i)
             arrived(which(i)) = .true.
          end do
+         call order_legs(problem, ends)
          deallocate (again, came)
       end do
    end subroutine mend
 
    !> Follow paths in extended precision and with the greatest care until little of the way is left, that in quadruple precision.
-   subroutine follow_last_part(problem, from, to, starts, threads, ends, arrived, steps, stop)
+   subroutine follow_last_part(problem, from, to, starts, threads, ends, arrived, steps, stopped, stop)
       type(six_bar_problem_t), intent(in) :: problem
       type(six_bar_data_t), intent(in) :: from, to
       complex(wp), intent(in) :: starts(:, :)
@@ -243,6 +243,7 @@ contains
       complex(wp), intent(out) :: ends(:, :)
       logical, intent(out) :: arrived(:)
       integer, intent(out) :: steps
+      logical, intent(out) :: stopped
       type(stop_t), intent(in), optional :: stop
       type(six_bar_data_t) :: between
       complex(wp), allocatable :: rest(:, :)
@@ -256,11 +257,12 @@ contains
       between%df = to%df + last_part*(from%df - to%df)
       between%known = to%known + last_part*(from%known - to%known)
       call follow_shared(follow_extended, problem, from, between, starts, careful(size(careful)), threads, .false., &
-                         ends, arrived, steps, stop)
+                         ends, arrived, steps, stopped, stop)
+      if (stopped) return
       which = pack([(i, i=1, size(arrived))], arrived)
       allocate (rest(size(starts, 1), size(which)), came(size(which)))
       call follow_shared(follow_quad, problem, between, to, ends(:, which), careful(1), threads, .false., rest, came, &
-                         more, stop)
+                         more, stopped, stop)
       steps = steps + more
       ends(:, which) = rest
       arrived(which) = came

@@ -1,7 +1,8 @@
 !> Start sets of six-bar problems: made once, kept in the user's cache, checked when they are read.
 !>
 !> A set that is being made is kept after every pass and taken up where it was left. The directory is XDG_CACHE_HOME/psalm, else
-!> HOME/.cache/psalm; where there is neither, or nothing can be written, a set is made anew each time.
+!> HOME/.cache/psalm; where there is neither, or nothing can be written, a set is made anew each time. Of the ranks of a job one
+!> reads the file for all, and one writes it.
 module psalm_six_bar_starts
    use, intrinsic :: iso_fortran_env, only: int64
    use psalm_kinds, only: wp
@@ -37,7 +38,7 @@ contains
       integer :: seed, first
 
       file = start_file(problem)
-      call read_loops(file, problem, loops, kept)
+      call read_for_all(file, problem, stop, loops, kept)
       first = 1
       if (kept) then
          if (loops%done .and. (expected == 0 .or. size(loops%first, 2) == expected)) return
@@ -52,13 +53,137 @@ contains
          end if
          kept = .false.
          do while (.not. loops%done)
-            call next_loop(loops, expected, threads, stop, stopped)
+            call next_loop(loops, expected, threads, stopped, stop)
             if (stopped) return
-            call write_loops(file, loops)
+            call write_once(file, loops, stop)
          end do
          if (expected == 0 .or. size(loops%first, 2) == expected) exit
       end do
    end subroutine starts_of
+
+   !> Read a state; of the ranks of a job one does, and all get what it has read.
+   subroutine read_for_all(file, problem, stop, loops, kept)
+      character(*), intent(in) :: file
+      type(six_bar_problem_t), intent(in) :: problem
+      type(stop_t), intent(in), optional :: stop
+      type(start_set_t), intent(out) :: loops
+      logical, intent(out) :: kept
+      type(start_set_t) :: found
+      real(wp), allocatable :: numbers(:)
+      integer :: item
+
+      if (.not. has_ranks(stop)) then
+         call read_loops(file, problem, loops, kept)
+         return
+      end if
+      call stop%open_batch('kept', 1, passing=.true.)
+      item = 0
+      do
+         item = stop%next_item(item, 1, 1)
+         if (item > 1) exit
+         call read_loops(file, problem, found, kept)
+         call stop%keep_item(item, numbers_of(found, kept))
+      end do
+      call stop%close_batch()
+      call stop%take_item(1, numbers)
+      kept = allocated(numbers)
+      if (kept) kept = numbers(1) > 0.0_wp
+      if (kept) then
+         call take_numbers(numbers, problem, loops)
+      else
+         allocate (loops%first(2*problem%unknowns, 0), loops%second(2*problem%unknowns, 0))
+      end if
+   end subroutine read_for_all
+
+   !> Write a state; of the ranks of a job one does.
+   subroutine write_once(file, loops, stop)
+      character(*), intent(in) :: file
+      type(start_set_t), intent(in) :: loops
+      type(stop_t), intent(in), optional :: stop
+      integer :: item
+
+      if (.not. has_ranks(stop)) then
+         call write_loops(file, loops)
+         return
+      end if
+      call stop%open_batch('written', 1, passing=.true.)
+      item = 0
+      do
+         item = stop%next_item(item, 1, 1)
+         if (item > 1) exit
+         call write_loops(file, loops)
+         call stop%keep_item(item, [1.0_wp])
+      end do
+      call stop%close_batch()
+   end subroutine write_once
+
+   !> True if several ranks share the work.
+   logical function has_ranks(stop)
+      type(stop_t), intent(in), optional :: stop
+
+      has_ranks = .false.
+      if (present(stop)) has_ranks = stop%members() > 1
+   end function has_ranks
+
+   !> A state in numbers.
+   pure function numbers_of(loops, kept) result(numbers)
+      type(start_set_t), intent(in) :: loops
+      logical, intent(in) :: kept                    !! false: there was none
+      real(wp), allocatable :: numbers(:)
+      complex(wp) :: data(of_data)
+      integer :: i, at
+
+      if (.not. kept) then
+         numbers = [0.0_wp]
+         return
+      end if
+      at = 0
+      do i = 1, size(loops%data)
+         associate (one => loops%data(i))
+            data(at + 1:at + of_data/2) = [one%e0, one%f0, one%de, one%df, one%known]
+         end associate
+         at = at + of_data/2
+      end do
+      numbers = [1.0_wp, real([loops%seed, loops%passes, loops%idle, merge(1, 0, loops%done), size(loops%first, 2), &
+                               size(loops%second, 2)], wp), real(data, wp), aimag(data), real(loops%first, wp), &
+                 aimag(loops%first), real(loops%second, wp), aimag(loops%second)]
+   end function numbers_of
+
+   !> The state that numbers describe: the reverse of `numbers_of`.
+   pure subroutine take_numbers(numbers, problem, loops)
+      real(wp), intent(in) :: numbers(:)
+      type(six_bar_problem_t), intent(in) :: problem
+      type(start_set_t), intent(out) :: loops
+      complex(wp) :: data(of_data)
+      integer, parameter :: counts = 7
+      integer :: i, at, points, n, many
+
+      loops%problem = problem
+      loops%seed = nint(numbers(2))
+      loops%passes = nint(numbers(3))
+      loops%idle = nint(numbers(4))
+      loops%done = numbers(5) > 0.0_wp
+      n = 2*problem%unknowns
+      data = cmplx(numbers(counts + 1:counts + of_data), numbers(counts + of_data + 1:counts + 2*of_data), wp)
+      at = 0
+      do i = 1, size(loops%data)
+         associate (one => loops%data(i))
+            points = size(one%de)
+            one%e0 = data(at + 1)
+            one%f0 = data(at + 2)
+            one%de = data(at + 3:at + 2 + points)
+            one%df = data(at + 3 + points:at + 2 + 2*points)
+            one%known = data(at + 3 + 2*points:at + of_data/2)
+         end associate
+         at = at + of_data/2
+      end do
+      at = counts + 2*of_data
+      many = n*nint(numbers(6))
+      loops%first = reshape(cmplx(numbers(at + 1:at + many), numbers(at + many + 1:at + 2*many), wp), [n, many/n])
+      at = at + 2*many
+      many = n*nint(numbers(7))
+      loops%second = reshape(cmplx(numbers(at + 1:at + many), numbers(at + many + 1:at + 2*many), wp), [n, many/n])
+   end subroutine take_numbers
 
    !> Where the start set of a problem is kept; empty: nowhere.
    function start_file(problem) result(file)

@@ -18,7 +18,7 @@ module psalm_drawing
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
-   public :: picture_t, add_picture, draw_file, draw_curves, draw_steady, ending
+   public :: picture_t, add_picture, draw_file, draw_curves, draw_phase, draw_steady, ending
 
    integer, parameter :: ending_width = 24 !! room for a number and a suffix
 
@@ -40,7 +40,7 @@ contains
       type(text_t) :: text
       type(scene_t), allocatable :: scenes(:)
       integer, allocatable :: linkages(:)
-      integer :: k
+      integer :: k, i, n
 
       allocate (pictures(0))
       if (size(cases) == 0) return
@@ -62,6 +62,16 @@ contains
             call write_animation(cases(k)%scene, text)
             call add_comment()
             call put(ending(k, '.move.svg'))
+            if (allocated(cases(k)%modes)) then
+               do i = 1, size(cases(k)%modes)
+                  associate (one => cases(k)%modes(i))
+                     if (one%equilibrium == 0) cycle
+                     call write_animation(one%scene, text)
+                     call add_comment()
+                     call put(ending(k, '.mode-'//to_text(one%equilibrium)//'-'//to_text(one%mode)//'.svg'))
+                  end associate
+               end do
+            end if
          end if
          if (allocated(cases(k)%parts)) then
             call draw_parts(cases(k)%parts)
@@ -72,12 +82,24 @@ contains
       ! four poses do not move
       linkages = pack([(k, k=1, size(cases))], [(.not. allocated(cases(k)%poles), k=1, size(cases))])
       if (size(linkages) == 0) return
-      if (size(linkages) == size(cases)) then
+      n = size(linkages)
+      do k = 1, size(linkages)
+         if (allocated(cases(linkages(k))%modes)) n = n + count(cases(linkages(k))%modes%equilibrium > 0)
+      end do
+      if (n == size(cases)) then
          call write_page(cases%scene, text)
       else
-         allocate (scenes(size(linkages)))
+         allocate (scenes(n))
+         n = 0
          do k = 1, size(linkages)
-            scenes(k) = cases(linkages(k))%scene
+            n = n + 1
+            scenes(n) = cases(linkages(k))%scene
+            if (.not. allocated(cases(linkages(k))%modes)) cycle
+            do i = 1, size(cases(linkages(k))%modes)
+               if (cases(linkages(k))%modes(i)%equilibrium == 0) cycle
+               n = n + 1
+               scenes(n) = cases(linkages(k))%modes(i)%scene
+            end do
          end do
          call write_page(scenes, text)
       end if
@@ -131,9 +153,26 @@ contains
          else
             call make_curves(cases(k)%scene, none, plots)
          end if
-         call add_plots(cases(k)%scene%title, plots, k, mark, pictures)
+         call add_plots(cases(k)%scene%title, plots, k, '.curves.svg', mark, pictures)
       end do
    end subroutine draw_curves
+
+   !> Phase planes of each case that has a motion in time with free drives.
+   subroutine draw_phase(cases, mark, pictures, drawn)
+      type(pictured_t), intent(in) :: cases(:)
+      character(*), intent(in) :: mark          !! of the run
+      type(picture_t), allocatable, intent(inout) :: pictures(:)
+      logical, intent(out) :: drawn             !! there is such a case
+      integer :: k
+
+      drawn = .false.
+      do k = 1, size(cases)
+         if (.not. allocated(cases(k)%phase)) cycle
+         if (size(cases(k)%phase) == 0) cycle
+         call add_plots(cases(k)%scene%title, cases(k)%phase, k, '.phase.svg', mark, pictures)
+         drawn = .true.
+      end do
+   end subroutine draw_phase
 
    !> Add the curves of what ssics found in case k of a file; nothing if there is nothing to draw.
    subroutine draw_steady(set, study, k, mark, pictures)
@@ -145,11 +184,11 @@ contains
       type(plot_t), allocatable :: plots(:)
 
       call make_steady_curves(study, plots)
-      if (size(plots) > 0) call add_plots(set%title, plots, k, mark, pictures)
+      if (size(plots) > 0) call add_plots(set%title, plots, k, '.curves.svg', mark, pictures)
    end subroutine draw_steady
 
-   subroutine add_plots(title, plots, k, mark, pictures)
-      character(*), intent(in) :: title, mark
+   subroutine add_plots(title, plots, k, suffix, mark, pictures)
+      character(*), intent(in) :: title, suffix, mark
       type(plot_t), intent(in) :: plots(:)
       integer, intent(in) :: k
       type(picture_t), allocatable, intent(inout) :: pictures(:)
@@ -157,7 +196,7 @@ contains
 
       call write_plots(title, plots, text)
       call text%add('<!-- run '//mark//' -->')
-      call add_picture(pictures, ending(k, '.curves.svg'), text%content())
+      call add_picture(pictures, ending(k, suffix), text%content())
    end subroutine add_plots
 
    pure subroutine add_picture(pictures, ending, content)

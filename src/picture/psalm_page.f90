@@ -88,6 +88,7 @@ contains
          if (allocated(scene%output_label) .and. .not. allocated(scene%drives)) &
             call text%add_text(',"outputLabel":'//json_text(scene%output_label))
          if (size(scene%panels) > 0) call write_panels(scene, text)
+         if (allocated(scene%ghosts)) call write_ghosts(scene, text)
          if (allocated(scene%band)) call write_band(scene%band, text)
          if (allocated(scene%allotted)) then
             call text%add_text(',"allotted":')
@@ -219,6 +220,24 @@ contains
       member = ''
       if (allocated(body%name)) member = ',"name":'//json_text(body%name)
    end function name_of
+
+   !> Equilibria.
+   subroutine write_ghosts(scene, text)
+      type(scene_t), intent(in) :: scene
+      type(text_t), intent(inout) :: text
+      integer :: i
+
+      call text%add(',"ghosts":[')
+      do i = 1, size(scene%ghosts)
+         associate (ghost => scene%ghosts(i))
+            call text%add_text(comma(i)//'{"name":'//json_text(trim(ghost%name))//',"stable":'//truth(ghost%stable))
+            call add_member('x', ghost%x, text, ghost%known)
+            call add_member('y', ghost%y, text, ghost%known)
+            call text%add('}')
+         end associate
+      end do
+      call text%add_text(']')
+   end subroutine write_ghosts
 
    !> What only sketches without loops of dyads have: drives, all outputs, gear wheels, what the output reaches.
    subroutine write_chain_parts(scene, text)

@@ -5,10 +5,19 @@ module psalm_parts
    use psalm_plan, only: plan_t, root_frame
    implicit none (type, external)
    private
+   public :: ghost_t
    public :: drawn_joint_t, drawn_bar_t, drawn_body_t, drawn_slide_t, drawn_dyad_t, wheel_t, output_curve_t, drive_part_t, &
              edge_t, find_slides, convex_hull
 
    real(wp), parameter :: flat = 1.0e-3_wp !! a hull with less area than this times its width squared is a line
+
+   !> The linkage once more, in grey: an equilibrium.
+   type :: ghost_t
+      character(12) :: name = ''              !! its number
+      logical :: stable = .true.
+      real(wp), allocatable :: x(:), y(:)     !! by joint, machine axes
+      logical, allocatable :: known(:)
+   end type ghost_t
 
    type :: drawn_joint_t
       character(:), allocatable :: name       !! letter; empty: a corner of one body, no joint

@@ -11,6 +11,8 @@ module psalm_picture_study
    use psalm_finale, only: describe_violation
    use psalm_kinds, only: wp
    use psalm_markup, only: strings_t, add_string
+   use psalm_mode_scene, only: make_mode_scenes, put_ghosts
+   use psalm_phase_curves, only: make_phase_curves
    use psalm_pictured, only: new_pictures, pictured_t
    use psalm_pole_scene, only: asks_for_poles, check_poles, make_pole_scene
    use psalm_preparation, only: memory_need_t, prepared_t, prepare
@@ -117,6 +119,9 @@ contains
             call message_scene(sets(k), own, cases(k)%scene)
          end if
       end do
+      do k = 1, size(cases)
+         if (allocated(cases(k)%ghosts)) call put_ghosts(cases(k)%ghosts, cases(k)%scene)
+      end do
 
    contains
 
@@ -183,6 +188,9 @@ contains
 
       allocate (frames, rows)
       call find_frames(set, prepared, frames, drawn, why, stop)
+      if (allocated(frames%motion)) then
+         if (frames%motion%rests .and. size(frames%motion%time) > 0) call add_rests()
+      end if
       if (.not. drawn) then
          if (len(why) > 0) call set%origins%warning(noted, 'TIME', '', 'the motion in time is not drawn: '//why)
          return
@@ -203,7 +211,20 @@ contains
          end if
       end if
       drawn = case%scene%valid
-      if (drawn) call put_in_time(set, frames, case%scene)
+      if (.not. drawn) return
+      call put_in_time(set, frames, case%scene)
+      call make_phase_curves(set, frames%motion, case%phase)
+
+   contains
+
+      !> Equilibria, and the oscillations about those that are stable.
+      subroutine add_rests()
+         character(:), allocatable :: undrawn
+
+         call make_mode_scenes(set, prepared, by_links, frames%motion, case%ghosts, case%modes, undrawn)
+         if (len(undrawn) > 0) call set%origins%warning(noted, 'TIME', 'IEQUIL', 'not drawn, because the linkage does not '// &
+                                                        'close about there:'//undrawn)
+      end subroutine add_rests
    end subroutine add_motion
 
    !> The link that the group VIBR names; a case that ssics refuses is drawn without.

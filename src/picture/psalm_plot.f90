@@ -29,6 +29,7 @@ module psalm_plot
       logical :: logarithmic = .false.      !! upwards
       logical :: from_zero = .false.        !! zero is in view
       real(wp) :: scale = 0.0_wp            !! changes below `flat` times it are rounding, which is not magnified
+      real(wp) :: height = 200.0_wp         !! of its panel, pixels
       real(wp) :: low = 0.0_wp, high = 0.0_wp !! bottom and top, if high > low; else as the values are
       real(wp), allocatable :: spans(:, :)  !! shape (2, spans): parts of the axis that are shaded
       logical, allocatable :: mild(:)       !! shape (spans): a limit is exceeded, the linkage closes

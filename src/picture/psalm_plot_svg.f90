@@ -14,7 +14,7 @@ module psalm_plot_svg
    public :: write_plots, draw_plot, height_of_plot, plot_style, plot_width
 
    real(wp), parameter :: plot_width = 720.0_wp, left = 84.0_wp, right = 26.0_wp, header = 58.0_wp !! pixels
-   real(wp), parameter :: panel_height = 200.0_wp, head = 20.0_wp, foot = 62.0_wp, row_height = 17.0_wp
+   real(wp), parameter :: head = 20.0_wp, foot = 62.0_wp, row_height = 17.0_wp
    real(wp), parameter :: letter = 7.2_wp, sample = 26.0_wp   !! width of a letter; of the line in the legend
    real(wp), parameter :: ring = 3.5_wp                       !! radius
    character(*), parameter :: circle = 'a3.5 3.5 0 1 0 7 0a3.5 3.5 0 1 0 -7 0' !! from its leftmost point
@@ -61,7 +61,7 @@ contains
    pure real(wp) function height_of_plot(plot) result(height)
       type(plot_t), intent(in) :: plot
 
-      height = head + row_height*real(rows_of_legend(plot), wp) + panel_height + foot
+      height = head + row_height*real(rows_of_legend(plot), wp) + plot%height + foot
    end function height_of_plot
 
    !> Append a plot, `number` of its picture, below `top`.
@@ -75,7 +75,7 @@ contains
       integer :: k
 
       call find_range(plot, low, high)
-      panel = plot_panel_t(left, top + head + row_height*real(rows_of_legend(plot), wp), plot_width - left - right, panel_height, &
+      panel = plot_panel_t(left, top + head + row_height*real(rows_of_legend(plot), wp), plot_width - left - right, plot%height, &
                            plot%from, plot%to, low, high)
       tick = round_step((plot%to - plot%from)/ticks)
       if (plot%turning .and. plot%to - plot%from >= part_of_turn) tick = turn_tick

@@ -19,7 +19,7 @@ module psalm_scene
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_slide, motion_pose
    use psalm_panels, only: panel_t, tolerance_band_t, add_family_panels, add_rate_panels, add_study_panels, find_band
    use psalm_parts, only: drawn_joint_t, drawn_bar_t, drawn_body_t, drawn_slide_t, drawn_dyad_t, wheel_t, output_curve_t, &
-                          drive_part_t, edge_t, find_slides, convex_hull
+                          drive_part_t, edge_t, ghost_t, find_slides, convex_hull
    use psalm_sketch, only: output_point, output_pose, output_x, output_y
    use psalm_sketch_study, only: sketch_study_t, study_sketch
    use psalm_proof_scene, only: proof_scene_t, make_proof_scene
@@ -69,6 +69,7 @@ module psalm_scene
       type(clearance_scene_t), allocatable :: clearance   !! if the case has a joint with clearance
       type(proof_scene_t), allocatable :: proof           !! if the motion is proven, or links have a width
       integer, allocatable :: drawn(:)                    !! by point of the mechanism: the joint that is drawn there
+      type(ghost_t), allocatable :: ghosts(:)             !! equilibria
       type(panel_t), allocatable :: panels(:)             !! other curves over the sweep: rates, further outputs
       type(tolerance_band_t), allocatable :: band                   !! of the output, if the dimensions have tolerances
       type(allocation_scene_t), allocatable :: allotted   !! tolerances, if the case asks for the cheapest

@@ -231,6 +231,7 @@ contains
       call draw_regions(scene, k, text)
       call draw_envelope(scene, k, text)
       call draw_traces(scene, k, text)
+      call draw_equilibria(scene, k, text)
       if (scene%everywhere) then
          call text%add('<g'//stroke(1.1_wp, k)//' stroke-opacity="'//px(faintness(scene, most_links))//'">')
          do i = 1, scene%prescribed%n
@@ -267,6 +268,7 @@ contains
 
       call draw_regions(scene, k, text)
       call draw_envelope(scene, k, text)
+      call draw_equilibria(scene, k, text)
       call draw_path(scene, k, text)
       if (.not. (scene%desired .and. scene%motion == motion_point)) return
       do i = 1, scene%prescribed%n
@@ -566,6 +568,40 @@ contains
       end associate
       call text%add('</g>')
    end subroutine draw_rails
+
+   !> Equilibria in grey, dashed where they are not stable, with their numbers.
+   subroutine draw_equilibria(scene, k, text)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: k
+      type(text_t), intent(inout) :: text
+      integer :: g, b, j
+
+      if (.not. allocated(scene%ghosts)) return
+      do g = 1, size(scene%ghosts)
+         associate (ghost => scene%ghosts(g))
+            call text%add('<g class="equilibrium" data-equilibrium="'//trim(ghost%name)//'"'//stroke(1.8_wp, k)//'>')
+            do b = 1, size(scene%bars)
+               associate (bar => scene%bars(b))
+                  if (bar%start == bar%finish .or. class_of(scene, bar%body) == 'frame') cycle
+                  if (.not. (ghost%known(bar%start) .and. ghost%known(bar%finish))) cycle
+                  call text%add_text('<path class="ghost" d="M'//pair(ghost%x(bar%start), ghost%y(bar%start))//'L'// &
+                                     pair(ghost%x(bar%finish), ghost%y(bar%finish))//'"')
+                  if (.not. ghost%stable) call text%add_text(' stroke-dasharray="'//short_number(4.0_wp/k)//' '// &
+                                                             short_number(4.0_wp/k)//'"')
+                  call text%add('/>')
+               end associate
+            end do
+            do j = 1, size(scene%joints)
+               if (scene%joints(j)%fixed .or. .not. ghost%known(j)) cycle
+               call text%add('<text class="letter" transform="translate('//pair(ghost%x(j), ghost%y(j))//') scale('// &
+                             short_number(1.0_wp/k)//' '//short_number(-1.0_wp/k)//')" dx="7" dy="-7">'// &
+                             trim(ghost%name)//'</text>')
+               exit
+            end do
+            call text%add('</g>')
+         end associate
+      end do
+   end subroutine draw_equilibria
 
    !> The other assembly of each pair at the reference position.
    subroutine draw_ghosts(scene, k, text)

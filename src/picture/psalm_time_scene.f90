@@ -37,7 +37,7 @@ module psalm_time_scene
 contains
 
    !> Follow the motion of a case with the group TIME that `check_time` found no fault with. `found` is false if there is none to be
-   !> shown: TIME asks for equilibria alone, or `why` says how it ends at its beginning.
+   !> shown: TIME asks for equilibria alone (`frames%motion` has them), or `why` says how it ends at its beginning.
    subroutine find_frames(set, prepared, frames, found, why, stop)
       type(data_set_t), intent(in) :: set
       type(prepared_t), intent(in) :: prepared
@@ -54,11 +54,15 @@ contains
       why = ''
       time = time_of(set)
       end = time%times(size(time%times))
-      if (.not. end > 0.0_wp) return
-      n = steps_of(time%times)
+      if (.not. (end > 0.0_wp .or. time%equilibria)) return
       allocate (frames%problem, frames%motion, forces)
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, frames%problem)
       call find_forces(set, frames%problem, prepared%given, forces)
+      if (.not. end > 0.0_wp) then
+         call find_time(set, frames%problem, prepared%given, forces, frames%motion, stop)
+         return
+      end if
+      n = steps_of(time%times)
       call find_time(set, frames%problem, prepared%given, forces, frames%motion, stop, &
                      [(end*(real(i, wp)/real(n, wp)), i=0, n)])
       found = size(frames%motion%time) > 1

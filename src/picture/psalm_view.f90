@@ -29,6 +29,7 @@ contains
    subroutine change_unit(scene, unit)
       type(scene_t), intent(inout) :: scene
       real(wp), intent(in) :: unit
+      integer :: g
 
       scene%low = scene%low/unit
       scene%high = scene%high/unit
@@ -44,6 +45,12 @@ contains
       scene%bars%barrel = scene%bars%barrel/unit
       if (allocated(scene%wheels)) scene%wheels%radius = scene%wheels%radius/unit
       if (allocated(scene%meshes)) scene%meshes = scene%meshes/unit
+      if (allocated(scene%ghosts)) then
+         do g = 1, size(scene%ghosts)
+            scene%ghosts(g)%x = scene%ghosts(g)%x/unit
+            scene%ghosts(g)%y = scene%ghosts(g)%y/unit
+         end do
+      end if
 
    contains
 

@@ -54,7 +54,7 @@ module psalm_every_six_bar
       six_bar_kind_t(stephenson_2, 7, [n, n, y, n, n], at_first_arm, 7324, y), &
       six_bar_kind_t(stephenson_3, 8, [n, n, n, n, y], 0, 117400, n), &
       six_bar_kind_t(stephenson_3, 10, [n, n, n, n, n], 0, 830300, n), &
-      six_bar_kind_t(stephenson_2, 10, [n, n, n, n, n], 0, 1521000, n)]
+      six_bar_kind_t(stephenson_2, 10, [n, n, n, n, n], 0, 760500, n)]
    real(wp), parameter :: same_error = 1.0e-6_wp     !! relative difference of two optima that are one
 
 contains

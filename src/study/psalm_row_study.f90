@@ -15,7 +15,7 @@ module psalm_row_study
    use psalm_time_study, only: time_study_t, increments_of
    implicit none (type, external)
    private
-   public :: solved_row_t, row_study_t, study_rows, study_times, find_sweep_outputs
+   public :: solved_row_t, row_study_t, study_rows, study_inputs, study_times, find_sweep_outputs
 
    !> A row of inputs.
    type :: solved_row_t
@@ -74,22 +74,34 @@ contains
       real(wp), allocatable :: inputs(:, :)
 
       inputs = increments_of(time)
-      study%dimensions = dimensions
-      allocate (study%problem)
-      call make_problem(set, mechanism, dimensions, parameters, study%problem)
-      ! it came there
-      study%problem%followed = .false.
-      call study%problem%set_inputs(inputs(marks, 1), inputs(marks, 2:))
-      allocate (study%prescribed%problem, source=study%problem)
-      call study%prescribed%problem%want_derivatives(.true., with_point=.true.)
-      call analyse_row(study, study%prescribed)
-      call solve_row(study, inputs(:, 1), study%sweep, inputs(:, 2:))
+      call study_inputs(set, mechanism, dimensions, parameters, inputs(marks, :), inputs, study)
       study%sweep%forces = time%forces%table
       study%prescribed%forces = time%forces%table%at_rows(marks)
       if (.not. present(chosen)) return
       allocate (study%chosen)
       call solve_row(study, [chosen], study%chosen)
    end subroutine study_times
+
+   !> Solve a linkage at some increments of its drives in place of its positions, and at others in place of the sweep.
+   subroutine study_inputs(set, mechanism, dimensions, parameters, inputs, sweep, study)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      type(parameters_t), intent(in) :: parameters
+      real(wp), intent(in) :: inputs(:, :), sweep(:, :) !! shape (positions, drives), as `increments_of` has them
+      type(row_study_t), intent(out) :: study
+
+      study%dimensions = dimensions
+      allocate (study%problem)
+      call make_problem(set, mechanism, dimensions, parameters, study%problem)
+      ! it came there
+      study%problem%followed = .false.
+      call study%problem%set_inputs(inputs(:, 1), inputs(:, 2:))
+      allocate (study%prescribed%problem, source=study%problem)
+      call study%prescribed%problem%want_derivatives(.true., with_point=.true.)
+      call analyse_row(study, study%prescribed)
+      call solve_row(study, sweep(:, 1), study%sweep, sweep(:, 2:))
+   end subroutine study_inputs
 
    !> The linkage of the prescribed positions at other inputs.
    subroutine solve_row(study, delt, row, own)

@@ -69,6 +69,8 @@ module psalm_time_study
       logical, allocatable :: stop_slides(:)      !! by stop
       real(wp), allocatable :: stops(:, :)        !! shape (rows, stops): their forces, N m or N, forwards
       type(event_t), allocatable :: events(:)
+      real(wp), allocatable :: jump_time(:)       !! shape (impacts): s; those at one time are one
+      real(wp), allocatable :: jumps(:, :, :)     !! shape (impacts, drives, 3): place as shown, rate before, after
       logical :: moves = .true.                   !! motion was asked for, not equilibria alone
       logical :: rests = .false.                  !! equilibria were asked for
       type(equilibria_t) :: equilibria
@@ -243,6 +245,7 @@ contains
          if (moving%asked) study%ended = time_on_request
       end if
       study%events = moving%events
+      call keep_jumps()
       call make_rows(row)
       if (row > 0) study%turnover = max(maxval(abs(study%forces%table%kinetic)), &
                                         maxval(abs(study%potential - study%potential(1))), maxval(abs(study%work)), &
@@ -450,6 +453,30 @@ contains
             study%balance(row) = state%kinetic + state%potential - study%work(row) + study%lost(row) - first_energy
          end associate
       end subroutine keep
+
+      !> Rates of the drives before and after impacts.
+      subroutine keep_jumps()
+         integer :: j
+
+         allocate (study%jump_time(moving%jumped), study%jumps(moving%jumped, drives, 3))
+         do j = 1, moving%jumped
+            study%jump_time(j) = moving%jumps(1, j)
+            study%jumps(j, :, :) = reshape(moving%jumps(2:, j), [drives, 3])
+            call show_places(study%jumps(j, :, 1))
+         end do
+      end subroutine keep_jumps
+
+      !> Increments of the drives, radians or lengths, become their places as shown.
+      subroutine show_places(places)
+         real(wp), intent(inout) :: places(:)             !! shape (drives)
+         integer :: d
+
+         where (.not. given%mechanism%actuators%slides) places = places*degrees_per_radian
+         places(1) = study%zero_input + places(1)
+         do d = 2, drives
+            if (given%mechanism%actuators(d)%geared) places(d) = set%sketch%drives(d)%ratio*places(1) + set%sketch%drives(d)%phase
+         end do
+      end subroutine show_places
 
       !> Rows of what has orders, which count from 0.
       subroutine keep_orders()

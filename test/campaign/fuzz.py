@@ -53,7 +53,7 @@ ALIEN_SIGNS = (b"untime", b"At line", b"acktrace", b"Error term", b"Program rec"
                b"Aborted", b"IEEE_", b"STOP")
 NO_NUMBER_SIGNS = (b"NaN", b"Inf", b"****")
 PROMISED = re.compile(r"case(\.(kalm|muscle|ssics|bridge|calm))?\.(dev[12789]|json)|case(\.(kalm|muscle|ssics|bridge|calm))?(-\d+)?(\.[a-z_]+\d*)?\.csv|case\.(nml|edit\.html)|"
-                      r"case(\.(ssics|bridge|calm|tolerances))?([-.]\d+)?\.(svg|html|nc|(?:flat\.)?dxf)")
+                      r"case(\.(ssics|bridge|calm|tolerances|phase))?([-.]\d+)?\.(svg|html|nc|(?:flat\.)?dxf)|case([-.]\d+)?\.mode-\d+-\d+\.svg")
 # data sets that take more than 0.1 s in one of the programs, and how often they are drawn, of once
 COSTLY = {"five_bar_cams", "needle_cam", "conjugate_cams", "knuckle_press", "measured_table", "swinging_roller", "yoke", "wedge_cam",
           "stephenson3_rod_driven", "rig_coupler", "link_loads", "drive_loads", "chain64", "pruned64", "carried_slides",

@@ -29,6 +29,7 @@ SEARCH = read("slopes.nml").replace("&SEARCH", "&TOLER TOLLEN=0.001, NTRIAL=3500
 CHART = read("bridge", "four_bar_haines.nml").replace("&CLEAR ", "&CLEAR NCRAD=5, NCANG=8, CEPS=0.5, ")
 PATHS = read("exact", "five_points_pivots.nml")
 ANALYSIS = read("sketch_four_bar.nml")
+SIX_BARS = read("exact", "stephenson_seven.nml")
 KINDS = read("types", "kinds_for_corner.nml")
 KINDS_IN_STAGES = KINDS.replace("&SEARCH ", "&SEARCH NFEW=5, ")
 
@@ -81,7 +82,7 @@ def parts_of(programs, program, text, name, parts, passes):
 
 
 def refusals(programs):
-    for text, words in ((ANALYSIS, "no numbered work"), (KINDS, "search over kinds")):
+    for text, words in ((ANALYSIS, "no numbered work"), (KINDS, "search over kinds"), (SIX_BARS, "not by parts")):
         case = Case(programs, "psalm", text)
         check("what cannot be divided is refused", case.run("--part", "1/2") == 2 and words in case.said, case.said)
     case = Case(programs, "psalm", SEARCH)
@@ -172,11 +173,46 @@ def over_ranks(programs, mpi):
             check("%s, %d ranks: the exit status of one process" % (mpi, ranks), case.code == code, case.said)
             check("%s, %d ranks: its bytes" % (mpi, ranks), case.files() == expected,
                   [f for f in {**expected, **case.files()} if expected.get(f) != case.files().get(f)])
+    six_bars(programs, over, mpi)
     case = Case(over, "psalm-mpi", SEARCH)
     case.run("--part", "1/2", before=("mpiexec." + mpi, "-n", "2"))
     check(mpi + ": a part of a job is refused", case.code == 2 and "share all parts" in case.said, case.said)
     ended(programs, over, mpi)
     return 0
+
+
+def six_bars(programs, over, mpi):
+    """The start set of six-bars, made and read by ranks: the bytes of one process, the set too; a job that is asked to end."""
+    kept = os.environ.get("XDG_CACHE_HOME")
+    found, starts = {}, {}
+    for ranks, folder in ((0, programs), (2, over), (3, over)):
+        case = Case(folder, "psalm-mpi" if ranks else "psalm", SIX_BARS)
+        cache = tempfile.mkdtemp()
+        os.environ["XDG_CACHE_HOME"] = cache
+        for _ in range(2):
+            case.run("--threads", "2", before=("mpiexec." + mpi, "-n", str(ranks)) if ranks else ())
+            found[len(found)] = case.code, case.files()
+            with open(os.path.join(cache, "psalm", *os.listdir(os.path.join(cache, "psalm"))), "rb") as file:
+                starts[len(starts)] = file.read()
+    check(mpi + ", six-bars: the bytes of one process, whether ranks make the start set or read it",
+          all(found[k] == found[0] for k in found), [sorted(f) for _, f in found.values()])
+    check(mpi + ", six-bars: and their start set", all(starts[k] == starts[0] for k in starts))
+    os.environ["XDG_CACHE_HOME"] = tempfile.mkdtemp()
+    case = Case(over, "psalm-mpi", SIX_BARS.replace("NPOINT=7", "NPOINT=11, START=1").replace("PIVOTS=-1.4,-0.5, CRANK=0.4,0.1, ", ""))
+    job = subprocess.Popen(["mpiexec." + mpi, "-n", "2", os.path.join(over, "psalm-mpi"), "c.nml"], cwd=case.place,
+                           stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    begun = time.time()
+    while job.poll() is None and time.time() - begun < 20 and not os.path.isdir(os.path.join(os.environ["XDG_CACHE_HOME"], "psalm")):
+        time.sleep(0.02)
+    for rank in ranks_of(case.place)[-1:]:
+        os.kill(rank, signal.SIGTERM)
+    listing, said = job.communicate()
+    check(mpi + ", six-bars, TERM to one rank: the job ends and says so", job.returncode == 1 and b"stopped" in listing + said,
+          (job.returncode, said))
+    if kept is None:
+        del os.environ["XDG_CACHE_HOME"]
+    else:
+        os.environ["XDG_CACHE_HOME"] = kept
 
 
 def ended(programs, over, mpi):

@@ -11,10 +11,14 @@ program test_exact
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_leg_problem, only: kind_point, kind_pose, leg_problem_t, make_problem, variables
    use psalm_monodromy, only: generic_t, solve_generic
+   use psalm_six_bar_paths, only: polish
+   use psalm_six_bar_problem, only: draw_six_bar, make_six_bar_problem, most_unknowns, order_legs, six_bar_data_t, &
+                                    six_bar_problem_t, stephenson_2, stephenson_3, at_output, at_first_arm
    use psalm_six_bars, only: closing_links, find_stephenson, find_watt, most_links, six_bar_output, six_bar_t, six_bars_t
    use psalm_start_text, only: decode, decode_short, encode, encode_short
    use psalm_text, only: to_text
    use psalm_desired_function, only: function_kind, desired_function_t
+   use psalm_xoshiro, only: purpose_starts, xoshiro_t
    implicit none (type, external)
    type(checks_t) :: t
    real(wp), parameter :: tight = 1.0e-11_wp
@@ -23,6 +27,7 @@ program test_exact
    call four()
    call functions()
    call six_bars()
+   call exchanged_legs()
    call counts()
    call certificates()
    call cognates()
@@ -340,6 +345,46 @@ contains
       call assess(one, .true., verdict)
       call t%is_true(verdict%class == 5 .and. .not. verdict%circuit, 'the other assembly of a crank-rocker: a defect of circuit')
    end subroutine defects
+
+   !> Legs of Stephenson II exchanged are the same linkage: another solution, put into the same order. Where their numbers are given
+   !> they are not, nor are those of other types.
+   subroutine exchanged_legs()
+      integer, parameter :: exchanged(*) = [2, 1, 3, 5, 4, 7, 6, 8, 10, 9]
+      logical :: free(most_unknowns), given(most_unknowns), drawn
+      type(six_bar_problem_t) :: problem
+      type(six_bar_data_t) :: data
+      type(xoshiro_t) :: random
+      complex(wp) :: x(10, 2), polished(10, 2)
+      real(wp) :: left(2)
+      integer :: i
+
+      free = .false.
+      given = free
+      given(at_output) = .true.
+      call make_six_bar_problem(stephenson_2, 10, free, 0, problem)
+      call random%seed(1, purpose_starts)
+      do i = 1, 100
+         call draw_six_bar(problem, random, data, x(:, 1), drawn)
+         if (drawn) exit
+      end do
+      call t%is_true(drawn, 'a Stephenson II is drawn')
+      if (.not. drawn) return
+      x(:, 2) = x(exchanged, 1)
+      polished = x
+      call polish(problem, data, polished, left)
+      call t%is_true(all(abs(polished - x) <= 1.0e-9_wp*(1.0_wp + abs(x))), 'with its legs exchanged it is a solution, too')
+      call order_legs(problem, x)
+      call t%is_true(all(abs(x(:, 1) - x(:, 2)) <= 0.0_wp), 'both have one order')
+      call t%is_true(any([(all(abs(x(:, 1) - polished(:, i)) < 1.0e-9_wp), i=1, 2)]), 'which is that of one of them')
+      x(:, 2) = x(exchanged, 1)
+      call make_six_bar_problem(stephenson_2, 7, given, at_first_arm, problem)
+      polished = x
+      call order_legs(problem, x)
+      call t%is_true(all(abs(x - polished) <= 0.0_wp), 'legs with a given length keep their order')
+      call make_six_bar_problem(stephenson_3, 10, free, 0, problem)
+      call order_legs(problem, x)
+      call t%is_true(all(abs(x - polished) <= 0.0_wp), 'those of Stephenson III, too')
+   end subroutine exchanged_legs
 
    subroutine texts()
       real(wp), parameter :: values(6) = [0.0_wp, 1.0_wp, -0.7312345678_wp, 1.0e-9_wp, -7.3e11_wp, 1.0_wp - epsilon(1.0_wp)]

@@ -5,6 +5,7 @@ usage: test/web/time_pages.py PROGRAM_DIRECTORY. Last line: N passed, N failed.
 """
 import glob
 import json
+import math
 import os
 import re
 import shutil
@@ -16,6 +17,7 @@ from playwright.sync_api import sync_playwright
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, "..", "tools"))
 import picture_tools
+from curve_plots import plots_of
 from page_in_browser import Page
 from picture_tools import DATA, FLAGS, changed, check, page_data, read, run, write
 
@@ -32,7 +34,7 @@ LOOPS = """OFFSET SLIDER-CRANK THAT A MOTOR STARTS
 
 def both(name, codes=(0, 0)):
     """A case NAME.nml by kalm and by balm: blocks of tables, the case of the page."""
-    for program, more, code in (("kalm", ["--json"], codes[0]), ("balm", ["--animate", "--curves"], codes[1])):
+    for program, more, code in (("kalm", ["--json"], codes[0]), ("balm", ["--animate", "--curves", "--phase"], codes[1])):
         done = run(os.path.join(picture_tools.programs, program), *more, "--quiet", name + ".nml")
         check("%s %s ends with %d" % (program, name, code), done[0] == code, "%d %s" % (done[0], done[2]))
     with open(name + ".kalm.json", encoding="utf-8") as file:
@@ -89,6 +91,122 @@ def test_states():
             if key.startswith("stop."):
                 stop = line(case, "stop %s, N m" % key[len("stop."):])
                 near(name + ": force of a stop", [stop[frame] for frame in frames], time[key], max(map(abs, time[key])))
+
+
+def test_phase():
+    """Speeds over places are those that kalm lists; impacts are jumps between the speeds of its events."""
+    for path in sorted(glob.glob(os.path.join(DATA, "time", "*.nml"))):
+        name = os.path.basename(path)[:-len(".nml")]
+        with open(name + ".kalm.json", encoding="utf-8") as file:
+            blocks = {block: table["columns"] for block, table in json.load(file)["cases"][0]["blocks"].items()}
+        time, case = blocks["time"], page_data(name + ".html")[0]
+        given = {"crane": ["A"]}.get(name, [])
+        drives = [key[5:] for key in time if re.fullmatch(r"input(\.[A-Z]\w*)?", key) and key[6:] not in given]
+        plots = plots_of(name + ".phase.svg")
+        check(name + ": a phase plane for each free drive", len(plots) == len(drives), (drives, len(plots)))
+        hits = [k for k, kind in enumerate(blocks.get("events", {"event": []})["event"]) if kind == "impact"]
+        for plot, drive in zip(plots, drives):
+            places, speeds = time["input" + drive], time["input" + drive + ".v"]
+            follow(name + ": phase plane of " + (drive[1:] or "the drive"), plot, places, speeds)
+            check(name + ": start and end", near_point(plot, plot.line("start")[0], places[0], speeds[0]) and
+                  near_point(plot, plot.line("end")[0], places[-1], speeds[-1]))
+            strokes = [point for point in plot.line("motion") if point]
+            check(name + ": as many points as states, and three for each impact but for a gap",
+                  len(strokes) == case["sweep"]["n"] + 2*len(times_of(blocks, hits)), (len(strokes), case["sweep"]["n"]))
+            if "equilibria" in blocks:
+                rests, stable = blocks["equilibria"]["input" + drive], blocks["equilibria"]["stable"]
+                for label, kind in (("equilibrium", 1), ("equilibrium, not stable", 0)):
+                    marks = [place for place, is_so in zip(rests, stable) if is_so == kind]
+                    drawn = [point for point in plot.line(label) if point] if marks else []
+                    check(name + ": " + label, len(marks) == len(drawn) and
+                          all(near_point(plot, point, place, 0.0) for point, place in zip(drawn, marks)), (marks, drawn))
+        # a stop of the only free drive's own joint has that drive's rates
+        if name in ("toggle", "door_closer", "garage_door"):
+            jumps = [point for point in plots[0].line("impact") if point]
+            events = blocks["events"]
+            check(name + ": there are impacts", len(hits) > 0)
+            check(name + ": their jumps", len(jumps) == 2*len(hits) and all(
+                abs(jumps[2*i + side][1] - events[which][k]) <= 2*plots[0].error()
+                for i, k in enumerate(hits) for side, which in enumerate(("before", "after"))), (jumps, hits))
+            gaps = sum(point is None for point in plots[0].line("motion"))
+            check(name + ": the line is broken there", gaps == len(hits), (gaps, len(hits)))
+    write("still.nml", re.sub(r"&TIME .*?&END", "&TIME IEQUIL=1 &END", read("sprung_four_bar.nml")))
+    done = picture_tools.balm("--phase", "still.nml")
+    check("no motion: no phase plane, and says so", done[0] == 0 and "--phase draws motions in time" in done[2] and
+          not os.path.exists("still.phase.svg"), done)
+
+
+BARS = """TWO BARS THAT HANG
+ &CHAIN JNT='A','B','C', JX=3*0.0, JY=0.0,-1.0,-2.0, LNAME='frame','upper','lower', LNK='A','A B','B C' &END
+ &DRIVES DRIVE='A','B', DELT2=0.0 &END
+ &OUTPUTS OUTPUT='point C' &END
+ &METHOD NDES=1, DELT=0.0 &END
+ &MASSES MNAME='upper A','lower B', MASS=1.0,1.0, MDIST=0.5,0.5, MINERT=0.08333333333333333,0.08333333333333333, GRAVY=-9.81 &END
+ &TIME IEQUIL=1 &END
+"""
+
+
+def test_modes():
+    """Equilibria are ghosts where kalm has them; the modes of the stable ones swing in its shapes, each in an SVG of its own."""
+    write("bars.nml", BARS)
+    for name, drives in (("bars", (".A", ".B")), ("sprung_four_bar", ("",))):
+        blocks, _ = both(name)
+        cases, rests, motions = page_data(name + ".html"), blocks["equilibria"], blocks["small_motion"]
+        joints = [joint["name"] for joint in cases[0]["joints"]]
+        check(name + ": a ghost for each equilibrium", len(cases[0]["ghosts"]) == len(rests["equilibrium"]) > 1 and
+              [ghost["stable"] for ghost in cases[0]["ghosts"]] == [bool(stable) for stable in rests["stable"]])
+        first = turn_of(cases[0]["sweep"], joints, 0) if name == "sprung_four_bar" else -90.0
+        for k, ghost in enumerate(cases[0]["ghosts"]):
+            away = turn_of(ghost, joints) - first - rests["input" + drives[0]][k]
+            check("%s: ghost %d is where it rests" % (name, k + 1), abs((away + 180.0) % 360.0 - 180.0) < 1e-6, away)
+        wanted = [i for i, k in enumerate(motions["equilibrium"]) if rests["stable"][k - 1] and not rests["stop"][k - 1]]
+        check(name + ": a scene for each mode of the stable ones", len(cases) == 1 + len(wanted) > 1, len(cases))
+        for case, i in zip(cases[1:], wanted):
+            k, mode = motions["equilibrium"][i], motions["mode"][i]
+            law = "%s: equilibrium %d, mode %d" % (name, k, mode)
+            said = re.search(r"equilibrium %d, mode %d, ([\d.E+-]+) Hz, drawn with ([\d.]+) degrees of" % (k, mode), case["title"])
+            check(law + ": its title", said and abs(float(said[1])/motions["frequency"][i] - 1.0) < 1e-3, case["title"])
+            check(law + ": one oscillation", case["sweep"]["n"] == 360 and case["inputLabel"] == "phase, degrees" and "time" not in case)
+            shape = [motions["shape.input" + drive][i] for drive in drives]
+            swing = 0.15*180.0/math.pi
+            check(law + ": the largest amplitude", said and abs(float(said[2]) - swing*max(map(abs, shape))) < 1e-2)
+            for phase in (0, 37, 90, 270):
+                for d, drive in enumerate(drives):
+                    move = swing*shape[d]*math.sin(math.radians(phase))
+                    if drive:
+                        found = case["drives"][d]["sweep"][phase]
+                    else:
+                        found = turn_of(case["sweep"], joints, phase) - first
+                    away = found - rests["input" + drive][k - 1] - move
+                    check(law + ": drive %d at %d degrees" % (d + 1, phase), abs((away + 180.0) % 360.0 - 180.0) < 1e-6, away)
+            svg = read("%s.mode-%d-%d.svg" % (name, k, mode))
+            lists = re.findall(r' values="([^"]+)"', svg)
+            check(law + ": the SVG moves and closes", lists and all(one.split(";")[0] == one.split(";")[-1] for one in lists) and
+                  svg.count('class="equilibrium"') == len(rests["equilibrium"]))
+    check("no mode about what is not stable", not os.path.exists("sprung_four_bar.mode-2-1.svg"))
+
+
+def turn_of(row, joints, frame=None):
+    """Angle of the line from A to B, degrees."""
+    a, b = joints.index("A"), joints.index("B")
+    at = [[value(row[axis][j], frame) if frame is not None else row[axis][j] for axis in "xy"] for j in (a, b)]
+    return math.degrees(math.atan2(at[1][1] - at[0][1], at[1][0] - at[0][0]))
+
+
+def times_of(blocks, hits):
+    """Impacts at one time are one jump."""
+    return {blocks["events"]["time"][k] for k in hits}
+
+
+def near_point(plot, point, place, speed):
+    wide = 0.02*(plot.last - plot.first)/plot.box[2]
+    return abs(point[0] - place) <= wide and abs(point[1] - speed) <= 2*plot.error()
+
+
+def follow(law, plot, places, speeds):
+    """All states are points of the line, in this order."""
+    points = iter(point for point in plot.line("motion") if point)
+    check(law, all(any(near_point(plot, point, place, speed) for point in points) for place, speed in zip(places, speeds)))
 
 
 def test_loops():
@@ -207,6 +325,8 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         test_states()
+        test_phase()
+        test_modes()
         test_loops()
         test_animation()
         test_long_motion()
