@@ -50,7 +50,7 @@ module psalm_time_study
    !> The motion at the times that were asked for, up to where it ended.
    type :: time_study_t
       integer :: ended = time_done
-      integer :: loop = 0                         !! `time_open`: the loop; `time_wound`: the spring; `time_jammed`: the joint, a stop
+      integer :: loop = 0                         !! `time_open`: the loop; `time_wound`: the spring; `time_jammed`: its joint
       real(wp) :: stopped = 0.0_wp                !! s: where it ended
       real(wp) :: end = 0.0_wp                    !! s: where it was to end
       integer :: steps = 0
@@ -462,6 +462,10 @@ contains
          do j = 1, moving%jumped
             study%jump_time(j) = moving%jumps(1, j)
             study%jumps(j, :, :) = reshape(moving%jumps(2:, j), [drives, 3])
+            ! with other drives those of the case are counted from time 0
+            if (size(study%exchanges) > 0) then
+               if (study%jump_time(j) > study%exchanges(1)%time) study%jumps(j, :, 1) = study%jumps(j, :, 1) + start
+            end if
             call show_places(study%jumps(j, :, 1))
          end do
       end subroutine keep_jumps
