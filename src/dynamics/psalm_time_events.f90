@@ -6,13 +6,20 @@ module psalm_time_events
    implicit none (type, external)
    private
    public :: marks_t, passage_t, crossings_of, value_of
+   public :: rub_none, rub_stops, rub_slips, rub_kink
 
    integer, parameter :: samples = 32                 !! of a step, in which a joint may reach its stop and leave it again
+   real(wp), parameter :: near_zero = 1.0e-9_wp       !! part of the force at the end of a step: less at its beginning is 0
    real(wp), parameter :: on_kink = 1.0e-11_wp        !! part of the span of a table: so near a kink it is there
+
+   integer, parameter :: rub_none = 0, rub_stops = 1, rub_slips = 2, rub_kink = 3 !! a joint with friction comes to rest; friction
+                                                   !! no longer holds it; the force that makes friction changes its sign
 
    !> What events are known by at a moment.
    type :: marks_t
       real(wp), allocatable :: place(:), pace(:), growth(:), push(:) !! by stop, as `free_motion_t` has them
+      real(wp), allocatable :: spare(:)               !! by stop: what friction could hold beyond what it does
+      real(wp), allocatable :: parts(:, :)            !! by joint with friction: what it grows with
       real(wp) :: input = 0.0_wp, speed = 0.0_wp      !! of the first drive: degrees or length as tables count them; by time
    end type marks_t
 
@@ -20,6 +27,8 @@ module psalm_time_events
    type :: passage_t
       integer :: stop = 0, side = side_none
       logical :: lifts = .false.                      !! the value is the force of the stop, else the way to it
+      integer :: rub = rub_none                       !! `rub_...`
+      integer :: part = 0                             !! `rub_kink`: which
       integer :: table = 0                            !! `kink_...`, 0: no table
       real(wp) :: kink = 0.0_wp, sense = 1.0_wp       !! the value is sense times what is left to the kink
       real(wp) :: within = 0.0_wp                     !! s: by then its value is negative
@@ -54,6 +63,18 @@ contains
             if (limit_of(motion, one) >= huge(1.0_wp)) cycle
             if (value_of(motion, one, after) >= 0.0_wp) one%within = lowest_within()
             if (one%within > 0.0_wp) call add()
+         end do
+      end do
+      do k = motion%smooth + 1, size(motion%stops)
+         one = passage_t(stop=k, within=h, rub=merge(rub_slips, rub_stops, motion%stuck(k)))
+         if (value_of(motion, one, after) < 0.0_wp) call add()
+         if (motion%stuck(k) .or. .not. motion%stops(k)%slides) cycle
+         do side = 1, 2
+            associate (from => before%parts(side, k - motion%smooth), to => after%parts(side, k - motion%smooth))
+               if (.not. (from*to < 0.0_wp .and. abs(from) > near_zero*abs(to))) cycle
+               one = passage_t(stop=k, within=h, rub=rub_kink, part=side, sense=sign(1.0_wp, from))
+               call add()
+            end associate
          end do
       end do
       if (any(motion%loads%loads%table > 0)) call find_kink(motion%model%table_input, .not. motion%slides(1), before%input, &
@@ -129,7 +150,13 @@ contains
       type(passage_t), intent(in) :: crossing
       type(marks_t), intent(in) :: marks
 
-      if (crossing%table == kink_input) then
+      if (crossing%rub == rub_stops) then
+         value_of = motion%sense_of_slip(crossing%stop)*marks%pace(crossing%stop)
+      else if (crossing%rub == rub_slips) then
+         value_of = marks%spare(crossing%stop)
+      else if (crossing%rub == rub_kink) then
+         value_of = crossing%sense*marks%parts(crossing%part, crossing%stop - motion%smooth)
+      else if (crossing%table == kink_input) then
          value_of = crossing%sense*(crossing%kink - marks%input)
       else if (crossing%table == kink_speed) then
          value_of = crossing%sense*(crossing%kink - marks%speed)

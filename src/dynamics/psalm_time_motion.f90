@@ -17,11 +17,11 @@ module psalm_time_motion
    use psalm_root, only: root_search_t, begin_search
    use psalm_stiff_steps, only: stiff_steps_t
    use psalm_stop, only: stop_t
-   use psalm_time_events, only: passage_t, marks_t, crossings_of, value_of
+   use psalm_time_events, only: passage_t, marks_t, crossings_of, value_of, rub_none, rub_stops, rub_slips
    implicit none (type, external)
    private
    public :: time_motion_t, event_t, begin_motion
-   public :: event_impact, event_rest, event_lift
+   public :: event_impact, event_rest, event_lift, event_stick, event_slip
 
    real(wp), parameter :: collapsed = 1.0e-13_wp   !! part of the whole time: no step is shorter
    real(wp), parameter :: creeping = 1.0e-7_wp     !! part of the whole time: so many steps in turn that are shorter,
@@ -42,6 +42,10 @@ module psalm_time_motion
    integer, parameter :: event_impact = 1          !! a joint hits its stop
    integer, parameter :: event_rest = 2            !! it rests on it from then on
    integer, parameter :: event_lift = 3            !! it leaves it, because nothing presses it there
+   integer, parameter :: event_stick = 4           !! friction holds a joint from then on
+   integer, parameter :: event_slip = 5            !! until then
+   real(wp), parameter :: within = 1.0e-12_wp      !! part of what friction can hold: so much more is held
+   real(wp), parameter :: nothing = 1.0e-9_wp      !! part of the greatest acceleration of a joint with friction: less is 0
 
    !> What happened at a time.
    type :: event_t
@@ -73,6 +77,7 @@ module psalm_time_motion
       logical :: asked = .false.                      !! it was asked for
       type(event_t), allocatable :: events(:)
       real(wp), allocatable :: begun(:)               !! by drive of the case: its input at time 0
+      real(wp), allocatable :: fastest(:)             !! by stop: rate of a joint with friction so far, at its events
       integer :: jumped = 0                           !! impacts, several at a time as one
       real(wp), allocatable :: jumps(:, :)            !! shape (1 + 3 drives, at least `jumped`): time, s; by drive its place,
                                                       !! its rate before and after, as `free_state_t` has them
@@ -97,6 +102,7 @@ module psalm_time_motion
       procedure, private :: rest_on_stops
       procedure, private :: blow
       procedure, private :: settle
+      procedure, private :: choose_friction
       procedure, private :: longest_step
       procedure, private :: note
       procedure, private :: note_stability
@@ -128,10 +134,12 @@ contains
          moving%y = [moving%motion%start(moving%motion%free), speeds, 0.0_wp, 0.0_wp]
          moving%largest = abs(moving%y(:2*f))
          allocate (moving%first(2*f + 2))
+         allocate (moving%fastest(size(moving%motion%stops)), source=0.0_wp)
       end associate
       call moving%rates(0.0_wp, moving%y, moving%first, valid)
       if (.not. valid) return
-      call moving%meet_stops(valid)
+      call moving%choose_friction(valid)
+      if (valid) call moving%meet_stops(valid)
       if (valid) call moving%motion%anchor()
    end subroutine begin_motion
 
@@ -256,7 +264,8 @@ contains
          end if
          self%largest = max(self%largest, abs(self%y(:size(self%largest))))
          self%steps = self%steps + 1
-         if (any(self%motion%resting /= side_none)) then
+         self%fastest(:) = max(self%fastest, abs(self%motion%pace))
+         if (any(self%motion%resting /= side_none) .or. any(self%motion%stuck)) then
             call self%settle()
             call self%rates(self%time, self%y, self%first, reached)
             if (.not. reached) return
@@ -355,6 +364,8 @@ contains
       marks%pace = self%motion%pace
       marks%growth = self%motion%growth
       marks%push = self%motion%push
+      marks%spare = self%motion%most_held*(1.0_wp + within) - abs(self%motion%push)
+      marks%parts = self%motion%parts
       marks%input = self%motion%first_input(self%time, self%y(:size(self%motion%free)))
       marks%speed = self%motion%first_speed(self%time, self%y(size(self%motion%free) + 1:))
    end function marks
@@ -394,7 +405,10 @@ contains
       call self%rates(self%time, self%y, self%first, valid)
       if (.not. valid) return
       associate (crossing => crossings(first))
-         if (crossing%lifts) then
+         if (crossing%rub /= rub_none) then
+            if (crossing%rub == rub_stops .or. crossing%rub == rub_slips) &
+               call self%choose_friction(valid, crossing%stop, crossing%rub == rub_slips)
+         else if (crossing%lifts) then
             call self%note(event_t(time=self%time, kind=event_lift, stop=crossing%stop))
             self%motion%resting(crossing%stop) = side_none
             call self%rates(self%time, self%y, self%first, valid)
@@ -500,7 +514,11 @@ contains
             motion%resting(k) = side_none
          end do
       end associate
-      call self%rates(self%time, self%y, self%first, valid)
+      if (any(abs(impulse) > 0.0_wp) .and. self%motion%rubs() > 0) then
+         call self%choose_friction(valid)
+      else
+         call self%rates(self%time, self%y, self%first, valid)
+      end if
       if (valid) call self%rest_on_stops(touched, least, valid)
       if (valid .and. any(abs(impulse) > 0.0_wp)) call self%note_jump(y_before)
    end subroutine meet_stops
@@ -593,25 +611,115 @@ contains
       impulse = impulse + own
    end subroutine blow
 
-   !> Put joints that rest exactly on their stops, at rate 0.
+   !> Put joints that rest exactly on their stops, and those that friction holds where it does, at rate 0.
    subroutine settle(self)
       class(time_motion_t), intent(inout) :: self
-      real(wp) :: loosened(size(self%size_of)), yields, limit
-      integer :: f, k
+      real(wp), dimension(size(self%size_of)) :: loosened, back, slower
+      real(wp) :: yields, limit
+      integer :: f, j, k
 
       f = size(self%size_of)
       do k = 1, size(self%motion%resting)
          associate (motion => self%motion)
-            if (motion%resting(k) == side_none) cycle
+            if (motion%resting(k) == side_none .and. .not. motion%stuck(k)) cycle
             loosened = motion%loosen(k)
             yields = dot_product(motion%normal(k, motion%free), loosened)
             if (.not. yields > 0.0_wp) cycle
-            limit = merge(motion%stops(k)%high, motion%stops(k)%low, motion%resting(k) == side_high)
-            self%y(:f) = self%y(:f) + loosened*((limit - motion%place(k))/yields)
-            self%y(f + 1:2*f) = self%y(f + 1:2*f) - loosened*(motion%pace(k)/yields)
+            limit = motion%stuck_at(k)
+            if (.not. motion%stuck(k)) limit = merge(motion%stops(k)%high, motion%stops(k)%low, motion%resting(k) == side_high)
+            back = loosened*((limit - motion%place(k))/yields)
+            slower = loosened*(motion%pace(k)/yields)
+            self%y(:f) = self%y(:f) + back
+            self%y(f + 1:2*f) = self%y(f + 1:2*f) - slower
+            ! another joint of the same motion then has nothing to correct
+            do j = 1, size(motion%place)
+               motion%place(j) = motion%place(j) + dot_product(motion%normal(j, motion%free), back)
+               motion%pace(j) = motion%pace(j) - dot_product(motion%normal(j, motion%free), slower)
+            end do
          end associate
       end do
+      ! a drive that friction holds still is still
+      if (any(self%motion%stuck)) then
+         where (abs(self%y(f + 1:2*f)) <= epsilon(1.0_wp)**2*self%largest(f + 1:)) self%y(f + 1:2*f) = 0.0_wp
+      end if
    end subroutine settle
+
+   !> Which joints with friction are stuck, and which way others slip: those that move as they move; of those at rest all are stuck
+   !> that friction can hold, and others slip the way that the force goes. One of them may be known to slip.
+   subroutine choose_friction(self, valid, joint, slips)
+      class(time_motion_t), intent(inout) :: self
+      logical, intent(out) :: valid
+      integer, intent(in), optional :: joint          !! that has come to rest, or that is not held any longer
+      logical, intent(in), optional :: slips          !! it is not held
+      logical, allocatable :: still_there(:), was(:)
+      real(wp), allocatable :: excess(:)
+      real(wp) :: greatest
+      integer :: k, round
+
+      valid = .true.
+      if (self%motion%rubs() == 0) return
+      associate (motion => self%motion)
+         was = motion%stuck
+         allocate (still_there(size(was)), source=.false.)
+         allocate (excess(size(was)), source=0.0_wp)
+         do k = motion%smooth + 1, size(was)
+            self%fastest(k) = max(self%fastest(k), abs(motion%pace(k)))
+            still_there(k) = abs(motion%pace(k)) <= nothing*self%fastest(k)
+            if (present(joint)) still_there(k) = still_there(k) .or. k == joint
+            if (.not. still_there(k) .and. abs(motion%pace(k)) > 0.0_wp) &
+               motion%sense_of_slip(k) = sign(1.0_wp, motion%pace(k))
+         end do
+         motion%stuck = still_there
+         where (still_there .and. .not. was) motion%stuck_at = motion%place
+         if (present(slips)) then
+            if (slips) call release(joint)
+         end if
+         do round = 1, size(was) + 1
+            call self%rates(self%time, self%y, self%first, valid)
+            if (.not. valid) return
+            greatest = maxval(abs(motion%growth))
+            excess = 0.0_wp
+            do k = motion%smooth + 1, size(was)
+               if (.not. motion%stuck(k)) cycle
+               excess(k) = abs(motion%push(k)) - motion%most_held(k)*(1.0_wp + within)
+               if (abs(motion%growth(k)) > nothing*greatest .and. .not. abs(motion%push(k)) > 0.0_wp) excess(k) = huge(1.0_wp)
+            end do
+            k = maxloc(excess, dim=1)
+            if (.not. excess(k) > 0.0_wp) exit
+            call release(k)
+         end do
+         do k = motion%smooth + 1, size(was)
+            if (motion%stuck(k) .and. .not. was(k)) call self%note(event_t(time=self%time, kind=event_stick, stop=k))
+            if (was(k) .and. .not. motion%stuck(k)) call self%note(event_t(time=self%time, kind=event_slip, stop=k))
+         end do
+         if (any(motion%stuck)) then
+            call self%settle()
+            call self%rates(self%time, self%y, self%first, valid)
+         end if
+      end associate
+
+   contains
+
+      !> Let a joint slip the way that what holds it keeps it from; with one free drive all that are at rest slip.
+      subroutine release(k)
+         integer, intent(in) :: k
+         integer :: i
+
+         associate (motion => self%motion)
+            do i = motion%smooth + 1, size(motion%stuck)
+               if (.not. motion%stuck(i)) cycle
+               if (i /= k .and. size(motion%free) > 1) cycle
+               motion%stuck(i) = .false.
+               if (abs(motion%push(i)) > 0.0_wp) then
+                  motion%sense_of_slip(i) = -sign(1.0_wp, motion%push(i))
+               else
+                  motion%sense_of_slip(i) = sign(1.0_wp, motion%growth(i))
+               end if
+               motion%push(i) = 0.0_wp
+            end do
+         end associate
+      end subroutine release
+   end subroutine choose_friction
 
    !> So long a step may be: joints with stops are not to turn farther, and what leaves a stop is not to come back in the same step.
    pure real(wp) function longest_step(self) result(longest)

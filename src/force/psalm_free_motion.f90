@@ -12,6 +12,7 @@ module psalm_free_motion
    use psalm_joint_stops, only: joint_stop_t, place_at, rate_at, press, side_none
    use psalm_kinds, only: wp, pi, degrees_per_radian, radians_per_degree, full_turn
    use psalm_kinetostatics, only: forces_t, prepare_forces, move_bodies, clear_wrenches, add_source, sweep, external_power, &
+                                  friction_parts, &
                                   sources_of, source_inertia, source_weight
    use psalm_linear, only: solve_positive
    use psalm_machine, only: motor_torque
@@ -19,11 +20,14 @@ module psalm_free_motion
    use psalm_potential, only: potential_energy, torsion
    use psalm_rates, only: rates_t, prepare_rates, differentiate
    use psalm_shown_input, only: input_at, reference_input
+   use psalm_elementary, only: hypotenuse
    implicit none (type, external)
    private
    public :: free_motion_t, free_state_t, make_free_motion
 
    integer, parameter :: orders = 2        !! of rates
+   integer, parameter :: most_rounds = 200 !! of friction, which depends on the forces that it changes: then it jams
+   real(wp), parameter :: settled = 4.0_wp*epsilon(1.0_wp) !! part of the largest friction: a change that is none
    real(wp), parameter :: least_inertia = 1.0e-12_wp !! what others leave of the inertia at a drive, as a part of it: less is 0
    real(wp), parameter :: same_motion = 1.0e-9_wp    !! what other stops leave of a motion, as a part of it: less is 0
 
@@ -45,6 +49,16 @@ module psalm_free_motion
       logical, allocatable :: side(:)                  !! by loop: two slides of it are on the positive side of each other at time 0
       integer :: open_loop = 0                         !! why the last evaluation has no result: this loop does not close,
       logical :: massless = .false.                    !! or some motion of the free drives moves no mass
+      integer :: jammed = 0                            !! or friction of this stop, a joint, has no force that agrees with its load
+      ! friction: joints of the last stops, without limits; others have none
+      integer :: smooth = 0                            !! so many stops come before them
+      logical, allocatable :: stuck(:)                 !! by stop: its joint is held by friction,
+      real(wp), allocatable :: sense_of_slip(:)        !! or slips this way, 1 or -1
+      real(wp), allocatable :: stuck_at(:)             !! by stop: place there
+      real(wp), allocatable :: rest_coefficient(:)     !! by joint with friction: at rest
+      real(wp), allocatable :: parts(:, :)             !! shape (2, joints with friction): what their friction grows with
+      real(wp), allocatable :: most_held(:)            !! by stop: friction at rest holds so much, N m, N times metre
+      real(wp) :: level = 0.0_wp                       !! J: added to the potential energy, whose zero is that of the input pivot
       integer :: wound = 0                             !! a torsional spring that was turned past half a turn of SFREE, 0: none
       real(wp), allocatable :: turned(:)               !! by spring, torsional: from SFREE where `anchor` saw it last, radians
       type(joint_stop_t), allocatable :: stops(:)
@@ -70,6 +84,7 @@ module psalm_free_motion
       procedure :: rate_for
       procedure :: first_input
       procedure :: first_speed
+      procedure :: rubs
       procedure, private :: table_input
       procedure, private :: put_normal
       procedure, private :: put_inputs
@@ -92,14 +107,15 @@ module psalm_free_motion
 contains
 
    !> Bind a mechanism whose problem has all loops, roots and vertices (`vertices_of`) and one position.
-   subroutine make_free_motion(problem, model, motor, free, start, speed, accel, stops, motion, time)
+   subroutine make_free_motion(problem, model, motor, free, start, speed, accel, stops, motion, time, at_rest)
       class(problem_t), intent(in) :: problem
-      type(force_model_t), intent(in) :: model          !! without friction
+      type(force_model_t), intent(in) :: model
       type(motor_group_t), intent(in) :: motor
       logical, intent(in) :: free(:)                    !! by drive; of those that follow the first without meaning
       real(wp), intent(in) :: start(:), speed(:), accel(:) !! by drive
       type(joint_stop_t), intent(in) :: stops(:)
       class(free_motion_t), intent(out) :: motion
+      real(wp), intent(in), optional :: at_rest(:)      !! coefficients of friction at rest, of the last stops
       real(wp), intent(in), optional :: time            !! where the free drives are at `start`; 0 if absent
       real(wp) :: now
       integer :: d, k
@@ -147,6 +163,16 @@ contains
       end do
       motion%stops = stops
       allocate (motion%resting(size(stops)), source=side_none)
+      motion%smooth = size(stops)
+      allocate (motion%stuck(size(stops)), source=.false.)
+      allocate (motion%sense_of_slip(size(stops)), source=1.0_wp)
+      allocate (motion%stuck_at(size(stops)), motion%most_held(size(stops)), source=0.0_wp)
+      allocate (motion%rest_coefficient(0), motion%parts(2, 0))
+      if (present(at_rest)) then
+         motion%rest_coefficient = at_rest
+         motion%parts = 0.0_wp*spread(at_rest, 1, 2)
+         motion%smooth = size(stops) - size(at_rest)
+      end if
       allocate (motion%place(size(stops)), motion%pace(size(stops)), motion%growth(size(stops)), motion%push(size(stops)), &
                 motion%anchored(size(stops)), source=0.0_wp)
       allocate (motion%acting(size(motion%free)), source=0.0_wp)
@@ -168,6 +194,7 @@ contains
       logical, intent(out) :: valid
       real(wp) :: b(size(self%slides)), rate(size(self%slides)), accel(size(self%slides)), torque, speed
       real(wp) :: unused
+      real(wp) :: by_accel(2, self%rubs(), size(q)), by_push(2, self%rubs(), size(self%stops)), at_first(2, self%rubs())
       integer :: j, k, source
 
       a = 0.0_wp
@@ -175,6 +202,7 @@ contains
       loss = 0.0_wp
       call self%put_inputs(time, q, .true., valid)
       if (.not. valid) return
+      self%jammed = 0
       associate (problem => self%problem, forces => self%forces, h => self%inertia)
          do j = 1, size(self%slides)
             if (.not. any(self%free == j)) call self%put_normal(j)
@@ -185,7 +213,22 @@ contains
             call add_source(problem, self%model, source_inertia, [real(wp) ::], 1, forces)
             call sweep(problem, 1, forces)
             h(:, j) = self%drive_loads()
+            do k = 1, self%rubs()
+               call friction_parts(problem, self%model, k, forces, by_accel(:, k, j))
+            end do
          end do
+         if (self%rubs() > 0) then
+            do j = 1, size(self%stops)
+               by_push(:, :, j) = 0.0_wp
+               if (j <= self%smooth .and. self%resting(j) == side_none) cycle
+               call clear_wrenches(1, forces)
+               call press(problem, self%model, self%stops(j), 1.0_wp/merge(self%model%metre, 1.0_wp, self%stops(j)%slides), forces)
+               call sweep(problem, 1, forces)
+               do k = 1, self%rubs()
+                  call friction_parts(problem, self%model, k, forces, by_push(:, k, j))
+               end do
+            end do
+         end if
          rate = self%speed + self%accel*time
          accel = self%accel
          rate(self%free) = v
@@ -216,6 +259,9 @@ contains
          end associate
          call sweep(problem, 1, forces)
          b = self%drive_loads()
+         do k = 1, self%rubs()
+            call friction_parts(problem, self%model, k, forces, at_first(:, k))
+         end do
       end associate
       torque = 0.0_wp
       if (self%driven) then
@@ -243,7 +289,12 @@ contains
          call solve_positive(self%inertia(self%free, :), -b(self%free), a, valid, least_inertia)
          self%massless = .not. valid
          if (.not. valid) return
-         if (any(self%resting /= side_none)) call hold()
+         if (self%rubs() > 0) then
+            call rub(valid)
+            if (.not. valid) return
+         else if (any(self%resting /= side_none)) then
+            call hold()
+         end if
       end if
       do j = 1, size(q)
          b = b + self%inertia(:, j)*a(j)
@@ -258,13 +309,72 @@ contains
 
    contains
 
-      !> Joints that rest on their stops do not accelerate. Of stops that hold the same motion the first bears it.
+      !> Friction and what holds joints: each depends on the other, so that the forces are found by turns.
+      subroutine rub(settles)
+         logical, intent(out) :: settles
+         real(wp) :: free_accel(size(a)), before(size(self%stops))
+         integer :: round, e
+
+         free_accel = a
+         settles = .false.
+         self%most_held = 0.0_wp
+         do round = 1, most_rounds
+            before = self%push
+            a = free_accel
+            do k = self%smooth + 1, size(self%stops)
+               if (.not. self%stuck(k)) a = a + self%loosen(k)*self%push(k)
+            end do
+            call hold()
+            self%parts = at_first
+            do j = 1, size(a)
+               self%parts = self%parts + a(j)*by_accel(:, :, j)
+            end do
+            do j = 1, size(self%stops)
+               self%parts = self%parts + self%push(j)*by_push(:, :, j)
+            end do
+            do e = 1, self%rubs()
+               k = self%smooth + e
+               associate (load => load_of(e)*merge(self%model%metre, 1.0_wp, self%stops(k)%slides))
+                  self%most_held(k) = self%rest_coefficient(e)*load
+                  if (.not. self%stuck(k)) self%push(k) = -self%sense_of_slip(k)*self%model%friction(e)%coefficient*load
+               end associate
+            end do
+            settles = maxval(abs(self%push - before)) <= settled*maxval(abs(self%push))
+            if (settles) exit
+         end do
+         if (settles) then
+            do e = 1, self%rubs()
+               k = self%smooth + e
+               if (.not. self%stuck(k)) loss = loss - self%push(k)*self%pace(k)
+            end do
+         else
+            self%jammed = maxloc(abs(self%push - before), dim=1)
+         end if
+      end subroutine rub
+
+      !> What friction is a part of: N m of a pin, N of a slide.
+      pure real(wp) function load_of(entry)
+         integer, intent(in) :: entry
+
+         associate (part => self%parts(:, entry))
+            if (self%stops(self%smooth + entry)%slides) then
+               load_of = abs(part(1)) + abs(part(2))
+            else
+               load_of = hypotenuse(part(1), part(2))
+            end if
+         end associate
+      end function load_of
+
+      !> Joints that rest on their stops, or are stuck, do not accelerate. Of those that hold the same motion the first bears it; of
+      !> one free drive all joints that are stuck bear it by what they can hold.
       subroutine hold()
          integer :: held(size(self%resting)), n, i
+         real(wp) :: borne, most
 
          n = 0
          do k = 1, size(self%resting)
-            if (self%resting(k) == side_none) cycle
+            if (self%stuck(k)) self%push(k) = 0.0_wp
+            if (self%resting(k) == side_none .and. .not. self%stuck(k)) cycle
             n = n + 1
             held(n) = k
             if (.not. all_pressed(held(:n))) n = n - 1
@@ -272,6 +382,13 @@ contains
          do i = 1, n
             a = a + self%loosen(held(i))*self%push(held(i))
          end do
+         if (n /= 1 .or. size(a) /= 1 .or. count(self%stuck) < 2) return
+         associate (one => held(1), along => self%normal(:, self%free(1)))
+            most = sum(self%most_held*abs(along), mask=self%stuck)
+            if (.not. (self%stuck(one) .and. most > 0.0_wp)) return
+            borne = self%push(one)*along(one)/most
+            where (self%stuck) self%push = borne*sign(self%most_held, along)
+         end associate
       end subroutine hold
 
       !> Forces of these stops. False: some of them hold the same motion.
@@ -291,6 +408,13 @@ contains
          if (pressed) self%push(held) = force
       end function all_pressed
    end subroutine accelerate
+
+   !> How many joints have friction.
+   pure integer function rubs(self)
+      class(free_motion_t), intent(in) :: self
+
+      rubs = size(self%rest_coefficient)
+   end function rubs
 
    !> Accelerations of the free drives for a force 1 of a stop, at the last evaluation.
    pure function loosen(self, stop) result(a)
@@ -421,7 +545,7 @@ contains
          state%input(d) = self%start(d) + self%ratio(d)*(state%input(self%leader(d)) - self%start(self%leader(d)))
       end do
       associate (problem => self%problem, forces => self%forces)
-         state%potential = potential_energy(problem, self%model, forces)
+         state%potential = potential_energy(problem, self%model, forces) + self%level
          call clear_wrenches(1, forces)
          do source = source_inertia, sources_of(self%model)
             call add_source(problem, self%model, source, [self%table_input(time, q)], 1, forces)

@@ -13,7 +13,7 @@ module psalm_joint_stops
    use psalm_stops_group, only: stops_group_t, stops_of, no_stop
    implicit none (type, external)
    private
-   public :: joint_stop_t, make_stops, watch_joint, place_at, rate_at, press
+   public :: joint_stop_t, make_stops, watch_joint, rubbing_joints, place_at, rate_at, press
    public :: side_none, side_low, side_high
 
    integer, parameter :: side_none = 0, side_low = -1, side_high = 1
@@ -57,6 +57,28 @@ contains
          end associate
       end do
    end subroutine make_stops
+
+   !> The joints with friction of a model, without limits, in the sense of its entries.
+   subroutine rubbing_joints(model, problem, joints)
+      type(force_model_t), intent(in) :: model
+      class(problem_t), intent(in) :: problem
+      type(joint_stop_t), allocatable, intent(out) :: joints(:)
+      integer :: k, n
+
+      allocate (joints(size(model%friction)))
+      do k = 1, size(joints)
+         associate (one => joints(k), mechanism => problem%mechanism)
+            one%joint = model%friction(k)%joint
+            one%bodies = model%friction(k)%bodies
+            one%slides = mechanism%joints(one%joint)%kind == joint_prismatic
+            if (.not. one%slides) cycle
+            n = mechanism%joints(one%joint)%slide
+            one%slot = problem%plan%length_slot(n)
+            if (mechanism%arcs(n)%foot /= at_start) one%slip = -one%slip
+            if (mechanism%joints(one%joint)%bodies(2) /= mechanism%arcs(n)%body) one%slip = -one%slip
+         end associate
+      end do
+   end subroutine rubbing_joints
 
    !> A joint, without limits; `joint` is 0 where there is none.
    subroutine watch_joint(set, problem, place, one)

@@ -24,7 +24,7 @@ module psalm_kinetostatics
    implicit none (type, external)
    private
    public :: forces_t, prepare_forces, load_bodies, move_bodies, clear_wrenches, add_source, sweep, rub, external_power, &
-             find_location, grip_joint
+             find_location, grip_joint, friction_parts
    public :: couples_of_group
    public :: joint_rows, listed_rows, interpolated, sources_of, source_inertia, source_weight, first_load, first_spring
 
@@ -798,6 +798,46 @@ contains
          call add_force_at(m, -1.0_wp, x, y, rx, ry, w(1, a), w(1, a + 1), w(1, a + 2))
       end associate
    end subroutine grip_joint
+
+   !> What friction of an entry grows with, linear in the forces of a sweep: of a pin its force times its radius, N m, x and y; of a
+   !> slide the force across, N, or, of a shoe with a length, those at its two ends.
+   subroutine friction_parts(problem, model, entry, forces, parts)
+      type(problem_t), intent(in) :: problem
+      type(force_model_t), intent(in) :: model
+      integer, intent(in) :: entry
+      type(forces_t), intent(in) :: forces
+      real(wp), intent(out) :: parts(2)
+      real(wp) :: couple, radius
+      real(wp), dimension(padded(1)) :: x, y, reach, aside
+      integer :: j
+
+      associate (of => model%friction(entry), w => forces%w%v, row => forces%joints(model%friction(entry)%joint), &
+                 joints => problem%mechanism%joints)
+         radius = of%radius*model%metre
+         if (joints(of%joint)%kind == joint_prismatic) then
+            parts = [w(1, row), 0.0_wp]
+            if (.not. radius > 0.0_wp) return
+            couple = w(1, row + 1)
+            if (model%shoes(of%joint)%given) then
+               call find_shoe(problem, model, forces, of%joint, padded(1), x, y, reach, aside)
+               couple = couple - w(1, row)*reach(1)
+               if (forces%along(of%joint) > 0) couple = couple - w(1, forces%drives(forces%along(of%joint)))*aside(1)
+            end if
+            couple = couple*forces%metre/(2.0_wp*radius)
+            parts = [0.5_wp*w(1, row) + couple, 0.5_wp*w(1, row) - couple]
+         else if (of%all_of_pin) then
+            parts = 0.0_wp
+            do j = 1, size(joints)
+               if (joints(j)%kind /= joint_revolute .or. joints(j)%pin /= joints(of%joint)%pin) cycle
+               if (joints(j)%bodies(2) == of%bodies(2)) parts = parts + w(1, forces%joints(j):forces%joints(j) + 1)
+               if (joints(j)%bodies(1) == of%bodies(2)) parts = parts - w(1, forces%joints(j):forces%joints(j) + 1)
+            end do
+            parts = radius*parts
+         else
+            parts = radius*w(1, row:row + 1)
+         end if
+      end associate
+   end subroutine friction_parts
 
    !> Sweep with friction: forces of the joints make friction, which is a load in the next sweep.
    !>

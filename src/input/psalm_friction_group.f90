@@ -1,6 +1,6 @@
 !> The group FRICTN: joints with dry friction.
 module psalm_friction_group
-   use psalm_group, only: group_t
+   use psalm_group, only: group_t, out_of
    use psalm_kinds, only: wp
    use psalm_link_place, only: read_places
    use psalm_place, only: place_t
@@ -8,6 +8,7 @@ module psalm_friction_group
    use psalm_sketch, only: sketch_t
    use psalm_status, only: diagnostics_t
    use psalm_take, only: take, take_count
+   use psalm_text, only: to_text
    implicit none (type, external)
    private
    public :: friction_items
@@ -17,6 +18,8 @@ module psalm_friction_group
       logical :: given = .false.                  !! the group was given
       type(place_t), allocatable :: joints(:)     !! shape (entries): the end of an arc that is the joint
       real(wp), allocatable :: coefficient(:)     !! shape (entries)
+      real(wp), allocatable :: at_rest(:)         !! shape (entries): coefficient at rest, in time
+      logical :: at_rest_given = .false.
       real(wp), allocatable :: radius(:)          !! shape (entries): of the pin, or half the length of the shoe, user's length
    end type friction_group_t
 
@@ -34,6 +37,9 @@ module psalm_friction_group
       rule_t('FMU', a_number, 'NFRIC', '', '0', '[0,)', &
              'coefficient of friction', &
              'a coefficient of friction is not negative'), &
+      rule_t('FSTAT', a_number, 'NFRIC', '', 'FMU', '[0,)', &
+             'with &TIME: coefficient of friction at rest, not below FMU', &
+             'a coefficient of friction is not negative'), &
       rule_t('FRAD', a_number, 'NFRIC', 'length', '0', '[0,)', &
              'radius of the pin, or half the length of the shoe that slides; a shoe of no length has the '// &
              'friction of N alone. The middle of the shoe is the foot of the slide, on the link that guides it '// &
@@ -49,7 +55,7 @@ contains
       type(sketch_t), intent(in) :: sketch        !! its names stand in place of arcs and loops
       type(friction_group_t), intent(inout) :: friction
       type(diagnostics_t), intent(inout) :: findings
-      integer :: n
+      integer :: n, k
 
       friction%given = group%line > 0
       call group%follow(friction_items)
@@ -57,6 +63,13 @@ contains
       allocate (friction%joints(n), friction%coefficient(n), friction%radius(n))
       call read_places(group, 'F', ilink, friction%joints, findings, ends_only=.true., sketch=sketch)
       call take(group, 'FMU', friction%coefficient, findings)
+      friction%at_rest = friction%coefficient
+      call take(group, 'FSTAT', friction%at_rest, findings)
+      friction%at_rest_given = group%given('FSTAT')
+      do k = 1, n
+         if (friction%at_rest(k) < friction%coefficient(k)) call out_of(group, 'FSTAT', 'entry '//to_text(k)// &
+            ': the coefficient at rest is below that of slip, FMU', findings, k)
+      end do
       call take(group, 'FRAD', friction%radius, findings)
    end subroutine read_friction_group
 end module psalm_friction_group

@@ -14,15 +14,15 @@ module psalm_time_list
    use psalm_summary_text, only: add_line, plain_number
    use psalm_tables, only: table_t, tables_t, table_of
    use psalm_text, only: text_t, to_text, upper_case
-   use psalm_time_study, only: time_study_t, time_collapsed, time_crowded, time_done, time_massless, time_on_request, time_open, &
-                               time_stiff, time_wound
-   use psalm_time_motion, only: event_impact, event_rest, event_lift
+   use psalm_time_study, only: time_study_t, time_collapsed, time_crowded, time_done, time_jammed, time_massless, time_on_request, &
+                               time_open, time_stiff, time_wound
+   use psalm_time_motion, only: event_impact, event_rest, event_lift, event_stick, event_slip
    implicit none (type, external)
    private
    public :: report_time, summarise_time, ending_words
 
    character(*), parameter :: time_block = 'time', event_block = 'events'
-   character(*), parameter :: event_words(*) = [character(6) :: 'impact', 'rest', 'lift'] !! by `event_...`
+   character(*), parameter :: event_words(*) = [character(6) :: 'impact', 'rest', 'lift', 'stick', 'slip'] !! by `event_...`
    character(*), parameter :: nl = new_line('a')
    integer, parameter :: rates_shown = 2
    integer, parameter :: most_exchanges = 3     !! of drives, that the summary has with their times
@@ -81,6 +81,8 @@ contains
                  'very stiff spring or damper, or TEND far too long'
       case (time_wound)
          words = 'torsional spring '//to_text(study%loop)//' is turned past half a turn from SFREE'
+      case (time_jammed)
+         words = 'friction of '//trim(study%stop_names(study%loop))//' has no force that agrees with the load that it makes'
       case (time_crowded)
          words = 'more events than NEVENT'
       case (time_stiff)
@@ -355,7 +357,8 @@ contains
       end if
       call add_forces(study%forces, table)
       do c = 1, size(study%stops, 2)
-         call table%add('stop.'//trim(study%stop_names(c)), study%stops(:, c), merge('N  ', 'N m', study%stop_slides(c)))
+         call table%add(trim(merge('stop    ', 'friction', c <= study%smooth))//'.'//trim(study%stop_names(c)), &
+                        study%stops(:, c), merge('N  ', 'N m', study%stop_slides(c)))
       end do
       call table%add('potential', study%potential, 'J')
       call table%add('lost', study%lost, 'J')
@@ -411,7 +414,22 @@ contains
          if (size(study%free) > 1) words = trim(study%forces%drives(d))//' '//words
          call add_line('Greatest speed', words, text)
       end do
-      do stop = 1, size(study%stop_names)
+      do stop = study%smooth + 1, size(study%stop_names)
+         first = findloc(study%events%stop == stop .and. study%events%kind == event_stick, .true., dim=1, back=.true.)
+         if (first == 0) cycle
+         rests = count(study%events%stop == stop .and. study%events%kind == event_stick)
+         words = 'from '//plain_number(study%events(first)%time)//' s'
+         if (rests > 1) words = to_text(rests)//' times, at last '//words
+         at = findloc(study%events%stop == stop .and. study%events%kind == event_slip, .true., dim=1, back=.true.)
+         if (at > first) then
+            words = words//' to '//plain_number(study%events(at)%time)//' s'
+         else if (size(study%time) > 0) then
+            words = words//', holds '//plain_number(abs(study%stops(size(study%time), stop)))// &
+                    trim(merge(' N  ', ' N m', study%stop_slides(stop)))
+         end if
+         call add_line('Sticks '//trim(study%stop_names(stop)), words, text)
+      end do
+      do stop = 1, study%smooth
          first = findloc(study%events%stop == stop .and. study%events%kind == event_impact, .true., dim=1)
          rests = findloc(study%events%stop == stop .and. study%events%kind == event_rest, .true., dim=1, back=.true.)
          words = ''

@@ -43,6 +43,7 @@ module psalm_time_chart
       integer, allocatable :: same_joint(:)       !! by joint of the case: the joint here whose force is listed, or those that are
       logical, allocatable :: rest_of(:)          !! by joint of the case: it is what is left of the pin, all others with - before
    contains
+      procedure :: follow
       procedure :: columns_of_case
    end type time_chart_t
 
@@ -59,6 +60,7 @@ contains
       integer :: j, k, n
 
       if (allocated(moving%joints)) deallocate (moving%joints, moving%weights)
+      if (moving%motion%rubs() > 0) return
       if (size(moving%motion%free) == 0 .or. any(set%sketch%drives%geared .or. set%sketch%drives%kind == drive_stretches) .or. &
           size(set%sketch%gears) > 0) return
       associate (sketch => set%sketch, free => moving%motion%free)
@@ -243,6 +245,9 @@ contains
          if (any(body(2:) == body_frame)) return
          call carry_over(old, motion, body)
          call put_model(motion)
+         motion%level = old%level - sum(motion%model%inertia(parameter_mass, :))*motion%model%metre* &
+                        (motion%model%gravity(1)*(problem%output%origin_x - old%problem%output%origin_x) + &
+                         motion%model%gravity(2)*(problem%output%origin_y - old%problem%output%origin_y))
          ! where the case's drives and the stops are
          motion%watched = n + 1
          allocate (motion%sense(size(drives)), source=1.0_wp)
@@ -553,6 +558,26 @@ contains
          axes_of = cmplx(w(1, of%ex), w(1, of%ey), wp)
       end associate
    end function axes_of
+
+   !> Larger groups of what is shown are followed from where the motion has them.
+   pure subroutine follow(self, motion)
+      class(time_chart_t), intent(inout) :: self
+      type(free_motion_t), intent(in) :: motion
+      integer :: k, j
+
+      associate (from => motion%problem%linkage, to => self%shown%linkage)
+         do k = 1, size(to%steps)
+            if (.not. allocated(to%steps(k)%dyad%higher)) cycle
+            associate (moved => from%steps(k)%dyad%higher, shown => to%steps(k)%dyad%higher)
+               shown%from = moved%from
+               do j = 1, size(shown%known)
+                  shown%known(j)%from = moved%known(j)%from
+               end do
+            end associate
+         end do
+         to%from = from%from
+      end associate
+   end subroutine follow
 
    !> Which joint of a new choice of drives has the force that the case lists for a joint. A pin of the case lists what a link takes
    !> from it that another link holds; where that link holds it here it is what the others leave.

@@ -8,7 +8,7 @@ module psalm_time_study
    use psalm_force_model, only: moving_pair, vertices_of
    use psalm_force_study, only: force_study_t, size_up, take_motors_off
    use psalm_free_motion, only: free_motion_t, free_state_t, make_free_motion
-   use psalm_joint_stops, only: joint_stop_t, make_stops
+   use psalm_joint_stops, only: joint_stop_t, make_stops, rubbing_joints
    use psalm_kinds, only: wp, degrees_per_radian
    use psalm_mechanism, only: mechanism_t
    use psalm_motor_group, only: motor_group_t, motor_of
@@ -28,7 +28,8 @@ module psalm_time_study
    implicit none (type, external)
    private
    public :: time_study_t, find_time, check_time, increments_of
-   public :: time_done, time_open, time_massless, time_collapsed, time_wound, time_crowded, time_on_request, time_stiff
+   public :: time_done, time_open, time_massless, time_collapsed, time_wound, time_crowded, time_on_request, time_jammed, &
+             time_stiff
 
    integer, parameter :: rates_shown = 2          !! orders of rates of drives and outputs
 
@@ -40,6 +41,7 @@ module psalm_time_study
    integer, parameter :: time_crowded = 5         !! more events than NEVENT
    integer, parameter :: time_on_request = 6      !! the host asked for the end
    integer, parameter :: time_stiff = 7           !! a strong damper keeps steps short, too many would follow
+   integer, parameter :: time_jammed = 8          !! friction of a joint has no force that agrees with its load
 
    !> Free drives, some of which took the place of others.
    type :: drive_exchange_t
@@ -50,7 +52,7 @@ module psalm_time_study
    !> The motion at the times that were asked for, up to where it ended.
    type :: time_study_t
       integer :: ended = time_done
-      integer :: loop = 0                         !! `time_open`: the loop; `time_wound`: the spring
+      integer :: loop = 0                         !! `time_open`: the loop; `time_wound`: the spring; `time_jammed`: its joint
       real(wp) :: stopped = 0.0_wp                !! s: where it ended
       real(wp) :: end = 0.0_wp                    !! s: where it was to end
       integer :: steps = 0
@@ -65,6 +67,7 @@ module psalm_time_study
       real(wp), allocatable :: work(:)            !! put in by loads, motor and drives that are not free, J
       real(wp), allocatable :: lost(:)            !! in dampers and impacts, J
       real(wp), allocatable :: balance(:)         !! kinetic + potential - work + lost, less that at time 0, J
+      integer :: smooth = 0                       !! stops; joints with friction follow them
       character(:), allocatable :: stop_names(:)
       logical, allocatable :: stop_slides(:)      !! by stop
       real(wp), allocatable :: stops(:, :)        !! shape (rows, stops): their forces, N m or N, forwards
@@ -94,16 +97,20 @@ contains
 
       if (set%gives('STOPS') .and. .not. set%gives('TIME')) call set%origins%error(findings, 'STOPS', '', 'stops are for '// &
          'motion in time; give &TIME too')
-      if (.not. set%gives('TIME')) return
+      if (.not. set%gives('TIME')) then
+         if (set%friction%at_rest_given) call set%origins%error(findings, 'FRICTN', 'FSTAT', 'the coefficient at rest is for '// &
+                                                               'motion in time; give &TIME, or leave FSTAT out')
+         return
+      end if
       time = time_of(set)
       if (.not. set%masses%given) call set%origins%error(findings, 'TIME', '', 'motion in time needs masses: give &MASSES')
-      if (set%friction%given) call set%origins%error(findings, 'FRICTN', '', 'motion in time has no friction of joints; '// &
-                                                    'leave &FRICTN or &TIME out')
       if (time%stiff) then
          if (.not. stiff_steps_there()) call set%origins%error(findings, 'TIME', 'ISTIFF', 'needs the library CVODE of '// &
                                                               'SUNDIALS, version 6 or 7, which is not installed')
       end if
       if (time%equilibria) then
+         if (set%friction%given) call set%origins%error(findings, 'TIME', 'IEQUIL', 'with friction a mechanism stays at rest '// &
+                                                       'in whole ranges; leave &FRICTN or IEQUIL out')
          if (.not. any(free_drives(set, time))) call set%origins%error(findings, 'TIME', 'IEQUIL', 'equilibria need a free drive')
          if (moves(set, time)) call set%origins%error(findings, 'TIME', 'IEQUIL', 'equilibria need the drives that are '// &
                                                      'not free at rest; their speeds (&RATES, DSPEED, DACCEL) must be 0')
@@ -180,7 +187,7 @@ contains
       type(time_motion_t), allocatable :: moving
       type(time_group_t) :: time
       type(stops_group_t) :: named
-      type(joint_stop_t), allocatable :: stops(:)
+      type(joint_stop_t), allocatable :: stops(:), rubbing(:)
       type(free_state_t) :: state
       type(free_motion_t), allocatable :: still
       real(wp), allocatable :: start(:), speed(:), accel(:), own(:, :), speeds(:)
@@ -243,6 +250,10 @@ contains
             study%ended = time_wound
             study%loop = moving%motion%wound
          end if
+         if (moving%motion%jammed > 0) then
+            study%ended = time_jammed
+            study%loop = moving%motion%jammed
+         end if
          if (moving%crowded) study%ended = time_crowded
          if (moving%endless) study%ended = time_stiff
          if (moving%asked) study%ended = time_on_request
@@ -260,7 +271,7 @@ contains
 
       !> The problem twice: for the motion, with all vertices, and for what is shown.
       subroutine set_motion_up()
-         integer :: d
+         integer :: d, width
 
          allocate (start(drives), speed(drives), accel(drives), source=0.0_wp)
          if (given%mechanism%from_drawing) start(1) = -given%mechanism%reference
@@ -298,9 +309,18 @@ contains
          if (present(stop)) moving%host = stop
          allocate (moving%motion)
          call make_stops(set, problem, stops)
-         call make_free_motion(problem, forces%model, motor_of(set), study%free, start, speed, accel, stops, moving%motion)
+         call rubbing_joints(forces%model, problem, rubbing)
          named = stops_of(set)
-         study%stop_names = named%names
+         study%smooth = size(stops)
+         stops = [stops, rubbing]
+         call make_free_motion(problem, forces%model, motor_of(set), study%free, start, speed, accel, stops, moving%motion, &
+                               at_rest=set%friction%at_rest)
+         width = maxval([len(named%names), (len(problem%mechanism%joints(rubbing(d)%joint)%name), d=1, size(rubbing))])
+         allocate (character(width) :: study%stop_names(size(stops)))
+         study%stop_names(:study%smooth) = named%names
+         do d = 1, size(rubbing)
+            study%stop_names(study%smooth + d) = problem%mechanism%joints(rubbing(d)%joint)%name
+         end do
          study%stop_slides = stops%slides
          allocate (speeds(size(moving%motion%free)), source=0.0_wp)
          do d = 1, size(time%rates)
@@ -406,6 +426,7 @@ contains
                set%sketch%drives(d)%ratio*study%drives(row, 1, 0) + set%sketch%drives(d)%phase
          end do
          associate (shown => chart%shown)
+         call chart%follow(moving%motion)
          if (drives > 1) shown%own_delt(1, :) = inputs(2:)
          call shown%move_inputs(inputs(:1))
          call shown%solve_block(1, offset, n)
@@ -432,7 +453,6 @@ contains
                study%output(row, c, 1:) = values(:rates_shown, c)
             end do
          end if
-         call shown%follow_from_here()
          end associate
          associate (table => study%forces%table)
             table%value(row, :) = chart%columns_of_case(given%mechanism, study%free, state)
@@ -456,6 +476,10 @@ contains
          do j = 1, moving%jumped
             study%jump_time(j) = moving%jumps(1, j)
             study%jumps(j, :, :) = reshape(moving%jumps(2:, j), [drives, 3])
+            ! with other drives those of the case are counted from time 0
+            if (size(study%exchanges) > 0) then
+               if (study%jump_time(j) > study%exchanges(1)%time) study%jumps(j, :, 1) = study%jumps(j, :, 1) + start
+            end if
             call show_places(study%jumps(j, :, 1))
          end do
       end subroutine keep_jumps
