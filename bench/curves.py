@@ -75,15 +75,15 @@ def scaled(points, radius):
 
 
 def distances(wanted, made):
-    """Chamfer: mean distance of a point to the nearest of the other curve, mean of both ways. Ordered: root of the mean squared distance of
-    points in order, the least over starts and both ways round."""
+    """As LInK has them (Nobari and others 2024). Chamfer: mean distance of a point to the nearest of the other curve, sum of both ways.
+    Ordered: 2 pi times the mean squared distance of points in order, from the start, either way round, at which the sum of the
+    distances is least."""
     nearest = [min(abs(p - q) for q in made) for p in wanted], [min(abs(p - q) for p in wanted) for q in made]
-    best = math.inf
+    ordered = math.inf
     for curve in (made, made[::-1]):
-        for first in range(len(curve)):
-            total = sum(abs(p - curve[k - first])**2 for k, p in enumerate(wanted))
-            best = min(best, total)
-    return sum(sum(n)/len(n) for n in nearest)/2, math.sqrt(best/len(wanted))
+        apart = min(([abs(p - curve[k - first]) for k, p in enumerate(wanted)] for first in range(len(curve))), key=sum)
+        ordered = min(ordered, 2.0*math.pi*sum(d*d for d in apart)/len(apart))
+    return sum(sum(n)/len(n) for n in nearest), ordered
 
 
 def search(psalm, folder, name, line, seed, seconds):
@@ -154,7 +154,7 @@ for name in names:
 print("# Thirty curves\n")
 commit = subprocess.run(["git", "-C", os.path.dirname(os.path.abspath(__file__)), "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout.strip()
 print("Written by `bench/curves --seconds %g --seeds %d --jobs %d`, commit %s: `psalm` on one thread, LINKS=4,6,8 with pins, dyads only; processor time"
-      "\n(MAXTIME is wall-clock time, so on a busy machine a search gets less of the processor). The curves are drawn by `bench/curves.py`: letters as one closed line, and five other curves; %d points of each, RMS radius %g. Errors are RMS in per cent of that radius: the least of all kinds, and of the kinds with that number of links; medians of the seeds. Chamfer: mean distance of a point from the other curve, both ways. Ordered: RMS distance of points in order, the least over starting points and directions. Both use %d points evenly spaced by arc length on either curve, RMS radius 1, without translation or rotation. Points are 0.03 apart, so two samplings of one curve may differ by half of that. Where the ordered distance is far above the error, the linkage passes the points and leaves the curve between two of them, mostly between the last and the first. `bench/curves` without options (30 s, 5 seeds) takes 75 minutes of a quiet core.\n" % (asked.seconds, asked.seeds, asked.jobs, commit or "not known", POINTS, RADIUS, COMPARED))
+      "\n(MAXTIME is wall-clock time, so on a busy machine a search gets less of the processor). The curves are drawn by `bench/curves.py`: letters as one closed line, and five other curves; %d points of each, RMS radius %g. Errors are RMS in per cent of that radius: the least of all kinds, and of the kinds with that number of links; medians of the seeds. Chamfer and ordered distance are those of LInK (Nobari and others, *LInK: learning joint representations of design and performance spaces through contrastive learning for mechanism synthesis*, 2024), as its program computes them: the mean distance of a point from the nearest of the other curve, summed over both ways; 2 pi times the mean squared distance of points in order, from the start and in the direction for which it is least. Both use %d points evenly spaced by arc length on either curve and a desired curve of RMS radius 1; nothing is moved or turned. Points are 0.03 apart, so two samplings of one curve may differ by a chamfer distance of 0.03. Where the ordered distance is far above the error, the linkage passes the points and leaves the curve between two of them, mostly between the last and the first. `bench/curves` without options (30 s, 5 seeds) takes 75 minutes of a quiet core.\n" % (asked.seconds, asked.seeds, asked.jobs, commit or "not known", POINTS, RADIUS, COMPARED))
 print("Below 2 per cent: %d of %d curves; below 5: %d. Processor time a search: %.1f s (median).\n"
       % (sum(e < 0.02 for e in best_of_all), len(names), sum(e < 0.05 for e in best_of_all), statistics.median(spent)))
 print("| curve | error, per cent | 4 links | 6 links | 8 links | chamfer | ordered | best kind | time, s |")

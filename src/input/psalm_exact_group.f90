@@ -432,8 +432,7 @@ contains
       if (exact%frame > 0.0_wp) call check_given_lengths(group, exact, findings)
    end subroutine check_six_bar
 
-   !> How long the start set of a problem takes that is made on request only: measured for nine points and, until 800 000 solutions
-   !> were known, for eleven of Stephenson III (doc/measured/six_bars.md); twice that for Stephenson II.
+   !> How long the start set of a problem takes that is made on request only: measured (doc/measured/six_bars.md).
    pure function hours_of(six_bar, points) result(text)
       integer, intent(in) :: six_bar, points
       character(:), allocatable :: text
@@ -442,11 +441,11 @@ contains
          text = 'nine points of Stephenson III have about 117 000 solutions; to make their start set took eight '// &
                 'minutes of one thread, once:'
       else if (six_bar == six_bar_stephenson) then
-         text = 'eleven points of Stephenson III have about 830 000 solutions; to make their start set takes, by an '// &
-                'estimate, 1 GB and an hour of one thread, once, and every problem half an hour:'
+         text = 'eleven points of Stephenson III have about 830 000 solutions; to make their start set takes 0.6 GB and an '// &
+                'hour of one thread, once, and every problem half an hour:'
       else
-         text = 'eleven points of Stephenson II have about 1 520 000 solutions, each linkage twice; to make their start set '// &
-                'takes, by an estimate, 2 GB and two hours of one thread, once, and every problem an hour:'
+         text = 'eleven points of Stephenson II have about 760 000 solutions; to make their start set takes 0.6 GB and an hour '// &
+                'of one thread, once, and every problem half an hour:'
       end if
    end function hours_of
 
