@@ -598,7 +598,8 @@ contains
       self%anchored = self%place
       if (.not. allocated(self%turned)) allocate (self%turned(size(self%model%springs)), source=0.0_wp)
       do k = 1, size(self%turned)
-         if (.not. self%model%springs(k)%torsional) cycle
+         ! without stiffness the moment does not depend on the angle
+         if (.not. self%model%springs(k)%torsional .or. .not. abs(self%model%springs(k)%stiffness) > 0.0_wp) cycle
          turned = torsion(self%model%springs(k), self%forces)
          if (abs(turned - self%turned(k)) > pi) self%wound = k
          self%turned(k) = turned

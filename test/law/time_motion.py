@@ -311,6 +311,10 @@ def laws():
     difference = abs(t["input"][-1] - looser["input"][-1])/t["input"][-1]
     check(f"a looser TTOL changes the result, by less than 10 times as much: {difference:.1e}", 0.0 < difference < 1e-8)
     near(looser["time"][-1], 0.01, 0.0, "the last time is that of TAT")
+    # a torsional damper has no angle at which it is free: 16 turns, J w' = -c w with J = 1 kg m2
+    t, said = run(data("pendulum", (" &TIME TEND=10.0", " &SPRING ANAME='frame', BNAME='bar', STORS=1, STIFF=0.0, SFREE=0.0, "
+                                   "SDAMP=0.5 &END\n &TIME TEND=10.0, VSTART=50.0"), ("GRAVY=-9.81", "GRAVY=0.0")))
+    near(math.radians(t["input"][-1]), 100.0*(1.0 - math.exp(-5.0)), 1e-9, "a torsional damper alone, through many turns: " + said[-200:])
 
 
 def trebuchet():
