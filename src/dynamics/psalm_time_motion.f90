@@ -349,6 +349,7 @@ contains
          self%size_of = self%sizes()
          self%size_of_stop = merge(length_of(self%motion), 1.0_wp, self%motion%stops%slides)
          self%y = [self%motion%start(self%motion%free), speeds, work, lost]
+         self%fastest = spread(0.0_wp, 1, size(self%motion%stops))
          self%largest = abs(self%y(:2*f))
       end associate
       call self%rates(self%time, self%y, self%first, valid)
