@@ -82,7 +82,8 @@ contains
       case (time_wound)
          words = 'torsional spring '//to_text(study%loop)//' is turned past half a turn from SFREE'
       case (time_jammed)
-         words = 'friction of '//trim(study%stop_names(study%loop))//' has no force that agrees with the load that it makes'
+         words = 'no force of friction of '//trim(study%stop_names(study%loop))// &
+                 ' was found that agrees with the load that it makes'
       case (time_crowded)
          words = 'more events than NEVENT'
       case (time_stiff)
