@@ -26,8 +26,9 @@ module psalm_free_motion
    public :: free_motion_t, free_state_t, make_free_motion
 
    integer, parameter :: orders = 2        !! of rates
-   integer, parameter :: most_rounds = 200 !! of friction, which depends on the forces that it changes: then it jams
+   integer, parameter :: most_rounds = 1000 !! of friction, which depends on the forces that it changes: then it jams
    real(wp), parameter :: settled = 4.0_wp*epsilon(1.0_wp) !! part of the largest friction: a change that is none
+   real(wp), parameter :: rounded = 1.0e-11_wp !! and one that may be rounding, if it grows
    real(wp), parameter :: least_inertia = 1.0e-12_wp !! what others leave of the inertia at a drive, as a part of it: less is 0
    real(wp), parameter :: same_motion = 1.0e-9_wp    !! what other stops leave of a motion, as a part of it: less is 0
 
@@ -312,12 +313,13 @@ contains
       !> Friction and what holds joints: each depends on the other, so that the forces are found by turns.
       subroutine rub(settles)
          logical, intent(out) :: settles
-         real(wp) :: free_accel(size(a)), before(size(self%stops))
+         real(wp) :: free_accel(size(a)), before(size(self%stops)), change, change_before, largest
          integer :: round, e
 
          free_accel = a
          settles = .false.
          self%most_held = 0.0_wp
+         change_before = huge(change)
          do round = 1, most_rounds
             before = self%push
             a = free_accel
@@ -339,8 +341,11 @@ contains
                   if (.not. self%stuck(k)) self%push(k) = -self%sense_of_slip(k)*self%model%friction(e)%coefficient*load
                end associate
             end do
-            settles = maxval(abs(self%push - before)) <= settled*maxval(abs(self%push))
+            change = maxval(abs(self%push - before))
+            largest = maxval(abs(self%push))
+            settles = change <= settled*largest .or. (change <= rounded*largest .and. change >= change_before)
             if (settles) exit
+            change_before = change
          end do
          if (settles) then
             do e = 1, self%rubs()

@@ -442,10 +442,10 @@ contains
                 'minutes of one thread, once:'
       else if (six_bar == six_bar_stephenson) then
          text = 'eleven points of Stephenson III have about 830 000 solutions; to make their start set takes 0.6 GB and an '// &
-                'hour of one thread, once, and every problem half an hour:'
+                'hour of one thread, once, and every problem a quarter of an hour:'
       else
          text = 'eleven points of Stephenson II have about 760 000 solutions; to make their start set takes 0.6 GB and an hour '// &
-                'of one thread, once, and every problem half an hour:'
+                'of one thread, once, and every problem, by an estimate, half an hour:'
       end if
    end function hours_of
 
