@@ -68,22 +68,17 @@ contains
       type(stop_t), intent(in), optional :: stop
       type(start_set_t), intent(out) :: loops
       logical, intent(out) :: kept
-      type(start_set_t) :: found
       real(wp), allocatable :: numbers(:)
-      integer :: item
+      type(start_set_t) :: found
 
-      if (.not. has_ranks(stop)) then
+      if (.not. is_shared(stop)) then
          call read_loops(file, problem, loops, kept)
          return
       end if
-      call stop%open_batch('kept', 1, passing=.true.)
-      item = 0
-      do
-         item = stop%next_item(item, 1, 1)
-         if (item > 1) exit
+      if (is_mine('kept', stop)) then
          call read_loops(file, problem, found, kept)
-         call stop%keep_item(item, numbers_of(found, kept))
-      end do
+         call stop%keep_item(1, numbers_of(found, kept))
+      end if
       call stop%close_batch()
       call stop%take_item(1, numbers)
       kept = allocated(numbers)
@@ -100,30 +95,34 @@ contains
       character(*), intent(in) :: file
       type(start_set_t), intent(in) :: loops
       type(stop_t), intent(in), optional :: stop
-      integer :: item
 
-      if (.not. has_ranks(stop)) then
+      if (.not. is_shared(stop)) then
          call write_loops(file, loops)
          return
       end if
-      call stop%open_batch('written', 1, passing=.true.)
-      item = 0
-      do
-         item = stop%next_item(item, 1, 1)
-         if (item > 1) exit
+      if (is_mine('written', stop)) then
          call write_loops(file, loops)
-         call stop%keep_item(item, [1.0_wp])
-      end do
+         call stop%keep_item(1, [1.0_wp])
+      end if
       call stop%close_batch()
    end subroutine write_once
 
-   !> True if several ranks share the work.
-   logical function has_ranks(stop)
+   !> True if the work is shared.
+   logical function is_shared(stop)
       type(stop_t), intent(in), optional :: stop
 
-      has_ranks = .false.
-      if (present(stop)) has_ranks = stop%members() > 1
-   end function has_ranks
+      is_shared = .false.
+      if (present(stop)) is_shared = stop%is_shared()
+   end function is_shared
+
+   !> Begin a batch of one item; true for the one who is to do it.
+   logical function is_mine(label, stop)
+      character(*), intent(in) :: label
+      type(stop_t), intent(in) :: stop
+
+      call stop%open_batch(label, 1, passing=.true.)
+      is_mine = stop%next_item(0, 1, 1) == 1
+   end function is_mine
 
    !> A state in numbers.
    pure function numbers_of(loops, kept) result(numbers)

@@ -46,135 +46,95 @@ contains
       integer, intent(out) :: steps                  !! of all
       logical, intent(out) :: stopped                !! before all were followed
       type(stop_t), intent(in), optional :: stop     !! asked before every step
-      integer :: n, ranks
+      integer :: n, t, members, portion, item, items, first, last, own, done, so_far
+      logical :: shared
 
       n = size(starts, 2)
-      ranks = 1
-      if (present(stop)) ranks = stop%members()
-      if (ranks > 1 .and. n > 1) then
-         call follow_by_ranks(follow, problem, from, to, starts, tolerance, threads, informed, ends, arrived, steps, stopped, stop)
+      shared = .false.
+      members = 1
+      if (present(stop)) then
+         shared = stop%is_shared() .and. n > 1
+         members = stop%members()
+      end if
+      if (.not. shared .and. (threads < 2 .or. n < 2)) then
+         if (informed) then
+            call follow(problem, from, to, starts, tolerance, ends, arrived, steps, stop, 0, n)
+         else
+            call follow(problem, from, to, starts, tolerance, ends, arrived, steps, stop)
+         end if
+         stopped = is_to_end(stop)
          return
       end if
-      if (threads > 1 .and. n > 1) then
-         call follow_by_threads(follow, problem, from, to, starts, tolerance, threads, informed, ends, arrived, steps, stop)
-      else if (informed) then
-         call follow(problem, from, to, starts, tolerance, ends, arrived, steps, stop, 0, n)
-      else
-         call follow(problem, from, to, starts, tolerance, ends, arrived, steps, stop)
-      end if
-      stopped = is_to_end(stop)
-   end subroutine follow_shared
-
-   !> The threads of this process take portions until none is left.
-   subroutine follow_by_threads(follow, problem, from, to, starts, tolerance, threads, informed, ends, arrived, steps, stop)
-      procedure(follow_i) :: follow
-      type(six_bar_problem_t), intent(in) :: problem
-      type(six_bar_data_t), intent(in) :: from, to
-      complex(wp), intent(in) :: starts(:, :)
-      real(wp), intent(in) :: tolerance
-      integer, intent(in) :: threads
-      logical, intent(in) :: informed
-      complex(wp), intent(out) :: ends(:, :)
-      logical, intent(out) :: arrived(:)
-      integer, intent(out) :: steps
-      type(stop_t), intent(in), optional :: stop
-      integer :: n, t, portion, next, first, last, own, done, so_far
-
-      n = size(starts, 2)
-      portion = min(most_at_once, (n + threads - 1)/threads)
+      portion = min(most_at_once, (n - 1)/(portions_each*members) + 1)
+      items = (n - 1)/portion + 1
       ends = starts
       arrived = .false.
       steps = 0
-      next = 1
       done = 0
-      !$omp parallel do num_threads(threads) schedule(static) private(first, last, own, so_far) reduction(+:steps)
+      if (shared) call stop%open_batch('paths', items, passing=.true.)
+      !$omp parallel do num_threads(threads) schedule(static) private(item, first, last, own, so_far) reduction(+:steps)
       do t = 1, threads
+         item = t - threads
          do
-            !$omp atomic capture
-            first = next
-            next = next + portion
-            !$omp end atomic
-            if (first > n) exit
+            item = next_after(item)
+            if (item > items) exit
+            first = 1 + (item - 1)*portion
             last = min(first + portion - 1, n)
             call follow(problem, from, to, starts(:, first:last), tolerance, ends(:, first:last), arrived(first:last), own, stop)
-            steps = steps + own
+            if (shared) then
+               if (stop%waiting()) exit
+               call stop%keep_item(item, [real(own, wp), merge(1.0_wp, 0.0_wp, arrived(first:last)), &
+                                          real(ends(:, first:last), wp), aimag(ends(:, first:last))])
+            else
+               steps = steps + own
+            end if
             !$omp atomic capture
             done = done + last - first + 1
             so_far = done
             !$omp end atomic
             ! hosts are informed from their own thread
-            if (t == 1 .and. informed .and. present(stop)) call stop%tell(so_far, n)
+            if (t == 1 .and. informed .and. present(stop)) call stop%tell(min(n, so_far*members), n)
          end do
       end do
       !$omp end parallel do
-   end subroutine follow_by_threads
+      if (shared) then
+         call stop%close_batch()
+         call take_all()
+      else
+         stopped = is_to_end(stop)
+      end if
 
-   !> The ranks of a job take portions; each gets the ends of all.
-   subroutine follow_by_ranks(follow, problem, from, to, starts, tolerance, threads, informed, ends, arrived, steps, stopped, stop)
-      procedure(follow_i) :: follow
-      type(six_bar_problem_t), intent(in) :: problem
-      type(six_bar_data_t), intent(in) :: from, to
-      complex(wp), intent(in) :: starts(:, :)
-      real(wp), intent(in) :: tolerance
-      integer, intent(in) :: threads
-      logical, intent(in) :: informed
-      complex(wp), intent(out) :: ends(:, :)
-      logical, intent(out) :: arrived(:)
-      integer, intent(out) :: steps
-      logical, intent(out) :: stopped
-      type(stop_t), intent(in) :: stop
-      complex(wp), allocatable :: reached(:, :)
-      real(wp), allocatable :: numbers(:)
-      logical :: came(most_at_once)
-      integer :: n, m, t, portion, item, items, first, last, own, done, so_far
+   contains
 
-      n = size(starts, 2)
-      portion = min(most_at_once, (n - 1)/(portions_each*stop%members()) + 1)
-      items = (n - 1)/portion + 1
-      done = 0
-      call stop%open_batch('paths', items, passing=.true.)
-      !$omp parallel do num_threads(threads) schedule(static) private(item, first, last, m, own, so_far, reached, came)
-      do t = 1, threads
-         allocate (reached(size(starts, 1), portion))
-         item = 0
-         do
-            item = stop%next_item(item, 1, items)
-            if (item > items) exit
-            first = 1 + (item - 1)*portion
-            last = min(first + portion - 1, n)
-            m = last - first + 1
-            call follow(problem, from, to, starts(:, first:last), tolerance, reached(:, :m), came(:m), own, stop)
-            if (stop%waiting()) exit
-            call stop%keep_item(item, [real(own, wp), merge(1.0_wp, 0.0_wp, came(:m)), real(reached(:, :m), wp), &
-                                       aimag(reached(:, :m))])
-            !$omp atomic capture
-            done = done + m
-            so_far = done
-            !$omp end atomic
-            if (t == 1 .and. informed) call stop%tell(min(n, so_far*stop%members()), n)
-         end do
-         deallocate (reached)
-      end do
-      !$omp end parallel do
-      call stop%close_batch()
-      ends = starts
-      arrived = .false.
-      steps = 0
-      stopped = .false.
-      do item = 1, items
-         call stop%take_item(item, numbers)
-         if (allocated(numbers)) then
-            first = 1 + (item - 1)*portion
-            last = min(first + portion - 1, n)
-            m = last - first + 1
-            own = m*size(starts, 1)
-            steps = steps + nint(numbers(1))
-            arrived(first:last) = numbers(2:1 + m) > 0.0_wp
-            ends(:, first:last) = reshape(cmplx(numbers(2 + m:1 + m + own), numbers(2 + m + own:1 + m + 2*own), wp), &
-                                          [size(starts, 1), m])
+      !> The portion that this thread follows after one.
+      integer function next_after(item)
+         integer, intent(in) :: item
+
+         if (present(stop)) then
+            next_after = stop%next_item(item, threads, items)
          else
-            stopped = .true.
+            next_after = item + threads
          end if
-      end do
-   end subroutine follow_by_ranks
+      end function next_after
+
+      !> What all ranks have followed.
+      subroutine take_all()
+         real(wp), allocatable :: numbers(:)
+         integer :: k, low, high, m, behind
+
+         stopped = .false.
+         do k = 1, items
+            call stop%take_item(k, numbers)
+            stopped = stopped .or. .not. allocated(numbers)
+            if (.not. allocated(numbers)) cycle
+            low = 1 + (k - 1)*portion
+            high = min(low + portion - 1, n)
+            m = high - low + 1
+            behind = 1 + m + m*size(starts, 1)
+            steps = steps + nint(numbers(1))
+            arrived(low:high) = numbers(2:1 + m) > 0.0_wp
+            ends(:, low:high) = reshape(cmplx(numbers(2 + m:behind), numbers(behind + 1:), wp), [size(starts, 1), m])
+         end do
+      end subroutine take_all
+   end subroutine follow_shared
 end module psalm_six_bar_team
