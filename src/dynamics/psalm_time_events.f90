@@ -6,7 +6,7 @@ module psalm_time_events
    implicit none (type, external)
    private
    public :: marks_t, passage_t, crossings_of, value_of
-   public :: rub_none, rub_stops, rub_slips, rub_kink
+   public :: rub_none, rub_stops, rub_slips, rub_kink, table_change
 
    integer, parameter :: samples = 32                 !! of a step, in which a joint may reach its stop and leave it again
    real(wp), parameter :: near_zero = 1.0e-9_wp       !! part of the force at the end of a step: less at its beginning is 0
@@ -21,6 +21,7 @@ module psalm_time_events
       real(wp), allocatable :: spare(:)               !! by stop: what friction could hold beyond what it does
       real(wp), allocatable :: parts(:, :)            !! by joint with friction: what it grows with
       real(wp) :: input = 0.0_wp, speed = 0.0_wp      !! of the first drive: degrees or length as tables count them; by time
+      real(wp) :: at = 0.0_wp                         !! the free drive, if there is one
    end type marks_t
 
    !> Something that has a positive value until it happens.
@@ -36,7 +37,8 @@ module psalm_time_events
       logical :: rises = .false.                      !! which is 0 but for rounding
    end type passage_t
 
-   integer, parameter :: kink_input = 1, kink_speed = 2
+   integer, parameter :: kink_input = 1, kink_speed = 2, table_change = 3 !! the last is no table: a change point
+   real(wp), parameter :: on_change = 1.0e-12_wp   !! radians, or parts of the size: so near a change point it is there
 
 contains
 
@@ -80,8 +82,19 @@ contains
       if (any(motion%loads%loads%table > 0)) call find_kink(motion%model%table_input, .not. motion%slides(1), before%input, &
                                                             after%input, kink_input)
       if (motion%driven) call find_kink(motion%motor%speed, .false., before%speed, after%speed, kink_speed)
+      if (allocated(motion%passing)) call find_change()
 
    contains
+
+      !> The change point, if it is passed.
+      subroutine find_change()
+         associate (centre => motion%passing%centre)
+            one = passage_t(table=table_change, kink=centre, sense=sign(1.0_wp, after%at - before%at), within=h)
+            if (one%sense*(centre - before%at) <= on_change*motion%passing%path%size) return
+            if (one%sense*(after%at - centre) <= 0.0_wp) return
+            call add()
+         end associate
+      end subroutine find_change
 
       subroutine add()
          one%at_first = value_of(motion, one, before)
@@ -160,6 +173,8 @@ contains
          value_of = crossing%sense*(crossing%kink - marks%input)
       else if (crossing%table == kink_speed) then
          value_of = crossing%sense*(crossing%kink - marks%speed)
+      else if (crossing%table == table_change) then
+         value_of = crossing%sense*(crossing%kink - marks%at)
       else if (crossing%lifts) then
          value_of = -real(crossing%side, wp)*marks%push(crossing%stop)
       else

@@ -16,16 +16,19 @@ module psalm_time_list
    use psalm_text, only: text_t, to_text, upper_case
    use psalm_time_study, only: time_study_t, time_collapsed, time_crowded, time_done, time_jammed, time_massless, time_on_request, &
                                time_open, time_stiff, time_wound
-   use psalm_time_motion, only: event_impact, event_rest, event_lift, event_stick, event_slip
+   use psalm_time_motion, only: event_t, event_impact, event_rest, event_lift, event_stick, event_slip, event_change
    implicit none (type, external)
    private
    public :: report_time, summarise_time, ending_words
 
    character(*), parameter :: time_block = 'time', event_block = 'events'
-   character(*), parameter :: event_words(*) = [character(6) :: 'impact', 'rest', 'lift', 'stick', 'slip'] !! by `event_...`
+   character(*), parameter :: event_words(*) = [character(6) :: 'impact', 'rest', 'lift', 'stick', 'slip', 'change'] !! by
+                                                !! `event_...`
+   character(*), parameter :: no_stop = '-'     !! in the place of its name
    character(*), parameter :: nl = new_line('a')
    integer, parameter :: rates_shown = 2
    integer, parameter :: most_exchanges = 3     !! of drives, that the summary has with their times
+   integer, parameter :: most_passages = 3      !! of change points, likewise
    real(wp), parameter :: full_circle = 2.0_wp*pi
 
 contains
@@ -51,6 +54,11 @@ contains
       call put_time(set, problem, study, devices%cases(devices%last_case()))
       if (study%stiff .and. study%ended /= time_stiff) call devices%remark(set, 'stability kept the steps of the motion short, '// &
          'as with a strong damper; with ISTIFF=1 of &TIME they may be longer')
+      if (any(study%events%kind == event_change)) then
+         call devices%remark(set, 'the motion goes straight on through change points, where the linkage could also fold')
+         if (study%gap > 0.0_wp) call devices%remark(set, 'the linkage misses a change point that the motion passes by '// &
+                                                     plain_number(study%gap)//' of its lengths, which is taken for rounding')
+      end if
       if (study%ended == time_done) return
       call devices%note_violation()
       call devices%remark(set, 'the motion '//ending_words(problem%mechanism, study))
@@ -77,8 +85,9 @@ contains
       case (time_massless)
          words = 'some motion of the free drives moves no mass; give their links masses'
       case (time_collapsed)
-         words = 'no step keeps the tolerance TTOL: a dead point of a drive (another drive may pass there), a '// &
-                 'very stiff spring or damper, or TEND far too long'
+         words = 'no step keeps the tolerance TTOL: a dead point of a drive (another drive may pass there), a change point '// &
+                 '(passed by one free drive, others at rest, without larger groups and friction of joints), a very stiff '// &
+                 'spring or damper, or TEND far too long'
       case (time_wound)
          words = 'torsional spring '//to_text(study%loop)//' is turned past half a turn from SFREE'
       case (time_jammed)
@@ -156,10 +165,19 @@ contains
             associate (event => study%events(e))
                call text%add(figure(event%time, of_event)//figure(event%before, formats(1))//figure(event%after, formats(2))// &
                              figure(event%impulse, formats(3))//'   '//upper_case(trim(event_words(event%kind)))//' '// &
-                             trim(study%stop_names(event%stop)))
+                             name_of(event))
             end associate
          end do
       end subroutine list_events
+
+      !> What an event happens to.
+      function name_of(event) result(name)
+         type(event_t), intent(in) :: event
+         character(:), allocatable :: name
+
+         name = 'POINT, STRAIGHT ON'
+         if (event%stop > 0) name = trim(study%stop_names(event%stop))
+      end function name_of
 
       !> Of several drives with the name of each.
       function heading(word, drive) result(head)
@@ -366,14 +384,15 @@ contains
       call table%add('work', study%work, 'J')
       call table%add('balance', study%balance, 'J')
       call tables%put(table)
-      if (size(study%stops, 2) == 0) return
+      if (size(study%stops, 2) == 0 .and. size(study%events) == 0) return
       table = table_of(event_block, 'a row for each event of the motion in time', notes=set%title//nl//'angles in radians')
       call table%add('time', study%events%time, 's')
       allocate (character(len(event_words)) :: words(size(study%events)))
-      allocate (character(len(study%stop_names)) :: stops(size(study%events)))
+      allocate (character(max(len(no_stop), len(study%stop_names))) :: stops(size(study%events)))
       do c = 1, size(study%events)
          words(c) = event_words(study%events(c)%kind)
-         stops(c) = study%stop_names(study%events(c)%stop)
+         stops(c) = no_stop
+         if (study%events(c)%stop > 0) stops(c) = study%stop_names(study%events(c)%stop)
       end do
       call table%add('event', words)
       call table%add('stop', stops)
@@ -389,6 +408,7 @@ contains
       type(time_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
       character(:), allocatable :: words
+      real(wp), allocatable :: passed(:)
       integer :: d, at, stop, first, rests
 
       if (study%rests) call summarise_equilibria()
@@ -405,6 +425,16 @@ contains
          if (size(study%exchanges) > most_exchanges) &
             words = words//'; '//to_text(size(study%exchanges) - most_exchanges)//' more exchanges'
          call add_line('Coordinates', words, text)
+      end if
+      if (any(study%events%kind == event_change)) then
+         passed = pack(study%events%time, study%events%kind == event_change)
+         words = trim(merge('change points at ', 'change point at  ', size(passed) > 1))
+         do d = 1, min(most_passages, size(passed))
+            words = words//trim(merge(', ', '  ', d > 1))//' '//plain_number(passed(d))
+         end do
+         words = words//' s'
+         if (size(passed) > most_passages) words = words//' and '//to_text(size(passed) - most_passages)//' more'
+         call add_line('Passes', words//', straight on', text)
       end if
       do d = 1, size(study%free)
          if (.not. study%free(d) .or. size(study%time) == 0) cycle
