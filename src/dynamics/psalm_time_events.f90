@@ -6,7 +6,7 @@ module psalm_time_events
    implicit none (type, external)
    private
    public :: marks_t, passage_t, crossings_of, value_of
-   public :: rub_none, rub_stops, rub_slips, rub_kink
+   public :: rub_none, rub_stops, rub_slips, rub_kink, table_change
 
    integer, parameter :: samples = 32                 !! of a step, in which a joint may reach its stop and leave it again
    real(wp), parameter :: near_zero = 1.0e-9_wp       !! part of the force at the end of a step: less at its beginning is 0
@@ -23,6 +23,7 @@ module psalm_time_events
       real(wp), allocatable :: parts(:, :)            !! by joint with friction: what it grows with
       real(wp), allocatable :: stretch(:)             !! by spring that has kinks
       real(wp) :: input = 0.0_wp, speed = 0.0_wp      !! of the first drive: degrees or length as tables count them; by time
+      real(wp) :: at = 0.0_wp                         !! the free drive, if there is one
    end type marks_t
 
    !> Something that has a positive value until it happens.
@@ -39,7 +40,9 @@ module psalm_time_events
       logical :: rises = .false.                      !! which is 0 but for rounding
    end type passage_t
 
-   integer, parameter :: kink_input = 1, kink_speed = 2, kink_stretch = 3
+   integer, parameter :: kink_input = 1, kink_speed = 2, kink_stretch = 3, table_change = 4 !! the last is no table:
+                                                   !! a change point
+   real(wp), parameter :: on_change = 1.0e-12_wp   !! radians, or parts of the size: so near a change point it is there
 
 contains
 
@@ -88,8 +91,19 @@ contains
          call find_kink(motion%model%springs(motion%kinked(k))%kinks(motion%model%metre), .false., before%stretch(k), &
                         after%stretch(k), kink_stretch)
       end do
+      if (allocated(motion%passing)) call find_change()
 
    contains
+
+      !> The change point, if it is passed.
+      subroutine find_change()
+         associate (centre => motion%passing%centre)
+            one = passage_t(table=table_change, kink=centre, sense=sign(1.0_wp, after%at - before%at), within=h)
+            if (one%sense*(centre - before%at) <= on_change*motion%passing%path%size) return
+            if (one%sense*(after%at - centre) <= 0.0_wp) return
+            call add()
+         end associate
+      end subroutine find_change
 
       subroutine add()
          one%at_first = value_of(motion, one, before)
@@ -170,6 +184,8 @@ contains
          value_of = crossing%sense*(crossing%kink - marks%speed)
       else if (crossing%table == kink_stretch) then
          value_of = crossing%sense*(crossing%kink - marks%stretch(crossing%spring))
+      else if (crossing%table == table_change) then
+         value_of = crossing%sense*(crossing%kink - marks%at)
       else if (crossing%lifts) then
          value_of = -real(crossing%side, wp)*marks%push(crossing%stop)
       else

@@ -17,11 +17,11 @@ module psalm_time_motion
    use psalm_root, only: root_search_t, begin_search
    use psalm_stiff_steps, only: stiff_steps_t
    use psalm_stop, only: stop_t
-   use psalm_time_events, only: passage_t, marks_t, crossings_of, value_of, rub_none, rub_stops, rub_slips
+   use psalm_time_events, only: passage_t, marks_t, crossings_of, value_of, rub_none, rub_stops, rub_slips, table_change
    implicit none (type, external)
    private
    public :: time_motion_t, event_t, begin_motion
-   public :: event_impact, event_rest, event_lift, event_stick, event_slip, event_on, event_off
+   public :: event_impact, event_rest, event_lift, event_stick, event_slip, event_on, event_off, event_change
 
    real(wp), parameter :: collapsed = 1.0e-13_wp   !! part of the whole time: no step is shorter
    real(wp), parameter :: creeping = 1.0e-7_wp     !! part of the whole time: so many steps in turn that are shorter,
@@ -47,6 +47,11 @@ module psalm_time_motion
    integer, parameter :: event_slip = 5            !! until then
    integer, parameter :: event_on = 6              !! friction of a joint begins to act, or the motor (stop 0)
    integer, parameter :: event_off = 7             !! it ends
+   integer, parameter :: event_change = 8          !! it passes a change point; no stop, rates of the first drive
+   real(wp), parameter :: looked_ahead = 0.2_wp    !! radians, or parts of the size: change points are looked for so far ahead,
+   real(wp), parameter :: steps_ahead = 2.0_wp     !! or as far as so many steps lead
+   real(wp), parameter :: looked_back = 1.0e-3_wp  !! where there has been no step
+   real(wp), parameter :: short_of = 0.9_wp        !! part of the way to where one might be: if none was found no step goes farther
    real(wp), parameter :: within = 1.0e-12_wp      !! part of what friction can hold: so much more is held
    real(wp), parameter :: nothing = 1.0e-9_wp      !! part of the greatest rate of a joint with friction, or of its acceleration
                                                     !! where nothing holds it: less is 0
@@ -97,6 +102,12 @@ module psalm_time_motion
       type(joint_stop_t), allocatable :: joints(:)    !! drives there might be, the present free ones first; none: no exchange
       real(wp), allocatable :: weights(:)             !! of their rates: a travel by the size of the linkage
       logical :: poor = .false.                       !! it stopped because drives are to be exchanged
+      real(wp), allocatable :: pivots(:)              !! by loop: sines of dyads, which go through 0 at change points, after the
+      real(wp) :: pivots_at = 0.0_wp                  !! last step, and the free drive there
+      real(wp) :: failed = huge(1.0_wp)               !! so far from where one might have been there was none
+      real(wp) :: unseen = huge(1.0_wp)               !! s: by then it might be passed, though none was found
+      logical :: open_ahead = .true.                  !! nothing can be passed there: one was found, or the linkage does not close
+      real(wp) :: gap = 0.0_wp                        !! part of the lengths by which the linkage misses a change point, at most
    contains
       procedure :: rates
       procedure :: tolerances
@@ -121,6 +132,7 @@ module psalm_time_motion
       procedure, private :: note_stability
       procedure, private :: note_jump
       procedure, private :: switch
+      procedure, private :: look_ahead
    end type time_motion_t
 
 contains
@@ -161,6 +173,7 @@ contains
       if (.not. valid) return
       call moving%choose_friction(valid)
       if (valid) call moving%meet_stops(valid)
+      if (valid) call moving%look_ahead(valid)
       if (valid) call moving%motion%anchor()
    end subroutine begin_motion
 
@@ -308,7 +321,7 @@ contains
          if (.not. reached) return
          next = target
          if (self%switched < size(self%switches)) next = min(target, self%switches(self%switched + 1)%time)
-         longest = self%longest_step()
+         longest = min(self%longest_step(), self%unseen)
          wanted = min(self%step, longest)
          last = wanted >= (1.0_wp - sqrt(epsilon(1.0_wp)))*(next - self%time)
          if (last) wanted = next - self%time
@@ -362,7 +375,9 @@ contains
          self%crowded = size(self%events) > self%most_events
          reached = .not. (self%crowded .or. self%endless)
          if (.not. reached) return
-         if (.not. allocated(self%joints)) cycle
+         call self%look_ahead(reached)
+         if (.not. reached) return
+         if (.not. allocated(self%joints) .or. self%motion%beside_change()) cycle
          call self%compare_drives(share, better)
          self%poor = share < least_share
          reached = .not. self%poor
@@ -370,6 +385,76 @@ contains
       end do
       reached = .true.
    end subroutine advance_to
+
+   !> Find the change point ahead, if there is one near enough: where the line through the sines of a dyad now and after the step
+   !> before, or a little behind, goes through 0.
+   subroutine look_ahead(self, valid)
+      class(time_motion_t), intent(inout) :: self
+      logical, intent(out) :: valid
+      real(wp), allocatable :: now(:)
+      real(wp) :: there, direction, way, far, ahead, least, before(2)
+      integer :: loop, nearest
+      logical :: found
+
+      valid = .true.
+      self%unseen = huge(1.0_wp)
+      if (.not. self%motion%may_change()) return
+      associate (f => size(self%size_of), motion => self%motion, size_of => self%size_of(1))
+         there = self%y(1)
+         if (allocated(motion%passing)) then
+            ! what was before it says nothing here
+            if ((motion%passing%centre - there)*(motion%passing%centre - self%pivots_at) < 0.0_wp .or. motion%beside_change()) then
+               if (allocated(self%pivots)) deallocate (self%pivots)
+            end if
+         end if
+         if (motion%beside_change() .or. .not. abs(self%y(f + 1)) > 0.0_wp) return
+         direction = sign(1.0_wp, self%y(f + 1))
+         now = motion%pivots()
+         before = self%y(:2)
+         if (.not. allocated(self%pivots)) then
+            self%pivots_at = there - looked_back*size_of*direction
+            before(1) = self%pivots_at
+            call self%rates(self%time, [before, self%y(3:)], self%first, valid)
+            if (valid .and. .not. motion%beside_change()) self%pivots = motion%pivots()
+            call self%rates(self%time, self%y, self%first, valid)
+            if (.not. allocated(self%pivots)) return
+         end if
+         way = direction*(there - self%pivots_at)
+         nearest = 0
+         far = steps_ahead*max(way, abs(self%y(f + 1))*self%step)
+         least = max(looked_ahead*size_of, far)
+         if (way > 0.0_wp) then
+            do loop = 1, size(now)
+               if (.not. abs(now(loop)) < abs(self%pivots(loop))) cycle
+               ahead = way*abs(now(loop))/(abs(self%pivots(loop)) - abs(now(loop)))
+               if (ahead > least) cycle
+               least = ahead
+               nearest = loop
+            end do
+         end if
+         self%pivots = now
+         self%pivots_at = there
+         if (nearest > 0 .and. allocated(motion%passing)) then
+            if (motion%passing%holds(there + least*direction)) nearest = 0
+         end if
+         if (nearest == 0) then
+            self%failed = huge(1.0_wp)
+            self%open_ahead = .true.
+            return
+         end if
+         if (.not. (least > 0.5_wp*self%failed .and. least > far)) then
+            call motion%find_change(nearest, there + least*direction, direction, size_of, found, self%open_ahead)
+            self%failed = least
+            if (found) then
+               self%failed = huge(1.0_wp)
+               self%open_ahead = .true.
+               self%gap = max(self%gap, motion%passing%gap)
+            end if
+            call self%rates(self%time, self%y, self%first, valid)
+         end if
+         if (.not. self%open_ahead) self%unseen = short_of*least/abs(self%y(f + 1))
+      end associate
+   end subroutine look_ahead
 
    !> The best drives among the joints, and the part of their volume that the present ones have.
    subroutine compare_drives(self, share, chosen)
@@ -438,6 +523,7 @@ contains
          fastest = self%fastest(:size(fastest))
          self%fastest = least_part*self%size_of_stop/self%end
          self%fastest(:size(fastest)) = fastest
+         if (allocated(self%pivots)) deallocate (self%pivots)
          self%largest = abs(self%y(:2*f))
       end associate
       call self%rates(self%time, self%y, self%first, valid)
@@ -458,6 +544,7 @@ contains
       marks%parts = self%motion%parts
       marks%still = nothing*self%fastest
       marks%input = self%motion%first_input(self%time, self%y(:size(self%motion%free)))
+      marks%at = self%y(1)
       marks%speed = self%motion%motor_speed(self%time, self%y(size(self%motion%free) + 1:))
    end function marks
 
@@ -496,7 +583,11 @@ contains
       call self%rates(self%time, self%y, self%first, valid)
       if (.not. valid) return
       associate (crossing => crossings(first))
-         if (crossing%rub /= rub_none) then
+         if (crossing%table == table_change) then
+            associate (rate => self%y(size(self%motion%free) + 1))
+               call self%note(event_t(time=self%time, kind=event_change, before=rate, after=rate))
+            end associate
+         else if (crossing%rub /= rub_none) then
             if (crossing%rub == rub_stops .or. crossing%rub == rub_slips) &
                call self%choose_friction(valid, crossing%stop, crossing%rub == rub_slips)
          else if (crossing%lifts) then

@@ -5,9 +5,12 @@
 !> q'' = 0, a column of the matrix what they bear for the inertia at q'' = 1 of one of them: a sweep of the forces each.
 !> A joint that rests on its stop adds the equation that its acceleration is 0, and the force of the stop as an unknown.
 !> Where other drives have taken the place of those of the case (`watched`), theirs are joints like those with stops, without any.
+!> Beside a change point (`passing`) positions are those of the smooth motion through it, and what the free drive bears is the power
+!> of all that acts, for the sweeps lose digits there.
 module psalm_free_motion
+   use psalm_change_point, only: change_point_t, drive_path_t, find_change_point, pivots_of
    use psalm_error, only: problem_t
-   use psalm_force_analysis, only: columns_of, take_columns
+   use psalm_force_analysis, only: column_drive, column_of_other_drive, columns_of, take_columns
    use psalm_force_model, only: force_model_t, load_t, spring_t
    use psalm_friction_forces, only: find_friction, load_of_joint
    use psalm_joint_stops, only: joint_stop_t, place_at, rate_at, press, side_none
@@ -84,6 +87,9 @@ module psalm_free_motion
       real(wp), allocatable :: sense(:)                !! by drive of the case, if watched: its rate by that of its joint
       real(wp) :: reference = 0.0_wp                   !! if watched: input of the first drive at time 0, degrees or length
       logical :: turning = .false.                     !! if watched: that drive turns
+      type(change_point_t), allocatable :: passing     !! the change point that was found last
+      integer :: passages = 0                          !! how many were found
+      real(wp) :: at = 0.0_wp                          !! the free drive, if there is one, at the last evaluation
    contains
       procedure :: accelerate
       procedure :: describe
@@ -94,12 +100,17 @@ module psalm_free_motion
       procedure :: first_input
       procedure :: motor_speed
       procedure :: rubs
+      procedure :: beside_change
+      procedure :: may_change
+      procedure :: pivots
+      procedure :: find_change
       procedure :: is_rough
       procedure, private :: table_input
       procedure, private :: put_normal
       procedure, private :: put_inputs
       procedure, private :: put_rates
       procedure, private :: drive_loads
+      procedure, private :: loads_by_power
    end type free_motion_t
 
    !> Everything about one moment.
@@ -113,6 +124,7 @@ module psalm_free_motion
       real(wp) :: kinetic = 0.0_wp, growth = 0.0_wp    !! J, W; flywheel included
       real(wp) :: potential = 0.0_wp                   !! of weight and springs, J
       real(wp), allocatable :: stops(:)                !! by stop: its force forwards, N m or N
+      integer :: undetermined = 0                      !! this loop is at a change point: forces of joints are not determined there
    end type free_state_t
 
 contains
@@ -228,6 +240,10 @@ contains
             call self%put_normal(self%free(j))
             call clear_wrenches(1, forces)
             call add_source(problem, self%model, source_inertia, [real(wp) ::], 1, forces)
+            if (self%beside_change()) then
+               h(:, j) = self%loads_by_power()
+               cycle
+            end if
             call sweep(problem, 1, forces)
             h(:, j) = self%drive_loads()
             do k = 1, self%rubs()
@@ -277,8 +293,12 @@ contains
             end do
             call add_source(problem, self%model, source_inertia, input, 1, forces)
          end associate
-         call sweep(problem, 1, forces)
-         b = self%drive_loads()
+         if (self%beside_change()) then
+            b = self%loads_by_power()
+         else
+            call sweep(problem, 1, forces)
+            b = self%drive_loads()
+         end if
          do k = 1, self%rubs()
             call friction_parts(problem, self%model, k, forces, at_first(:, k))
          end do
@@ -513,6 +533,81 @@ contains
       end function all_pressed
    end subroutine accelerate
 
+   !> True if the last evaluation was so near a change point that the smooth motion through it took the place of closed forms.
+   pure logical function beside_change(self)
+      class(free_motion_t), intent(in) :: self
+
+      beside_change = .false.
+      if (allocated(self%passing)) beside_change = self%passing%holds(self%at)
+   end function beside_change
+
+   !> True if change points are looked for: one free drive, the others at rest, dyads alone, no friction of joints.
+   pure logical function may_change(self)
+      class(free_motion_t), intent(in) :: self
+      integer :: k
+
+      may_change = size(self%free) == 1 .and. self%rubs() == 0
+      if (.not. may_change) return
+      do k = 1, size(self%slides)
+         if (k == self%free(1) .or. self%leader(k) /= k) cycle
+         may_change = may_change .and. .not. (abs(self%speed(k)) > 0.0_wp .or. abs(self%accel(k)) > 0.0_wp)
+      end do
+      do k = 1, size(self%problem%linkage%steps)
+         may_change = may_change .and. .not. allocated(self%problem%linkage%steps(k)%dyad%higher)
+      end do
+   end function may_change
+
+   !> Sines of the dyads at the last evaluation, which go through 0 at change points.
+   function pivots(self)
+      class(free_motion_t), intent(in) :: self
+      real(wp), allocatable :: pivots(:)
+
+      pivots = pivots_of(self%problem, self%rates)
+   end function pivots
+
+   !> Look for a change point where the dyad of a loop may come into line. The position is lost.
+   subroutine find_change(self, loop, expected, direction, size_of, found, open)
+      class(free_motion_t), intent(inout) :: self
+      integer, intent(in) :: loop
+      real(wp), intent(in) :: expected, direction       !! of the free drive
+      real(wp), intent(in) :: size_of                   !! what its changes count by
+      logical, intent(out) :: found, open               !! as `find_change_point` has them
+      type(change_point_t), allocatable :: point
+      type(drive_path_t) :: path
+      integer :: d
+
+      allocate (point)
+      path%slides = self%slides
+      path%size = size_of
+      path%base = self%start
+      path%slope = 0.0_wp*self%start
+      do d = 1, size(self%slides)
+         if (self%leader(d) /= self%free(1)) cycle
+         path%slope(d) = self%ratio(d)
+         path%base(d) = self%start(d) - self%ratio(d)*self%start(self%free(1))
+      end do
+      path%base(self%free(1)) = 0.0_wp
+      call find_change_point(self%problem, self%rates, path, expected, direction, loop, orders, point, found, open)
+      if (.not. found) return
+      call move_alloc(point, self%passing)
+      self%passages = self%passages + 1
+   end subroutine find_change
+
+   !> What the free drive bears for what acts on the bodies, beside a change point: the power of that for its rate 1, turned round.
+   function loads_by_power(self) result(load)
+      class(free_motion_t), intent(inout) :: self
+      real(wp) :: load(size(self%slides))
+      real(wp) :: rate(size(self%slides))
+
+      rate = 0.0_wp
+      rate(self%free(1)) = 1.0_wp
+      call self%put_rates(rate, 0.0_wp*rate)
+      self%forces%w%v(:, self%forces%power) = 0.0_wp
+      call external_power(self%problem, 1, self%forces)
+      load = 0.0_wp
+      load(self%free(1)) = -self%forces%w%v(1, self%forces%power)
+   end function loads_by_power
+
    !> How many joints have friction.
    pure integer function rubs(self)
       class(free_motion_t), intent(in) :: self
@@ -638,7 +733,7 @@ contains
       class(free_motion_t), intent(inout) :: self
       real(wp), intent(in) :: time, q(:), v(:), a(:)
       type(free_state_t), intent(out) :: state
-      real(wp) :: columns(1, columns_of(self%problem)), unused
+      real(wp) :: columns(1, columns_of(self%problem)), unused, slope, own
       integer :: source, d
 
       call self%put_inputs(time, q, .true.)
@@ -686,6 +781,9 @@ contains
             end if
          end if
          call sweep(problem, 1, forces)
+         if (self%beside_change()) then
+            if (self%passing%undetermined(self%at)) state%undetermined = self%passing%loop
+         end if
          if (self%driven) then
             associate (rate => self%motor_speed(time, v))
                state%kinetic = state%kinetic + 0.5_wp*self%motor%flywheel*rate**2
@@ -699,6 +797,17 @@ contains
          call take_columns(problem, self%model, forces, 1, columns)
       end associate
       state%columns = columns(1, :)
+      if (.not. self%beside_change() .or. self%watched > 0 .or. any(self%leader /= [(d, d=1, size(self%leader))])) return
+      ! of a free drive the rounding of the sweep is left out
+      d = column_drive
+      own = 0.0_wp
+      if (self%free(1) > 1) then
+         d = column_of_other_drive(size(self%problem%mechanism%joints), self%free(1))
+      else if (self%driven) then
+         call motor_torque(self%motor, v(1), own, slope)
+         own = own - self%motor%flywheel*a(1)
+      end if
+      state%columns(d) = own
    end subroutine describe
 
    !> Larger groups are followed from the position that was put in last. Springs are looked at: their moment is that of the angle
@@ -739,11 +848,20 @@ contains
       input = self%start + time*(self%speed + 0.5_wp*self%accel*time)
       input(self%free) = q
       where (.not. self%slides) input = input*degrees_per_radian
+      if (size(q) == 1) self%at = q(1)
       associate (problem => self%problem)
          if (size(input) > 1) problem%own_delt(1, :) = input(2:)
          call problem%move_inputs(input(:1))
-         call problem%solve_block(1, offset, n)
          self%open_loop = 0
+         if (present(valid)) valid = .true.
+         if (allocated(self%passing)) then
+            call self%passing%put_signs(problem, self%at)
+            if (self%passing%holds(self%at)) then
+               call self%passing%put_place(problem, self%at)
+               return
+            end if
+         end if
+         call problem%solve_block(1, offset, n)
          do k = problem%mechanism%nloop, 1, -1
             closes = problem%linkage%closes(1, k)
             if (checked .and. problem%linkage%two_slides(k)) &
@@ -764,7 +882,11 @@ contains
          k = self%leader(d)
          self%problem%linkage%drive_rate(:, d) = self%ratio(d)*[rate(k), accel(k), 0.0_wp]
       end do
-      call differentiate(self%problem, self%rates, 1, orders)
+      if (self%beside_change()) then
+         call self%passing%put_rates(self%rates, self%at, rate(self%free(1)), accel(self%free(1)))
+      else
+         call differentiate(self%problem, self%rates, 1, orders)
+      end if
       call move_bodies(self%problem, self%rates, 1, 1.0_wp, 0.0_wp, self%forces)
    end subroutine put_rates
 

@@ -52,7 +52,7 @@ module psalm_time_group
       rule_t('TTOL', a_number, '', '', '1E-13', '[1E-14,1E-3]', &
              'relative error of places and speeds that is allowed in a step'), &
       rule_t('NEVENT', a_whole, '', '', '10000', '[1,1000000]', &
-             'the motion ends after so many impacts and other events of &STOPS'), &
+             'the motion ends after so many events: impacts, others of &STOPS, change points'), &
       rule_t('ISTIFF', a_flag, '', '', '0', '0 1', &
              '1: the method for strong dampers, CVODE of SUNDIALS'), &
       rule_t('IEQUIL', a_flag, '', '', '0', '0 1', &

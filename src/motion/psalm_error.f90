@@ -94,6 +94,8 @@ module psalm_error
       real(wp), allocatable :: more(:, :, :)       !! shape (positions, 3, drives after the first): increment, its cosine, its sine;
                                                    !! not allocated: there is one drive
       real(wp), allocatable :: own_delt(:, :)      !! shape (positions, drives after the first): of drives that are not geared
+      logical, allocatable :: turned(:, :)         !! shape (positions, loops), whole blocks: the dyad is in its other assembly;
+                                                   !! not allocated: nowhere
       logical :: desired = .false.                 !! there are desired values of the output
       logical :: blank = .false.                   !! there are those of a sketch's outputs alone: `wanted` has no weight
       real(wp), allocatable :: wanted(:, :)        !! shape (positions, components): desired, points in machine coordinates
@@ -111,6 +113,7 @@ module psalm_error
       procedure :: want_derivatives
       procedure :: line_beside
       procedure :: set_inputs
+      procedure :: set_turned
       procedure :: keep_positions
       procedure :: move_inputs
       procedure :: follow_from_here
@@ -365,6 +368,7 @@ contains
       if (same) same = all(abs(self%delt - delt) <= 0.0_wp)
       self%positions = size(delt)
       self%delt = delt
+      if (allocated(self%turned) .and. .not. same) deallocate (self%turned)
       self%desired = .false.
       if (allocated(self%rate_desired)) deallocate (self%rate_desired, self%rate_weight)
       if (allocated(self%target_values)) deallocate (self%target_values, self%target_weights)
@@ -384,6 +388,19 @@ contains
       allocate (self%partial(self%blocks()), source=0.0_wp)
       allocate (self%offending(self%blocks()), source=0)
    end subroutine set_inputs
+
+   !> Say at which of the positions dyads are in their other assembly, as beyond a change point.
+   pure subroutine set_turned(self, turned)
+      class(problem_t), intent(inout) :: self
+      logical, intent(in) :: turned(:, :)          !! shape (positions, loops)
+      integer :: i
+
+      if (allocated(self%turned)) deallocate (self%turned)
+      allocate (self%turned(size(self%first), size(turned, 2)))
+      do i = 1, size(self%first)
+         self%turned(i, :) = turned(min(i, size(turned, 1)), :)
+      end do
+   end subroutine set_turned
 
    !> Increments of the drives after the first.
    subroutine set_more(self, same, own)
@@ -602,7 +619,15 @@ contains
       integer, intent(out), optional :: offending
 
       associate (first => offset + 1, last => offset + n)
-         if (allocated(self%more)) then
+         if (allocated(self%turned)) then
+            if (allocated(self%more)) then
+               call linkage%solve(n, self%first(first:last), self%second(first:last), self%path(first:last), &
+                                  self%more(first:last, :, :), last_step, offending, self%turned(first:last, :))
+            else
+               call linkage%solve(n, self%first(first:last), self%second(first:last), self%path(first:last), last_step=last_step, &
+                                  offending=offending, turned=self%turned(first:last, :))
+            end if
+         else if (allocated(self%more)) then
             call linkage%solve(n, self%first(first:last), self%second(first:last), self%path(first:last), &
                                self%more(first:last, :, :), last_step, offending)
          else

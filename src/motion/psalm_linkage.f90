@@ -734,7 +734,7 @@ contains
    !> Positions of one block. After it, the store holds roots, points, slides and closure measures, finite numbers all of them.
    !>
    !> With `offending` the block ends at the first loop that is not accepted everywhere; what comes after it is not solved.
-   pure subroutine solve(self, n, first, second, path, more, last_step, offending)
+   pure subroutine solve(self, n, first, second, path, more, last_step, offending, turned)
       class(linkage_t), intent(inout) :: self
       integer, intent(in) :: n                   !! positions, at most `room`
       real(wp), intent(in) :: first(n)           !! cosine of the input increment (sliding input: the increment, [length])
@@ -743,6 +743,7 @@ contains
       real(wp), intent(in), optional :: more(:, :, :) !! shape (n, 3, drives after the first): increment, its cosine, its sine
       integer, intent(in), optional :: last_step !! solve the steps up to this one only; default all
       integer, intent(out), optional :: offending !! the first loop not accepted, 0: none
+      logical, intent(in), optional :: turned(:, :) !! shape (n, loops): its dyad is in its other assembly
       integer :: k, last
       logical :: closed                          !! the groups found before close everywhere: what is accepted does
 
@@ -771,6 +772,7 @@ contains
          associate (step => self%steps(k), v => self%store%v)
             if (step%kind == step_dyad) then
                call solve_dyad(n, step%dyad, self%store)
+               if (present(turned)) call turn_over(n, turned(:, step%loop), step%dyad, self%store)
                if (present(offending)) then
                   if (.not. self%all_accepted(n, step%loop)) then
                      offending = step%loop
@@ -786,6 +788,32 @@ contains
          end associate
       end do
    end subroutine solve
+
+   !> A dyad that has been solved, in its other assembly at some positions.
+   pure subroutine turn_over(n, turned, dyad, store)
+      integer, intent(in) :: n
+      logical, intent(in) :: turned(:)           !! shape (n)
+      type(dyad_t), intent(in) :: dyad
+      type(rows_t), intent(inout) :: store
+      type(dyad_t) :: other
+      integer :: rows(8), i, k
+      real(wp) :: first(n, 8)
+
+      if (.not. any(turned)) return
+      rows = [dyad%p_x, dyad%p_y, dyad%q_x, dyad%q_y, dyad%slide_p, dyad%slide_q, dyad%tip%to_x, dyad%tip%to_y]
+      do k = 1, size(rows)
+         if (rows(k) > 0) first(:, k) = store%v(1:n, rows(k))
+      end do
+      other = dyad
+      other%sign = -dyad%sign
+      call solve_dyad(n, other, store)
+      do k = 1, size(rows)
+         if (rows(k) == 0) cycle
+         do i = 1, n
+            if (.not. turned(i)) store%v(i, rows(k)) = first(i, k)
+         end do
+      end do
+   end subroutine turn_over
 
    !> Directions, lengths and turns that the drives after the first set.
    pure subroutine put_seconds(self, n, more, store)

@@ -16,18 +16,20 @@ module psalm_time_list
    use psalm_text, only: text_t, to_text, upper_case
    use psalm_time_study, only: time_study_t, time_closed, time_collapsed, time_crowded, time_done, time_jammed, &
                                time_massless, time_on_request, time_open, time_stiff, time_wound
-   use psalm_time_motion, only: event_t, event_impact, event_rest, event_lift, event_stick, event_slip
+   use psalm_time_motion, only: event_t, event_impact, event_rest, event_lift, event_stick, event_slip, &
+                                event_on, event_off, event_change
    implicit none (type, external)
    private
    public :: report_time, summarise_time, ending_words
 
    character(*), parameter :: time_block = 'time', event_block = 'events'
-   character(*), parameter :: of_motor = 'motor'   !! in place of the name of a joint
+   character(*), parameter :: of_motor = 'motor', no_stop = '-' !! in place of the name of a joint
    character(*), parameter :: event_words(*) = [character(6) :: &
-                                                'impact', 'rest', 'lift', 'stick', 'slip', 'on', 'off'] !! by `event_...`
+                                                'impact', 'rest', 'lift', 'stick', 'slip', 'on', 'off', 'change'] !! by `event_...`
    character(*), parameter :: nl = new_line('a')
    integer, parameter :: rates_shown = 2
    integer, parameter :: most_exchanges = 3     !! of drives, that the summary has with their times
+   integer, parameter :: most_passages = 3      !! of change points, likewise
    real(wp), parameter :: full_circle = 2.0_wp*pi
 
 contains
@@ -53,6 +55,11 @@ contains
       call put_time(set, problem, study, devices%cases(devices%last_case()))
       if (study%stiff .and. study%ended /= time_stiff) call devices%remark(set, 'stability kept the steps of the motion short, '// &
          'as with a strong damper; with ISTIFF=1 of &TIME they may be longer')
+      if (any(study%events%kind == event_change)) then
+         call devices%remark(set, 'the motion goes straight on through change points, where the linkage could also fold')
+         if (study%gap > 0.0_wp) call devices%remark(set, 'the linkage misses a change point that the motion passes by '// &
+                                                     plain_number(study%gap)//' of its lengths, which is taken for rounding')
+      end if
       if (study%ended == time_done) return
       call devices%note_violation()
       call devices%remark(set, 'the motion '//ending_words(problem%mechanism, study))
@@ -79,8 +86,9 @@ contains
       case (time_massless)
          words = 'some motion of the free drives moves no mass; give their links masses'
       case (time_collapsed)
-         words = 'no step keeps the tolerance TTOL: a dead point of a drive (another drive may pass there), a '// &
-                 'very stiff spring or damper, or TEND far too long'
+         words = 'no step keeps the tolerance TTOL: a dead point of a drive (another drive may pass there), a change point '// &
+                 '(passed by one free drive, others at rest, without larger groups and friction of joints), a very stiff '// &
+                 'spring or damper, or TEND far too long'
       case (time_wound)
          words = 'torsional spring '//to_text(study%loop)//' is turned past half a turn from SFREE'
       case (time_closed)
@@ -147,6 +155,7 @@ contains
       !> Impacts, and when joints rest on their stops and leave them.
       subroutine list_events()
          type(number_format_t) :: of_event, formats(3)
+         character(:), allocatable :: what
          integer :: e
 
          of_event = format_of(set%has_names(), study%events%time)
@@ -158,9 +167,10 @@ contains
          call text%add('           TIME         BEFORE          AFTER        IMPULSE   EVENT')
          do e = 1, size(study%events)
             associate (event => study%events(e))
+               what = name_of(study, event)
+               if (event%kind == event_change) what = 'POINT, STRAIGHT ON'
                call text%add(figure(event%time, of_event)//figure(event%before, formats(1))//figure(event%after, formats(2))// &
-                             figure(event%impulse, formats(3))//'   '//upper_case(trim(event_words(event%kind)))//' '// &
-                             name_of(study, event))
+                             figure(event%impulse, formats(3))//'   '//upper_case(trim(event_words(event%kind)))//' '//what)
             end associate
          end do
       end subroutine list_events
@@ -393,8 +403,11 @@ contains
       type(event_t), intent(in) :: event
       character(:), allocatable :: name
 
-      name = of_motor
-      if (event%stop > 0) name = trim(study%stop_names(event%stop))
+      if (event%stop > 0) then
+         name = trim(study%stop_names(event%stop))
+      else
+         name = trim(merge(of_motor, no_stop//'    ', any(event%kind == [event_on, event_off])))
+      end if
    end function name_of
 
    !> Lines of the summary.
@@ -403,6 +416,7 @@ contains
       type(time_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
       character(:), allocatable :: words
+      real(wp), allocatable :: passed(:)
       integer :: d, at, stop, first, rests
 
       if (study%rests) call summarise_equilibria()
@@ -419,6 +433,16 @@ contains
          if (size(study%exchanges) > most_exchanges) &
             words = words//'; '//to_text(size(study%exchanges) - most_exchanges)//' more exchanges'
          call add_line('Coordinates', words, text)
+      end if
+      if (any(study%events%kind == event_change)) then
+         passed = pack(study%events%time, study%events%kind == event_change)
+         words = trim(merge('change points at ', 'change point at  ', size(passed) > 1))
+         do d = 1, min(most_passages, size(passed))
+            words = words//trim(merge(', ', '  ', d > 1))//' '//plain_number(passed(d))
+         end do
+         words = words//' s'
+         if (size(passed) > most_passages) words = words//' and '//to_text(size(passed) - most_passages)//' more'
+         call add_line('Passes', words//', straight on', text)
       end if
       do d = 1, size(study%free)
          if (.not. study%free(d) .or. size(study%time) == 0) cycle

@@ -74,7 +74,7 @@ contains
       real(wp), allocatable :: inputs(:, :)
 
       inputs = increments_of(time)
-      call study_inputs(set, mechanism, dimensions, parameters, inputs(marks, :), inputs, study)
+      call study_inputs(set, mechanism, dimensions, parameters, inputs(marks, :), inputs, study, marks, time%turned)
       study%sweep%forces = time%forces%table
       study%prescribed%forces = time%forces%table%at_rows(marks)
       if (.not. present(chosen)) return
@@ -83,13 +83,15 @@ contains
    end subroutine study_times
 
    !> Solve a linkage at some increments of its drives in place of its positions, and at others in place of the sweep.
-   subroutine study_inputs(set, mechanism, dimensions, parameters, inputs, sweep, study)
+   subroutine study_inputs(set, mechanism, dimensions, parameters, inputs, sweep, study, marks, turned)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
       type(dimensions_t), intent(in) :: dimensions
       type(parameters_t), intent(in) :: parameters
       real(wp), intent(in) :: inputs(:, :), sweep(:, :) !! shape (positions, drives), as `increments_of` has them
       type(row_study_t), intent(out) :: study
+      integer, intent(in), optional :: marks(:)     !! where `inputs` are in `sweep`
+      logical, intent(in), optional :: turned(:, :) !! shape (positions of the sweep, loops), as `set_turned` has it
 
       study%dimensions = dimensions
       allocate (study%problem)
@@ -97,21 +99,24 @@ contains
       ! it came there
       study%problem%followed = .false.
       call study%problem%set_inputs(inputs(:, 1), inputs(:, 2:))
+      if (present(turned)) call study%problem%set_turned(turned(marks, :))
       allocate (study%prescribed%problem, source=study%problem)
       call study%prescribed%problem%want_derivatives(.true., with_point=.true.)
       call analyse_row(study, study%prescribed)
-      call solve_row(study, sweep(:, 1), study%sweep, sweep(:, 2:))
+      call solve_row(study, sweep(:, 1), study%sweep, sweep(:, 2:), turned)
    end subroutine study_inputs
 
    !> The linkage of the prescribed positions at other inputs.
-   subroutine solve_row(study, delt, row, own)
+   subroutine solve_row(study, delt, row, own, turned)
       type(row_study_t), intent(inout) :: study
       real(wp), intent(in) :: delt(:)           !! increments
       type(solved_row_t), intent(inout) :: row
       real(wp), intent(in), optional :: own(:, :) !! those of further drives, as `set_inputs` has them
+      logical, intent(in), optional :: turned(:, :) !! as `set_turned` has it
 
       allocate (row%problem, source=study%prescribed%problem)
       call row%problem%set_inputs(delt, own)
+      if (present(turned)) call row%problem%set_turned(turned)
       call analyse_row(study, row)
    end subroutine solve_row
 

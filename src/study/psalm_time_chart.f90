@@ -6,6 +6,7 @@
 module psalm_time_chart
    use psalm_angles, only: degrees_of, nearest_difference
    use psalm_cases, only: resolve_drawn
+   use psalm_change_point, only: change_point_t
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, make_problem
    use psalm_force_analysis, only: column_drive, column_moment, column_of_joint, column_of_other_drive
@@ -20,7 +21,7 @@ module psalm_time_chart
    use psalm_moving_joints, only: sketch_motion_t
    use psalm_place, only: place_t
    use psalm_preparation, only: prepared_t, prepare
-   use psalm_rates, only: rates_t, prepare_rates
+   use psalm_rates, only: rates_t, prepare_rates, differentiate, highest_order
    use psalm_sketch, only: sketch_t, drive_t, drive_slides, drive_stretches, drive_turns
    use psalm_source, only: line_t
    use psalm_spring_law, only: part_elastic, part_viscous
@@ -43,7 +44,10 @@ module psalm_time_chart
       real(wp), allocatable :: travelled(:)       !! by slide: from time 0 to where it was drawn
       integer, allocatable :: same_joint(:)       !! by joint of the case: the joint here whose force is listed, or those that are
       logical, allocatable :: rest_of(:)          !! by joint of the case: it is what is left of the pin, all others with - before
+      type(change_point_t), allocatable :: passing !! the change point of the motion, in what is shown
+      integer :: passages = 0                     !! which of those that the motion had
    contains
+      procedure :: solve_shown
       procedure :: follow
       procedure :: columns_of_case
    end type time_chart_t
@@ -366,6 +370,8 @@ contains
             chart%travelled = next%travelled
             chart%same_joint = next%same_joint
             chart%rest_of = next%rest_of
+            if (allocated(chart%passing)) deallocate (chart%passing)
+            chart%passages = 0
             return
          end if
          call move_alloc(before, moving%motion)
@@ -595,6 +601,45 @@ contains
          axes_of = cmplx(w(1, of%ex), w(1, of%ey), wp)
       end associate
    end function axes_of
+
+   !> Solve and differentiate what is shown where the motion is; beside a change point it is the smooth motion through it.
+   subroutine solve_shown(self, motion, state)
+      class(time_chart_t), intent(inout) :: self
+      type(free_motion_t), intent(in) :: motion
+      type(free_state_t), intent(in) :: state
+      real(wp) :: inputs(size(motion%slides))
+      logical :: passes
+      integer :: d, offset, n
+
+      passes = .false.
+      if (allocated(motion%passing)) then
+         if (self%passages /= motion%passages) then
+            self%passing = motion%passing
+            self%passages = motion%passages
+            call self%passing%tabulate(self%shown, self%rates, highest_order, passes)
+            if (.not. passes) self%passing%half = 0.0_wp
+         end if
+         call self%passing%put_signs(self%shown, motion%at)
+         passes = self%passing%holds(motion%at)
+      end if
+      inputs = state%input
+      where (.not. motion%slides) inputs = inputs*degrees_per_radian
+      associate (shown => self%shown)
+         if (size(inputs) > 1) shown%own_delt(1, :) = inputs(2:)
+         call shown%move_inputs(inputs(:1))
+         if (passes) then
+            call self%passing%put_place(shown, motion%at)
+            call self%passing%put_rates(self%rates, motion%at, state%rate(motion%free(1)), state%accel(motion%free(1)))
+            return
+         end if
+         call self%follow(motion)
+         call shown%solve_block(1, offset, n)
+         do d = 1, size(inputs)
+            shown%linkage%drive_rate(:, d) = [state%rate(d), state%accel(d), 0.0_wp]
+         end do
+         call differentiate(shown, self%rates, n, highest_order)
+      end associate
+   end subroutine solve_shown
 
    !> Larger groups of what is shown are followed from where the motion has them.
    pure subroutine follow(self, motion)

@@ -12,7 +12,7 @@ module psalm_time_study
    use psalm_kinds, only: wp, degrees_per_radian
    use psalm_mechanism, only: mechanism_t
    use psalm_motor_group, only: motor_group_t, motor_of
-   use psalm_rates, only: prepare_rates, differentiate, output_rates, highest_order
+   use psalm_rates, only: prepare_rates, output_rates, highest_order
    use psalm_shown_input, only: reference_input
    use psalm_sketch_motion, only: observe_sketch
    use psalm_sketch_outputs, only: names_of_numbers, values_of_outputs
@@ -74,6 +74,9 @@ module psalm_time_study
       logical, allocatable :: stop_slides(:)      !! by stop
       real(wp), allocatable :: stops(:, :)        !! shape (rows, stops): their forces, N m or N, forwards
       type(event_t), allocatable :: events(:)
+      logical, allocatable :: turned(:, :)        !! shape (rows, loops): its dyad is not in the assembly of the drawing, as beyond
+                                                  !! a change point; not allocated: nowhere, or drives were exchanged before
+      real(wp) :: gap = 0.0_wp                    !! part of the lengths by which the linkage misses a change point that it passes
       real(wp), allocatable :: jump_time(:)       !! shape (impacts): s; those at one time are one
       real(wp), allocatable :: jumps(:, :, :)     !! shape (impacts, drives, 3): place as shown, rate before, after
       logical :: moves = .true.                   !! motion was asked for, not equilibria alone
@@ -246,6 +249,7 @@ contains
       study%stopped = moving%time
       study%steps = moving%steps
       study%stiff = moving%held
+      study%gap = moving%gap
       if (associated(moving%stiff)) then
          call moving%stiff%close()
          deallocate (moving%stiff)
@@ -367,6 +371,7 @@ contains
             associate (columns => size(forces%table%value, 2), table => study%forces%table)
                deallocate (table%value, table%kinetic, table%growth)
                allocate (table%value(rows, columns), table%kinetic(rows), table%growth(rows), source=0.0_wp)
+               table%dead = spread(0, 1, rows)
             end associate
          else
             study%time = study%time(:rows)
@@ -375,14 +380,15 @@ contains
             study%lost = study%lost(:rows)
             study%balance = study%balance(:rows)
             study%stops = study%stops(:rows, :)
+            if (allocated(study%turned)) study%turned = study%turned(:rows, :)
             call keep_orders()
             study%forces%table%value = study%forces%table%value(:rows, :)
             study%forces%table%kinetic = study%forces%table%kinetic(:rows)
+            study%forces%table%dead = study%forces%table%dead(:rows)
             study%forces%table%growth = study%forces%table%growth(:rows)
          end if
          associate (table => study%forces%table)
             table%closed = spread(.true., 1, rows)
-            table%dead = spread(0, 1, rows)
             table%sweeps = spread(1, 1, rows)
             table%at_rest = spread(.false., 1, rows)
          end associate
@@ -419,7 +425,7 @@ contains
       subroutine keep()
          real(wp) :: inputs(drives), values(highest_order, given%output%kind%components)
          real(wp) :: largest(2)
-         integer :: d, offset, n, r, c
+         integer :: d, r, c
 
          study%time(row) = time%times(row)
          inputs = state%input
@@ -439,16 +445,9 @@ contains
                set%sketch%drives(d)%ratio*study%drives(row, 1, 0) + set%sketch%drives(d)%phase
          end do
          associate (shown => chart%shown)
-         call chart%follow(moving%motion)
-         if (drives > 1) shown%own_delt(1, :) = inputs(2:)
-         call shown%move_inputs(inputs(:1))
-         call shown%solve_block(1, offset, n)
-         do d = 1, drives
-            shown%linkage%drive_rate(:, d) = [state%rate(d), state%accel(d), 0.0_wp]
-         end do
-         call differentiate(shown, chart%rates, n, highest_order)
+         call chart%solve_shown(moving%motion, state)
          if (set%has_names()) then
-            call observe_sketch(chart%sketch, shown, chart%rates, n, 1.0_wp, 0.0_wp, places, moved)
+            call observe_sketch(chart%sketch, shown, chart%rates, 1, 1.0_wp, 0.0_wp, places, moved)
             if (allocated(chart%travelled)) moved(:, 0, 1) = moved(:, 0, 1) + chart%travelled
             study%sketch%joints(:, :, row) = places(:size(study%sketch%joints, 1), :, 1)
             largest = 0.0_wp
@@ -459,7 +458,7 @@ contains
             call values_of_outputs(set%sketch%outputs, study%sketch%joints(:, :, row), moved(:, :, 1), largest, &
                                    study%sketch%values(:, :, row))
          else
-            call shown%output_of(n)
+            call shown%output_of(1)
             call output_rates(shown, chart%rates, 1, rates_shown, values)
             do c = 1, size(study%output, 2)
                study%output(row, c, 0) = shown%output%actual(c, 1, shown%linkage)
@@ -472,6 +471,8 @@ contains
             if (.not. set%masses%motor_on_frame) call take_motors_off(given%mechanism, table%value(row:row, :))
             table%kinetic(row) = state%kinetic
             table%growth(row) = state%growth
+            table%dead(row) = state%undetermined
+            if (moving%motion%passages > 0 .and. .not. allocated(chart%set)) call note_assembly()
             study%potential(row) = state%potential
             study%stops(row, :) = state%stops(:size(stops))
             study%work(row) = moving%work()
@@ -480,6 +481,19 @@ contains
             study%balance(row) = state%kinetic + state%potential - study%work(row) + study%lost(row) - first_energy
          end associate
       end subroutine keep
+
+      !> Which dyads are not in the assembly of the drawing.
+      subroutine note_assembly()
+         integer :: loop, k
+
+         if (.not. allocated(study%turned)) allocate (study%turned(size(study%time), given%mechanism%nloop), source=.false.)
+         associate (link => moving%motion%problem%linkage)
+            do loop = 1, given%mechanism%nloop
+               k = link%step_of_loop(loop)
+               if (k > 0) study%turned(row, loop) = link%steps(k)%dyad%sign*real(given%mechanism%groups(loop)%sign, wp) < 0.0_wp
+            end do
+         end associate
+      end subroutine note_assembly
 
       !> Rates of the drives before and after impacts.
       subroutine keep_jumps()

@@ -72,7 +72,7 @@ def known_numbers():
     check("bar on a driven slide: what the drive does is in the balance", np.max(np.abs(t["balance"])) < 1e-10)
 
     # N four-bars in closed form: ((N+1)/3 + N) th'' = -((N+1)/2 + N) g cos th
-    t, _ = run(data("four_bars"))
+    t, _ = run(data("four_bars", ("TEND=2.0, NTIME=100", "TEND=0.7, NTIME=70")))
     n = 2
     c = ((n + 1)/2 + n)*9.81/((n + 1)/3 + n)
     exact = solve_ivp(lambda s, y: [y[1], -c*math.cos(y[0])], (0, .7), [math.pi/2, -1.0], method="DOP853", rtol=1e-13, atol=1e-14)
@@ -297,10 +297,10 @@ def random_mechanisms():
 
 def laws():
     # back in time: speeds turned round lead to where it came from
-    t, _ = run(data("four_bars", ("TEND=0.7, NTIME=70", "TAT=0.4")))
+    t, _ = run(data("four_bars", ("TEND=2.0, NTIME=100", "TAT=0.4")))
     there = t["input"][-1], t["input.v"][-1]
     angle = math.radians(90.0 + there[0])
-    text = data("four_bars", ("TEND=0.7, NTIME=70, VSTART=-1.0", f"TAT=0.4, VSTART={float(-there[1])!r}"),
+    text = data("four_bars", ("TEND=2.0, NTIME=100, VSTART=-1.0", f"TAT=0.4, VSTART={float(-there[1])!r}"),
                 ("JX=0.0,1.0,2.0,0.0,1.0,2.0", "JX=0.0,1.0,2.0," + ",".join(repr(float(k + math.cos(angle))) for k in range(3))),
                 ("JY=3*0.0,3*1.0", "JY=3*0.0," + ",".join([repr(float(math.sin(angle)))]*3)))
     t, _ = run(text)
