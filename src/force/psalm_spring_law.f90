@@ -1,8 +1,8 @@
 !> What a spring or damper pulls with, by its length and how fast that grows.
 !>
-!> Elastic: preload and stiffness; of a gas spring the preload times a power of the length that is left (polytropic change of state);
-!> a table over the length. Viscous: linear and square damping. One that pulls or pushes only is slack on the other side of its free
-!> length, and never acts the other way.
+!> Elastic: preload and stiffness; of a gas spring the preload times a power of the length that is left (polytropic change of
+!> state); a table over the length. Viscous: linear and square damping. One that pulls or pushes only is slack on the other side of
+!> its free length, and never acts the other way.
 module psalm_spring_law
    use psalm_elementary, only: fractional_power
    use psalm_kinds, only: wp
