@@ -19,6 +19,7 @@ module psalm_time_events
    type :: marks_t
       real(wp), allocatable :: place(:), pace(:), growth(:), push(:) !! by stop, as `free_motion_t` has them
       real(wp), allocatable :: spare(:)               !! by stop: what friction could hold beyond what it does
+      real(wp), allocatable :: still(:)               !! by stop: rate of its joint that is none, where it slips
       real(wp), allocatable :: parts(:, :)            !! by joint with friction: what it grows with
       real(wp) :: input = 0.0_wp, speed = 0.0_wp      !! of the first drive: degrees or length as tables count them; by time
    end type marks_t
@@ -65,9 +66,9 @@ contains
             if (one%within > 0.0_wp) call add()
          end do
       end do
-      do k = motion%smooth + 1, size(motion%stops)
+      do k = motion%smooth + 1, motion%smooth + motion%rubs()
          one = passage_t(stop=k, within=h, rub=merge(rub_slips, rub_stops, motion%stuck(k)))
-         if (value_of(motion, one, after) < 0.0_wp) call add()
+         if (value_of(motion, one, after) < merge(0.0_wp, -after%still(k), motion%stuck(k))) call add()
          if (motion%stuck(k) .or. .not. motion%stops(k)%slides) cycle
          do side = 1, 2
             associate (from => before%parts(side, k - motion%smooth), to => after%parts(side, k - motion%smooth))

@@ -38,6 +38,7 @@ module psalm_time_motion
    integer, parameter :: most_held = 15, most_free = 6 !! steps in turn that say that it limits them, or does not
    real(wp), parameter :: most_left = 1.0e5_wp     !! steps that are left: the motion does not go on then
    integer, parameter :: most_blows = 1000         !! of stops that close together
+   integer, parameter :: most_in_place = 100       !! events in turn between which no time passes
    real(wp), parameter :: least_share = 0.1_wp     !! of the volume of the best drives: others take the place of drives with less
    integer, parameter :: event_impact = 1          !! a joint hits its stop
    integer, parameter :: event_rest = 2            !! it rests on it from then on
@@ -45,7 +46,8 @@ module psalm_time_motion
    integer, parameter :: event_stick = 4           !! friction holds a joint from then on
    integer, parameter :: event_slip = 5            !! until then
    real(wp), parameter :: within = 1.0e-12_wp      !! part of what friction can hold: so much more is held
-   real(wp), parameter :: nothing = 1.0e-9_wp      !! part of the greatest acceleration of a joint with friction: less is 0
+   real(wp), parameter :: nothing = 1.0e-9_wp      !! part of the greatest rate of a joint with friction, or of its acceleration
+                                                    !! where nothing holds it: less is 0
 
    !> What happened at a time.
    type :: event_t
@@ -77,7 +79,7 @@ module psalm_time_motion
       logical :: asked = .false.                      !! it was asked for
       type(event_t), allocatable :: events(:)
       real(wp), allocatable :: begun(:)               !! by drive of the case: its input at time 0
-      real(wp), allocatable :: fastest(:)             !! by stop: rate of a joint with friction so far, at its events
+      real(wp), allocatable :: fastest(:)             !! by stop: greatest rate of its joint so far, at least one that counts
       integer :: jumped = 0                           !! impacts, several at a time as one
       real(wp), allocatable :: jumps(:, :)            !! shape (1 + 3 drives, at least `jumped`): time, s; by drive its place,
                                                       !! its rate before and after, as `free_state_t` has them
@@ -134,7 +136,7 @@ contains
          moving%y = [moving%motion%start(moving%motion%free), speeds, 0.0_wp, 0.0_wp]
          moving%largest = abs(moving%y(:2*f))
          allocate (moving%first(2*f + 2))
-         allocate (moving%fastest(size(moving%motion%stops)), source=0.0_wp)
+         moving%fastest = least_part*moving%size_of_stop/end
       end associate
       call moving%rates(0.0_wp, moving%y, moving%first, valid)
       if (.not. valid) return
@@ -220,10 +222,11 @@ contains
       integer :: better(size(self%size_of))
       type(marks_t) :: marks
       type(passage_t), allocatable :: crossings(:)
-      integer :: short
+      integer :: short, in_place
       logical :: last
 
       short = 0
+      in_place = 0
       shortest = collapsed*self%end
       do while (self%time < target)
          self%asked = self%host%requested()
@@ -261,6 +264,9 @@ contains
             call self%go_to_first(crossings, began, before, rates_before, taken, reached)
             if (.not. reached) return
             if (self%time < target) last = .false.
+            in_place = merge(0, in_place + 1, self%time > began)
+            reached = in_place <= most_in_place
+            if (.not. reached) return
          end if
          self%largest = max(self%largest, abs(self%y(:size(self%largest))))
          self%steps = self%steps + 1
@@ -339,7 +345,7 @@ contains
       class(time_motion_t), intent(inout) :: self
       real(wp), intent(in) :: speeds(:)               !! shape (free drives)
       logical, intent(out) :: valid
-      real(wp) :: work, lost
+      real(wp) :: work, lost, fastest(self%motion%smooth + self%motion%rubs())
 
       if (associated(self%stiff)) call self%stiff%close()
       self%poor = .false.
@@ -349,7 +355,9 @@ contains
          self%size_of = self%sizes()
          self%size_of_stop = merge(length_of(self%motion), 1.0_wp, self%motion%stops%slides)
          self%y = [self%motion%start(self%motion%free), speeds, work, lost]
-         self%fastest = spread(0.0_wp, 1, size(self%motion%stops))
+         fastest = self%fastest(:size(fastest))
+         self%fastest = least_part*self%size_of_stop/self%end
+         self%fastest(:size(fastest)) = fastest
          self%largest = abs(self%y(:2*f))
       end associate
       call self%rates(self%time, self%y, self%first, valid)
@@ -367,6 +375,7 @@ contains
       marks%push = self%motion%push
       marks%spare = self%motion%most_held*(1.0_wp + within) - abs(self%motion%push)
       marks%parts = self%motion%parts
+      marks%still = nothing*self%fastest
       marks%input = self%motion%first_input(self%time, self%y(:size(self%motion%free)))
       marks%speed = self%motion%first_speed(self%time, self%y(size(self%motion%free) + 1:))
    end function marks
@@ -647,49 +656,44 @@ contains
 
    !> Which joints with friction are stuck, and which way others slip: those that move as they move; of those at rest all are stuck
    !> that friction can hold, and others slip the way that the force goes. One of them may be known to slip.
+   !>
+   !> Joints are let go one by one, that first which lacks most. Where this leads to no state that agrees with itself (what is held
+   !> is not more than friction holds, what slips goes the way that it is thought to go) all states are tried.
    subroutine choose_friction(self, valid, joint, slips)
       class(time_motion_t), intent(inout) :: self
       logical, intent(out) :: valid
       integer, intent(in), optional :: joint          !! that has come to rest, or that is not held any longer
       logical, intent(in), optional :: slips          !! it is not held
-      logical, allocatable :: still_there(:), was(:)
-      real(wp), allocatable :: excess(:)
-      real(wp) :: greatest
-      integer :: k, round
+      logical, allocatable :: still_there(:), was(:), own(:)
+      integer :: k
 
       valid = .true.
       if (self%motion%rubs() == 0) return
       associate (motion => self%motion)
          was = motion%stuck
-         allocate (still_there(size(was)), source=.false.)
-         allocate (excess(size(was)), source=0.0_wp)
-         do k = motion%smooth + 1, size(was)
+         allocate (still_there(size(was)), own(size(was)), source=.false.)
+         do k = motion%smooth + 1, motion%smooth + motion%rubs()
             self%fastest(k) = max(self%fastest(k), abs(motion%pace(k)))
             still_there(k) = abs(motion%pace(k)) <= nothing*self%fastest(k)
             if (present(joint)) still_there(k) = still_there(k) .or. k == joint
             if (.not. still_there(k) .and. abs(motion%pace(k)) > 0.0_wp) &
                motion%sense_of_slip(k) = sign(1.0_wp, motion%pace(k))
          end do
+         ! what one free drive moves turns back by itself where the rest goes on
+         if (size(motion%free) == 1) then
+            do k = motion%smooth + 1, motion%smooth + motion%rubs()
+               own(k) = still_there(k) .and. abs(self%y(2)) > nothing*self%largest(2) .and. abs(motion%growth(k)) > &
+                        nothing*motion%freely(k)
+               if (own(k)) motion%sense_of_slip(k) = sign(1.0_wp, motion%growth(k))
+            end do
+            still_there = still_there .and. .not. own
+         end if
          motion%stuck = still_there
          where (still_there .and. .not. was) motion%stuck_at = motion%place
-         if (present(slips)) then
-            if (slips) call release(joint)
-         end if
-         do round = 1, size(was) + 1
-            call self%rates(self%time, self%y, self%first, valid)
-            if (.not. valid) return
-            greatest = maxval(abs(motion%growth))
-            excess = 0.0_wp
-            do k = motion%smooth + 1, size(was)
-               if (.not. motion%stuck(k)) cycle
-               excess(k) = abs(motion%push(k)) - motion%most_held(k)*(1.0_wp + within)
-               if (abs(motion%growth(k)) > nothing*greatest .and. .not. abs(motion%push(k)) > 0.0_wp) excess(k) = huge(1.0_wp)
-            end do
-            k = maxloc(excess, dim=1)
-            if (.not. excess(k) > 0.0_wp) exit
-            call release(k)
-         end do
-         do k = motion%smooth + 1, size(was)
+         call let_go(valid)
+         if (.not. valid) call try_all(valid)
+         if (.not. valid) return
+         do k = motion%smooth + 1, motion%smooth + motion%rubs()
             if (motion%stuck(k) .and. .not. was(k)) call self%note(event_t(time=self%time, kind=event_stick, stop=k))
             if (was(k) .and. .not. motion%stuck(k)) call self%note(event_t(time=self%time, kind=event_slip, stop=k))
          end do
@@ -701,13 +705,95 @@ contains
 
    contains
 
+      !> Let joints go until friction can hold the others. `agrees` is false where the state does not agree with itself then.
+      subroutine let_go(agrees)
+         logical, intent(out) :: agrees
+         real(wp) :: excess(size(was))
+         integer :: round, i
+
+         associate (motion => self%motion)
+            if (present(slips)) then
+               if (slips) call release(joint)
+            end if
+            do round = 1, size(was) + 1
+               call self%rates(self%time, self%y, self%first, agrees)
+               if (.not. agrees) return
+               excess = 0.0_wp
+               do i = motion%smooth + 1, motion%smooth + motion%rubs()
+                  if (.not. motion%stuck(i)) cycle
+                  excess(i) = abs(motion%push(i)) - motion%most_held(i)*(1.0_wp + within)
+                  if (.not. abs(motion%push(i)) > 0.0_wp .and. abs(motion%growth(i)) > nothing*motion%freely(i)) &
+                     excess(i) = huge(1.0_wp)
+               end do
+               i = maxloc(excess, dim=1)
+               if (.not. excess(i) > 0.0_wp) exit
+               call release(i)
+            end do
+            agrees = agreed()
+         end associate
+      end subroutine let_go
+
+      !> Whether joints at rest that slip begin to move the way that they are thought to, and friction holds the others.
+      logical function agreed()
+         integer :: i
+
+         associate (motion => self%motion)
+            agreed = .true.
+            do i = motion%smooth + 1, motion%smooth + motion%rubs()
+               if (motion%stuck(i)) then
+                  agreed = agreed .and. abs(motion%push(i)) <= motion%most_held(i)*(1.0_wp + within)
+                  agreed = agreed .and. (abs(motion%growth(i)) <= nothing*motion%freely(i) .or. abs(motion%push(i)) > 0.0_wp)
+               else if (still_there(i)) then
+                  agreed = agreed .and. motion%sense_of_slip(i)*motion%growth(i) >= -nothing*motion%freely(i)
+               end if
+            end do
+         end associate
+      end function agreed
+
+      !> Try every state of the joints at rest: stuck, or slipping one way or the other; with one free drive all are one.
+      subroutine try_all(found)
+         logical, intent(out) :: found
+         integer, parameter :: most = 8
+         integer :: at_rest(size(was)), n, digits, code, rest, i
+         logical :: there, together
+
+         found = .false.
+         n = 0
+         do i = 1, size(was)
+            if (.not. still_there(i)) cycle
+            n = n + 1
+            at_rest(n) = i
+         end do
+         if (n > most) return
+         associate (motion => self%motion)
+            together = size(motion%free) == 1
+            digits = merge(min(n, 1), n, together)
+            do code = 0, 3**digits - 1
+               rest = code
+               do i = 1, n
+                  associate (k => at_rest(i), state => modulo(rest, 3))
+                     motion%stuck(k) = state == 0
+                     if (state > 0) motion%sense_of_slip(k) = real(3 - 2*state, wp)
+                     if (state > 0 .and. together) motion%sense_of_slip(k) = motion%sense_of_slip(k)* &
+                                                                              sign(1.0_wp, motion%normal(k, motion%free(1)))
+                  end associate
+                  if (.not. together) rest = rest/3
+               end do
+               call self%rates(self%time, self%y, self%first, there)
+               if (.not. there) cycle
+               found = agreed()
+               if (found) return
+            end do
+         end associate
+      end subroutine try_all
+
       !> Let a joint slip the way that what holds it keeps it from; with one free drive all that are at rest slip.
       subroutine release(k)
          integer, intent(in) :: k
          integer :: i
 
          associate (motion => self%motion)
-            do i = motion%smooth + 1, size(motion%stuck)
+            do i = motion%smooth + 1, motion%smooth + motion%rubs()
                if (.not. motion%stuck(i)) cycle
                if (i /= k .and. size(motion%free) > 1) cycle
                motion%stuck(i) = .false.

@@ -9,6 +9,7 @@ module psalm_free_motion
    use psalm_error, only: problem_t
    use psalm_force_analysis, only: columns_of, take_columns
    use psalm_force_model, only: force_model_t, load_t, spring_t
+   use psalm_friction_forces, only: find_friction, load_of_joint
    use psalm_joint_stops, only: joint_stop_t, place_at, rate_at, press, side_none
    use psalm_kinds, only: wp, pi, degrees_per_radian, radians_per_degree, full_turn
    use psalm_kinetostatics, only: forces_t, prepare_forces, move_bodies, clear_wrenches, add_source, sweep, external_power, &
@@ -20,13 +21,13 @@ module psalm_free_motion
    use psalm_potential, only: potential_energy, torsion
    use psalm_rates, only: rates_t, prepare_rates, differentiate
    use psalm_shown_input, only: input_at, reference_input
-   use psalm_elementary, only: hypotenuse
    implicit none (type, external)
    private
    public :: free_motion_t, free_state_t, make_free_motion
 
    integer, parameter :: orders = 2        !! of rates
-   integer, parameter :: most_rounds = 1000 !! of friction, which depends on the forces that it changes: then it jams
+   integer, parameter :: most_rounds = 60  !! of friction, which depends on the forces that it changes, by turns
+   integer, parameter :: most_shared = 1000 !! where joints at rest share what they hold
    real(wp), parameter :: settled = 4.0_wp*epsilon(1.0_wp) !! part of the largest friction: a change that is none
    real(wp), parameter :: rounded = 1.0e-11_wp !! and one that may be rounding, if it grows
    real(wp), parameter :: least_inertia = 1.0e-12_wp !! what others leave of the inertia at a drive, as a part of it: less is 0
@@ -51,8 +52,8 @@ module psalm_free_motion
       integer :: open_loop = 0                         !! why the last evaluation has no result: this loop does not close,
       logical :: massless = .false.                    !! or some motion of the free drives moves no mass
       integer :: jammed = 0                            !! or friction of this stop, a joint, has no force that agrees with its load
-      ! friction: joints of the last stops, without limits; others have none
-      integer :: smooth = 0                            !! so many stops come before them
+      ! friction: joints of some stops, without limits; others have none
+      integer :: smooth = 0                            !! so many stops come before them, drives that are watched after them
       logical, allocatable :: stuck(:)                 !! by stop: its joint is held by friction,
       real(wp), allocatable :: sense_of_slip(:)        !! or slips this way, 1 or -1
       real(wp), allocatable :: stuck_at(:)             !! by stop: place there
@@ -66,6 +67,7 @@ module psalm_free_motion
       integer, allocatable :: resting(:)               !! by stop: side on which its joint rests, `side_...`
       ! by stop, at the last evaluation: from time 0, radians or user's lengths, and by time
       real(wp), allocatable :: place(:), pace(:), growth(:) !! where its joint is, its rate, its acceleration
+      real(wp), allocatable :: freely(:)               !! what its acceleration is made of where nothing holds it, without signs
       real(wp), allocatable :: push(:)                 !! force of the stop, forwards: N m, N times metre
       real(wp), allocatable :: normal(:, :)            !! shape (stops, drives): rate of the joint for a drive's rate 1
       real(wp), allocatable :: acting(:)               !! by free drive: force on it, N m, N times metre
@@ -86,6 +88,7 @@ module psalm_free_motion
       procedure :: first_input
       procedure :: first_speed
       procedure :: rubs
+      procedure :: is_rough
       procedure, private :: table_input
       procedure, private :: put_normal
       procedure, private :: put_inputs
@@ -108,7 +111,7 @@ module psalm_free_motion
 contains
 
    !> Bind a mechanism whose problem has all loops, roots and vertices (`vertices_of`) and one position.
-   subroutine make_free_motion(problem, model, motor, free, start, speed, accel, stops, motion, time, at_rest)
+   subroutine make_free_motion(problem, model, motor, free, start, speed, accel, stops, motion, time, at_rest, smooth)
       class(problem_t), intent(in) :: problem
       type(force_model_t), intent(in) :: model
       type(motor_group_t), intent(in) :: motor
@@ -116,7 +119,8 @@ contains
       real(wp), intent(in) :: start(:), speed(:), accel(:) !! by drive
       type(joint_stop_t), intent(in) :: stops(:)
       class(free_motion_t), intent(out) :: motion
-      real(wp), intent(in), optional :: at_rest(:)      !! coefficients of friction at rest, of the last stops
+      real(wp), intent(in), optional :: at_rest(:)      !! coefficients of friction at rest
+      integer, intent(in), optional :: smooth           !! of the stops that come after so many
       real(wp), intent(in), optional :: time            !! where the free drives are at `start`; 0 if absent
       real(wp) :: now
       integer :: d, k
@@ -172,10 +176,10 @@ contains
       if (present(at_rest)) then
          motion%rest_coefficient = at_rest
          motion%parts = 0.0_wp*spread(at_rest, 1, 2)
-         motion%smooth = size(stops) - size(at_rest)
+         motion%smooth = smooth
       end if
-      allocate (motion%place(size(stops)), motion%pace(size(stops)), motion%growth(size(stops)), motion%push(size(stops)), &
-                motion%anchored(size(stops)), source=0.0_wp)
+      allocate (motion%place(size(stops)), motion%pace(size(stops)), motion%growth(size(stops)), motion%freely(size(stops)), &
+                motion%push(size(stops)), motion%anchored(size(stops)), source=0.0_wp)
       allocate (motion%acting(size(motion%free)), source=0.0_wp)
       allocate (motion%normal(size(stops), size(start)), source=0.0_wp)
       allocate (motion%inertia(size(start), size(motion%free)), source=0.0_wp)
@@ -221,7 +225,7 @@ contains
          if (self%rubs() > 0) then
             do j = 1, size(self%stops)
                by_push(:, :, j) = 0.0_wp
-               if (j <= self%smooth .and. self%resting(j) == side_none) cycle
+               if (.not. self%is_rough(j) .and. self%resting(j) == side_none) cycle
                call clear_wrenches(1, forces)
                call press(problem, self%model, self%stops(j), 1.0_wp/merge(self%model%metre, 1.0_wp, self%stops(j)%slides), forces)
                call sweep(problem, 1, forces)
@@ -290,6 +294,12 @@ contains
          call solve_positive(self%inertia(self%free, :), -b(self%free), a, valid, least_inertia)
          self%massless = .not. valid
          if (.not. valid) return
+         do k = 1, size(self%stops)
+            self%freely(k) = abs(self%growth(k))
+            do j = 1, size(q)
+               self%freely(k) = self%freely(k) + abs(self%normal(k, self%free(j))*a(j))
+            end do
+         end do
          if (self%rubs() > 0) then
             call rub(valid)
             if (.not. valid) return
@@ -310,36 +320,25 @@ contains
 
    contains
 
-      !> Friction and what holds joints: each depends on the other, so that the forces are found by turns.
+      !> Friction and what holds joints: each depends on the other, so that the forces are found by turns; where these do not come
+      !> to an end soon, by following friction from none to all of it.
       subroutine rub(settles)
          logical, intent(out) :: settles
          real(wp) :: free_accel(size(a)), before(size(self%stops)), change, change_before, largest
-         integer :: round, e
+         integer :: round, most, e
 
          free_accel = a
          settles = .false.
          self%most_held = 0.0_wp
          change_before = huge(change)
-         do round = 1, most_rounds
+         most = most_rounds
+         if (all(self%stuck(self%smooth + 1:self%smooth + self%rubs()))) most = most_shared
+         do round = 1, most
             before = self%push
-            a = free_accel
-            do k = self%smooth + 1, size(self%stops)
-               if (.not. self%stuck(k)) a = a + self%loosen(k)*self%push(k)
-            end do
-            call hold()
-            self%parts = at_first
-            do j = 1, size(a)
-               self%parts = self%parts + a(j)*by_accel(:, :, j)
-            end do
-            do j = 1, size(self%stops)
-               self%parts = self%parts + self%push(j)*by_push(:, :, j)
-            end do
+            call bear(free_accel)
             do e = 1, self%rubs()
                k = self%smooth + e
-               associate (load => load_of(e)*merge(self%model%metre, 1.0_wp, self%stops(k)%slides))
-                  self%most_held(k) = self%rest_coefficient(e)*load
-                  if (.not. self%stuck(k)) self%push(k) = -self%sense_of_slip(k)*self%model%friction(e)%coefficient*load
-               end associate
+               if (.not. self%stuck(k)) self%push(k) = slipping(e)*load_of(e)
             end do
             change = maxval(abs(self%push - before))
             largest = maxval(abs(self%push))
@@ -347,6 +346,7 @@ contains
             if (settles) exit
             change_before = change
          end do
+         if (.not. settles) call follow(free_accel, settles)
          if (settles) then
             do e = 1, self%rubs()
                k = self%smooth + e
@@ -357,18 +357,82 @@ contains
          end if
       end subroutine rub
 
-      !> What friction is a part of: N m of a pin, N of a slide.
+      !> With the friction of joints that slip: accelerations, what is held, the loads of all joints and what they could hold.
+      subroutine bear(free_accel)
+         real(wp), intent(in) :: free_accel(:)
+         integer :: e
+
+         a = free_accel
+         do k = self%smooth + 1, self%smooth + self%rubs()
+            if (.not. self%stuck(k)) a = a + self%loosen(k)*self%push(k)
+         end do
+         call hold()
+         self%parts = at_first
+         do j = 1, size(a)
+            self%parts = self%parts + a(j)*by_accel(:, :, j)
+         end do
+         do j = 1, size(self%stops)
+            self%parts = self%parts + self%push(j)*by_push(:, :, j)
+         end do
+         do e = 1, self%rubs()
+            self%most_held(self%smooth + e) = self%rest_coefficient(e)*load_of(e)
+         end do
+      end subroutine bear
+
+      !> The friction of joints that slip: what they bear is linear in it.
+      subroutine follow(free_accel, found)
+         real(wp), intent(in) :: free_accel(:)
+         logical, intent(out) :: found
+         integer :: slips(self%rubs()), n, i, e
+         real(wp) :: fixed(2, self%rubs()), by_force(2, self%rubs(), self%rubs()), coefficient(self%rubs()), force(self%rubs())
+         real(wp) :: largest
+
+         n = 0
+         do e = 1, self%rubs()
+            if (self%stuck(self%smooth + e)) cycle
+            n = n + 1
+            slips(n) = e
+         end do
+         found = n > 0
+         if (.not. found) return
+         associate (own => self%smooth + slips(:n))
+            self%push(own) = 0.0_wp
+            call bear(free_accel)
+            fixed = self%parts
+            largest = 0.0_wp
+            do i = 1, n
+               coefficient(i) = slipping(slips(i))*merge(self%model%metre, 1.0_wp, self%stops(own(i))%slides)
+               largest = max(largest, abs(slipping(slips(i))*load_of(slips(i))))
+            end do
+            if (.not. largest > 0.0_wp) largest = 1.0_wp
+            do i = 1, n
+               self%push(own) = 0.0_wp
+               self%push(own(i)) = largest
+               call bear(free_accel)
+               by_force(:, :, i) = (self%parts - fixed)/largest
+            end do
+            call find_friction(fixed(:, slips(:n)), by_force(:, slips(:n), :n), self%stops(own)%slides, coefficient(:n), &
+                               force(:n), found)
+            self%push(own) = force(:n)
+         end associate
+         if (found) call bear(free_accel)
+      end subroutine follow
+
+      !> What friction is a part of: N m of a pin, N times metre of a slide.
       pure real(wp) function load_of(entry)
          integer, intent(in) :: entry
 
-         associate (part => self%parts(:, entry))
-            if (self%stops(self%smooth + entry)%slides) then
-               load_of = abs(part(1)) + abs(part(2))
-            else
-               load_of = hypotenuse(part(1), part(2))
-            end if
+         associate (slides => self%stops(self%smooth + entry)%slides)
+            load_of = load_of_joint(self%parts(:, entry), slides)*merge(self%model%metre, 1.0_wp, slides)
          end associate
       end function load_of
+
+      !> Friction of a joint that slips by that.
+      pure real(wp) function slipping(entry)
+         integer, intent(in) :: entry
+
+         slipping = -self%sense_of_slip(self%smooth + entry)*self%model%friction(entry)%coefficient
+      end function slipping
 
       !> Joints that rest on their stops, or are stuck, do not accelerate. Of those that hold the same motion the first bears it; of
       !> one free drive all joints that are stuck bear it by what they can hold.
@@ -420,6 +484,14 @@ contains
 
       rubs = size(self%rest_coefficient)
    end function rubs
+
+   !> True of a stop that is a joint with friction.
+   pure logical function is_rough(self, stop)
+      class(free_motion_t), intent(in) :: self
+      integer, intent(in) :: stop
+
+      is_rough = stop > self%smooth .and. stop <= self%smooth + self%rubs()
+   end function is_rough
 
    !> Accelerations of the free drives for a force 1 of a stop, at the last evaluation.
    pure function loosen(self, stop) result(a)

@@ -13,7 +13,7 @@ module psalm_time_chart
                                 parameter_mass, parameter_mx, parameter_my, parameter_inertia
    use psalm_free_motion, only: free_motion_t, free_state_t, make_free_motion
    use psalm_joint_location, only: locate_sketch
-   use psalm_joint_stops, only: joint_stop_t, make_stops, rate_at, watch_joint
+   use psalm_joint_stops, only: joint_stop_t, make_stops, rate_at, rubbing_joints, watch_joint
    use psalm_kinds, only: wp, degrees_per_radian, full_turn
    use psalm_loop_forces, only: link_of_body
    use psalm_mechanism, only: mechanism_t, at_finish, at_start, body_frame, joint_prismatic, joint_revolute
@@ -60,7 +60,6 @@ contains
       integer :: j, k, n
 
       if (allocated(moving%joints)) deallocate (moving%joints, moving%weights)
-      if (moving%motion%rubs() > 0) return
       if (size(moving%motion%free) == 0 .or. any(set%sketch%drives%geared .or. set%sketch%drives%kind == drive_stretches) .or. &
           size(set%sketch%gears) > 0) return
       associate (sketch => set%sketch, free => moving%motion%free)
@@ -179,7 +178,7 @@ contains
       class(prepared_t), allocatable :: prepared
       class(problem_t), allocatable :: problem
       type(free_motion_t), allocatable :: motion
-      type(joint_stop_t), allocatable :: stops(:), drives(:)
+      type(joint_stop_t), allocatable :: stops(:), rubbing(:), drives(:)
       type(joint_stop_t) :: one
       type(force_model_t) :: model
       type(sketch_t) :: sketch
@@ -188,7 +187,7 @@ contains
       real(wp), allocatable :: own(:, :), start(:), speeds(:), rates(:, :), travelled(:), speed(:), accel(:), now(:)
       logical, allocatable :: free(:)
       integer, allocatable :: body(:)
-      integer :: k, d, n
+      integer :: k, d, n, m
 
       done = .false.
       associate (old => moving%motion)
@@ -238,18 +237,31 @@ contains
             call joint_of(next%set, problem, set%sketch%drives(d), drives(d))
             if (drives(d)%joint == 0) return
          end do
-         stops = [stops, drives]
-         call make_free_motion(problem, model, old%motor, free, start, speed, accel, stops, motion, moving%time)
          body = [(body_of_link(problem%mechanism, link_of_body(old%problem%mechanism, k)), &
                   k=1, size(old%problem%mechanism%bodies))]
          if (any(body(2:) == body_frame)) return
+         call match_friction(old, body, model, done)
+         if (.not. done) return
+         done = .false.
+         call rubbing_joints(model, problem, rubbing)
+         do k = 1, size(rubbing)
+            if (.not. rubbing(k)%slides) cycle
+            ! counted in the sense in which it was
+            m = problem%mechanism%arcs(problem%mechanism%joints(rubbing(k)%joint)%slide)%rail
+            rubbing(k)%growth = old%stops(n + k)%growth*from%traced%travels(m)%sense*next%set%traced%travels(m)%sense
+            rubbing(k)%slip = rubbing(k)%slip*rubbing(k)%growth
+         end do
+         m = n + size(rubbing)
+         stops = [stops, rubbing, drives]
+         call make_free_motion(problem, model, old%motor, free, start, speed, accel, stops, motion, moving%time, &
+                               old%rest_coefficient, n)
          call carry_over(old, motion, body)
          call put_model(motion)
          motion%level = old%level - sum(motion%model%inertia(parameter_mass, :))*motion%model%metre* &
                         (motion%model%gravity(1)*(problem%output%origin_x - old%problem%output%origin_x) + &
                          motion%model%gravity(2)*(problem%output%origin_y - old%problem%output%origin_y))
          ! where the case's drives and the stops are
-         motion%watched = n + 1
+         motion%watched = m + 1
          allocate (motion%sense(size(drives)), source=1.0_wp)
          if (old%watched > 0) then
             motion%sense = old%sense
@@ -260,13 +272,16 @@ contains
             motion%reference = old%first_input(0.0_wp, old%start(old%free))
             call find_senses(set, old, motion%sense)
          end if
-         do k = 1, n
+         do k = 1, m
             motion%stops(k)%zero = motion%stops(k)%zero - old%place(k)
             motion%anchored(k) = old%place(k)
             motion%resting(k) = old%resting(k)
+            motion%stuck(k) = old%stuck(k)
+            motion%stuck_at(k) = old%stuck_at(k)
+            motion%sense_of_slip(k) = old%sense_of_slip(k)
          end do
          do d = 1, size(drives)
-            k = n + d
+            k = m + d
             motion%anchored(k) = motion%sense(d)*named(state, d, 0)
             motion%stops(k)%zero = motion%stops(k)%zero - motion%anchored(k)
          end do
@@ -465,6 +480,26 @@ contains
       deallocate (sketch%length_of, sketch%length, sketch%variations)
       allocate (sketch%length_of(2, 0), sketch%length(0), sketch%variations(0))
    end subroutine draw_here
+
+   !> Let joints with friction be between the links that they were between, first and second. `found` is false where a pin of
+   !> several links is held by another one now: its load is that of another pair.
+   pure subroutine match_friction(old, body, model, found)
+      type(free_motion_t), intent(in) :: old
+      integer, intent(in) :: body(:)                 !! by body of the old one: that of the new one
+      type(force_model_t), intent(inout) :: model
+      logical, intent(out) :: found
+      integer :: k
+
+      found = size(model%friction) == size(old%model%friction)
+      if (.not. found) return
+      do k = 1, size(model%friction)
+         associate (of => model%friction(k), bodies => body(old%model%friction(k)%bodies))
+            found = all(of%bodies == bodies) .or. (all(of%bodies == [bodies(2), bodies(1)]) .and. .not. of%all_of_pin)
+            if (.not. found) return
+            of%bodies = bodies
+         end associate
+      end do
+   end subroutine match_friction
 
    !> Masses, loads and springs of one motion in another of the same links, at the same position.
    subroutine carry_over(old, new, body)

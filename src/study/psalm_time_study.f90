@@ -314,7 +314,7 @@ contains
          study%smooth = size(stops)
          stops = [stops, rubbing]
          call make_free_motion(problem, forces%model, motor_of(set), study%free, start, speed, accel, stops, moving%motion, &
-                               at_rest=set%friction%at_rest)
+                               at_rest=set%friction%at_rest, smooth=study%smooth)
          width = maxval([len(named%names), (len(problem%mechanism%joints(rubbing(d)%joint)%name), d=1, size(rubbing))])
          allocate (character(width) :: study%stop_names(size(stops)))
          study%stop_names(:study%smooth) = named%names

@@ -159,8 +159,43 @@ def mistakes():
     check(f"equilibria with friction: {said[:200]}", "whole ranges" in said)
 
 
+def rough_joints():
+    """Friction in several joints, dead points of drives passed: an independent integration of all poses with multipliers."""
+    import random
+    from rough_witness import random_rough
+    sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "campaign"))
+    from motion_campaign import KINDS, difference
+    worst = 0.0
+    for number in range(15):
+        draw = random.Random(39013 + number)
+        kind = KINDS[number % len(KINDS)]
+        case, witness, order, holder = random_rough(draw, kind)
+        end = draw.uniform(.25, .7)
+        t, said = KALM.time(case + f" &TIME TAT={end!r} &END\n")
+        if t is None or t["time"][-1] != end:
+            check(f"{kind} {number} comes to its end: {said[-300:]}", False)
+            continue
+        error = difference(t, witness, order, holder, end)
+        if error is None:
+            check(f"{kind} {number}: joints that hold each other stick", "Sticks" in said)
+            continue
+        worst = max(worst, error)
+        check(f"{kind} {number}: joints and speeds at {end:.3f} s are {error:.1e} off", error < 1e-7)
+        scale = max(np.max(t["kinetic"]), np.max(np.abs(t["lost"])), 1e-2)
+        check(f"{kind} {number}: energy in balance", np.max(np.abs(t["balance"])) < 1e-10*scale)
+    print(f"largest difference from the witness {worst:.1e}")
+    # all joints rough, for so long that some stick, two of them at the same time or one after the other
+    for number in range(20):
+        draw = random.Random(39600 + number)
+        kind = KINDS[number % len(KINDS)]
+        case, _, _, _ = random_rough(draw, kind)
+        t, said = KALM.time(case + " &TIME TEND=3.0, NTIME=20 &END\n")
+        check(f"{kind} {number} rough for three seconds comes to its end: {said[-300:]}", t is not None and t["time"][-1] == 3.0)
+
+
 closed_forms()
 crank_and_slide()
+rough_joints()
 pin_pendulum()
 mistakes()
 sys.exit(report())
