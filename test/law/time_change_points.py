@@ -370,6 +370,20 @@ def gaps():
     check("coupler 1E-4 m longer: energy in balance", np.max(np.abs(t["balance"])) < 1e-10*np.max(t["kinetic"]))
 
 
+def two_freedoms():
+    """A pendulum on the coupler of a parallelogram: the motion ends at the change point, and says so."""
+    text = FourBar(1.0, 2.0, 1.0, 2.0).case(1.0, "TEND=1.0, NTIME=10, VNAME='A', VSTART=5.0")
+    for old, new in (("JNT='A','B','C','D', JX=0.0,", "JNT='P','Q','A','B','C','D', JX=1.5403023058681398,1.54,0.0,"),
+                     ("JY=0.0,", "JY=0.8414709848078965,0.3,0.0,"), ("'cd',", "'cd','pendulum',"), ("'B C',", "'B C P',"),
+                     ("'D C' &END", "'D C','P Q' &END"), ("DRIVE='A'", "DRIVE='A','P', DELT2=0.0"), ("MNAME='ab A',", "MNAME='pendulum P','ab A',"),
+                     ("MASS=", "MASS=1.0,"), ("MDIST=", "MDIST=0.25,"), ("MINERT=", "MINERT=0.05,")):
+        check(f"two freedoms: {old} is in the case", old in text)
+        text = text.replace(old, new, 1)
+    t, said = KALM.time(text, want=1)
+    check("two freedoms: ends before the change point, and says what it may be", t["time"][-1] < .5 and "a change point" in said)
+    check("two freedoms: energy in balance as far as it goes", np.max(np.abs(t["balance"])) < 1e-9*np.max(t["kinetic"]))
+
+
 def page():
     """The page of balm shows the motion, not the other one."""
     picture_tools.programs = os.path.abspath(sys.argv[1])
@@ -396,5 +410,6 @@ if __name__ == "__main__":
     slider()
     what_acts()
     gaps()
+    two_freedoms()
     page()
     sys.exit(report())
