@@ -51,6 +51,7 @@ module psalm_time_motion
    real(wp), parameter :: looked_back = 1.0e-3_wp  !! where there has been no step
    real(wp), parameter :: folds_below = 1.0e-3_wp  !! sine of a dyad beside a change point that it passes,
    real(wp), parameter :: folds_like = 0.1_wp      !! and part of its change by which it may be off what it was to be
+   real(wp), parameter :: beside_line = 0.05_wp    !! sine of a dyad after a step, in the next of which it may be in line
    real(wp), parameter :: short_of = 0.9_wp        !! part of the way to where one might be: if none was found no step goes farther
    real(wp), parameter :: within = 1.0e-12_wp      !! part of what friction can hold: so much more is held
    real(wp), parameter :: nothing = 1.0e-9_wp      !! part of the greatest rate of a joint with friction, or of its acceleration
@@ -321,7 +322,7 @@ contains
       class(time_motion_t), intent(in) :: self
 
       near_line = .false.
-      if (allocated(self%sines)) near_line = any(self%sines(:, 2) < folds_below)
+      if (allocated(self%sines)) near_line = any(self%sines(:, 2) < beside_line)
    end function near_line
 
    !> Whether a change point has been passed that was not found, so that the linkage has folded: the sine of a dyad, which is small,
