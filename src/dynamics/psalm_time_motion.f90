@@ -51,6 +51,9 @@ module psalm_time_motion
    real(wp), parameter :: looked_ahead = 0.2_wp    !! radians, or parts of the size: change points are looked for so far ahead,
    real(wp), parameter :: steps_ahead = 2.0_wp     !! or as far as so many steps lead
    real(wp), parameter :: looked_back = 1.0e-3_wp  !! where there has been no step
+   real(wp), parameter :: folds_below = 1.0e-3_wp  !! sine of a dyad beside a change point that it passes,
+   real(wp), parameter :: folds_like = 0.1_wp      !! and part of its change by which it may be off what it was to be
+   real(wp), parameter :: beside_line = 0.05_wp    !! sine of a dyad after a step, in the next of which it may be in line
    real(wp), parameter :: short_of = 0.9_wp        !! part of the way to where one might be: if none was found no step goes farther
    real(wp), parameter :: within = 1.0e-12_wp      !! part of what friction can hold: so much more is held
    real(wp), parameter :: nothing = 1.0e-9_wp      !! part of the greatest rate of a joint with friction, or of its acceleration
@@ -106,6 +109,9 @@ module psalm_time_motion
       real(wp) :: pivots_at = 0.0_wp                  !! last step, and the free drive there
       real(wp) :: failed = huge(1.0_wp)               !! so far from where one might have been there was none
       real(wp) :: unseen = huge(1.0_wp)               !! s: by then it might be passed, though none was found
+      real(wp), allocatable :: sines(:, :)            !! shape (loops, 2): their amounts after the step before and the last,
+      real(wp) :: sines_at(2) = 0.0_wp                !! and when
+      integer :: folded = 0                           !! the motion ends, for this loop has passed a change point in its assembly
       logical :: open_ahead = .true.                  !! nothing can be passed there: one was found, or the linkage does not close
       real(wp) :: gap = 0.0_wp                        !! part of the lengths by which the linkage misses a change point, at most
    contains
@@ -133,6 +139,8 @@ module psalm_time_motion
       procedure, private :: note_jump
       procedure, private :: switch
       procedure, private :: look_ahead
+      procedure, private :: watch_folds
+      procedure :: near_line
    end type time_motion_t
 
 contains
@@ -375,6 +383,9 @@ contains
          self%crowded = size(self%events) > self%most_events
          reached = .not. (self%crowded .or. self%endless)
          if (.not. reached) return
+         call self%watch_folds()
+         reached = self%folded == 0
+         if (.not. reached) return
          call self%look_ahead(reached)
          if (.not. reached) return
          if (.not. allocated(self%joints) .or. self%motion%beside_change()) cycle
@@ -385,6 +396,47 @@ contains
       end do
       reached = .true.
    end subroutine advance_to
+
+   !> True if a dyad was nearly in line after the last step: beside a dead point or a change point rates mean nothing.
+   pure logical function near_line(self)
+      class(time_motion_t), intent(in) :: self
+
+      near_line = .false.
+      if (allocated(self%sines)) near_line = any(self%sines(:, 2) < beside_line)
+   end function near_line
+
+   !> Whether a change point has been passed that was not found, so that the linkage has folded: the sine of a dyad, which is small,
+   !> had to go through 0, but for its assembly has come back from there.
+   subroutine watch_folds(self)
+      class(time_motion_t), intent(inout) :: self
+      real(wp), allocatable :: now(:)
+      real(wp) :: slope, through
+      integer :: loop
+
+      if (self%motion%beside_change()) then
+         if (allocated(self%sines)) deallocate (self%sines)
+         return
+      end if
+      now = abs(self%motion%pivots())
+      if (.not. allocated(self%sines)) then
+         self%sines = spread(now, 2, 2)
+         self%sines_at = self%time
+         return
+      end if
+      associate (first => self%sines(:, 1), last => self%sines(:, 2), steps => [self%sines_at(2) - self%sines_at(1), &
+                                                                                 self%time - self%sines_at(2)])
+         do loop = 1, size(now)
+            if (.not. (last(loop) < first(loop) .and. last(loop) < now(loop) .and. last(loop) < folds_below .and. &
+                       steps(1) > 0.0_wp)) cycle
+            slope = (last(loop) - first(loop))/steps(1)
+            through = last(loop) + slope*steps(2)
+            if (abs(through + now(loop)) < folds_like*abs(through - now(loop)) .and. self%folded == 0) self%folded = loop
+         end do
+      end associate
+      self%sines(:, 1) = self%sines(:, 2)
+      self%sines(:, 2) = now
+      self%sines_at = [self%sines_at(2), self%time]
+   end subroutine watch_folds
 
    !> Find the change point ahead, if there is one near enough: where the line through the sines of a dyad now and after the step
    !> before, or a little behind, goes through 0.
@@ -524,6 +576,7 @@ contains
          self%fastest = least_part*self%size_of_stop/self%end
          self%fastest(:size(fastest)) = fastest
          if (allocated(self%pivots)) deallocate (self%pivots)
+         if (allocated(self%sines)) deallocate (self%sines)
          self%largest = abs(self%y(:2*f))
       end associate
       call self%rates(self%time, self%y, self%first, valid)

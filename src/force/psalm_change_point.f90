@@ -3,8 +3,9 @@
 !>
 !> Beside it closed forms lose digits as the inverse of the sine between the links, and at it two motions cross. Between two inputs,
 !> a little before and a little beyond, the positions of the smooth motion and their derivatives are therefore those of a polynomial
-!> of the input through positions on both sides, where the sine is large enough; beyond, the dyads concerned are in their other
-!> assembly. Every row of the store is a smooth function of the input there, so that nothing depends on the kind of the dyads.
+!> of the input that has position and derivatives of two inputs on either side, where the sine is large enough; beyond, the dyads
+!> concerned are in their other assembly. Every row of the store is a smooth function of the input there, so that nothing depends on
+!> the kind of the dyads; as rates are the polynomial's own, energy is kept.
 !> Derivation: `doc/theory/motion_in_time.md`.
 module psalm_change_point
    use psalm_elementary, only: hypotenuse
@@ -19,8 +20,11 @@ module psalm_change_point
    private
    public :: change_point_t, drive_path_t, find_change_point, pivots_of
 
-   integer, parameter :: side_nodes = 8            !! positions on either side,
-   real(wp), parameter :: spread_of_nodes = 4.0_wp !! the farthest so many times as far away as the nearest
+   integer, parameter :: side_nodes = 8            !! inputs on either side at which the sine is known,
+   real(wp), parameter :: spread_of_nodes = 3.0_wp !! the farthest so many times as far away as the nearest
+   !> of these inputs those with position and derivatives, nearest and about twice as far, by turns beyond and before
+   integer, parameter :: known(4) = side_nodes + [1, 0, 4, -3]
+   integer, parameter :: conditions = size(known)*(1 + highest_order) !! one more than the degree of the polynomial
    real(wp), parameter :: widest = 0.4_wp          !! radians, or parts of the size: distance of the nearest that is tried first,
    integer, parameter :: most_widths = 8           !! then its halves
    integer, parameter :: most_rounds = 6           !! of the search for the change point
@@ -45,10 +49,11 @@ module psalm_change_point
       real(wp) :: half = 0.0_wp                    !! so far on either side
       real(wp) :: gap = 0.0_wp                     !! part of the lengths by which the linkage misses it
       type(drive_path_t) :: path
-      real(wp), allocatable :: nodes(:)            !! inputs of the positions, ascending
+      real(wp), allocatable :: nodes(:)            !! inputs at which the sine is known, ascending
       real(wp), allocatable :: signs(:, :)         !! shape (loops, 2): assembly of the dyads below and above the centre
-      real(wp), allocatable :: place(:, :)         !! shape (rows of the store, nodes)
-      real(wp), allocatable :: d(:, :, :)          !! shape (rows, orders, nodes): derivatives by the input of the free drive
+      real(wp), allocatable :: differences(:, :)   !! shape (rows of the store, conditions): divided differences; the first is the
+                                                   !! value at the first of the known inputs
+      integer, allocatable :: root_x(:), root_y(:) !! rows of directions
       real(wp), allocatable :: sine(:)             !! shape (nodes): of the dyad of `loop`, with the sign of its assembly
    contains
       procedure :: holds
@@ -57,7 +62,9 @@ module psalm_change_point
       procedure :: put_rates
       procedure :: undetermined
       procedure :: tabulate
+      procedure, private :: set_differences
       procedure, private :: fit
+      procedure, private :: at
    end type change_point_t
 
 contains
@@ -82,14 +89,13 @@ contains
    end function pivots_of
 
    !> Look for a change point ahead. The problem is left at some other position, in the assembly of before.
-   subroutine find_change_point(problem, rates, path, expected, direction, loop, orders, point, found, open)
+   subroutine find_change_point(problem, rates, path, expected, direction, loop, point, found, open)
       class(problem_t), intent(inout) :: problem    !! at one position, bound; without larger groups
       type(rates_t), intent(inout) :: rates
       type(drive_path_t), intent(in) :: path
       real(wp), intent(in) :: expected              !! input of the free drive where it may be
       real(wp), intent(in) :: direction             !! 1 or -1: the side on which it is now is that of lower or higher inputs
       integer, intent(in) :: loop                   !! the loop whose dyad comes into line
-      integer, intent(in) :: orders                 !! of derivatives that are needed
       type(change_point_t), intent(out) :: point
       logical, intent(out) :: found
       logical, intent(out) :: open                  !! not found, because the linkage does not close near there
@@ -109,7 +115,7 @@ contains
          open = .false.
          call place_centre()
          if (.not. found) cycle
-         call one%tabulate(problem, rates, orders, found)
+         call one%tabulate(problem, rates, found)
          open = .not. found
          if (.not. found) cycle
          one%gap = misfit(one, problem)
@@ -155,7 +161,7 @@ contains
                call solve_at(problem, path, at(i), found)
                open = .not. found
                if (.not. found) return
-               call differentiate_at(problem, rates, path, 1)
+               call differentiate_at(problem, rates, path)
                sines(:, i) = pivots_of(problem, rates)
             end do
             step = 0.1_wp*one%half
@@ -217,34 +223,114 @@ contains
    end function distances
 
    !> Find the positions and derivatives on both sides. `closes` is false where the linkage is open at one of them.
-   subroutine tabulate(self, problem, rates, orders, closes)
+   subroutine tabulate(self, problem, rates, closes)
       class(change_point_t), intent(inout) :: self
       class(problem_t), intent(inout) :: problem
       type(rates_t), intent(inout) :: rates
-      integer, intent(in) :: orders
       logical, intent(out) :: closes
       real(wp) :: parts(side_nodes), pivots(problem%mechanism%nloop)
-      integer :: i, order
+      real(wp) :: values(size(problem%linkage%store%v, 2), 0:highest_order, size(known))
+      integer :: i, k, order
 
       parts = distances()
       self%nodes = self%middle + self%half*[-parts(side_nodes:1:-1), parts]
-      if (allocated(self%place)) deallocate (self%place, self%d, self%sine)
-      allocate (self%place(size(problem%linkage%store%v, 2), size(self%nodes)))
-      allocate (self%d(size(problem%linkage%store%v, 2), orders, size(self%nodes)))
-      allocate (self%sine(size(self%nodes)))
+      self%root_x = pack(problem%linkage%root_x, problem%linkage%root_x > 0)
+      self%root_y = pack(problem%linkage%root_y, problem%linkage%root_x > 0)
+      if (.not. allocated(self%sine)) allocate (self%sine(size(self%nodes)))
       do i = 1, size(self%nodes)
          call self%put_signs(problem, self%nodes(i))
          call solve_at(problem, self%path, self%nodes(i), closes)
          if (.not. closes) return
-         call differentiate_at(problem, rates, self%path, orders)
-         self%place(:, i) = problem%linkage%store%v(1, :)
-         do order = 1, orders
-            self%d(:, order, i) = rates%d(order)%v(1, :)
-         end do
+         call differentiate_at(problem, rates, self%path)
          pivots = pivots_of(problem, rates)
          self%sine(i) = pivots(self%loop)
+         k = findloc(known, i, dim=1)
+         if (k == 0) cycle
+         values(:, 0, k) = problem%linkage%store%v(1, :)
+         do order = 1, highest_order
+            values(:, order, k) = rates%d(order)%v(1, :)
+         end do
+         call by_components(self, values(:, :, k))
       end do
+      call self%set_differences(values)
    end subroutine tabulate
+
+   !> Of directions the derivatives of their components in place of those of the angle.
+   pure subroutine by_components(self, rows)
+      type(change_point_t), intent(in) :: self
+      real(wp), intent(inout) :: rows(:, 0:)       !! shape (rows, orders)
+      real(wp) :: x, y, w, al, be
+      integer :: k
+
+      do k = 1, size(self%root_x)
+         x = rows(self%root_x(k), 0)
+         y = rows(self%root_y(k), 0)
+         w = rows(self%root_x(k), 1)
+         al = rows(self%root_x(k), 2)
+         be = rows(self%root_x(k), 3)
+         rows(self%root_x(k), 1:) = [-y*w, -y*al - x*w**2, -y*be - 3.0_wp*x*w*al + y*w**3]
+         rows(self%root_y(k), 1:) = [x*w, x*al - y*w**2, x*be - 3.0_wp*y*w*al - x*w**3]
+      end do
+   end subroutine by_components
+
+   !> The other way round.
+   pure subroutine by_angles(self, rows)
+      type(change_point_t), intent(in) :: self
+      real(wp), intent(inout) :: rows(:, 0:)       !! shape (rows, orders)
+      real(wp) :: x(0:highest_order), y(0:highest_order)
+      integer :: k
+
+      do k = 1, size(self%root_x)
+         x = rows(self%root_x(k), :)
+         y = rows(self%root_y(k), :)
+         rows(self%root_x(k), 1:) = [x(0)*y(1) - y(0)*x(1), x(0)*y(2) - y(0)*x(2), &
+                                     x(0)*y(3) + x(1)*y(2) - y(0)*x(3) - y(1)*x(2)]
+         rows(self%root_y(k), 1:) = 0.0_wp
+      end do
+   end subroutine by_angles
+
+   !> Divided differences (Hermite's) of values and derivatives at the known inputs, which are counted in parts of `half`.
+   pure subroutine set_differences(self, values)
+      class(change_point_t), intent(inout) :: self
+      real(wp), intent(in) :: values(:, 0:, :)     !! shape (rows, orders, known inputs)
+      real(wp) :: at(conditions), factor
+      integer :: i, k, column
+
+      if (allocated(self%differences)) deallocate (self%differences)
+      allocate (self%differences(size(values, 1), conditions))
+      at = [(self%at(i), i=1, conditions)]
+      do i = 1, conditions
+         self%differences(:, i) = values(:, 0, known_at(i))
+      end do
+      factor = 1.0_wp
+      do k = 1, conditions - 1
+         factor = factor*self%half/real(k, wp)
+         ! from the last, for each needs the one before as it was
+         do i = conditions, k + 1, -1
+            column = known_at(i)
+            if (column == known_at(i - k)) then
+               self%differences(:, i) = values(:, k, column)*factor
+            else
+               self%differences(:, i) = (self%differences(:, i) - self%differences(:, i - 1))/(at(i) - at(i - k))
+            end if
+         end do
+      end do
+   end subroutine set_differences
+
+   !> The known input that a condition is one of.
+   pure integer function known_at(condition)
+      integer, intent(in) :: condition
+
+      known_at = (condition - 1)/(1 + highest_order) + 1
+   end function known_at
+
+   !> Where it is: from the middle, in parts of `half`.
+   pure real(wp) function at(self, condition)
+      class(change_point_t), intent(in) :: self
+      integer, intent(in) :: condition
+
+      at = (self%nodes(known(known_at(condition))) - self%middle)/self%half
+   end function at
 
    !> Solve a problem at an input of the free drive.
    subroutine solve_at(problem, path, input, closes)
@@ -267,17 +353,16 @@ contains
    end subroutine solve_at
 
    !> Derivatives by the input of the free drive.
-   subroutine differentiate_at(problem, rates, path, orders)
+   subroutine differentiate_at(problem, rates, path)
       class(problem_t), intent(inout) :: problem
       type(rates_t), intent(inout) :: rates
       type(drive_path_t), intent(in) :: path
-      integer, intent(in) :: orders
       integer :: d
 
       do d = 1, size(path%slope)
          problem%linkage%drive_rate(:, d) = path%slope(d)*[1.0_wp, 0.0_wp, 0.0_wp]
       end do
-      call differentiate(problem, rates, 1, max(2, orders))
+      call differentiate(problem, rates, 1, highest_order)
    end subroutine differentiate_at
 
    !> What the lengths of the links are off in the polynomial, between both sides: as a part of them, the largest.
@@ -362,49 +447,59 @@ contains
       class(change_point_t), intent(in) :: self
       class(problem_t), intent(inout) :: problem
       real(wp), intent(in) :: input
-      real(wp) :: row(size(self%place, 1))
+      real(wp) :: rows(size(self%differences, 1), 0:highest_order)
       integer :: i
 
-      row = self%fit(self%place, input)
+      call self%fit(input, 0, rows)
       do i = 1, padded(1)
-         problem%linkage%store%v(i, :) = row
+         problem%linkage%store%v(i, :) = rows(:, 0)
       end do
    end subroutine put_place
 
-   !> Derivatives by time there, for the rate, acceleration and rate of that of the free drive.
-   pure subroutine put_rates(self, rates, input, rate, accel)
+   !> Derivatives by time there, for the rate and acceleration of the free drive.
+   pure subroutine put_rates(self, rates, input, rate, accel, orders)
       class(change_point_t), intent(in) :: self
       type(rates_t), intent(inout) :: rates
       real(wp), intent(in) :: input, rate, accel
-      real(wp) :: by_input(size(self%d, 1), highest_order)
-      integer :: order, i
+      integer, intent(in) :: orders                !! 2 or 3
+      real(wp) :: rows(size(self%differences, 1), 0:highest_order)
+      integer :: i
 
-      by_input = 0.0_wp
-      do order = 1, size(self%d, 2)
-         by_input(:, order) = self%fit(self%d(:, order, :), input)
-      end do
+      call self%fit(input, orders, rows)
+      call by_angles(self, rows)
       do i = 1, padded(1)
-         rates%d(1)%v(i, :) = by_input(:, 1)*rate
-         rates%d(2)%v(i, :) = by_input(:, 2)*rate**2 + by_input(:, 1)*accel
-         if (size(self%d, 2) > 2) rates%d(3)%v(i, :) = by_input(:, 3)*rate**3 + 3.0_wp*by_input(:, 2)*rate*accel
+         rates%d(1)%v(i, :) = rows(:, 1)*rate
+         rates%d(2)%v(i, :) = rows(:, 2)*rate**2 + rows(:, 1)*accel
+         if (orders > 2) rates%d(3)%v(i, :) = rows(:, 3)*rate**3 + 3.0_wp*rows(:, 2)*rate*accel
       end do
    end subroutine put_rates
 
-   !> Values of polynomials through the nodes; what is the same at all of them stays what it is.
-   pure function fit(self, values, input) result(row)
+   !> Values and derivatives of the polynomial, by Horner's rule; what is the same at all known inputs stays what it is.
+   pure subroutine fit(self, input, orders, rows)
       class(change_point_t), intent(in) :: self
-      real(wp), intent(in) :: values(:, :)         !! shape (rows, nodes)
       real(wp), intent(in) :: input
-      real(wp) :: row(size(values, 1))
-      real(wp) :: weights(size(self%nodes))
-      integer :: i
+      integer, intent(in) :: orders
+      real(wp), intent(out) :: rows(:, 0:)         !! shape (rows, highest order): those above `orders` are 0
+      real(wp) :: t, factor
+      integer :: i, order
 
-      weights = weights_at(self%nodes, input)
-      row = values(:, 1)
-      do i = 2, size(weights)
-         row = row + weights(i)*(values(:, i) - values(:, 1))
+      t = (input - self%middle)/self%half
+      rows = 0.0_wp
+      rows(:, 0) = self%differences(:, conditions)
+      do i = conditions - 1, 1, -1
+         associate (away => t - self%at(i))
+            do order = orders, 1, -1
+               rows(:, order) = rows(:, order)*away + rows(:, order - 1)
+            end do
+            rows(:, 0) = rows(:, 0)*away + self%differences(:, i)
+         end associate
       end do
-   end function fit
+      factor = 1.0_wp
+      do order = 1, orders
+         factor = factor*real(order, wp)/self%half
+         rows(:, order) = rows(:, order)*factor
+      end do
+   end subroutine fit
 
    !> Value of the polynomial through the nodes.
    pure real(wp) function value_at(nodes, values, input) result(value)

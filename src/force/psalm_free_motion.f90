@@ -587,7 +587,7 @@ contains
          path%base(d) = self%start(d) - self%ratio(d)*self%start(self%free(1))
       end do
       path%base(self%free(1)) = 0.0_wp
-      call find_change_point(self%problem, self%rates, path, expected, direction, loop, orders, point, found, open)
+      call find_change_point(self%problem, self%rates, path, expected, direction, loop, point, found, open)
       if (.not. found) return
       call move_alloc(point, self%passing)
       self%passages = self%passages + 1
@@ -883,7 +883,7 @@ contains
          self%problem%linkage%drive_rate(:, d) = self%ratio(d)*[rate(k), accel(k), 0.0_wp]
       end do
       if (self%beside_change()) then
-         call self%passing%put_rates(self%rates, self%at, rate(self%free(1)), accel(self%free(1)))
+         call self%passing%put_rates(self%rates, self%at, rate(self%free(1)), accel(self%free(1)), orders)
       else
          call differentiate(self%problem, self%rates, 1, orders)
       end if

@@ -14,8 +14,8 @@ module psalm_time_list
    use psalm_summary_text, only: add_line, plain_number
    use psalm_tables, only: table_t, tables_t, table_of
    use psalm_text, only: text_t, to_text, upper_case
-   use psalm_time_study, only: time_study_t, time_closed, time_collapsed, time_crowded, time_done, time_jammed, &
-                               time_massless, time_on_request, time_open, time_stiff, time_wound
+   use psalm_time_study, only: time_study_t, time_closed, time_collapsed, time_crowded, time_done, time_folded, &
+                               time_jammed, time_massless, time_on_request, time_open, time_stiff, time_wound
    use psalm_time_motion, only: event_t, event_impact, event_rest, event_lift, event_stick, event_slip, &
                                 event_on, event_off, event_change
    implicit none (type, external)
@@ -83,6 +83,9 @@ contains
       select case (study%ended)
       case (time_open)
          words = the_group(mechanism, study%loop)//' does not close beyond'
+      case (time_folded)
+         words = the_group(mechanism, study%loop)//' is at a change point, which is passed by one free drive alone, others at '// &
+                 'rest, without larger groups and friction of joints'
       case (time_massless)
          words = 'some motion of the free drives moves no mass; give their links masses'
       case (time_collapsed)

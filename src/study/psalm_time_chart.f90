@@ -616,7 +616,7 @@ contains
          if (self%passages /= motion%passages) then
             self%passing = motion%passing
             self%passages = motion%passages
-            call self%passing%tabulate(self%shown, self%rates, highest_order, passes)
+            call self%passing%tabulate(self%shown, self%rates, passes)
             if (.not. passes) self%passing%half = 0.0_wp
          end if
          call self%passing%put_signs(self%shown, motion%at)
@@ -629,7 +629,8 @@ contains
          call shown%move_inputs(inputs(:1))
          if (passes) then
             call self%passing%put_place(shown, motion%at)
-            call self%passing%put_rates(self%rates, motion%at, state%rate(motion%free(1)), state%accel(motion%free(1)))
+            call self%passing%put_rates(self%rates, motion%at, state%rate(motion%free(1)), state%accel(motion%free(1)), &
+                                        highest_order)
             return
          end if
          call self%follow(motion)

@@ -29,7 +29,7 @@ module psalm_time_study
    private
    public :: time_study_t, find_time, check_time, increments_of
    public :: time_done, time_open, time_massless, time_collapsed, time_wound, time_crowded, time_on_request, time_jammed, &
-             time_stiff, time_closed
+             time_folded, time_stiff, time_closed
 
    integer, parameter :: rates_shown = 2          !! orders of rates of drives and outputs
 
@@ -41,7 +41,8 @@ module psalm_time_study
    integer, parameter :: time_crowded = 5         !! more events than NEVENT
    integer, parameter :: time_on_request = 6      !! the host asked for the end
    integer, parameter :: time_stiff = 7           !! a strong damper keeps steps short, too many would follow
-   integer, parameter :: time_closed = 9          !! a gas spring has no room left
+   integer, parameter :: time_closed = 10         !! a gas spring has no room left
+   integer, parameter :: time_folded = 9          !! this loop passed a change point and folded
    integer, parameter :: time_jammed = 8          !! friction of a joint has no force that agrees with its load
 
    !> Free drives, some of which took the place of others.
@@ -256,7 +257,7 @@ contains
       end if
       if (.not. valid) then
          study%ended = time_collapsed
-         if (moving%motion%massless) study%ended = time_massless
+         if (moving%motion%massless .and. .not. moving%near_line()) study%ended = time_massless
          study%loop = moving%motion%open_loop
          if (study%loop > 0) study%ended = time_open
          if (moving%motion%wound > 0) then
@@ -270,6 +271,10 @@ contains
          if (moving%motion%jammed > 0) then
             study%ended = time_jammed
             study%loop = moving%motion%jammed
+         end if
+         if (moving%folded > 0) then
+            study%ended = time_folded
+            study%loop = moving%folded
          end if
          if (moving%crowded) study%ended = time_crowded
          if (moving%endless) study%ended = time_stiff

@@ -6,6 +6,7 @@ usage: time_change_points.py BIN   (directory with the programs). The last line 
 import json
 import math
 import os
+import random
 import subprocess
 import sys
 
@@ -265,6 +266,32 @@ def grashof_and_others():
     near(back["events"]["time"][-1], 1.0 - tables["events"]["time"][0], 1e-11, "speeds turned round: change point")
 
 
+def random_linkages(count):
+    """Random linkages with change points: joints where the closed form has them for the crank, energy in balance."""
+    draw = random.Random(1939)
+    passed = 0
+    for number in range(count):
+        kind = draw.choice(("Grashof limit", "parallelogram", "kite"))
+        a = draw.uniform(.3, 1.0)
+        d = draw.uniform(1.5, 3.0) if kind != "kite" else a
+        b = d if kind == "parallelogram" else a*draw.uniform(1.1, 3.0) if kind == "kite" else draw.uniform(1.05*a, d)
+        c = a if kind == "parallelogram" else b if kind == "kite" else a + d - b
+        bar = FourBar(a, b, c, d, draw.choice((1.0, -1.0)))
+        start, rate = draw.uniform(.3, 2.8)*draw.choice((1, -1)), draw.uniform(1.0, 15.0)*draw.choice((1, -1))
+        loose = draw.choice(("", ", TTOL=1E-9", ", TTOL=1E-6"))
+        tables, _ = KALM.tables(bar.case(start, f"TEND=3.0, NTIME=30, VSTART={rate!r}{loose}"))
+        t = tables["time"]
+        passed += len(tables["events"]["time"]) if "events" in tables else 0
+        off = 0.0
+        for row, crank in enumerate(start + np.radians(t["input"] - t["input"][0])):
+            for name, value in zip(("B.x", "B.y", "C.x", "C.y"), bar.places(crank + 0j)):
+                off = max(off, abs(t[name][row] - value))
+        check(f"random {kind} {number}: joints {off:.1e} off the closed form", off < 1e-10 and t["time"][-1] == 3.0)
+        balance = np.max(np.abs(t["balance"]))/np.max(t["kinetic"])
+        check(f"random {kind} {number}: energy in balance to {balance:.1e}", balance < (1e-3 if loose else 1e-11))
+    check(f"random linkages: {passed} change points are passed", passed > 2*count)
+
+
 def slider():
     """Crank and rod of 0.1 m: at a right angle the slide may stay at the pivot, or go on; masses and the couple of gravity."""
     text = ("ISOSCELES SLIDER-CRANK\n &CHAIN JNT='A','B','C', JX=0.0,0.06,0.12, JY=0.0,0.08,0.0, LNAME='frame','crank','rod','block',\n"
@@ -343,6 +370,20 @@ def gaps():
     check("coupler 1E-4 m longer: energy in balance", np.max(np.abs(t["balance"])) < 1e-10*np.max(t["kinetic"]))
 
 
+def two_freedoms():
+    """A pendulum on the coupler of a parallelogram: the motion ends at the change point, and says so."""
+    text = FourBar(1.0, 2.0, 1.0, 2.0).case(1.0, "TEND=1.0, NTIME=10, VNAME='A', VSTART=5.0")
+    for old, new in (("JNT='A','B','C','D', JX=0.0,", "JNT='P','Q','A','B','C','D', JX=1.5403023058681398,1.54,0.0,"),
+                     ("JY=0.0,", "JY=0.8414709848078965,0.3,0.0,"), ("'cd',", "'cd','pendulum',"), ("'B C',", "'B C P',"),
+                     ("'D C' &END", "'D C','P Q' &END"), ("DRIVE='A'", "DRIVE='A','P', DELT2=0.0"), ("MNAME='ab A',", "MNAME='pendulum P','ab A',"),
+                     ("MASS=", "MASS=1.0,"), ("MDIST=", "MDIST=0.25,"), ("MINERT=", "MINERT=0.05,")):
+        check(f"two freedoms: {old} is in the case", old in text)
+        text = text.replace(old, new, 1)
+    t, said = KALM.time(text, want=1)
+    check("two freedoms: ends before the change point, and says what it may be", t["time"][-1] < .5 and "a change point" in said)
+    check("two freedoms: energy in balance as far as it goes", np.max(np.abs(t["balance"])) < 1e-9*np.max(t["kinetic"]))
+
+
 def page():
     """The page of balm shows the motion, not the other one."""
     picture_tools.programs = os.path.abspath(sys.argv[1])
@@ -365,8 +406,10 @@ def page():
 if __name__ == "__main__":
     four_bars()
     grashof_and_others()
+    random_linkages(15)
     slider()
     what_acts()
     gaps()
+    two_freedoms()
     page()
     sys.exit(report())
