@@ -13,7 +13,7 @@ board.text = (() => {
   const WIDTH = 108;             // columns of a line that is written
   const MOST_VALUES = 1e6;       // of an item
   const KINDS = ['point', 'x', 'y', 'angle', 'distance', 'slide', 'between', 'pose', 'ratio'];
-  const NAMING = /^(?!ONAME)\w*NAME$|JNT$|^VARY$|^FREE$|^(TOL|AL)NAM$/; // items that name joints or links
+  const NAMING = /^(?!ONAME)\w*NAME$|JNT$|^VARY$|^FREE$|^FOTHER$|^(TOL|AL)NAM$/; // items that name joints or links
   const OWN = {                  // items that a sketch has places for; others are kept
     CHAIN: ['JNT', 'JX', 'JY', 'LNAME', 'LNK', 'NSLIDE', 'SNAME', 'SLNK', 'SLNK2', 'SLX', 'SLY', 'SLANG', 'GEARA', 'GEARB', 'GCARR',
       'GTA', 'GTB', 'LENP', 'LENV', 'KOVER'],

@@ -16,6 +16,7 @@ module psalm_link_cycle
    use psalm_mechanism, only: mechanism_t, at_start, at_finish, body_frame, joint_gear, joint_prismatic
    use psalm_periodic, only: periodic_from_samples
    use psalm_rates, only: rates_t, prepare_rates, differentiate, is_dead
+   use psalm_spring_law, only: part_elastic, part_viscous
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
    use psalm_beam, only: beam_t
@@ -124,9 +125,13 @@ contains
                            'only a uniform link is treated')
                cycle
             end if
-            if (abs(spring%damping) > 0.0_wp) then
+            if (spring%damps()) then
                call refuse('&SPRING has damper '//to_text(k)//' on this link: it would damp each mode differently and couple '// &
                            'them; give the damping of the modes by '//group(1:1)//'ZETA, or put the damper on another link')
+            end if
+            if (spring%torsional .and. spring%side /= 0) then
+               call refuse('torsional spring '//to_text(k)//' of &SPRING acts on one side only (SSIDE) and on this link: the '// &
+                           'equations of a vibrating link are linear')
             end if
             do j = 1, size(spring%ends)
                if (spring%ends(j)%body == body) call check_place('spring '//to_text(k)//' of &SPRING', spring%ends(j))
@@ -232,11 +237,10 @@ contains
       own = bare
       own%inertia = 0.0_wp
       steady = model
-      steady%springs%damping = 0.0_wp
+      steady%springs%part = part_elastic
       dampers = bare
       dampers%loads = [load_t ::]
-      dampers%springs%stiffness = 0.0_wp
-      dampers%springs%preload = 0.0_wp
+      dampers%springs%part = part_viscous
       call list_acting(problem%mechanism, dimensions, steady, arc, points, cycle_of%acting)
       do block = 1, problem%blocks()
          call problem%solve_block(block, offset, n)
@@ -261,7 +265,7 @@ contains
          end do
          call sweep(problem, n, forces)
          call take_pull(cycle_of%fixed)
-         if (all(abs(dampers%springs%damping) <= 0.0_wp)) cycle
+         if (.not. any(dampers%springs%damps())) cycle
          call move_bodies(problem, rates, n, cycle_of%sense, 0.0_wp, forces)
          call clear_wrenches(n, forces)
          do source = first_spring(dampers), sources_of(dampers)

@@ -142,7 +142,7 @@ contains
       !> A spring of stiffness k that pulls along u: k u u' + pull/length (1 - u u').
       subroutine hold(a)
          type(acting_cycle_t), intent(inout) :: a
-         real(wp) :: bx(padded(n)), by(padded(n)), gap(2), length, turned
+         real(wp) :: bx(padded(n)), by(padded(n)), gap(2), length, turned, stretch, stiffness
 
          associate (spring => model%springs(a%spring))
             call find_location(problem, forces, spring%ends(3 - a%end), padded(n), bx, by)
@@ -150,13 +150,15 @@ contains
                gap = [(bx(i) - zx(i))*unit(1, i) + (by(i) - zy(i))*unit(2, i), &
                       (by(i) - zy(i))*unit(1, i) - (bx(i) - zx(i))*unit(2, i)]
                length = norm2(gap)
-               turned = spring%stiffness
+               stretch = length*forces%metre - spring%free*model%metre
+               stiffness = spring%slope(stretch, model%metre)
+               turned = stiffness
                if (length > 0.0_wp) then
                   gap = gap/length
                   length = length*forces%metre
-                  turned = (spring%preload + spring%stiffness*(length - spring%free*model%metre))/length
+                  turned = spring%pull(stretch, 0.0_wp, model%metre)/length
                end if
-               a%held(offset + i, :) = (spring%stiffness - turned)*[gap(1)**2, gap(1)*gap(2), gap(2)**2] &
+               a%held(offset + i, :) = (stiffness - turned)*[gap(1)**2, gap(1)*gap(2), gap(2)**2] &
                                        + turned*[1.0_wp, 0.0_wp, 1.0_wp]
             end do
          end associate

@@ -21,6 +21,7 @@ module psalm_time_events
       real(wp), allocatable :: spare(:)               !! by stop: what friction could hold beyond what it does
       real(wp), allocatable :: still(:)               !! by stop: rate of its joint that is none, where it slips
       real(wp), allocatable :: parts(:, :)            !! by joint with friction: what it grows with
+      real(wp), allocatable :: stretch(:)             !! by spring that has kinks
       real(wp) :: input = 0.0_wp, speed = 0.0_wp      !! of the first drive: degrees or length as tables count them; by time
       real(wp) :: at = 0.0_wp                         !! the free drive, if there is one
    end type marks_t
@@ -32,13 +33,15 @@ module psalm_time_events
       integer :: rub = rub_none                       !! `rub_...`
       integer :: part = 0                             !! `rub_kink`: which
       integer :: table = 0                            !! `kink_...`, 0: no table
+      integer :: spring = 0                           !! `kink_stretch`: which of those that have kinks
       real(wp) :: kink = 0.0_wp, sense = 1.0_wp       !! the value is sense times what is left to the kink
       real(wp) :: within = 0.0_wp                     !! s: by then its value is negative
       real(wp) :: at_first = 0.0_wp                   !! value at the beginning of the step
       logical :: rises = .false.                      !! which is 0 but for rounding
    end type passage_t
 
-   integer, parameter :: kink_input = 1, kink_speed = 2, table_change = 3 !! the last is no table: a change point
+   integer, parameter :: kink_input = 1, kink_speed = 2, kink_stretch = 3, table_change = 4 !! the last is no table:
+                                                   !! a change point
    real(wp), parameter :: on_change = 1.0e-12_wp   !! radians, or parts of the size: so near a change point it is there
 
 contains
@@ -70,6 +73,7 @@ contains
       end do
       do k = motion%smooth + 1, motion%smooth + motion%rubs()
          one = passage_t(stop=k, within=h, rub=merge(rub_slips, rub_stops, motion%stuck(k)))
+         if (.not. motion%engaged(k - motion%smooth)) cycle
          if (value_of(motion, one, after) < merge(0.0_wp, -after%still(k), motion%stuck(k))) call add()
          if (motion%stuck(k) .or. .not. motion%stops(k)%slides) cycle
          do side = 1, 2
@@ -80,9 +84,13 @@ contains
             end associate
          end do
       end do
-      if (any(motion%loads%loads%table > 0)) call find_kink(motion%model%table_input, .not. motion%slides(1), before%input, &
-                                                            after%input, kink_input)
+      if (any(motion%loads%loads%table > 0) .and. .not. motion%model%timed) &
+         call find_kink(motion%model%table_input, .not. motion%slides(1), before%input, after%input, kink_input)
       if (motion%driven) call find_kink(motion%motor%speed, .false., before%speed, after%speed, kink_speed)
+      do k = 1, size(motion%kinked)
+         call find_kink(motion%model%springs(motion%kinked(k))%kinks(motion%model%metre), .false., before%stretch(k), &
+                        after%stretch(k), kink_stretch)
+      end do
       if (allocated(motion%passing)) call find_change()
 
    contains
@@ -133,9 +141,9 @@ contains
          integer :: i
 
          if (size(rows) == 0) return
-         near = on_kink*max(maxval(abs(rows)), abs(from), merge(full_turn, 0.0_wp, turning))
+         near = on_kink*max(maxval(abs(rows)), abs(from), abs(to), merge(full_turn, 0.0_wp, turning))
          if (abs(to - from) <= near) return
-         one = passage_t(table=table, kink=huge(1.0_wp), sense=sign(1.0_wp, to - from), within=h)
+         one = passage_t(table=table, spring=k, kink=huge(1.0_wp), sense=sign(1.0_wp, to - from), within=h)
          do i = 1, size(rows)
             one%kink = min(one%kink, next_above(one%sense*rows(i), one%sense*from + near, turning))
          end do
@@ -174,6 +182,8 @@ contains
          value_of = crossing%sense*(crossing%kink - marks%input)
       else if (crossing%table == kink_speed) then
          value_of = crossing%sense*(crossing%kink - marks%speed)
+      else if (crossing%table == kink_stretch) then
+         value_of = crossing%sense*(crossing%kink - marks%stretch(crossing%spring))
       else if (crossing%table == table_change) then
          value_of = crossing%sense*(crossing%kink - marks%at)
       else if (crossing%lifts) then

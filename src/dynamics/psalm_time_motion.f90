@@ -21,7 +21,7 @@ module psalm_time_motion
    implicit none (type, external)
    private
    public :: time_motion_t, event_t, begin_motion
-   public :: event_impact, event_rest, event_lift, event_stick, event_slip, event_change
+   public :: event_impact, event_rest, event_lift, event_stick, event_slip, event_on, event_off, event_change
 
    real(wp), parameter :: collapsed = 1.0e-13_wp   !! part of the whole time: no step is shorter
    real(wp), parameter :: creeping = 1.0e-7_wp     !! part of the whole time: so many steps in turn that are shorter,
@@ -45,7 +45,9 @@ module psalm_time_motion
    integer, parameter :: event_lift = 3            !! it leaves it, because nothing presses it there
    integer, parameter :: event_stick = 4           !! friction holds a joint from then on
    integer, parameter :: event_slip = 5            !! until then
-   integer, parameter :: event_change = 6          !! it passes a change point; no stop, rates of the first drive
+   integer, parameter :: event_on = 6              !! friction of a joint begins to act, or the motor (stop 0)
+   integer, parameter :: event_off = 7             !! it ends
+   integer, parameter :: event_change = 8          !! it passes a change point; no stop, rates of the first drive
    real(wp), parameter :: looked_ahead = 0.2_wp    !! radians, or parts of the size: change points are looked for so far ahead,
    real(wp), parameter :: steps_ahead = 2.0_wp     !! or as far as so many steps lead
    real(wp), parameter :: looked_back = 1.0e-3_wp  !! where there has been no step
@@ -56,6 +58,13 @@ module psalm_time_motion
    real(wp), parameter :: within = 1.0e-12_wp      !! part of what friction can hold: so much more is held
    real(wp), parameter :: nothing = 1.0e-9_wp      !! part of the greatest rate of a joint with friction, or of its acceleration
                                                     !! where nothing holds it: less is 0
+
+   !> What happens at a time that is known before: a table of loads has a kink there, or friction or the motor is switched.
+   type :: switch_t
+      real(wp) :: time = 0.0_wp                       !! s
+      integer :: kind = 0                             !! `event_on`, `event_off`; 0: a kink
+      integer :: entry = 0                            !! of friction; 0: the motor
+   end type switch_t
 
    !> What happened at a time.
    type :: event_t
@@ -86,6 +95,8 @@ module psalm_time_motion
       type(stop_t) :: host                            !! who may ask for the end
       logical :: asked = .false.                      !! it was asked for
       type(event_t), allocatable :: events(:)
+      type(switch_t), allocatable :: switches(:)      !! in the order of their times
+      integer :: switched = 0                         !! so many of them are over
       real(wp), allocatable :: begun(:)               !! by drive of the case: its input at time 0
       real(wp), allocatable :: fastest(:)             !! by stop: greatest rate of its joint so far, at least one that counts
       integer :: jumped = 0                           !! impacts, several at a time as one
@@ -126,6 +137,7 @@ module psalm_time_motion
       procedure, private :: note
       procedure, private :: note_stability
       procedure, private :: note_jump
+      procedure, private :: switch
       procedure, private :: look_ahead
       procedure, private :: watch_folds
       procedure :: near_line
@@ -158,6 +170,13 @@ contains
          allocate (moving%first(2*f + 2))
          moving%fastest = least_part*moving%size_of_stop/end
       end associate
+      call list_switches(moving%motion, moving%switches)
+      do while (moving%switched < size(moving%switches))
+         if (moving%switches(moving%switched + 1)%time > 0.0_wp) exit
+         moving%switched = moving%switched + 1
+      end do
+      moving%motion%switched_on = .not. moving%motion%motor%from > 0.0_wp
+      moving%motion%engaged = .not. moving%motion%model%friction%from > 0.0_wp
       call moving%rates(0.0_wp, moving%y, moving%first, valid)
       if (.not. valid) return
       call moving%choose_friction(valid)
@@ -165,6 +184,60 @@ contains
       if (valid) call moving%look_ahead(valid)
       if (valid) call moving%motion%anchor()
    end subroutine begin_motion
+
+   !> Times at which a step has to end, in their order.
+   pure subroutine list_switches(motion, switches)
+      type(free_motion_t), intent(in) :: motion
+      type(switch_t), allocatable, intent(out) :: switches(:)
+      type(switch_t) :: one
+      integer :: k, i
+
+      allocate (switches(0))
+      if (motion%model%timed .and. any(motion%model%loads%table > 0)) then
+         switches = [(switch_t(motion%model%table_input(k)), k=1, size(motion%model%table_input))]
+      end if
+      if (motion%driven) switches = [switches, switch_t(motion%motor%from, event_on), switch_t(motion%motor%until, event_off)]
+      do k = 1, size(motion%model%friction)
+         associate (of => motion%model%friction(k))
+            switches = [switches, switch_t(of%from, event_on, k), switch_t(of%until, event_off, k)]
+         end associate
+      end do
+      do k = 2, size(switches)
+         one = switches(k)
+         do i = k - 1, 1, -1
+            if (switches(i)%time <= one%time) exit
+            switches(i + 1) = switches(i)
+         end do
+         switches(i + 1) = one
+      end do
+   end subroutine list_switches
+
+   !> Do what happens at the time that has come.
+   subroutine switch(self, valid)
+      class(time_motion_t), intent(inout) :: self
+      logical, intent(out) :: valid
+      logical :: rubs
+
+      rubs = .false.
+      do while (self%switched < size(self%switches))
+         associate (one => self%switches(self%switched + 1), motion => self%motion)
+            if (one%time > self%time) exit
+            self%switched = self%switched + 1
+            if (one%kind == 0) cycle
+            if (one%entry == 0) then
+               motion%switched_on = one%kind == event_on
+               call self%note(event_t(time=self%time, kind=one%kind))
+            else
+               motion%engaged(one%entry) = one%kind == event_on
+               call self%note(event_t(time=self%time, kind=one%kind, stop=motion%smooth + one%entry))
+               rubs = .true.
+            end if
+         end associate
+      end do
+      if (associated(self%stiff)) call self%stiff%close()
+      call self%rates(self%time, self%y, self%first, valid)
+      if (valid .and. rubs) call self%choose_friction(valid)
+   end subroutine switch
 
    !> Go on with the motion of before, which has been put in `motion` again.
    subroutine go_back_to(self, y)
@@ -243,6 +316,7 @@ contains
       integer :: better(size(self%size_of))
       type(marks_t) :: marks
       type(passage_t), allocatable :: crossings(:)
+      real(wp) :: next
       integer :: short, in_place
       logical :: last
 
@@ -253,14 +327,16 @@ contains
          self%asked = self%host%requested()
          reached = .not. self%asked
          if (.not. reached) return
+         next = target
+         if (self%switched < size(self%switches)) next = min(target, self%switches(self%switched + 1)%time)
          longest = min(self%longest_step(), self%unseen)
          wanted = min(self%step, longest)
-         last = wanted >= (1.0_wp - sqrt(epsilon(1.0_wp)))*(target - self%time)
-         if (last) wanted = target - self%time
+         last = wanted >= (1.0_wp - sqrt(epsilon(1.0_wp)))*(next - self%time)
+         if (last) wanted = next - self%time
          marks = self%marks()
          if (associated(self%stiff)) then
-            wanted = min(target - self%time, longest)
-            last = wanted >= target - self%time
+            wanted = min(next - self%time, longest)
+            last = wanted >= next - self%time
             call self%stiff%step(self, self%time, self%y, wanted, after, taken, reached)
             error = merge(1.0_wp, huge(1.0_wp), reached)
          else
@@ -275,7 +351,7 @@ contains
          rates_before = self%first
          ! a step that the end of an interval cut short says nothing against a longer one
          self%step = max(next_step(taken, error), merge(self%step, 0.0_wp, last .or. taken >= longest))
-         self%time = merge(target, self%time + taken, last)
+         self%time = merge(next, self%time + taken, last)
          self%y = after
          call self%rates(self%time, self%y, self%first, reached)
          if (.not. reached) return
@@ -284,7 +360,7 @@ contains
          if (size(crossings) > 0) then
             call self%go_to_first(crossings, began, before, rates_before, taken, reached)
             if (.not. reached) return
-            if (self%time < target) last = .false.
+            if (self%time < next) last = .false.
             in_place = merge(0, in_place + 1, self%time > began)
             reached = in_place <= most_in_place
             if (.not. reached) return
@@ -297,8 +373,12 @@ contains
             call self%rates(self%time, self%y, self%first, reached)
             if (.not. reached) return
          end if
+         if (self%switched < size(self%switches)) then
+            if (self%time >= self%switches(self%switched + 1)%time) call self%switch(reached)
+            if (.not. reached) return
+         end if
          call self%motion%anchor()
-         reached = self%motion%wound == 0
+         reached = self%motion%wound == 0 .and. self%motion%closed == 0
          if (.not. reached) return
          self%crowded = size(self%events) > self%most_events
          reached = .not. (self%crowded .or. self%endless)
@@ -512,12 +592,13 @@ contains
       marks%pace = self%motion%pace
       marks%growth = self%motion%growth
       marks%push = self%motion%push
+      marks%stretch = self%motion%stretch
       marks%spare = self%motion%most_held*(1.0_wp + within) - abs(self%motion%push)
       marks%parts = self%motion%parts
       marks%still = nothing*self%fastest
       marks%input = self%motion%first_input(self%time, self%y(:size(self%motion%free)))
       marks%at = self%y(1)
-      marks%speed = self%motion%first_speed(self%time, self%y(size(self%motion%free) + 1:))
+      marks%speed = self%motion%motor_speed(self%time, self%y(size(self%motion%free) + 1:))
    end function marks
 
    !> End a step of length h, which goes on beyond events, at the first of them, and do what happens there.
@@ -556,7 +637,7 @@ contains
       if (.not. valid) return
       associate (crossing => crossings(first))
          if (crossing%table == table_change) then
-            associate (rate => self%motion%first_speed(self%time, self%y(size(self%motion%free) + 1:)))
+            associate (rate => self%y(size(self%motion%free) + 1))
                call self%note(event_t(time=self%time, kind=event_change, before=rate, after=rate))
             end associate
          else if (crossing%rub /= rub_none) then
@@ -818,7 +899,7 @@ contains
          allocate (still_there(size(was)), own(size(was)), source=.false.)
          do k = motion%smooth + 1, motion%smooth + motion%rubs()
             self%fastest(k) = max(self%fastest(k), abs(motion%pace(k)))
-            still_there(k) = abs(motion%pace(k)) <= nothing*self%fastest(k)
+            still_there(k) = motion%engaged(k - motion%smooth) .and. abs(motion%pace(k)) <= nothing*self%fastest(k)
             if (present(joint)) still_there(k) = still_there(k) .or. k == joint
             if (.not. still_there(k) .and. abs(motion%pace(k)) > 0.0_wp) &
                motion%sense_of_slip(k) = sign(1.0_wp, motion%pace(k))

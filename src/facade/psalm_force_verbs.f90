@@ -98,7 +98,8 @@ contains
          return
       end if
       if (.not. forces%all_known()) call findings%warning('forces are not known at every position: the linkage does not '// &
-                                                          'close, is at a dead point, or friction locks it')
+                                                          'close, is at a dead point, friction locks it, or a gas '// &
+                                                          'spring has no room left')
       if (.not. present(report)) return
       call report_dynamics(frame, rates, report, findings, brief, forces)
    end subroutine find_forces

@@ -1,10 +1,13 @@
 !> The forces of a mechanism at a row of input positions: all of them, or the share of every source, or by unit masses.
 module psalm_force_analysis
+   use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t
    use psalm_force_model, only: force_model_t, mass_parameters
    use psalm_kinds, only: wp
-   use psalm_kinetostatics, only: forces_t, prepare_forces, load_bodies, move_bodies, clear_wrenches, add_source, sweep, rub, &
-                                  external_power, joint_rows, listed_rows, sources_of, source_inertia
+   use psalm_kinetostatics, only: forces_t, prepare_forces, load_bodies, move_bodies, clear_wrenches, add_source, &
+                                  find_location, sweep, rub, external_power, joint_rows, listed_rows, sources_of, &
+                                  source_inertia
+   use psalm_linkage, only: padded
    use psalm_mechanism, only: body_frame
    use psalm_rates, only: rates_t, prepare_rates, differentiate, is_dead
    use psalm_stop, only: stop_t, is_to_end
@@ -25,7 +28,8 @@ module psalm_force_analysis
       real(wp), allocatable :: value(:, :)     !! shape (positions, columns); finite everywhere, of no meaning where not `known`
       logical, allocatable :: closed(:)        !! shape (positions): every loop closes
       integer, allocatable :: dead(:)          !! shape (positions): the loop that is at a dead point, 0: none
-      integer, allocatable :: sweeps(:)        !! shape (positions): sweeps that friction took; 0: the mechanism locks itself
+      integer, allocatable :: sweeps(:)        !! shape (positions): sweeps that friction took; 0: the mechanism locks itself,
+                                               !! negative: a gas spring, of this number, has no room left
       logical, allocatable :: at_rest(:)       !! shape (positions): a joint with friction does not move: no friction there
       real(wp), allocatable :: kinetic(:)      !! shape (positions): kinetic energy, J
       real(wp), allocatable :: growth(:)       !! shape (positions): its growth, W
@@ -118,6 +122,7 @@ contains
          else
             call sweep(problem, n, forces)
          end if
+         call note_closed(problem, model, forces, n, table%sweeps(offset + 1:offset + n))
          call take_columns(problem, model, forces, n, table%value(offset + 1:offset + n, :))
          table%kinetic(offset + 1:offset + n) = forces%w%v(1:n, forces%kinetic)
          table%growth(offset + 1:offset + n) = forces%w%v(1:n, forces%growth)
@@ -125,6 +130,27 @@ contains
          table%loss(offset + 1:offset + n) = forces%w%v(1:n, forces%loss)
       end do
    end subroutine analyse_forces
+
+   !> Where gas springs have no room left the sweeps of a position count as minus the spring.
+   subroutine note_closed(problem, model, forces, n, sweeps)
+      type(problem_t), intent(in) :: problem
+      type(force_model_t), intent(in) :: model
+      type(forces_t), intent(in) :: forces
+      integer, intent(in) :: n
+      integer, intent(inout) :: sweeps(:)      !! shape (n)
+      real(wp), dimension(padded(n)) :: ax, ay, bx, by
+      integer :: k
+
+      do k = 1, size(model%springs)
+         associate (spring => model%springs(k))
+            if (.not. spring%power > 0.0_wp) cycle
+            call find_location(problem, forces, spring%ends(1), padded(n), ax, ay)
+            call find_location(problem, forces, spring%ends(2), padded(n), bx, by)
+            where (spring%is_closed(hypotenuse(bx(:n) - ax(:n), by(:n) - ay(:n))*forces%metre - spring%free*model%metre, &
+                                    model%metre)) sweeps = -k
+         end associate
+      end do
+   end subroutine note_closed
 
    !> What each source alone does, without friction: they add up. Shape of the result: (positions, columns, sources).
    subroutine share_of_sources(problem, model, speed, accel, input, shares)

@@ -9,12 +9,14 @@ module psalm_force_model
    use psalm_body_points, only: locate_point
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
-   use psalm_force_entries, only: loading_t, spring_law_t, loading_of, spring_law_of
+   use psalm_force_entries, only: loading_t, loading_of
    use psalm_kinds, only: wp
    use psalm_loop_forces, only: link_of_body
    use psalm_mechanism, only: mechanism_t, at_start, at_finish, body_frame, joint_gear, joint_prismatic, joint_revolute, pivot
+   use psalm_motor_group, only: motor_group_t, motor_of
    use psalm_place, only: place_t
    use psalm_sketch, only: frame_link
+   use psalm_spring_law, only: spring_law_t, spring_law_of
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
    implicit none (type, external)
@@ -52,6 +54,8 @@ module psalm_force_model
       integer :: bodies(2) = 0              !! of a pin: what turns in the first is the second
       logical :: all_of_pin = .false.       !! pin of several links: its load is all that the second body takes from the pin
       real(wp) :: coefficient = 0.0_wp
+      real(wp) :: grip = 0.0_wp             !! friction besides, whatever the load is: N m or N
+      real(wp) :: from = 0.0_wp, until = huge(1.0_wp) !! s: it acts between these in time
       real(wp) :: radius = 0.0_wp           !! of the pin, half the length of the shoe; user's length
    end type friction_t
 
@@ -66,6 +70,8 @@ module psalm_force_model
    type :: force_model_t
       real(wp) :: metre = 1.0_wp            !! metres in a unit of length
       real(wp) :: gravity(2) = 0.0_wp       !! m/s2
+      logical :: timed = .false.            !! tables of loads are over the time,
+      real(wp) :: time = 0.0_wp             !! which is this, s
       ! by body, the frame included
       integer, allocatable :: reference(:)  !! vertex of the mechanism
       real(wp), allocatable :: inertia(:, :) !! shape (4, bodies): mass [kg], first moments [kg m], moment of inertia [kg m2]
@@ -136,7 +142,15 @@ contains
       if (any([(mechanism%is_braced(k), k=1, mechanism%nloop)])) &
          call set%origins%error(findings, 'CHAIN', 'KOVER', 'KOVER allows superfluous constraints; how forces divide between '// &
                                 'them depends on the stiffness of the links, which is not known here')
-      if (set%gives('MOTOR') .and. mechanism%sliding_input) then
+      if (.not. set%gives('TIME')) then
+         if (set%loads%timed) call needs_time('LOADS', 'LTIME')
+         if (set%friction%timed) call needs_time('FRICTN', 'FTON, FTOFF')
+         if (set%gives('MOTOR')) then
+            if (is_switched(set)) call needs_time('MOTOR', 'MTON, MTOFF')
+            if (drive_of_motor(set) > 1) call needs_time('MOTOR', 'MNAME')
+         end if
+      end if
+      if (set%gives('MOTOR') .and. mechanism%sliding_input .and. drive_of_motor(set) == 1) then
          call set%origins%error(findings, 'MOTOR', '', 'motion from torque needs a crank that turns; the input of this linkage '// &
                                 'slides')
       end if
@@ -172,6 +186,7 @@ contains
          end associate
       end do
       ! of a sketch every input counts from the drawing
+      model%timed = set%loads%timed
       model%table_input = set%loads%input
       model%table_factor = set%loads%factor
       do k = 1, size(model%springs)
@@ -183,12 +198,20 @@ contains
                                         'the same link: it has no effect', k)
             end if
             spring%spring_law_t = spring_law_of(set%springs, k)
+            if (set%gives('TIME') .or. .not. (set%gives('MOTOR') .or. set%gives('DRIVEL'))) cycle
+            if (abs(spring%drag) > 0.0_wp .or. (spring%side /= 0 .and. spring%damps())) &
+               call set%origins%error(findings, 'SPRING', trim(merge('SQUAD', 'SSIDE', abs(spring%drag) > 0.0_wp)), 'entry '// &
+                                      to_text(k)//': here damping must grow with the speed in a straight line; motion in time '// &
+                                      '(&TIME) takes any', k)
          end associate
       end do
       do k = 1, size(model%friction)
          model%friction(k)%joint = joint_at(mechanism, set%friction%joints(k))
          model%friction(k)%coefficient = set%friction%coefficient(k)
          model%friction(k)%radius = set%friction%radius(k)
+         model%friction(k)%grip = set%friction%grip(k)
+         model%friction(k)%from = set%friction%from(k)
+         model%friction(k)%until = set%friction%until(k)
          if (model%friction(k)%joint == 0) then
             call set%origins%error(findings, 'FRICTN', set%link_item('F'), 'entry '//to_text(k)//': there is no joint at this '// &
                                    'end of the arc', k)
@@ -199,6 +222,13 @@ contains
       end do
 
    contains
+
+      subroutine needs_time(group, items)
+         character(*), intent(in) :: group, items
+
+         call set%origins%error(findings, group, items(:scan(items//',', ',') - 1), 'what it says is for motion in time; '// &
+                                'give &TIME, or leave '//items//' out')
+      end subroutine needs_time
 
       !> A place of the data set on its body.
       subroutine place(group, item, entry, given, location, placed)
@@ -229,6 +259,10 @@ contains
 
          associate (at => set%friction%joints(entry), of => model%friction(entry))
             if (at%joint == 0 .or. at%slide > 0) return
+            if (set%friction%others(entry) > 0) then
+               call pair_clutch(entry)
+               return
+            end if
             if (size(set%sketch%links_of(at%joint)) == 2) return
             associate (holder => set%traced%pin_holders(at%joint))
                if (at%link == holder) then
@@ -242,6 +276,23 @@ contains
          end associate
       end subroutine choose_pair
 
+      !> A clutch is between two of the links that the joint pins.
+      subroutine pair_clutch(entry)
+         integer, intent(in) :: entry
+
+         associate (at => set%friction%joints(entry), of => model%friction(entry), other => set%friction%others(entry))
+            associate (links => set%sketch%links_of(at%joint))
+               if (at%link == 0 .or. at%link == other .or. .not. any(links == at%link) .or. .not. any(links == other)) then
+                  call set%origins%error(findings, 'FRICTN', 'FOTHER', 'entry '//to_text(entry)//': a clutch is between two '// &
+                                         'links of its joint; give the joint with the first in FNAME, and the other here', entry)
+                  return
+               end if
+            end associate
+            of%bodies = [body_of_link(mechanism, other), body_of_link(mechanism, at%link)]
+            of%all_of_pin = .true.
+         end associate
+      end subroutine pair_clutch
+
       subroutine refuse(group, item, entry, words)
          character(*), intent(in) :: group, item, words
          integer, intent(in) :: entry
@@ -249,6 +300,24 @@ contains
          call set%origins%error(findings, group, item, 'entry '//to_text(entry)//' '//words, entry)
       end subroutine refuse
    end subroutine make_force_model
+
+   !> True if the motor is switched on or off at a time.
+   pure logical function is_switched(set)
+      type(data_set_t), intent(in) :: set
+      type(motor_group_t) :: motor
+
+      motor = motor_of(set)
+      is_switched = motor%switched
+   end function is_switched
+
+   !> The drive that the motor turns.
+   pure integer function drive_of_motor(set) result(drive)
+      type(data_set_t), intent(in) :: set
+      type(motor_group_t) :: motor
+
+      motor = motor_of(set)
+      drive = motor%drive
+   end function drive_of_motor
 
    !> The body that a link of a sketch is.
    pure integer function body_of_link(mechanism, link) result(body)

@@ -21,9 +21,10 @@ module psalm_free_motion
    use psalm_linear, only: solve_positive
    use psalm_machine, only: motor_torque
    use psalm_motor_group, only: motor_group_t
-   use psalm_potential, only: potential_energy, torsion
+   use psalm_potential, only: potential_energy, stretch_of, torsion
    use psalm_rates, only: rates_t, prepare_rates, differentiate
    use psalm_shown_input, only: input_at, reference_input
+   use psalm_spring_law, only: part_elastic, part_viscous
    implicit none (type, external)
    private
    public :: free_motion_t, free_state_t, make_free_motion
@@ -43,6 +44,7 @@ module psalm_free_motion
       type(force_model_t) :: lasting, loads, dampers   !! parts of it: weight and springs, loads, dampers
       type(motor_group_t) :: motor                     !! on the first drive
       logical :: driven = .false.                      !! there is a motor
+      logical :: switched_on = .true.                  !! it has its torque
       logical, allocatable :: slides(:)                !! by drive
       integer, allocatable :: leader(:)                !! by drive: the drive that it follows, mostly itself
       real(wp), allocatable :: ratio(:)                !! by drive: its rate by that one's
@@ -61,10 +63,14 @@ module psalm_free_motion
       real(wp), allocatable :: sense_of_slip(:)        !! or slips this way, 1 or -1
       real(wp), allocatable :: stuck_at(:)             !! by stop: place there
       real(wp), allocatable :: rest_coefficient(:)     !! by joint with friction: at rest
+      logical, allocatable :: engaged(:)               !! by joint with friction: it acts
       real(wp), allocatable :: parts(:, :)             !! shape (2, joints with friction): what their friction grows with
       real(wp), allocatable :: most_held(:)            !! by stop: friction at rest holds so much, N m, N times metre
       real(wp) :: level = 0.0_wp                       !! J: added to the potential energy, whose zero is that of the input pivot
       integer :: wound = 0                             !! a torsional spring that was turned past half a turn of SFREE, 0: none
+      integer, allocatable :: kinked(:)                !! springs whose pull has kinks over their length
+      real(wp), allocatable :: stretch(:)              !! by one of them: length less the free one, metres, or angle, radians
+      integer :: closed = 0                            !! a gas spring that has no room left, 0: none
       real(wp), allocatable :: turned(:)               !! by spring, torsional: from SFREE where `anchor` saw it last, radians
       type(joint_stop_t), allocatable :: stops(:)
       integer, allocatable :: resting(:)               !! by stop: side on which its joint rests, `side_...`
@@ -92,7 +98,7 @@ module psalm_free_motion
       procedure :: rates_of
       procedure :: rate_for
       procedure :: first_input
-      procedure :: first_speed
+      procedure :: motor_speed
       procedure :: rubs
       procedure :: beside_change
       procedure :: may_change
@@ -114,6 +120,7 @@ module psalm_free_motion
       real(wp), allocatable :: named(:, :)             !! shape (drives, 0:2): if watched those of the case, from time 0
       real(wp) :: motor = 0.0_wp                       !! if watched: torque of the motor less what its flywheel takes up, N m
       real(wp), allocatable :: columns(:)              !! as `force_table_t` has them
+      integer :: motor_drive = 1
       real(wp) :: kinetic = 0.0_wp, growth = 0.0_wp    !! J, W; flywheel included
       real(wp) :: potential = 0.0_wp                   !! of weight and springs, J
       real(wp), allocatable :: stops(:)                !! by stop: its force forwards, N m or N
@@ -141,17 +148,19 @@ contains
       motion%model = model
       motion%motor = motor
       motion%driven = motor%given
+      motion%kinked = pack([(k, k=1, size(model%springs))], [(size(model%springs(k)%kinks(model%metre)) > 0, k=1, &
+                                                              size(model%springs))])
+      allocate (motion%stretch(size(motion%kinked)), source=0.0_wp)
       motion%lasting = model
       motion%lasting%loads = [load_t ::]
-      motion%lasting%springs%damping = 0.0_wp
+      motion%lasting%springs%part = part_elastic
       motion%loads = model
       motion%loads%gravity = 0.0_wp
       motion%loads%springs = [spring_t ::]
       motion%dampers = motion%loads
       motion%dampers%loads = [load_t ::]
-      motion%dampers%springs = pack(model%springs, abs(model%springs%damping) > 0.0_wp)
-      motion%dampers%springs%stiffness = 0.0_wp
-      motion%dampers%springs%preload = 0.0_wp
+      motion%dampers%springs = pack(model%springs, model%springs%damps())
+      motion%dampers%springs%part = part_viscous
       associate (actuators => problem%mechanism%actuators)
          motion%slides = actuators%slides
          motion%leader = [(d, d=1, size(actuators))]
@@ -184,10 +193,11 @@ contains
       allocate (motion%stuck(size(stops)), source=.false.)
       allocate (motion%sense_of_slip(size(stops)), source=1.0_wp)
       allocate (motion%stuck_at(size(stops)), motion%most_held(size(stops)), source=0.0_wp)
-      allocate (motion%rest_coefficient(0), motion%parts(2, 0))
+      allocate (motion%rest_coefficient(0), motion%engaged(0), motion%parts(2, 0))
       if (present(at_rest)) then
          motion%rest_coefficient = at_rest
          motion%parts = 0.0_wp*spread(at_rest, 1, 2)
+         motion%engaged = spread(.true., 1, size(at_rest))
          motion%smooth = smooth
       end if
       allocate (motion%place(size(stops)), motion%pace(size(stops)), motion%growth(size(stops)), motion%freely(size(stops)), &
@@ -220,6 +230,8 @@ contains
       call self%put_inputs(time, q, .true., valid)
       if (.not. valid) return
       self%jammed = 0
+      self%loads%time = time
+      self%model%time = time
       associate (problem => self%problem, forces => self%forces, h => self%inertia)
          do j = 1, size(self%slides)
             if (.not. any(self%free == j)) call self%put_normal(j)
@@ -260,6 +272,9 @@ contains
             self%pace(k) = rate_at(problem, self%rates, forces, self%stops(k), 1)
             self%growth(k) = rate_at(problem, self%rates, forces, self%stops(k), 2)
          end do
+         do k = 1, size(self%kinked)
+            self%stretch(k) = stretch_of(problem, self%model, self%model%springs(self%kinked(k)), forces)
+         end do
          call clear_wrenches(1, forces)
          associate (input => [self%table_input(time, q)])
             do source = source_weight + 1, sources_of(self%dampers)
@@ -291,18 +306,20 @@ contains
       torque = 0.0_wp
       if (self%driven) then
          if (self%watched == 0) then
-            call motor_torque(self%motor, rate(1), torque, unused)
-            b(1) = b(1) - torque
-            do j = 1, size(q)
-               if (self%free(j) == 1) self%inertia(1, j) = self%inertia(1, j) + self%motor%flywheel
-            end do
-            work = work + torque*rate(1)
+            associate (d => self%motor%drive)
+               if (self%switched_on) call motor_torque(self%motor, rate(d), torque, unused)
+               b(d) = b(d) - torque
+               do j = 1, size(q)
+                  if (self%free(j) == d) self%inertia(d, j) = self%inertia(d, j) + self%motor%flywheel
+               end do
+               work = work + torque*rate(d)
+            end associate
          else
-            k = self%watched
-            speed = self%sense(1)*self%pace(k)
-            call motor_torque(self%motor, speed, torque, unused)
+            k = self%watched + self%motor%drive - 1
+            speed = self%sense(self%motor%drive)*self%pace(k)
+            if (self%switched_on) call motor_torque(self%motor, speed, torque, unused)
             work = work + torque*speed
-            b = b - (self%sense(1)*torque - self%motor%flywheel*self%growth(k))*self%normal(k, :)
+            b = b - (self%sense(self%motor%drive)*torque - self%motor%flywheel*self%growth(k))*self%normal(k, :)
             do j = 1, size(q)
                self%inertia(:, j) = self%inertia(:, j) + self%motor%flywheel*self%normal(k, self%free(j))*self%normal(k, :)
             end do
@@ -358,7 +375,7 @@ contains
             call bear(free_accel)
             do e = 1, self%rubs()
                k = self%smooth + e
-               if (.not. self%stuck(k)) self%push(k) = slipping(e)*load_of(e)
+               if (.not. self%stuck(k)) self%push(k) = slipping(e)*load_of(e) + gripping(e)
             end do
             change = maxval(abs(self%push - before))
             largest = maxval(abs(self%push))
@@ -395,7 +412,8 @@ contains
             self%parts = self%parts + self%push(j)*by_push(:, :, j)
          end do
          do e = 1, self%rubs()
-            self%most_held(self%smooth + e) = self%rest_coefficient(e)*load_of(e)
+            self%most_held(self%smooth + e) = 0.0_wp
+            if (self%engaged(e)) self%most_held(self%smooth + e) = self%rest_coefficient(e)*load_of(e) + grip_of(e)
          end do
       end subroutine bear
 
@@ -405,7 +423,7 @@ contains
          logical, intent(out) :: found
          integer :: slips(self%rubs()), n, i, e
          real(wp) :: fixed(2, self%rubs()), by_force(2, self%rubs(), self%rubs()), coefficient(self%rubs()), force(self%rubs())
-         real(wp) :: largest
+         real(wp) :: grip(self%rubs()), largest
 
          n = 0
          do e = 1, self%rubs()
@@ -422,7 +440,8 @@ contains
             largest = 0.0_wp
             do i = 1, n
                coefficient(i) = slipping(slips(i))*merge(self%model%metre, 1.0_wp, self%stops(own(i))%slides)
-               largest = max(largest, abs(slipping(slips(i))*load_of(slips(i))))
+               grip(i) = gripping(slips(i))
+               largest = max(largest, abs(slipping(slips(i))*load_of(slips(i))), abs(grip(i)))
             end do
             if (.not. largest > 0.0_wp) largest = 1.0_wp
             do i = 1, n
@@ -432,7 +451,7 @@ contains
                by_force(:, :, i) = (self%parts - fixed)/largest
             end do
             call find_friction(fixed(:, slips(:n)), by_force(:, slips(:n), :n), self%stops(own)%slides, coefficient(:n), &
-                               force(:n), found)
+                               grip(:n), force(:n), found)
             self%push(own) = force(:n)
          end associate
          if (found) call bear(free_accel)
@@ -451,8 +470,24 @@ contains
       pure real(wp) function slipping(entry)
          integer, intent(in) :: entry
 
-         slipping = -self%sense_of_slip(self%smooth + entry)*self%model%friction(entry)%coefficient
+         slipping = 0.0_wp
+         if (self%engaged(entry)) slipping = -self%sense_of_slip(self%smooth + entry)*self%model%friction(entry)%coefficient
       end function slipping
+
+      !> What it has whatever its load is: N m, N times metre.
+      pure real(wp) function grip_of(entry)
+         integer, intent(in) :: entry
+
+         grip_of = self%model%friction(entry)%grip*merge(self%model%metre, 1.0_wp, self%stops(self%smooth + entry)%slides)
+      end function grip_of
+
+      !> The same against its slip.
+      pure real(wp) function gripping(entry)
+         integer, intent(in) :: entry
+
+         gripping = 0.0_wp
+         if (self%engaged(entry)) gripping = -self%sense_of_slip(self%smooth + entry)*grip_of(entry)
+      end function gripping
 
       !> Joints that rest on their stops, or are stuck, do not accelerate. Of those that hold the same motion the first bears it; of
       !> one free drive all joints that are stuck bear it by what they can hold.
@@ -661,20 +696,20 @@ contains
                     input(1)*merge(1.0_wp, degrees_per_radian, self%slides(1))
    end function first_input
 
-   !> Its speed: rad/s or user's lengths/s.
-   pure real(wp) function first_speed(self, time, v)
+   !> Speed of the drive that the motor turns: rad/s or user's lengths/s.
+   pure real(wp) function motor_speed(self, time, v)
       class(free_motion_t), intent(in) :: self
       real(wp), intent(in) :: time, v(:)                !! shape (at least the free drives)
       real(wp) :: rate(size(self%slides))
 
       if (self%watched > 0) then
-         first_speed = self%sense(1)*self%pace(self%watched)
+         motor_speed = self%sense(self%motor%drive)*self%pace(self%watched + self%motor%drive - 1)
          return
       end if
       rate = self%speed + self%accel*time
       rate(self%free) = v(:size(self%free))
-      first_speed = rate(1)
-   end function first_speed
+      motor_speed = rate(self%motor%drive)
+   end function motor_speed
 
    !> Put the rate 0 and the acceleration 1 of one drive in; rates of joints with stops for it.
    subroutine put_normal(self, drive)
@@ -738,9 +773,11 @@ contains
                end associate
             end do
             if (self%driven) then
-               call motor_torque(self%motor, state%named(1, 1), state%motor, unused)
-               state%motor = state%motor - self%motor%flywheel*state%named(1, 2)
-               call press(problem, self%model, self%stops(self%watched), self%sense(1)*state%motor, forces)
+               d = self%motor%drive
+               state%motor_drive = d
+               if (self%switched_on) call motor_torque(self%motor, state%named(d, 1), state%motor, unused)
+               state%motor = state%motor - self%motor%flywheel*state%named(d, 2)
+               call press(problem, self%model, self%stops(self%watched + d - 1), self%sense(d)*state%motor, forces)
             end if
          end if
          call sweep(problem, 1, forces)
@@ -748,12 +785,12 @@ contains
             if (self%passing%undetermined(self%at)) state%undetermined = self%passing%loop
          end if
          if (self%driven) then
-            associate (rate => self%first_speed(time, v))
+            associate (rate => self%motor_speed(time, v))
                state%kinetic = state%kinetic + 0.5_wp*self%motor%flywheel*rate**2
                if (self%watched > 0) then
-                  state%growth = state%growth + self%motor%flywheel*rate*state%named(1, 2)
+                  state%growth = state%growth + self%motor%flywheel*rate*state%named(self%motor%drive, 2)
                else
-                  state%growth = state%growth + self%motor%flywheel*rate*state%accel(1)
+                  state%growth = state%growth + self%motor%flywheel*rate*state%accel(self%motor%drive)
                end if
             end associate
          end if
@@ -789,6 +826,12 @@ contains
          turned = torsion(self%model%springs(k), self%forces)
          if (abs(turned - self%turned(k)) > pi) self%wound = k
          self%turned(k) = turned
+      end do
+      do k = 1, size(self%model%springs)
+         associate (spring => self%model%springs(k))
+            if (.not. spring%power > 0.0_wp) cycle
+            if (spring%is_closed(stretch_of(self%problem, self%model, spring, self%forces), self%model%metre)) self%closed = k
+         end associate
       end do
    end subroutine anchor
 

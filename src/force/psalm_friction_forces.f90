@@ -30,13 +30,14 @@ contains
       end if
    end function load_of_joint
 
-   !> Forces of friction, each `coefficient` times the load of its joint. `found` is false where there is none that continues
-   !> what there is with less friction.
-   pure subroutine find_friction(fixed, by_force, slides, coefficient, force, found)
+   !> Forces of friction, each `coefficient` times the load of its joint and `grip`. `found` is false where there is none that
+   !> continues what there is with less friction.
+   pure subroutine find_friction(fixed, by_force, slides, coefficient, grip, force, found)
       real(wp), intent(in) :: fixed(:, :)       !! shape (2, joints): parts of the loads without friction
       real(wp), intent(in) :: by_force(:, :, :) !! shape (2, joints, joints): by friction 1 of the last
       logical, intent(in) :: slides(:)          !! by joint
       real(wp), intent(in) :: coefficient(:)    !! by joint: negative against the sense in which forces count
+      real(wp), intent(in) :: grip(:)           !! by joint: friction besides, likewise
       real(wp), intent(out) :: force(:)
       logical, intent(out) :: found
       real(wp) :: tried(size(force)), share, step, next
@@ -51,7 +52,7 @@ contains
          else
             tried = 0.0_wp
          end if
-         call improve(fixed, by_force, slides, next*coefficient, tried, found)
+         call improve(fixed, by_force, slides, next*coefficient, next*grip, tried, found)
          if (found) then
             force = tried
             share = next
@@ -65,8 +66,8 @@ contains
    end subroutine find_friction
 
    !> Newton's method from an estimate.
-   pure subroutine improve(fixed, by_force, slides, coefficient, force, found)
-      real(wp), intent(in) :: fixed(:, :), by_force(:, :, :), coefficient(:)
+   pure subroutine improve(fixed, by_force, slides, coefficient, grip, force, found)
+      real(wp), intent(in) :: fixed(:, :), by_force(:, :, :), coefficient(:), grip(:)
       logical, intent(in) :: slides(:)
       real(wp), intent(inout) :: force(:)
       logical, intent(out) :: found
@@ -94,7 +95,7 @@ contains
                matrix(k, j) = -coefficient(k)*(along(1)*by_force(1, k, j) + along(2)*by_force(2, k, j))
             end do
             matrix(k, k) = matrix(k, k) + 1.0_wp
-            missing(k, 1) = coefficient(k)*load - force(k)
+            missing(k, 1) = coefficient(k)*load + grip(k) - force(k)
          end do
          call eliminate_real(n, 1, matrix, missing, determinant)
          if (.not. determinant > 0.0_wp) return

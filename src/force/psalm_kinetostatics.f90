@@ -347,14 +347,18 @@ contains
       real(wp), intent(in) :: input(:)
       type(forces_t), intent(inout) :: forces
       real(wp), dimension(padded(n)) :: zx, zy, rx, ry, factor
-      integer :: m
+      integer :: m, i
 
       m = padded(n)
       associate (load => model%loads(which), body => forces%bodies(model%loads(which)%location%body), w => forces%w%v)
          factor = 1.0_wp
          if (load%table > 0) then
-            factor(:n) = interpolated(model%table_input, model%table_factor(:, load%table), input, &
-                                      .not. problem%mechanism%sliding_input)
+            if (model%timed) then
+               factor(:n) = interpolated(model%table_input, model%table_factor(:, load%table), [(model%time, i=1, n)], .false.)
+            else
+               factor(:n) = interpolated(model%table_input, model%table_factor(:, load%table), input, &
+                                         .not. problem%mechanism%sliding_input)
+            end if
             factor(n + 1:) = factor(n)
          end if
          call find_location(problem, forces, load%location, m, zx, zy)
@@ -414,8 +418,8 @@ contains
             call turn(a, spring%ends(1)%along, ax, ay)
             call turn(b, spring%ends(2)%along, bx, by)
             call angles_between(m, ax, ay, 1.0_wp, 0.0_wp, bx, by, pull)
-            pull = (spring%preload + spring%stiffness*radians_per_degree*nearest_difference(pull, spring%free) + &
-                    spring%damping*(w(1:m, b%w) - w(1:m, a%w)))/forces%metre
+            pull = spring%pull(radians_per_degree*nearest_difference(pull, spring%free), w(1:m, b%w) - w(1:m, a%w), 1.0_wp)/ &
+                   forces%metre
             call add_couple(m, 1.0_wp, pull, w(1, a%wrench + 2))
             call add_couple(m, -1.0_wp, pull, w(1, b%wrench + 2))
             return
@@ -430,7 +434,7 @@ contains
             ! a spring of no length has no direction; one of no free length has no force there
             gap = gap/max(length, tiny(1.0_wp))
             speed = forces%metre*(gap(1)*(dx(i) - cx(i)) + gap(2)*(dy(i) - cy(i)))
-            pull(i) = spring%preload + spring%stiffness*(length*forces%metre - spring%free*model%metre) + spring%damping*speed
+            pull(i) = spring%pull(length*forces%metre - spring%free*model%metre, speed, model%metre)
             cx(i) = pull(i)*gap(1)
             cy(i) = pull(i)*gap(2)
          end do
@@ -961,7 +965,7 @@ contains
                   load = radius*hypotenuse(pin(1), pin(2))
                end if
                value(i) = 0.0_wp
-               if (abs(slip(i, entry)) > 0.0_wp) value(i) = -sign(of%coefficient*load, slip(i, entry))
+               if (abs(slip(i, entry)) > 0.0_wp) value(i) = -sign(of%coefficient*load + of%grip, slip(i, entry))
             end do
          end associate
       end subroutine friction_of

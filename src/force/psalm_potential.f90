@@ -9,7 +9,7 @@ module psalm_potential
    use psalm_mechanism, only: body_frame
    implicit none (type, external)
    private
-   public :: potential_energy, torsion
+   public :: potential_energy, stretch_of, torsion
 
 contains
 
@@ -18,8 +18,7 @@ contains
       type(problem_t), intent(in) :: problem
       type(force_model_t), intent(in) :: model
       type(forces_t), intent(in) :: forces
-      real(wp), dimension(1) :: ax, ay, bx, by
-      real(wp) :: ex, ey, stretch
+      real(wp) :: ex, ey
       integer :: b, k
 
       energy = 0.0_wp
@@ -34,18 +33,28 @@ contains
          end do
          do k = 1, size(model%springs)
             associate (spring => model%springs(k))
-               if (spring%torsional) then
-                  stretch = torsion(spring, forces)
-               else
-                  call find_location(problem, forces, spring%ends(1), 1, ax, ay)
-                  call find_location(problem, forces, spring%ends(2), 1, bx, by)
-                  stretch = hypotenuse(bx(1) - ax(1), by(1) - ay(1))*forces%metre - spring%free*model%metre
-               end if
-               energy = energy + stretch*(spring%preload + 0.5_wp*spring%stiffness*stretch)
+               energy = energy + spring%energy(stretch_of(problem, model, spring, forces), model%metre)
             end associate
          end do
       end associate
    end function potential_energy
+
+   !> Length of a spring less its free one, metres; of a torsional one its angle, radians.
+   real(wp) function stretch_of(problem, model, spring, forces) result(stretch)
+      type(problem_t), intent(in) :: problem
+      type(force_model_t), intent(in) :: model
+      type(spring_t), intent(in) :: spring
+      type(forces_t), intent(in) :: forces
+      real(wp), dimension(1) :: ax, ay, bx, by
+
+      if (spring%torsional) then
+         stretch = torsion(spring, forces)
+      else
+         call find_location(problem, forces, spring%ends(1), 1, ax, ay)
+         call find_location(problem, forces, spring%ends(2), 1, bx, by)
+         stretch = hypotenuse(bx(1) - ax(1), by(1) - ay(1))*forces%metre - spring%free*model%metre
+      end if
+   end function stretch_of
 
    !> How far a torsional spring is turned from SFREE, radians, within half a turn.
    pure real(wp) function torsion(spring, forces)

@@ -4,6 +4,7 @@ module psalm_reduced
    use psalm_force_analysis, only: force_table_t, analyse_forces, column_drive, column_of_other_drive
    use psalm_force_model, only: force_model_t, friction_t, load_t, spring_t, vertices_of
    use psalm_kinds, only: wp
+   use psalm_spring_law, only: part_elastic, part_viscous
    use psalm_stop, only: stop_t
    implicit none (type, external)
    private
@@ -56,14 +57,13 @@ contains
       ! everything else but dampers, at unit speed, where power is torque
       only = model
       only%friction = [friction_t ::]
-      only%springs%damping = 0.0_wp
+      only%springs%part = part_elastic
       call analyse_forces(problem, only, 1.0_wp, 0.0_wp, motion%closed, motion%input, table, stop)
       reduced%torque = table%power
       only%gravity = 0.0_wp
       only%loads = [load_t ::]
       only%springs = model%springs
-      only%springs%stiffness = 0.0_wp
-      only%springs%preload = 0.0_wp
+      only%springs%part = part_viscous
       call analyse_forces(problem, only, 1.0_wp, 0.0_wp, motion%closed, motion%input, table, stop)
       reduced%damping = -table%power
    end subroutine reduce_machine

@@ -20,6 +20,10 @@ module psalm_friction_group
       real(wp), allocatable :: coefficient(:)     !! shape (entries)
       real(wp), allocatable :: at_rest(:)         !! shape (entries): coefficient at rest, in time
       logical :: at_rest_given = .false.
+      real(wp), allocatable :: grip(:)            !! shape (entries): friction whatever the load is, N m or N
+      integer, allocatable :: others(:)           !! shape (entries): the other link of a clutch; 0: as the joint has it
+      real(wp), allocatable :: from(:), until(:)  !! shape (entries): s, with TIME: it acts between these
+      logical :: timed = .false.                  !! one of them is given
       real(wp), allocatable :: radius(:)          !! shape (entries): of the pin, or half the length of the shoe, user's length
    end type friction_group_t
 
@@ -44,7 +48,18 @@ module psalm_friction_group
              'radius of the pin, or half the length of the shoe that slides; a shoe of no length has the '// &
              'friction of N alone. The middle of the shoe is the foot of the slide, on the link that guides it '// &
              '(a bush); of a sketch it is the point SLX, SLY of the second link, SLNK2', &
-             'a radius is not negative')]
+             'a radius is not negative'), &
+      rule_t('FGRIP', a_number, 'NFRIC', 'N m, N', '0', '[0,)', &
+             'friction besides, whatever the load is: of a clutch, a brake, a seal', &
+             'friction is not negative'), &
+      rule_t('FOTHER', a_text, 'NFRIC', '', '', '', &
+             'of a sketch, where a joint pins more than two links: name of the other link of a clutch between two links that '// &
+             'both turn there; with FGRIP alone (FMU=0)'), &
+      rule_t('FTON', a_number, 'NFRIC', 's', '0', '[0,)', &
+             'with &TIME: the entry acts from this time', &
+             'a time is not negative'), &
+      rule_t('FTOFF', a_number, 'NFRIC', 's', 'never', '(0,)', &
+             'with &TIME: it does not from this time')]
 
 contains
 
@@ -71,5 +86,49 @@ contains
             ': the coefficient at rest is below that of slip, FMU', findings, k)
       end do
       call take(group, 'FRAD', friction%radius, findings)
+      allocate (friction%grip(n), friction%from(n))
+      allocate (friction%until(n), source=huge(1.0_wp))
+      call take(group, 'FGRIP', friction%grip, findings)
+      call read_others(group, sketch, friction, findings)
+      call take(group, 'FTON', friction%from, findings)
+      call take(group, 'FTOFF', friction%until, findings)
+      friction%timed = group%given('FTON') .or. group%given('FTOFF')
+      do k = 1, n
+         if (.not. friction%until(k) > friction%from(k)) call out_of(group, 'FTOFF', 'entry '//to_text(k)// &
+            ': it must end after it begins (FTON)', findings, k)
+      end do
    end subroutine read_friction_group
+
+   !> The other links of clutches.
+   subroutine read_others(group, sketch, friction, findings)
+      type(group_t), intent(inout) :: group
+      type(sketch_t), intent(in) :: sketch
+      type(friction_group_t), intent(inout) :: friction
+      type(diagnostics_t), intent(inout) :: findings
+      character(:), allocatable :: names(:)
+      integer :: k
+
+      allocate (friction%others(size(friction%joints)), source=0)
+      call group%get_texts('FOTHER', names, findings)
+      if (size(names) == 0) return
+      if (.not. sketch%given) then
+         call out_of(group, 'FOTHER', 'names a link of a sketch (&CHAIN), but this linkage is described by &LINKS', findings)
+         return
+      end if
+      if (size(names) > size(friction%others)) then
+         call out_of(group, 'FOTHER', 'has '//to_text(size(names))//' names; there are '//to_text(size(friction%others))// &
+                     ' entries', findings, size(names))
+         return
+      end if
+      do k = 1, size(names)
+         if (len_trim(names(k)) == 0) cycle
+         friction%others(k) = sketch%link_called(trim(adjustl(names(k))))
+         if (friction%others(k) == 0) then
+            call out_of(group, 'FOTHER', "entry "//to_text(k)//": there is no link '"//trim(adjustl(names(k)))//"'", findings, k)
+         else if (friction%coefficient(k) > 0.0_wp) then
+            call out_of(group, 'FOTHER', 'entry '//to_text(k)//': a clutch between two links that both turn on the pin has the '// &
+                        'friction FGRIP alone; leave FMU out', findings, k)
+         end if
+      end do
+   end subroutine read_others
 end module psalm_friction_group

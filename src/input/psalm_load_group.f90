@@ -4,7 +4,7 @@ module psalm_load_group
    use psalm_kinds, only: wp
    use psalm_link_place, only: read_places, refuse_unless
    use psalm_place, only: place_t
-   use psalm_rule, only: rule_t, a_number, a_text, a_whole
+   use psalm_rule, only: rule_t, a_flag, a_number, a_text, a_whole
    use psalm_sketch, only: sketch_t
    use psalm_status, only: diagnostics_t
    use psalm_take, only: take, take_count
@@ -24,6 +24,7 @@ module psalm_load_group
       logical, allocatable :: turns(:)            !! shape (entries): the force turns with the link
       integer, allocatable :: table(:)            !! shape (entries): the table it is multiplied by, 0: none
       real(wp), allocatable :: input(:)           !! shape (rows): inputs of the tables, degrees or length, ascending
+      logical :: timed = .false.                  !! or times, s
       real(wp), allocatable :: factor(:, :)       !! shape (rows, tables)
    end type load_group_t
 
@@ -57,7 +58,11 @@ module psalm_load_group
       rule_t('NTABIN', a_whole, '', '', 'as many as TABIN has', '[0,100000]', &
              'number of inputs in each table'), &
       rule_t('TABIN', a_number, 'NTABIN', '', '', '', &
-             'inputs of the tables, ascending: crank angles in degrees, or lengths; of a sketch counted from the drawing'), &
+             'inputs of the tables, ascending: crank angles in degrees, or lengths; of a sketch counted from the drawing; '// &
+             'with LTIME=1 times in s'), &
+      rule_t('LTIME', a_flag, '', '', '0', '0 1', &
+             '1: the tables are over the time of &TIME (at positions they are those of time 0); beyond their ends they '// &
+             'keep the end values'), &
       rule_t('TABVAL', a_number, 'NTABLE*NTABIN', '', '', '', &
              'factors, table by table: NTABIN for each. Between two inputs the factor is on the straight line; '// &
              'a table over the crank goes round the turn, one over a length keeps its end values')]
@@ -101,6 +106,7 @@ contains
 
       call take_count(group, 'NTABLE', tables, findings)
       call take_count(group, 'NTABIN', rows, findings)
+      call take(group, 'LTIME', loads%timed, findings)
       if (tables > 0 .and. rows < fewest_rows) call out_of(group, 'NTABIN', 'a table has 2 inputs or more; found '// &
                                                            to_text(rows), findings)
       allocate (loads%input(rows), factors(rows*tables), source=0.0_wp)

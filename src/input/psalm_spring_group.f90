@@ -1,6 +1,6 @@
 !> The group SPRING: springs and dampers between two points of two links, and torsional ones between two links.
 module psalm_spring_group
-   use psalm_group, only: group_t, check_range
+   use psalm_group, only: group_t, check_range, out_of
    use psalm_kinds, only: wp
    use psalm_link_place, only: read_places, refuse_unless
    use psalm_place, only: place_t
@@ -8,10 +8,13 @@ module psalm_spring_group
    use psalm_sketch, only: sketch_t
    use psalm_status, only: diagnostics_t
    use psalm_take, only: take, take_count
+   use psalm_text, only: to_text
    implicit none (type, external)
    private
    public :: spring_items
    public :: spring_group_t, read_spring_group
+
+   integer, parameter :: fewest_rows = 2          !! of a table
 
    type :: spring_group_t
       logical :: given = .false.                  !! the group was given
@@ -22,6 +25,13 @@ module psalm_spring_group
                                                   !! arc to the second, degrees, at which it is free
       real(wp), allocatable :: preload(:)         !! shape (entries): N or N m at the free length or angle, positive: pulls
       real(wp), allocatable :: damping(:)         !! shape (entries): N s/m, N m s/rad
+      real(wp), allocatable :: drag(:)            !! shape (entries): N s2/m2, N m s2/rad2
+      integer, allocatable :: side(:)             !! shape (entries): 1 pulls only, -1 pushes only, 0 both
+      real(wp), allocatable :: power(:)           !! shape (entries): exponent of a gas spring, 0: none
+      real(wp), allocatable :: closed(:)          !! shape (entries): its length without room, user's length
+      integer, allocatable :: table(:)            !! shape (entries): table of its pull, 0: none
+      real(wp), allocatable :: table_length(:)    !! shape (rows): lengths of the tables, user's, ascending
+      real(wp), allocatable :: table_pull(:, :)   !! shape (rows, tables): N
       integer :: added = 0                        !! SADDED: so many of the last entries were found by muscle
    end type spring_group_t
 
@@ -62,6 +72,30 @@ module psalm_spring_group
       rule_t('SDAMP', a_number, 'NSPRNG', 'N s/m, N m s/rad', '0', '[0,)', &
              'damping', &
              'damping is not negative'), &
+      rule_t('SQUAD', a_number, 'NSPRNG', 'N s2/m2, N m s2/rad2', '0', '[0,)', &
+             'damping that grows with the square of the speed', &
+             'damping is not negative'), &
+      rule_t('SSIDE', a_whole, 'NSPRNG', '', '0', '-1 0 1', &
+             '1: pulls only, slack below SFREE (a cord); -1: pushes only, free beyond SFREE (a buffer); with its damping it '// &
+             'never acts the other way', &
+             '-1 (pushes only), 0 or 1 (pulls only) is expected'), &
+      rule_t('SGAS', a_number, 'NSPRNG', '', '0', '[0,10]', &
+             'gas spring: the pull SPRE (negative: it pushes) at SFREE is multiplied by ((SFREE - SGASP)/(length - SGASP)) to '// &
+             'the power SGAS; 0: none', &
+             'the exponent of a gas spring lies between 0 (none) and 10'), &
+      rule_t('SGASP', a_number, 'NSPRNG', 'length', '0', '[0,)', &
+             'length of a gas spring without room for the gas', &
+             'a length is not negative'), &
+      rule_t('SLTAB', a_whole, 'NSPRNG', '', '0', '', &
+             'number of the table of its pull over its length, which is added; 0: none'), &
+      rule_t('NSTAB', a_whole, '', '', 'as many as STABF has', '[0,1000]', &
+             'number of tables'), &
+      rule_t('NSTABL', a_whole, '', '', 'as many as STABL has', '[0,100000]', &
+             'number of lengths in each table'), &
+      rule_t('STABL', a_number, 'NSTABL', 'length', '', '', &
+             'lengths of the tables, ascending; beyond them the end values hold'), &
+      rule_t('STABF', a_number, 'NSTAB*NSTABL', 'N', '', '', &
+             'pulls, table by table: NSTABL for each, on straight lines between'), &
       rule_t('SADDED', a_whole, '', '', '0', '[0,NSPRNG]', &
              'so many of the last entries were added by `muscle`; `balm` shows drive and frame force without '// &
              'them too')]
@@ -91,8 +125,57 @@ contains
       call take(group, 'SPRE', springs%preload, findings)
       call take(group, 'SDAMP', springs%damping, findings)
       springs%torsional = kind == 1
+      allocate (springs%drag(n), springs%side(n), springs%power(n), springs%closed(n), springs%table(n))
+      call take(group, 'SQUAD', springs%drag, findings)
+      call take(group, 'SSIDE', springs%side, findings)
+      call take(group, 'SGAS', springs%power, findings)
+      call take(group, 'SGASP', springs%closed, findings)
+      call read_tables(group, springs, findings)
+      call take(group, 'SLTAB', springs%table, findings)
+      call refuse_unless(springs%table >= 0 .and. springs%table <= size(springs%table_pull, 2), group, 'SLTAB', &
+                         'there are tables 1 to '//to_text(size(springs%table_pull, 2))//' (0: none)', findings)
+      where (springs%table < 0 .or. springs%table > size(springs%table_pull, 2)) springs%table = 0
+      call refuse_unless(springs%table == 0 .or. .not. springs%torsional, group, 'SLTAB', &
+                         'a table is over the length; a torsional spring has none', findings)
+      associate (gas => springs%power > 0.0_wp)
+         call refuse_unless(.not. gas .or. .not. springs%torsional, group, 'SGAS', 'a gas spring has a length; a torsional '// &
+                            'spring has none', findings)
+         call refuse_unless(.not. gas .or. .not. abs(springs%stiffness) > 0.0_wp, group, 'STIFF', 'the pull of a gas spring '// &
+                            'follows from SPRE and SGAS; leave its STIFF out', findings)
+         call refuse_unless(.not. gas .or. springs%closed < springs%free, group, 'SGASP', 'must be below SFREE, the length '// &
+                            'at which the gas spring has the force SPRE', findings)
+         call refuse_unless(.not. gas .or. abs(springs%preload) > 0.0_wp, group, 'SPRE', 'a gas spring needs its force at '// &
+                            'SFREE (negative: it pushes)', findings)
+         call refuse_unless(gas .or. .not. springs%closed > 0.0_wp, group, 'SGASP', 'is for a gas spring; give its exponent '// &
+                            'SGAS', findings)
+      end associate
       call refuse_unless(springs%free >= 0.0_wp .or. springs%torsional, group, 'SFREE', 'a free length is not negative', findings)
       call take(group, 'SADDED', springs%added, findings)
       call check_range(group, 'SADDED', springs%added, 0, n, findings)
    end subroutine read_spring_group
+
+   !> Tables over the length: NSTAB of them, each with NSTABL pulls at the lengths STABL.
+   subroutine read_tables(group, springs, findings)
+      type(group_t), intent(inout) :: group
+      type(spring_group_t), intent(inout) :: springs
+      type(diagnostics_t), intent(inout) :: findings
+      integer :: tables, rows, last_length, last_pull
+      real(wp), allocatable :: pulls(:)
+
+      call take_count(group, 'NSTAB', tables, findings)
+      call take_count(group, 'NSTABL', rows, findings)
+      if (tables > 0 .and. rows < fewest_rows) call out_of(group, 'NSTABL', 'a table has 2 lengths or more; found '// &
+                                                           to_text(rows), findings)
+      allocate (springs%table_length(rows), pulls(rows*tables), source=0.0_wp)
+      call group%get_reals('STABL', springs%table_length, findings, last=last_length)
+      call group%get_reals('STABF', pulls, findings, max(rows, 1), last=last_pull)
+      springs%table_pull = reshape(pulls, [rows, tables])
+      if (tables == 0 .or. rows < fewest_rows) return
+      if (last_length < rows) call out_of(group, 'STABL', 'NSTABL='//to_text(rows)//' lengths are announced, but only '// &
+                                          to_text(last_length)//' values given', findings)
+      if (last_pull < rows*tables) call out_of(group, 'STABF', to_text(tables)//' tables of '//to_text(rows)// &
+                                               ' values are announced, but only '//to_text(last_pull)//' values given', findings)
+      if (last_length == rows) call refuse_unless([.true., springs%table_length(2:) > springs%table_length(:rows - 1)], group, &
+                                                  'STABL', 'lengths of the tables must ascend', findings)
+   end subroutine read_tables
 end module psalm_spring_group

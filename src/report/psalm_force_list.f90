@@ -109,6 +109,8 @@ contains
       else if (study%table%dead(k) /= 0) then
          words = cased('DEAD POINT OF ', small)//group_heading(study%mechanism, study%table%dead(k), small)// &
                  cased(': FORCES ARE INFINITE', small)
+      else if (study%table%sweeps(k) < 0) then
+         words = cased('GAS SPRING ', small)//to_text(-study%table%sweeps(k))//cased(' HAS NO ROOM LEFT', small)
       else
          words = cased('FRICTION LOCKS THE LINKAGE: NO DRIVE CAN MOVE IT', small)
       end if

@@ -219,7 +219,33 @@ contains
          call add_item('SFREE=', [old%free, springs%free], text)
          call add_item('SPRE=', [old%preload, none], text)
          call add_item('SDAMP=', [old%damping, none], text)
+         if (any(abs(old%drag) > 0.0_wp)) call add_item('SQUAD=', [old%drag, none], text)
+         if (any(old%power > 0.0_wp)) then
+            call add_item('SGAS=', [old%power, none], text)
+            call add_item('SGASP=', [old%closed, none], text)
+         end if
+         if (any(old%side /= 0)) call add_counts('SSIDE=', [old%side, (0, k=1, size(springs))])
+         if (size(old%table_pull, 2) > 0) then
+            call add_counts('SLTAB=', [old%table, (0, k=1, size(springs))])
+            call text%add('  NSTAB='//to_text(size(old%table_pull, 2))//', NSTABL='//to_text(size(old%table_length))//',')
+            call add_item('STABL=', old%table_length, text)
+            call add_item('STABF=', [old%table_pull], text)
+         end if
          call text%add(' &END')
       end associate
+
+   contains
+
+      subroutine add_counts(item, numbers)
+         character(*), intent(in) :: item
+         integer, intent(in) :: numbers(:)
+         integer :: i
+
+         line = '  '//item
+         do i = 1, size(numbers)
+            line = line//to_text(numbers(i))//','
+         end do
+         call text%add(line)
+      end subroutine add_counts
    end subroutine write_springs
 end module psalm_spring_list

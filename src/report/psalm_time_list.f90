@@ -14,17 +14,18 @@ module psalm_time_list
    use psalm_summary_text, only: add_line, plain_number
    use psalm_tables, only: table_t, tables_t, table_of
    use psalm_text, only: text_t, to_text, upper_case
-   use psalm_time_study, only: time_study_t, time_collapsed, time_crowded, time_done, time_folded, time_jammed, time_massless, &
-                               time_on_request, time_open, time_stiff, time_wound
-   use psalm_time_motion, only: event_t, event_impact, event_rest, event_lift, event_stick, event_slip, event_change
+   use psalm_time_study, only: time_study_t, time_closed, time_collapsed, time_crowded, time_done, time_folded, &
+                               time_jammed, time_massless, time_on_request, time_open, time_stiff, time_wound
+   use psalm_time_motion, only: event_t, event_impact, event_rest, event_lift, event_stick, event_slip, &
+                                event_on, event_off, event_change
    implicit none (type, external)
    private
    public :: report_time, summarise_time, ending_words
 
    character(*), parameter :: time_block = 'time', event_block = 'events'
-   character(*), parameter :: event_words(*) = [character(6) :: 'impact', 'rest', 'lift', 'stick', 'slip', 'change'] !! by
-                                                !! `event_...`
-   character(*), parameter :: no_stop = '-'     !! in the place of its name
+   character(*), parameter :: of_motor = 'motor', no_stop = '-' !! in place of the name of a joint
+   character(*), parameter :: event_words(*) = [character(6) :: &
+                                                'impact', 'rest', 'lift', 'stick', 'slip', 'on', 'off', 'change'] !! by `event_...`
    character(*), parameter :: nl = new_line('a')
    integer, parameter :: rates_shown = 2
    integer, parameter :: most_exchanges = 3     !! of drives, that the summary has with their times
@@ -93,6 +94,8 @@ contains
                  'spring or damper, or TEND far too long'
       case (time_wound)
          words = 'torsional spring '//to_text(study%loop)//' is turned past half a turn from SFREE'
+      case (time_closed)
+         words = 'gas spring '//to_text(study%loop)//' has no room left: its length has come to SGASP'
       case (time_jammed)
          words = 'no force of friction of '//trim(study%stop_names(study%loop))// &
                  ' was found that agrees with the load that it makes'
@@ -155,6 +158,7 @@ contains
       !> Impacts, and when joints rest on their stops and leave them.
       subroutine list_events()
          type(number_format_t) :: of_event, formats(3)
+         character(:), allocatable :: what
          integer :: e
 
          of_event = format_of(set%has_names(), study%events%time)
@@ -166,21 +170,13 @@ contains
          call text%add('           TIME         BEFORE          AFTER        IMPULSE   EVENT')
          do e = 1, size(study%events)
             associate (event => study%events(e))
+               what = name_of(study, event)
+               if (event%kind == event_change) what = 'POINT, STRAIGHT ON'
                call text%add(figure(event%time, of_event)//figure(event%before, formats(1))//figure(event%after, formats(2))// &
-                             figure(event%impulse, formats(3))//'   '//upper_case(trim(event_words(event%kind)))//' '// &
-                             name_of(event))
+                             figure(event%impulse, formats(3))//'   '//upper_case(trim(event_words(event%kind)))//' '//what)
             end associate
          end do
       end subroutine list_events
-
-      !> What an event happens to.
-      function name_of(event) result(name)
-         type(event_t), intent(in) :: event
-         character(:), allocatable :: name
-
-         name = 'POINT, STRAIGHT ON'
-         if (event%stop > 0) name = trim(study%stop_names(event%stop))
-      end function name_of
 
       !> Of several drives with the name of each.
       function heading(word, drive) result(head)
@@ -387,15 +383,14 @@ contains
       call table%add('work', study%work, 'J')
       call table%add('balance', study%balance, 'J')
       call tables%put(table)
-      if (size(study%stops, 2) == 0 .and. size(study%events) == 0) return
+      if (size(study%stops, 2) + size(study%events) == 0) return
       table = table_of(event_block, 'a row for each event of the motion in time', notes=set%title//nl//'angles in radians')
       call table%add('time', study%events%time, 's')
       allocate (character(len(event_words)) :: words(size(study%events)))
-      allocate (character(max(len(no_stop), len(study%stop_names))) :: stops(size(study%events)))
+      allocate (character(max(len(study%stop_names), len(of_motor))) :: stops(size(study%events)))
       do c = 1, size(study%events)
          words(c) = event_words(study%events(c)%kind)
-         stops(c) = no_stop
-         if (study%events(c)%stop > 0) stops(c) = study%stop_names(study%events(c)%stop)
+         stops(c) = name_of(study, study%events(c))
       end do
       call table%add('event', words)
       call table%add('stop', stops)
@@ -404,6 +399,19 @@ contains
       call table%add('impulse', study%events%impulse, 'N m s, N s')
       call tables%put(table)
    end subroutine put_time
+
+   !> What an event happens to.
+   pure function name_of(study, event) result(name)
+      type(time_study_t), intent(in) :: study
+      type(event_t), intent(in) :: event
+      character(:), allocatable :: name
+
+      if (event%stop > 0) then
+         name = trim(study%stop_names(event%stop))
+      else
+         name = trim(merge(of_motor, no_stop//'    ', any(event%kind == [event_on, event_off])))
+      end if
+   end function name_of
 
    !> Lines of the summary.
    subroutine summarise_time(problem, study, text)

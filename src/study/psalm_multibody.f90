@@ -23,6 +23,7 @@ module psalm_multibody
    use psalm_preparation, only: prepared_t, prepare
    use psalm_sketch, only: sketch_t
    use psalm_source, only: line_t
+   use psalm_spring_law, only: spring_law_t
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
    implicit none (type, external)
@@ -619,7 +620,7 @@ contains
       allocate (model%springs(0))
       do k = 1, size(forces%springs)
          associate (spring => forces%springs(k))
-            if (.not. is_carried(spring%torsional, spring%stiffness)) cycle
+            if (.not. is_carried(spring)) cycle
             own%bodies = spring%ends%body
             do e = 1, 2
                own%ends(:, e) = placed(pose, 1, spring%ends(e)%body, origin, forces%metre*spring%ends(e)%at)
@@ -632,11 +633,10 @@ contains
       end do
    end subroutine add_springs
 
-   pure logical function is_carried(torsional, stiffness)
-      logical, intent(in) :: torsional
-      real(wp), intent(in) :: stiffness
+   pure logical function is_carried(spring)
+      class(spring_law_t), intent(in) :: spring
 
-      is_carried = .not. torsional .and. stiffness > 0.0_wp
+      is_carried = .not. spring%torsional .and. spring%stiffness > 0.0_wp .and. spring%is_plain()
    end function is_carried
 
    !> Errors: a body that no joint leads to; joints that gape, slides that leave their lines, relations that do not hold at some
@@ -753,7 +753,7 @@ contains
       if (set%gives('TIME')) left_out = left_out//', &TIME'
       if (len(left_out) > 0) call findings%warning('the model of its bodies does not have what these groups say: '// &
                                                    left_out(3:), line=set%title_line)
-      if (any([(.not. is_carried(forces%springs(k)%torsional, forces%springs(k)%stiffness), k=1, size(forces%springs))])) &
+      if (any([(.not. is_carried(forces%springs(k)), k=1, size(forces%springs))])) &
          call findings%warning('the model of its bodies has the springs along a line that have a stiffness, no others', &
                                line=set%title_line, group='SPRING')
       if (model%size > largest_machine .and. forces%metre == 1.0_wp) &

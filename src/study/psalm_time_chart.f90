@@ -24,6 +24,7 @@ module psalm_time_chart
    use psalm_rates, only: rates_t, prepare_rates, differentiate, highest_order
    use psalm_sketch, only: sketch_t, drive_t, drive_slides, drive_stretches, drive_turns
    use psalm_source, only: line_t
+   use psalm_spring_law, only: part_elastic, part_viscous
    use psalm_status, only: diagnostics_t
    use psalm_time_motion, only: time_motion_t
    implicit none (type, external)
@@ -284,6 +285,8 @@ contains
             motion%stuck_at(k) = old%stuck_at(k)
             motion%sense_of_slip(k) = old%sense_of_slip(k)
          end do
+         motion%engaged = old%engaged
+         motion%switched_on = old%switched_on
          do d = 1, size(drives)
             k = m + d
             motion%anchored(k) = motion%sense(d)*named(state, d, 0)
@@ -338,15 +341,14 @@ contains
          associate (model => motion%model)
             motion%lasting%inertia = model%inertia
             motion%lasting%springs = model%springs
-            motion%lasting%springs%damping = 0.0_wp
+            motion%lasting%springs%part = part_elastic
             motion%loads%inertia = model%inertia
             motion%loads%loads = model%loads
             motion%loads%table_input = model%table_input
             motion%loads%table_factor = model%table_factor
             motion%dampers%inertia = model%inertia
-            motion%dampers%springs = pack(model%springs, abs(model%springs%damping) > 0.0_wp)
-            motion%dampers%springs%stiffness = 0.0_wp
-            motion%dampers%springs%preload = 0.0_wp
+            motion%dampers%springs = pack(model%springs, model%springs%damps())
+            motion%dampers%springs%part = part_viscous
          end associate
       end subroutine put_model
 
@@ -743,7 +745,10 @@ contains
             if (d > 1) from = column_of_other_drive(size(here%joints), d)
             columns(to) = merge(0.0_wp, state%columns(from), free(d))
          end do
-         if (free(1)) columns(column_drive) = state%motor
+         d = state%motor_drive
+         to = column_drive
+         if (d > 1) to = column_of_other_drive(size(of_case%joints), d)
+         if (free(d)) columns(to) = state%motor
       end associate
    end function columns_of_case
 end module psalm_time_chart

@@ -28,8 +28,8 @@ module psalm_time_study
    implicit none (type, external)
    private
    public :: time_study_t, find_time, check_time, increments_of
-   public :: time_done, time_open, time_massless, time_collapsed, time_wound, time_crowded, time_on_request, &
-             time_jammed, time_folded, time_stiff
+   public :: time_done, time_open, time_massless, time_collapsed, time_wound, time_crowded, time_on_request, time_jammed, &
+             time_folded, time_stiff, time_closed
 
    integer, parameter :: rates_shown = 2          !! orders of rates of drives and outputs
 
@@ -41,6 +41,7 @@ module psalm_time_study
    integer, parameter :: time_crowded = 5         !! more events than NEVENT
    integer, parameter :: time_on_request = 6      !! the host asked for the end
    integer, parameter :: time_stiff = 7           !! a strong damper keeps steps short, too many would follow
+   integer, parameter :: time_closed = 10         !! a gas spring has no room left
    integer, parameter :: time_folded = 9          !! this loop passed a change point and folded
    integer, parameter :: time_jammed = 8          !! friction of a joint has no force that agrees with its load
 
@@ -53,7 +54,8 @@ module psalm_time_study
    !> The motion at the times that were asked for, up to where it ended.
    type :: time_study_t
       integer :: ended = time_done
-      integer :: loop = 0                         !! `time_open`: the loop; `time_wound`: the spring; `time_jammed`: its joint
+      integer :: loop = 0                         !! `time_open`: the loop; `time_wound`, `time_closed`: the spring;
+                                                  !! `time_jammed`: its joint
       real(wp) :: stopped = 0.0_wp                !! s: where it ended
       real(wp) :: end = 0.0_wp                    !! s: where it was to end
       integer :: steps = 0
@@ -133,9 +135,16 @@ contains
                                                               'time 0 is VSTART')
          if (motor%fluctuation > 0.0_wp) call set%origins%error(findings, 'MOTOR', 'FLUCT', 'the flywheel of a '// &
                                                                     'steady cycle is found without &TIME')
-         if (allocated(time%free)) then
-            if (.not. time%free(1)) call set%origins%error(findings, 'MOTOR', '', 'the motor turns the first drive, which '// &
-                                                           'is not free (FREE of &TIME)')
+         if (set%is_drawn()) then
+            associate (free => free_drives(set, time))
+               if (.not. free(motor%drive)) then
+                  call set%origins%error(findings, 'MOTOR', trim(merge('     ', 'MNAME', motor%drive == 1)), 'the motor turns '// &
+                                         'drive '//trim(set%sketch%drives(motor%drive)%name)//', which is not free (FREE of &TIME)')
+               else if (mechanism%actuators(motor%drive)%slides) then
+                  call set%origins%error(findings, 'MOTOR', 'MNAME', 'a motor turns a crank; drive '// &
+                                         trim(set%sketch%drives(motor%drive)%name)//' slides')
+               end if
+            end associate
          end if
       end if
       if (set%is_drawn()) then
@@ -254,6 +263,10 @@ contains
          if (moving%motion%wound > 0) then
             study%ended = time_wound
             study%loop = moving%motion%wound
+         end if
+         if (moving%motion%closed > 0) then
+            study%ended = time_closed
+            study%loop = moving%motion%closed
          end if
          if (moving%motion%jammed > 0) then
             study%ended = time_jammed

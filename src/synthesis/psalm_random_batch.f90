@@ -1,9 +1,11 @@
 !> A batch of random linkages that pass points with free timing: short descents of the better ones, longer ones of the best.
 !>
 !> It serves linkages of any dyads whose place, size, direction and output point are solved for (`psalm_linear_unknowns`): only
-!> their proportions and the inputs are drawn. Strict halving of cheap descents does more than good first linkages. Batches are
-!> independent of each other. A four-bar has faster ones (`psalm_free_path`).
+!> their proportions and the inputs are drawn. Where it is asked for, linkages that turn are drawn, and inputs follow from the
+!> lengths of path and curve where that is closed. Batches are independent of each other. A four-bar has faster ones
+!> (`psalm_free_path`).
 module psalm_random_batch
+   use psalm_angles, only: unit_vector
    use psalm_kinds, only: wp, full_turn
    use psalm_mechanism, only: arc_crank
    use psalm_merit, only: merit_t
@@ -12,7 +14,8 @@ module psalm_random_batch
    use psalm_linear_unknowns, only: trace_linear
    use psalm_path_fit, only: square, fit_linear, error_of
    use psalm_solver, only: solver_t, ending_t
-   use psalm_samples, only: evaluate_samples
+   use psalm_ring_match, only: ring_match_t, laid_t, prepare_ring, match_ring
+   use psalm_samples, only: evaluate_samples, exceeds
    use psalm_stop, only: stop_t
    use psalm_timing, only: timing_t, find_timing
    use psalm_timing_draw, only: draw_spread, draw_jumps, draw_ratio, follow, uniform
@@ -23,6 +26,13 @@ module psalm_random_batch
 
    integer, parameter :: samples = 64, short = 16, medium = 3 !! of a batch; the best one is handed on
    integer, parameter :: hasty_samples = 24, hasty_short = 6 !! of a batch for a screening
+   ! of a closed curve, where linkages that turn are drawn
+   integer, parameter :: laid_samples = 256, hasty_laid = 64 !! compared by arc length ...
+   integer, parameter :: of_laid = 2                 !! ... of which so many, for each that is improved, are compared in full
+   integer, parameter :: arms = 4                    !! output points of each
+   real(wp), parameter :: astray = 10.0_wp           !! times the error counts of what does not turn or violates bounds
+   integer, parameter :: turning_tries = 64          !! of proportions until a linkage turns
+   integer, parameter :: most_failures = 12          !! of a dyad in a row, then all is drawn again
    integer, parameter :: timings = 24                !! tried of every other linkage
    integer, parameter :: tries = 16                  !! of proportions with which the linkage closes all the way
    integer, parameter :: short_steps = 8, medium_steps = 40 !! evaluations of a descent
@@ -41,7 +51,7 @@ module psalm_random_batch
 contains
 
    !> Draw a batch. The inputs go one of the ways that `timing` is prepared for; the merit is left as the best needs it.
-   subroutine draw_batch(problem, merit, timing, ways, senses, solver, stop, seed, random, values, way, hasty)
+   subroutine draw_batch(problem, merit, timing, ways, senses, solver, stop, seed, random, values, way, hasty, turning)
       type(problem_t), intent(in) :: problem
       type(merit_t), intent(inout) :: merit          !! linear unknowns are eliminated; its range is that of the inputs given
       type(timing_t), intent(inout) :: timing(:)     !! shape (2)
@@ -54,31 +64,43 @@ contains
       real(wp), intent(out) :: values(:)             !! shape (nvar)
       integer, intent(out) :: way
       logical, intent(in) :: hasty                   !! a small batch, for a screening
-      type(trial_t) :: batch(samples), copy
-      integer :: i, order(samples), most, drawn, few, fewer
+      logical, intent(in) :: turning                 !! of linkages that turn, compared with a closed curve by arc length
+      type(trial_t), allocatable :: batch(:)
+      type(trial_t) :: copy
+      type(ring_match_t) :: ring
+      integer, allocatable :: order(:)
+      integer :: i, most, drawn, compared, few, fewer
 
       most = solver%most_evaluations
-      drawn = merge(hasty_samples, samples, hasty)
       few = merge(hasty_short, short, hasty)
       fewer = merge(1, medium, hasty)
+      if (turning) call prepare_ring(merit%linear%path, ring)
+      drawn = merge(hasty_samples, samples, hasty)
+      if (ring%applies) drawn = merge(hasty_laid, laid_samples, hasty)
       solver%seed = seed
       solver%least_gain = gain
-      do i = 1, drawn
-         batch(i)%way = 1
-         if (ways > 1 .and. uniform(random) < 0.5_wp) batch(i)%way = 2
-         call draw_proportions(problem, merit, timing(batch(i)%way), random, values)
-         if (modulo(i, 2) == 0) then
-            call choose_timing(merit, timing(batch(i)%way), values, senses(batch(i)%way), random)
-         else
-            call draw_inputs(merit, senses(batch(i)%way), random)
-         end if
-         batch(i)%x = merit%point(values, merit%delt)
-         merit%sense = senses(batch(i)%way)
-         call merit%fit_linear(batch(i)%x)
-         call assess(batch(i))
+      allocate (batch(drawn))
+      order = [(i, i=1, drawn)]
+      compared = drawn
+      if (ring%applies) then
+         do i = 1, drawn
+            call lay_one(batch(i))
+         end do
+         compared = min(drawn, of_laid*few)
+         call rank(drawn, compared)
+      else
+         do i = 1, drawn
+            call draw_one(i, batch(i))
+         end do
+      end if
+      do i = 1, compared
+         associate (one => batch(order(i)))
+            merit%sense = senses(one%way)
+            call merit%fit_linear(one%x)
+            call assess(one)
+         end associate
       end do
-      order = [(i, i=1, samples)]
-      call rank(drawn, few)
+      call rank(compared, few)
       do i = 1, few
          call descend_twice(batch(order(i)), short_steps)
       end do
@@ -96,6 +118,54 @@ contains
       solver%most_evaluations = most
 
    contains
+
+      !> A linkage with a timing of random numbers.
+      subroutine draw_one(i, one)
+         integer, intent(in) :: i
+         type(trial_t), intent(inout) :: one
+         logical :: turns
+
+         if (ways > 1 .and. uniform(random) < 0.5_wp) one%way = 2
+         if (turning) then
+            call draw_turning(problem, merit, timing(one%way), random, values, turns)
+         else
+            call draw_proportions(problem, merit, timing(one%way), random, values)
+         end if
+         if (modulo(i, 2) == 0) then
+            call choose_timing(merit, timing(one%way), values, senses(one%way), random)
+         else
+            call draw_inputs(merit, senses(one%way), random)
+         end if
+         one%x = merit%point(values, merit%delt)
+      end subroutine draw_one
+
+      !> A linkage with the timing by which it meets the closed curve best, of several output points.
+      subroutine lay_one(one)
+         type(trial_t), intent(inout) :: one
+         type(laid_t) :: laid
+         complex(wp) :: joint(size(timing(1)%inputs)), arm(size(timing(1)%inputs))
+         real(wp) :: c, s
+         logical :: turns, fits
+         integer :: m
+
+         call draw_turning(problem, merit, timing(1), random, values, turns)
+         associate (linear => merit%linear)
+            call trace_linear([linear%outlk, linear%outang, linear%origlk, linear%origng], values, merit%dimensions, &
+                              timing(1)%path, joint, arm)
+            laid%turns = spread(0.0_wp, 1, merit%local)
+            do m = 1, arms
+               call unit_vector(full_turn*uniform(random), c, s)
+               call match_ring(ring, linear%path, joint, arm, linear%path%size*draw_ratio(random, longest)*cmplx(c, s, wp), &
+                               ways, laid)
+            end do
+            fits = turns .and. laid%w2 >= merit%low(linear%outlk) .and. laid%w2 <= merit%high(linear%outlk) .and. &
+                   .not. any(linear%grows .and. (laid%w1*values < merit%low .or. laid%w1*values > merit%high))
+            one%score = min(laid%error, huge(1.0_wp)/astray)
+            if (.not. fits) one%score = astray*one%score
+         end associate
+         one%way = laid%way
+         one%x = merit%point(values, timing(1)%inputs(1) + (senses(1)*full_turn)*laid%turns)
+      end subroutine lay_one
 
       !> Errors in sizes of the path, and violations.
       subroutine assess(one)
@@ -146,6 +216,39 @@ contains
       end subroutine descend
    end subroutine draw_batch
 
+   !> Random proportions with which the linkage closes all the way, within its limits, found dyad by dyad: what fails is drawn
+   !> again, what it hangs on is kept.
+   subroutine draw_turning(problem, merit, timing, random, values, turns)
+      type(problem_t), intent(in) :: problem
+      type(merit_t), intent(inout) :: merit
+      type(timing_t), intent(inout) :: timing
+      type(xoshiro_t), intent(inout) :: random
+      real(wp), intent(out) :: values(:)             !! shape (nvar)
+      logical, intent(out) :: turns                  !! found; else the last of those tried is given
+      integer :: i, loop, before, failures
+
+      values = problem%parameters%first_values(problem%given)
+      before = 0
+      failures = 0
+      loop = 0                                       ! all are drawn
+      do i = 1, turning_tries
+         call draw_values(problem, merit, random, loop, values)
+         values = min(max(values, merit%low), merit%high)
+         call problem%parameters%apply(values, merit%dimensions)
+         call evaluate_samples(timing%path, merit%dimensions)
+         do loop = 1, size(merit%limit)
+            if (exceeds(size(timing%path%k, 1), timing%path%k(:, loop), merit%limit(loop))) exit
+         end do
+         turns = loop > size(merit%limit)
+         if (turns) return
+         failures = merge(failures + 1, 1, loop == before)
+         before = loop
+         if (failures <= most_failures .and. any(problem%parameters%variables%loop == loop)) cycle
+         loop = 0
+         failures = 0
+      end do
+   end subroutine draw_turning
+
    !> Random proportions: the first with which the linkage closes all the way, or what comes nearest to it.
    subroutine draw_proportions(problem, merit, timing, random, values)
       type(problem_t), intent(in) :: problem
@@ -154,30 +257,13 @@ contains
       type(xoshiro_t), intent(inout) :: random
       real(wp), intent(out) :: values(:)             !! shape (nvar)
       real(wp) :: trial(size(values)), open, least
-      integer :: i, v
+      integer :: i
 
       least = huge(least)
       values = problem%parameters%first_values(problem%given)
       do i = 1, tries
-         do v = 1, size(values)
-            associate (variable => problem%parameters%variables(v))
-               select case (variable%kind)
-               case (variable_length)
-                  trial(v) = merit%linear%path%size*draw_ratio(random, longest)
-                  if (problem%mechanism%arcs(variable%n)%kind == arc_crank) trial(v) = of_crank*trial(v)
-               case (variable_aside)
-                  trial(v) = values(v)
-               case (variable_outlk)
-                  trial(v) = merit%linear%path%size
-               case (variable_origlk)
-                  trial(v) = merit%linear%path%size*sqrt(square(merit%linear%path%centre))
-               case (variable_crnki)
-                  trial(v) = values(v)
-               case default
-                  trial(v) = full_turn*uniform(random)
-               end select
-            end associate
-         end do
+         trial = values
+         call draw_values(problem, merit, random, 0, trial)
          trial = min(max(trial, merit%low), merit%high)
          call problem%parameters%apply(trial, merit%dimensions)
          call evaluate_samples(timing%path, merit%dimensions)
@@ -188,6 +274,35 @@ contains
          if (.not. least > 0.0_wp) exit
       end do
    end subroutine draw_proportions
+
+   !> Draw the dimensions of a loop, or all of them.
+   subroutine draw_values(problem, merit, random, loop, values)
+      type(problem_t), intent(in) :: problem
+      type(merit_t), intent(in) :: merit
+      type(xoshiro_t), intent(inout) :: random
+      integer, intent(in) :: loop                    !! 0: all
+      real(wp), intent(inout) :: values(:)           !! shape (nvar)
+      integer :: v
+
+      do v = 1, size(values)
+         associate (variable => problem%parameters%variables(v))
+            if (loop > 0 .and. variable%loop /= loop) cycle
+            select case (variable%kind)
+            case (variable_length)
+               values(v) = merit%linear%path%size*draw_ratio(random, longest)
+               if (problem%mechanism%arcs(variable%n)%kind == arc_crank) values(v) = of_crank*values(v)
+            case (variable_outlk)
+               values(v) = merit%linear%path%size
+            case (variable_origlk)
+               values(v) = merit%linear%path%size*sqrt(square(merit%linear%path%centre))
+            case (variable_aside, variable_crnki)
+               cycle
+            case default
+               values(v) = full_turn*uniform(random)
+            end select
+         end associate
+      end do
+   end subroutine draw_values
 
    !> Of several random timings the one with which the path, placed and enlarged as it fits best, comes nearest to the points, seen
    !> at the steps of the range.

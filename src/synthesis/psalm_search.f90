@@ -109,6 +109,8 @@ module psalm_search
       integer :: way = 1                          !! 1 if the input goes the way of DELT, 2 if the other way
       logical :: batches = .false.                !! starts are the best of batches of random linkages
       logical :: hasty = .false.                  !! a start is one of a screening: little is drawn, nothing is searched to its end
+      logical :: among_kinds = .false.            !! it searches one of several kinds
+      logical :: turning = .false.                !! batches are of linkages that turn
       class(solver_t), allocatable :: solver
       type(stop_t) :: stop
       type(xoshiro_t) :: random
@@ -197,6 +199,7 @@ contains
       select type (team => self%team)
       type is (worker_t)
          do t = 1, size(team)
+            team(t)%among_kinds = present(hasty)
             call prepare_worker(set, problem, first, supplied, self%ending, team(t))
             call prepare_stages(set, problem, first, supplied, self%ending, team(t))
             if (present(hasty)) team(t)%hasty = hasty
@@ -257,6 +260,7 @@ contains
          type is (worker_t)
             associate (one => before(1))
                do t = 1, size(team)
+                  team(t)%among_kinds = one%among_kinds
                   call prepare_worker(one%set, one%problem, one%first, one%supplied, self%ending, team(t))
                   call prepare_stages(one%set, one%problem, one%first, one%supplied, self%ending, team(t))
                end do
@@ -442,7 +446,7 @@ contains
       type(worker_t), intent(inout) :: worker
       type(repair_count_t) :: counts
       real(wp) :: objective
-      integer :: way
+      integer :: way, loop
 
       worker%set => set
       worker%first = first
@@ -469,6 +473,7 @@ contains
       worker%dyads = dyads_of_variables(problem%mechanism, problem%parameters)
       worker%batches = allocated(worker%merit%linear) .and. worker%merit%free .and. worker%merit%ordered .and. &
                        worker%merit%irange == range_turn
+      worker%turning = worker%among_kinds .and. all([(problem%mechanism%is_dyad(loop), loop=1, problem%mechanism%nloop)])
       if (worker%merit%irange /= range_positions) call prepare_inspector(set, problem, .true., worker%inspector)
    end subroutine prepare_worker
 
@@ -491,6 +496,7 @@ contains
                call take_positions(problem, positions_of_stage(problem, sizes(stage)), part)
                call prepare_worker(set, part, first, supplied, ending, few(stage))
                few(stage)%early = .true.
+               few(stage)%among_kinds = worker%among_kinds
                few(stage)%stage = stage
             end do
          end select
@@ -816,7 +822,8 @@ contains
       call look_from_first_input(self)
       call self%random%use_stream(number)
       call draw_batch(self%problem, self%merit, self%timing, merge(2, 1, goes_either_way(self)), [self%sense, -self%sense], &
-                      self%solver, self%stop, self%set%method%istart + number, self%random, values, self%way, self%hasty)
+                      self%solver, self%stop, self%set%method%istart + number, self%random, values, self%way, self%hasty, &
+                      self%turning)
       if (self%hasty) then
          call weigh(self, values, candidate)
       else

@@ -37,26 +37,50 @@ contains
       real(wp), intent(out) :: delt(:)            !! shape (positions)
       real(wp), intent(out) :: best               !! what it costs
       real(wp) :: least(size(cost, 1), size(cost, 2)) ! of timings that end here or before
-      integer :: from, best_from
-      real(wp) :: total
+      real(wp) :: totals(starts)
+      integer :: from
 
       if (.not. ordered) then
          delt = inputs(minloc(cost, dim=1))
          best = sum(minval(cost, dim=1))
          return
       end if
-      best = huge(best)
-      best_from = 1
-      do from = 1, merge(size(inputs), 1, turns), size(inputs)/starts
-         call try_from(cost, from, least, total)
-         if (total < best) then
-            best = total
-            best_from = from
-         end if
-      end do
-      call try_from(cost, best_from, least, total)
-      call trace_back(inputs, least, best_from, sense, delt)
+      from = 1
+      if (turns) then
+         call try_together(cost, size(inputs)/starts, totals)
+         from = 1 + (minloc(totals, dim=1) - 1)*(size(inputs)/starts)
+      end if
+      call try_from(cost, from, least, best)
+      call trace_back(inputs, least, from, sense, delt)
    end subroutine choose_inputs
+
+   !> The totals that `try_from` finds for steps 1, 1 + `apart` and so on, side by side: the same numbers.
+   pure subroutine try_together(cost, apart, totals)
+      real(wp), intent(in) :: cost(:, :)          !! shape (steps, positions), a multiple of `apart` steps
+      integer, intent(in) :: apart
+      real(wp), intent(out) :: totals(:)          !! shape (steps/apart)
+      real(wp) :: before(size(totals), size(cost, 1)), here(size(totals))
+      real(wp) :: turn(2*size(totals), apart)     ! of a position: step 1 + apart*(m - 1) + r at (m, r + 1), twice
+      integer :: i, j, k, r, first
+
+      before = 0.0_wp
+      do i = 1, size(cost, 2)
+         do r = 1, apart
+            turn(:size(totals), r) = cost(r::apart, i)
+            turn(size(totals) + 1:, r) = turn(:size(totals), r)
+         end do
+         here = huge(here)
+         do j = 1, size(cost, 1)
+            first = (j - 1)/apart
+            r = j - first*apart
+            do k = 1, size(totals)
+               here(k) = min(before(k, j) + turn(first + k, r), here(k))
+               before(k, j) = here(k)
+            end do
+         end do
+      end do
+      totals = here
+   end subroutine try_together
 
    !> Least cost of passing all points in order that begins at step `from` or after.
    pure subroutine try_from(cost, from, least, total)

@@ -131,7 +131,20 @@ check("all starts made", "every kind had its starts" in said, said)
 
 # eight links
 code, listing, said, stem = run("eight", "LINKS=8, ONLY='chain 8-5, 3', PATNCE=1, NKINDS=1", "&LIMITS TANGLE=90 &END\n &SEARCH NSTART=2 &END")
-check("an eight-link finds its way", code in (0, 1) and "SEARCH AMONG 1 KINDS" in listing and choice(listing)[0][0] < 0.2, (said, listing[:1500]))
+check("an eight-link finds its way", code in (0, 1) and "SEARCH AMONG 1 KINDS" in listing and choice(listing)[0][0] < 0.2, (said, listing[:1500]))# a closed curve with deep corners, the letter K of bench/curves: linkages that turn are compared with it as a whole
+letter = [complex(*p) for p in ((0, 0), (0, 10), (1.5, 6), (6, 10), (3, 5), (6, 0), (1.5, 4))]
+ring = []
+for k in range(len(letter)):
+    a, b, c, d = (letter[(k + j) % len(letter)] for j in (-1, 0, 1, 2))
+    ring += [b + t*((c - a)/2 + t*(a - 2.5*b + 2*c - d/2 + t*((d - a)/2 + 1.5*(b - c)))) for t in (j/40 for j in range(40))]
+first = None
+for threads in ("1", "2"):
+    code, listing, said, stem = run("letter", "LINKS=8, ONLY='chain 8-2, 7', NKINDS=1", "&LIMITS TANGLE=90 &END\n &SEARCH NSTART=4 &END",
+                                    curve="".join("%r,%r\n" % (p.real, p.imag) for p in ring[::7]), options=["--threads", threads])
+    first = first or (listing, devices(stem))
+    check("a letter: the same for %s threads" % threads, (listing, devices(stem)) == first, said)
+check("a letter is traced", code == 0 and choice(listing)[0][0] < 0.4, (said, listing[:1500]))
+
 # a cylinder: open paths alone, the stroke as long as the path is wide
 arc = "".join("%r,%r\n" % (1.5*math.cos(0.2*k), 1.2*math.sin(0.2*k)) for k in range(8))
 code, listing, said, stem = run("stroke", "LINKS=6, DRIVEN='CYLINDER', PATNCE=1, NKINDS=1", "&LIMITS TANGLE=85 &END\n &SEARCH NSTART=4 &END", curve=arc)

@@ -4,7 +4,9 @@ program test_free_path
    use psalm_free_path, only: search_batch
    use psalm_kinds, only: wp, degrees_per_radian, full_turn
    use psalm_path_angles, only: angle_limits, keep_angles
-   use psalm_path_fit, only: fitted_path_t, path_workspace_t, path_timing_t, prepare_path, trace_coupler, fit_linear, lengths_of
+   use psalm_path_fit, only: fitted_path_t, path_workspace_t, path_timing_t, prepare_path, set_points, trace_coupler, fit_linear, &
+                             lengths_of
+   use psalm_ring_match, only: ring_match_t, laid_t, prepare_ring, match_ring
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    type(checks_t) :: t
@@ -19,6 +21,7 @@ program test_free_path
    call change_point()
    call derivatives()
    call linear_unknowns()
+   call rings()
    call searches()
    call transmission()
    call shapes_at_the_limits()
@@ -26,6 +29,60 @@ program test_free_path
    call t%report()
 
 contains
+
+   !> Points of a four-bar's curve, from any of them on and either way round, are passed by the same four-bar anywhere, in any size
+   !> and direction, at the inputs of the points; with another output point it comes near them. Points of an open curve are no ring.
+   subroutine rings()
+      integer, parameter :: steps = 120, every = 3, n = steps/every
+      complex(wp), parameter :: w1 = (0.7_wp, -1.9_wp), z0 = (31.0_wp, -12.0_wp), w = (0.4_wp, 0.8_wp)
+      type(path_timing_t) :: shape
+      type(fitted_path_t) :: path
+      type(ring_match_t) :: ring
+      type(laid_t) :: laid, found
+      complex(wp) :: e(steps), v(steps), points(n)
+      real(wp) :: want(n)
+      integer :: first, way, k
+
+      shape = path_timing_t(g=2.0_wp, sigma=1.2_wp, q=0.3_wp)
+      call trace_coupler(shape, [(full_turn*real(k, wp)/real(steps, wp), k=0, steps - 1)], e, v)
+      do way = 1, 2
+         do first = 1, n, 7
+            do k = 1, n
+               associate (at => modulo(every*(first - 1 + merge(k - 1, 1 - k, way == 1)), steps))
+                  points(k) = z0 + w1*(e(1 + at) + w*v(1 + at))
+                  want(k) = real(at, wp)/real(steps, wp)
+               end associate
+            end do
+            call set_points(real(points, wp), aimag(points), [(1.0_wp, k=1, n)], path)
+            call prepare_ring(path, ring)
+            call t%is_true(ring%applies, 'points of a closed curve are a ring')
+            laid = laid_t()
+            call match_ring(ring, path, e, v, w, 2, laid)
+            call t%is_true(laid%way == way, 'the way round is found')
+            ! marks of the curve lie between its points, on chords
+            call t%is_true(laid%error < 1.0e-3_wp*real(n, wp), 'the linkage passes the points of its curve')
+            call t%is_true(all(abs(modulo(laid%turns - want + 0.5_wp, 1.0_wp) - 0.5_wp) < 0.02_wp), 'at their inputs')
+            call t%is_true(all((laid%turns(2:) - laid%turns(:n - 1))*merge(1.0_wp, -1.0_wp, way == 1) >= 0.0_wp), 'one way')
+            call t%is_true(abs(laid%turns(n) - laid%turns(1)) < 1.0_wp, 'within a turn')
+            call t%close_to(laid%w1, sqrt(real(w1*conjg(w1), wp)), 0.2_wp, 'its size')
+            call t%close_to(laid%w2, sqrt(real(w1*w*conjg(w1*w), wp)), 0.2_wp, 'its output point')
+         end do
+      end do
+      ! one way only, of points that go the other
+      found = laid
+      laid = laid_t()
+      call match_ring(ring, path, e, v, w, 1, laid)
+      call t%is_true(laid%way == 1 .and. laid%error > 3.0_wp*found%error, 'no way that is not asked for')
+      laid = laid_t()
+      call match_ring(ring, path, e, v, 2.5_wp*w, 2, laid)
+      call t%is_true(laid%way == 2 .and. laid%error < 1.0e-2_wp*real(n, wp), 'another output point comes near')
+      laid = laid_t()
+      call match_ring(ring, path, spread((1.0_wp, 0.0_wp), 1, steps), spread((0.0_wp, 1.0_wp), 1, steps), w, 2, laid)
+      call t%is_true(laid%error >= huge(1.0_wp), 'what stands still passes nothing')
+      call set_points(real(points(:n/2), wp), aimag(points(:n/2)), [(1.0_wp, k=1, n/2)], path)
+      call prepare_ring(path, ring)
+      call t%is_true(.not. ring%applies, 'half of the curve is no ring')
+   end subroutine rings
 
    !> Reference numbers of a closed form evaluated apart from this program, to ten digits.
    subroutine coupler()

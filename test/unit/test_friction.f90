@@ -18,14 +18,18 @@ contains
       real(wp) :: force(1)
       logical :: found
 
-      call find_friction(reshape([5.0_wp, 0.0_wp], [2, 1]), reshape([2.0_wp, 0.0_wp], [2, 1, 1]), [.true.], [-0.4_wp], force, found)
+      call find_friction(reshape([5.0_wp, 0.0_wp], [2, 1]), reshape([2.0_wp, 0.0_wp], [2, 1, 1]), [.true.], [-0.4_wp], [0.0_wp], &
+                         force, found)
       call t%is_true(found .and. abs(force(1) + 2.0_wp/1.8_wp) <= 4.0_wp*epsilon(1.0_wp), 'friction that takes load off')
       ! by turns it would swing farther and farther
-      call find_friction(reshape([5.0_wp, 0.0_wp], [2, 1]), reshape([4.0_wp, 0.0_wp], [2, 1, 1]), [.true.], [-0.4_wp], force, found)
+      call find_friction(reshape([5.0_wp, 0.0_wp], [2, 1]), reshape([4.0_wp, 0.0_wp], [2, 1, 1]), [.true.], [-0.4_wp], [0.0_wp], &
+                         force, found)
       call t%is_true(found .and. abs(force(1) + 2.0_wp/2.6_wp) <= 4.0_wp*epsilon(1.0_wp), 'much of it')
-      call find_friction(reshape([5.0_wp, 0.0_wp], [2, 1]), reshape([2.0_wp, 0.0_wp], [2, 1, 1]), [.true.], [0.4_wp], force, found)
+      call find_friction(reshape([5.0_wp, 0.0_wp], [2, 1]), reshape([2.0_wp, 0.0_wp], [2, 1, 1]), [.true.], [0.4_wp], [0.0_wp], &
+                         force, found)
       call t%is_true(found .and. abs(force(1) - 10.0_wp) <= 100.0_wp*epsilon(1.0_wp), 'friction that presses, to five times')
-      call find_friction(reshape([5.0_wp, 0.0_wp], [2, 1]), reshape([4.0_wp, 0.0_wp], [2, 1, 1]), [.true.], [0.4_wp], force, found)
+      call find_friction(reshape([5.0_wp, 0.0_wp], [2, 1]), reshape([4.0_wp, 0.0_wp], [2, 1, 1]), [.true.], [0.4_wp], [0.0_wp], &
+                         force, found)
       call t%is_true(.not. found, 'friction that presses itself fast')
    end subroutine one_slide
 
@@ -35,7 +39,8 @@ contains
       real(wp) :: force(1), want
       logical :: found
 
-      call find_friction(reshape([3.0_wp, 4.0_wp], [2, 1]), reshape([1.0_wp, 0.0_wp], [2, 1, 1]), [.false.], [c], force, found)
+      call find_friction(reshape([3.0_wp, 4.0_wp], [2, 1]), reshape([1.0_wp, 0.0_wp], [2, 1, 1]), [.false.], [c], [0.0_wp], &
+                         force, found)
       want = (3.0_wp*c**2 + sqrt(9.0_wp*c**4 + 25.0_wp*c**2*(1.0_wp - c**2)))/(1.0_wp - c**2)
       call t%is_true(found .and. abs(force(1) - want) <= 8.0_wp*epsilon(1.0_wp)*want, 'a pin')
    end subroutine one_pin
@@ -47,7 +52,7 @@ contains
       real(wp) :: force(2), want(2)
       logical :: found
 
-      call find_friction(fixed, by, [.true., .true.], c, force, found)
+      call find_friction(fixed, by, [.true., .true.], c, [0.0_wp, 0.0_wp], force, found)
       ! f1 = c1 (2 + 1.5 f2), f2 = c2 (1 + 3 f1), both loads positive
       want(1) = c(1)*(2.0_wp + 1.5_wp*c(2))/(1.0_wp - 4.5_wp*c(1)*c(2))
       want(2) = c(2)*(1.0_wp + 3.0_wp*want(1))
