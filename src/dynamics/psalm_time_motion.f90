@@ -39,6 +39,8 @@ module psalm_time_motion
    real(wp), parameter :: most_left = 1.0e5_wp     !! steps that are left: the motion does not go on then
    integer, parameter :: most_blows = 1000         !! of stops that close together
    integer, parameter :: most_in_place = 100       !! events in turn between which no time passes
+   integer, parameter :: many_creeping = 20        !! of those steps in turn, after which drives are exchanged that have
+   real(wp), parameter :: fair_share = 0.5_wp      !! less than this part of the volume of the best,
    real(wp), parameter :: least_share = 0.1_wp     !! of the volume of the best drives: others take the place of drives with less
    integer, parameter :: event_impact = 1          !! a joint hits its stop
    integer, parameter :: event_rest = 2            !! it rests on it from then on
@@ -390,7 +392,7 @@ contains
          if (.not. reached) return
          if (.not. allocated(self%joints) .or. self%motion%beside_change()) cycle
          call self%compare_drives(share, better)
-         self%poor = share < least_share
+         self%poor = share < least_share .or. (short > many_creeping .and. share < fair_share)
          reached = .not. self%poor
          if (.not. reached) return
       end do

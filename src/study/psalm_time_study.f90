@@ -12,7 +12,7 @@ module psalm_time_study
    use psalm_kinds, only: wp, degrees_per_radian
    use psalm_mechanism, only: mechanism_t
    use psalm_motor_group, only: motor_group_t, motor_of
-   use psalm_rates, only: prepare_rates, output_rates, highest_order
+   use psalm_rates, only: differentiate, prepare_rates, output_rates, highest_order
    use psalm_shown_input, only: reference_input
    use psalm_sketch_motion, only: observe_sketch
    use psalm_sketch_outputs, only: names_of_numbers, values_of_outputs
@@ -196,7 +196,7 @@ contains
       type(stop_t), intent(in), optional :: stop        !! asked before every step; the times so far are there then
       real(wp), intent(in), optional :: times(:)        !! s, ascending, the first 0: in place of those of the case
       class(problem_t), allocatable :: problem          ! large, as the others are: they would fill a small stack
-      type(time_chart_t), allocatable :: chart
+      type(time_chart_t), allocatable :: chart, of_case
       type(time_motion_t), allocatable :: moving
       type(time_group_t) :: time
       type(stops_group_t) :: named
@@ -230,7 +230,16 @@ contains
       if (time%stiff) allocate (moving%stiff)
       call begin_motion(speeds, study%end, time%tolerance, time%events, moving, valid)
       allocate (study%exchanges(0))
-      if (set%has_names() .and. .not. present(times)) call list_drives(set, chart, moving)
+      if (set%has_names()) then
+         call list_drives(set, chart, moving)
+         ! what is shown by the drives of the case needs their assemblies, too
+         if (present(times) .and. allocated(moving%joints)) then
+            allocate (of_case)
+            allocate (of_case%shown, source=chart%shown)
+            of_case%rates = chart%rates
+            of_case%sketch = chart%sketch
+         end if
+      end if
       call make_rows(size(time%times))
       row = 0
       if (valid) then
@@ -244,6 +253,13 @@ contains
             call moving%observe(state)
             row = k
             call keep()
+            if (allocated(of_case) .and. size(study%exchanges) > 0) then
+               call match_assembly(valid)
+               if (.not. valid) then
+                  row = k - 1
+                  exit
+               end if
+            end if
             call tell_host(stop, k, size(time%times))
          end do
       end if
@@ -499,6 +515,55 @@ contains
             end do
          end associate
       end subroutine note_assembly
+
+      !> The assembly of the dyads of the case in which its drives lead to what the exchanged ones have: that of the row before, or
+      !> with some of its dyads in the other one. `found` is false where there is none, as in a larger group.
+      subroutine match_assembly(found)
+         logical, intent(out) :: found
+         integer, parameter :: most_loops = 10
+         real(wp), parameter :: near = 1.0e-6_wp       ! part of the size: beside a dead point a drive loses half the digits
+         logical :: tried(given%mechanism%nloop), best(given%mechanism%nloop)
+         real(wp) :: least, distance, size_of_all
+         integer :: code, loop
+
+         if (.not. allocated(study%turned)) allocate (study%turned(size(study%time), size(tried)), source=.false.)
+         best = study%turned(max(1, row - 1), :)
+         size_of_all = maxval(abs(study%sketch%joints(:, 0, row) - study%sketch%joints(1, 0, row)))
+         least = distance_of(best)
+         if (least > near*size_of_all .and. size(tried) <= most_loops) then
+            do code = 1, 2**size(tried) - 1
+               tried = [(btest(code, loop - 1), loop=1, size(tried))]
+               tried = tried .neqv. study%turned(max(1, row - 1), :)
+               distance = distance_of(tried)
+               if (distance >= least) cycle
+               least = distance
+               best = tried
+            end do
+         end if
+         found = least <= near*size_of_all
+         study%turned(row, :) = best
+      end subroutine match_assembly
+
+      !> How far joints are off if the dyads of the case are in an assembly.
+      real(wp) function distance_of(assembly) result(distance)
+         logical, intent(in) :: assembly(:)
+         complex(wp) :: at(size(of_case%sketch%drawn), 0:most_orders, 1)
+         real(wp) :: travel(size(set%sketch%slides), 0:most_orders, 1), inputs(drives)
+         integer :: offset, n
+
+         inputs = (start + state%named(:, 0))*merge(1.0_wp, degrees_per_radian, given%mechanism%actuators%slides)
+         associate (shown => of_case%shown)
+            call shown%set_turned(reshape(assembly, [1, size(assembly)]))
+            if (drives > 1) shown%own_delt(1, :) = inputs(2:)
+            call shown%move_inputs(inputs(:1))
+            call shown%solve_block(1, offset, n)
+            call differentiate(shown, of_case%rates, n, 1)
+            call observe_sketch(of_case%sketch, shown, of_case%rates, n, 1.0_wp, 0.0_wp, at, travel)
+         end associate
+         associate (joints => study%sketch%joints(:, 0, row))
+            distance = maxval(abs(at(:size(joints), 0, 1) - joints))
+         end associate
+      end function distance_of
 
       !> Rates of the drives before and after impacts.
       subroutine keep_jumps()

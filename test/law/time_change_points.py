@@ -368,6 +368,11 @@ def gaps():
           or np.all(side < 0.0)))
     check("coupler 1E-4 m longer: passes it all the same", math.degrees(2.5) + t["input"][-1] > 200.0)
     check("coupler 1E-4 m longer: energy in balance", np.max(np.abs(t["balance"])) < 1e-10*np.max(t["kinetic"]))
+    # 1E-4 m shorter the crank cannot turn round: it turns back in a sharp corner, which the rocker goes through
+    t, said = KALM.time(bar.case(2.5, "TEND=1.0, NTIME=100, VSTART=2.0", longer=-1e-4))
+    check("coupler 1E-4 m shorter: turns back, by the rocker as coordinate", FOLDS not in said and "D from 0.21" in said
+          and t["time"][-1] == 1.0 and 2.5 + math.radians(np.max(t["input"])) < math.pi)
+    check("coupler 1E-4 m shorter: energy in balance", np.max(np.abs(t["balance"])) < 1e-8*np.max(t["kinetic"]))
 
 
 def two_freedoms():
