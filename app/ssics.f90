@@ -61,8 +61,7 @@ contains
 
       associate (unused => file, also_unused => mark)
       end associate
-      if (set%loops() == 0) return ! Hill's equation alone
-      call prepare_loops('ssics studies', need, set, prepared, findings, turning=.true.)
+      if (set%loops() > 0) call prepare_loops('ssics studies', need, set, prepared, findings, turning=.true.)
       if (.not. findings%failed()) call check_steady(set, prepared, findings)
    end subroutine prepare_steady
 

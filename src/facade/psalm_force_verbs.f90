@@ -288,6 +288,8 @@ contains
       if (alone) then
          call frame%read(case, findings, report, reader='ssics')
          allocate (frame%prepared, frame%problem)
+         call check_steady(frame%set, frame%prepared, frame%noted)
+         if (frame%fails(findings)) return
       else
          call frame%begin(case, findings, report, need=need_of_rates, reader='ssics', does='ssics studies', turning=.true.)
          if (.not. frame%ready) return

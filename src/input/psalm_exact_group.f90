@@ -103,7 +103,7 @@ module psalm_exact_group
              'exponent of POWER'), &
       rule_t('DPHI', a_number, '', 'degrees', '90', '', &
              'turn of the crank over the range'), &
-      rule_t('DPSI', a_number, '', 'degrees, length', '90', '', &
+      rule_t('DPSI', a_number, '', 'degrees, length', '90', '[-1e6,1e6]', &
              'turn of the follower over the range; of a slider its travel'), &
       rule_t('PHI', a_number, 'n', 'degrees', '', '', &
              'a table in place of FUNC: angles of the crank, from a free zero line; five points (four with one '// &

@@ -50,6 +50,8 @@ module psalm_method_group
       procedure :: turn_begins
    end type method_group_t
 
+   real(wp), parameter :: most_desired = 1.0e100_wp !! its square has a number, too
+
    !> The items of the group.
    type(rule_t), parameter :: method_items(*) = [ &
       rule_t('MOTION', a_whole, '', '', '0; of a sketch by &OUTPUTS', '[0,4]', &
@@ -66,15 +68,15 @@ module psalm_method_group
              'increments of the input from CRNKI, degrees or length'), &
       rule_t('CRNKI', a_number, '', '', '0', '', &
              'reference input: angle of the crank from the x axis, or input length; of a sketch, counted from the drawing'), &
-      rule_t('DESX', a_number, 'NDES', 'length', '0', '', &
+      rule_t('DESX', a_number, 'NDES', 'length', '0', '[-1e100,1e100]', &
              'desired x of the output point relative to XADD, MOTION 0 and 4'), &
-      rule_t('DESY', a_number, 'NDES', 'length', '0', '', &
+      rule_t('DESY', a_number, 'NDES', 'length', '0', '[-1e100,1e100]', &
              'desired y of the output point relative to YADD, MOTION 0 and 4'), &
       rule_t('XADD', a_number, '', 'length', '0', '', &
              'added to every DESX'), &
       rule_t('YADD', a_number, '', 'length', '0', '', &
              'added to every DESY'), &
-      rule_t('DESANG', a_number, 'NDES', '', '', '', &
+      rule_t('DESANG', a_number, 'NDES', '', '', '[-1e100,1e100]', &
              'desired angle, distance or length, MOTION 1, 2, 3; angle of the pose, MOTION 4'), &
       rule_t('XMULT', a_number, '1 or NDES', '', '1', '', &
              'weights of the squared errors of x'), &
@@ -287,6 +289,9 @@ contains
          call group%get_reals(name, values, findings, last=last, needed=needed, beyond=beyond, as_written=.true., &
                               any_filler=index(name, 'MULT') > 0)
          if (present(got)) got = last
+         if (index(name, 'DES') == 1 .and. any(abs(values) > most_desired)) &
+            call out_of(group, name, 'is implausibly large (limit 1e100)', findings, &
+                        findloc(abs(values) > most_desired, .true., dim=1))
          if (n == 0 .or. method%ikin /= 0) return
          if (beyond > 0) then
             call findings%error('NDES='//to_text(n)//' positions are declared, but '//to_text(needed)// &

@@ -17,6 +17,8 @@ module psalm_rates_group
       logical :: given = .false.
    end type rates_group_t
 
+   real(wp), parameter :: slowest = 1.0e-100_wp
+
    !> The items of the group.
    type(rule_t), parameter :: rate_items(*) = [ &
       rule_t('SPEED', a_number, '', '', '1', '[-1e30,1e30]', &
@@ -63,6 +65,8 @@ contains
          call out_of(group, 'UNITS', "a sliding input needs 'LENGTH/S', a turning input an angular unit; found '"// &
                      units//"'", findings)
       end if
+      if (abs(rates%speed) > 0.0_wp .and. abs(rates%speed) < slowest) call out_of(group, 'SPEED', 'is so small that its square '// &
+                                                                              'is lost (limit 1e-100, or 0)', findings)
       rates%speed = rates%speed*unit
       rates%accel = rates%accel*unit
    end subroutine read_rates_group

@@ -15,6 +15,8 @@ module psalm_time_group
    public :: time_items
    public :: time_group_t, time_of
 
+   integer, parameter :: most_intervals = 100000
+
    type, extends(case_group_t) :: time_group_t
       real(wp), allocatable :: times(:)           !! TEND and NTIME, or TAT: s, ascending, the first 0
       logical, allocatable :: free(:)             !! FREE, by drive of a sketch; not allocated: all are free
@@ -77,6 +79,7 @@ contains
       end = 0.0_wp
       call take(group, 'TEND', end, findings)
       call take(group, 'NTIME', intervals, findings)
+      intervals = max(1, min(intervals, most_intervals))   ! what is beyond is an error already
       call take_count(group, 'NTAT', times, findings)
       allocate (own%times(times), source=0.0_wp)
       call take(group, 'TAT', own%times, findings, last=last)

@@ -11,6 +11,7 @@ module psalm_svg_panel
 
    integer, parameter :: digits_for_people = 5
    integer, parameter :: rows = 6                   !! lines across a panel at most, but for one
+   integer, parameter :: most_marks = 100           !! of a scale of powers, too
    real(wp), parameter :: rounding = 1.0e-6_wp      !! of a tick: so much outside it is still shown
    real(wp), parameter :: tick_height = 14.0_wp     !! pixels from the panel to its numbers below
    real(wp), parameter :: least_span = tiny(1.0_wp)*1.0e10_wp
@@ -69,7 +70,8 @@ contains
                        px(panel%left)//'Z"/>')
          step = round_step((panel%high - panel%low)/real(rows, wp))
          if (powers) step = max(1.0_wp, step)
-         do k = ceiling(panel%low/step), floor(panel%high/step)
+         do k = first_mark(panel%low, step), first_mark(panel%low, step) + most_marks
+            if (real(k, wp) > panel%high/step) exit
             value = step*real(k, wp)
             y = panel%y_of(value)
             call text%add('<path class="'//trim(merge('zero ', 'frame', k == 0 .and. .not. powers))//'" d="M'// &
@@ -87,6 +89,14 @@ contains
                                            px(bottom + 20.0_wp + tick_height)//'">'//xml_text(below)//'</text>')
       end associate
    end subroutine draw_axes
+
+   !> The first mark not below a value, in steps; where the step is lost in the digits of the value, a number beyond all.
+   pure integer function first_mark(value, step)
+      real(wp), intent(in) :: value, step
+
+      first_mark = huge(first_mark) - 2*most_marks
+      if (abs(value) < 0.5_wp*real(huge(first_mark), wp)*step) first_mark = ceiling(value/step)
+   end function first_mark
 
    !> A curve; what leaves the panel is drawn at its edge, and where the input begins anew so does the line.
    subroutine draw_curve(panel, class, input, values, text)

@@ -379,6 +379,7 @@ contains
       layout = '(g16.8)'
       if (power >= least_power .and. power < -1) write (layout, '("(f24.",i0,")")') 7 - power   ! g would write an exponent
       if (power < least_power .and. abs(number) > 0.0_dp) layout = '(es16.7e2)'
+      if (abs(power) >= 99) layout = '(es16.7e3)'
       do i = 0, 2
          write (digits, layout) number + real(way*i, dp)*unit
          read (digits, *) read_back

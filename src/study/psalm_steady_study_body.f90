@@ -46,7 +46,7 @@ contains
             asked%hill%given = .false.
          end if
       end if
-      call make_force_model(set, prepared%mechanism, prepared%given, model, findings)
+      if (set%loops() > 0) call make_force_model(set, prepared%mechanism, prepared%given, model, findings)
       if (.not. (asked%vibration%given .or. asked%estimates%given .or. asked%drive%given .or. asked%hill%given)) then
          call findings%error('the case asks for nothing: give &ESTIM, &VIBR, &DRIVEL or &HILL', line=set%title_line)
          return
@@ -60,6 +60,12 @@ contains
          else if (abs(set%rates%accel) > 0.0_wp) then
             call set%origins%error(findings, 'RATES', 'ACCEL', 'a steady state has a constant speed: no ACCEL', 1)
          end if
+      end if
+      if (set%loops() == 0) then
+         if (asked%vibration%given .or. asked%estimates%given .or. (asked%drive%given .and. .not. asked%drive%ripple > 0.0_wp)) &
+            call findings%error('the group is missing; &VIBR, &ESTIM and &DRIVEL without DRIPPL need a linkage, &CHAIN or '// &
+                                '&LINKS', line=set%title_line, group='LINKS')
+         return   ! Hill's equation alone
       end if
       if (asked%vibration%given) then
          call check_link(set, prepared%mechanism, prepared%given, model, asked%vibration%beam, 'VIBR', &

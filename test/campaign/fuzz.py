@@ -337,11 +337,16 @@ class Generator:
 
 
 def without_desired(text):
-    """Device 9 without its desired columns (between prescribed positions nothing is desired) and without the rows that do not
-    close (between them the linkage need not): NaN stands there."""
-    keep, out = None, []
+    """Device 9 without its desired columns (between prescribed positions nothing is desired), without the rows that do not close
+    (between them the linkage need not), which blocks of a sweep have without another number, and without the amplitude of what
+    is not stable: NaN stands there."""
+    keep, out, block = None, [], b""
     for line in text.split(b"\n"):
         words = line.split()
+        if line.startswith(b"# block"):
+            block = words[2] if len(words) > 2 else b""
+        if block.startswith(b"swept_") and set(words[1:]) == {b"NaN"} or block == b"drive_speeds" and words[2:] == [b"0"]:
+            continue
         if line.startswith(b"# input"):
             keep = [k for k, name in enumerate(words[1:]) if not name.startswith(b"desired")]
         elif words[1:2] == [b"0"] and not line.startswith(b"#"):
@@ -477,8 +482,14 @@ class Runner:
                     text = re.sub(rb"&(?!LINKS|METHOD|LIMITS|SEARCH).*?&END", b"", text, flags=re.S)    # kept as they were written
                 if name.endswith(".dev9") and b"NaN" in text:
                     text = without_desired(text)
-                # the first line of a table has names, the user's among them
-                found = sought(NO_NUMBER, NO_NUMBER_SIGNS, re.sub(rb"(?m)^input,.*$", b"", text) if name.endswith(".csv") else text)
+                # the first line of a table has names, the user's among them; JSON has them in quotes, and is read below
+                if name.endswith((".csv", ".dev9")):
+                    text = re.sub(rb"(?m)^(input,|#).*$", b"", text)
+                elif name.endswith(".json"):
+                    text = re.sub(rb'"[^"]*"', b"", text)
+                found = sought(NO_NUMBER, NO_NUMBER_SIGNS, text)
+                if found and re.search(rb"NAME[^=&]*=[^&=]*" + re.escape(found.group()), content.get("case.nml", b"")):
+                    found = None                        # a name of the user's
                 if found:
                     return "status 0, but %s in %s" % (found.group().decode(), name)
         for name, text in made.items():

@@ -267,6 +267,12 @@ MISTAKES = [
 
 # the same by another program
 REFUSED = [
+    # numbers whose squares have none, and counts beyond all memory (found by random input)
+    ("psalm", SKETCH, "DELT=0.0,5.0", "DELT=0.0,5.0, DESX=1.0,1E300, DESY=1.0,2.0", "DESX: is implausibly large"),
+    ("kalm", SKETCH, "&METHOD", "&RATES SPEED=4.9E-324 &END\n &METHOD", "SPEED: is so small that its square is lost"),
+    ("kalm", SKETCH, "&METHOD", "&MASSES MNAME='rocker', MASS=1.0 &END\n &TIME TEND=8.0, NTIME=2147483647 &END\n &METHOD", "NTIME"),
+    ("ssics", SKETCH, SKETCH[SKETCH.index("\n"):], "\n &HILL &END\n &DRIVEL DMEAN=10.0, DSPLOW=20.0, DSPHGH=120.0 &END\n &RATES &END\n",
+     "need a linkage"),
     ("kalm", CARRIED, " &METHOD", " &MASSES NMASS=1, MLINK=-2, MLOOP=1, MASS=1.0, UNITL=0.001 &END\n &METHOD",
      "&LINKS ILINK: joint S3 of loop 3 is no point of both links that it joins"),
 ]
