@@ -105,6 +105,7 @@ module psalm_free_motion
       procedure :: pivots
       procedure :: find_change
       procedure :: is_rough
+      procedure :: note_kinks
       procedure, private :: table_input
       procedure, private :: put_normal
       procedure, private :: put_inputs
@@ -148,9 +149,7 @@ contains
       motion%model = model
       motion%motor = motor
       motion%driven = motor%given
-      motion%kinked = pack([(k, k=1, size(model%springs))], [(size(model%springs(k)%kinks(model%metre)) > 0, k=1, &
-                                                              size(model%springs))])
-      allocate (motion%stretch(size(motion%kinked)), source=0.0_wp)
+      call motion%note_kinks()
       motion%lasting = model
       motion%lasting%loads = [load_t ::]
       motion%lasting%springs%part = part_elastic
@@ -210,6 +209,17 @@ contains
          motion%stops(k)%zero = place_at(motion%problem, motion%forces, stops(k), 0.0_wp)
       end do
    end subroutine make_free_motion
+
+   !> Which springs of the model have kinks.
+   pure subroutine note_kinks(self)
+      class(free_motion_t), intent(inout) :: self
+      integer :: k
+
+      associate (springs => self%model%springs)
+         self%kinked = pack([(k, k=1, size(springs))], [(size(springs(k)%kinks(self%model%metre)) > 0, k=1, size(springs))])
+      end associate
+      self%stretch = [(0.0_wp, k=1, size(self%kinked))]
+   end subroutine note_kinks
 
    !> Accelerations of the free drives, what loads, motor and the drives that are not free put in, and what dampers take out.
    !> `valid` is false where a loop does not close (`open_loop`), or nothing has mass (`massless`).

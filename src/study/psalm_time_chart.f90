@@ -339,6 +339,7 @@ contains
          type(free_motion_t), intent(inout) :: motion
 
          associate (model => motion%model)
+            call motion%note_kinks()
             motion%lasting%inertia = model%inertia
             motion%lasting%springs = model%springs
             motion%lasting%springs%part = part_elastic
@@ -436,7 +437,7 @@ contains
       drawn%springs%second = drawn%springs%second(:0)
       drawn%springs%added = 0
       do k = 1, size(drawn%sections)
-         if (drawn%sections(k)%name == 'STOPS') cycle
+         if (any(drawn%sections(k)%name == [character(5) :: 'STOPS', 'TIME'])) cycle
          drawn%sections(k)%group%given = .false.
       end do
    end subroutine strip
@@ -551,7 +552,7 @@ contains
          to%table_input = from%table_input
          to%table_factor = from%table_factor
          ! the first drive may slide here: a table over a turn goes on there as it begins
-         if (size(from%table_input) > 0 .and. old%watched == 0 .and. .not. old%slides(1)) then
+         if (size(from%table_input) > 0 .and. old%watched == 0 .and. .not. (old%slides(1) .or. from%timed)) then
             to%table_input = [from%table_input, from%table_input(1) + full_turn]
             to%table_factor = reshape([transpose(from%table_factor), from%table_factor(1, :)], &
                                       [size(from%table_input) + 1, size(from%table_factor, 2)], order=[2, 1])

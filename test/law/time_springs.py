@@ -171,6 +171,31 @@ def time_and_switches():
     check("hatch: opens to its stop and rests there", list(b["events"]["event"]) == ["impact", "rest"])
 
 
+def exchanged():
+    """The same motion by the rocker, whose dead points it passes, and by the crank: whatever acts is carried over."""
+    text = data("swing")
+    text = text[:text.index(" &TIME")]
+    acts = {"a gas spring": " &SPRING ANAME='frame A', BNAME='bc C', SPRE=-20.0, SFREE=0.5, SGASP=0.2, SGAS=1.3 &END\n",
+            "a cord": " &SPRING ANAME='frame D', BNAME='ab B', STIFF=300.0, SFREE=0.8, SSIDE=1, SDAMP=2.0 &END\n",
+            "a table": " &SPRING ANAME='frame A', BNAME='bc C', SLTAB=1, NSTAB=1, NSTABL=3, STABL=0.3,0.8,1.2, STABF=-10.0,5.0,30.0, "
+                       "SQUAD=0.7 &END\n",
+            "a load over time": " &LOADS LNAME='bc C', LFX=10.0, LFY=5.0, LTURN=1, LTABLE=1, LTIME=1, NTABLE=1, NTABIN=4, "
+                                "TABIN=0.1,0.2,0.6,0.7, TABVAL=0.0,1.0,1.0,-0.3 &END\n",
+            "friction that is switched": " &FRICTN FNAME='B','C','A', FMU=0.2,0.3,0.0, FRAD=0.02,0.02,0.0, FGRIP=0.0,0.1,0.5, "
+                                         "FTON=0.0,0.15,0.3, FTOFF=9.0,9.0,0.8 &END\n",
+            "a brake": " &FRICTN FNAME='A', FGRIP=8.0, FTON=0.4 &END\n"}
+    for name, group in acts.items():
+        found = []
+        for drive in "DA":
+            t, said = KALM.time(text.replace("DRIVE='D'", f"DRIVE='{drive}'") + group + " &TIME TEND=1.2, NTIME=24 &END\n")
+            found.append(t)
+            check(f"{name}: exchanged by the rocker alone", ("Coordinates" in said) == (drive == "D"))
+        worst = max(np.max(np.abs(found[0][key] - found[1][key])) for key in ("B.x", "B.y", "C.x", "C.y"))
+        check(f"{name}: the same motion by both drives, {worst:.1e} m off", worst < 1e-9)
+        balance = max(np.max(np.abs(t["balance"])) for t in found)
+        check(f"{name}: energy in balance to {balance:.1e} J", balance < 1e-10)
+
+
 def mistakes():
     for words, spring in (("leave its STIFF out", "STIFF=1.0, SPRE=-1.0, SFREE=1.0, SGAS=1.2"), ("must be below SFREE", "SPRE=-1.0, SFREE=0.1, "
                           "SGASP=0.2, SGAS=1.2"), ("needs its force", "SFREE=1.0, SGAS=1.2"), ("is for a gas spring", "SGASP=0.1, SFREE=1.0"),
@@ -192,5 +217,6 @@ def mistakes():
 springs()
 at_positions()
 time_and_switches()
+exchanged()
 mistakes()
 sys.exit(report())
