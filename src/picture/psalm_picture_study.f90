@@ -8,6 +8,7 @@ module psalm_picture_study
    use psalm_devices, only: most_reported
    use psalm_dxf_group, only: dxf_of
    use psalm_error, only: problem_t, motion_t, make_problem
+   use psalm_force_scene, only: extent_of_weights, make_force_scene
    use psalm_finale, only: describe_violation
    use psalm_kinds, only: wp
    use psalm_markup, only: strings_t, add_string
@@ -203,6 +204,11 @@ contains
       if (noted%count > 0) all_findings = [own, noted%list(:noted%count)]
       if (by_links) then
          call make_chain_scene(set, all_findings, case%scene, chosen, rows=rows)
+         if (case%scene%valid) then
+            allocate (case%scene%forces)
+            call make_force_scene(set, rows, case%scene%forces)
+            call extent_of_weights(case%scene%forces, case%scene%low, case%scene%high)
+         end if
       else
          call make_scene(set, rows, .false., all_findings, case%scene)
          if (set%is_drawn() .and. case%scene%valid .and. (case%dxf%flat .or. case%dxf%width > 0.0_wp)) then
