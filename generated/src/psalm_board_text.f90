@@ -555,7 +555,7 @@ module psalm_board_text
    '  const WIDTH = 108;             // columns of a line that is written'//nl// &
    '  const MOST_VALUES = 1e6;       // of an item'//nl// &
    "  const KINDS = ['point', 'x', 'y', 'angle', 'distance', 'slide', 'between', 'pose', 'ratio'];"//nl// &
-   '  const NAMING = /^(?!ONAME)\w*NAME$|JNT$|^VARY$|^FREE$|^(TOL|AL)NAM$/; // items that name joints or links'//nl// &
+   '  const NAMING = /^(?!ONAME)\w*NAME$|JNT$|^VARY$|^FREE$|^FOTHER$|^(TOL|AL)NAM$/; // items that name joints or links'//nl// &
    '  const OWN = {                  // items that a sketch has places for; others are kept'//nl// &
    "    CHAIN: ['JNT', 'JX', 'JY', 'LNAME', 'LNK', 'NSLIDE', 'SNAME', 'SLNK', 'SLNK2', 'SLX', 'SLY', 'SLANG', 'GEARA', 'GEA"// &
    "RB', 'GCARR',"//nl// &

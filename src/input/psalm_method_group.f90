@@ -50,7 +50,7 @@ module psalm_method_group
       procedure :: turn_begins
    end type method_group_t
 
-   real(wp), parameter :: most_desired = 1.0e100_wp !! its square has a number, too
+   real(wp), parameter :: most_desired = 10.0_wp**min(100, range(1.0_wp) - 25) !! its square has a number, too
 
    !> The items of the group.
    type(rule_t), parameter :: method_items(*) = [ &

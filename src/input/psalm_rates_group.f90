@@ -17,7 +17,7 @@ module psalm_rates_group
       logical :: given = .false.
    end type rates_group_t
 
-   real(wp), parameter :: slowest = 1.0e-100_wp
+   real(wp), parameter :: slowest = 0.1_wp**min(100, range(1.0_wp) - 25)
 
    !> The items of the group.
    type(rule_t), parameter :: rate_items(*) = [ &

@@ -209,6 +209,11 @@ contains
       set%springs%free = [15.0_wp, 41.3_wp]   ! nowhere half a turn from it
       set%springs%preload = [2.0_wp, 0.1_wp]
       set%springs%damping = [0.5_wp, 0.002_wp]
+      set%springs%drag = [0.0_wp, 0.0_wp]
+      set%springs%power = [0.0_wp, 0.0_wp]
+      set%springs%closed = [0.0_wp, 0.0_wp]
+      set%springs%side = [0, 0]
+      set%springs%table = [0, 0]
    end subroutine load_up
 
    !> A constant load and one that turns with its link.
@@ -827,6 +832,10 @@ contains
       set%friction%joints%loop = 1
       set%friction%joints%from_start = [.true., .false., .false., .false.]
       set%friction%coefficient = spread(0.1_wp, 1, 4)
+      set%friction%grip = spread(0.0_wp, 1, 4)
+      set%friction%others = spread(0, 1, 4)
+      set%friction%from = spread(0.0_wp, 1, 4)
+      set%friction%until = spread(huge(1.0_wp), 1, 4)
       set%friction%radius = [15.0_wp, 20.0_wp, 10.0_wp, 30.0_wp]
       call forces_at(problem, set, [60.0_wp], table, model)
       m = column_of_joint(3)
