@@ -1,4 +1,5 @@
-!> Events in a step of a motion in time: a joint comes to its stop, or leaves it; a table has a kink.
+!> Events in a step of a motion in time: a joint comes to its stop, or leaves it; one with friction stops, or comes loose; a table
+!> or a spring has a kink; a change point is passed.
 module psalm_time_events
    use psalm_free_motion, only: free_motion_t
    use psalm_joint_stops, only: side_none, side_low, side_high

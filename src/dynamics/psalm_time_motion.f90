@@ -2,7 +2,8 @@
 !>
 !> Unknowns are the free drives, their speeds, and, carried along without a say in the steps, the work that is put in and that is
 !> lost: kinetic and potential energy less the one and with the other stay what they were. A step in which a joint comes to its stop
-!> or leaves it, or a table has a kink, is repeated so that it ends there (`psalm_time_events`).
+!> or leaves it, or a table has a kink, is repeated so that it ends there (`psalm_time_events`). What happens then is in submodules:
+!> impacts (`psalm_time_stops_body`), friction (`psalm_time_friction_body`), change points (`psalm_time_change_body`).
 !>
 !> Drives are coordinates, some of which have dead points where the mechanism has none. After each step their rates at unit kinetic
 !> energy are compared with those of all joints; where others would be much better the motion stops to be given a motion with those
@@ -29,15 +30,12 @@ module psalm_time_motion
    real(wp), parameter :: first_part = 1.0e-3_wp   !! part of the whole time: the first step that is tried
    real(wp), parameter :: least_part = 1.0e-2_wp   !! of the size, or the size over the whole time, or of the largest so far: less
                                                     !! counts as that for errors
-   real(wp), parameter :: last_bounces = 1.0e-6_wp !! part of the whole time: if all bounces that follow take less, the joint rests
    real(wp), parameter :: touching = 1.0e-10_wp    !! radians, or parts of the size: a joint so near its stop touches it
-   real(wp), parameter :: still = 64.0_wp*epsilon(1.0_wp) !! part of the greatest rate of a joint: less is 0
    real(wp), parameter :: most_turned = 1.0_wp     !! radians that a joint with stops turns in a step, for its turns are counted
    real(wp), parameter :: stable_steps = 5.0_wp    !! step of the explicit method times the fastest decay: about 6.1 is the limit,
                                                     !! about which steps vary by a tenth where it holds them
    integer, parameter :: most_held = 15, most_free = 6 !! steps in turn that say that it limits them, or does not
    real(wp), parameter :: most_left = 1.0e5_wp     !! steps that are left: the motion does not go on then
-   integer, parameter :: most_blows = 1000         !! of stops that close together
    integer, parameter :: most_in_place = 100       !! events in turn between which no time passes
    integer, parameter :: many_creeping = 20        !! of those steps in turn, after which drives are exchanged that have
    real(wp), parameter :: fair_share = 0.5_wp      !! less than this part of the volume of the best,
@@ -50,13 +48,7 @@ module psalm_time_motion
    integer, parameter :: event_on = 6              !! friction of a joint begins to act, or the motor (stop 0)
    integer, parameter :: event_off = 7             !! it ends
    integer, parameter :: event_change = 8          !! it passes a change point; no stop, rates of the first drive
-   real(wp), parameter :: looked_ahead = 0.2_wp    !! radians, or parts of the size: change points are looked for so far ahead,
-   real(wp), parameter :: steps_ahead = 2.0_wp     !! or as far as so many steps lead
-   real(wp), parameter :: looked_back = 1.0e-3_wp  !! where there has been no step
-   real(wp), parameter :: folds_below = 1.0e-3_wp  !! sine of a dyad beside a change point that it passes,
-   real(wp), parameter :: folds_like = 0.1_wp      !! and part of its change by which it may be off what it was to be
    real(wp), parameter :: beside_line = 0.05_wp    !! sine of a dyad after a step, in the next of which it may be in line
-   real(wp), parameter :: short_of = 0.9_wp        !! part of the way to where one might be: if none was found no step goes farther
    real(wp), parameter :: within = 1.0e-12_wp      !! part of what friction can hold: so much more is held
    real(wp), parameter :: nothing = 1.0e-9_wp      !! part of the greatest rate of a joint with friction, or of its acceleration
                                                     !! where nothing holds it: less is 0
@@ -144,6 +136,71 @@ module psalm_time_motion
       procedure, private :: watch_folds
       procedure :: near_line
    end type time_motion_t
+
+   interface
+      !> Stops that joints touch, and perhaps one that a joint has just come to: impacts, and which joints rest then.
+      !>
+      !> Of stops that close at the same time the one with the greatest speed acts first, again and again until none closes.
+      module subroutine meet_stops(self, valid, stop, side)
+         implicit none (type, external)
+         class(time_motion_t), intent(inout) :: self
+         logical, intent(out) :: valid
+         integer, intent(in), optional :: stop, side
+      end subroutine meet_stops
+
+      !> Joints that touch a stop and are pressed to it rest if their bounces are over, or would be in next to no time.
+      module subroutine rest_on_stops(self, touched, least, valid)
+         implicit none (type, external)
+         class(time_motion_t), intent(inout) :: self
+         integer, intent(in) :: touched(:)               !! by stop: side
+         real(wp), intent(in) :: least                   !! rate that counts as 0
+         logical, intent(out) :: valid
+      end subroutine rest_on_stops
+
+      !> Keep the rates of all drives before impacts, when the unknowns were `y_before`, and after them.
+      module subroutine note_jump(self, y_before)
+         implicit none (type, external)
+         class(time_motion_t), intent(inout) :: self
+         real(wp), intent(in) :: y_before(:)
+      end subroutine note_jump
+
+      !> A stop changes the rate of its joint: to minus `restitution` times that. What the drives that are not free give is work.
+      module subroutine blow(self, stop, restitution, impulse)
+         implicit none (type, external)
+         class(time_motion_t), intent(inout) :: self
+         integer, intent(in) :: stop
+         real(wp), intent(in) :: restitution
+         real(wp), intent(inout) :: impulse              !! N m s, N s times metre: it is added
+      end subroutine blow
+
+      !> Which joints with friction are stuck, and which way others slip: those that move as they move; of those at rest all are
+      !> stuck that friction can hold, and others slip the way that the force goes. One of them may be known to slip.
+      !>
+      !> Joints are let go one by one, that first which lacks most. Where this leads to no state that agrees with itself (what is
+      !> held is not more than friction holds, what slips goes the way that it is thought to go) all states are tried.
+      module subroutine choose_friction(self, valid, joint, slips)
+         implicit none (type, external)
+         class(time_motion_t), intent(inout) :: self
+         logical, intent(out) :: valid
+         integer, intent(in), optional :: joint          !! that has come to rest, or that is not held any longer
+         logical, intent(in), optional :: slips          !! it is not held
+      end subroutine choose_friction
+
+      !> Whether a change point has been passed that was not found, so that the linkage has folded: the sine of a dyad, which is
+      !> small, had to go through 0, but for its assembly has come back from there.
+      module subroutine watch_folds(self)
+         implicit none (type, external)
+         class(time_motion_t), intent(inout) :: self
+      end subroutine watch_folds
+
+      !> Find the change point ahead, if there is one near enough: where the line through the sines of a dyad now and after the step
+      !> before, or a little behind, goes through 0.
+      module subroutine look_ahead(self, valid)
+         implicit none (type, external)
+         class(time_motion_t), intent(inout) :: self
+         logical, intent(out) :: valid
+      end subroutine look_ahead
+   end interface
 
 contains
 
@@ -407,109 +464,6 @@ contains
       if (allocated(self%sines)) near_line = any(self%sines(:, 2) < beside_line)
    end function near_line
 
-   !> Whether a change point has been passed that was not found, so that the linkage has folded: the sine of a dyad, which is small,
-   !> had to go through 0, but for its assembly has come back from there.
-   subroutine watch_folds(self)
-      class(time_motion_t), intent(inout) :: self
-      real(wp), allocatable :: now(:)
-      real(wp) :: slope, through
-      integer :: loop
-
-      if (self%motion%beside_change()) then
-         if (allocated(self%sines)) deallocate (self%sines)
-         return
-      end if
-      now = abs(self%motion%pivots())
-      if (.not. allocated(self%sines)) then
-         self%sines = spread(now, 2, 2)
-         self%sines_at = self%time
-         return
-      end if
-      associate (first => self%sines(:, 1), last => self%sines(:, 2), steps => [self%sines_at(2) - self%sines_at(1), &
-                                                                                 self%time - self%sines_at(2)])
-         do loop = 1, size(now)
-            if (.not. (last(loop) < first(loop) .and. last(loop) < now(loop) .and. last(loop) < folds_below .and. &
-                       steps(1) > 0.0_wp)) cycle
-            slope = (last(loop) - first(loop))/steps(1)
-            through = last(loop) + slope*steps(2)
-            if (abs(through + now(loop)) < folds_like*abs(through - now(loop)) .and. self%folded == 0) self%folded = loop
-         end do
-      end associate
-      self%sines(:, 1) = self%sines(:, 2)
-      self%sines(:, 2) = now
-      self%sines_at = [self%sines_at(2), self%time]
-   end subroutine watch_folds
-
-   !> Find the change point ahead, if there is one near enough: where the line through the sines of a dyad now and after the step
-   !> before, or a little behind, goes through 0.
-   subroutine look_ahead(self, valid)
-      class(time_motion_t), intent(inout) :: self
-      logical, intent(out) :: valid
-      real(wp), allocatable :: now(:)
-      real(wp) :: there, direction, way, far, ahead, least, before(2)
-      integer :: loop, nearest
-      logical :: found
-
-      valid = .true.
-      self%unseen = huge(1.0_wp)
-      if (.not. self%motion%may_change()) return
-      associate (f => size(self%size_of), motion => self%motion, size_of => self%size_of(1))
-         there = self%y(1)
-         if (allocated(motion%passing)) then
-            ! what was before it says nothing here
-            if ((motion%passing%centre - there)*(motion%passing%centre - self%pivots_at) < 0.0_wp .or. motion%beside_change()) then
-               if (allocated(self%pivots)) deallocate (self%pivots)
-            end if
-         end if
-         if (motion%beside_change() .or. .not. abs(self%y(f + 1)) > 0.0_wp) return
-         direction = sign(1.0_wp, self%y(f + 1))
-         now = motion%pivots()
-         before = self%y(:2)
-         if (.not. allocated(self%pivots)) then
-            self%pivots_at = there - looked_back*size_of*direction
-            before(1) = self%pivots_at
-            call self%rates(self%time, [before, self%y(3:)], self%first, valid)
-            if (valid .and. .not. motion%beside_change()) self%pivots = motion%pivots()
-            call self%rates(self%time, self%y, self%first, valid)
-            if (.not. allocated(self%pivots)) return
-         end if
-         way = direction*(there - self%pivots_at)
-         nearest = 0
-         far = steps_ahead*max(way, abs(self%y(f + 1))*self%step)
-         least = max(looked_ahead*size_of, far)
-         if (way > 0.0_wp) then
-            do loop = 1, size(now)
-               if (.not. abs(now(loop)) < abs(self%pivots(loop))) cycle
-               ahead = way*abs(now(loop))/(abs(self%pivots(loop)) - abs(now(loop)))
-               if (ahead > least) cycle
-               least = ahead
-               nearest = loop
-            end do
-         end if
-         self%pivots = now
-         self%pivots_at = there
-         if (nearest > 0 .and. allocated(motion%passing)) then
-            if (motion%passing%holds(there + least*direction)) nearest = 0
-         end if
-         if (nearest == 0) then
-            self%failed = huge(1.0_wp)
-            self%open_ahead = .true.
-            return
-         end if
-         if (.not. (least > 0.5_wp*self%failed .and. least > far)) then
-            call motion%find_change(nearest, there + least*direction, direction, size_of, found, self%open_ahead)
-            self%failed = least
-            if (found) then
-               self%failed = huge(1.0_wp)
-               self%open_ahead = .true.
-               self%gap = max(self%gap, motion%passing%gap)
-            end if
-            call self%rates(self%time, self%y, self%first, valid)
-         end if
-         if (.not. self%open_ahead) self%unseen = short_of*least/abs(self%y(f + 1))
-      end associate
-   end subroutine look_ahead
-
    !> The best drives among the joints, and the part of their volume that the present ones have.
    subroutine compare_drives(self, share, chosen)
       class(time_motion_t), intent(inout) :: self
@@ -712,142 +666,6 @@ contains
       end function state_after
    end subroutine go_to_first
 
-   !> Stops that joints touch, and perhaps one that a joint has just come to: impacts, and which joints rest then.
-   !>
-   !> Of stops that close at the same time the one with the greatest speed acts first, again and again until none closes.
-   subroutine meet_stops(self, valid, stop, side)
-      class(time_motion_t), intent(inout) :: self
-      logical, intent(out) :: valid
-      integer, intent(in), optional :: stop, side
-      real(wp), dimension(size(self%size_of_stop)) :: before, impulse, part
-      integer :: touched(size(self%size_of_stop)), k, round
-      real(wp) :: least, y_before(size(self%y))
-
-      valid = .true.
-      if (size(touched) == 0) return
-      y_before = self%y
-      associate (motion => self%motion)
-         touched = motion%resting
-         where (motion%place - motion%stops%low <= touching*self%size_of_stop) touched = side_low
-         where (motion%stops%high - motion%place <= touching*self%size_of_stop) touched = side_high
-         if (present(stop)) touched(stop) = side
-         before = motion%pace
-         least = still*maxval(abs(before))
-         impulse = 0.0_wp
-         do round = 1, most_blows
-            part = merge(real(touched, wp)*motion%pace, 0.0_wp, touched /= side_none)
-            k = maxloc(part, dim=1)
-            if (.not. part(k) > least) exit
-            call self%blow(k, merge(0.0_wp, motion%stops(k)%restitution, motion%resting(k) /= side_none), impulse(k))
-         end do
-         do k = 1, size(touched)
-            if (.not. abs(impulse(k)) > 0.0_wp) cycle
-            call self%note(event_t(self%time, event_impact, k, before(k), motion%pace(k), &
-                                   impulse(k)/merge(motion%model%metre, 1.0_wp, motion%stops(k)%slides)))
-         end do
-         do k = 1, size(touched)
-            if (motion%resting(k) == side_none .or. -real(touched(k), wp)*motion%pace(k) <= least) cycle
-            call self%note(event_t(self%time, event_lift, k, 0.0_wp, motion%pace(k)))
-            motion%resting(k) = side_none
-         end do
-      end associate
-      if (any(abs(impulse) > 0.0_wp) .and. self%motion%rubs() > 0) then
-         call self%choose_friction(valid)
-      else
-         call self%rates(self%time, self%y, self%first, valid)
-      end if
-      if (valid) call self%rest_on_stops(touched, least, valid)
-      if (valid .and. any(abs(impulse) > 0.0_wp)) call self%note_jump(y_before)
-   end subroutine meet_stops
-
-   !> Keep the rates of all drives before impacts, when the unknowns were `y_before`, and after them.
-   subroutine note_jump(self, y_before)
-      class(time_motion_t), intent(inout) :: self
-      real(wp), intent(in) :: y_before(:)
-      type(free_state_t) :: before, after
-      real(wp) :: y(size(self%y))
-      real(wp), allocatable :: more(:, :)
-
-      y = self%y
-      self%y = y_before
-      call self%observe(before)
-      self%y = y
-      call self%observe(after)
-      if (self%jumped == size(self%jumps, 2)) then
-         allocate (more(size(self%jumps, 1), 2*self%jumped + 1), source=0.0_wp)
-         more(:, :self%jumped) = self%jumps
-         call move_alloc(more, self%jumps)
-      end if
-      self%jumped = self%jumped + 1
-      if (allocated(after%named)) then
-         self%jumps(:, self%jumped) = [self%time, self%begun + after%named(:, 0), before%named(:, 1), after%named(:, 1)]
-      else
-         self%jumps(:, self%jumped) = [self%time, after%input, before%rate, after%rate]
-      end if
-   end subroutine note_jump
-
-   !> Joints that touch a stop and are pressed to it rest if their bounces are over, or would be in next to no time.
-   subroutine rest_on_stops(self, touched, least, valid)
-      class(time_motion_t), intent(inout) :: self
-      integer, intent(in) :: touched(:)               !! by stop: side
-      real(wp), intent(in) :: least                   !! rate that counts as 0
-      logical, intent(out) :: valid
-      real(wp) :: away, toward, bounces, impulse, rate
-      integer :: k
-
-      valid = .true.
-      do k = 1, size(touched)
-         associate (motion => self%motion, stop => self%motion%stops(k))
-            if (touched(k) == side_none .or. motion%resting(k) /= side_none) cycle
-            away = -real(touched(k), wp)*motion%pace(k)
-            toward = real(touched(k), wp)*motion%growth(k)
-            if (.not. toward > 0.0_wp) cycle
-            bounces = 0.0_wp
-            if (away > least) then
-               if (.not. 2.0_wp*away < last_bounces*self%end*toward*(1.0_wp - stop%restitution)) cycle
-               bounces = 2.0_wp*away/(toward*(1.0_wp - stop%restitution))
-            end if
-            rate = motion%pace(k)
-            call self%blow(k, 0.0_wp, impulse)
-            motion%resting(k) = touched(k)
-            call self%note(event_t(self%time + bounces, event_rest, k, rate))
-         end associate
-         call self%settle()
-         call self%rates(self%time, self%y, self%first, valid)
-         if (.not. valid) return
-      end do
-   end subroutine rest_on_stops
-
-   !> A stop changes the rate of its joint: to minus `restitution` times that. What the drives that are not free give is work.
-   subroutine blow(self, stop, restitution, impulse)
-      class(time_motion_t), intent(inout) :: self
-      integer, intent(in) :: stop
-      real(wp), intent(in) :: restitution
-      real(wp), intent(inout) :: impulse              !! N m s, N s times metre: it is added
-      real(wp) :: change(size(self%size_of)), loosened(size(self%size_of)), yields, own
-      integer :: f, d, k
-
-      f = size(self%size_of)
-      associate (motion => self%motion)
-         loosened = motion%loosen(stop)
-         yields = dot_product(motion%normal(stop, motion%free), loosened)
-         if (.not. yields > 0.0_wp) return
-         own = -(1.0_wp + restitution)*motion%pace(stop)/yields
-         change = loosened*own
-         self%y(2*f + 2) = self%y(2*f + 2) + (1.0_wp - restitution**2)*motion%pace(stop)**2/(2.0_wp*yields)
-         do d = 1, size(motion%leader)
-            if (motion%leader(d) /= d .or. any(motion%free == d)) cycle
-            self%y(2*f + 1) = self%y(2*f + 1) + (dot_product(motion%inertia(d, :), change) - own*motion%normal(stop, d))* &
-                              (motion%speed(d) + motion%accel(d)*self%time)
-         end do
-         self%y(f + 1:2*f) = self%y(f + 1:2*f) + change
-         do k = 1, size(motion%pace)
-            motion%pace(k) = motion%pace(k) + dot_product(motion%normal(k, motion%free), change)
-         end do
-      end associate
-      impulse = impulse + own
-   end subroutine blow
-
    !> Put joints that rest exactly on their stops, and those that friction holds where it does, at rate 0.
    subroutine settle(self)
       class(time_motion_t), intent(inout) :: self
@@ -880,160 +698,6 @@ contains
          where (abs(self%y(f + 1:2*f)) <= epsilon(1.0_wp)**2*self%largest(f + 1:)) self%y(f + 1:2*f) = 0.0_wp
       end if
    end subroutine settle
-
-   !> Which joints with friction are stuck, and which way others slip: those that move as they move; of those at rest all are stuck
-   !> that friction can hold, and others slip the way that the force goes. One of them may be known to slip.
-   !>
-   !> Joints are let go one by one, that first which lacks most. Where this leads to no state that agrees with itself (what is held
-   !> is not more than friction holds, what slips goes the way that it is thought to go) all states are tried.
-   subroutine choose_friction(self, valid, joint, slips)
-      class(time_motion_t), intent(inout) :: self
-      logical, intent(out) :: valid
-      integer, intent(in), optional :: joint          !! that has come to rest, or that is not held any longer
-      logical, intent(in), optional :: slips          !! it is not held
-      logical, allocatable :: still_there(:), was(:), own(:)
-      integer :: k
-
-      valid = .true.
-      if (self%motion%rubs() == 0) return
-      associate (motion => self%motion)
-         was = motion%stuck
-         allocate (still_there(size(was)), own(size(was)), source=.false.)
-         do k = motion%smooth + 1, motion%smooth + motion%rubs()
-            self%fastest(k) = max(self%fastest(k), abs(motion%pace(k)))
-            still_there(k) = motion%engaged(k - motion%smooth) .and. abs(motion%pace(k)) <= nothing*self%fastest(k)
-            if (present(joint)) still_there(k) = still_there(k) .or. k == joint
-            if (.not. still_there(k) .and. abs(motion%pace(k)) > 0.0_wp) &
-               motion%sense_of_slip(k) = sign(1.0_wp, motion%pace(k))
-         end do
-         ! what one free drive moves turns back by itself where the rest goes on
-         if (size(motion%free) == 1) then
-            do k = motion%smooth + 1, motion%smooth + motion%rubs()
-               own(k) = still_there(k) .and. abs(self%y(2)) > nothing*self%largest(2) .and. abs(motion%growth(k)) > &
-                        nothing*motion%freely(k)
-               if (own(k)) motion%sense_of_slip(k) = sign(1.0_wp, motion%growth(k))
-            end do
-            still_there = still_there .and. .not. own
-         end if
-         motion%stuck = still_there
-         where (still_there .and. .not. was) motion%stuck_at = motion%place
-         call let_go(valid)
-         if (.not. valid) call try_all(valid)
-         if (.not. valid) return
-         do k = motion%smooth + 1, motion%smooth + motion%rubs()
-            if (motion%stuck(k) .and. .not. was(k)) call self%note(event_t(time=self%time, kind=event_stick, stop=k))
-            if (was(k) .and. .not. motion%stuck(k)) call self%note(event_t(time=self%time, kind=event_slip, stop=k))
-         end do
-         if (any(motion%stuck)) then
-            call self%settle()
-            call self%rates(self%time, self%y, self%first, valid)
-         end if
-      end associate
-
-   contains
-
-      !> Let joints go until friction can hold the others. `agrees` is false where the state does not agree with itself then.
-      subroutine let_go(agrees)
-         logical, intent(out) :: agrees
-         real(wp) :: excess(size(was))
-         integer :: round, i
-
-         associate (motion => self%motion)
-            if (present(slips)) then
-               if (slips) call release(joint)
-            end if
-            do round = 1, size(was) + 1
-               call self%rates(self%time, self%y, self%first, agrees)
-               if (.not. agrees) return
-               excess = 0.0_wp
-               do i = motion%smooth + 1, motion%smooth + motion%rubs()
-                  if (.not. motion%stuck(i)) cycle
-                  excess(i) = abs(motion%push(i)) - motion%most_held(i)*(1.0_wp + within)
-                  if (.not. abs(motion%push(i)) > 0.0_wp .and. abs(motion%growth(i)) > nothing*motion%freely(i)) &
-                     excess(i) = huge(1.0_wp)
-               end do
-               i = maxloc(excess, dim=1)
-               if (.not. excess(i) > 0.0_wp) exit
-               call release(i)
-            end do
-            agrees = agreed()
-         end associate
-      end subroutine let_go
-
-      !> Whether joints at rest that slip begin to move the way that they are thought to, and friction holds the others.
-      logical function agreed()
-         integer :: i
-
-         associate (motion => self%motion)
-            agreed = .true.
-            do i = motion%smooth + 1, motion%smooth + motion%rubs()
-               if (motion%stuck(i)) then
-                  agreed = agreed .and. abs(motion%push(i)) <= motion%most_held(i)*(1.0_wp + within)
-                  agreed = agreed .and. (abs(motion%growth(i)) <= nothing*motion%freely(i) .or. abs(motion%push(i)) > 0.0_wp)
-               else if (still_there(i)) then
-                  agreed = agreed .and. motion%sense_of_slip(i)*motion%growth(i) >= -nothing*motion%freely(i)
-               end if
-            end do
-         end associate
-      end function agreed
-
-      !> Try every state of the joints at rest: stuck, or slipping one way or the other; with one free drive all are one.
-      subroutine try_all(found)
-         logical, intent(out) :: found
-         integer, parameter :: most = 8
-         integer :: at_rest(size(was)), n, digits, code, rest, i
-         logical :: there, together
-
-         found = .false.
-         n = 0
-         do i = 1, size(was)
-            if (.not. still_there(i)) cycle
-            n = n + 1
-            at_rest(n) = i
-         end do
-         if (n > most) return
-         associate (motion => self%motion)
-            together = size(motion%free) == 1
-            digits = merge(min(n, 1), n, together)
-            do code = 0, 3**digits - 1
-               rest = code
-               do i = 1, n
-                  associate (k => at_rest(i), state => modulo(rest, 3))
-                     motion%stuck(k) = state == 0
-                     if (state > 0) motion%sense_of_slip(k) = real(3 - 2*state, wp)
-                     if (state > 0 .and. together) motion%sense_of_slip(k) = motion%sense_of_slip(k)* &
-                                                                              sign(1.0_wp, motion%normal(k, motion%free(1)))
-                  end associate
-                  if (.not. together) rest = rest/3
-               end do
-               call self%rates(self%time, self%y, self%first, there)
-               if (.not. there) cycle
-               found = agreed()
-               if (found) return
-            end do
-         end associate
-      end subroutine try_all
-
-      !> Let a joint slip the way that what holds it keeps it from; with one free drive all that are at rest slip.
-      subroutine release(k)
-         integer, intent(in) :: k
-         integer :: i
-
-         associate (motion => self%motion)
-            do i = motion%smooth + 1, motion%smooth + motion%rubs()
-               if (.not. motion%stuck(i)) cycle
-               if (i /= k .and. size(motion%free) > 1) cycle
-               motion%stuck(i) = .false.
-               if (abs(motion%push(i)) > 0.0_wp) then
-                  motion%sense_of_slip(i) = -sign(1.0_wp, motion%push(i))
-               else
-                  motion%sense_of_slip(i) = sign(1.0_wp, motion%growth(i))
-               end if
-               motion%push(i) = 0.0_wp
-            end do
-         end associate
-      end subroutine release
-   end subroutine choose_friction
 
    !> So long a step may be: joints with stops are not to turn farther, and what leaves a stop is not to come back in the same step.
    pure real(wp) function longest_step(self) result(longest)
