@@ -5,7 +5,7 @@ module psalm_link_loads
    use psalm_error, only: problem_t
    use psalm_force_model, only: force_model_t, location_t
    use psalm_kinds, only: wp
-   use psalm_kinetostatics, only: forces_t, clear_wrenches, add_source, find_location, first_load, first_spring, interpolated
+   use psalm_kinetostatics, only: forces_t, clear_wrenches, add_source, find_location, first_load, first_spring, table_factors
    use psalm_linkage, only: padded
    use psalm_mechanism, only: mechanism_t, at_start, at_finish
    implicit none (type, external)
@@ -125,8 +125,7 @@ contains
             if (a%load > 0) then
                associate (load => model%loads(a%load), moment => a%moment(offset + 1:offset + n))
                   moment = load%moment
-                  if (load%table > 0) moment = moment*interpolated(model%table_input, model%table_factor(:, load%table), input, &
-                                                                   .true.)
+                  if (load%table > 0) moment = moment*table_factors(model, load%table, input, .true.)
                end associate
             else if (model%springs(a%spring)%torsional) then
                a%moment(offset + 1:offset + n) = forces%metre*w(1:n, row + 2)

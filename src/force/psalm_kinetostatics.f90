@@ -15,9 +15,10 @@ module psalm_kinetostatics
    use psalm_force_model, only: force_model_t, friction_t, location_t, parameter_mass, parameter_mx, parameter_my, &
                                 parameter_inertia
    use psalm_group_reactions, only: group_joint_t, group_couple_t, react_group
-   use psalm_kinds, only: wp, radians_per_degree, full_turn
+   use psalm_kinds, only: wp, radians_per_degree
    use psalm_linkage, only: padded
    use psalm_mechanism, only: mechanism_t, arc_actuator, at_finish, at_start, body_frame, joint_prismatic, joint_revolute
+   use psalm_piecewise, only: interpolated
    use psalm_rates, only: rates_t
    use psalm_rows, only: rows_t, make_rows
    use psalm_wrench_kernels, only: opposite_force, opposite_across
@@ -26,7 +27,7 @@ module psalm_kinetostatics
    public :: forces_t, prepare_forces, load_bodies, move_bodies, clear_wrenches, add_source, sweep, rub, external_power, &
              find_location, grip_joint, friction_parts
    public :: couples_of_group
-   public :: joint_rows, listed_rows, interpolated, sources_of, source_inertia, source_weight, first_load, first_spring
+   public :: joint_rows, listed_rows, table_factors, sources_of, source_inertia, source_weight, first_load, first_spring
 
    integer, parameter :: source_inertia = 1, source_weight = 2 !! sources; loads and springs follow
    integer, parameter :: most_sweeps = 100           !! without convergence of friction by then it locks
@@ -347,18 +348,13 @@ contains
       real(wp), intent(in) :: input(:)
       type(forces_t), intent(inout) :: forces
       real(wp), dimension(padded(n)) :: zx, zy, rx, ry, factor
-      integer :: m, i
+      integer :: m
 
       m = padded(n)
       associate (load => model%loads(which), body => forces%bodies(model%loads(which)%location%body), w => forces%w%v)
          factor = 1.0_wp
          if (load%table > 0) then
-            if (model%timed) then
-               factor(:n) = interpolated(model%table_input, model%table_factor(:, load%table), [(model%time, i=1, n)], .false.)
-            else
-               factor(:n) = interpolated(model%table_input, model%table_factor(:, load%table), input, &
-                                         .not. problem%mechanism%sliding_input)
-            end if
+            factor(:n) = table_factors(model, load%table, input, .not. problem%mechanism%sliding_input)
             factor(n + 1:) = factor(n)
          end if
          call find_location(problem, forces, load%location, m, zx, zy)
@@ -374,34 +370,20 @@ contains
       end associate
    end subroutine add_load
 
-   !> Values of a table, straight between its rows and constant beyond them; a table over a crank angle goes on round the turn.
-   pure function interpolated(inputs, factors, at, turning) result(values)
-      real(wp), intent(in) :: inputs(:), factors(:)  !! shape (rows), inputs ascending
-      real(wp), intent(in) :: at(:)
+   !> What a table multiplies loads by, at the inputs or, of a table over the time, at the time of the model.
+   pure function table_factors(model, table, input, turning) result(factors)
+      type(force_model_t), intent(in) :: model
+      integer, intent(in) :: table
+      real(wp), intent(in) :: input(:)
       logical, intent(in) :: turning                 !! inputs are degrees of a turn
-      real(wp) :: values(size(at)), x, low, width, from, to
-      integer :: i, k, rows
+      real(wp) :: factors(size(input))
 
-      rows = size(inputs)
-      do i = 1, size(at)
-         x = at(i)
-         if (turning) x = inputs(1) + modulo(at(i) - inputs(1), full_turn)
-         k = count(inputs <= x)
-         if (k == 0) then
-            values(i) = factors(1)
-         else if (k < rows) then
-            low = inputs(k)
-            width = inputs(k + 1) - low
-            from = factors(k)
-            to = factors(k + 1)
-            values(i) = from + (to - from)*((x - low)/width)
-         else
-            values(i) = factors(rows)
-            width = inputs(1) + full_turn - inputs(rows)
-            if (turning .and. width > 0.0_wp) values(i) = factors(rows) + (factors(1) - factors(rows))*((x - inputs(rows))/width)
-         end if
-      end do
-   end function interpolated
+      if (model%timed) then
+         factors = interpolated(model%table_input, model%table_factor(:, table), spread(model%time, 1, size(input)), .false.)
+      else
+         factors = interpolated(model%table_input, model%table_factor(:, table), input, turning)
+      end if
+   end function table_factors
 
    subroutine add_spring(problem, model, which, m, forces)
       type(problem_t), intent(in) :: problem

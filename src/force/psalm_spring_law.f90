@@ -6,6 +6,7 @@
 module psalm_spring_law
    use psalm_elementary, only: fractional_power
    use psalm_kinds, only: wp
+   use psalm_piecewise, only: interpolated
    use psalm_spring_group, only: spring_group_t
    implicit none (type, external)
    private
@@ -226,20 +227,14 @@ contains
       kinks = [pack(kinks, kinks < 0.0_wp), 0.0_wp, pack(kinks, kinks > 0.0_wp)]
    end function kinks
 
-   !> Value of a table, straight between its rows, constant beyond them.
+   !> The pull of a table at a length.
    pure real(wp) function of_table(table, length)
       real(wp), intent(in) :: table(:, :)
       real(wp), intent(in) :: length
-      integer :: k
+      real(wp) :: values(1)
 
-      k = count(table(:, 1) <= length)
-      if (k == 0) then
-         of_table = table(1, 2)
-      else if (k == size(table, 1)) then
-         of_table = table(k, 2)
-      else
-         of_table = table(k, 2) + (table(k + 1, 2) - table(k, 2))*((length - table(k, 1))/(table(k + 1, 1) - table(k, 1)))
-      end if
+      values = interpolated(table(:, 1), table(:, 2), [length], .false.)
+      of_table = values(1)
    end function of_table
 
    !> A power with any exponent above 0.

@@ -1,6 +1,6 @@
 !> The group LOADS: forces and moments that act on links, constant, turning with the link, or by a table over the input.
 module psalm_load_group
-   use psalm_group, only: group_t, out_of
+   use psalm_group, only: group_t
    use psalm_kinds, only: wp
    use psalm_link_place, only: read_places, refuse_unless
    use psalm_place, only: place_t
@@ -9,12 +9,11 @@ module psalm_load_group
    use psalm_status, only: diagnostics_t
    use psalm_take, only: take, take_count
    use psalm_text, only: to_text
+   use psalm_value_tables, only: table_items_t, read_value_tables
    implicit none (type, external)
    private
    public :: load_items
    public :: load_group_t, read_load_group
-
-   integer, parameter :: fewest_rows = 2          !! of a table
 
    type :: load_group_t
       logical :: given = .false.                  !! the group was given
@@ -89,37 +88,12 @@ contains
       call take(group, 'LMOM', loads%moment, findings)
       call take(group, 'LTURN', turning, findings)
       loads%turns = turning == 1
-      call read_tables(group, loads, findings)
+      call take(group, 'LTIME', loads%timed, findings)
+      call read_value_tables(group, table_items_t('NTABLE', 'NTABIN', 'TABIN', 'TABVAL', 'inputs'), loads%input, loads%factor, &
+                             findings)
       call take(group, 'LTABLE', loads%table, findings)
       call refuse_unless(loads%table >= 0 .and. loads%table <= size(loads%factor, 2), group, 'LTABLE', &
                          'there are tables 1 to '//to_text(size(loads%factor, 2))//' (0: none)', findings)
       where (loads%table < 0 .or. loads%table > size(loads%factor, 2)) loads%table = 0
    end subroutine read_load_group
-
-   !> Tables over the input: NTABLE of them, each with NTABIN factors at the inputs TABIN.
-   subroutine read_tables(group, loads, findings)
-      type(group_t), intent(inout) :: group
-      type(load_group_t), intent(inout) :: loads
-      type(diagnostics_t), intent(inout) :: findings
-      integer :: tables, rows, last_input, last_factor
-      real(wp), allocatable :: factors(:)
-
-      call take_count(group, 'NTABLE', tables, findings)
-      call take_count(group, 'NTABIN', rows, findings)
-      call take(group, 'LTIME', loads%timed, findings)
-      if (tables > 0 .and. rows < fewest_rows) call out_of(group, 'NTABIN', 'a table has 2 inputs or more; found '// &
-                                                           to_text(rows), findings)
-      allocate (loads%input(rows), factors(rows*tables), source=0.0_wp)
-      call group%get_reals('TABIN', loads%input, findings, last=last_input)
-      call group%get_reals('TABVAL', factors, findings, max(rows, 1), last=last_factor)
-      loads%factor = reshape(factors, [rows, tables])
-      if (tables == 0 .or. rows < fewest_rows) return
-      if (last_input < rows) call out_of(group, 'TABIN', 'NTABIN='//to_text(rows)//' inputs are announced, but only '// &
-                                         to_text(last_input)//' values given', findings)
-      if (last_factor < rows*tables) call out_of(group, 'TABVAL', to_text(tables)//' tables of '//to_text(rows)// &
-                                                 ' values are announced, but only '//to_text(last_factor)//' values given', &
-                                                 findings)
-      if (last_input == rows) call refuse_unless([.true., loads%input(2:) > loads%input(:rows - 1)], group, 'TABIN', &
-                                                 'inputs of the tables must ascend', findings)
-   end subroutine read_tables
 end module psalm_load_group

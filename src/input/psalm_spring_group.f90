@@ -1,6 +1,6 @@
 !> The group SPRING: springs and dampers between two points of two links, and torsional ones between two links.
 module psalm_spring_group
-   use psalm_group, only: group_t, check_range, out_of
+   use psalm_group, only: group_t, check_range
    use psalm_kinds, only: wp
    use psalm_link_place, only: read_places, refuse_unless
    use psalm_place, only: place_t
@@ -9,12 +9,11 @@ module psalm_spring_group
    use psalm_status, only: diagnostics_t
    use psalm_take, only: take, take_count
    use psalm_text, only: to_text
+   use psalm_value_tables, only: table_items_t, read_value_tables
    implicit none (type, external)
    private
    public :: spring_items
    public :: spring_group_t, read_spring_group
-
-   integer, parameter :: fewest_rows = 2          !! of a table
 
    type :: spring_group_t
       logical :: given = .false.                  !! the group was given
@@ -130,7 +129,8 @@ contains
       call take(group, 'SSIDE', springs%side, findings)
       call take(group, 'SGAS', springs%power, findings)
       call take(group, 'SGASP', springs%closed, findings)
-      call read_tables(group, springs, findings)
+      call read_value_tables(group, table_items_t('NSTAB', 'NSTABL', 'STABL', 'STABF', 'lengths'), springs%table_length, &
+                             springs%table_pull, findings)
       call take(group, 'SLTAB', springs%table, findings)
       call refuse_unless(springs%table >= 0 .and. springs%table <= size(springs%table_pull, 2), group, 'SLTAB', &
                          'there are tables 1 to '//to_text(size(springs%table_pull, 2))//' (0: none)', findings)
@@ -153,29 +153,4 @@ contains
       call take(group, 'SADDED', springs%added, findings)
       call check_range(group, 'SADDED', springs%added, 0, n, findings)
    end subroutine read_spring_group
-
-   !> Tables over the length: NSTAB of them, each with NSTABL pulls at the lengths STABL.
-   subroutine read_tables(group, springs, findings)
-      type(group_t), intent(inout) :: group
-      type(spring_group_t), intent(inout) :: springs
-      type(diagnostics_t), intent(inout) :: findings
-      integer :: tables, rows, last_length, last_pull
-      real(wp), allocatable :: pulls(:)
-
-      call take_count(group, 'NSTAB', tables, findings)
-      call take_count(group, 'NSTABL', rows, findings)
-      if (tables > 0 .and. rows < fewest_rows) call out_of(group, 'NSTABL', 'a table has 2 lengths or more; found '// &
-                                                           to_text(rows), findings)
-      allocate (springs%table_length(rows), pulls(rows*tables), source=0.0_wp)
-      call group%get_reals('STABL', springs%table_length, findings, last=last_length)
-      call group%get_reals('STABF', pulls, findings, max(rows, 1), last=last_pull)
-      springs%table_pull = reshape(pulls, [rows, tables])
-      if (tables == 0 .or. rows < fewest_rows) return
-      if (last_length < rows) call out_of(group, 'STABL', 'NSTABL='//to_text(rows)//' lengths are announced, but only '// &
-                                          to_text(last_length)//' values given', findings)
-      if (last_pull < rows*tables) call out_of(group, 'STABF', to_text(tables)//' tables of '//to_text(rows)// &
-                                               ' values are announced, but only '//to_text(last_pull)//' values given', findings)
-      if (last_length == rows) call refuse_unless([.true., springs%table_length(2:) > springs%table_length(:rows - 1)], group, &
-                                                  'STABL', 'lengths of the tables must ascend', findings)
-   end subroutine read_tables
 end module psalm_spring_group
