@@ -754,8 +754,8 @@ contains
       if (len(left_out) > 0) call findings%warning('the model of its bodies does not have what these groups say: '// &
                                                    left_out(3:), line=set%title_line)
       if (any([(.not. is_carried(forces%springs(k)), k=1, size(forces%springs))])) &
-         call findings%warning('the model of its bodies has the springs along a line that have a stiffness, no others', &
-                               line=set%title_line, group='SPRING')
+         call findings%warning('the model of its bodies has the linear springs between two points that have a stiffness, no '// &
+                               'others', line=set%title_line, group='SPRING')
       if (model%size > largest_machine .and. forces%metre == 1.0_wp) &
          call findings%warning('lengths are taken as metres, and this linkage is '//to_text(nint(model%size))//' m large; if '// &
                                'it is drawn in millimetres, set UNITL=0.001 in the group &MASSES', line=set%title_line)

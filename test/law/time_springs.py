@@ -124,6 +124,28 @@ def at_positions():
         near(torque, slope, 2e-6*max(1.0, abs(slope)), f"{name}: the drive's torque is the slope of the potential energy")
 
 
+def grip_at_positions():
+    """At positions, too, FGRIP is friction whatever the load is: the drive gives its power, from the rates of the joints' places."""
+    grips = {"A": 1.0, "B": 2.0, "C": 3.0, "D": 0.5}
+    KALM.tables(f"""FOUR-BAR WITH SEALS
+ &CHAIN JNT='A','B','C','D', JX=0.0,0.1,0.75,0.8, JY=0.0,0.25,0.5,0.0, LNAME='frame','ab','bc','cd', LNK='A D','A B','B C','C D' &END
+ &DRIVES DRIVE='A' &END
+ &METHOD IKIN=30 &END
+ &RATES SPEED=2.0 &END
+ &FRICTN FNAME={",".join(f"'{name}'" for name in grips)}, FGRIP={",".join(map(str, grips.values()))} &END
+""")
+    with open(os.path.join(KALM.folder, "case.kalm.csv"), encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    worst = 0.0
+    for row in rows:
+        at = {name: complex(float(row[name + ".x"]), float(row[name + ".y"])) for name in grips}
+        speed = {name: complex(float(row[name + ".vx"]), float(row[name + ".vy"])) for name in grips}
+        rates = [((speed[b] - speed[a])/(at[b] - at[a])).imag for a, b in ("AB", "BC", "CD")]
+        power = sum(grip*abs(rate) for grip, rate in zip(grips.values(), (rates[0], rates[1] - rates[0], rates[2] - rates[1], rates[2])))
+        worst = max(worst, abs(2.0*float(row["drive"]) - power)/power)
+    check(f"grip at {len(rows)} positions: the drive's power is that of friction, {worst:.1e} off", len(rows) == 12 and worst < 1e-12)
+
+
 def time_and_switches():
     # a force over time: momentum is its integral; kinks of the table are met
     table = " &LOADS LNAME='block A', LFX=10.0, LTABLE=1, LTIME=1, NTABLE=1, NTABIN=4, TABIN=0.1,0.2,0.4,0.5, TABVAL=0.0,1.0,1.0,0.0 &END\n"
@@ -171,6 +193,49 @@ def time_and_switches():
     check("hatch: opens to its stop and rests there", list(b["events"]["event"]) == ["impact", "rest"])
 
 
+def loops_and_sketch():
+    """The same four-bar by loops and as a sketch: springs, friction, loads over time and a switched motor move it alike."""
+    a, b, c, d, start, swing = .25, .7, .5, .8, 1.2, 3.0
+    bx, by = a*math.cos(start), a*math.sin(start)
+    far = math.hypot(d - bx, by)
+    turn = math.atan2(-by, d - bx) + math.acos((b*b + far*far - c*c)/(2*b*far))
+    cx, cy = bx + b*math.cos(turn), by + b*math.sin(turn)
+    masses = "MASS=1.0,2.0,1.5, MDIST=.12,.35,.25, MINERT=.006,.08,.03, GRAVY=-9.81"
+    sketch = f"""FOUR-BAR
+ &CHAIN JNT='A','B','C','D', JX=0.0,{bx!r},{cx!r},{d}, JY=0.0,{by!r},{cy!r},0.0, LNAME='frame','ab','bc','cd', LNK='A D','A B','B C','C D' &END
+ &DRIVES DRIVE='A' &END
+ &OUTPUTS OUTPUT='point C' &END
+ &METHOD NDES=1, DELT=0.0 &END
+ &MASSES MNAME='ab A','bc B','cd C', {masses} &END
+"""
+    loops = f"""FOUR-BAR
+ &LINKS NLOOP=1, MAXARC=4, ILINK=1,-2,-3,4, ILOOP=1,0,0,1, ARCL={a},{b},{c},{d}, GAMA=3*0.0,180.0, NOUTLK=2, NOUTLP=1 &END
+ &METHOD MOTION=0, NDES=1, DELT=0.0, CRNKI={math.degrees(start)!r} &END
+ &MASSES MLINK=-1,-2,-3, MLOOP=3*1, {masses} &END
+"""
+    acts = {"a gas spring": (" &SPRING ANAME='frame A', BNAME='bc C', ", " &SPRING ALINK=4, ALOOP=1, BLINK=2, BLOOP=1, ",
+                             "SPRE=-30.0, SFREE=0.6, SGASP=0.2, SGAS=1.3, SDAMP=2.0"),
+            "a cord": (" &SPRING ANAME='frame A', BNAME='bc C', ", " &SPRING ALINK=4, ALOOP=1, BLINK=2, BLOOP=1, ",
+                       "STIFF=300.0, SFREE=0.75, SSIDE=1, SQUAD=3.0"),
+            "a table": (" &SPRING ANAME='frame A', BNAME='bc C', ", " &SPRING ALINK=4, ALOOP=1, BLINK=2, BLOOP=1, ",
+                        "SLTAB=1, NSTAB=1, NSTABL=3, STABL=0.3,0.8,1.2, STABF=-10.0,5.0,30.0"),
+            "friction that is switched": (" &FRICTN FNAME='A','B','C', ", " &FRICTN FLINK=-1,1,2, FLOOP=3*1, ",
+                                          "FMU=0.0,0.2,0.3, FRAD=0.0,0.02,0.02, FGRIP=0.4,0.0,0.1, FTON=0.3,0.0,0.1, FTOFF=0.8,9.0,9.0"),
+            "a load over time": (" &LOADS LNAME='bc C', ", " &LOADS LLINK=2, LLOOP=1, ",
+                                 "LFX=10.0, LTABLE=1, LTIME=1, NTABLE=1, NTABIN=3, TABIN=0.1,0.2,0.6, TABVAL=0.0,1.0,-0.3"),
+            "a switched motor": (" &MOTOR ", " &MOTOR ", "MTORQ=3.0, MSPEED=20.0, FLYWHL=0.02, MTON=0.1, MTOFF=0.5")}
+    for name, (of_sketch, of_loops, items) in acts.items():
+        found = []
+        for text, group in ((sketch, of_sketch), (loops, of_loops)):
+            t, said = KALM.time(text + group + items + f" &END\n &TIME TAT=0.25,0.5,1.0, VSTART={swing} &END\n")
+            check(f"{name} by loops and as a sketch: {said[-200:] if t is None else ''}", t is not None and len(t["time"]) == 4)
+            found.append(t)
+        for column in ("input.v", "kinetic", "work", "lost"):
+            scale = max(1.0, np.max(np.abs(found[0][column])))
+            worst = np.max(np.abs(found[0][column] - found[1][column]))/scale
+            check(f"{name}: {column} by loops and as a sketch, {worst:.1e} apart", worst < 1e-10)
+
+
 def exchanged():
     """The same motion by the rocker, whose dead points it passes, and by the crank: whatever acts is carried over."""
     text = data("swing")
@@ -216,7 +281,9 @@ def mistakes():
 
 springs()
 at_positions()
+grip_at_positions()
 time_and_switches()
+loops_and_sketch()
 exchanged()
 mistakes()
 sys.exit(report())
