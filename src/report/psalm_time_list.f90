@@ -455,6 +455,7 @@ contains
                  ' at '//plain_number(study%time(at))//' s'
          if (size(study%free) > 1) words = trim(study%forces%drives(d))//' '//words
          call add_line('Greatest speed', words, text)
+         call summarise_end(d)
       end do
       do stop = study%smooth + 1, size(study%stop_names)
          first = findloc(study%events%stop == stop .and. study%events%kind == event_stick, .true., dim=1, back=.true.)
@@ -486,6 +487,39 @@ contains
       end do
 
    contains
+
+      !> Where a drive stands from some time on, or keeps its speed: by the times that are listed.
+      subroutine summarise_end(drive)
+         integer, intent(in) :: drive
+         real(wp), parameter :: steady = 0.01_wp   ! part of the speed
+         real(wp), parameter :: none = 1.0e-9_wp   ! part of the greatest speed
+         real(wp), parameter :: late = 0.9_wp      ! part of the time: what begins later says little
+         character(:), allocatable :: name
+         real(wp) :: last, greatest
+         integer :: rows, from
+
+         rows = size(study%time)
+         if (study%ended /= time_done .or. rows < 2) return
+         associate (speed => study%drives(:, drive, 1))
+            last = speed(rows)
+            greatest = maxval(abs(speed))
+            if (abs(last) <= none*greatest) then
+               from = findloc(abs(speed) <= none*greatest, .false., dim=1, back=.true.) + 1
+            else
+               from = findloc(abs(speed - last) <= steady*abs(last), .false., dim=1, back=.true.) + 1
+            end if
+         end associate
+         if (from == 1 .or. study%time(from) > late*study%time(rows)) return
+         name = ''
+         if (size(study%free) > 1) name = trim(study%forces%drives(drive))//' '
+         if (abs(last) <= none*greatest) then
+            call add_line('Stands', name//'from '//plain_number(study%time(from))//' s', text)
+         else
+            call add_line('Steady speed', name//plain_number(last)// &
+                          trim(merge(' length units/s', ' rad/s         ', problem%mechanism%actuators(drive)%slides))// &
+                          ', within 1 per cent from '//plain_number(study%time(from))//' s', text)
+         end if
+      end subroutine summarise_end
 
       !> How many there are, and the frequencies of the stable ones.
       subroutine summarise_equilibria()

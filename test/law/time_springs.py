@@ -6,6 +6,7 @@ usage: time_springs.py BIN   (directory with the programs). The last line is N p
 import csv
 import math
 import os
+import re
 import sys
 
 import numpy as np
@@ -184,8 +185,18 @@ def time_and_switches():
     near(t["kinetic"][2], .5*.8*(40*(1 - math.exp(-8*.4/(40*.8))))**2, 1e-10, "a switched motor: energy while it is on")
     check("a switched motor: on, off", list(b["events"]["event"]) == ["on", "off"] and list(b["events"]["stop"]) == ["motor", "motor"])
     check("a switched motor: energy in balance", np.max(np.abs(t["balance"])) < 1e-12*np.max(t["kinetic"]))
+    # a motor's line on a flywheel comes within 1 per cent of its last speed after T ln(100/(1 + 99 exp(-end/T)))
+    line = " &MOTOR MNAME='O.frame-disc', MTORQ=8.0, MSPEED=40.0, FLYWHL=0.3 &END\n"
+    decay = .8*40/8
+    _, said = KALM.tables(discs + line + " &TIME TEND=40.0, NTIME=4000 &END\n")
+    v_end = 40*(1 - math.exp(-40/decay))
+    want = math.ceil(100*decay*math.log(40/(40 - .99*v_end)))/100
+    found = re.search(r"Steady speed +O.frame-disc ([\d.]+) rad/s, within 1 per cent from ([\d.]+) s", said)
+    check(f"a motor's line: steady from {want} s: {said[-400:] if not found else found[0]}", bool(found) and float(found[2]) == want)
     # the data sets
     b, said = KALM.tables(data("clutch_press"))
+    check("press with a clutch: the flywheel runs steadily, the crank stands", "Stands              O.frame-crank from 3" in said and
+          "Steady speed        O.frame-flywheel 6.28 rad/s" in said)
     check("press with a clutch: events", list(b["events"]["event"]) == ["on", "stick", "off", "on", "slip", "stick"])
     t = b["time"]
     check("press with a clutch: energy in balance", np.max(np.abs(t["balance"])) < 1e-9*np.max(t["work"]))
