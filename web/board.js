@@ -424,12 +424,16 @@
   const write = () => notation.write(state.sketch, state.source);
 
   function save() {
+    download(write(), state.file.replace(/\.(dev7|txt)$/, '.nml'));
+    state.dirty = false;
+  }
+
+  function download(text, name) {
     const link = document.createElement('a');
-    link.href = URL.createObjectURL(new Blob([write()], { type: 'text/plain' }));
-    link.download = state.file.replace(/\.(dev7|txt)$/, '.nml');
+    link.href = URL.createObjectURL(new Blob([text], { type: 'text/plain' }));
+    link.download = name;
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 1000);
-    state.dirty = false;
   }
 
   function open(file) {
@@ -509,7 +513,7 @@
     board.panel.show();
   }
 
-  Object.assign(board, { state, edit, begin, touch, end, undo: () => undo(), redo: () => undo(future, past), relax, rename, remove, freeName, tidy, take, attempt, wrong, sweepOf,
+  Object.assign(board, { state, edit, begin, touch, end, undo: () => undo(), redo: () => undo(future, past), relax, rename, remove, freeName, tidy, take, attempt, wrong, sweepOf, download,
     refresh, places, slidePlace, sides, jointOf, linkOf, linksAt, inFrame, go, drive, play, pause, table, load, start, write, save, open, fit, free, clone, help,
     canUndo: () => past.length > 0, canRedo: () => future.length > 0 });
   ready();

@@ -10,7 +10,8 @@ board.engine = (() => {
   const meta = document.querySelector('meta[name="psalm-workbench"]'), served = Boolean(meta);
   const page = Math.random().toString(36).slice(2);
   const shown = { velocities: true, forces: true };
-  let timer = 0, busy = false, asked = '';       // the text that was asked about last
+  const PATIENT = 300;                   // milliseconds: an answer that takes longer is given up for one to a later text
+  let timer = 0, since = 0, number = 0, asked = '';     // begin and number of the question that is open, its text
   let answer = null, fresh = false, parts = {};
 
   /** What the server says; an object with `error` if it says no. */
@@ -29,7 +30,7 @@ board.engine = (() => {
     const part = (name, ...inside) => { parts[name] = make('div', { class: name }, ...inside); return parts[name]; };
     const arrow = (name) => make('label', { class: 'tick ' + name }, check(words[name], true, (on) => { shown[name] = on; board.view.draw(); }), words[name]);
     $('engine').append(part('state'), part('result', head(words.here), part('here'), row(words.shownArrows, arrow('velocities'), arrow('forces')),
-      head(words.assumptions), part('loads'), part('angles'), head(words.summary), part('summary'), part('found')));
+      head(words.assumptions), part('loads'), part('angles'), head(words.summary), part('summary'), part('proof'), part('ways'), part('found')));
     parts.result.hidden = true;
     parts.state.setAttribute('role', 'status');
   }
@@ -51,13 +52,15 @@ board.engine = (() => {
     timer = 0;
     const text = textNow();
     if (!board.state.sketch.joints.length && !board.source.mistaken) { answer = null; asked = ''; say(); return; }
-    if (busy || text === asked) return;          // when the answer is there, it is compared with what is on the board by then
-    busy = true;
+    if (text === asked) return;
+    if (since && performance.now() - since < PATIENT) { timer = setTimeout(look, DRAGGING); return; }
+    const mine = ++number;
+    since = performance.now();
     asked = text;
     const got = await ask('look', text);
-    busy = false;
-    const now = textNow();
-    if (got.stale || now !== text) { asked = ''; if (!timer) timer = setTimeout(look, DRAGGING); return; }
+    if (mine !== number) return;                 // a later question is open; the server has ended this one
+    since = 0;
+    if (got.stale || textNow() !== text) { asked = ''; if (!timer) timer = setTimeout(look, DRAGGING); return; }
     if (got.error) { answer = null; fresh = false; say(got.error); if (got.away) asked = ''; return; }
     answer = { ...got, text };
     fresh = !board.source.mistaken;
@@ -116,7 +119,7 @@ board.engine = (() => {
   function draw(g, X, Y, pens) {
     if (!served) return;
     const size = ARROW * Math.min(board.view.canvas.clientWidth, board.view.canvas.clientHeight);
-    if (fresh && answer.motion && !answer.motion.time && !board.state.messages.length) drawPath(g, X, Y, pens);
+    if (fresh && answer.motion && !answer.motion.time && !board.state.messages.length) { drawBand(g, X, Y, pens); drawPath(g, X, Y, pens); }
     for (const { from, x, y, most, kind, strong } of arrows()) {
       const [u, v] = [X(from[0]), Y(from[1])], dx = size * x / most, dy = -size * y / most, d = Math.hypot(dx, dy);
       if (d < 3) continue;
@@ -154,6 +157,29 @@ board.engine = (() => {
         g.fill();
       }
     }
+  }
+
+  /** The band of the tolerances round the path of the first output. */
+  function drawBand(g, X, Y, pens) {
+    const { band, joints, input } = answer.motion, output = board.state.sketch.outputs.find((one) => one.kind === 'point'), at = output && joints[output.of[0]];
+    if (!band || band.length < 2 || !at || !Array.isArray(at[0]) || !Array.isArray(at[1]) || at[0].some((v) => v === null) || at[1].some((v) => v === null)) return;
+    const n = input.length, ring = Math.abs(at[0][0] - at[0][n - 1]) + Math.abs(at[1][0] - at[1][n - 1]) < 0.2 * (Math.max(...at[0]) - Math.min(...at[0]) + Math.max(...at[1]) - Math.min(...at[1]));
+    for (const [kind, alpha] of [['worst', 0.14], ['square', 0.24]]) {
+      g.fillStyle = pens.accent;
+      g.globalAlpha = alpha;
+      const shape = new Path2D();
+      for (let i = 0; i + 1 < n + (ring ? 1 : 0); i++) {
+        const k = (i + 1) % n, corners = [];
+        for (const m of [i, k]) for (const [u, v] of [[1, 1], [1, -1], [-1, -1], [-1, 1]])
+          corners.push([X(at[0][m] + u * band[0][kind][m]), Y(at[1][m] + v * band[1][kind][m])]);
+        const part = new Path2D();
+        board.view.outline(corners).forEach(([x, y], c) => { if (c) part.lineTo(x, y); else part.moveTo(x, y); });
+        part.closePath();
+        shape.addPath(part);
+      }
+      g.fill(shape, 'nonzero');
+    }
+    g.globalAlpha = 1;
   }
 
   const digits = (v) => board.view.short(Number(v.toPrecision(4)));
@@ -213,7 +239,63 @@ board.engine = (() => {
       ...told.map((one) => make('li', { class: one.level }, words.line(one.line, one.text))))] : []));
     chart();
     loads();
+    proof();
+    ways();
     here();
+  }
+
+  /** What is proven, with its bounds; where it closes stands below the slider of the drive, too. */
+  function proof() {
+    const { make, head } = board.panel, { limits = [], extremes = [] } = answer.proof || {}, unit = turning() ? '\u00b0' : '';
+    const span = (a, b) => Math.abs(a - b) <= 1e-6 * (1 + Math.abs(a)) ? digits((a + b) / 2) : digits(a) + ' ... ' + digits(b);
+    const fact = (name, value) => make('div', { class: 'fact' }, make('span', {}, name), make('b', {}, value));
+    const rows = limits.filter((one) => one.kind !== 'undecided').map((one) => fact(words.closing[one.kind] || one.kind,
+      words.range(digits(one.from) + unit, digits(one.to) + unit) + (one.group ? ', ' + one.group : '')));
+    rows.push(...extremes.filter((one) => one.least_low !== null && one.greatest_high !== null).map((one) => fact(one.of,
+      words.extremes(span(one.least_low, one.least_high), digits(one.least_at) + unit, span(one.greatest_low, one.greatest_high), digits(one.greatest_at) + unit))));
+    parts.proof.replaceChildren(...(rows.length && board.free() === 1 ? [head(words.proven), ...rows] : []));
+    marks();
+  }
+
+  const turning = () => Boolean(board.state.sketch.drives.length) && board.state.sketch.drives[0].kind === 'turn';
+
+  /** Below the slider of a single drive: where the linkage closes for certain, and where something has a dead point. */
+  function marks() {
+    const track = $('drives').querySelector('.track'), { sweep } = board.state.motion, { make } = board.panel;
+    for (const one of $('drives').querySelectorAll('.proven')) one.remove();
+    if (!served || !fresh || !answer || !answer.proof || !track || !sweep || board.free() !== 1 || sweep.states.length < 2) return;
+    const k = board.state.sketch.drives.findIndex((d) => !d.ratio), unit = turning() ? board.motion.RADIAN : 1;
+    const value = (i) => sweep.states[i].inputs[k] / unit, n = sweep.states.length, low = Math.min(value(0), value(n - 1)), high = Math.max(value(0), value(n - 1));
+    if (!(high > low)) return;
+    const strip = make('div', { class: 'proven', title: words.strip }), x = (v) => 100 * Math.min(1, Math.max(0, (v - low) / (high - low)));
+    const shifts = turning() ? [-360, 0, 360] : [0], put = (from, to, kind, title) => {
+      for (const shift of shifts) {
+        const [a, b] = [from, to].map((v) => v + shift).sort((p, q) => p - q);
+        if (b < low || a > high) continue;
+        const mark = make('i', { class: kind, title });
+        mark.style.left = x(a) + '%';
+        if (kind === 'closes') mark.style.width = Math.max(0, x(b) - x(a)) + '%';
+        strip.append(mark);
+      }
+    };
+    for (const one of answer.proof.limits || []) if (one.kind === 'closes') put(one.from, one.to, 'closes', words.closing.closes);
+    for (const one of answer.proof.dead_points || []) put(one.low, one.high, 'dead', words.deadPoint(one.of));
+    track.append(strip);
+  }
+
+  /** Every way in which the links can be put together; a click on one draws it. */
+  function ways() {
+    const { make, head } = board.panel, all = answer.assemblies || [], { sketch } = board.state;
+    const known = all.length > 1 && sketch.joints.every((joint) => all.every((one) => one.joints[joint.name]));
+    parts.ways.replaceChildren(...(!known ? [] : [head(words.assemblies), make('p', {}, words.assembliesHint), make('div', { class: 'cards' }, ...all.map((one, i) => {
+      const other = { ...sketch, outputs: [], drives: [], lengths: [], joints: sketch.joints.map(({ name }) => ({ name, x: one.joints[name][0], y: one.joints[name][1] })) };
+      return make('button', { type: 'button', class: 'card', 'aria-label': words.assembly(i + 1), 'aria-pressed': String(one.drawn), onclick: () => redraw(one.joints) },
+        board.store.picture(other, []), make('small', {}, one.drawn ? words.assemblyDrawn : words.assembly(i + 1)));
+    }))]));
+  }
+
+  function redraw(joints) {
+    board.edit((sketch) => { for (const joint of sketch.joints) [joint.x, joint.y] = joints[joint.name].map((v) => Number(v.toPrecision(12))); });
   }
 
   /** The transmission angles over the motion, and where the position shown is. */
@@ -253,9 +335,11 @@ board.engine = (() => {
     const item = (place, name) => ((place && place.items.find((one) => one.name === name)) || { values: [] }).values;
     const first = (place, name, other) => { const v = Number((item(place, name)[0] || '').replace(/d/i, 'e')); return item(place, name).length && isFinite(v) ? v : other; };
     const rates = group('RATES'), place = group('LOADS'), own = !place || (item(place, 'LNAME').length === 1 && place.items.every((one) => ['NLOAD', 'LNAME', 'LFX', 'LFY'].includes(one.name)));
+    const play = group('TOLER'), tolerance = row(words.tolerance, numberField(words.toleranceLabel, first(play, 'TOLLEN', 0), (value) => value >= 0 ?
+      board.source.setItem('TOLER', 'TOLLEN', board.text.number(value)) : false));
     const speed = row(words.speed, numberField(words.speedLabel, first(rates, 'SPEED', 1), (value) => board.source.setItem('RATES', 'SPEED', board.text.number(value))));
     const put = (...all) => { parts.loads.replaceChildren(...all); if (held) parts.loads.querySelector('[aria-label="' + CSS.escape(held) + '"]')?.focus(); };
-    if (!own) { put(speed, make('p', {}, words.severalLoads)); return; }
+    if (!own) { put(speed, make('p', {}, words.severalLoads), tolerance); return; }
     const joints = sketch.joints.filter((joint) => sketch.links.slice(1).some((link) => link.joints.includes(joint.name)));
     const now = (item(place, 'LNAME')[0] || '').trim().split(/\s+/).at(-1), output = sketch.outputs.find((o) => o.kind === 'point');
     const at = make('select', { 'aria-label': words.loadAt }, ...joints.map((joint) => new Option(joint.name, joint.name)));
@@ -271,9 +355,9 @@ board.engine = (() => {
       for (const [name, value] of Object.entries(words)) changed = board.text.changed(changed, 'LOADS', name, value);
       board.take(changed);
     };
-    put(speed, row(words.load, at, x, y), button(words.setLoad, set, { 'aria-label': words.setLoad }), make('p', {}, answer.motion.forces ? words.loadHint : words.noForces + ' ' + words.loadHint));
+    put(speed, row(words.load, at, x, y), button(words.setLoad, set, { 'aria-label': words.setLoad }), make('p', {}, answer.motion.forces ? words.loadHint : words.noForces + ' ' + words.loadHint), tolerance);
   }
 
-  return { begin, follow, draw, ask, served, shown: (tab) => { if (tab === 'engine') board.view.draw(); }, arrows,
+  return { begin, follow, draw, ask, served, marks, shown: (tab) => { if (tab === 'engine') board.view.draw(); }, arrows,
     get answer() { return fresh ? answer : null; } };
 })();

@@ -209,7 +209,7 @@ board.panel = (() => {
   function positionPart() {
     const { state, edit } = board, { sketch } = state;
     if (!sketch.drives.length) return [];
-    if (sketch.drives.some((d) => d.grid)) return [head('Positions'), make('p', {}, 'A grid of strokes (NGRID); edit it in the text below.')];
+    if (sketch.drives.some((d) => d.grid)) return [head('Positions'), make('p', {}, 'A grid of strokes (NGRID); edit it in the tab Text.')];
     const list = (label, values, take) => field(label, values.join(' '), (text) => {
       const numbers = text.split(/[\s;]+/).filter(Boolean).map(valueOf);
       return numbers.length && numbers.every(isFinite) ? take(numbers) : false;
@@ -296,8 +296,9 @@ board.panel = (() => {
         board.pause();
         if (several) board.drive(k, Number(range.value)); else board.go(Number(range.value));
       });
-      return [make('label', {}, at, range, value)];
+      return [make('label', {}, at, make('div', { class: 'track' }, range), value)];
     }));
+    board.engine.marks();
   }
 
   /** What changes while it moves. */

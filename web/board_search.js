@@ -9,6 +9,7 @@ board.search = (() => {
   const $ = (id) => document.getElementById(id);
   const parts = {}, chosen = new Set(['pins4', 'slide4', 'pins6']);
   let cards = [], running = '', round = 0, angle = 0, count = POINTS, stopping = false;
+  let text = '';                         // the data set of the last search, as psalm reads it
 
   // ---- the curve ----------------------------------------------------------------------------------------------------
 
@@ -120,6 +121,7 @@ board.search = (() => {
     parts.clear = button(words.wantedClear, () => want(null));
     parts.start = button(words.searchStart, start, { class: 'main', id: 'start-search' });
     parts.stop = button(words.searchStop, stop, { id: 'stop-search' });
+    parts.save = button(words.searchSave, () => board.download(text, 'wanted.nml'), { hidden: true });
     parts.doing = make('p', { role: 'status' });
     parts.sheet = make('div', { class: 'cards' });
     parts.found = make('div', { hidden: true }, head(words.sheet), make('p', {}, words.sheetHint), parts.sheet);
@@ -134,7 +136,7 @@ board.search = (() => {
       return true;
     })), parts.told, head(words.kinds), make('div', { class: 'list' }, ...kinds),
     row(words.leastAngle, numberField(words.leastAngleLabel, angle, (value) => { if (value < 0 || value > 60) return false; angle = value; return true; })),
-    make('div', { class: 'list' }, parts.start, parts.stop), parts.doing, parts.found);
+    make('div', { class: 'list' }, parts.start, parts.stop, parts.save), parts.doing, parts.found);
     follow();
   }
 
@@ -152,7 +154,8 @@ board.search = (() => {
   function forget() {
     stop();
     running = '';
-    [cards, round] = [[], 0];
+    [cards, round, text] = [[], 0, ''];
+    if (parts.save) parts.save.hidden = true;
     show();
     if (parts.doing) parts.doing.textContent = '';
     follow();
@@ -175,7 +178,11 @@ board.search = (() => {
     if (running !== name) return;
     if (got.error) { parts.told.textContent = got.error; running = ''; follow(); return; }
     for (const one of got.events) {
-      if (one.doing) parts.doing.textContent = words.searching(words.kindNames[one.doing], one.round);
+      if (one.doing) {
+        parts.doing.textContent = words.searching(words.kindNames[one.doing], one.round);
+        text = one.text;
+        parts.save.hidden = false;
+      }
       if (one.found) add(one.found);
       if (one.error) parts.told.textContent = one.error;
       if (one.done) round = one.round === undefined ? round + 1 : one.round;

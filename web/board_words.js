@@ -47,7 +47,7 @@ board.words = {
   perSecond: '/s',
   moment: ' N m',
   newton: ' N',
-  assumptions: 'Speed and load',
+  assumptions: 'Speed, load, tolerance',
   speed: 'speed',
   speedLabel: 'speed of the input, radians or lengths a second',
   load: 'load at',
@@ -58,6 +58,19 @@ board.words = {
   loadHint: 'The load becomes the group &LOADS of the case; masses are set in the text (&MASSES).',
   noForces: 'Forces need a load, masses or springs.',
   severalLoads: 'The case has loads of its own: change them in the text.',
+
+  tolerance: 'lengths \u00b1',
+  toleranceLabel: 'tolerance of all lengths, to either side; 0: none',
+  proven: 'Proven',
+  strip: 'green: it closes, proven; marks: dead points',
+  closing: { closes: 'closes', opens: 'does not close' },
+  range: (from, to) => 'from ' + from + ' to ' + to,
+  extremes: (least, at, greatest, where) => 'least ' + least + ' at ' + at + ', greatest ' + greatest + ' at ' + where,
+  deadPoint: (of) => 'dead point: ' + of,
+  assemblies: 'Assemblies',
+  assembliesHint: 'All ways to put the links together here; click one to draw it.',
+  assembly: (number) => 'assembly ' + number,
+  assemblyDrawn: 'as drawn',
 
   // searches
   wantedTool: 'Wanted',

@@ -294,6 +294,11 @@ module psalm_board_text
    '  grid-template-columns: auto minmax(0, 1fr) minmax(280px, 38%);'//nl// &
    '}'//nl// &
    ''//nl// &
+   'main:has(#side[data-tab=engine]),'//nl// &
+   'main:has(#side[data-tab=search]) {'//nl// &
+   '  grid-template-columns: auto minmax(0, 1fr) minmax(270px, 360px);'//nl// &
+   '}'//nl// &
+   ''//nl// &
    '#side > #text {'//nl// &
    '  display: flex;'//nl// &
    '  flex-direction: column;'//nl// &
@@ -316,14 +321,14 @@ module psalm_board_text
    '.editor pre,'//nl// &
    '.editor textarea {'//nl// &
    '  margin: 0;'//nl// &
-   '  padding: 4px 6px;'//nl// &
+   '  padding: 4px 6px;'//nl
+
+   character(*), parameter :: part_5 = &
    '  border: 0;'//nl// &
    '  font: 12px/17px ui-monospace, "DejaVu Sans Mono", monospace;'//nl// &
    '  white-space: pre;'//nl// &
    '}'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_5 = &
+   ''//nl// &
    '.editor pre {'//nl// &
    '  flex: 0 0 auto;'//nl// &
    '  overflow: hidden;'//nl// &
@@ -418,14 +423,14 @@ module psalm_board_text
    '  font-variant-numeric: tabular-nums;'//nl// &
    '}'//nl// &
    ''//nl// &
-   '.result.old {'//nl// &
+   '.result.old {'//nl
+
+   character(*), parameter :: part_6 = &
    '  opacity: .45;'//nl// &
    '}'//nl// &
    ''//nl// &
    '.tick {'//nl// &
-   '  display: flex;'//nl
-
-   character(*), parameter :: part_6 = &
+   '  display: flex;'//nl// &
    '  align-items: center;'//nl// &
    '  gap: 5px;'//nl// &
    '  margin-right: 10px;'//nl// &
@@ -520,14 +525,14 @@ module psalm_board_text
    ''//nl// &
    '.card svg circle.frame {'//nl// &
    '  fill: var(--ink);'//nl// &
-   '}'//nl// &
+   '}'//nl
+
+   character(*), parameter :: part_7 = &
    ''//nl// &
    'dialog {'//nl// &
    '  width: min(860px, calc(100vw - 24px));'//nl// &
    '  max-height: calc(100vh - 40px);'//nl// &
-   '  padding: 14px;'//nl
-
-   character(*), parameter :: part_7 = &
+   '  padding: 14px;'//nl// &
    '  border: 1px solid var(--line);'//nl// &
    '  border-radius: 8px;'//nl// &
    '  background: var(--paper);'//nl// &
@@ -622,14 +627,14 @@ module psalm_board_text
    '  outline-offset: -2px;'//nl// &
    '}'//nl// &
    ''//nl// &
-   'footer label {'//nl// &
+   'footer label {'//nl
+
+   character(*), parameter :: part_8 = &
    '  display: flex;'//nl// &
    '  align-items: center;'//nl// &
    '  gap: 6px;'//nl// &
    '  color: var(--soft);'//nl// &
-   '  font-size: .86rem;'//nl
-
-   character(*), parameter :: part_8 = &
+   '  font-size: .86rem;'//nl// &
    '}'//nl// &
    ''//nl// &
    '#speed {'//nl// &
@@ -655,6 +660,43 @@ module psalm_board_text
    '#drives span {'//nl// &
    '  min-width: 92px;'//nl// &
    '  font-variant-numeric: tabular-nums;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.track {'//nl// &
+   '  position: relative;'//nl// &
+   '  flex: 1;'//nl// &
+   '  display: flex;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.proven {'//nl// &
+   '  position: absolute;'//nl// &
+   '  left: 8px;'//nl// &
+   '  right: 8px;'//nl// &
+   '  bottom: 2px;'//nl// &
+   '  height: 4px;'//nl// &
+   '  pointer-events: none;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.proven i {'//nl// &
+   '  position: absolute;'//nl// &
+   '  top: 0;'//nl// &
+   '  height: 4px;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.proven .closes {'//nl// &
+   '  background: var(--good);'//nl// &
+   '  opacity: .55;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.proven .dead {'//nl// &
+   '  width: 2px;'//nl// &
+   '  top: -3px;'//nl// &
+   '  height: 9px;'//nl// &
+   '  background: var(--warn);'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.card[aria-pressed=true] {'//nl// &
+   '  border-color: var(--accent);'//nl// &
    '}'//nl// &
    ''//nl// &
    '#facts {'//nl// &
@@ -685,9 +727,11 @@ module psalm_board_text
    '    height: 58vh;'//nl// &
    '  }'//nl// &
    '  main,'//nl// &
-   '  main:has(#side[data-tab=text]) {'//nl// &
+   '  main:has(#side[data-tab]) {'//nl// &
    '    grid-template-columns: minmax(0, 1fr);'//nl// &
-   '    grid-template-rows: none;'//nl// &
+   '    grid-template-rows: none;'//nl
+
+   character(*), parameter :: part_9 = &
    '  }'//nl// &
    '  #side {'//nl// &
    '    border-left: 0;'//nl// &
@@ -731,9 +775,7 @@ module psalm_board_text
    '    <div id="state">'//nl// &
    '    <div id="chip" role="status" aria-live="polite"></div>'//nl// &
    '    <div id="zoom">'//nl// &
-   '      <button id="larger" type="button" aria-label="larger" title="larger (+)">+</button>'//nl
-
-   character(*), parameter :: part_9 = &
+   '      <button id="larger" type="button" aria-label="larger" title="larger (+)">+</button>'//nl// &
    '      <button id="smaller" type="button" aria-label="smaller" title="smaller (-)">&minus;</button>'//nl// &
    '      <button id="fit" type="button" aria-label="show all" title="show all (F)">Fit</button>'//nl// &
    '      <label>grid <select id="grid" aria-label="grid">'//nl// &
@@ -942,7 +984,9 @@ module psalm_board_text
    "140.0,0.0,30.0,60.0,140.0,\n  JY=10.0,25.0,15.0,20.0,-10.0,-25.0,-15.0,-20.0,\n  LNAME='body','rod','link1','finger1','"// &
    "link2','finger2', LNK='b b2','a a2','a c','b c f','a2 c2','b2 c2 f2',\n  SLNK='body', SLNK2='rod', SLX=0.0, SLY=0.0, SL"// &
    "ANG=0.0 &END\n &DRIVES DRIVE='S1' &END\n &OUTPUTS OUTPUT='distance f f2','angle b f' &END\n &METHOD NDES=9, DELT=-4.0,-"// &
-   "3.0,-2.0,-1.0,0.0,1.0,2.0,3.0,4.0 &END\n""},"//nl// &
+   "3.0,-2.0,-1.0,0.0,1.0,2.0,3.0,4.0 &END\n""},"//nl
+
+   character(*), parameter :: part_10 = &
    "  {""name"": ""umbrella"", ""title"": ""UMBRELLA, ONE RIB"", ""text"": ""! Half of an umbrella: the runner slides down "// &
    "the pole, the stretcher opens the rib, and the pull rod folds the outer rib out.\n! Output: tip of the outer rib Q and "// &
    "its direction. Lengths in mm; the runner falls by 100 and rises by 100.\nUMBRELLA, ONE RIB\n &CHAIN JNT='T','R','S','U'"// &
@@ -1011,9 +1055,7 @@ module psalm_board_text
    ''//nl// &
    '  // results of the engine'//nl// &
    "  waiting: 'The engine is computing.',"//nl// &
-   "  away: 'The engine does not answer. Is psalm-workbench still running?',"//nl
-
-   character(*), parameter :: part_10 = &
+   "  away: 'The engine does not answer. Is psalm-workbench still running?',"//nl// &
    "  nothingYet: 'Draw a linkage that moves: results appear here.',"//nl// &
    "  summary: 'Summary',"//nl// &
    "  messages: 'Messages',"//nl// &
@@ -1028,7 +1070,7 @@ module psalm_board_text
    "  perSecond: '/s',"//nl// &
    "  moment: ' N m',"//nl// &
    "  newton: ' N',"//nl// &
-   "  assumptions: 'Speed and load',"//nl// &
+   "  assumptions: 'Speed, load, tolerance',"//nl// &
    "  speed: 'speed',"//nl// &
    "  speedLabel: 'speed of the input, radians or lengths a second',"//nl// &
    "  load: 'load at',"//nl// &
@@ -1039,6 +1081,19 @@ module psalm_board_text
    "  loadHint: 'The load becomes the group &LOADS of the case; masses are set in the text (&MASSES).',"//nl// &
    "  noForces: 'Forces need a load, masses or springs.',"//nl// &
    "  severalLoads: 'The case has loads of its own: change them in the text.',"//nl// &
+   ''//nl// &
+   "  tolerance: 'lengths \u00b1',"//nl// &
+   "  toleranceLabel: 'tolerance of all lengths, to either side; 0: none',"//nl// &
+   "  proven: 'Proven',"//nl// &
+   "  strip: 'green: it closes, proven; marks: dead points',"//nl// &
+   "  closing: { closes: 'closes', opens: 'does not close' },"//nl// &
+   "  range: (from, to) => 'from ' + from + ' to ' + to,"//nl// &
+   "  extremes: (least, at, greatest, where) => 'least ' + least + ' at ' + at + ', greatest ' + greatest + ' at ' + where,"//nl// &
+   "  deadPoint: (of) => 'dead point: ' + of,"//nl// &
+   "  assemblies: 'Assemblies',"//nl// &
+   "  assembliesHint: 'All ways to put the links together here; click one to draw it.',"//nl// &
+   "  assembly: (number) => 'assembly ' + number,"//nl// &
+   "  assemblyDrawn: 'as drawn',"//nl// &
    ''//nl// &
    '  // searches'//nl// &
    "  wantedTool: 'Wanted',"//nl// &
@@ -1059,7 +1114,9 @@ module psalm_board_text
    "  searchStart: 'Search',"//nl// &
    "  searchOn: 'Go on',"//nl// &
    "  searchStop: 'Stop',"//nl// &
-   "  searchSave: 'Save as data set',"//nl// &
+   "  searchSave: 'Save as data set',"//nl
+
+   character(*), parameter :: part_11 = &
    "  searching: (kind, round) => 'Round ' + (round + 1) + ': ' + kind + ' ...',"//nl// &
    "  searchOver: (count) => count ? 'Stopped; ' + count + ' kinds of linkages found.' : 'Stopped; nothing was found.',"//nl// &
    "  sheet: 'Found',"//nl// &
@@ -1117,9 +1174,7 @@ module psalm_board_text
    '    let at = starts[first] + lines[first].length, end = text.length;'//nl// &
    '    // places are asked for in their order: one way through the lines does for all'//nl// &
    '    let known = 0;'//nl// &
-   '    const lineOf = (place) => {'//nl
-
-   character(*), parameter :: part_11 = &
+   '    const lineOf = (place) => {'//nl// &
    '      if (place < starts[known]) known = 0;'//nl// &
    '      while (known + 1 < starts.length && starts[known + 1] <= place) known++;'//nl// &
    '      return known + 1;'//nl// &
@@ -1167,7 +1222,9 @@ module psalm_board_text
    '      at += word.length;'//nl// &
    '      if (/^(\s|!)/.test(word)) continue;'//nl// &
    '      if (/^([&$]END|\/)$/i.test(word)) return at;'//nl// &
-   '      if (found[1] !== undefined) {'//nl// &
+   '      if (found[1] !== undefined) {'//nl
+
+   character(*), parameter :: part_12 = &
    "        item = { name: found[1].toUpperCase(), place: found[2] || '', values: [], line: lineOf(at), from: at - word.len"// &
    "gth, to: at };"//nl// &
    '        group.items.push(item);'//nl// &
@@ -1227,9 +1284,7 @@ module psalm_board_text
    "      .filter((item) => !OWN[name].includes(item.name) && !(name === 'DRIVES' && /^DELT\d+$/.test(item.name)))"//nl// &
    "      .map((item) => text.slice(item.from, item.to).replace(/\s*,\s*$/, ''));"//nl// &
    '    return sketch;'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_12 = &
+   '  }'//nl// &
    ''//nl// &
    '  /** The joints that a text names: words, or one-letter names that run together. */'//nl// &
    '  function jointsIn(words, names, mistake) {'//nl// &
@@ -1278,7 +1333,9 @@ module psalm_board_text
    "      if (sketch.slides.some((slide) => slide.name === drive.at[0])) drive.kind = 'slide';"//nl// &
    '      else if (!names.includes(drive.at[0])) {'//nl// &
    "        drive.kind = 'cylinder';"//nl// &
-   '        drive.at = jointsIn(text, names, wrong);'//nl// &
+   '        drive.at = jointsIn(text, names, wrong);'//nl
+
+   character(*), parameter :: part_13 = &
    '        if (drive.at.length !== 2) throw wrong("''" + text + "'' is no joint, no slide and no pair of joints");'//nl// &
    '      }'//nl// &
    '      return drive;'//nl// &
@@ -1335,9 +1392,7 @@ module psalm_board_text
    '  });'//nl// &
    ''//nl// &
    '  /** The groups of a sketch, each as text. */'//nl// &
-   '  function groups(sketch) {'//nl
-
-   character(*), parameter :: part_13 = &
+   '  function groups(sketch) {'//nl// &
    '    const { joints, links, slides, gears, lengths, drives, outputs } = sketch;'//nl// &
    "    const chain = [['JNT', joints.map((j) => quoted(j.name))], ['JX', joints.map((j) => number(j.x))], ['JY', joints.ma"// &
    "p((j) => number(j.y))]];"//nl// &
@@ -1394,7 +1449,9 @@ module psalm_board_text
    "    const word = (one) => one === from ? to : kind === 'joint' && !joints.includes(one) && from.length === 1 && one.inc"// &
    "ludes(from) &&"//nl// &
    "      [...one].every((letter) => joints.includes(letter)) ? [...one].map((letter) => letter === from ? to : letter).joi"// &
-   "n(to.length > 1 ? ' ' : '') : one;"//nl// &
+   "n(to.length > 1 ? ' ' : '') : one;"//nl
+
+   character(*), parameter :: part_14 = &
    "    return text.replace(/'([^']*)'/g, (_, words) => ""'"" + words.split(/([\s-]+)/).map(word).join('') + ""'"");"//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1458,9 +1515,7 @@ module psalm_board_text
    'a slide keeps'//nl// &
    '// both directions and lets nothing move across its line; a cylinder gives a distance; gears and drives give angles or '// &
    'travels.'//nl// &
-   "// The same equations as psalm's, for the whole sketch at once. Nothing here knows the document."//nl
-
-   character(*), parameter :: part_14 = &
+   "// The same equations as psalm's, for the whole sketch at once. Nothing here knows the document."//nl// &
    "'use strict';"//nl// &
    'globalThis.board = globalThis.board || {};'//nl// &
    ''//nl// &
@@ -1507,7 +1562,9 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** The same with more equations than unknowns: least squares. */'//nl// &
-   '  function solve(A, b, columns) {'//nl// &
+   '  function solve(A, b, columns) {'//nl
+
+   character(*), parameter :: part_15 = &
    '    if (A.length === columns) return eliminate(A.map((row) => row.slice()), b.slice());'//nl// &
    '    const normal = Array.from({ length: columns }, (_, i) => Array.from({ length: columns }, (_, j) =>'//nl// &
    '      A.reduce((sum, row) => sum + row[i] * row[j], 0)));'//nl// &
@@ -1563,9 +1620,7 @@ module psalm_board_text
    '    const origin = [], point = [];'//nl// &
    '    sketch.links.forEach((link, i) => {'//nl// &
    '      const at = shape(sketch, link, i === 0);'//nl// &
-   '      const slide = sketch.slides.find((s) => s.links.includes(link.name));'//nl
-
-   character(*), parameter :: part_15 = &
+   '      const slide = sketch.slides.find((s) => s.links.includes(link.name));'//nl// &
    '      origin[i] = i === 0 ? [0, 0] : link.joints.length ? at.get(link.joints[0]).slice() : slide ? [slide.x, slide.y] :'// &
    ' [0, 0];'//nl// &
    '      point[i] = new Map([...at].map(([name, p]) => [joint.get(name), [p[0] - origin[i][0], p[1] - origin[i][1]]]));'//nl// &
@@ -1616,7 +1671,9 @@ module psalm_board_text
    '    const s = mech.slides[i], [px, py, pdx, pdy] = place(mech, pose, s.a, s.p), [qx, qy, qdx, qdy] = place(mech, pose, '// &
    's.b, s.q);'//nl// &
    '    const [ux, uy] = turn(s.d, pose[3 * s.a + 2]), dx = qx - px, dy = qy - py;'//nl// &
-   '    return { along: dx * ux + dy * uy, across: dy * ux - dx * uy, u: [ux, uy],'//nl// &
+   '    return { along: dx * ux + dy * uy, across: dy * ux - dx * uy, u: [ux, uy],'//nl
+
+   character(*), parameter :: part_16 = &
    '      by: (n) => ({ b: [n[0], n[1], qdx * n[0] + qdy * n[1]], a: [-n[0], -n[1], -(pdx * n[0] + pdy * n[1])] }), dx, dy '// &
    '};'//nl// &
    '  }'//nl// &
@@ -1675,9 +1732,7 @@ module psalm_board_text
    '    return { A, r, n };'//nl// &
    '  }'//nl// &
    ''//nl// &
-   "  /** Newton's method from where `pose` stands; it is changed. */"//nl
-
-   character(*), parameter :: part_16 = &
+   "  /** Newton's method from where `pose` stands; it is changed. */"//nl// &
    '  function correct(mech, pose, inputs) {'//nl// &
    '    let first = 0, before = Infinity, sign = 0, full = true;'//nl// &
    '    for (let round = 1; round <= ROUNDS; round++) {'//nl// &
@@ -1723,7 +1778,9 @@ module psalm_board_text
    '      const x = velocity(mech, now, rates);'//nl// &
    '      if (!x) return null;'//nl// &
    '      step = Math.min(step, 1 - way);'//nl// &
-   '      for (;;) {'//nl// &
+   '      for (;;) {'//nl
+
+   character(*), parameter :: part_17 = &
    '        const pose = now.pose.slice(), inputs = way + step >= 1 ? target.slice() : from.map((v, k) => v + (way + step) '// &
    '* rates[k]);'//nl// &
    '        for (let i = 0; i < n; i++) pose[i + 3] += step * (i % 3 === 2 ? x[i] / mech.size : x[i]);'//nl// &
@@ -1782,9 +1839,7 @@ module psalm_board_text
    '      return values.map((value, d) => sketch.drives[d].ratio ? sketch.drives[d].ratio * values[0] + sketch.drives[d].ph'// &
    'ase : value)'//nl// &
    "        .map((value, d) => sketch.drives[d].kind === 'turn' ? value * RADIAN : value);"//nl// &
-   '    });'//nl
-
-   character(*), parameter :: part_17 = &
+   '    });'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** States at rows of inputs, each from the nearest one known; null where it does not close. */'//nl// &
@@ -1837,7 +1892,9 @@ module psalm_board_text
    '-'//nl// &
    ''//nl// &
    '  /** The sketch with joints and slides anywhere: what holds there holds for almost all dimensions. Always the same pla'// &
-   'ces. */'//nl// &
+   'ces. */'//nl
+
+   character(*), parameter :: part_18 = &
    '  function anywhere(sketch) {'//nl// &
    '    let seed = 12345;'//nl// &
    '    const random = () => { seed = (seed * 1103515245 + 12345) % 2147483648; return seed / 2147483648; };'//nl// &
@@ -1900,9 +1957,7 @@ module psalm_board_text
    "    if (home.length) return say('Joint ' + home[0].name + ' belongs to no link: pull a link from it, pin it to the fram"// &
    "e, or delete it.', [home[0].name]);"//nl// &
    "    if (sketch.links.length < 2) return say('Only the frame is there: with the tool Link pull a link from joint to join"// &
-   "t.');"//nl
-
-   character(*), parameter :: part_18 = &
+   "t.');"//nl// &
    '    for (const link of sketch.links) for (const [i, a] of link.joints.entries()) for (const b of link.joints.slice(0, i'// &
    ')) {'//nl// &
    '      const [p, q] = [a, b].map((name) => sketch.joints.find((j) => j.name === name));'//nl// &
@@ -1961,7 +2016,9 @@ module psalm_board_text
    'liminate, listed, RADIAN };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
-   '<script>'//nl// &
+   '<script>'//nl
+
+   character(*), parameter :: part_19 = &
    "// The drawing board's picture: what is on the canvas, and what is under a point of it."//nl// &
    "'use strict';"//nl// &
    ''//nl// &
@@ -2017,9 +2074,7 @@ module psalm_board_text
    '    const chosen = board.state.grid;'//nl// &
    "    if (chosen === 'auto') {"//nl// &
    '      const least = 22 / eye.k, power = 10 ** Math.floor(Math.log10(least));'//nl// &
-   '      return [1, 2, 5, 10].map((s) => s * power).find((s) => s >= least * 0.999);'//nl
-
-   character(*), parameter :: part_19 = &
+   '      return [1, 2, 5, 10].map((s) => s * power).find((s) => s >= least * 0.999);'//nl// &
    '    }'//nl// &
    '    return Number(chosen);'//nl// &
    '  }'//nl// &
@@ -2066,7 +2121,9 @@ module psalm_board_text
    '    drawPending();'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function drawGrid() {'//nl// &
+   '  function drawGrid() {'//nl
+
+   character(*), parameter :: part_20 = &
    '    const step = gridStep() || 22 / eye.k, [left, top] = world(0, 0), [right, bottom] = world(w, h), shown = gridStep()'// &
    ' > 0;'//nl// &
    '    const lines = (from, to) => Array.from({ length: Math.min(400, Math.floor(to / step) - Math.ceil(from / step) + 1) '// &
@@ -2127,9 +2184,7 @@ module psalm_board_text
    '      return;'//nl// &
    '    }'//nl// &
    '    if (link.joints.length === 1) return;'//nl// &
-   '    if (chosen || (hover && hover.link === link.name)) {'//nl
-
-   character(*), parameter :: part_20 = &
+   '    if (chosen || (hover && hover.link === link.name)) {'//nl// &
    '      g.globalAlpha = 0.35;'//nl// &
    '      g.strokeStyle = pens.accent;'//nl// &
    '      g.lineWidth = wide + 9;'//nl// &
@@ -2174,7 +2229,9 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** The line of a slide, with the link that it is drawn on. */'//nl// &
-   '  function drawRail(slide, i) {'//nl// &
+   '  function drawRail(slide, i) {'//nl
+
+   character(*), parameter :: part_21 = &
    '    const place = board.slidePlace(i), [ux, uy] = place.u, reach = 1.2 * (w + h);'//nl// &
    '    g.strokeStyle = pens.frame;'//nl// &
    '    g.lineWidth = 1.2;'//nl// &
@@ -2233,9 +2290,7 @@ module psalm_board_text
    '    if (!a || !b) return;'//nl// &
    '    const [pa, pb] = [p(a), p(b)], d = Math.hypot(pb[0] - pa[0], pb[1] - pa[1]), ratio = -gear.teeth[0] / gear.teeth[1]'// &
    ';'//nl// &
-   '    g.lineWidth = 1.4;'//nl
-
-   character(*), parameter :: part_21 = &
+   '    g.lineWidth = 1.4;'//nl// &
    '    [[pa, ratio / (ratio - 1), gear.wheels[0]], [pb, 1 / (ratio - 1), gear.wheels[1]]].forEach(([c, f, name]) => {'//nl// &
    '      g.strokeStyle = colourOf(sketch.links.findIndex((l) => l.name === name));'//nl// &
    '      g.beginPath();'//nl// &
@@ -2280,7 +2335,9 @@ module psalm_board_text
    '    g.font = ''italic 600 15px system-ui, "DejaVu Sans", sans-serif'';'//nl// &
    '    g.fillText(joint.name, x + 11, y - 10);'//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_22 = &
    '  /** A crank is driven: an arrow round its joint. */'//nl// &
    '  function drawMotor(x, y) {'//nl// &
    '    g.strokeStyle = g.fillStyle = pens.good;'//nl// &
@@ -2336,9 +2393,7 @@ module psalm_board_text
    '      g.fillText(text, x, y + 4);'//nl// &
    '    }'//nl// &
    "    g.textAlign = 'left';"//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_22 = &
+   '  }'//nl// &
    ''//nl// &
    '  /** What a tool is about to make. */'//nl// &
    '  function drawPending() {'//nl// &
@@ -2388,7 +2443,9 @@ module psalm_board_text
    '    });'//nl// &
    '    if (best) return best;'//nl// &
    '    least = touch ? 16 : 9;'//nl// &
-   '    sketch.links.forEach((link, i) => {'//nl// &
+   '    sketch.links.forEach((link, i) => {'//nl
+
+   character(*), parameter :: part_23 = &
    '      if (i === 0 || link.joints.includes(without)) return;'//nl// &
    '      const round = outline(link.joints.map(p));'//nl// &
    '      round.forEach((a, k) => {'//nl// &
@@ -2445,9 +2502,7 @@ module psalm_board_text
    ''//nl// &
    "  const row = (label, ...fields) => make('div', { class: 'row' }, make('span', {}, label), ...fields);"//nl// &
    "  const head = (text) => make('h2', {}, text);"//nl// &
-   ''//nl
-
-   character(*), parameter :: part_23 = &
+   ''//nl// &
    '  /** A field that takes a text; `take` gives false for one that cannot be. */'//nl// &
    '  function field(label, value, take, attributes = {}) {'//nl// &
    "    const input = make('input', { value, 'aria-label': label, spellcheck: 'false', autocomplete: 'off', ...attributes }"// &
@@ -2493,7 +2548,9 @@ module psalm_board_text
    '    return at === s.length ? value : NaN;'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  const check = (label, on, take) => {'//nl// &
+   '  const check = (label, on, take) => {'//nl
+
+   character(*), parameter :: part_24 = &
    "    const box = make('input', { type: 'checkbox', 'aria-label': label, onchange: () => take(box.checked) });"//nl// &
    '    box.checked = on;'//nl// &
    '    return box;'//nl// &
@@ -2553,9 +2610,7 @@ module psalm_board_text
    '    const places = board.places().get(name);'//nl// &
    "    return [head('Joint ' + name),"//nl// &
    "      row('name', field('name of the joint', name, (text) => board.rename('joint', name, text) && choose({ joint: text "// &
-   "}))),"//nl
-
-   character(*), parameter :: part_24 = &
+   "}))),"//nl// &
    "      row('x', numberField('x', board.state.live ? places[0] : joint.x, move('x'))), row('y', numberField('y', board.st"// &
    "ate.live ? places[1] : joint.y, move('y'))),"//nl// &
    "      row('frame', check('pinned to the frame', board.inFrame(name), () => board.tools.pivot(name))),"//nl// &
@@ -2607,7 +2662,9 @@ module psalm_board_text
    "      row('line on', choice('link that the line is on', names, slide.links[0], onto(0))),"//nl// &
    "      row('slides', choice('link that slides', names, slide.links[1], onto(1))),"//nl// &
    "      row('angle', numberField('direction of the slide, degrees', slide.angle, set('angle'))),"//nl// &
-   "      row('through x', numberField('x of a point of the line', slide.x, set('x'))),"//nl// &
+   "      row('through x', numberField('x of a point of the line', slide.x, set('x'))),"//nl
+
+   character(*), parameter :: part_25 = &
    "      row('y', numberField('y of a point of the line', slide.y, set('y'))),"//nl// &
    "      row('driven', check('the slide is driven', state.sketch.drives.some((d) => d.at[0] === name), () => board.tools.d"// &
    "rive({ slide: name }))),"//nl// &
@@ -2648,7 +2705,7 @@ module psalm_board_text
    '    const { state, edit } = board, { sketch } = state;'//nl// &
    '    if (!sketch.drives.length) return [];'//nl// &
    "    if (sketch.drives.some((d) => d.grid)) return [head('Positions'), make('p', {}, 'A grid of strokes (NGRID); edit it"// &
-   " in the text below.')];"//nl// &
+   " in the tab Text.')];"//nl// &
    "    const list = (label, values, take) => field(label, values.join(' '), (text) => {"//nl// &
    '      const numbers = text.split(/[\s;]+/).filter(Boolean).map(valueOf);'//nl// &
    '      return numbers.length && numbers.every(isFinite) ? take(numbers) : false;'//nl// &
@@ -2672,9 +2729,7 @@ module psalm_board_text
    '      }))));'//nl// &
    '    });'//nl// &
    "    parts.push(make('p', {}, 'Counted from the drawing: degrees of a crank, lengths of slides and cylinders.'));"//nl// &
-   '    return parts;'//nl
-
-   character(*), parameter :: part_25 = &
+   '    return parts;'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function outputPart() {'//nl// &
@@ -2727,7 +2782,9 @@ module psalm_board_text
    '  function choose(what) {'//nl// &
    '    board.state.selection = what;'//nl// &
    '    show();'//nl// &
-   '    board.view.draw();'//nl// &
+   '    board.view.draw();'//nl
+
+   character(*), parameter :: part_26 = &
    '  }'//nl// &
    ''//nl// &
    '  // ---- drives and facts --------------------------------------------------------------------------------------------'// &
@@ -2750,8 +2807,9 @@ module psalm_board_text
    '        board.pause();'//nl// &
    '        if (several) board.drive(k, Number(range.value)); else board.go(Number(range.value));'//nl// &
    '      });'//nl// &
-   "      return [make('label', {}, at, range, value)];"//nl// &
+   "      return [make('label', {}, at, make('div', { class: 'track' }, range), value)];"//nl// &
    '    }));'//nl// &
+   '    board.engine.marks();'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** What changes while it moves. */'//nl// &
@@ -2788,9 +2846,7 @@ module psalm_board_text
    '      if (!button) continue;'//nl// &
    "      button.setAttribute('aria-selected', String(id === name));"//nl// &
    '      button.tabIndex = id === name ? 0 : -1;'//nl// &
-   '    }'//nl
-
-   character(*), parameter :: part_26 = &
+   '    }'//nl// &
    "    $('side').dataset.tab = name;"//nl// &
    '    for (const part of [board.source, board.engine, board.search]) if (part.shown) part.shown(name);'//nl// &
    '  }'//nl// &
@@ -2837,7 +2893,9 @@ module psalm_board_text
    '  const $ = (id) => document.getElementById(id);'//nl// &
    '  let box, numbers, marks, list, back;'//nl// &
    '  let timer = 0;'//nl// &
-   "  let written = '';              // what the drawing was when it was written here"//nl// &
+   "  let written = '';              // what the drawing was when it was written here"//nl
+
+   character(*), parameter :: part_27 = &
    '  let mistake = null;            // of the text that is here: it is not on the board'//nl// &
    "  let aside = '';                // a text with a mistake, and the drawing has gone on"//nl// &
    '  let found = [];                // what the engine finds in the text `foundIn`'//nl// &
@@ -2896,9 +2954,7 @@ module psalm_board_text
    '  function findings(text, all) {'//nl// &
    '    [found, foundIn] = [all, text];'//nl// &
    '    show();'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_27 = &
+   '  }'//nl// &
    ''//nl// &
    '  /** Line numbers, marked lines, messages. */'//nl// &
    '  function show() {'//nl// &
@@ -2943,7 +2999,9 @@ module psalm_board_text
    '    box.scrollTop = Math.max(0, (line - 4) * LINE);'//nl// &
    '    scroll();'//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_28 = &
    '  /** An item of a group, as text, in the data set. */'//nl// &
    '  function setItem(group, item, value) {'//nl// &
    '    board.take(board.text.changed(board.write(), group, item, value));'//nl// &
@@ -3002,9 +3060,7 @@ module psalm_board_text
    '    board.fit();'//nl// &
    "    $('hint').textContent = words.restored;"//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_28 = &
+   ''//nl// &
    '  const wantedOf = (one) => one && Array.isArray(one.points) && one.points.every((p) => Array.isArray(p) && p.length =='// &
    '= 2 && p.every(Number.isFinite)) ?'//nl// &
    '    { points: one.points, closed: Boolean(one.closed) } : null;'//nl// &
@@ -3053,7 +3109,9 @@ module psalm_board_text
    ''//nl// &
    '  async function share() {'//nl// &
    "    const { make, button } = board.panel, dialog = $('dialog'), field = make('input', { readonly: true, 'aria-label': w"// &
-   "ords.linkLabel, value: await link() });"//nl// &
+   "ords.linkLabel, value: await link() });"//nl
+
+   character(*), parameter :: part_29 = &
    '    const copy = button(words.copy, () => {'//nl// &
    '      field.select();'//nl// &
    "      navigator.clipboard.writeText(field.value).catch(() => document.execCommand('copy'));"//nl// &
@@ -3119,9 +3177,7 @@ module psalm_board_text
    '    return whole;'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function gallery() {'//nl
-
-   character(*), parameter :: part_29 = &
+   '  function gallery() {'//nl// &
    "    const { make, button } = board.panel, dialog = $('dialog');"//nl// &
    '    const cards = board.examples.map((one) => {'//nl// &
    '      const sketch = board.text.parse(one.text);'//nl// &
@@ -3167,10 +3223,14 @@ module psalm_board_text
    '  const meta = document.querySelector(''meta[name="psalm-workbench"]''), served = Boolean(meta);'//nl// &
    '  const page = Math.random().toString(36).slice(2);'//nl// &
    '  const shown = { velocities: true, forces: true };'//nl// &
-   "  let timer = 0, busy = false, asked = '';       // the text that was asked about last"//nl// &
+   '  const PATIENT = 300;                   // milliseconds: an answer that takes longer is given up for one to a later te'// &
+   'xt'//nl// &
+   "  let timer = 0, since = 0, number = 0, asked = '';     // begin and number of the question that is open, its text"//nl// &
    '  let answer = null, fresh = false, parts = {};'//nl// &
    ''//nl// &
-   '  /** What the server says; an object with `error` if it says no. */'//nl// &
+   '  /** What the server says; an object with `error` if it says no. */'//nl
+
+   character(*), parameter :: part_30 = &
    "  async function ask(path, body, method = body === undefined ? 'GET' : 'POST') {"//nl// &
    '    try {'//nl// &
    "      const reply = await fetch(path, { method, body, headers: { 'X-Psalm-Token': meta.content, 'X-Psalm-Page': page },"// &
@@ -3189,7 +3249,8 @@ module psalm_board_text
    "n; board.view.draw(); }), words[name]);"//nl// &
    "    $('engine').append(part('state'), part('result', head(words.here), part('here'), row(words.shownArrows, arrow('velo"// &
    "cities'), arrow('forces')),"//nl// &
-   "      head(words.assumptions), part('loads'), part('angles'), head(words.summary), part('summary'), part('found')));"//nl// &
+   "      head(words.assumptions), part('loads'), part('angles'), head(words.summary), part('summary'), part('proof'), part"// &
+   "('ways'), part('found')));"//nl// &
    '    parts.result.hidden = true;'//nl// &
    "    parts.state.setAttribute('role', 'status');"//nl// &
    '  }'//nl// &
@@ -3211,14 +3272,15 @@ module psalm_board_text
    '    timer = 0;'//nl// &
    '    const text = textNow();'//nl// &
    "    if (!board.state.sketch.joints.length && !board.source.mistaken) { answer = null; asked = ''; say(); return; }"//nl// &
-   '    if (busy || text === asked) return;          // when the answer is there, it is compared with what is on the board '// &
-   'by then'//nl// &
-   '    busy = true;'//nl// &
+   '    if (text === asked) return;'//nl// &
+   '    if (since && performance.now() - since < PATIENT) { timer = setTimeout(look, DRAGGING); return; }'//nl// &
+   '    const mine = ++number;'//nl// &
+   '    since = performance.now();'//nl// &
    '    asked = text;'//nl// &
    "    const got = await ask('look', text);"//nl// &
-   '    busy = false;'//nl// &
-   '    const now = textNow();'//nl// &
-   "    if (got.stale || now !== text) { asked = ''; if (!timer) timer = setTimeout(look, DRAGGING); return; }"//nl// &
+   '    if (mine !== number) return;                 // a later question is open; the server has ended this one'//nl// &
+   '    since = 0;'//nl// &
+   "    if (got.stale || textNow() !== text) { asked = ''; if (!timer) timer = setTimeout(look, DRAGGING); return; }"//nl// &
    "    if (got.error) { answer = null; fresh = false; say(got.error); if (got.away) asked = ''; return; }"//nl// &
    '    answer = { ...got, text };'//nl// &
    '    fresh = !board.source.mistaken;'//nl// &
@@ -3232,9 +3294,7 @@ module psalm_board_text
    '  function prepare() {'//nl// &
    '    const { motion, velocity } = answer, largest = (joints) => Math.max(0, ...Object.values(joints).flatMap(([x, y]) =>'// &
    ' (Array.isArray(x) ? x : [x])'//nl// &
-   '      .map((v, i) => Math.hypot(v || 0, (Array.isArray(y) ? y[i] : y) || 0))));'//nl
-
-   character(*), parameter :: part_30 = &
+   '      .map((v, i) => Math.hypot(v || 0, (Array.isArray(y) ? y[i] : y) || 0))));'//nl// &
    '    answer.fastest = velocity ? largest(velocity.joints) : 0;'//nl// &
    '    answer.strongest = motion && motion.forces ? Math.max(largest(motion.forces.joints), largest(motion.forces.loads.ma'// &
    'p(([, , x, y]) => [x, y]))) : 0;'//nl// &
@@ -3286,12 +3346,15 @@ module psalm_board_text
    '    if (loaded) for (const [x, y, fx, fy] of motion.forces.loads.map((one) => one.map((v) => mixed(v, loaded))))'//nl// &
    "      list.push({ from: [x, y], x: fx, y: fy, most: answer.strongest, kind: 'load', strong: true });"//nl// &
    '    return list.filter((one) => one.x !== null && one.y !== null && one.most > 0);'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_31 = &
    ''//nl// &
    '  function draw(g, X, Y, pens) {'//nl// &
    '    if (!served) return;'//nl// &
    '    const size = ARROW * Math.min(board.view.canvas.clientWidth, board.view.canvas.clientHeight);'//nl// &
-   '    if (fresh && answer.motion && !answer.motion.time && !board.state.messages.length) drawPath(g, X, Y, pens);'//nl// &
+   '    if (fresh && answer.motion && !answer.motion.time && !board.state.messages.length) { drawBand(g, X, Y, pens); drawP'// &
+   'ath(g, X, Y, pens); }'//nl// &
    '    for (const { from, x, y, most, kind, strong } of arrows()) {'//nl// &
    '      const [u, v] = [X(from[0]), Y(from[1])], dx = size * x / most, dy = -size * y / most, d = Math.hypot(dx, dy);'//nl// &
    '      if (d < 3) continue;'//nl// &
@@ -3331,6 +3394,32 @@ module psalm_board_text
    '    }'//nl// &
    '  }'//nl// &
    ''//nl// &
+   '  /** The band of the tolerances round the path of the first output. */'//nl// &
+   '  function drawBand(g, X, Y, pens) {'//nl// &
+   "    const { band, joints, input } = answer.motion, output = board.state.sketch.outputs.find((one) => one.kind === 'poin"// &
+   "t'), at = output && joints[output.of[0]];"//nl// &
+   '    if (!band || band.length < 2 || !at || !Array.isArray(at[0]) || !Array.isArray(at[1]) || at[0].some((v) => v === nu'// &
+   'll) || at[1].some((v) => v === null)) return;'//nl// &
+   '    const n = input.length, ring = Math.abs(at[0][0] - at[0][n - 1]) + Math.abs(at[1][0] - at[1][n - 1]) < 0.2 * (Math.'// &
+   'max(...at[0]) - Math.min(...at[0]) + Math.max(...at[1]) - Math.min(...at[1]));'//nl// &
+   "    for (const [kind, alpha] of [['worst', 0.14], ['square', 0.24]]) {"//nl// &
+   '      g.fillStyle = pens.accent;'//nl// &
+   '      g.globalAlpha = alpha;'//nl// &
+   '      const shape = new Path2D();'//nl// &
+   '      for (let i = 0; i + 1 < n + (ring ? 1 : 0); i++) {'//nl// &
+   '        const k = (i + 1) % n, corners = [];'//nl// &
+   '        for (const m of [i, k]) for (const [u, v] of [[1, 1], [1, -1], [-1, -1], [-1, 1]])'//nl// &
+   '          corners.push([X(at[0][m] + u * band[0][kind][m]), Y(at[1][m] + v * band[1][kind][m])]);'//nl// &
+   '        const part = new Path2D();'//nl// &
+   '        board.view.outline(corners).forEach(([x, y], c) => { if (c) part.lineTo(x, y); else part.moveTo(x, y); });'//nl// &
+   '        part.closePath();'//nl// &
+   '        shape.addPath(part);'//nl// &
+   '      }'//nl// &
+   "      g.fill(shape, 'nonzero');"//nl// &
+   '    }'//nl// &
+   '    g.globalAlpha = 1;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
    '  const digits = (v) => board.view.short(Number(v.toPrecision(4)));'//nl// &
    ''//nl// &
    '  /** Numbers at the position shown. */'//nl// &
@@ -3347,9 +3436,7 @@ module psalm_board_text
    "h.hypot(mixed(of[0], moving), mixed(of[1], moving))) + words.perSecond]);"//nl// &
    '      }'//nl// &
    '      if (at && motion.forces) {'//nl// &
-   '        const drive = mixed(motion.forces.drive, at);'//nl
-
-   character(*), parameter :: part_31 = &
+   '        const drive = mixed(motion.forces.drive, at);'//nl// &
    '        if (drive !== null && drive !== undefined) rows.push([words.drive, digits(drive) + (motion.forces.sliding ? wor'// &
    'ds.newton : words.moment)]);'//nl// &
    '        for (const [name, [x, y]] of Object.entries(motion.forces.joints)) {'//nl// &
@@ -3369,7 +3456,9 @@ module psalm_board_text
    "    while (box.children.length < rows.length) box.append(make('div', { class: 'fact' }, make('span'), make('b')));"//nl// &
    '    rows.forEach(([name, value], i) => [name, value].forEach((text, k) => { const one = box.children[i].children[k]; if'// &
    ' (one.textContent !== text) one.textContent = text; }));'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_32 = &
    ''//nl// &
    '  // ---- the panel ---------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
@@ -3400,7 +3489,77 @@ module psalm_board_text
    "      ...told.map((one) => make('li', { class: one.level }, words.line(one.line, one.text))))] : []));"//nl// &
    '    chart();'//nl// &
    '    loads();'//nl// &
+   '    proof();'//nl// &
+   '    ways();'//nl// &
    '    here();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** What is proven, with its bounds; where it closes stands below the slider of the drive, too. */'//nl// &
+   '  function proof() {'//nl// &
+   "    const { make, head } = board.panel, { limits = [], extremes = [] } = answer.proof || {}, unit = turning() ? '\u00b0"// &
+   "' : '';"//nl// &
+   "    const span = (a, b) => Math.abs(a - b) <= 1e-6 * (1 + Math.abs(a)) ? digits((a + b) / 2) : digits(a) + ' ... ' + di"// &
+   "gits(b);"//nl// &
+   "    const fact = (name, value) => make('div', { class: 'fact' }, make('span', {}, name), make('b', {}, value));"//nl// &
+   "    const rows = limits.filter((one) => one.kind !== 'undecided').map((one) => fact(words.closing[one.kind] || one.kind"// &
+   ","//nl// &
+   "      words.range(digits(one.from) + unit, digits(one.to) + unit) + (one.group ? ', ' + one.group : '')));"//nl// &
+   '    rows.push(...extremes.filter((one) => one.least_low !== null && one.greatest_high !== null).map((one) => fact(one.o'// &
+   'f,'//nl// &
+   '      words.extremes(span(one.least_low, one.least_high), digits(one.least_at) + unit, span(one.greatest_low, one.great'// &
+   'est_high), digits(one.greatest_at) + unit))));'//nl// &
+   '    parts.proof.replaceChildren(...(rows.length && board.free() === 1 ? [head(words.proven), ...rows] : []));'//nl// &
+   '    marks();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   "  const turning = () => Boolean(board.state.sketch.drives.length) && board.state.sketch.drives[0].kind === 'turn';"//nl// &
+   ''//nl// &
+   '  /** Below the slider of a single drive: where the linkage closes for certain, and where something has a dead point. *'// &
+   '/'//nl// &
+   '  function marks() {'//nl// &
+   "    const track = $('drives').querySelector('.track'), { sweep } = board.state.motion, { make } = board.panel;"//nl// &
+   "    for (const one of $('drives').querySelectorAll('.proven')) one.remove();"//nl// &
+   '    if (!served || !fresh || !answer || !answer.proof || !track || !sweep || board.free() !== 1 || sweep.states.length '// &
+   '< 2) return;'//nl// &
+   '    const k = board.state.sketch.drives.findIndex((d) => !d.ratio), unit = turning() ? board.motion.RADIAN : 1;'//nl// &
+   '    const value = (i) => sweep.states[i].inputs[k] / unit, n = sweep.states.length, low = Math.min(value(0), value(n - '// &
+   '1)), high = Math.max(value(0), value(n - 1));'//nl// &
+   '    if (!(high > low)) return;'//nl// &
+   "    const strip = make('div', { class: 'proven', title: words.strip }), x = (v) => 100 * Math.min(1, Math.max(0, (v - l"// &
+   "ow) / (high - low)));"//nl// &
+   '    const shifts = turning() ? [-360, 0, 360] : [0], put = (from, to, kind, title) => {'//nl// &
+   '      for (const shift of shifts) {'//nl// &
+   '        const [a, b] = [from, to].map((v) => v + shift).sort((p, q) => p - q);'//nl// &
+   '        if (b < low || a > high) continue;'//nl// &
+   "        const mark = make('i', { class: kind, title });"//nl// &
+   "        mark.style.left = x(a) + '%';"//nl// &
+   "        if (kind === 'closes') mark.style.width = Math.max(0, x(b) - x(a)) + '%';"//nl// &
+   '        strip.append(mark);'//nl// &
+   '      }'//nl// &
+   '    };'//nl// &
+   "    for (const one of answer.proof.limits || []) if (one.kind === 'closes') put(one.from, one.to, 'closes', words.closi"// &
+   "ng.closes);"//nl// &
+   "    for (const one of answer.proof.dead_points || []) put(one.low, one.high, 'dead', words.deadPoint(one.of));"//nl// &
+   '    track.append(strip);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Every way in which the links can be put together; a click on one draws it. */'//nl// &
+   '  function ways() {'//nl// &
+   '    const { make, head } = board.panel, all = answer.assemblies || [], { sketch } = board.state;'//nl// &
+   '    const known = all.length > 1 && sketch.joints.every((joint) => all.every((one) => one.joints[joint.name]));'//nl// &
+   "    parts.ways.replaceChildren(...(!known ? [] : [head(words.assemblies), make('p', {}, words.assembliesHint), make('di"// &
+   "v', { class: 'cards' }, ...all.map((one, i) => {"//nl// &
+   '      const other = { ...sketch, outputs: [], drives: [], lengths: [], joints: sketch.joints.map(({ name }) => ({ name,'// &
+   ' x: one.joints[name][0], y: one.joints[name][1] })) };'//nl// &
+   "      return make('button', { type: 'button', class: 'card', 'aria-label': words.assembly(i + 1), 'aria-pressed': Strin"// &
+   "g(one.drawn), onclick: () => redraw(one.joints) },"//nl// &
+   "        board.store.picture(other, []), make('small', {}, one.drawn ? words.assemblyDrawn : words.assembly(i + 1)));"//nl// &
+   '    }))]));'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function redraw(joints) {'//nl// &
+   '    board.edit((sketch) => { for (const joint of sketch.joints) [joint.x, joint.y] = joints[joint.name].map((v) => Numb'// &
+   'er(v.toPrecision(12))); });'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** The transmission angles over the motion, and where the position shown is. */'//nl// &
@@ -3424,7 +3583,9 @@ module psalm_board_text
    '    });'//nl// &
    "    parts.cursor = svg('line', { y1: 4, y2: high - 4, class: 'cursor' });"//nl// &
    '    parts.cursorAt = X;'//nl// &
-   '    picture.append(parts.cursor);'//nl// &
+   '    picture.append(parts.cursor);'//nl
+
+   character(*), parameter :: part_33 = &
    "    parts.angles.append(head(words.transmission), picture, make('p', {}, angle.map((one) => one.name).join('; ')));"//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -3448,11 +3609,14 @@ module psalm_board_text
    "tem(place, name).length && isFinite(v) ? v : other; };"//nl// &
    "    const rates = group('RATES'), place = group('LOADS'), own = !place || (item(place, 'LNAME').length === 1 && place.i"// &
    "tems.every((one) => ['NLOAD', 'LNAME', 'LFX', 'LFY'].includes(one.name)));"//nl// &
+   "    const play = group('TOLER'), tolerance = row(words.tolerance, numberField(words.toleranceLabel, first(play, 'TOLLEN"// &
+   "', 0), (value) => value >= 0 ?"//nl// &
+   "      board.source.setItem('TOLER', 'TOLLEN', board.text.number(value)) : false));"//nl// &
    "    const speed = row(words.speed, numberField(words.speedLabel, first(rates, 'SPEED', 1), (value) => board.source.setI"// &
    "tem('RATES', 'SPEED', board.text.number(value))));"//nl// &
    "    const put = (...all) => { parts.loads.replaceChildren(...all); if (held) parts.loads.querySelector('[aria-label=""'"// &
    " + CSS.escape(held) + '""]')?.focus(); };"//nl// &
-   "    if (!own) { put(speed, make('p', {}, words.severalLoads)); return; }"//nl// &
+   "    if (!own) { put(speed, make('p', {}, words.severalLoads), tolerance); return; }"//nl// &
    '    const joints = sketch.joints.filter((joint) => sketch.links.slice(1).some((link) => link.joints.includes(joint.name'// &
    ')));'//nl// &
    "    const now = (item(place, 'LNAME')[0] || '').trim().split(/\s+/).at(-1), output = sketch.outputs.find((o) => o.kind "// &
@@ -3474,14 +3638,13 @@ module psalm_board_text
    'mber(fy) };'//nl// &
    "      for (const [name, value] of Object.entries(words)) changed = board.text.changed(changed, 'LOADS', name, value);"//nl// &
    '      board.take(changed);'//nl// &
-   '    };'//nl
-
-   character(*), parameter :: part_32 = &
+   '    };'//nl// &
    "    put(speed, row(words.load, at, x, y), button(words.setLoad, set, { 'aria-label': words.setLoad }), make('p', {}, an"// &
-   "swer.motion.forces ? words.loadHint : words.noForces + ' ' + words.loadHint));"//nl// &
+   "swer.motion.forces ? words.loadHint : words.noForces + ' ' + words.loadHint), tolerance);"//nl// &
    '  }'//nl// &
    ''//nl// &
-   "  return { begin, follow, draw, ask, served, shown: (tab) => { if (tab === 'engine') board.view.draw(); }, arrows,"//nl// &
+   "  return { begin, follow, draw, ask, served, marks, shown: (tab) => { if (tab === 'engine') board.view.draw(); }, arrow"// &
+   "s,"//nl// &
    '    get answer() { return fresh ? answer : null; } };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
@@ -3498,6 +3661,7 @@ module psalm_board_text
    '  const $ = (id) => document.getElementById(id);'//nl// &
    "  const parts = {}, chosen = new Set(['pins4', 'slide4', 'pins6']);"//nl// &
    "  let cards = [], running = '', round = 0, angle = 0, count = POINTS, stopping = false;"//nl// &
+   "  let text = '';                         // the data set of the last search, as psalm reads it"//nl// &
    ''//nl// &
    '  // ---- the curve ---------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
@@ -3543,7 +3707,9 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  function want(curve) {'//nl// &
-   '    board.begin();'//nl// &
+   '    board.begin();'//nl
+
+   character(*), parameter :: part_34 = &
    '    board.state.wanted = curve;'//nl// &
    '    board.end();'//nl// &
    '    forget();'//nl// &
@@ -3590,9 +3756,7 @@ module psalm_board_text
    "      parts.told.textContent = '';"//nl// &
    '      want({ points: picture || points.length > MOST_POINTS ? even(points, count, closed) : points, closed });'//nl// &
    '      board.fit();'//nl// &
-   '    });'//nl
-
-   character(*), parameter :: part_33 = &
+   '    });'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function draw(g, X, Y, pens) {'//nl// &
@@ -3628,6 +3792,7 @@ module psalm_board_text
    '    parts.clear = button(words.wantedClear, () => want(null));'//nl// &
    "    parts.start = button(words.searchStart, start, { class: 'main', id: 'start-search' });"//nl// &
    "    parts.stop = button(words.searchStop, stop, { id: 'stop-search' });"//nl// &
+   "    parts.save = button(words.searchSave, () => board.download(text, 'wanted.nml'), { hidden: true });"//nl// &
    "    parts.doing = make('p', { role: 'status' });"//nl// &
    "    parts.sheet = make('div', { class: 'cards' });"//nl// &
    "    parts.found = make('div', { hidden: true }, head(words.sheet), make('p', {}, words.sheetHint), parts.sheet);"//nl// &
@@ -3645,7 +3810,7 @@ module psalm_board_text
    "    })), parts.told, head(words.kinds), make('div', { class: 'list' }, ...kinds),"//nl// &
    '    row(words.leastAngle, numberField(words.leastAngleLabel, angle, (value) => { if (value < 0 || value > 60) return fa'// &
    'lse; angle = value; return true; })),'//nl// &
-   "    make('div', { class: 'list' }, parts.start, parts.stop), parts.doing, parts.found);"//nl// &
+   "    make('div', { class: 'list' }, parts.start, parts.stop, parts.save), parts.doing, parts.found);"//nl// &
    '    follow();'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -3658,12 +3823,15 @@ module psalm_board_text
    '    parts.stop.disabled = !running || stopping;'//nl// &
    '    parts.start.textContent = cards.length ? words.searchOn : words.searchStart;'//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_35 = &
    '  /** Of another curve nothing has been found yet. */'//nl// &
    '  function forget() {'//nl// &
    '    stop();'//nl// &
    "    running = '';"//nl// &
-   '    [cards, round] = [[], 0];'//nl// &
+   "    [cards, round, text] = [[], 0, ''];"//nl// &
+   '    if (parts.save) parts.save.hidden = true;'//nl// &
    '    show();'//nl// &
    "    if (parts.doing) parts.doing.textContent = '';"//nl// &
    '    follow();'//nl// &
@@ -3687,7 +3855,11 @@ module psalm_board_text
    '    if (running !== name) return;'//nl// &
    "    if (got.error) { parts.told.textContent = got.error; running = ''; follow(); return; }"//nl// &
    '    for (const one of got.events) {'//nl// &
-   '      if (one.doing) parts.doing.textContent = words.searching(words.kindNames[one.doing], one.round);'//nl// &
+   '      if (one.doing) {'//nl// &
+   '        parts.doing.textContent = words.searching(words.kindNames[one.doing], one.round);'//nl// &
+   '        text = one.text;'//nl// &
+   '        parts.save.hidden = false;'//nl// &
+   '      }'//nl// &
    '      if (one.found) add(one.found);'//nl// &
    '      if (one.error) parts.told.textContent = one.error;'//nl// &
    '      if (one.done) round = one.round === undefined ? round + 1 : one.round;'//nl// &
@@ -3701,9 +3873,7 @@ module psalm_board_text
    ''//nl// &
    '  function stop() {'//nl// &
    '    if (!running) return;'//nl// &
-   '    stopping = true;'//nl
-
-   character(*), parameter :: part_34 = &
+   '    stopping = true;'//nl// &
    "    board.engine.ask('search/' + running + '/stop', '');"//nl// &
    '    follow();'//nl// &
    '  }'//nl// &
@@ -3767,7 +3937,9 @@ module psalm_board_text
    "    ['output', 'Output', 'o', 'M12 3l2.6 6 6.4.5-4.900 4.200 1.500 6.300-5.600-3.400-5.600 3.400 1.500-6.300L3 9.500l6."// &
    "400-.5z', 'Click a joint for its path, a link for its angle.'],"//nl// &
    "    ...(board.engine.served ? [['wanted', board.words.wantedTool, 'w', 'M4 15c2-9 8-12 11-8s-1 6-3 5 1-6 8-7', board.wo"// &
-   "rds.wantedHint]] : []),"//nl// &
+   "rds.wantedHint]] : []),"//nl
+
+   character(*), parameter :: part_36 = &
    "    ['delete', 'Delete', 'x', 'M6 6l12 12M18 6L6 18', 'Click what is to go.'],"//nl// &
    '  ];'//nl// &
    '  const pointers = new Map();'//nl// &
@@ -3818,9 +3990,7 @@ module psalm_board_text
    '      const a = jointFor(sketch, from), b = jointFor(sketch, to);'//nl// &
    "      if (!sketch.links.slice(1).some((l) => l.joints.includes(a) && l.joints.includes(b))) sketch.links.push({ name: b"// &
    "oard.freeName('link'), joints: [a, b] });"//nl// &
-   '      board.state.selection = { joint: b };'//nl
-
-   character(*), parameter :: part_35 = &
+   '      board.state.selection = { joint: b };'//nl// &
    '    });'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -3877,7 +4047,9 @@ module psalm_board_text
    ''//nl// &
    '  function output({ joint, link: name }) {'//nl// &
    "    const kind = joint ? 'point' : 'angle', of = joint || name;"//nl// &
-   '    edit((sketch) => {'//nl// &
+   '    edit((sketch) => {'//nl
+
+   character(*), parameter :: part_37 = &
    '      const there = sketch.outputs.findIndex((o) => o.kind === kind && o.of.join() === of);'//nl// &
    '      if (there >= 0) sketch.outputs.splice(there, 1);'//nl// &
    "      else if (joint || board.linkOf(name).joints.length > 1) sketch.outputs.push({ kind, of: [of], name: '' });"//nl// &
@@ -3929,9 +4101,7 @@ module psalm_board_text
    '  function onLink(name, [x, y]) {'//nl// &
    '    const at = board.places(), round = view.outline(board.linkOf(name).joints.map((joint) => at.get(joint)));'//nl// &
    '    let best = [x, y], least = Infinity;'//nl// &
-   '    round.forEach((a, i) => {'//nl
-
-   character(*), parameter :: part_36 = &
+   '    round.forEach((a, i) => {'//nl// &
    '      const b = round[(i + 1) % round.length], dx = b[0] - a[0], dy = b[1] - a[1];'//nl// &
    '      const f = Math.round(BAR_STEPS * ((x - a[0]) * dx + (y - a[1]) * dy) / (dx * dx + dy * dy || 1)) / BAR_STEPS, g ='// &
    ' Math.min(1, Math.max(0, f));'//nl// &
@@ -3987,7 +4157,9 @@ module psalm_board_text
    "      if (event.pointerType !== 'touch') { state.hover = at.hit; view.canvas.style.cursor = cursor(at.hit); view.draw()"// &
    "; }"//nl// &
    '      return;'//nl// &
-   '    }'//nl// &
+   '    }'//nl
+
+   character(*), parameter :: part_38 = &
    '    if (!press.moved && Math.hypot(at.x - press.x, at.y - press.y) < (at.touch ? TOUCH_CLICK : CLICK)) return;'//nl// &
    "    if (!press.moved) { press.moved = true; if (press.tool === 'select' && !press.pan) board.begin(); }"//nl// &
    '    if (press.pan) {'//nl// &
@@ -4037,9 +4209,7 @@ module psalm_board_text
    ' - oy)];'//nl// &
    '      if (!by[0] && !by[1]) return;'//nl// &
    '      const k = view.eye.k;'//nl// &
-   '      [press.x, press.y] = [press.x + by[0] * k, press.y - by[1] * k];'//nl
-
-   character(*), parameter :: part_37 = &
+   '      [press.x, press.y] = [press.x + by[0] * k, press.y - by[1] * k];'//nl// &
    '      board.touch((sketch) => {'//nl// &
    '        const names = hit.link ? board.linkOf(hit.link).joints : [];'//nl// &
    '        for (const joint of sketch.joints) if (names.includes(joint.name)) { joint.x = tidyNumber(joint.x + by[0]); joi'// &
@@ -4098,7 +4268,9 @@ module psalm_board_text
    "    else if (tool === 'delete' && start.hit) board.remove(hit);"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function driveAt(hit, end, pulled) {'//nl// &
+   '  function driveAt(hit, end, pulled) {'//nl
+
+   character(*), parameter :: part_39 = &
    '    const { sketch } = board.state;'//nl// &
    "    if (pulled && hit.joint && end.joint && hit.joint !== end.joint) drive({ cylinder: hit.joint + ' ' + end.joint });"//nl// &
    '    else if (hit.cylinder || hit.slide) drive(hit);'//nl// &
@@ -4148,9 +4320,7 @@ module psalm_board_text
    '  function nudge(dx, dy) {'//nl// &
    '    const { selection } = board.state, step = view.gridStep() || 1 / view.eye.k;'//nl// &
    '    if (!selection || !(selection.joint || selection.link)) { view.pan(-40 * dx, 40 * dy); view.draw(); return; }'//nl// &
-   '    const names = selection.joint ? [selection.joint] : board.linkOf(selection.link).joints;'//nl
-
-   character(*), parameter :: part_38 = &
+   '    const names = selection.joint ? [selection.joint] : board.linkOf(selection.link).joints;'//nl// &
    '    edit((sketch) => {'//nl// &
    '      for (const joint of sketch.joints) if (names.includes(joint.name)) { joint.x = tidyNumber(joint.x + dx * step); j'// &
    'oint.y = tidyNumber(joint.y + dy * step); }'//nl// &
@@ -4212,7 +4382,9 @@ module psalm_board_text
    '      const box = canvas.getBoundingClientRect();'//nl// &
    '      view.zoom(1.0015 ** -event.deltaY, event.clientX - box.left, event.clientY - box.top);'//nl// &
    '      view.draw();'//nl// &
-   '    }, { passive: false });'//nl// &
+   '    }, { passive: false });'//nl
+
+   character(*), parameter :: part_40 = &
    "    canvas.addEventListener('dragover', (event) => event.preventDefault());"//nl// &
    "    canvas.addEventListener('drop', (event) => { event.preventDefault(); if (event.dataTransfer.files[0]) board.open(ev"// &
    "ent.dataTransfer.files[0]); });"//nl// &
@@ -4265,9 +4437,7 @@ module psalm_board_text
    '  const jointOf = (name) => state.sketch.joints.find((j) => j.name === name);'//nl// &
    '  const linkOf = (name) => state.sketch.links.find((l) => l.name === name);'//nl// &
    '  const linksAt = (name) => state.sketch.links.filter((l) => l.joints.includes(name));'//nl// &
-   '  const inFrame = (name) => state.sketch.links[0].joints.includes(name);'//nl
-
-   character(*), parameter :: part_39 = &
+   '  const inFrame = (name) => state.sketch.links[0].joints.includes(name);'//nl// &
    ''//nl// &
    '  // ---- changes -----------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
@@ -4322,7 +4492,9 @@ module psalm_board_text
    '    board.store.keep();'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Exact lengths may hold the joints elsewhere than they were drawn: from there on they are drawn where they are. */'//nl// &
+   '  /** Exact lengths may hold the joints elsewhere than they were drawn: from there on they are drawn where they are. */'//nl
+
+   character(*), parameter :: part_41 = &
    '  function settle() {'//nl// &
    '    const { mech, start } = state.motion;'//nl// &
    '    if (!start || !state.sketch.lengths.length) return;'//nl// &
@@ -4372,9 +4544,7 @@ module psalm_board_text
    '        joints[row.i].x -= ease[row.i] * x[n] * row.u[0];'//nl// &
    '        joints[row.i].y -= ease[row.i] * x[n] * row.u[1];'//nl// &
    '        joints[row.k].x += ease[row.k] * x[n] * row.u[0];'//nl// &
-   '        joints[row.k].y += ease[row.k] * x[n] * row.u[1];'//nl
-
-   character(*), parameter :: part_40 = &
+   '        joints[row.k].y += ease[row.k] * x[n] * row.u[1];'//nl// &
    '      });'//nl// &
    '    }'//nl// &
    '    return worst < 1e-9 * largest;      // what rounding leaves, or three lengths along one line'//nl// &
@@ -4430,7 +4600,9 @@ module psalm_board_text
    '    const link = (name) => s.links.some((one) => one.name === name), joint = (name) => s.joints.some((one) => one.name '// &
    '=== name);'//nl// &
    '    s.slides = s.slides.filter((one) => one.links.every(link));'//nl// &
-   '    s.links = s.links.filter((one, i) => i === 0 || one.joints.length > 1 || slides(one.name));'//nl// &
+   '    s.links = s.links.filter((one, i) => i === 0 || one.joints.length > 1 || slides(one.name));'//nl
+
+   character(*), parameter :: part_42 = &
    '    s.joints = s.joints.filter((one) => s.links.some((l) => l.joints.includes(one.name)));'//nl// &
    '    for (const one of s.links) one.joints = one.joints.filter(joint);'//nl// &
    '    const shared = (names) => s.links.some((l) => names.every((name) => l.joints.includes(name)));'//nl// &
@@ -4481,9 +4653,7 @@ module psalm_board_text
    '        state.live = start;'//nl// &
    '        state.t = state.motion.sweep.home;'//nl// &
    '      }'//nl// &
-   '    }'//nl
-
-   character(*), parameter :: part_41 = &
+   '    }'//nl// &
    '    state.wrong = new Set(state.messages.flatMap((m) => m.joints));'//nl// &
    '    if (state.selection && !exists(state.selection)) state.selection = null;'//nl// &
    '    board.panel.show(rough);'//nl// &
@@ -4540,7 +4710,9 @@ module psalm_board_text
    '    return { states, home, ring, places: states.map((one) => solver.joints(mech, one.pose)) };'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** The last states before a dead point, nearer and nearer. */'//nl// &
+   '  /** The last states before a dead point, nearer and nearer. */'//nl
+
+   character(*), parameter :: part_43 = &
    '  function edge(mech, from, target) {'//nl// &
    '    const list = [];'//nl// &
    '    let now = from, part = 0.5;'//nl// &
@@ -4589,9 +4761,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  // ---- playing -----------------------------------------------------------------------------------------------------'// &
-   '-'//nl
-
-   character(*), parameter :: part_42 = &
+   '-'//nl// &
    ''//nl// &
    '  function go(t) {'//nl// &
    '    const { sweep } = state.motion;'//nl// &
@@ -4644,7 +4814,9 @@ module psalm_board_text
    ''//nl// &
    '  const pause = () => { if (state.playing) play(false); };'//nl// &
    ''//nl// &
-   '  /** Every position of the data set: inputs, whether it closes, joints, outputs; as psalm has it in CASE.csv. */'//nl// &
+   '  /** Every position of the data set: inputs, whether it closes, joints, outputs; as psalm has it in CASE.csv. */'//nl
+
+   character(*), parameter :: part_44 = &
    '  function table() {'//nl// &
    '    const { mech, start } = state.motion;'//nl// &
    '    if (!start) return [];'//nl// &
@@ -4689,14 +4861,16 @@ module psalm_board_text
    '  const write = () => notation.write(state.sketch, state.source);'//nl// &
    ''//nl// &
    '  function save() {'//nl// &
-   "    const link = document.createElement('a');"//nl// &
-   "    link.href = URL.createObjectURL(new Blob([write()], { type: 'text/plain' }));"//nl// &
-   "    link.download = state.file.replace(/\.(dev7|txt)$/, '.nml');"//nl// &
-   '    link.click();'//nl// &
-   '    setTimeout(() => URL.revokeObjectURL(link.href), 1000);'//nl
-
-   character(*), parameter :: part_43 = &
+   "    download(write(), state.file.replace(/\.(dev7|txt)$/, '.nml'));"//nl// &
    '    state.dirty = false;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function download(text, name) {'//nl// &
+   "    const link = document.createElement('a');"//nl// &
+   "    link.href = URL.createObjectURL(new Blob([text], { type: 'text/plain' }));"//nl// &
+   '    link.download = name;'//nl// &
+   '    link.click();'//nl// &
+   '    setTimeout(() => URL.revokeObjectURL(link.href), 1000);'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function open(file) {'//nl// &
@@ -4749,7 +4923,9 @@ module psalm_board_text
    '    board.store.begin();'//nl// &
    '    for (const part of parts) part.begin();'//nl// &
    '    new ResizeObserver(() => { view.resize(); view.draw(); }).observe(view.canvas);'//nl// &
-   "    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { view.resize(); view.draw(); });"//nl// &
+   "    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { view.resize(); view.draw(); });"//nl
+
+   character(*), parameter :: part_45 = &
    "    addEventListener('beforeunload', (event) => { if (state.dirty && !board.store.kept()) event.preventDefault(); });"//nl// &
    "    addEventListener('hashchange', () => { const words = asked(); if (words) present(words); });"//nl// &
    "    const given = asked() || JSON.parse($('data').textContent);"//nl// &
@@ -4782,7 +4958,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  Object.assign(board, { state, edit, begin, touch, end, undo: () => undo(), redo: () => undo(future, past), relax, ren'// &
-   'ame, remove, freeName, tidy, take, attempt, wrong, sweepOf,'//nl// &
+   'ame, remove, freeName, tidy, take, attempt, wrong, sweepOf, download,'//nl// &
    '    refresh, places, slidePlace, sides, jointOf, linkOf, linksAt, inFrame, go, drive, play, pause, table, load, start, '// &
    'write, save, open, fit, free, clone, help,'//nl// &
    '    canUndo: () => past.length > 0, canRedo: () => future.length > 0 });'//nl// &
@@ -4803,6 +4979,6 @@ contains
              part_16//part_17//part_18//part_19//part_20//part_21//part_22//part_23// &
              part_24//part_25//part_26//part_27//part_28//part_29//part_30//part_31// &
              part_32//part_33//part_34//part_35//part_36//part_37//part_38//part_39// &
-             part_40//part_41//part_42//part_43
+             part_40//part_41//part_42//part_43//part_44//part_45
    end function board_text
 end module psalm_board_text

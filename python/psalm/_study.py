@@ -17,6 +17,7 @@ import numpy
 import psalm
 
 MEMORY = 4 << 30        # bytes of address space
+SAYS = ("motion", "summary")    # studies whose errors are told: the others are asked of whatever is drawn
 FINE = 5                # degrees between the positions of which velocities are shown
 PREFIX = re.compile(r"^case in memory:\d+: (?:error|warning|remark): ")
 CURVE_FILE = re.compile(r"^[^!'\"]*[&$]\s*CURVE\b", re.I)
@@ -24,7 +25,8 @@ WARM = "WARM\n &CHAIN JNT='A','B','C','D', JX=0.,0.,60.,100., JY=0.,30.,80.,0., 
     " &DRIVES DRIVE='A' &END\n &METHOD IKIN=30 &END\n"
 # what a search goes through in each round: links, slides, gear pairs
 KINDS = {"pins4": (4, 0, 0), "slide4": (4, 1, 0), "pins6": (6, 0, 0), "geared5": (5, 0, 1)}
-FIRST_SECONDS, MOST_SECONDS = 1.0, 16.0     # of a kind in the first round; doubled from round to round
+FIRST_SECONDS, MOST_SECONDS = 0.5, 16.0     # of a kind in the first round; doubled from round to round
+ASSEMBLIES = 24         # that are shown
 SHOWN = 60              # points of a path on the contact sheet
 
 
@@ -72,11 +74,12 @@ def look(request):
         return {"findings": findings_of(error.findings)}
     answer = {"findings": [], "title": case.title}
     found = {}
-    for part, study in (("motion", motion_of), ("summary", summary_of), ("velocity", velocities_of)):
+    for part, study in (("motion", motion_of), ("summary", summary_of), ("velocity", velocities_of), ("proof", proof_of),
+                        ("assemblies", assemblies_of)):
         try:
             answer[part], findings = study(case)
         except psalm.Error as error:
-            findings = error.findings
+            findings = error.findings if part in SAYS else []
         for one in findings_of(findings):
             found[(one["line"], one["text"])] = one
     answer["findings"] = sorted(found.values(), key=lambda one: one["line"])
@@ -92,7 +95,7 @@ def motion_of(case):
     motion = {"input": sweep.get("input", []), "closed": sweep.get("closed", ""), "time": scene.get("time"),
               "joints": {joint["name"]: [sweep["x"][j], sweep["y"][j]] for j, joint in enumerate(scene["joints"])} if sweep else {},
               "angle": [{"name": one["name"], "values": one["values"]} for one in sweep.get("angle", [])],
-              "limits": scene.get("limits"), "breaches": scene.get("breaches", [])}
+              "limits": scene.get("limits"), "breaches": scene.get("breaches", []), "band": scene.get("band")}
     if "forces" in scene and sweep:
         force = scene["forces"]
         motion["forces"] = {"drive": force["drive"], "sliding": force["sliding"],
@@ -123,6 +126,32 @@ def velocities_of(case):
     joints = [name[:-3] for name in table.columns if name.endswith(".vx") and name[:-3] + ".vy" in table]
     return {"input": plain(table[input_name]),
             "joints": {name: [plain(table[name + ".vx"]), plain(table[name + ".vy"])] for name in joints}}, []
+
+
+def proof_of(case):
+    """What is proven: where it closes, extremes; of a crank alone over its whole turn."""
+    result = None
+    try:
+        turned = case.copy()
+        turned.set("METHOD", "IKIN", 0)
+        turned.positions([0.0, 360.0])
+        result = turned.study("proof", listing=False)
+    except psalm.Error:
+        result = case.study("proof", listing=False)
+    tables = result.tables
+    names = {"limits": ("kind", "from", "to", "group"), "extremes": ("of", "least_low", "least_high", "least_at", "greatest_low", "greatest_high", "greatest_at"),
+             "dead_points": ("of", "low", "high")}
+    return {table: [dict(zip(columns, row)) for row in zip(*(plain(numpy.asarray(tables[table][name])) for name in columns))]
+            for table, columns in names.items() if table in tables and all(name in tables[table] for name in columns)}, []
+
+
+def assemblies_of(case):
+    """All ways in which the links can be put together at the position that is drawn: places of the joints."""
+    table = case.study("assemblies", listing=False).table
+    joints = [name[:-2] for name in table.columns if name.endswith(".x") and name[:-2] + ".y" in table]
+    return [{"drawn": bool(table["drawn"][row]), "dead": bool(table["dead"][row]),
+             "joints": {name: [plain(float(table[name + ".x"][row])), plain(float(table[name + ".y"][row]))] for name in joints}}
+            for row in range(min(table.rows, ASSEMBLIES))], []
 
 
 # ---- a search -----------------------------------------------------------------------------------------------------------
@@ -157,8 +186,9 @@ def search(request, tell, stopped):
         for kind in request["kinds"]:
             if spent >= seconds or stopped():
                 break
-            tell({"doing": kind, "round": number})
-            case = psalm.Case.from_text(search_text(request, kind, length, 1 + number))
+            text = search_text(request, kind, length, 1 + number)
+            tell({"doing": kind, "round": number, "text": text})
+            case = psalm.Case.from_text(text)
             result = case.kinds(progress=lambda made, most, least: stopped())
             spent += length
             table = result.tables.get("found")
@@ -190,6 +220,8 @@ def main():
     psalm.Case.from_text(WARM).study("summary")
     motion_of(psalm.Case.from_text(WARM))
     velocities_of(psalm.Case.from_text(WARM))
+    proof_of(psalm.Case.from_text(WARM))
+    assemblies_of(psalm.Case.from_text(WARM))
     line = sys.stdin.readline()
     if not line:
         return

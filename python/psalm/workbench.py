@@ -34,6 +34,7 @@ import psalm
 from psalm._study import KINDS
 
 HOST = "127.0.0.1"
+PORT = 7756                 # the same each time: the browser keeps drafts by address
 LARGEST = 1 << 20           # bytes of a request
 LARGEST_ANSWER = 16 << 20   # bytes of a line that a study prints
 PATIENCE = 10.0             # seconds for the body of a request
@@ -288,6 +289,7 @@ class Studies:
         finally:
             one.running = False
             self.end(one.process)
+            await one.process.process.wait()
 
     async def stop(self, one):
         """End a search: what it has found stays; by force if it does not end by itself."""
@@ -392,10 +394,18 @@ def application(token, port, case="", file="", seconds=LOOK_SECONDS):
     return Guard(app, token, {"%s:%d" % (name, port) for name in (HOST, "localhost")})
 
 
+def listen(port):
+    """A socket at that port; without one at the usual port, or at any that is free."""
+    if port is None:
+        with contextlib.suppress(OSError):
+            return socket.create_server((HOST, PORT))
+    return socket.create_server((HOST, port or 0))
+
+
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="psalm-workbench", description="The drawing board in the browser, with the engine behind it.")
     parser.add_argument("case", nargs="?", metavar="CASE.nml", help="a sketch to begin with")
-    parser.add_argument("--port", type=int, default=0, help="default: one that is free")
+    parser.add_argument("--port", type=int, default=None, help="default: %d, or one that is free" % PORT)
     parser.add_argument("--seconds", type=float, default=LOOK_SECONDS, help="the longest time that results are waited for; default: %(default)g")
     parser.add_argument("--no-browser", action="store_true", help="print the address, open nothing")
     asked = parser.parse_args(arguments)
@@ -412,9 +422,9 @@ def main(arguments=None):
             parser.exit(2, "psalm-workbench: %s: a case has at most %d bytes\n" % (asked.case, LARGEST))
         file = os.path.basename(asked.case)
     try:
-        listening = socket.create_server((HOST, asked.port))
+        listening = listen(asked.port)
     except (OSError, OverflowError) as error:
-        parser.exit(3, "psalm-workbench: port %d of %s: %s\n" % (asked.port, HOST, error))
+        parser.exit(3, "psalm-workbench: port %s of %s: %s\n" % (asked.port, HOST, error))
     port, token = listening.getsockname()[1], secrets.token_urlsafe(24)
     address = "http://%s:%d/?token=%s" % (HOST, port, token)
     print("The workbench is at %s\nCtrl-C ends it." % address, flush=True)
