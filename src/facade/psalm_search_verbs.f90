@@ -57,7 +57,7 @@ contains
       real(wp), allocatable :: none(:, :)
       integer :: team
 
-      allocate (synthesis%found%best(0), synthesis%ranked(0))
+      allocate (synthesis%found%best(0), synthesis%ranked(0), synthesis%simplexes(0))
       call frame%begin(case, findings, report)
       if (frame%ready) frame%ready = may_share(threads, findings)
       if (.not. frame%ready) return
@@ -93,17 +93,29 @@ contains
             call table%add('rank', [(i, i=1, size(best))])
             call table%add('objective', best%objective)
             call table%add('start', best%start)
+            if (size(synthesis%simplexes) > 0) call table%add('iteration', best%iteration)
             call table%add('distance', best%distance)
          end associate
-      else if (allocated(synthesis%last%f)) then
-         call table%add('rank', [1])
-         call table%add('objective', [synthesis%last%f(synthesis%last%best)])
+      else if (simplex_made(synthesis)) then
+         associate (last => synthesis%simplexes(1)%last)
+            call table%add('rank', [1])
+            call table%add('objective', [last%f(last%best)])
+         end associate
       else
          call table%add('rank', [integer ::])
          call table%add('objective', [real(wp) ::])
       end if
       call tables%put(table)
    end subroutine put_found
+
+   !> True if a simplex was searched to its end.
+   pure logical function simplex_made(synthesis)
+      type(synthesis_t), intent(in) :: synthesis
+
+      simplex_made = .false.
+      if (.not. allocated(synthesis%simplexes)) return
+      if (size(synthesis%simplexes) > 0) simplex_made = allocated(synthesis%simplexes(1)%last%f)
+   end function simplex_made
 
    !> A search in the poses of the links.
    subroutine search_poses(set, threads, stop, synthesis, findings, monitor, devices)
@@ -206,8 +218,10 @@ contains
             call problem%parameters%apply(synthesis%found%best(which)%values, dimensions)
             call take_found(set, synthesis%found%best(which), variant)
          end if
-      else if (allocated(synthesis%last%v) .and. which == 1) then
-         call problem%parameters%apply(synthesis%last%v(:, synthesis%last%best), dimensions)
+      else if (simplex_made(synthesis) .and. which == 1) then
+         associate (last => synthesis%simplexes(1)%last)
+            call problem%parameters%apply(last%v(:, last%best), dimensions)
+         end associate
       end if
       call write_data_set(set, problem, dimensions, text, variant)
       call take()
