@@ -96,26 +96,15 @@ contains
             if (size(synthesis%simplexes) > 0) call table%add('iteration', best%iteration)
             call table%add('distance', best%distance)
          end associate
-      else if (simplex_made(synthesis)) then
-         associate (last => synthesis%simplexes(1)%last)
-            call table%add('rank', [1])
-            call table%add('objective', [last%f(last%best)])
-         end associate
+      else if (allocated(synthesis%last%f)) then
+         call table%add('rank', [1])
+         call table%add('objective', [synthesis%last%f(synthesis%last%best)])
       else
          call table%add('rank', [integer ::])
          call table%add('objective', [real(wp) ::])
       end if
       call tables%put(table)
    end subroutine put_found
-
-   !> True if a simplex was searched to its end.
-   pure logical function simplex_made(synthesis)
-      type(synthesis_t), intent(in) :: synthesis
-
-      simplex_made = .false.
-      if (.not. allocated(synthesis%simplexes)) return
-      if (size(synthesis%simplexes) > 0) simplex_made = allocated(synthesis%simplexes(1)%last%f)
-   end function simplex_made
 
    !> A search in the poses of the links.
    subroutine search_poses(set, threads, stop, synthesis, findings, monitor, devices)
@@ -218,10 +207,8 @@ contains
             call problem%parameters%apply(synthesis%found%best(which)%values, dimensions)
             call take_found(set, synthesis%found%best(which), variant)
          end if
-      else if (simplex_made(synthesis) .and. which == 1) then
-         associate (last => synthesis%simplexes(1)%last)
-            call problem%parameters%apply(last%v(:, last%best), dimensions)
-         end associate
+      else if (allocated(synthesis%last%v) .and. which == 1) then
+         call problem%parameters%apply(synthesis%last%v(:, synthesis%last%best), dimensions)
       end if
       call write_data_set(set, problem, dimensions, text, variant)
       call take()

@@ -12,7 +12,8 @@ module psalm_synthesis
    use psalm_search_group, only: pareto_none, ranking_none
    use psalm_similarity, only: similarity_t, fit_similarity
    use psalm_simplex_search, only: simplex_run_t, run_simplex, run_simplexes, wants_several
-   use psalm_solver, only: observer_t, stop_iterations, stop_small_objective, stop_interrupted
+   use psalm_simplx, only: simplex_t
+   use psalm_solver, only: observer_t, search_state_t, stop_iterations, stop_small_objective, stop_interrupted
    use psalm_stop, only: stop_t
    use psalm_dimensions, only: dimensions_t
    implicit none (type, external)
@@ -43,7 +44,10 @@ module psalm_synthesis
    type :: synthesis_t
       integer :: ending = ended_unmade           !! one of `ended_...`
       logical :: many = .false.                  !! from many starts, or several linkages wanted of the simplex; else one simplex
-      type(simplex_run_t), allocatable :: simplexes(:) !! by the simplex: as many as were begun
+      ! the simplex; of several the one that led to the best linkage
+      type(simplex_t) :: first, last             !! the initial simplex, the final one
+      type(search_state_t) :: state              !! iterations, evaluations, best objective
+      type(simplex_run_t), allocatable :: simplexes(:) !! all that were begun
       ! many starts
       type(result_t) :: found                    !! linkages, best first; counts
       type(ranked_t), allocatable :: ranked(:)   !! by linkage found
@@ -103,6 +107,7 @@ contains
          end if
          i = findloc(result%simplexes%number, result%found%best(1)%start, dim=1)
          result%ending = ending_of(result%simplexes(i), limited)
+         call take(result%simplexes(i))
          if (result%ending /= ended_iterations) result%ending = ended_starts
          if (result%found%out_of_time) result%ending = ended_time
          if (result%found%interrupted) result%ending = ended_on_request
@@ -114,11 +119,20 @@ contains
          result%simplexes%integer = set%method%istart
          call run_simplex(set, vertices, problem, limited, result%simplexes(1), observer)
          result%ending = ending_of(result%simplexes(1), limited)
+         call take(result%simplexes(1))
          if (result%ending == ended_infeasible) return
-         associate (last => result%simplexes(1)%last)
-            call problem%parameters%apply(last%v(:, last%best), dimensions)
-         end associate
+         call problem%parameters%apply(result%last%v(:, result%last%best), dimensions)
       end if
+
+   contains
+
+      subroutine take(run)
+         type(simplex_run_t), intent(in) :: run
+
+         result%first = run%first
+         result%last = run%last
+         result%state = run%state
+      end subroutine take
    end subroutine search_with_simplex
 
    !> How a simplex ended.
