@@ -239,7 +239,7 @@ contains
       type(path_progress_t), target :: paths
       type(stop_t) :: stop_reported
       ! allocated: together they would fill a small stack
-      class(problem_t), allocatable :: problem
+      class(problem_t), allocatable, target :: problem
       type(synthesis_t), allocatable :: search
       type(analysis_t), allocatable :: analysis
       type(tolerances_t), allocatable :: tolerances
@@ -277,7 +277,7 @@ contains
       call list_input(header_of('PSALM', devices%mark), set, problem, devices%eight)
       dimensions = prepared%given
       if (prepared%parameters%has_search()) call begin_search_report(set, devices)
-      call begin_log(set, monitor, log)
+      call begin_log(set, problem, monitor, log)
       call synthesise(set, prepared%vertices, problem, threads, stop, dimensions, search, log, prepared%found)
       if (prepared%parameters%has_search()) call report_search(set, search, log, devices)
       wanted = wanted_by(set)

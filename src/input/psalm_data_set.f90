@@ -610,7 +610,7 @@ contains
                                  of_weights(*) = [character(name_length) :: 'XMULT', 'YMULT', 'ANMULT'], &
                                  of_bounds(*) = [character(name_length) :: 'OPLOW', 'OPHIGH'], &
                                  of_simplex(*) = [character(name_length) :: 'BOUNCE', 'EXPAND', 'SNAKE', 'REDUCE', 'SHRINK', &
-                                                  'NITER', 'NCHECK', 'SMALL'], &
+                                                  'NITER', 'NCHECK', 'SMALL', 'NVERT'], &
                                  of_searches(*) = [character(name_length) :: of_simplex, 'NGUESS', 'VAR', 'FMIN'], &
                                  of_ways(*) = [character(name_length) :: 'SOLVER', 'NSTART', 'FIRST', 'NBEST', 'DIFFER', 'PARETO', &
                                                'NEARLY', 'RANKING', 'MAXEVAL']

@@ -337,7 +337,7 @@ contains
       call make_problem(set, prepared%mechanism, prepared%given, prepared%parameters, problem)
       call problem%analyse(prepared%given, motion)
       do i = 1, min(size(motion%violations), most_reported)
-         call add_string(words, describe_violation(problem, motion, motion%violations(i)))
+         call add_string(words, describe_violation(problem, motion%input, motion%violations(i)))
       end do
    end subroutine look_at_all_positions
 end module psalm_picture_study
