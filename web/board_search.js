@@ -126,7 +126,7 @@ board.search = (() => {
     parts.sheet = make('div', { class: 'cards' });
     parts.found = make('div', { hidden: true }, head(words.sheet), make('p', {}, words.sheetHint), parts.sheet);
     const kinds = Object.entries(words.kindNames).map(([name, text]) => make('label', { class: 'tick' }, check(text, chosen.has(name), (on) => { if (on) chosen.add(name); else chosen.delete(name); follow(); }), text));
-    $('search').append(head(words.wantedHead), parts.has, make('div', { class: 'list' }, button(words.wantedTool, () => { board.tools.choose('wanted'); board.view.canvas.scrollIntoView({ block: 'nearest' }); }),
+    $('search').append(head(words.wantedHead), parts.has, make('div', { class: 'list' }, button(words.tools.wanted[0], () => { board.tools.choose('wanted'); board.view.canvas.scrollIntoView({ block: 'nearest' }); }),
       button(words.wantedFile, () => parts.file.click()), parts.clear, parts.file),
     row(words.wantedPoints, numberField(words.wantedPoints, count, (value) => {
       if (!Number.isInteger(value) || value < 3 || value > MOST_POINTS) return false;

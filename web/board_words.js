@@ -1,13 +1,145 @@
-// The words of the drawing board beside its properties: what a translation would change. Nothing here knows the document.
+// All words of the drawing board: what a translation would change. Nothing here knows the document.
 'use strict';
 globalThis.board = globalThis.board || {};
 
-board.words = {
+board.words = ((listed) => ({
   title: 'A LINKAGE',
+  play: 'Play',
+  pause: 'Pause',
+  playLabel: 'play',
+  pauseLabel: 'pause',
   apart: 'The links do not meet: with the exact lengths they cannot be put together near the drawing.',
   dead: 'The linkage stands at a dead point in the drawing, where two assemblies meet: draw it in another position.',
   explained: (page) => 'The book explains this on its page guide/' + page + ' (doc/guide/' + page + '.md).',
   tabs: { panel: 'Properties', text: 'Text', engine: 'Results', search: 'Search' },
+
+  // what is on the page from the beginning
+  page: {
+    new: { text: 'New', title: 'empty board' },
+    open: { text: 'Open', title: 'open a data set (Ctrl+O); a file can also be dropped on the board' },
+    save: { text: 'Save', title: 'save the data set (Ctrl+S)' },
+    share: { text: 'Link', title: 'a link that holds this sketch' },
+    gallery: { text: 'Gallery', title: 'mechanisms to begin with' },
+    undo: { text: '\u21b6', title: 'undo (Ctrl+Z)', label: 'undo' },
+    redo: { text: '\u21b7', title: 'redo (Ctrl+Y)', label: 'redo' },
+    help: { text: '?', title: 'the page of the book for what you are doing (F1)', label: 'help' },
+    larger: { text: '+', title: 'larger (+)', label: 'larger' },
+    smaller: { text: '\u2212', title: 'smaller (-)', label: 'smaller' },
+    fit: { text: 'Fit', title: 'show all (F)', label: 'show all' },
+    play: { text: 'Play', title: 'play (space)', label: 'play' },
+    tools: { label: 'tools' },
+    board: { label: 'drawing board' },
+    tabs: { label: 'beside the drawing' },
+    panel: { label: 'properties' },
+    text: { label: 'text of the data set' },
+    engine: { label: 'results' },
+    search: { label: 'search' },
+    title: { label: 'title' },
+    file: { label: 'data set to open' },
+    speed: { label: 'speed' },
+    'speed-word': { text: 'speed' },
+    grid: { label: 'grid' },
+    'grid-word': { text: 'grid' },
+  },
+
+  // tools: name, what to do
+  tools: {
+    select: ['Select', 'Drag joints and links; drag the paper to move the view. Drop a joint on another to join them.'],
+    link: ['Link', 'Pull from joint to joint, or click both ends. A click on a link adds a joint to it; pulled off its line it makes a plate.'],
+    pivot: ['Pivot', 'Click a joint to pin it to the frame, or to free it; click the paper for a new frame joint.'],
+    slider: ['Slider', 'Press on a joint and pull along the line that it is to slide on.'],
+    drive: ['Drive', 'Click a crank\u2019s joint or a slider to drive it; pull from joint to joint for a cylinder.'],
+    output: ['Output', 'Click a joint for its path, a link for its angle.'],
+    delete: ['Delete', 'Click what is to go.'],
+    wanted: ['Wanted', 'Draw the curve that a point of a linkage is to trace; end near its beginning for a closed one.'],
+  },
+
+  // what is wrong with a sketch, and the remedy
+  freedom: {
+    empty: 'The board is empty: with the tool Link press where a joint is to be and pull to the next.',
+    noLink: (joint) => 'Joint ' + joint + ' belongs to no link: pull a link from it, pin it to the frame, or delete it.',
+    frameOnly: 'Only the frame is there: with the tool Link pull a link from joint to joint.',
+    samePlace: (a, b, link) => 'Joints ' + a + ' and ' + b + ' of link ' + link + ' are at the same place: move one, or join them (drop one on the other).',
+    apart: (links) => 'Nothing joins ' + (links.length > 1 ? 'links ' : 'link ') + listed(links) +
+      ' to the frame: drop a joint on one of another link, or pin one to the frame with the tool Pivot.',
+    idle: (drive, freedom, driven) => 'Drive ' + drive + ' moves nothing: the links there are held without it. Freedom ' + freedom +
+      ', driven ' + driven + ': take this drive away.',
+    heldTwice: (joint, a, b) => 'Overconstrained: joint ' + joint + ' of links ' + a + ' and ' + b +
+      ' holds what is held already. Take a joint or a link away, or allow it if they move thanks to special lengths.',
+    pairTwice: (gear, a, b) => 'Overconstrained: the ' + (gear ? 'gear pair' : 'slide') + ' between links ' + a + ' and ' + b + ' holds what is held already: take it away.',
+    noDrive: 'Freedom 1 and no drive: with the tool Drive click a frame joint, a slide, or pull a cylinder.',
+    loose: (links, held, more, joint) => 'Underconstrained: ' + (links.length > 1 ? 'links ' : 'link ') + listed(links) + ' can still move' +
+      (held.length ? ' with ' + listed(held) + ' held' : '') + '. ' + more + ' drive' + (more > 1 ? 's' : '') + ' more, or join them.' +
+      (joint ? ' Joint ' + joint + ' belongs to one link only: is it a frame joint? Then use the tool Pivot on it.' : ''),
+    moves: (drives) => 'Freedom ' + drives + ', ' + (drives === 1 ? 'one drive' : drives + ' drives') + ': it moves',
+  },
+
+  // properties
+  panel: {
+    name: 'name',
+    jointName: 'name of the joint',
+    frame: 'frame',
+    pinned: 'pinned to the frame',
+    output: 'output',
+    pathIsOutput: 'its path is an output',
+    delete: 'Delete',
+    linkName: 'name of the link',
+    joints: 'joints',
+    linkJoints: 'joints of the link',
+    slideName: 'name of the slide',
+    lineOn: 'line on',
+    lineOnLabel: 'link that the line is on',
+    slides: 'slides',
+    slidesLabel: 'link that slides',
+    angle: 'angle',
+    slideAngle: 'direction of the slide, degrees',
+    throughX: 'through x',
+    lineX: 'x of a point of the line',
+    lineY: 'y of a point of the line',
+    driven: 'driven',
+    slideDriven: 'the slide is driven',
+    cross: '\u00d7',
+    ratio: 'ratio',
+    positions: 'Positions',
+    every: 'every',
+    everyLabel: 'degrees from position to position over a turn; 0: a list',
+    outputToAdd: 'output to add, for instance: angle rocker',
+    outputs: 'Outputs',
+    add: 'add',
+    jointsHead: 'Joints',
+    links: 'Links',
+    slidesHead: 'Slides',
+    newJointLabel: 'new joint at x y',
+    newLinkLabel: 'new link of joints',
+    newJoint: 'new joint',
+    newLink: 'new link',
+    lengthHint: 'A length typed in is kept exactly (tick); the drawing follows.',
+    gridOfStrokes: 'A grid of strokes (NGRID); edit it in the tab Text.',
+    countedFrom: 'Counted from the drawing: degrees of a crank, lengths of slides and cylinders.',
+    outputExample: 'angle rocker, distance P Q ...',
+    frameHead: 'Frame',
+    degrees: 'degrees',
+    joint: (name) => 'Joint ' + name,
+    link: (name) => 'Link ' + name,
+    slide: (name) => 'Slide ' + name,
+    cylinder: (at) => 'Cylinder ' + at,
+    cylinderOf: (at) => 'A drive of varying length between joints ' + at.split(' ').join(' and ') + '.',
+    linksOf: (names) => 'Links: ' + (names.join(', ') || 'none'),
+    exactLength: (pair) => 'exact length ' + pair,
+    length: (pair) => 'length ' + pair,
+    drives: (count) => count > 1 ? 'Drives' : 'Drive',
+    drivenAt: (at) => 'link driven at ' + at,
+    noDrive: (at) => 'no drive ' + at,
+    ratioOf: (at) => 'ratio of ' + at + ' to the first drive, 0: by itself',
+    positionsOf: (at) => 'positions of ' + at + ', from the drawing',
+    noOutput: (name) => 'no output ' + name,
+    driveKind: { turn: (at) => 'crank at ' + at, slide: (at) => 'slide ' + at, cylinder: (at) => 'cylinder ' + at },
+    driveSlider: (at) => 'drive ' + at,
+    gridAuto: 'auto',
+    gridOff: 'off',
+    pageTitle: (title) => title + ' \u2013 drawing board',
+    goes: (from, to) => '   (goes from ' + from + ' to ' + to + ')',
+  },
 
   // the text of the case
   dataSet: 'data set',
@@ -73,8 +205,6 @@ board.words = {
   assemblyDrawn: 'as drawn',
 
   // searches
-  wantedTool: 'Wanted',
-  wantedHint: 'Draw the curve that a point of a linkage is to trace; end near its beginning for a closed one.',
   wantedHead: 'Wanted curve',
   wantedNone: 'Draw it with the tool Wanted (W), or open a CSV file with x and y in each line, or an SVG picture.',
   wantedHas: (count, closed) => (closed ? 'Closed' : 'Open') + ' curve of ' + count + ' points.',
@@ -97,4 +227,4 @@ board.words = {
   sheetHint: 'Click one: it becomes the sketch; undo brings back what was there.',
   error: (part) => 'error ' + part + ' of the size',
   angle: (value) => 'angle ' + value + '\u00b0',
-};
+}))((names) => names.length < 2 ? names.join('') : names.slice(0, -1).join(', ') + ' and ' + names.at(-1));

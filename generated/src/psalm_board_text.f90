@@ -754,50 +754,45 @@ module psalm_board_text
    '</head>'//nl// &
    '<body>'//nl// &
    '<header>'//nl// &
-   '  <input id="title" aria-label="title" maxlength="72" spellcheck="false" value="">'//nl// &
+   '  <input id="title" maxlength="72" spellcheck="false" value="">'//nl// &
    '  <div class="bar">'//nl// &
-   '    <button id="new" type="button" title="empty board">New</button>'//nl// &
-   '    <button id="open" type="button" title="open a data set (Ctrl+O); a file can also be dropped on the board">Open</but'// &
-   'ton>'//nl// &
-   '    <input id="file" type="file" accept=".nml,.dev7,.txt,text/plain" aria-label="data set to open" hidden>'//nl// &
-   '    <button id="save" type="button" class="main" title="save the data set (Ctrl+S)">Save</button>'//nl// &
-   '    <button id="share" type="button" title="a link that holds this sketch">Link</button>'//nl// &
-   '    <button id="gallery" type="button" title="mechanisms to begin with">Gallery</button>'//nl// &
-   '    <button id="undo" type="button" aria-label="undo" title="undo (Ctrl+Z)">&#8630;</button>'//nl// &
-   '    <button id="redo" type="button" aria-label="redo" title="redo (Ctrl+Y)">&#8631;</button>'//nl// &
-   '    <button id="help" type="button" aria-label="help" title="the page of the book for what you are doing (F1)">?</butto'// &
-   'n>'//nl// &
+   '    <button id="new" type="button"></button>'//nl// &
+   '    <button id="open" type="button"></button>'//nl// &
+   '    <input id="file" type="file" accept=".nml,.dev7,.txt,text/plain" hidden>'//nl// &
+   '    <button id="save" type="button" class="main"></button>'//nl// &
+   '    <button id="share" type="button"></button>'//nl// &
+   '    <button id="gallery" type="button"></button>'//nl// &
+   '    <button id="undo" type="button"></button>'//nl// &
+   '    <button id="redo" type="button"></button>'//nl// &
+   '    <button id="help" type="button"></button>'//nl// &
    '  </div>'//nl// &
    '</header>'//nl// &
    '<main>'//nl// &
-   '  <div id="tools" role="toolbar" aria-label="tools" aria-orientation="vertical"></div>'//nl// &
+   '  <div id="tools" role="toolbar" aria-orientation="vertical"></div>'//nl// &
    '  <figure>'//nl// &
    '    <div id="state">'//nl// &
    '    <div id="chip" role="status" aria-live="polite"></div>'//nl// &
    '    <div id="zoom">'//nl// &
-   '      <button id="larger" type="button" aria-label="larger" title="larger (+)">+</button>'//nl// &
-   '      <button id="smaller" type="button" aria-label="smaller" title="smaller (-)">&minus;</button>'//nl// &
-   '      <button id="fit" type="button" aria-label="show all" title="show all (F)">Fit</button>'//nl// &
-   '      <label>grid <select id="grid" aria-label="grid">'//nl// &
-   '        <option value="auto" selected>auto</option><option value="0">off</option>'//nl// &
-   '      </select></label>'//nl// &
+   '      <button id="larger" type="button"></button>'//nl// &
+   '      <button id="smaller" type="button"></button>'//nl// &
+   '      <button id="fit" type="button"></button>'//nl// &
+   '      <label><span id="grid-word"></span> <select id="grid"></select></label>'//nl// &
    '    </div>'//nl// &
    '    </div>'//nl// &
-   '    <canvas id="board" tabindex="0" role="application" aria-describedby="hint" aria-label="drawing board"></canvas>'//nl// &
+   '    <canvas id="board" tabindex="0" role="application" aria-describedby="hint"></canvas>'//nl// &
    '    <div id="hint"></div>'//nl// &
    '  </figure>'//nl// &
    '  <aside id="side">'//nl// &
-   '    <div id="tabs" role="tablist" aria-label="beside the drawing"></div>'//nl// &
-   '    <section id="panel" role="tabpanel" aria-label="properties"></section>'//nl// &
-   '    <section id="text" role="tabpanel" aria-label="text of the data set" hidden></section>'//nl// &
-   '    <section id="engine" role="tabpanel" aria-label="results" hidden></section>'//nl// &
-   '    <section id="search" role="tabpanel" aria-label="search" hidden></section>'//nl// &
+   '    <div id="tabs" role="tablist"></div>'//nl// &
+   '    <section id="panel" role="tabpanel"></section>'//nl// &
+   '    <section id="text" role="tabpanel" hidden></section>'//nl// &
+   '    <section id="engine" role="tabpanel" hidden></section>'//nl// &
+   '    <section id="search" role="tabpanel" hidden></section>'//nl// &
    '  </aside>'//nl// &
    '</main>'//nl// &
    '<footer>'//nl// &
-   '  <button id="play" type="button" class="main" aria-label="play" aria-pressed="false" title="play (space)">Play</button'// &
-   '>'//nl// &
-   '  <label>speed <input id="speed" type="range" min="-2" max="2" step="0.5" value="0" aria-label="speed"></label>'//nl// &
+   '  <button id="play" type="button" class="main" aria-pressed="false"></button>'//nl// &
+   '  <label><span id="speed-word"></span> <input id="speed" type="range" min="-2" max="2" step="0.5" value="0"></label>'//nl// &
    '  <div id="drives"></div>'//nl// &
    '  <output id="facts"></output>'//nl// &
    '</footer>'//nl// &
@@ -984,9 +979,7 @@ module psalm_board_text
    "140.0,0.0,30.0,60.0,140.0,\n  JY=10.0,25.0,15.0,20.0,-10.0,-25.0,-15.0,-20.0,\n  LNAME='body','rod','link1','finger1','"// &
    "link2','finger2', LNK='b b2','a a2','a c','b c f','a2 c2','b2 c2 f2',\n  SLNK='body', SLNK2='rod', SLX=0.0, SLY=0.0, SL"// &
    "ANG=0.0 &END\n &DRIVES DRIVE='S1' &END\n &OUTPUTS OUTPUT='distance f f2','angle b f' &END\n &METHOD NDES=9, DELT=-4.0,-"// &
-   "3.0,-2.0,-1.0,0.0,1.0,2.0,3.0,4.0 &END\n""},"//nl
-
-   character(*), parameter :: part_10 = &
+   "3.0,-2.0,-1.0,0.0,1.0,2.0,3.0,4.0 &END\n""},"//nl// &
    "  {""name"": ""umbrella"", ""title"": ""UMBRELLA, ONE RIB"", ""text"": ""! Half of an umbrella: the runner slides down "// &
    "the pole, the stretcher opens the rib, and the pull rod folds the outer rib out.\n! Output: tip of the outer rib Q and "// &
    "its direction. Lengths in mm; the runner falls by 100 and rises by 100.\nUMBRELLA, ONE RIB\n &CHAIN JNT='T','R','S','U'"// &
@@ -1000,7 +993,9 @@ module psalm_board_text
    ",300.0,-40.0,200.0,60.0,280.0,300.0,420.0,150.0,\n  JY=0.0,0.0,40.0,150.0,160.0,190.0,200.0,260.0,420.0,250.0,\n  LNAME"// &
    "='base','link1','link2','seat','link3','link4','back','link5',\n  LNK='A B H','A C','B K','C K E F','E M','M H','F Q P'"// &
    ",'Q M' &END\n &DRIVES DRIVE='A' &END\n &OUTPUTS OUTPUT='angle back','angle seat','point P' &END\n &METHOD NDES=11, DELT"// &
-   "=-20.0,-16.0,-12.0,-8.0,-4.0,0.0,4.0,8.0,12.0,16.0,20.0 &END\n""},"//nl// &
+   "=-20.0,-16.0,-12.0,-8.0,-4.0,0.0,4.0,8.0,12.0,16.0,20.0 &END\n""},"//nl
+
+   character(*), parameter :: part_10 = &
    "  {""name"": ""squeezer"", ""title"": ""ANDREWS'S SQUEEZER"", ""text"": ""! Andrews's squeezing mechanism, seven moving"// &
    " bodies, a test problem of multibody programs (Schiehlen 1990; lengths as in Hairer and Wanner,\n! Solving Ordinary Dif"// &
    "ferential Equations II, VII.7), here driven at constant speed. Metres. The drawing is rough; LENP has the lengths.\n! O"// &
@@ -1020,17 +1015,160 @@ module psalm_board_text
    '];'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
-   '// The words of the drawing board beside its properties: what a translation would change. Nothing here knows the docume'// &
-   'nt.'//nl// &
+   '// All words of the drawing board: what a translation would change. Nothing here knows the document.'//nl// &
    "'use strict';"//nl// &
    'globalThis.board = globalThis.board || {};'//nl// &
    ''//nl// &
-   'board.words = {'//nl// &
+   'board.words = ((listed) => ({'//nl// &
    "  title: 'A LINKAGE',"//nl// &
+   "  play: 'Play',"//nl// &
+   "  pause: 'Pause',"//nl// &
+   "  playLabel: 'play',"//nl// &
+   "  pauseLabel: 'pause',"//nl// &
    "  apart: 'The links do not meet: with the exact lengths they cannot be put together near the drawing.',"//nl// &
    "  dead: 'The linkage stands at a dead point in the drawing, where two assemblies meet: draw it in another position.',"//nl// &
    "  explained: (page) => 'The book explains this on its page guide/' + page + ' (doc/guide/' + page + '.md).',"//nl// &
    "  tabs: { panel: 'Properties', text: 'Text', engine: 'Results', search: 'Search' },"//nl// &
+   ''//nl// &
+   '  // what is on the page from the beginning'//nl// &
+   '  page: {'//nl// &
+   "    new: { text: 'New', title: 'empty board' },"//nl// &
+   "    open: { text: 'Open', title: 'open a data set (Ctrl+O); a file can also be dropped on the board' },"//nl// &
+   "    save: { text: 'Save', title: 'save the data set (Ctrl+S)' },"//nl// &
+   "    share: { text: 'Link', title: 'a link that holds this sketch' },"//nl// &
+   "    gallery: { text: 'Gallery', title: 'mechanisms to begin with' },"//nl// &
+   "    undo: { text: '\u21b6', title: 'undo (Ctrl+Z)', label: 'undo' },"//nl// &
+   "    redo: { text: '\u21b7', title: 'redo (Ctrl+Y)', label: 'redo' },"//nl// &
+   "    help: { text: '?', title: 'the page of the book for what you are doing (F1)', label: 'help' },"//nl// &
+   "    larger: { text: '+', title: 'larger (+)', label: 'larger' },"//nl// &
+   "    smaller: { text: '\u2212', title: 'smaller (-)', label: 'smaller' },"//nl// &
+   "    fit: { text: 'Fit', title: 'show all (F)', label: 'show all' },"//nl// &
+   "    play: { text: 'Play', title: 'play (space)', label: 'play' },"//nl// &
+   "    tools: { label: 'tools' },"//nl// &
+   "    board: { label: 'drawing board' },"//nl// &
+   "    tabs: { label: 'beside the drawing' },"//nl// &
+   "    panel: { label: 'properties' },"//nl// &
+   "    text: { label: 'text of the data set' },"//nl// &
+   "    engine: { label: 'results' },"//nl// &
+   "    search: { label: 'search' },"//nl// &
+   "    title: { label: 'title' },"//nl// &
+   "    file: { label: 'data set to open' },"//nl// &
+   "    speed: { label: 'speed' },"//nl// &
+   "    'speed-word': { text: 'speed' },"//nl// &
+   "    grid: { label: 'grid' },"//nl// &
+   "    'grid-word': { text: 'grid' },"//nl// &
+   '  },'//nl// &
+   ''//nl// &
+   '  // tools: name, what to do'//nl// &
+   '  tools: {'//nl// &
+   "    select: ['Select', 'Drag joints and links; drag the paper to move the view. Drop a joint on another to join them.']"// &
+   ","//nl// &
+   "    link: ['Link', 'Pull from joint to joint, or click both ends. A click on a link adds a joint to it; pulled off its "// &
+   "line it makes a plate.'],"//nl// &
+   "    pivot: ['Pivot', 'Click a joint to pin it to the frame, or to free it; click the paper for a new frame joint.'],"//nl// &
+   "    slider: ['Slider', 'Press on a joint and pull along the line that it is to slide on.'],"//nl// &
+   "    drive: ['Drive', 'Click a crank\u2019s joint or a slider to drive it; pull from joint to joint for a cylinder.'],"//nl// &
+   "    output: ['Output', 'Click a joint for its path, a link for its angle.'],"//nl// &
+   "    delete: ['Delete', 'Click what is to go.'],"//nl// &
+   "    wanted: ['Wanted', 'Draw the curve that a point of a linkage is to trace; end near its beginning for a closed one.'"// &
+   "],"//nl// &
+   '  },'//nl// &
+   ''//nl// &
+   '  // what is wrong with a sketch, and the remedy'//nl// &
+   '  freedom: {'//nl// &
+   "    empty: 'The board is empty: with the tool Link press where a joint is to be and pull to the next.',"//nl// &
+   "    noLink: (joint) => 'Joint ' + joint + ' belongs to no link: pull a link from it, pin it to the frame, or delete it."// &
+   "',"//nl// &
+   "    frameOnly: 'Only the frame is there: with the tool Link pull a link from joint to joint.',"//nl// &
+   "    samePlace: (a, b, link) => 'Joints ' + a + ' and ' + b + ' of link ' + link + ' are at the same place: move one, or"// &
+   " join them (drop one on the other).',"//nl// &
+   "    apart: (links) => 'Nothing joins ' + (links.length > 1 ? 'links ' : 'link ') + listed(links) +"//nl// &
+   "      ' to the frame: drop a joint on one of another link, or pin one to the frame with the tool Pivot.',"//nl// &
+   "    idle: (drive, freedom, driven) => 'Drive ' + drive + ' moves nothing: the links there are held without it. Freedom "// &
+   "' + freedom +"//nl// &
+   "      ', driven ' + driven + ': take this drive away.',"//nl// &
+   "    heldTwice: (joint, a, b) => 'Overconstrained: joint ' + joint + ' of links ' + a + ' and ' + b +"//nl// &
+   "      ' holds what is held already. Take a joint or a link away, or allow it if they move thanks to special lengths.',"//nl// &
+   "    pairTwice: (gear, a, b) => 'Overconstrained: the ' + (gear ? 'gear pair' : 'slide') + ' between links ' + a + ' and"// &
+   " ' + b + ' holds what is held already: take it away.',"//nl// &
+   "    noDrive: 'Freedom 1 and no drive: with the tool Drive click a frame joint, a slide, or pull a cylinder.',"//nl// &
+   "    loose: (links, held, more, joint) => 'Underconstrained: ' + (links.length > 1 ? 'links ' : 'link ') + listed(links)"// &
+   " + ' can still move' +"//nl// &
+   "      (held.length ? ' with ' + listed(held) + ' held' : '') + '. ' + more + ' drive' + (more > 1 ? 's' : '') + ' more,"// &
+   " or join them.' +"//nl// &
+   "      (joint ? ' Joint ' + joint + ' belongs to one link only: is it a frame joint? Then use the tool Pivot on it.' : '"// &
+   "'),"//nl// &
+   "    moves: (drives) => 'Freedom ' + drives + ', ' + (drives === 1 ? 'one drive' : drives + ' drives') + ': it moves',"//nl// &
+   '  },'//nl// &
+   ''//nl// &
+   '  // properties'//nl// &
+   '  panel: {'//nl// &
+   "    name: 'name',"//nl// &
+   "    jointName: 'name of the joint',"//nl// &
+   "    frame: 'frame',"//nl// &
+   "    pinned: 'pinned to the frame',"//nl// &
+   "    output: 'output',"//nl// &
+   "    pathIsOutput: 'its path is an output',"//nl// &
+   "    delete: 'Delete',"//nl// &
+   "    linkName: 'name of the link',"//nl// &
+   "    joints: 'joints',"//nl// &
+   "    linkJoints: 'joints of the link',"//nl// &
+   "    slideName: 'name of the slide',"//nl// &
+   "    lineOn: 'line on',"//nl// &
+   "    lineOnLabel: 'link that the line is on',"//nl// &
+   "    slides: 'slides',"//nl// &
+   "    slidesLabel: 'link that slides',"//nl// &
+   "    angle: 'angle',"//nl// &
+   "    slideAngle: 'direction of the slide, degrees',"//nl
+
+   character(*), parameter :: part_11 = &
+   "    throughX: 'through x',"//nl// &
+   "    lineX: 'x of a point of the line',"//nl// &
+   "    lineY: 'y of a point of the line',"//nl// &
+   "    driven: 'driven',"//nl// &
+   "    slideDriven: 'the slide is driven',"//nl// &
+   "    cross: '\u00d7',"//nl// &
+   "    ratio: 'ratio',"//nl// &
+   "    positions: 'Positions',"//nl// &
+   "    every: 'every',"//nl// &
+   "    everyLabel: 'degrees from position to position over a turn; 0: a list',"//nl// &
+   "    outputToAdd: 'output to add, for instance: angle rocker',"//nl// &
+   "    outputs: 'Outputs',"//nl// &
+   "    add: 'add',"//nl// &
+   "    jointsHead: 'Joints',"//nl// &
+   "    links: 'Links',"//nl// &
+   "    slidesHead: 'Slides',"//nl// &
+   "    newJointLabel: 'new joint at x y',"//nl// &
+   "    newLinkLabel: 'new link of joints',"//nl// &
+   "    newJoint: 'new joint',"//nl// &
+   "    newLink: 'new link',"//nl// &
+   "    lengthHint: 'A length typed in is kept exactly (tick); the drawing follows.',"//nl// &
+   "    gridOfStrokes: 'A grid of strokes (NGRID); edit it in the tab Text.',"//nl// &
+   "    countedFrom: 'Counted from the drawing: degrees of a crank, lengths of slides and cylinders.',"//nl// &
+   "    outputExample: 'angle rocker, distance P Q ...',"//nl// &
+   "    frameHead: 'Frame',"//nl// &
+   "    degrees: 'degrees',"//nl// &
+   "    joint: (name) => 'Joint ' + name,"//nl// &
+   "    link: (name) => 'Link ' + name,"//nl// &
+   "    slide: (name) => 'Slide ' + name,"//nl// &
+   "    cylinder: (at) => 'Cylinder ' + at,"//nl// &
+   "    cylinderOf: (at) => 'A drive of varying length between joints ' + at.split(' ').join(' and ') + '.',"//nl// &
+   "    linksOf: (names) => 'Links: ' + (names.join(', ') || 'none'),"//nl// &
+   "    exactLength: (pair) => 'exact length ' + pair,"//nl// &
+   "    length: (pair) => 'length ' + pair,"//nl// &
+   "    drives: (count) => count > 1 ? 'Drives' : 'Drive',"//nl// &
+   "    drivenAt: (at) => 'link driven at ' + at,"//nl// &
+   "    noDrive: (at) => 'no drive ' + at,"//nl// &
+   "    ratioOf: (at) => 'ratio of ' + at + ' to the first drive, 0: by itself',"//nl// &
+   "    positionsOf: (at) => 'positions of ' + at + ', from the drawing',"//nl// &
+   "    noOutput: (name) => 'no output ' + name,"//nl// &
+   "    driveKind: { turn: (at) => 'crank at ' + at, slide: (at) => 'slide ' + at, cylinder: (at) => 'cylinder ' + at },"//nl// &
+   "    driveSlider: (at) => 'drive ' + at,"//nl// &
+   "    gridAuto: 'auto',"//nl// &
+   "    gridOff: 'off',"//nl// &
+   "    pageTitle: (title) => title + ' \u2013 drawing board',"//nl// &
+   "    goes: (from, to) => '   (goes from ' + from + ' to ' + to + ')',"//nl// &
+   '  },'//nl// &
    ''//nl// &
    '  // the text of the case'//nl// &
    "  dataSet: 'data set',"//nl// &
@@ -1083,7 +1221,9 @@ module psalm_board_text
    "  severalLoads: 'The case has loads of its own: change them in the text.',"//nl// &
    ''//nl// &
    "  tolerance: 'lengths \u00b1',"//nl// &
-   "  toleranceLabel: 'tolerance of all lengths, to either side; 0: none',"//nl// &
+   "  toleranceLabel: 'tolerance of all lengths, to either side; 0: none',"//nl
+
+   character(*), parameter :: part_12 = &
    "  proven: 'Proven',"//nl// &
    "  strip: 'green: it closes, proven; marks: dead points',"//nl// &
    "  closing: { closes: 'closes', opens: 'does not close' },"//nl// &
@@ -1096,8 +1236,6 @@ module psalm_board_text
    "  assemblyDrawn: 'as drawn',"//nl// &
    ''//nl// &
    '  // searches'//nl// &
-   "  wantedTool: 'Wanted',"//nl// &
-   "  wantedHint: 'Draw the curve that a point of a linkage is to trace; end near its beginning for a closed one.',"//nl// &
    "  wantedHead: 'Wanted curve',"//nl// &
    "  wantedNone: 'Draw it with the tool Wanted (W), or open a CSV file with x and y in each line, or an SVG picture.',"//nl// &
    "  wantedHas: (count, closed) => (closed ? 'Closed' : 'Open') + ' curve of ' + count + ' points.',"//nl// &
@@ -1114,16 +1252,14 @@ module psalm_board_text
    "  searchStart: 'Search',"//nl// &
    "  searchOn: 'Go on',"//nl// &
    "  searchStop: 'Stop',"//nl// &
-   "  searchSave: 'Save as data set',"//nl
-
-   character(*), parameter :: part_11 = &
+   "  searchSave: 'Save as data set',"//nl// &
    "  searching: (kind, round) => 'Round ' + (round + 1) + ': ' + kind + ' ...',"//nl// &
    "  searchOver: (count) => count ? 'Stopped; ' + count + ' kinds of linkages found.' : 'Stopped; nothing was found.',"//nl// &
    "  sheet: 'Found',"//nl// &
    "  sheetHint: 'Click one: it becomes the sketch; undo brings back what was there.',"//nl// &
    "  error: (part) => 'error ' + part + ' of the size',"//nl// &
    "  angle: (value) => 'angle ' + value + '\u00b0',"//nl// &
-   '};'//nl// &
+   "}))((names) => names.length < 2 ? names.join('') : names.slice(0, -1).join(', ') + ' and ' + names.at(-1));"//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
    '// A sketch as text: the NAMELIST notation is read and written. Nothing here knows the document.'//nl// &
@@ -1191,7 +1327,9 @@ module psalm_board_text
    '      at = readItems(text, from + name[0].length, group, lineOf);'//nl// &
    '      group.end = at;'//nl// &
    '      groups.push(group);'//nl// &
-   '    }'//nl// &
+   '    }'//nl
+
+   character(*), parameter :: part_13 = &
    "    return { titleStart: starts[first], title: lines[first].trim(), titleEnd: starts[first] + lines[first].replace(/\r$"// &
    "/, '').length,"//nl// &
    '      groups, end };'//nl// &
@@ -1222,9 +1360,7 @@ module psalm_board_text
    '      at += word.length;'//nl// &
    '      if (/^(\s|!)/.test(word)) continue;'//nl// &
    '      if (/^([&$]END|\/)$/i.test(word)) return at;'//nl// &
-   '      if (found[1] !== undefined) {'//nl
-
-   character(*), parameter :: part_12 = &
+   '      if (found[1] !== undefined) {'//nl// &
    "        item = { name: found[1].toUpperCase(), place: found[2] || '', values: [], line: lineOf(at), from: at - word.len"// &
    "gth, to: at };"//nl// &
    '        group.items.push(item);'//nl// &
@@ -1302,7 +1438,9 @@ module psalm_board_text
    "    if (x.length < names.length || y.length < names.length) throw wrong('JX')('places for ' + names.length + ' joints a"// &
    "re expected');"//nl// &
    '    const twice = names.find((name, i) => names.indexOf(name) < i);'//nl// &
-   "    if (twice) throw wrong('JNT')('joint ' + twice + ' is named twice');"//nl// &
+   "    if (twice) throw wrong('JNT')('joint ' + twice + ' is named twice');"//nl
+
+   character(*), parameter :: part_14 = &
    "    const links = texts('LNK').map((words, i) => ({ name: (texts('LNAME')[i] || String(i + 1)).trim(),"//nl// &
    "      joints: jointsIn(words, names, wrong('LNK')) }));"//nl// &
    "    const count = texts('NSLIDE').length ? numbers('NSLIDE')[0] : texts('SLNK').length;"//nl// &
@@ -1333,9 +1471,7 @@ module psalm_board_text
    "      if (sketch.slides.some((slide) => slide.name === drive.at[0])) drive.kind = 'slide';"//nl// &
    '      else if (!names.includes(drive.at[0])) {'//nl// &
    "        drive.kind = 'cylinder';"//nl// &
-   '        drive.at = jointsIn(text, names, wrong);'//nl
-
-   character(*), parameter :: part_13 = &
+   '        drive.at = jointsIn(text, names, wrong);'//nl// &
    '        if (drive.at.length !== 2) throw wrong("''" + text + "'' is no joint, no slide and no pair of joints");'//nl// &
    '      }'//nl// &
    '      return drive;'//nl// &
@@ -1414,7 +1550,9 @@ module psalm_board_text
    "    if (sketch.kover) chain.push(['KOVER', ['1']]);"//nl// &
    "    const list = { CHAIN: group('CHAIN', chain.concat(kept(sketch, 'CHAIN'))) };"//nl// &
    "    list.DRIVES = drives.length ? group('DRIVES', driveItems(sketch).concat(kept(sketch, 'DRIVES'))) : '';"//nl// &
-   "    const wanted = [['OUTPUT', outputs.map((o) => quoted([o.kind, ...o.of].join(' ')))]];"//nl// &
+   "    const wanted = [['OUTPUT', outputs.map((o) => quoted([o.kind, ...o.of].join(' ')))]];"//nl
+
+   character(*), parameter :: part_15 = &
    "    if (outputs.some((o) => o.name)) wanted.push(['ONAME', outputs.map((o) => quoted(o.name || [o.kind, ...o.of].join('"// &
    "_')))]);"//nl// &
    "    list.OUTPUTS = outputs.length ? group('OUTPUTS', wanted.concat(kept(sketch, 'OUTPUTS'))) : '';"//nl// &
@@ -1449,9 +1587,7 @@ module psalm_board_text
    "    const word = (one) => one === from ? to : kind === 'joint' && !joints.includes(one) && from.length === 1 && one.inc"// &
    "ludes(from) &&"//nl// &
    "      [...one].every((letter) => joints.includes(letter)) ? [...one].map((letter) => letter === from ? to : letter).joi"// &
-   "n(to.length > 1 ? ' ' : '') : one;"//nl
-
-   character(*), parameter :: part_14 = &
+   "n(to.length > 1 ? ' ' : '') : one;"//nl// &
    "    return text.replace(/'([^']*)'/g, (_, words) => ""'"" + words.split(/([\s-]+)/).map(word).join('') + ""'"");"//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1534,7 +1670,9 @@ module psalm_board_text
    '  /** Solves A x = b in place (rows of A are arrays); gives x, the sign of the determinant, and whether the rank is ful'// &
    'l. */'//nl// &
    '  function eliminate(A, b) {'//nl// &
-   '    const n = A.length;'//nl// &
+   '    const n = A.length;'//nl
+
+   character(*), parameter :: part_16 = &
    '    let sign = 1, largest = 0, least = Infinity;'//nl// &
    '    for (let k = 0; k < n; k++) {'//nl// &
    '      let p = k;'//nl// &
@@ -1562,9 +1700,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** The same with more equations than unknowns: least squares. */'//nl// &
-   '  function solve(A, b, columns) {'//nl
-
-   character(*), parameter :: part_15 = &
+   '  function solve(A, b, columns) {'//nl// &
    '    if (A.length === columns) return eliminate(A.map((row) => row.slice()), b.slice());'//nl// &
    '    const normal = Array.from({ length: columns }, (_, i) => Array.from({ length: columns }, (_, j) =>'//nl// &
    '      A.reduce((sum, row) => sum + row[i] * row[j], 0)));'//nl// &
@@ -1641,7 +1777,9 @@ module psalm_board_text
    '    const drives = [];'//nl// &
    '    sketch.drives.forEach((drive, k) => {'//nl// &
    '      const one = { kind: drive.kind, drive: k };'//nl// &
-   "      if (drive.kind === 'cylinder') {"//nl// &
+   "      if (drive.kind === 'cylinder') {"//nl
+
+   character(*), parameter :: part_17 = &
    '        const [i, j] = drive.at.map((name) => joint.get(name)), from = sketch.joints[i], to = sketch.joints[j];'//nl// &
    '        drives.push({ ...one, i, j, length: Math.hypot(to.x - from.x, to.y - from.y) });'//nl// &
    '        return;'//nl// &
@@ -1671,9 +1809,7 @@ module psalm_board_text
    '    const s = mech.slides[i], [px, py, pdx, pdy] = place(mech, pose, s.a, s.p), [qx, qy, qdx, qdy] = place(mech, pose, '// &
    's.b, s.q);'//nl// &
    '    const [ux, uy] = turn(s.d, pose[3 * s.a + 2]), dx = qx - px, dy = qy - py;'//nl// &
-   '    return { along: dx * ux + dy * uy, across: dy * ux - dx * uy, u: [ux, uy],'//nl
-
-   character(*), parameter :: part_16 = &
+   '    return { along: dx * ux + dy * uy, across: dy * ux - dx * uy, u: [ux, uy],'//nl// &
    '      by: (n) => ({ b: [n[0], n[1], qdx * n[0] + qdy * n[1]], a: [-n[0], -n[1], -(pdx * n[0] + pdy * n[1])] }), dx, dy '// &
    '};'//nl// &
    '  }'//nl// &
@@ -1749,7 +1885,9 @@ module psalm_board_text
    '      before = length;'//nl// &
    '    }'//nl// &
    '    const worst = Math.max(0, ...equations(mech, pose, inputs).r.map(Math.abs));'//nl// &
-   '    return { closed: worst <= 1e-9 * mech.size, sign, full, first };'//nl// &
+   '    return { closed: worst <= 1e-9 * mech.size, sign, full, first };'//nl
+
+   character(*), parameter :: part_18 = &
    '  }'//nl// &
    ''//nl// &
    '  /** The sketch put together at its drawing: poses, or null where that cannot be done. */'//nl// &
@@ -1778,9 +1916,7 @@ module psalm_board_text
    '      const x = velocity(mech, now, rates);'//nl// &
    '      if (!x) return null;'//nl// &
    '      step = Math.min(step, 1 - way);'//nl// &
-   '      for (;;) {'//nl
-
-   character(*), parameter :: part_17 = &
+   '      for (;;) {'//nl// &
    '        const pose = now.pose.slice(), inputs = way + step >= 1 ? target.slice() : from.map((v, k) => v + (way + step) '// &
    '* rates[k]);'//nl// &
    '        for (let i = 0; i < n; i++) pose[i + 3] += step * (i % 3 === 2 ? x[i] / mech.size : x[i]);'//nl// &
@@ -1856,7 +1992,9 @@ module psalm_board_text
    ''//nl// &
    '  /** What an output is at a state: its numbers, by the names of the columns of CASE.csv. */'//nl// &
    '  function output(mech, state, one, first) {'//nl// &
-   '    const at = new Map(joints(mech, state.pose).map((p, j) => [mech.sketch.joints[j].name, p]));'//nl// &
+   '    const at = new Map(joints(mech, state.pose).map((p, j) => [mech.sketch.joints[j].name, p]));'//nl
+
+   character(*), parameter :: part_19 = &
    "    const name = one.name || [one.kind, ...one.of].join('_'), words = one.of;"//nl// &
    '    const link = (word) => mech.sketch.links.find((l) => l.name === word);'//nl// &
    '    const line = (list) => {'//nl// &
@@ -1892,9 +2030,7 @@ module psalm_board_text
    '-'//nl// &
    ''//nl// &
    '  /** The sketch with joints and slides anywhere: what holds there holds for almost all dimensions. Always the same pla'// &
-   'ces. */'//nl
-
-   character(*), parameter :: part_18 = &
+   'ces. */'//nl// &
    '  function anywhere(sketch) {'//nl// &
    '    let seed = 12345;'//nl// &
    '    const random = () => { seed = (seed * 1103515245 + 12345) % 2147483648; return seed / 2147483648; };'//nl// &
@@ -1945,24 +2081,18 @@ module psalm_board_text
    '    return [...moving].sort((a, b) => a - b);'//nl// &
    '  }'//nl// &
    ''//nl// &
-   "  const listed = (names) => names.length < 2 ? names.join('') : names.slice(0, -1).join(', ') + ' and ' + names.at(-1);"//nl// &
-   ''//nl// &
    '  /** What is wrong with a sketch, in words, and the remedy; empty if it is a mechanism. Each has the names it is about'// &
    '. */'//nl// &
    '  function assess(sketch) {'//nl// &
-   '    const say = (text, joints = [], links = []) => [{ text, joints, links }];'//nl// &
-   "    if (!sketch.joints.length) return say('The board is empty: with the tool Link press where a joint is to be and pull"// &
-   " to the next.');"//nl// &
+   '    const words = board.words.freedom, say = (text, joints = [], links = []) => [{ text, joints, links }];'//nl// &
+   '    if (!sketch.joints.length) return say(words.empty);'//nl// &
    '    const home = sketch.joints.filter((j) => !sketch.links.some((l) => l.joints.includes(j.name)));'//nl// &
-   "    if (home.length) return say('Joint ' + home[0].name + ' belongs to no link: pull a link from it, pin it to the fram"// &
-   "e, or delete it.', [home[0].name]);"//nl// &
-   "    if (sketch.links.length < 2) return say('Only the frame is there: with the tool Link pull a link from joint to join"// &
-   "t.');"//nl// &
+   '    if (home.length) return say(words.noLink(home[0].name), [home[0].name]);'//nl// &
+   '    if (sketch.links.length < 2) return say(words.frameOnly);'//nl// &
    '    for (const link of sketch.links) for (const [i, a] of link.joints.entries()) for (const b of link.joints.slice(0, i'// &
    ')) {'//nl// &
    '      const [p, q] = [a, b].map((name) => sketch.joints.find((j) => j.name === name));'//nl// &
-   "      if (Math.hypot(p.x - q.x, p.y - q.y) <= 1e-9) return say('Joints ' + b + ' and ' + a + ' of link ' + link.name +"//nl// &
-   "        ' are at the same place: move one, or join them (drop one on the other).', [a, b]);"//nl// &
+   '      if (Math.hypot(p.x - q.x, p.y - q.y) <= 1e-9) return say(words.samePlace(b, a, link.name), [a, b]);'//nl// &
    '    }'//nl// &
    '    const reached = new Set([0]), touch = sketch.links.map((link) => (other) => link.joints.some((j) => other.joints.in'// &
    'cludes(j)) ||'//nl// &
@@ -1978,47 +2108,35 @@ module psalm_board_text
    '      });'//nl// &
    '    }'//nl// &
    '    const apart = sketch.links.filter((_, i) => !reached.has(i)).map((l) => l.name);'//nl// &
-   "    if (apart.length) return say('Nothing joins ' + (apart.length > 1 ? 'links ' : 'link ') + listed(apart) +"//nl// &
-   "      ' to the frame: drop a joint on one of another link, or pin one to the frame with the tool Pivot.', [], apart);"//nl// &
+   '    if (apart.length) return say(words.apart(apart), [], apart);'//nl// &
    '    const { left, twice, free, count } = freedom(sketch), names = free.map((i) => sketch.links[i].name);'//nl// &
-   "    const held = sketch.drives.map((d) => d.at.join(' '));"//nl// &
+   "    const held = sketch.drives.map((d) => d.at.join(' '));"//nl
+
+   character(*), parameter :: part_20 = &
    "    if (twice.length && !(sketch.kover && !twice.some((row) => 'drive' in row))) {"//nl// &
    "      const row = twice.find((one) => 'drive' in one) || twice[0];"//nl// &
-   "      if ('drive' in row) return say('Drive ' + held[row.drive] + ' moves nothing: the links there are held without it."// &
-   " Freedom ' + count +"//nl// &
-   "        ', driven ' + held.length + ': take this drive away.', sketch.drives[row.drive].kind === 'slide' ? [] : sketch."// &
-   "drives[row.drive].at);"//nl// &
+   "      if ('drive' in row) return say(words.idle(held[row.drive], count, held.length), sketch.drives[row.drive].kind ==="// &
+   " 'slide' ? [] : sketch.drives[row.drive].at);"//nl// &
    '      const [a, b] = [row.a, row.b].map((i) => sketch.links[i].name);'//nl// &
-   "      if (row.kind === 'pin') return say('Overconstrained: joint ' + sketch.joints[row.j].name + ' of links ' + a + ' a"// &
-   "nd ' + b +"//nl// &
-   "        ' holds what is held already. Take a joint or a link away, or allow it if they move thanks to special lengths.'"// &
-   ", [sketch.joints[row.j].name], [a, b]);"//nl// &
-   "      return say('Overconstrained: the ' + (row.kind === 'gear' ? 'gear pair' : 'slide') + ' between links ' + a + ' an"// &
-   "d ' + b + ' holds what is held already: take it away.', [], [a, b]);"//nl// &
+   "      if (row.kind === 'pin') return say(words.heldTwice(sketch.joints[row.j].name, a, b), [sketch.joints[row.j].name],"// &
+   " [a, b]);"//nl// &
+   "      return say(words.pairTwice(row.kind === 'gear', a, b), [], [a, b]);"//nl// &
    '    }'//nl// &
    '    if (left) {'//nl// &
    '      const tail = sketch.joints.find((j) => sketch.links.filter((l) => l.joints.includes(j.name)).length === 1 &&'//nl// &
    '        names.some((name) => sketch.links.find((l) => l.name === name).joints.includes(j.name)) && !sketch.outputs.some'// &
    '((o) => o.of.includes(j.name)));'//nl// &
-   "      if (!sketch.drives.length && left === 1) return say('Freedom 1 and no drive: with the tool Drive click a frame jo"// &
-   "int, a slide, or pull a cylinder.', [], names);"//nl// &
-   "      return say('Underconstrained: ' + (names.length > 1 ? 'links ' : 'link ') + listed(names) + ' can still move' + ("// &
-   "held.length ? ' with ' +"//nl// &
-   "        listed(held) + ' held' : '') + '. ' + left + ' drive' + (left > 1 ? 's' : '') + ' more, or join them.' + (tail "// &
-   "? ' Joint ' + tail.name +"//nl// &
-   "        ' belongs to one link only: is it a frame joint? Then use the tool Pivot on it.' : ''), tail ? [tail.name] : []"// &
-   ", names);"//nl// &
+   '      if (!sketch.drives.length && left === 1) return say(words.noDrive, [], names);'//nl// &
+   "      return say(words.loose(names, held, left, tail ? tail.name : ''), tail ? [tail.name] : [], names);"//nl// &
    '    }'//nl// &
    '    return [];'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  return { compile, assemble, advance, correct, joints, travel, positions, inputsAt, follow, output, freedom, assess, e'// &
-   'liminate, listed, RADIAN };'//nl// &
+   'liminate, RADIAN };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
-   '<script>'//nl
-
-   character(*), parameter :: part_19 = &
+   '<script>'//nl// &
    "// The drawing board's picture: what is on the canvas, and what is under a point of it."//nl// &
    "'use strict';"//nl// &
    ''//nl// &
@@ -2101,7 +2219,9 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  function draw() {'//nl// &
-   '    const { state } = board, { sketch } = state, at = board.places();'//nl// &
+   '    const { state } = board, { sketch } = state, at = board.places();'//nl
+
+   character(*), parameter :: part_21 = &
    '    g.clearRect(0, 0, w, h);'//nl// &
    "    g.lineJoin = g.lineCap = 'round';"//nl// &
    '    drawGrid();'//nl// &
@@ -2121,9 +2241,7 @@ module psalm_board_text
    '    drawPending();'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function drawGrid() {'//nl
-
-   character(*), parameter :: part_20 = &
+   '  function drawGrid() {'//nl// &
    '    const step = gridStep() || 22 / eye.k, [left, top] = world(0, 0), [right, bottom] = world(w, h), shown = gridStep()'// &
    ' > 0;'//nl// &
    '    const lines = (from, to) => Array.from({ length: Math.min(400, Math.floor(to / step) - Math.ceil(from / step) + 1) '// &
@@ -2209,7 +2327,9 @@ module psalm_board_text
    '    if (points.length > 2) g.closePath();'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Points round the outline; where they lie on a line, its ends. */'//nl// &
+   '  /** Points round the outline; where they lie on a line, its ends. */'//nl
+
+   character(*), parameter :: part_22 = &
    '  function outline(points) {'//nl// &
    '    if (points.length < 3) return points;'//nl// &
    '    const sorted = points.slice().sort((a, b) => a[0] - b[0] || a[1] - b[1]);'//nl// &
@@ -2229,9 +2349,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** The line of a slide, with the link that it is drawn on. */'//nl// &
-   '  function drawRail(slide, i) {'//nl
-
-   character(*), parameter :: part_21 = &
+   '  function drawRail(slide, i) {'//nl// &
    '    const place = board.slidePlace(i), [ux, uy] = place.u, reach = 1.2 * (w + h);'//nl// &
    '    g.strokeStyle = pens.frame;'//nl// &
    '    g.lineWidth = 1.2;'//nl// &
@@ -2315,7 +2433,9 @@ module psalm_board_text
    '      for (let i = -14; i < 14; i += 7) line(x + i, y + 25, x + i + 6, y + 19);'//nl// &
    '      line(x - 15, y + 19, x + 15, y + 19);'//nl// &
    '    }'//nl// &
-   '    const r = chosen || (hover && hover.joint === joint.name) ? 8 : 6;'//nl// &
+   '    const r = chosen || (hover && hover.joint === joint.name) ? 8 : 6;'//nl
+
+   character(*), parameter :: part_23 = &
    '    if (chosen || wrong.has(joint.name)) {'//nl// &
    '      g.fillStyle = chosen ? pens.accent : pens.warn;'//nl// &
    '      g.globalAlpha = 0.3;'//nl// &
@@ -2335,9 +2455,7 @@ module psalm_board_text
    '    g.font = ''italic 600 15px system-ui, "DejaVu Sans", sans-serif'';'//nl// &
    '    g.fillText(joint.name, x + 11, y - 10);'//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_22 = &
+   ''//nl// &
    '  /** A crank is driven: an arrow round its joint. */'//nl// &
    '  function drawMotor(x, y) {'//nl// &
    '    g.strokeStyle = g.fillStyle = pens.good;'//nl// &
@@ -2420,7 +2538,9 @@ module psalm_board_text
    '  // ---- what is under a point ---------------------------------------------------------------------------------------'// &
    '-'//nl// &
    ''//nl// &
-   '  const distance = (px, py, [ax, ay], [bx, by]) => {'//nl// &
+   '  const distance = (px, py, [ax, ay], [bx, by]) => {'//nl
+
+   character(*), parameter :: part_24 = &
    '    const dx = bx - ax, dy = by - ay, f = Math.min(1, Math.max(0, ((px - ax) * dx + (py - ay) * dy) / (dx * dx + dy * d'// &
    'y || 1)));'//nl// &
    '    return Math.hypot(px - ax - f * dx, py - ay - f * dy);'//nl// &
@@ -2443,9 +2563,7 @@ module psalm_board_text
    '    });'//nl// &
    '    if (best) return best;'//nl// &
    '    least = touch ? 16 : 9;'//nl// &
-   '    sketch.links.forEach((link, i) => {'//nl
-
-   character(*), parameter :: part_23 = &
+   '    sketch.links.forEach((link, i) => {'//nl// &
    '      if (i === 0 || link.joints.includes(without)) return;'//nl// &
    '      const round = outline(link.joints.map(p));'//nl// &
    '      round.forEach((a, k) => {'//nl// &
@@ -2476,7 +2594,7 @@ module psalm_board_text
    "  const TABS = [['panel', board.words.tabs.panel], ['text', board.words.tabs.text], ['engine', board.words.tabs.engine]"// &
    ", ['search', board.words.tabs.search]];"//nl// &
    "  let tab = 'panel';"//nl// &
-   "  const KIND = { turn: 'crank at ', slide: 'slide ', cylinder: 'cylinder ' };"//nl// &
+   '  const words = board.words.panel;'//nl// &
    ''//nl// &
    '  /** An element with attributes, listeners (on...) and children. */'//nl// &
    '  function make(tag, attributes = {}, ...children) {'//nl// &
@@ -2528,7 +2646,9 @@ module psalm_board_text
    "    const s = text.replace(/,/g, '.').replace(/\s/g, '');"//nl// &
    '    const sum = () => {'//nl// &
    '      let v = product();'//nl// &
-   "      while (s[at] === '+' || s[at] === '-') v = s[at++] === '+' ? v + product() : v - product();"//nl// &
+   "      while (s[at] === '+' || s[at] === '-') v = s[at++] === '+' ? v + product() : v - product();"//nl
+
+   character(*), parameter :: part_25 = &
    '      return v;'//nl// &
    '    };'//nl// &
    '    const product = () => {'//nl// &
@@ -2548,9 +2668,7 @@ module psalm_board_text
    '    return at === s.length ? value : NaN;'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  const check = (label, on, take) => {'//nl
-
-   character(*), parameter :: part_24 = &
+   '  const check = (label, on, take) => {'//nl// &
    "    const box = make('input', { type: 'checkbox', 'aria-label': label, onchange: () => take(box.checked) });"//nl// &
    '    box.checked = on;'//nl// &
    '    return box;'//nl// &
@@ -2571,7 +2689,7 @@ module psalm_board_text
    '  function show(rough = false) {'//nl// &
    '    const { state } = board, { sketch } = state;'//nl// &
    "    $('title').value = sketch.title;"//nl// &
-   "    document.title = sketch.title + ' \u2013 drawing board';"//nl// &
+   '    document.title = words.pageTitle(sketch.title);'//nl// &
    "    $('undo').disabled = !board.canUndo();"//nl// &
    "    $('redo').disabled = !board.canRedo();"//nl// &
    '    showState();'//nl// &
@@ -2589,8 +2707,7 @@ module psalm_board_text
    "    const { state } = board, chip = $('chip'), wrong = state.messages.length > 0;"//nl// &
    "    chip.className = wrong ? 'wrong' : '';"//nl// &
    '    const n = state.sketch.drives.length;'//nl// &
-   "    const text = wrong ? state.messages[0].text : 'Freedom ' + n + ', ' + (n === 1 ? 'one drive' : n + ' drives') + ': "// &
-   "it moves';"//nl// &
+   '    const text = wrong ? state.messages[0].text : board.words.freedom.moves(n);'//nl// &
    '    if (chip.textContent !== text) chip.textContent = text;'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -2608,24 +2725,24 @@ module psalm_board_text
    '    const move = (key) => (value) => edit((sketch) => { joint = board.jointOf(name); joint[key] = value; board.relax(sk'// &
    'etch, [name]); });'//nl// &
    '    const places = board.places().get(name);'//nl// &
-   "    return [head('Joint ' + name),"//nl// &
-   "      row('name', field('name of the joint', name, (text) => board.rename('joint', name, text) && choose({ joint: text "// &
+   '    return [head(words.joint(name)),'//nl// &
+   "      row(words.name, field(words.jointName, name, (text) => board.rename('joint', name, text) && choose({ joint: text "// &
    "}))),"//nl// &
    "      row('x', numberField('x', board.state.live ? places[0] : joint.x, move('x'))), row('y', numberField('y', board.st"// &
    "ate.live ? places[1] : joint.y, move('y'))),"//nl// &
-   "      row('frame', check('pinned to the frame', board.inFrame(name), () => board.tools.pivot(name))),"//nl// &
-   "      row('output', check('its path is an output', board.state.sketch.outputs.some((o) => o.kind === 'point' && o.of[0]"// &
-   " === name), () => board.tools.output({ joint: name }))),"//nl// &
-   "      make('p', {}, 'Links: ' + (board.linksAt(name).map((l) => l.name).join(', ') || 'none')),"//nl// &
-   "      button('Delete', () => board.remove({ joint: name }))];"//nl// &
+   '      row(words.frame, check(words.pinned, board.inFrame(name), () => board.tools.pivot(name))),'//nl// &
+   "      row(words.output, check(words.pathIsOutput, board.state.sketch.outputs.some((o) => o.kind === 'point' && o.of[0] "// &
+   "=== name), () => board.tools.output({ joint: name }))),"//nl// &
+   "      make('p', {}, words.linksOf(board.linksAt(name).map((l) => l.name))),"//nl// &
+   '      button(words.delete, () => board.remove({ joint: name }))];'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function linkPart(link) {'//nl// &
    '    const { edit } = board, { name } = link, frame = link === board.state.sketch.links[0], at = board.places();'//nl// &
-   "    const parts = [head(frame ? 'Frame' : 'Link ' + name),"//nl// &
-   "      row('name', field('name of the link', name, (text) => board.rename('link', name, text) && choose({ link: text }))"// &
+   '    const parts = [head(frame ? words.frameHead : words.link(name)),'//nl// &
+   "      row(words.name, field(words.linkName, name, (text) => board.rename('link', name, text) && choose({ link: text }))"// &
    "),"//nl// &
-   "      row('joints', field('joints of the link', link.joints.join(' '), (text) => {"//nl// &
+   "      row(words.joints, field(words.linkJoints, link.joints.join(' '), (text) => {"//nl// &
    '        let joints;'//nl// &
    '        try {'//nl// &
    '          joints = board.text.jointsIn(text, board.state.sketch.joints.map((j) => j.name), (words) => new RangeError(wo'// &
@@ -2639,15 +2756,17 @@ module psalm_board_text
    '        const exact = board.state.sketch.lengths.find((l) => l.joints.includes(a) && l.joints.includes(b));'//nl// &
    '        const fix = (value) => edit((sketch) => {'//nl// &
    '          sketch.lengths = sketch.lengths.filter((l) => !(l.joints.includes(a) && l.joints.includes(b)));'//nl// &
-   '          if (value > 0) sketch.lengths.push({ joints: [a, b], value });'//nl// &
+   '          if (value > 0) sketch.lengths.push({ joints: [a, b], value });'//nl
+
+   character(*), parameter :: part_26 = &
    '          board.relax(sketch);'//nl// &
    '        });'//nl// &
-   "        parts.push(row(label, numberField('length ' + label, exact ? exact.value : length, (value) => value > 0 ? fix(v"// &
-   "alue) : false),"//nl// &
-   "          check('exact length ' + label, Boolean(exact), (on) => fix(on ? Number(length.toPrecision(12)) : 0))));"//nl// &
+   '        parts.push(row(label, numberField(words.length(label), exact ? exact.value : length, (value) => value > 0 ? fix'// &
+   '(value) : false),'//nl// &
+   '          check(words.exactLength(label), Boolean(exact), (on) => fix(on ? Number(length.toPrecision(12)) : 0))));'//nl// &
    '      }'//nl// &
-   "      parts.push(make('p', {}, 'A length typed in is kept exactly (tick); the drawing follows.'),"//nl// &
-   "        button('Delete', () => board.remove({ link: name })));"//nl// &
+   "      parts.push(make('p', {}, words.lengthHint),"//nl// &
+   '        button(words.delete, () => board.remove({ link: name })));'//nl// &
    '    }'//nl// &
    '    return parts;'//nl// &
    '  }'//nl// &
@@ -2657,45 +2776,42 @@ module psalm_board_text
    '    const set = (key) => (value) => edit((sketch) => { sketch.slides.find((one) => one.name === name)[key] = value; });'//nl// &
    '    const onto = (i) => (value) => edit((sketch) => { sketch.slides.find((one) => one.name === name).links[i] = value; '// &
    '});'//nl// &
-   "    return [head('Slide ' + name), row('name', field('name of the slide', name, (text) => board.rename('slide', name, t"// &
-   "ext) && choose({ slide: text }))),"//nl// &
-   "      row('line on', choice('link that the line is on', names, slide.links[0], onto(0))),"//nl// &
-   "      row('slides', choice('link that slides', names, slide.links[1], onto(1))),"//nl// &
-   "      row('angle', numberField('direction of the slide, degrees', slide.angle, set('angle'))),"//nl// &
-   "      row('through x', numberField('x of a point of the line', slide.x, set('x'))),"//nl
-
-   character(*), parameter :: part_25 = &
-   "      row('y', numberField('y of a point of the line', slide.y, set('y'))),"//nl// &
-   "      row('driven', check('the slide is driven', state.sketch.drives.some((d) => d.at[0] === name), () => board.tools.d"// &
-   "rive({ slide: name }))),"//nl// &
-   "      button('Delete', () => board.remove({ slide: name }))];"//nl// &
+   "    return [head(words.slide(name)), row(words.name, field(words.slideName, name, (text) => board.rename('slide', name,"// &
+   " text) && choose({ slide: text }))),"//nl// &
+   '      row(words.lineOn, choice(words.lineOnLabel, names, slide.links[0], onto(0))),'//nl// &
+   '      row(words.slides, choice(words.slidesLabel, names, slide.links[1], onto(1))),'//nl// &
+   "      row(words.angle, numberField(words.slideAngle, slide.angle, set('angle'))),"//nl// &
+   "      row(words.throughX, numberField(words.lineX, slide.x, set('x'))),"//nl// &
+   "      row('y', numberField(words.lineY, slide.y, set('y'))),"//nl// &
+   '      row(words.driven, check(words.slideDriven, state.sketch.drives.some((d) => d.at[0] === name), () => board.tools.d'// &
+   'rive({ slide: name }))),'//nl// &
+   '      button(words.delete, () => board.remove({ slide: name }))];'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function cylinderPart(at) {'//nl// &
-   "    return [head('Cylinder ' + at), make('p', {}, 'A drive of varying length between joints ' + at.split(' ').join(' an"// &
-   "d ') + '.'),"//nl// &
-   "      button('Delete', () => board.remove({ cylinder: at }))];"//nl// &
+   "    return [head(words.cylinder(at)), make('p', {}, words.cylinderOf(at)),"//nl// &
+   '      button(words.delete, () => board.remove({ cylinder: at }))];'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** The drives, and between which links they act. */'//nl// &
    '  function drivePart() {'//nl// &
    '    const { state, edit } = board, { drives, links } = state.sketch;'//nl// &
    '    if (!drives.length) return [];'//nl// &
-   "    const parts = [head(drives.length > 1 ? 'Drives' : 'Drive')];"//nl// &
+   '    const parts = [head(words.drives(drives.length))];'//nl// &
    '    drives.forEach((drive, i) => {'//nl// &
-   "      const at = drive.at.join(' '), label = KIND[drive.kind] + at;"//nl// &
-   "      parts.push(row(label, ...(drive.kind === 'turn' ? [choice('link driven at ' + at, links.filter((l) => l.joints.in"// &
-   "cludes(drive.at[0])).map((l) => l.name),"//nl// &
+   "      const at = drive.at.join(' '), label = words.driveKind[drive.kind](at);"//nl// &
+   "      parts.push(row(label, ...(drive.kind === 'turn' ? [choice(words.drivenAt(at), links.filter((l) => l.joints.includ"// &
+   "es(drive.at[0])).map((l) => l.name),"//nl// &
    "        drive.link || (board.state.motion.mech ? links[board.state.motion.mech.drives[i].link].name : ''), (name) => ed"// &
    "it((sketch) => {"//nl// &
    '          const one = sketch.drives[i];'//nl// &
    '          one.link = name;'//nl// &
    "          if (!one.base || one.base === name) one.base = (sketch.links.find((l) => l.joints.includes(one.at[0]) && l.na"// &
    "me !== name) || { name: '' }).name;"//nl// &
-   "        }))] : []), button('\u00d7', () => edit((sketch) => { sketch.drives.splice(i, 1); board.tidy(sketch); }), { 'ar"// &
-   "ia-label': 'no drive ' + at })));"//nl// &
-   "      if (i > 0) parts.push(row('ratio', numberField('ratio of ' + at + ' to the first drive, 0: by itself', drive.rati"// &
-   "o, (value) => edit((sketch) => { sketch.drives[i].ratio = value; }))));"//nl// &
+   "        }))] : []), button(words.cross, () => edit((sketch) => { sketch.drives.splice(i, 1); board.tidy(sketch); }), { "// &
+   "'aria-label': words.noDrive(at) })));"//nl// &
+   '      if (i > 0) parts.push(row(words.ratio, numberField(words.ratioOf(at), drive.ratio, (value) => edit((sketch) => { '// &
+   'sketch.drives[i].ratio = value; }))));'//nl// &
    '    });'//nl// &
    '    return parts;'//nl// &
    '  }'//nl// &
@@ -2704,23 +2820,20 @@ module psalm_board_text
    '  function positionPart() {'//nl// &
    '    const { state, edit } = board, { sketch } = state;'//nl// &
    '    if (!sketch.drives.length) return [];'//nl// &
-   "    if (sketch.drives.some((d) => d.grid)) return [head('Positions'), make('p', {}, 'A grid of strokes (NGRID); edit it"// &
-   " in the tab Text.')];"//nl// &
+   "    if (sketch.drives.some((d) => d.grid)) return [head(words.positions), make('p', {}, words.gridOfStrokes)];"//nl// &
    "    const list = (label, values, take) => field(label, values.join(' '), (text) => {"//nl// &
    '      const numbers = text.split(/[\s;]+/).filter(Boolean).map(valueOf);'//nl// &
    '      return numbers.length && numbers.every(isFinite) ? take(numbers) : false;'//nl// &
    '    });'//nl// &
-   "    const parts = [head('Positions'), row('every', numberField('degrees from position to position over a turn; 0: a lis"// &
-   "t', sketch.ikin, (value) => {"//nl// &
+   '    const parts = [head(words.positions), row(words.every, numberField(words.everyLabel, sketch.ikin, (value) => {'//nl// &
    '      if (!Number.isInteger(value) || Math.abs(value) > 360) return false;'//nl// &
    '      edit((s) => { s.ikin = value; if (!value && !s.delt.length) s.delt = [0, 10, 20, 30]; });'//nl// &
-   "    }), make('span', { style: 'flex:0 0 auto' }, 'degrees'))];"//nl// &
+   "    }), make('span', { style: 'flex:0 0 auto' }, words.degrees))];"//nl// &
    '    if (sketch.ikin) return parts;'//nl// &
    '    sketch.drives.forEach((drive, i) => {'//nl// &
    '      if (i && drive.ratio) return;'//nl// &
    "      const at = drive.at.join(' ');"//nl// &
-   "      parts.push(row(at, list('positions of ' + at + ', from the drawing', i ? drive.delt : sketch.delt, (numbers) => e"// &
-   "dit((s) => {"//nl// &
+   '      parts.push(row(at, list(words.positionsOf(at), i ? drive.delt : sketch.delt, (numbers) => edit((s) => {'//nl// &
    '        const n = numbers.length;'//nl// &
    '        if (i) s.drives[i].delt = numbers; else s.delt = numbers;'//nl// &
    '        const fill = (values) => Array.from({ length: n }, (_, k) => values[k] ?? values.at(-1) ?? 0);'//nl// &
@@ -2728,13 +2841,13 @@ module psalm_board_text
    '        s.drives.forEach((d, k) => { if (k && !d.ratio) d.delt = fill(d.delt); });'//nl// &
    '      }))));'//nl// &
    '    });'//nl// &
-   "    parts.push(make('p', {}, 'Counted from the drawing: degrees of a crank, lengths of slides and cylinders.'));"//nl// &
+   "    parts.push(make('p', {}, words.countedFrom));"//nl// &
    '    return parts;'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function outputPart() {'//nl// &
    '    const { state, edit } = board, { outputs } = state.sketch;'//nl// &
-   "    const add = field('output to add, for instance: angle rocker', '', (text) => {"//nl// &
+   "    const add = field(words.outputToAdd, '', (text) => {"//nl// &
    '      const words = text.split(/\s+/);'//nl// &
    "      if (!['point', 'x', 'y', 'angle', 'distance', 'slide', 'between', 'pose', 'ratio'].includes(words[0]) || words.le"// &
    "ngth < 2) return false;"//nl// &
@@ -2744,11 +2857,11 @@ module psalm_board_text
    "((letter) => board.jointOf(letter)));"//nl// &
    '      if (!words.slice(1).every(known)) return false;'//nl// &
    "      edit((sketch) => { sketch.outputs.push({ kind: words[0], of: words.slice(1), name: '' }); });"//nl// &
-   "    }, { placeholder: 'angle rocker, distance P Q ...' });"//nl// &
-   "    return [head('Outputs'), make('div', { class: 'list' }, ...outputs.map((one, i) => button([one.kind, ...one.of].joi"// &
-   "n(' ') + ' \u00d7', () =>"//nl// &
-   "      edit((sketch) => { sketch.outputs.splice(i, 1); }), { 'aria-label': 'no output ' + [one.kind, ...one.of].join(' '"// &
-   ") }))), row('add', add)];"//nl// &
+   '    }, { placeholder: words.outputExample });'//nl// &
+   "    return [head(words.outputs), make('div', { class: 'list' }, ...outputs.map((one, i) => button([one.kind, ...one.of]"// &
+   ".join(' ') + ' \u00d7', () =>"//nl// &
+   "      edit((sketch) => { sketch.outputs.splice(i, 1); }), { 'aria-label': words.noOutput([one.kind, ...one.of].join(' '"// &
+   ")) }))), row(words.add, add)];"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** All joints and links, to be chosen without a mouse. */'//nl// &
@@ -2759,15 +2872,17 @@ module psalm_board_text
    '    const joints = sketch.joints.map((j) => item(j.name, { joint: j.name }, s && s.joint === j.name));'//nl// &
    '    const links = sketch.links.map((l) => item(l.name, { link: l.name }, s && s.link === l.name));'//nl// &
    '    const slides = sketch.slides.map((l) => item(l.name, { slide: l.name }, s && s.slide === l.name));'//nl// &
-   "    const parts = [head('Joints'), make('div', { class: 'list' }, ...joints), head('Links'), make('div', { class: 'list"// &
-   "' }, ...links)];"//nl// &
-   "    if (slides.length) parts.push(head('Slides'), make('div', { class: 'list' }, ...slides));"//nl// &
-   "    const place = field('new joint at x y', '', (text) => {"//nl// &
+   "    const parts = [head(words.jointsHead), make('div', { class: 'list' }, ...joints), head(words.links), make('div', { "// &
+   "class: 'list' }, ...links)];"//nl// &
+   "    if (slides.length) parts.push(head(words.slidesHead), make('div', { class: 'list' }, ...slides));"//nl
+
+   character(*), parameter :: part_27 = &
+   "    const place = field(words.newJointLabel, '', (text) => {"//nl// &
    '      const at = text.split(/[\s;]+/).map(valueOf);'//nl// &
    '      if (at.length !== 2 || !at.every(isFinite)) return false;'//nl// &
    '      board.tools.jointAt(at);'//nl// &
    "    }, { placeholder: 'x y' });"//nl// &
-   "    const link = field('new link of joints', '', (text) => {"//nl// &
+   "    const link = field(words.newLinkLabel, '', (text) => {"//nl// &
    '      let joints;'//nl// &
    '      try {'//nl// &
    '        joints = [...new Set(board.text.jointsIn(text, sketch.joints.map((j) => j.name), (words) => new RangeError(word'// &
@@ -2776,15 +2891,13 @@ module psalm_board_text
    '      if (joints.length < 2) return false;'//nl// &
    "      board.edit((one) => { one.links.push({ name: board.freeName('link'), joints }); });"//nl// &
    "    }, { placeholder: 'B C' });"//nl// &
-   "    return [...parts, row('new joint', place), row('new link', link)];"//nl// &
+   '    return [...parts, row(words.newJoint, place), row(words.newLink, link)];'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function choose(what) {'//nl// &
    '    board.state.selection = what;'//nl// &
    '    show();'//nl// &
-   '    board.view.draw();'//nl
-
-   character(*), parameter :: part_26 = &
+   '    board.view.draw();'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  // ---- drives and facts --------------------------------------------------------------------------------------------'// &
@@ -2802,7 +2915,7 @@ module psalm_board_text
    ';'//nl// &
    "      const range = make('input', { type: 'range', min: several ? low : 0, max: several ? high : motion.sweep.states.le"// &
    "ngth - 1, step: several ? (high - low) / 1000 : 1,"//nl// &
-   "        'aria-label': 'drive ' + at, 'data-drive': String(k) });"//nl// &
+   "        'aria-label': words.driveSlider(at), 'data-drive': String(k) });"//nl// &
    "      range.addEventListener('input', () => {"//nl// &
    '        board.pause();'//nl// &
    '        if (several) board.drive(k, Number(range.value)); else board.go(Number(range.value));'//nl// &
@@ -2834,7 +2947,7 @@ module psalm_board_text
    '  function range(sweep, sketch) {'//nl// &
    "    const turns = sketch.drives[0].kind === 'turn', of = (one) => board.view.short(Number((one.inputs[0] / (turns ? boa"// &
    "rd.motion.RADIAN : 1)).toPrecision(4)));"//nl// &
-   "    return '   (goes from ' + of(sweep.states[0]) + ' to ' + of(sweep.states.at(-1)) + (turns ? '\u00b0' : '') + ')';"//nl// &
+   "    return words.goes(of(sweep.states[0]), of(sweep.states.at(-1)) + (turns ? '\u00b0' : ''));"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Shows one of the parts beside the drawing. */'//nl// &
@@ -2869,11 +2982,25 @@ module psalm_board_text
    "    turnTo('panel');"//nl// &
    '  }'//nl// &
    ''//nl// &
+   '  /** The words of what is on the page from the beginning. */'//nl// &
+   '  function name() {'//nl
+
+   character(*), parameter :: part_28 = &
+   '    for (const [id, { text, title, label }] of Object.entries(board.words.page)) {'//nl// &
+   '      const element = $(id);'//nl// &
+   '      if (text) element.textContent = text;'//nl// &
+   '      if (title) element.title = title;'//nl// &
+   "      if (label) element.setAttribute('aria-label', label);"//nl// &
+   '    }'//nl// &
+   '  }'//nl// &
+   ''//nl// &
    '  function begin() {'//nl// &
+   '    name();'//nl// &
    '    listTabs();'//nl// &
    "    $('title').addEventListener('change', () => board.edit((sketch) => { sketch.title = $('title').value.trim().slice(0"// &
-   ", 72) || 'A LINKAGE'; }));"//nl// &
-   "    $('grid').append(...[0.1, 0.5, 1, 2, 5, 10, 20, 50].map((v) => new Option(v, v)));"//nl// &
+   ", 72) || board.words.title; }));"//nl// &
+   "    $('grid').append(new Option(words.gridAuto, 'auto'), new Option(words.gridOff, '0'), ...[0.1, 0.5, 1, 2, 5, 10, 20,"// &
+   " 50].map((v) => new Option(v, v)));"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  return { begin, show, follow, choose, valueOf, make, svg, row, head, button, check, numberField, turnTo, get tab() { '// &
@@ -2893,9 +3020,7 @@ module psalm_board_text
    '  const $ = (id) => document.getElementById(id);'//nl// &
    '  let box, numbers, marks, list, back;'//nl// &
    '  let timer = 0;'//nl// &
-   "  let written = '';              // what the drawing was when it was written here"//nl
-
-   character(*), parameter :: part_27 = &
+   "  let written = '';              // what the drawing was when it was written here"//nl// &
    '  let mistake = null;            // of the text that is here: it is not on the board'//nl// &
    "  let aside = '';                // a text with a mistake, and the drawing has gone on"//nl// &
    '  let found = [];                // what the engine finds in the text `foundIn`'//nl// &
@@ -2967,7 +3092,9 @@ module psalm_board_text
    '      return mark;'//nl// &
    '    }));'//nl// &
    "    list.replaceChildren(...(all.length ? all.slice(0, MOST_MARKS).map((one) => make('li', { class: one.level },"//nl// &
-   "      make('button', { type: 'button', class: 'go', onclick: () => go(one.line) }, words.line(one.line, one.text)))) :"//nl// &
+   "      make('button', { type: 'button', class: 'go', onclick: () => go(one.line) }, words.line(one.line, one.text)))) :"//nl
+
+   character(*), parameter :: part_29 = &
    "      [make('li', { class: 'good' }, words.understood)]));"//nl// &
    "    const button = $('tab-text');"//nl// &
    "    button.classList.toggle('bad', all.some((one) => one.level === 'error'));"//nl// &
@@ -2999,9 +3126,7 @@ module psalm_board_text
    '    box.scrollTop = Math.max(0, (line - 4) * LINE);'//nl// &
    '    scroll();'//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_28 = &
+   ''//nl// &
    '  /** An item of a group, as text, in the data set. */'//nl// &
    '  function setItem(group, item, value) {'//nl// &
    '    board.take(board.text.changed(board.write(), group, item, value));'//nl// &
@@ -3075,7 +3200,9 @@ module psalm_board_text
    '-'//nl// &
    ''//nl// &
    '  const through = (bytes, stream) => new Blob([bytes]).stream().pipeThrough(stream);'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_30 = &
    '  /** A text compressed, in letters that an address may have. */'//nl// &
    '  async function packed(text) {'//nl// &
    "    const bytes = new Uint8Array(await new Response(through(new TextEncoder().encode(text), new CompressionStream('defl"// &
@@ -3109,9 +3236,7 @@ module psalm_board_text
    ''//nl// &
    '  async function share() {'//nl// &
    "    const { make, button } = board.panel, dialog = $('dialog'), field = make('input', { readonly: true, 'aria-label': w"// &
-   "ords.linkLabel, value: await link() });"//nl
-
-   character(*), parameter :: part_29 = &
+   "ords.linkLabel, value: await link() });"//nl// &
    '    const copy = button(words.copy, () => {'//nl// &
    '      field.select();'//nl// &
    "      navigator.clipboard.writeText(field.value).catch(() => document.execCommand('copy'));"//nl// &
@@ -3194,7 +3319,9 @@ module psalm_board_text
    "    dialog.className = 'gallery';"//nl// &
    "    dialog.replaceChildren(make('div', { class: 'row' }, make('h2', {}, words.galleryHead), find, button(words.close, ("// &
    ") => dialog.close())),"//nl// &
-   "      make('div', { class: 'cards' }, ...cards));"//nl// &
+   "      make('div', { class: 'cards' }, ...cards));"//nl
+
+   character(*), parameter :: part_31 = &
    '    dialog.showModal();'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -3228,9 +3355,7 @@ module psalm_board_text
    "  let timer = 0, since = 0, number = 0, asked = '';     // begin and number of the question that is open, its text"//nl// &
    '  let answer = null, fresh = false, parts = {};'//nl// &
    ''//nl// &
-   '  /** What the server says; an object with `error` if it says no. */'//nl
-
-   character(*), parameter :: part_30 = &
+   '  /** What the server says; an object with `error` if it says no. */'//nl// &
    "  async function ask(path, body, method = body === undefined ? 'GET' : 'POST') {"//nl// &
    '    try {'//nl// &
    "      const reply = await fetch(path, { method, body, headers: { 'X-Psalm-Token': meta.content, 'X-Psalm-Page': page },"// &
@@ -3307,7 +3432,9 @@ module psalm_board_text
    'it. */'//nl// &
    '  function placeOn(inputs) {'//nl// &
    '    const { live, sketch } = board.state;'//nl// &
-   '    if (!live || !inputs || inputs.length < 1 || board.free() !== 1) return null;'//nl// &
+   '    if (!live || !inputs || inputs.length < 1 || board.free() !== 1) return null;'//nl
+
+   character(*), parameter :: part_32 = &
    "    const turns = sketch.drives[0].kind === 'turn', value = live.inputs[0] / (turns ? board.motion.RADIAN : 1), round ="// &
    " (v) => turns ? v - 360 * Math.round(v / 360) : v;"//nl// &
    '    let best = -1, least = Infinity;'//nl// &
@@ -3346,9 +3473,7 @@ module psalm_board_text
    '    if (loaded) for (const [x, y, fx, fy] of motion.forces.loads.map((one) => one.map((v) => mixed(v, loaded))))'//nl// &
    "      list.push({ from: [x, y], x: fx, y: fy, most: answer.strongest, kind: 'load', strong: true });"//nl// &
    '    return list.filter((one) => one.x !== null && one.y !== null && one.most > 0);'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_31 = &
+   '  }'//nl// &
    ''//nl// &
    '  function draw(g, X, Y, pens) {'//nl// &
    '    if (!served) return;'//nl// &
@@ -3421,7 +3546,9 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  const digits = (v) => board.view.short(Number(v.toPrecision(4)));'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_33 = &
    '  /** Numbers at the position shown. */'//nl// &
    '  function here() {'//nl// &
    "    if (!parts.here || $('engine').hidden) return;"//nl// &
@@ -3456,9 +3583,7 @@ module psalm_board_text
    "    while (box.children.length < rows.length) box.append(make('div', { class: 'fact' }, make('span'), make('b')));"//nl// &
    '    rows.forEach(([name, value], i) => [name, value].forEach((text, k) => { const one = box.children[i].children[k]; if'// &
    ' (one.textContent !== text) one.textContent = text; }));'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_32 = &
+   '  }'//nl// &
    ''//nl// &
    '  // ---- the panel ---------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
@@ -3543,7 +3668,9 @@ module psalm_board_text
    '    track.append(strip);'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Every way in which the links can be put together; a click on one draws it. */'//nl// &
+   '  /** Every way in which the links can be put together; a click on one draws it. */'//nl
+
+   character(*), parameter :: part_34 = &
    '  function ways() {'//nl// &
    '    const { make, head } = board.panel, all = answer.assemblies || [], { sketch } = board.state;'//nl// &
    '    const known = all.length > 1 && sketch.joints.every((joint) => all.every((one) => one.joints[joint.name]));'//nl// &
@@ -3583,9 +3710,7 @@ module psalm_board_text
    '    });'//nl// &
    "    parts.cursor = svg('line', { y1: 4, y2: high - 4, class: 'cursor' });"//nl// &
    '    parts.cursorAt = X;'//nl// &
-   '    picture.append(parts.cursor);'//nl
-
-   character(*), parameter :: part_33 = &
+   '    picture.append(parts.cursor);'//nl// &
    "    parts.angles.append(head(words.transmission), picture, make('p', {}, angle.map((one) => one.name).join('; ')));"//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -3672,7 +3797,9 @@ module psalm_board_text
    '  /** Points evenly along a line; a closed one does not have its first point again. */'//nl// &
    '  function even(points, n, closed) {'//nl// &
    '    const line = closed ? [...points, points[0]] : points, whole = length(line), list = [];'//nl// &
-   '    let k = 1, passed = 0;'//nl// &
+   '    let k = 1, passed = 0;'//nl
+
+   character(*), parameter :: part_35 = &
    '    for (let i = 0; i < n; i++) {'//nl// &
    '      const target = whole * i / (closed ? n : n - 1);'//nl// &
    '      let step = Math.hypot(line[k][0] - line[k - 1][0], line[k][1] - line[k - 1][1]);'//nl// &
@@ -3707,9 +3834,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  function want(curve) {'//nl// &
-   '    board.begin();'//nl
-
-   character(*), parameter :: part_34 = &
+   '    board.begin();'//nl// &
    '    board.state.wanted = curve;'//nl// &
    '    board.end();'//nl// &
    '    forget();'//nl// &
@@ -3789,7 +3914,9 @@ module psalm_board_text
    "alue = ''; });"//nl// &
    "    parts.has = make('p');"//nl// &
    "    parts.told = make('p', { class: 'wrong', role: 'alert' });"//nl// &
-   '    parts.clear = button(words.wantedClear, () => want(null));'//nl// &
+   '    parts.clear = button(words.wantedClear, () => want(null));'//nl
+
+   character(*), parameter :: part_36 = &
    "    parts.start = button(words.searchStart, start, { class: 'main', id: 'start-search' });"//nl// &
    "    parts.stop = button(words.searchStop, stop, { id: 'stop-search' });"//nl// &
    "    parts.save = button(words.searchSave, () => board.download(text, 'wanted.nml'), { hidden: true });"//nl// &
@@ -3798,8 +3925,8 @@ module psalm_board_text
    "    parts.found = make('div', { hidden: true }, head(words.sheet), make('p', {}, words.sheetHint), parts.sheet);"//nl// &
    "    const kinds = Object.entries(words.kindNames).map(([name, text]) => make('label', { class: 'tick' }, check(text, ch"// &
    "osen.has(name), (on) => { if (on) chosen.add(name); else chosen.delete(name); follow(); }), text));"//nl// &
-   "    $('search').append(head(words.wantedHead), parts.has, make('div', { class: 'list' }, button(words.wantedTool, () =>"// &
-   " { board.tools.choose('wanted'); board.view.canvas.scrollIntoView({ block: 'nearest' }); }),"//nl// &
+   "    $('search').append(head(words.wantedHead), parts.has, make('div', { class: 'list' }, button(words.tools.wanted[0], "// &
+   "() => { board.tools.choose('wanted'); board.view.canvas.scrollIntoView({ block: 'nearest' }); }),"//nl// &
    '      button(words.wantedFile, () => parts.file.click()), parts.clear, parts.file),'//nl// &
    '    row(words.wantedPoints, numberField(words.wantedPoints, count, (value) => {'//nl// &
    '      if (!Number.isInteger(value) || value < 3 || value > MOST_POINTS) return false;'//nl// &
@@ -3823,9 +3950,7 @@ module psalm_board_text
    '    parts.stop.disabled = !running || stopping;'//nl// &
    '    parts.start.textContent = cards.length ? words.searchOn : words.searchStart;'//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_35 = &
+   ''//nl// &
    '  /** Of another curve nothing has been found yet. */'//nl// &
    '  function forget() {'//nl// &
    '    stop();'//nl// &
@@ -3898,7 +4023,9 @@ module psalm_board_text
    "oose(card) }, board.store.picture(board.text.parse(card.text), path),"//nl// &
    "        make('span', {}, card.kind), make('small', {}, words.error((100 * card.part).toPrecision(2) + ' %') + (card.ang"// &
    "le === null ? '' : ', ' + words.angle(card.angle.toFixed(0)))));"//nl// &
-   '    }));'//nl// &
+   '    }));'//nl
+
+   character(*), parameter :: part_37 = &
    '  }'//nl// &
    ''//nl// &
    '  function choose(card) {'//nl// &
@@ -3923,24 +4050,14 @@ module psalm_board_text
    '  const BAR_STEPS = 20;                  // places on a bar where a joint may be put'//nl// &
    '  const ANGLE = 15;                      // degrees between directions of a slide that is drawn'//nl// &
    '  const TOOLS = ['//nl// &
-   "    ['select', 'Select', 'v', 'M6 3l13 9-6 1.5-2.5 6z', 'Drag joints and links; drag the paper to move the view. Drop a"// &
-   " joint on another to join them.'],"//nl// &
-   "    ['link', 'Link', 'l', 'M6 18L18 6M6 18m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0M18 6m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0',"//nl// &
-   "      'Pull from joint to joint, or click both ends. A click on a link adds a joint to it; pulled off its line it makes"// &
-   " a plate.'],"//nl// &
-   "    ['pivot', 'Pivot', 'p', 'M12 8L5 19h14zM12 8m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0', 'Click a joint to pin it to the fra"// &
-   "me, or to free it; click the paper for a new frame joint.'],"//nl// &
-   "    ['slider', 'Slider', 's', 'M2 18h20M7 8h10v7H7zM2 5h20', 'Press on a joint and pull along the line that it is to sl"// &
-   "ide on.'],"//nl// &
-   "    ['drive', 'Drive', 'd', 'M5 14a7 7 0 1 1 3 4M5 14l-3-3M5 14l4-2', 'Click a crank\u2019s joint or a slider to drive "// &
-   "it; pull from joint to joint for a cylinder.'],"//nl// &
-   "    ['output', 'Output', 'o', 'M12 3l2.6 6 6.4.5-4.900 4.200 1.500 6.300-5.600-3.400-5.600 3.400 1.500-6.300L3 9.500l6."// &
-   "400-.5z', 'Click a joint for its path, a link for its angle.'],"//nl// &
-   "    ...(board.engine.served ? [['wanted', board.words.wantedTool, 'w', 'M4 15c2-9 8-12 11-8s-1 6-3 5 1-6 8-7', board.wo"// &
-   "rds.wantedHint]] : []),"//nl
-
-   character(*), parameter :: part_36 = &
-   "    ['delete', 'Delete', 'x', 'M6 6l12 12M18 6L6 18', 'Click what is to go.'],"//nl// &
+   "    ['select', 'v', 'M6 3l13 9-6 1.5-2.5 6z'],"//nl// &
+   "    ['link', 'l', 'M6 18L18 6M6 18m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0M18 6m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0'],"//nl// &
+   "    ['pivot', 'p', 'M12 8L5 19h14zM12 8m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0'],"//nl// &
+   "    ['slider', 's', 'M2 18h20M7 8h10v7H7zM2 5h20'],"//nl// &
+   "    ['drive', 'd', 'M5 14a7 7 0 1 1 3 4M5 14l-3-3M5 14l4-2'],"//nl// &
+   "    ['output', 'o', 'M12 3l2.6 6 6.4.5-4.900 4.200 1.500 6.300-5.600-3.400-5.600 3.400 1.500-6.300L3 9.500l6.400-.5z'],"//nl// &
+   "    ...(board.engine.served ? [['wanted', 'w', 'M4 15c2-9 8-12 11-8s-1 6-3 5 1-6 8-7']] : []),"//nl// &
+   "    ['delete', 'x', 'M6 6l12 12M18 6L6 18'],"//nl// &
    '  ];'//nl// &
    '  const pointers = new Map();'//nl// &
    '  let press = null;                      // what the pointer that is down does'//nl// &
@@ -4015,7 +4132,9 @@ module psalm_board_text
    '  function drive({ joint, slide, cylinder }) {'//nl// &
    '    edit((sketch) => {'//nl// &
    "      const at = slide ? [slide] : cylinder ? cylinder.split(' ') : [joint], kind = slide ? 'slide' : cylinder ? 'cylin"// &
-   "der' : 'turn';"//nl// &
+   "der' : 'turn';"//nl
+
+   character(*), parameter :: part_38 = &
    "      const there = sketch.drives.findIndex((d) => d.at.join(' ') === at.join(' '));"//nl// &
    '      if (there >= 0) { sketch.drives.splice(there, 1); board.tidy(sketch); return; }'//nl// &
    "      const one = { kind, at, base: '', link: '', ratio: 0, phase: 0, delt: [] };"//nl// &
@@ -4047,9 +4166,7 @@ module psalm_board_text
    ''//nl// &
    '  function output({ joint, link: name }) {'//nl// &
    "    const kind = joint ? 'point' : 'angle', of = joint || name;"//nl// &
-   '    edit((sketch) => {'//nl
-
-   character(*), parameter :: part_37 = &
+   '    edit((sketch) => {'//nl// &
    '      const there = sketch.outputs.findIndex((o) => o.kind === kind && o.of.join() === of);'//nl// &
    '      if (there >= 0) sketch.outputs.splice(there, 1);'//nl// &
    "      else if (joint || board.linkOf(name).joints.length > 1) sketch.outputs.push({ kind, of: [of], name: '' });"//nl// &
@@ -4125,7 +4242,9 @@ module psalm_board_text
    '    if (event.isTrusted) view.canvas.setPointerCapture(event.pointerId);'//nl// &
    '    pointers.set(event.pointerId, event);'//nl// &
    '    if (pointers.size === 2) { cancel(); pinch = spread(); return; }'//nl// &
-   '    if (pointers.size > 2) return;'//nl// &
+   '    if (pointers.size > 2) return;'//nl
+
+   character(*), parameter :: part_39 = &
    '    const { state } = board, first = spot(event);'//nl// &
    '    if (event.button === 1 || event.button === 2) { press = { pan: true, x: first.x, y: first.y }; return; }'//nl// &
    "    if (state.tool === 'wanted') { press = { tool: 'wanted', x: first.x, y: first.y }; hand = [view.world(first.x, firs"// &
@@ -4157,9 +4276,7 @@ module psalm_board_text
    "      if (event.pointerType !== 'touch') { state.hover = at.hit; view.canvas.style.cursor = cursor(at.hit); view.draw()"// &
    "; }"//nl// &
    '      return;'//nl// &
-   '    }'//nl
-
-   character(*), parameter :: part_38 = &
+   '    }'//nl// &
    '    if (!press.moved && Math.hypot(at.x - press.x, at.y - press.y) < (at.touch ? TOUCH_CLICK : CLICK)) return;'//nl// &
    "    if (!press.moved) { press.moved = true; if (press.tool === 'select' && !press.pan) board.begin(); }"//nl// &
    '    if (press.pan) {'//nl// &
@@ -4234,7 +4351,9 @@ module psalm_board_text
    '      board.search.drawn(points);'//nl// &
    '      view.draw();'//nl// &
    '      return;'//nl// &
-   '    }'//nl// &
+   '    }'//nl
+
+   character(*), parameter :: part_40 = &
    "    const { state } = board, one = press, dragged = one.tool === 'select' && one.at && one.at.hit && one.at.hit.joint;"//nl// &
    "    const at = spot(event, dragged || '');"//nl// &
    '    press = null;'//nl// &
@@ -4268,9 +4387,7 @@ module psalm_board_text
    "    else if (tool === 'delete' && start.hit) board.remove(hit);"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function driveAt(hit, end, pulled) {'//nl
-
-   character(*), parameter :: part_39 = &
+   '  function driveAt(hit, end, pulled) {'//nl// &
    '    const { sketch } = board.state;'//nl// &
    "    if (pulled && hit.joint && end.joint && hit.joint !== end.joint) drive({ cylinder: hit.joint + ' ' + end.joint });"//nl// &
    '    else if (hit.cylinder || hit.slide) drive(hit);'//nl// &
@@ -4311,7 +4428,7 @@ module psalm_board_text
    '    board.state.pending = null;'//nl// &
    "    for (const button of $('tools').children) button.setAttribute('aria-pressed', String(button.dataset.tool === tool))"// &
    ";"//nl// &
-   "    $('hint').textContent = TOOLS.find(([name]) => name === tool)[4];"//nl// &
+   "    $('hint').textContent = board.words.tools[tool][1];"//nl// &
    '    view.canvas.style.cursor = cursor(null);'//nl// &
    '    view.draw();'//nl// &
    '  }'//nl// &
@@ -4345,13 +4462,15 @@ module psalm_board_text
    "      F1: () => board.help(), f: board.fit, '+': () => zoom(1.25), '=': () => zoom(1.25), '-': () => zoom(0.8),"//nl// &
    '    };'//nl// &
    '    const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };'//nl// &
-   '    const tool = TOOLS.find(([, , shortcut]) => shortcut === letter);'//nl// &
+   '    const tool = TOOLS.find(([, shortcut]) => shortcut === letter);'//nl// &
    "    if (event.key === ' ' && (own === 'BUTTON' || own === 'INPUT')) return;"//nl// &
    "    if (arrows[event.key] && own === 'CANVAS') { event.preventDefault(); nudge(...arrows[event.key].map((v) => v * (eve"// &
    "nt.shiftKey ? 5 : 1))); return; }"//nl// &
    "    if (keys[event.key]) { event.preventDefault(); keys[event.key](); } else if (keys[letter] && letter === 'f') keys.f"// &
    "(); else if (tool) choose(tool[0]);"//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_41 = &
    ''//nl// &
    '  function zoom(factor) {'//nl// &
    '    view.zoom(factor);'//nl// &
@@ -4359,7 +4478,8 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  function begin() {'//nl// &
-   '    for (const [name, label, shortcut, path] of TOOLS) {'//nl// &
+   '    for (const [name, shortcut, path] of TOOLS) {'//nl// &
+   '      const [label] = board.words.tools[name];'//nl// &
    "      const button = document.createElement('button');"//nl// &
    "      button.type = 'button';"//nl// &
    '      button.dataset.tool = name;'//nl// &
@@ -4382,9 +4502,7 @@ module psalm_board_text
    '      const box = canvas.getBoundingClientRect();'//nl// &
    '      view.zoom(1.0015 ** -event.deltaY, event.clientX - box.left, event.clientY - box.top);'//nl// &
    '      view.draw();'//nl// &
-   '    }, { passive: false });'//nl
-
-   character(*), parameter :: part_40 = &
+   '    }, { passive: false });'//nl// &
    "    canvas.addEventListener('dragover', (event) => event.preventDefault());"//nl// &
    "    canvas.addEventListener('drop', (event) => { event.preventDefault(); if (event.dataTransfer.files[0]) board.open(ev"// &
    "ent.dataTransfer.files[0]); });"//nl// &
@@ -4460,7 +4578,9 @@ module psalm_board_text
    '      remember(before);'//nl// &
    '      state.dirty = true;'//nl// &
    '    }'//nl// &
-   '    before = null;'//nl// &
+   '    before = null;'//nl
+
+   character(*), parameter :: part_42 = &
    '    refresh();'//nl// &
    '    board.store.keep();'//nl// &
    '  }'//nl// &
@@ -4492,9 +4612,7 @@ module psalm_board_text
    '    board.store.keep();'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Exact lengths may hold the joints elsewhere than they were drawn: from there on they are drawn where they are. */'//nl
-
-   character(*), parameter :: part_41 = &
+   '  /** Exact lengths may hold the joints elsewhere than they were drawn: from there on they are drawn where they are. */'//nl// &
    '  function settle() {'//nl// &
    '    const { mech, start } = state.motion;'//nl// &
    '    if (!start || !state.sketch.lengths.length) return;'//nl// &
@@ -4568,7 +4686,9 @@ module psalm_board_text
    '        for (const gear of s.gears) [gear.wheels, gear.carrier] = [gear.wheels.map(swap), swap(gear.carrier)];'//nl// &
    '        for (const drive of s.drives) [drive.base, drive.link] = [swap(drive.base), swap(drive.link)];'//nl// &
    '      } else {'//nl// &
-   '        for (const one of [...s.joints, ...s.slides]) one.name = swap(one.name);'//nl// &
+   '        for (const one of [...s.joints, ...s.slides]) one.name = swap(one.name);'//nl
+
+   character(*), parameter :: part_43 = &
    '        for (const one of [...s.links, ...s.lengths]) one.joints = one.joints.map(swap);'//nl// &
    '        for (const drive of s.drives) drive.at = drive.at.map(swap);'//nl// &
    '      }'//nl// &
@@ -4600,9 +4720,7 @@ module psalm_board_text
    '    const link = (name) => s.links.some((one) => one.name === name), joint = (name) => s.joints.some((one) => one.name '// &
    '=== name);'//nl// &
    '    s.slides = s.slides.filter((one) => one.links.every(link));'//nl// &
-   '    s.links = s.links.filter((one, i) => i === 0 || one.joints.length > 1 || slides(one.name));'//nl
-
-   character(*), parameter :: part_42 = &
+   '    s.links = s.links.filter((one, i) => i === 0 || one.joints.length > 1 || slides(one.name));'//nl// &
    '    s.joints = s.joints.filter((one) => s.links.some((l) => l.joints.includes(one.name)));'//nl// &
    '    for (const one of s.links) one.joints = one.joints.filter(joint);'//nl// &
    '    const shared = (names) => s.links.some((l) => names.every((name) => l.joints.includes(name)));'//nl// &
@@ -4678,7 +4796,9 @@ module psalm_board_text
    '      const run = (way) => {'//nl// &
    '        const list = [];'//nl// &
    '        let now = start;'//nl// &
-   '        for (let k = 1; k * each <= most + 1e-9; k++) {'//nl// &
+   '        for (let k = 1; k * each <= most + 1e-9; k++) {'//nl
+
+   character(*), parameter :: part_44 = &
    '          const next = solver.advance(mech, now, solver.inputsAt(sketch, way * k * each), NEAR);'//nl// &
    '          if (!next) { list.push(...edge(mech, now, solver.inputsAt(sketch, way * k * each))); break; }'//nl// &
    '          list.push(now = next);'//nl// &
@@ -4710,9 +4830,7 @@ module psalm_board_text
    '    return { states, home, ring, places: states.map((one) => solver.joints(mech, one.pose)) };'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** The last states before a dead point, nearer and nearer. */'//nl
-
-   character(*), parameter :: part_43 = &
+   '  /** The last states before a dead point, nearer and nearer. */'//nl// &
    '  function edge(mech, from, target) {'//nl// &
    '    const list = [];'//nl// &
    '    let now = from, part = 0.5;'//nl// &
@@ -4783,7 +4901,9 @@ module psalm_board_text
    '    });'//nl// &
    '    const next = solver.advance(m.mech, live, target);'//nl// &
    '    if (next) state.live = next;'//nl// &
-   '    show();'//nl// &
+   '    show();'//nl
+
+   character(*), parameter :: part_45 = &
    '    return Boolean(next);'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -4794,8 +4914,8 @@ module psalm_board_text
    ''//nl// &
    '  function play(on = !state.playing) {'//nl// &
    '    state.playing = on && Boolean(state.motion.sweep) && state.motion.sweep.states.length > 1;'//nl// &
-   "    $('play').textContent = state.playing ? 'Pause' : 'Play';"//nl// &
-   "    $('play').setAttribute('aria-label', state.playing ? 'pause' : 'play');"//nl// &
+   "    $('play').textContent = state.playing ? board.words.pause : board.words.play;"//nl// &
+   "    $('play').setAttribute('aria-label', state.playing ? board.words.pauseLabel : board.words.playLabel);"//nl// &
    "    $('play').setAttribute('aria-pressed', String(state.playing));"//nl// &
    '    if (!state.playing) return;'//nl// &
    '    let last = 0;'//nl// &
@@ -4814,9 +4934,7 @@ module psalm_board_text
    ''//nl// &
    '  const pause = () => { if (state.playing) play(false); };'//nl// &
    ''//nl// &
-   '  /** Every position of the data set: inputs, whether it closes, joints, outputs; as psalm has it in CASE.csv. */'//nl
-
-   character(*), parameter :: part_44 = &
+   '  /** Every position of the data set: inputs, whether it closes, joints, outputs; as psalm has it in CASE.csv. */'//nl// &
    '  function table() {'//nl// &
    '    const { mech, start } = state.motion;'//nl// &
    '    if (!start) return [];'//nl// &
@@ -4890,7 +5008,9 @@ module psalm_board_text
    ''//nl// &
    '  /** The page of the book for what is being done: what is wrong, else what is chosen, else the tool. Without the book,'// &
    ' its name. */'//nl// &
-   '  function help() {'//nl// &
+   '  function help() {'//nl
+
+   character(*), parameter :: part_46 = &
    '    const { book, messages, selection, sketch, tool } = state, chosen = selection || {};'//nl// &
    "    let page = 'board';"//nl// &
    "    if (messages.length && sketch.joints.length) page = 'loops#what-psalm-makes-of-it';"//nl// &
@@ -4923,9 +5043,7 @@ module psalm_board_text
    '    board.store.begin();'//nl// &
    '    for (const part of parts) part.begin();'//nl// &
    '    new ResizeObserver(() => { view.resize(); view.draw(); }).observe(view.canvas);'//nl// &
-   "    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { view.resize(); view.draw(); });"//nl
-
-   character(*), parameter :: part_45 = &
+   "    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { view.resize(); view.draw(); });"//nl// &
    "    addEventListener('beforeunload', (event) => { if (state.dirty && !board.store.kept()) event.preventDefault(); });"//nl// &
    "    addEventListener('hashchange', () => { const words = asked(); if (words) present(words); });"//nl// &
    "    const given = asked() || JSON.parse($('data').textContent);"//nl// &
@@ -4979,6 +5097,6 @@ contains
              part_16//part_17//part_18//part_19//part_20//part_21//part_22//part_23// &
              part_24//part_25//part_26//part_27//part_28//part_29//part_30//part_31// &
              part_32//part_33//part_34//part_35//part_36//part_37//part_38//part_39// &
-             part_40//part_41//part_42//part_43//part_44//part_45
+             part_40//part_41//part_42//part_43//part_44//part_45//part_46
    end function board_text
 end module psalm_board_text
