@@ -34,7 +34,7 @@ board.panel = (() => {
 
   /** A field that takes a text; `take` gives false for one that cannot be. */
   function field(label, value, take, attributes = {}) {
-    const input = make('input', { value, 'aria-label': label, spellcheck: 'false', autocomplete: 'off', ...attributes });
+    const input = make('input', { value, 'aria-label': label, title: label, spellcheck: 'false', autocomplete: 'off', ...attributes });
     input.addEventListener('change', () => {
       if (input.value.trim() === String(value)) return;
       if (take(input.value.trim()) === false) input.classList.add('bad');

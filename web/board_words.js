@@ -204,6 +204,9 @@ board.words = ((listed) => ({
   assembly: (number) => 'assembly ' + number,
   assemblyDrawn: 'as drawn',
 
+  exports: 'Files',
+  exportNames: { '.dxf': 'DXF', '.svg': 'SVG', '.move.svg': 'moving SVG', '.html': 'page' },
+
   // searches
   wantedHead: 'Wanted curve',
   wantedNone: 'Draw it with the tool Wanted (W), or open a CSV file with x and y in each line, or an SVG picture.',
@@ -214,9 +217,15 @@ board.words = ((listed) => ({
   wantedPoints: 'points',
   noCurve: (name) => name + ': no curve was found; a CSV file has x and y in each line, a picture a path, polygon or polyline.',
   kinds: 'Kinds',
-  kindNames: { pins4: 'four-bars', slide4: 'with a slide', pins6: 'six-bars', geared5: 'geared five-bars' },
+  kindNames: { mine: 'this linkage', pins4: 'four-bars', slide4: 'with a slide', pins6: 'six-bars', geared5: 'geared five-bars' },
   leastAngle: 'least angle',
   leastAngleLabel: 'least transmission angle, degrees; 0: any',
+  lengths: 'lengths',
+  lengthLow: 'least length; 0: a fiftieth of the curve',
+  lengthHigh: 'greatest length; 0: five times the curve',
+  mineHint: 'Of this linkage all dimensions vary but the lengths that are exact (ticked in Properties).',
+  mineNeeds: 'Only a linkage that moves, with one drive and a point as its first output, can be varied.',
+  mineSlides: 'With slides or gears all dimensions vary: exact lengths cannot be kept.',
   searchStart: 'Search',
   searchOn: 'Go on',
   searchStop: 'Stop',

@@ -1235,6 +1235,9 @@ module psalm_board_text
    "  assembly: (number) => 'assembly ' + number,"//nl// &
    "  assemblyDrawn: 'as drawn',"//nl// &
    ''//nl// &
+   "  exports: 'Files',"//nl// &
+   "  exportNames: { '.dxf': 'DXF', '.svg': 'SVG', '.move.svg': 'moving SVG', '.html': 'page' },"//nl// &
+   ''//nl// &
    '  // searches'//nl// &
    "  wantedHead: 'Wanted curve',"//nl// &
    "  wantedNone: 'Draw it with the tool Wanted (W), or open a CSV file with x and y in each line, or an SVG picture.',"//nl// &
@@ -1246,9 +1249,16 @@ module psalm_board_text
    "  noCurve: (name) => name + ': no curve was found; a CSV file has x and y in each line, a picture a path, polygon or po"// &
    "lyline.',"//nl// &
    "  kinds: 'Kinds',"//nl// &
-   "  kindNames: { pins4: 'four-bars', slide4: 'with a slide', pins6: 'six-bars', geared5: 'geared five-bars' },"//nl// &
+   "  kindNames: { mine: 'this linkage', pins4: 'four-bars', slide4: 'with a slide', pins6: 'six-bars', geared5: 'geared fi"// &
+   "ve-bars' },"//nl// &
    "  leastAngle: 'least angle',"//nl// &
    "  leastAngleLabel: 'least transmission angle, degrees; 0: any',"//nl// &
+   "  lengths: 'lengths',"//nl// &
+   "  lengthLow: 'least length; 0: a fiftieth of the curve',"//nl// &
+   "  lengthHigh: 'greatest length; 0: five times the curve',"//nl// &
+   "  mineHint: 'Of this linkage all dimensions vary but the lengths that are exact (ticked in Properties).',"//nl// &
+   "  mineNeeds: 'Only a linkage that moves, with one drive and a point as its first output, can be varied.',"//nl// &
+   "  mineSlides: 'With slides or gears all dimensions vary: exact lengths cannot be kept.',"//nl// &
    "  searchStart: 'Search',"//nl// &
    "  searchOn: 'Go on',"//nl// &
    "  searchStop: 'Stop',"//nl// &
@@ -1318,7 +1328,9 @@ module psalm_board_text
    '    while (at < text.length) {'//nl// &
    '      const from = afterBlanks(text, at);'//nl// &
    '      if (from >= text.length) break;'//nl// &
-   "      if (!/[&$]/.test(text[from])) { end = text.lastIndexOf('\n', from) + 1; break; }"//nl// &
+   "      if (!/[&$]/.test(text[from])) { end = text.lastIndexOf('\n', from) + 1; break; }"//nl
+
+   character(*), parameter :: part_13 = &
    '      const head = /[&$]\s*(\w+)/y;'//nl// &
    '      head.lastIndex = from;'//nl// &
    '      const name = head.exec(text);'//nl// &
@@ -1327,9 +1339,7 @@ module psalm_board_text
    '      at = readItems(text, from + name[0].length, group, lineOf);'//nl// &
    '      group.end = at;'//nl// &
    '      groups.push(group);'//nl// &
-   '    }'//nl
-
-   character(*), parameter :: part_13 = &
+   '    }'//nl// &
    "    return { titleStart: starts[first], title: lines[first].trim(), titleEnd: starts[first] + lines[first].replace(/\r$"// &
    "/, '').length,"//nl// &
    '      groups, end };'//nl// &
@@ -1428,7 +1438,9 @@ module psalm_board_text
    '      if (names.includes(word)) return [word];'//nl// &
    '      if ([...word].every((letter) => names.includes(letter))) return [...word];'//nl// &
    '      throw mistake("no joint is called ''" + word + "''");'//nl// &
-   '    });'//nl// &
+   '    });'//nl
+
+   character(*), parameter :: part_14 = &
    '  }'//nl// &
    ''//nl// &
    '  function readChain({ texts, numbers, line }) {'//nl// &
@@ -1438,9 +1450,7 @@ module psalm_board_text
    "    if (x.length < names.length || y.length < names.length) throw wrong('JX')('places for ' + names.length + ' joints a"// &
    "re expected');"//nl// &
    '    const twice = names.find((name, i) => names.indexOf(name) < i);'//nl// &
-   "    if (twice) throw wrong('JNT')('joint ' + twice + ' is named twice');"//nl
-
-   character(*), parameter :: part_14 = &
+   "    if (twice) throw wrong('JNT')('joint ' + twice + ' is named twice');"//nl// &
    "    const links = texts('LNK').map((words, i) => ({ name: (texts('LNAME')[i] || String(i + 1)).trim(),"//nl// &
    "      joints: jointsIn(words, names, wrong('LNK')) }));"//nl// &
    "    const count = texts('NSLIDE').length ? numbers('NSLIDE')[0] : texts('SLNK').length;"//nl// &
@@ -1537,7 +1547,9 @@ module psalm_board_text
    '    if (slides.length) {'//nl// &
    "      chain.push(['NSLIDE', [String(slides.length)]]);"//nl// &
    "      if (slides.some((s, i) => s.name !== 'S' + (i + 1))) chain.push(['SNAME', slides.map((s) => quoted(s.name))]);"//nl// &
-   "      chain.push(['SLNK', slides.map((s) => quoted(s.links[0]))], ['SLNK2', slides.map((s) => quoted(s.links[1]))],"//nl// &
+   "      chain.push(['SLNK', slides.map((s) => quoted(s.links[0]))], ['SLNK2', slides.map((s) => quoted(s.links[1]))],"//nl
+
+   character(*), parameter :: part_15 = &
    "        ['SLX', slides.map((s) => number(s.x))], ['SLY', slides.map((s) => number(s.y))], ['SLANG', slides.map((s) => n"// &
    "umber(s.angle))]);"//nl// &
    '    }'//nl// &
@@ -1550,9 +1562,7 @@ module psalm_board_text
    "    if (sketch.kover) chain.push(['KOVER', ['1']]);"//nl// &
    "    const list = { CHAIN: group('CHAIN', chain.concat(kept(sketch, 'CHAIN'))) };"//nl// &
    "    list.DRIVES = drives.length ? group('DRIVES', driveItems(sketch).concat(kept(sketch, 'DRIVES'))) : '';"//nl// &
-   "    const wanted = [['OUTPUT', outputs.map((o) => quoted([o.kind, ...o.of].join(' ')))]];"//nl
-
-   character(*), parameter :: part_15 = &
+   "    const wanted = [['OUTPUT', outputs.map((o) => quoted([o.kind, ...o.of].join(' ')))]];"//nl// &
    "    if (outputs.some((o) => o.name)) wanted.push(['ONAME', outputs.map((o) => quoted(o.name || [o.kind, ...o.of].join('"// &
    "_')))]);"//nl// &
    "    list.OUTPUTS = outputs.length ? group('OUTPUTS', wanted.concat(kept(sketch, 'OUTPUTS'))) : '';"//nl// &
@@ -1659,7 +1669,9 @@ module psalm_board_text
    "  const ROUNDS = 40;             // of Newton's method"//nl// &
    '  const TRUSTED = 0.15;          // first correction against the prediction: beyond it the step is halved'//nl// &
    "  const FARTHEST = 0.3;          // of the drawing's size: a longer prediction is halved too"//nl// &
-   '  const EASY = 0.01;             // below it the next step is doubled'//nl// &
+   '  const EASY = 0.01;             // below it the next step is doubled'//nl
+
+   character(*), parameter :: part_16 = &
    '  const LEAST_STEP = 1e-7;       // of the way'//nl// &
    '  const RANK_LOST = 1e-11;       // least pivot against the largest'//nl// &
    '  const RADIAN = Math.PI / 180;'//nl// &
@@ -1670,9 +1682,7 @@ module psalm_board_text
    '  /** Solves A x = b in place (rows of A are arrays); gives x, the sign of the determinant, and whether the rank is ful'// &
    'l. */'//nl// &
    '  function eliminate(A, b) {'//nl// &
-   '    const n = A.length;'//nl
-
-   character(*), parameter :: part_16 = &
+   '    const n = A.length;'//nl// &
    '    let sign = 1, largest = 0, least = Infinity;'//nl// &
    '    for (let k = 0; k < n; k++) {'//nl// &
    '      let p = k;'//nl// &
@@ -1768,7 +1778,9 @@ module psalm_board_text
    'IAN);'//nl// &
    '      return { a, b, d: [c, n], p: [s.x - origin[a][0], s.y - origin[a][1]], q: [s.x - origin[b][0], s.y - origin[b][1]'// &
    '] };'//nl// &
-   '    });'//nl// &
+   '    });'//nl
+
+   character(*), parameter :: part_17 = &
    '    const rows = [];'//nl// &
    "    of.forEach((links, j) => links.slice(1).forEach((b) => rows.push({ kind: 'pin', a: links[0], b, j })));"//nl// &
    "    slides.forEach((s, i) => rows.push({ kind: 'same', a: s.a, b: s.b, i }, { kind: 'line', a: s.a, b: s.b, i }));"//nl// &
@@ -1777,9 +1789,7 @@ module psalm_board_text
    '    const drives = [];'//nl// &
    '    sketch.drives.forEach((drive, k) => {'//nl// &
    '      const one = { kind: drive.kind, drive: k };'//nl// &
-   "      if (drive.kind === 'cylinder') {"//nl
-
-   character(*), parameter :: part_17 = &
+   "      if (drive.kind === 'cylinder') {"//nl// &
    '        const [i, j] = drive.at.map((name) => joint.get(name)), from = sketch.joints[i], to = sketch.joints[j];'//nl// &
    '        drives.push({ ...one, i, j, length: Math.hypot(to.x - from.x, to.y - from.y) });'//nl// &
    '        return;'//nl// &
@@ -1876,7 +1886,9 @@ module psalm_board_text
    '      if (A.length < n) return { closed: false };'//nl// &
    '      const step = solve(A, r.map((v) => -v), n);'//nl// &
    '      if (!step.x || step.x.some((v) => !isFinite(v))) return { closed: false };'//nl// &
-   '      ({ sign, full } = step);'//nl// &
+   '      ({ sign, full } = step);'//nl
+
+   character(*), parameter :: part_18 = &
    '      const length = Math.max(0, ...step.x.map(Math.abs));'//nl// &
    '      if (round === 1) first = length;'//nl// &
    '      if (length > 10 * mech.size) return { closed: false };'//nl// &
@@ -1885,9 +1897,7 @@ module psalm_board_text
    '      before = length;'//nl// &
    '    }'//nl// &
    '    const worst = Math.max(0, ...equations(mech, pose, inputs).r.map(Math.abs));'//nl// &
-   '    return { closed: worst <= 1e-9 * mech.size, sign, full, first };'//nl
-
-   character(*), parameter :: part_18 = &
+   '    return { closed: worst <= 1e-9 * mech.size, sign, full, first };'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** The sketch put together at its drawing: poses, or null where that cannot be done. */'//nl// &
@@ -1983,7 +1993,9 @@ module psalm_board_text
    '    const known = [start], away = (a, b) => a.reduce((sum, v, i) => sum + (v - b[i]) ** 2, 0);'//nl// &
    '    return rows.map((inputs) => {'//nl// &
    '      let best = known[0];'//nl// &
-   '      for (const one of known) if (away(one.inputs, inputs) < away(best.inputs, inputs)) best = one;'//nl// &
+   '      for (const one of known) if (away(one.inputs, inputs) < away(best.inputs, inputs)) best = one;'//nl
+
+   character(*), parameter :: part_19 = &
    '      const state = advance(mech, best, inputs);'//nl// &
    '      if (state) known.push(state);'//nl// &
    '      return state;'//nl// &
@@ -1992,9 +2004,7 @@ module psalm_board_text
    ''//nl// &
    '  /** What an output is at a state: its numbers, by the names of the columns of CASE.csv. */'//nl// &
    '  function output(mech, state, one, first) {'//nl// &
-   '    const at = new Map(joints(mech, state.pose).map((p, j) => [mech.sketch.joints[j].name, p]));'//nl
-
-   character(*), parameter :: part_19 = &
+   '    const at = new Map(joints(mech, state.pose).map((p, j) => [mech.sketch.joints[j].name, p]));'//nl// &
    "    const name = one.name || [one.kind, ...one.of].join('_'), words = one.of;"//nl// &
    '    const link = (word) => mech.sketch.links.find((l) => l.name === word);'//nl// &
    '    const line = (list) => {'//nl// &
@@ -2101,7 +2111,9 @@ module psalm_board_text
    ")));"//nl// &
    '    for (let grown = true; grown;) {'//nl// &
    '      grown = false;'//nl// &
-   '      sketch.links.forEach((link, i) => {'//nl// &
+   '      sketch.links.forEach((link, i) => {'//nl
+
+   character(*), parameter :: part_20 = &
    '        if (reached.has(i) || ![...reached].some((k) => touch[i](sketch.links[k]) || touch[k](link))) return;'//nl// &
    '        reached.add(i);'//nl// &
    '        grown = true;'//nl// &
@@ -2110,9 +2122,7 @@ module psalm_board_text
    '    const apart = sketch.links.filter((_, i) => !reached.has(i)).map((l) => l.name);'//nl// &
    '    if (apart.length) return say(words.apart(apart), [], apart);'//nl// &
    '    const { left, twice, free, count } = freedom(sketch), names = free.map((i) => sketch.links[i].name);'//nl// &
-   "    const held = sketch.drives.map((d) => d.at.join(' '));"//nl
-
-   character(*), parameter :: part_20 = &
+   "    const held = sketch.drives.map((d) => d.at.join(' '));"//nl// &
    "    if (twice.length && !(sketch.kover && !twice.some((row) => 'drive' in row))) {"//nl// &
    "      const row = twice.find((one) => 'drive' in one) || twice[0];"//nl// &
    "      if ('drive' in row) return say(words.idle(held[row.drive], count, held.length), sketch.drives[row.drive].kind ==="// &
@@ -2210,7 +2220,9 @@ module psalm_board_text
    '-'//nl// &
    ''//nl// &
    "  const colourOf = (i) => i === 0 ? pens.frame : pens['link' + (i - 1) % 8];"//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_21 = &
    '  function line(x1, y1, x2, y2) {'//nl// &
    '    g.beginPath();'//nl// &
    '    g.moveTo(x1, y1);'//nl// &
@@ -2219,9 +2231,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  function draw() {'//nl// &
-   '    const { state } = board, { sketch } = state, at = board.places();'//nl
-
-   character(*), parameter :: part_21 = &
+   '    const { state } = board, { sketch } = state, at = board.places();'//nl// &
    '    g.clearRect(0, 0, w, h);'//nl// &
    "    g.lineJoin = g.lineCap = 'round';"//nl// &
    '    drawGrid();'//nl// &
@@ -2318,7 +2328,9 @@ module psalm_board_text
    '    g.globalAlpha = 1;'//nl// &
    '    g.lineWidth = 2.4;'//nl// &
    '    trace(round);'//nl// &
-   '    g.stroke();'//nl// &
+   '    g.stroke();'//nl
+
+   character(*), parameter :: part_22 = &
    '  }'//nl// &
    ''//nl// &
    '  function trace(points) {'//nl// &
@@ -2327,9 +2339,7 @@ module psalm_board_text
    '    if (points.length > 2) g.closePath();'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Points round the outline; where they lie on a line, its ends. */'//nl
-
-   character(*), parameter :: part_22 = &
+   '  /** Points round the outline; where they lie on a line, its ends. */'//nl// &
    '  function outline(points) {'//nl// &
    '    if (points.length < 3) return points;'//nl// &
    '    const sorted = points.slice().sort((a, b) => a[0] - b[0] || a[1] - b[1]);'//nl// &
@@ -2424,7 +2434,9 @@ module psalm_board_text
    '      g.fillStyle = pens.paper;'//nl// &
    '      g.lineWidth = 1.8;'//nl// &
    '      g.beginPath();'//nl// &
-   '      g.moveTo(x, y);'//nl// &
+   '      g.moveTo(x, y);'//nl
+
+   character(*), parameter :: part_23 = &
    '      g.lineTo(x - 12, y + 19);'//nl// &
    '      g.lineTo(x + 12, y + 19);'//nl// &
    '      g.closePath();'//nl// &
@@ -2433,9 +2445,7 @@ module psalm_board_text
    '      for (let i = -14; i < 14; i += 7) line(x + i, y + 25, x + i + 6, y + 19);'//nl// &
    '      line(x - 15, y + 19, x + 15, y + 19);'//nl// &
    '    }'//nl// &
-   '    const r = chosen || (hover && hover.joint === joint.name) ? 8 : 6;'//nl
-
-   character(*), parameter :: part_23 = &
+   '    const r = chosen || (hover && hover.joint === joint.name) ? 8 : 6;'//nl// &
    '    if (chosen || wrong.has(joint.name)) {'//nl// &
    '      g.fillStyle = chosen ? pens.accent : pens.warn;'//nl// &
    '      g.globalAlpha = 0.3;'//nl// &
@@ -2527,7 +2537,9 @@ module psalm_board_text
    '      g.beginPath();'//nl// &
    '      g.arc(x, y, 6, 0, ROUND);'//nl// &
    '      g.stroke();'//nl// &
-   '    }'//nl// &
+   '    }'//nl
+
+   character(*), parameter :: part_24 = &
    '    g.fillStyle = pens.accent;'//nl// &
    "    g.font = '12px system-ui, sans-serif';"//nl// &
    '    const dx = pending.to[0] - pending.from[0], dy = pending.to[1] - pending.from[1];'//nl// &
@@ -2538,9 +2550,7 @@ module psalm_board_text
    '  // ---- what is under a point ---------------------------------------------------------------------------------------'// &
    '-'//nl// &
    ''//nl// &
-   '  const distance = (px, py, [ax, ay], [bx, by]) => {'//nl
-
-   character(*), parameter :: part_24 = &
+   '  const distance = (px, py, [ax, ay], [bx, by]) => {'//nl// &
    '    const dx = bx - ax, dy = by - ay, f = Math.min(1, Math.max(0, ((px - ax) * dx + (py - ay) * dy) / (dx * dx + dy * d'// &
    'y || 1)));'//nl// &
    '    return Math.hypot(px - ax - f * dx, py - ay - f * dy);'//nl// &
@@ -2623,8 +2633,8 @@ module psalm_board_text
    ''//nl// &
    '  /** A field that takes a text; `take` gives false for one that cannot be. */'//nl// &
    '  function field(label, value, take, attributes = {}) {'//nl// &
-   "    const input = make('input', { value, 'aria-label': label, spellcheck: 'false', autocomplete: 'off', ...attributes }"// &
-   ");"//nl// &
+   "    const input = make('input', { value, 'aria-label': label, title: label, spellcheck: 'false', autocomplete: 'off', ."// &
+   "..attributes });"//nl// &
    "    input.addEventListener('change', () => {"//nl// &
    '      if (input.value.trim() === String(value)) return;'//nl// &
    "      if (take(input.value.trim()) === false) input.classList.add('bad');"//nl// &
@@ -2637,7 +2647,9 @@ module psalm_board_text
    "    return field(label, board.view.short(value) === '0' ? '0' : String(Number(value.toPrecision(12))), (text) => {"//nl// &
    '      const number = valueOf(text);'//nl// &
    '      return isFinite(number) ? take(number) : false;'//nl// &
-   "    }, { inputmode: 'decimal', ...attributes });"//nl// &
+   "    }, { inputmode: 'decimal', ...attributes });"//nl
+
+   character(*), parameter :: part_25 = &
    '  }'//nl// &
    ''//nl// &
    '  /** Numbers, + - * / and brackets; a comma is a decimal point. */'//nl// &
@@ -2646,9 +2658,7 @@ module psalm_board_text
    "    const s = text.replace(/,/g, '.').replace(/\s/g, '');"//nl// &
    '    const sum = () => {'//nl// &
    '      let v = product();'//nl// &
-   "      while (s[at] === '+' || s[at] === '-') v = s[at++] === '+' ? v + product() : v - product();"//nl
-
-   character(*), parameter :: part_25 = &
+   "      while (s[at] === '+' || s[at] === '-') v = s[at++] === '+' ? v + product() : v - product();"//nl// &
    '      return v;'//nl// &
    '    };'//nl// &
    '    const product = () => {'//nl// &
@@ -2747,7 +2757,9 @@ module psalm_board_text
    '        try {'//nl// &
    '          joints = board.text.jointsIn(text, board.state.sketch.joints.map((j) => j.name), (words) => new RangeError(wo'// &
    'rds));'//nl// &
-   '        } catch { return false; }'//nl// &
+   '        } catch { return false; }'//nl
+
+   character(*), parameter :: part_26 = &
    '        edit((sketch) => { board.linkOf(name).joints = [...new Set(joints)]; board.tidy(sketch); });'//nl// &
    '      }))];'//nl// &
    '    if (!frame) {'//nl// &
@@ -2756,9 +2768,7 @@ module psalm_board_text
    '        const exact = board.state.sketch.lengths.find((l) => l.joints.includes(a) && l.joints.includes(b));'//nl// &
    '        const fix = (value) => edit((sketch) => {'//nl// &
    '          sketch.lengths = sketch.lengths.filter((l) => !(l.joints.includes(a) && l.joints.includes(b)));'//nl// &
-   '          if (value > 0) sketch.lengths.push({ joints: [a, b], value });'//nl
-
-   character(*), parameter :: part_26 = &
+   '          if (value > 0) sketch.lengths.push({ joints: [a, b], value });'//nl// &
    '          board.relax(sketch);'//nl// &
    '        });'//nl// &
    '        parts.push(row(label, numberField(words.length(label), exact ? exact.value : length, (value) => value > 0 ? fix'// &
@@ -2863,7 +2873,9 @@ module psalm_board_text
    "      edit((sketch) => { sketch.outputs.splice(i, 1); }), { 'aria-label': words.noOutput([one.kind, ...one.of].join(' '"// &
    ")) }))), row(words.add, add)];"//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_27 = &
    '  /** All joints and links, to be chosen without a mouse. */'//nl// &
    '  function listPart() {'//nl// &
    '    const { state } = board, { sketch, selection: s } = state;'//nl// &
@@ -2874,9 +2886,7 @@ module psalm_board_text
    '    const slides = sketch.slides.map((l) => item(l.name, { slide: l.name }, s && s.slide === l.name));'//nl// &
    "    const parts = [head(words.jointsHead), make('div', { class: 'list' }, ...joints), head(words.links), make('div', { "// &
    "class: 'list' }, ...links)];"//nl// &
-   "    if (slides.length) parts.push(head(words.slidesHead), make('div', { class: 'list' }, ...slides));"//nl
-
-   character(*), parameter :: part_27 = &
+   "    if (slides.length) parts.push(head(words.slidesHead), make('div', { class: 'list' }, ...slides));"//nl// &
    "    const place = field(words.newJointLabel, '', (text) => {"//nl// &
    '      const at = text.split(/[\s;]+/).map(valueOf);'//nl// &
    '      if (at.length !== 2 || !at.every(isFinite)) return false;'//nl// &
@@ -2974,7 +2984,9 @@ module psalm_board_text
    '        event.preventDefault();'//nl// &
    '        event.stopPropagation();'//nl// &
    '        const next = all[(all.indexOf(tabButton) + step + all.length) % all.length];'//nl// &
-   '        next.click();'//nl// &
+   '        next.click();'//nl
+
+   character(*), parameter :: part_28 = &
    '        next.focus();'//nl// &
    '      });'//nl// &
    "      $('tabs').append(tabButton);"//nl// &
@@ -2983,9 +2995,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** The words of what is on the page from the beginning. */'//nl// &
-   '  function name() {'//nl
-
-   character(*), parameter :: part_28 = &
+   '  function name() {'//nl// &
    '    for (const [id, { text, title, label }] of Object.entries(board.words.page)) {'//nl// &
    '      const element = $(id);'//nl// &
    '      if (text) element.textContent = text;'//nl// &
@@ -3083,7 +3093,9 @@ module psalm_board_text
    ''//nl// &
    '  /** Line numbers, marked lines, messages. */'//nl// &
    '  function show() {'//nl// &
-   '    number();'//nl// &
+   '    number();'//nl
+
+   character(*), parameter :: part_29 = &
    '    const all = faults(), { make } = board.panel;'//nl// &
    '    back.hidden = !aside;'//nl// &
    '    marks.replaceChildren(...all.slice(0, MOST_MARKS).filter((one) => one.line).map((one) => {'//nl// &
@@ -3092,9 +3104,7 @@ module psalm_board_text
    '      return mark;'//nl// &
    '    }));'//nl// &
    "    list.replaceChildren(...(all.length ? all.slice(0, MOST_MARKS).map((one) => make('li', { class: one.level },"//nl// &
-   "      make('button', { type: 'button', class: 'go', onclick: () => go(one.line) }, words.line(one.line, one.text)))) :"//nl
-
-   character(*), parameter :: part_29 = &
+   "      make('button', { type: 'button', class: 'go', onclick: () => go(one.line) }, words.line(one.line, one.text)))) :"//nl// &
    "      [make('li', { class: 'good' }, words.understood)]));"//nl// &
    "    const button = $('tab-text');"//nl// &
    "    button.classList.toggle('bad', all.some((one) => one.level === 'error'));"//nl// &
@@ -3190,7 +3200,9 @@ module psalm_board_text
    '= 2 && p.every(Number.isFinite)) ?'//nl// &
    '    { points: one.points, closed: Boolean(one.closed) } : null;'//nl// &
    ''//nl// &
-   '  /** Whether all changes are kept. */'//nl// &
+   '  /** Whether all changes are kept. */'//nl
+
+   character(*), parameter :: part_30 = &
    '  function kept() {'//nl// &
    '    if (timer) put();'//nl// &
    '    return works;'//nl// &
@@ -3200,9 +3212,7 @@ module psalm_board_text
    '-'//nl// &
    ''//nl// &
    '  const through = (bytes, stream) => new Blob([bytes]).stream().pipeThrough(stream);'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_30 = &
+   ''//nl// &
    '  /** A text compressed, in letters that an address may have. */'//nl// &
    '  async function packed(text) {'//nl// &
    "    const bytes = new Uint8Array(await new Response(through(new TextEncoder().encode(text), new CompressionStream('defl"// &
@@ -3307,7 +3317,9 @@ module psalm_board_text
    '    const cards = board.examples.map((one) => {'//nl// &
    '      const sketch = board.text.parse(one.text);'//nl// &
    "      const card = make('button', { type: 'button', class: 'card', 'data-name': one.name, onclick: () => { dialog.close"// &
-   "(); board.load(one.text, one.name + '.nml'); board.store.keep(); } },"//nl// &
+   "(); board.load(one.text, one.name + '.nml'); board.store.keep(); } },"//nl
+
+   character(*), parameter :: part_31 = &
    "        picture(sketch), make('span', {}, one.title));"//nl// &
    '      return card;'//nl// &
    '    });'//nl// &
@@ -3319,9 +3331,7 @@ module psalm_board_text
    "    dialog.className = 'gallery';"//nl// &
    "    dialog.replaceChildren(make('div', { class: 'row' }, make('h2', {}, words.galleryHead), find, button(words.close, ("// &
    ") => dialog.close())),"//nl// &
-   "      make('div', { class: 'cards' }, ...cards));"//nl
-
-   character(*), parameter :: part_31 = &
+   "      make('div', { class: 'cards' }, ...cards));"//nl// &
    '    dialog.showModal();'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -3368,14 +3378,16 @@ module psalm_board_text
    ''//nl// &
    '  function begin() {'//nl// &
    '    if (!served) return;'//nl// &
-   '    const { make, head, check, row } = board.panel;'//nl// &
+   '    const { make, head, check, row, button } = board.panel;'//nl// &
    "    const part = (name, ...inside) => { parts[name] = make('div', { class: name }, ...inside); return parts[name]; };"//nl// &
    "    const arrow = (name) => make('label', { class: 'tick ' + name }, check(words[name], true, (on) => { shown[name] = o"// &
    "n; board.view.draw(); }), words[name]);"//nl// &
    "    $('engine').append(part('state'), part('result', head(words.here), part('here'), row(words.shownArrows, arrow('velo"// &
    "cities'), arrow('forces')),"//nl// &
    "      head(words.assumptions), part('loads'), part('angles'), head(words.summary), part('summary'), part('proof'), part"// &
-   "('ways'), part('found')));"//nl// &
+   "('ways'), part('found'), head(words.exports), part('files', make('div', { class: 'list' }, ...Object.entries(words.expo"// &
+   "rtNames)"//nl// &
+   '      .map(([ending, text]) => button(text, () => save(ending)))))));'//nl// &
    '    parts.result.hidden = true;'//nl// &
    "    parts.state.setAttribute('role', 'status');"//nl// &
    '  }'//nl// &
@@ -3415,6 +3427,16 @@ module psalm_board_text
    '    board.view.draw();'//nl// &
    '  }'//nl// &
    ''//nl// &
+   '  /** A picture of the case, for other programs. */'//nl// &
+   '  async function save(ending) {'//nl// &
+   "    const got = await ask('files', board.write());"//nl// &
+   "    if (got.files) board.download(got.files[ending], board.state.file.replace(/\.\w+$/, '') + ending);"//nl
+
+   character(*), parameter :: part_32 = &
+   "    else say(got.error || (got.findings || []).filter((one) => one.level === 'error').map((one) => words.line(one.line,"// &
+   " one.text)).join('; '), true);"//nl// &
+   '  }'//nl// &
+   ''//nl// &
    '  /** The largest of what is drawn as arrows, and what counts along the motion. */'//nl// &
    '  function prepare() {'//nl// &
    '    const { motion, velocity } = answer, largest = (joints) => Math.max(0, ...Object.values(joints).flatMap(([x, y]) =>'// &
@@ -3432,9 +3454,7 @@ module psalm_board_text
    'it. */'//nl// &
    '  function placeOn(inputs) {'//nl// &
    '    const { live, sketch } = board.state;'//nl// &
-   '    if (!live || !inputs || inputs.length < 1 || board.free() !== 1) return null;'//nl
-
-   character(*), parameter :: part_32 = &
+   '    if (!live || !inputs || inputs.length < 1 || board.free() !== 1) return null;'//nl// &
    "    const turns = sketch.drives[0].kind === 'turn', value = live.inputs[0] / (turns ? board.motion.RADIAN : 1), round ="// &
    " (v) => turns ? v - 360 * Math.round(v / 360) : v;"//nl// &
    '    let best = -1, least = Infinity;'//nl// &
@@ -3529,7 +3549,9 @@ module psalm_board_text
    'max(...at[0]) - Math.min(...at[0]) + Math.max(...at[1]) - Math.min(...at[1]));'//nl// &
    "    for (const [kind, alpha] of [['worst', 0.14], ['square', 0.24]]) {"//nl// &
    '      g.fillStyle = pens.accent;'//nl// &
-   '      g.globalAlpha = alpha;'//nl// &
+   '      g.globalAlpha = alpha;'//nl
+
+   character(*), parameter :: part_33 = &
    '      const shape = new Path2D();'//nl// &
    '      for (let i = 0; i + 1 < n + (ring ? 1 : 0); i++) {'//nl// &
    '        const k = (i + 1) % n, corners = [];'//nl// &
@@ -3546,9 +3568,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  const digits = (v) => board.view.short(Number(v.toPrecision(4)));'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_33 = &
+   ''//nl// &
    '  /** Numbers at the position shown. */'//nl// &
    '  function here() {'//nl// &
    "    if (!parts.here || $('engine').hidden) return;"//nl// &
@@ -3589,10 +3609,10 @@ module psalm_board_text
    '-'//nl// &
    ''//nl// &
    '  /** What the engine is doing, or what is wrong. */'//nl// &
-   "  function say(text = '') {"//nl// &
+   "  function say(text = '', now = false) {"//nl// &
    '    const wait = board.state.sketch.joints.length ? words.waiting : words.nothingYet;'//nl// &
-   "    parts.state.textContent = fresh ? '' : text || wait;"//nl// &
-   "    parts.state.classList.toggle('wrong', Boolean(text) && !fresh);"//nl// &
+   "    parts.state.textContent = fresh && !now ? '' : text || wait;"//nl// &
+   "    parts.state.classList.toggle('wrong', Boolean(text) && (now || !fresh));"//nl// &
    "    parts.result.classList.toggle('old', !fresh);"//nl// &
    '    if (!answer) parts.result.hidden = true;'//nl// &
    '  }'//nl// &
@@ -3649,7 +3669,9 @@ module psalm_board_text
    '    const k = board.state.sketch.drives.findIndex((d) => !d.ratio), unit = turning() ? board.motion.RADIAN : 1;'//nl// &
    '    const value = (i) => sweep.states[i].inputs[k] / unit, n = sweep.states.length, low = Math.min(value(0), value(n - '// &
    '1)), high = Math.max(value(0), value(n - 1));'//nl// &
-   '    if (!(high > low)) return;'//nl// &
+   '    if (!(high > low)) return;'//nl
+
+   character(*), parameter :: part_34 = &
    "    const strip = make('div', { class: 'proven', title: words.strip }), x = (v) => 100 * Math.min(1, Math.max(0, (v - l"// &
    "ow) / (high - low)));"//nl// &
    '    const shifts = turning() ? [-360, 0, 360] : [0], put = (from, to, kind, title) => {'//nl// &
@@ -3668,9 +3690,7 @@ module psalm_board_text
    '    track.append(strip);'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Every way in which the links can be put together; a click on one draws it. */'//nl
-
-   character(*), parameter :: part_34 = &
+   '  /** Every way in which the links can be put together; a click on one draws it. */'//nl// &
    '  function ways() {'//nl// &
    '    const { make, head } = board.panel, all = answer.assemblies || [], { sketch } = board.state;'//nl// &
    '    const known = all.length > 1 && sketch.joints.every((joint) => all.every((one) => one.joints[joint.name]));'//nl// &
@@ -3778,7 +3798,9 @@ module psalm_board_text
    ' the sketch.'//nl// &
    "'use strict';"//nl// &
    ''//nl// &
-   'board.search = (() => {'//nl// &
+   'board.search = (() => {'//nl
+
+   character(*), parameter :: part_35 = &
    '  const POINTS = 24, MOST_POINTS = 200;  // of a curve that is drawn'//nl// &
    '  const NEAR = 0.12;                     // of its size: how far apart the ends of a closed one may be'//nl// &
    '  const EVERY = 400;                     // milliseconds between two questions'//nl// &
@@ -3786,6 +3808,7 @@ module psalm_board_text
    '  const $ = (id) => document.getElementById(id);'//nl// &
    "  const parts = {}, chosen = new Set(['pins4', 'slide4', 'pins6']);"//nl// &
    "  let cards = [], running = '', round = 0, angle = 0, count = POINTS, stopping = false;"//nl// &
+   '  let low = 0, high = 0;                 // bounds of lengths; 0: the usual ones'//nl// &
    "  let text = '';                         // the data set of the last search, as psalm reads it"//nl// &
    ''//nl// &
    '  // ---- the curve ---------------------------------------------------------------------------------------------------'// &
@@ -3797,9 +3820,7 @@ module psalm_board_text
    '  /** Points evenly along a line; a closed one does not have its first point again. */'//nl// &
    '  function even(points, n, closed) {'//nl// &
    '    const line = closed ? [...points, points[0]] : points, whole = length(line), list = [];'//nl// &
-   '    let k = 1, passed = 0;'//nl
-
-   character(*), parameter :: part_35 = &
+   '    let k = 1, passed = 0;'//nl// &
    '    for (let i = 0; i < n; i++) {'//nl// &
    '      const target = whole * i / (closed ? n : n - 1);'//nl// &
    '      let step = Math.hypot(line[k][0] - line[k - 1][0], line[k][1] - line[k - 1][1]);'//nl// &
@@ -3892,7 +3913,9 @@ module psalm_board_text
    '      g.strokeStyle = g.fillStyle = pens.accent;'//nl// &
    '      g.lineWidth = 2;'//nl// &
    '      g.setLineDash([7, 5]);'//nl// &
-   '      g.beginPath();'//nl// &
+   '      g.beginPath();'//nl
+
+   character(*), parameter :: part_36 = &
    '      for (const [x, y] of points) g.lineTo(X(x), Y(y));'//nl// &
    '      if (closed) g.closePath();'//nl// &
    '      g.stroke();'//nl// &
@@ -3914,9 +3937,9 @@ module psalm_board_text
    "alue = ''; });"//nl// &
    "    parts.has = make('p');"//nl// &
    "    parts.told = make('p', { class: 'wrong', role: 'alert' });"//nl// &
-   '    parts.clear = button(words.wantedClear, () => want(null));'//nl
-
-   character(*), parameter :: part_36 = &
+   '    parts.clear = button(words.wantedClear, () => want(null));'//nl// &
+   '    parts.closed = check(words.wantedClosed, false, (on) => { const { wanted } = board.state; if (wanted) want({ points'// &
+   ': even(wanted.points, wanted.points.length, on), closed: on }); });'//nl// &
    "    parts.start = button(words.searchStart, start, { class: 'main', id: 'start-search' });"//nl// &
    "    parts.stop = button(words.searchStop, stop, { id: 'stop-search' });"//nl// &
    "    parts.save = button(words.searchSave, () => board.download(text, 'wanted.nml'), { hidden: true });"//nl// &
@@ -3927,7 +3950,8 @@ module psalm_board_text
    "osen.has(name), (on) => { if (on) chosen.add(name); else chosen.delete(name); follow(); }), text));"//nl// &
    "    $('search').append(head(words.wantedHead), parts.has, make('div', { class: 'list' }, button(words.tools.wanted[0], "// &
    "() => { board.tools.choose('wanted'); board.view.canvas.scrollIntoView({ block: 'nearest' }); }),"//nl// &
-   '      button(words.wantedFile, () => parts.file.click()), parts.clear, parts.file),'//nl// &
+   "      button(words.wantedFile, () => parts.file.click()), parts.clear, parts.file, make('label', { class: 'tick' }, par"// &
+   "ts.closed, words.wantedClosed)),"//nl// &
    '    row(words.wantedPoints, numberField(words.wantedPoints, count, (value) => {'//nl// &
    '      if (!Number.isInteger(value) || value < 3 || value > MOST_POINTS) return false;'//nl// &
    '      count = value;'//nl// &
@@ -3935,8 +3959,11 @@ module psalm_board_text
    '      if (wanted) want({ points: even(wanted.points, count, wanted.closed), closed: wanted.closed });'//nl// &
    '      return true;'//nl// &
    "    })), parts.told, head(words.kinds), make('div', { class: 'list' }, ...kinds),"//nl// &
-   '    row(words.leastAngle, numberField(words.leastAngleLabel, angle, (value) => { if (value < 0 || value > 60) return fa'// &
-   'lse; angle = value; return true; })),'//nl// &
+   "    parts.mine = make('p'), row(words.lengths, ...[[words.lengthLow, (v) => { low = v; }], [words.lengthHigh, (v) => { "// &
+   "high = v; }]].map(([label, take]) =>"//nl// &
+   '      numberField(label, 0, (value) => { if (value < 0) return false; take(value); return true; }))), row(words.leastAn'// &
+   'gle, numberField(words.leastAngleLabel, angle, (value) => { if (value < 0 || value > 60) return false; angle = value; r'// &
+   'eturn true; })),'//nl// &
    "    make('div', { class: 'list' }, parts.start, parts.stop, parts.save), parts.doing, parts.found);"//nl// &
    '    follow();'//nl// &
    '  }'//nl// &
@@ -3945,10 +3972,35 @@ module psalm_board_text
    '    if (!board.engine.served) return;'//nl// &
    '    const { wanted } = board.state;'//nl// &
    '    parts.has.textContent = wanted ? words.wantedHas(wanted.points.length, wanted.closed) : words.wantedNone;'//nl// &
-   '    parts.clear.disabled = !wanted;'//nl// &
-   '    parts.start.disabled = !wanted || !chosen.size || Boolean(running);'//nl// &
+   '    parts.clear.disabled = parts.closed.disabled = !wanted;'//nl// &
+   '    parts.closed.checked = Boolean(wanted && wanted.closed);'//nl// &
+   "    parts.mine.textContent = !chosen.has('mine') ? '' : !ownPossible() ? words.mineNeeds : own() ? words.mineHint : wor"// &
+   "ds.mineSlides;"//nl// &
+   "    parts.start.disabled = (chosen.has('mine') && !ownPossible()) || !wanted || !chosen.size || Boolean(running);"//nl// &
    '    parts.stop.disabled = !running || stopping;'//nl// &
    '    parts.start.textContent = cards.length ? words.searchOn : words.searchStart;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Whether the sketch that is drawn can be varied. */'//nl// &
+   '  function ownPossible() {'//nl// &
+   '    const { sketch, messages } = board.state;'//nl// &
+   "    return !messages.length && board.free() === 1 && Boolean(sketch.outputs.length) && sketch.outputs[0].kind === 'poin"// &
+   "t';"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Dimensions of the sketch that vary: all but exact lengths, as psalm names them; nothing where they have no names.'// &
+   ' */'//nl// &
+   '  function own() {'//nl// &
+   '    const { links, lengths, slides, gears } = board.state.sketch, exact = (a, b) => lengths.some((l) => l.joints.includ'// &
+   'es(a) && l.joints.includes(b));'//nl// &
+   "    if (!lengths.length) return ['all'];"//nl// &
+   '    if (slides.length || gears.length) return null;'//nl// &
+   '    // a length across a plate holds the whole plate'//nl// &
+   '    const across = (joints) => lengths.some((l) => l.joints.every((name) => joints.slice(1).includes(name)));'//nl// &
+   "    return links.flatMap(({ joints: [a, b, ...more] }, i) => i === 0 ? [a, b, ...more].filter(Boolean).map((name) => 'p"// &
+   "lace ' + name) : across([a, b, ...more]) ? [] :"//nl// &
+   "      [...(exact(a, b) ? [] : [a + ' ' + b]), ...more.flatMap((c) => [...(exact(a, c) ? [] : [a + ' ' + c]), ...(exact("// &
+   "b, c) ? [] : ['angle ' + a + ' ' + b + ' ' + a + ' ' + c])])]);"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Of another curve nothing has been found yet. */'//nl// &
@@ -3966,7 +4018,9 @@ module psalm_board_text
    '    const { wanted } = board.state;'//nl// &
    "    parts.told.textContent = '';"//nl// &
    "    const got = await board.engine.ask('search', JSON.stringify({ points: wanted.points, closed: wanted.closed, kinds: "// &
-   "[...chosen], round, angle }));"//nl// &
+   "[...chosen], round, angle, low, high,"//nl// &
+   "      ...(chosen.has('mine') ? { case: board.write(), output: board.state.sketch.outputs[0].of[0], vary: own() || ['all"// &
+   "'] } : {}) }));"//nl// &
    '    if (got.error) { parts.told.textContent = got.error; return; }'//nl// &
    '    running = got.search;'//nl// &
    '    stopping = false;'//nl// &
@@ -3980,7 +4034,9 @@ module psalm_board_text
    '    if (running !== name) return;'//nl// &
    "    if (got.error) { parts.told.textContent = got.error; running = ''; follow(); return; }"//nl// &
    '    for (const one of got.events) {'//nl// &
-   '      if (one.doing) {'//nl// &
+   '      if (one.doing) {'//nl
+
+   character(*), parameter :: part_37 = &
    '        parts.doing.textContent = words.searching(words.kindNames[one.doing], one.round);'//nl// &
    '        text = one.text;'//nl// &
    '        parts.save.hidden = false;'//nl// &
@@ -4021,11 +4077,9 @@ module psalm_board_text
    '      const path = card.path[0].map((x, i) => [x, card.path[1][i]]).filter(([x, y]) => x !== null && y !== null);'//nl// &
    "      return make('button', { type: 'button', class: 'card', 'data-key': key, 'data-kind': card.kind, onclick: () => ch"// &
    "oose(card) }, board.store.picture(board.text.parse(card.text), path),"//nl// &
-   "        make('span', {}, card.kind), make('small', {}, words.error((100 * card.part).toPrecision(2) + ' %') + (card.ang"// &
-   "le === null ? '' : ', ' + words.angle(card.angle.toFixed(0)))));"//nl// &
-   '    }));'//nl
-
-   character(*), parameter :: part_37 = &
+   "        make('span', {}, words.kindNames[card.kind] || card.kind), make('small', {}, words.error((100 * card.part).toPr"// &
+   "ecision(2) + ' %') + (card.angle === null ? '' : ', ' + words.angle(card.angle.toFixed(0)))));"//nl// &
+   '    }));'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function choose(card) {'//nl// &
@@ -4088,7 +4142,9 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** Pins a joint to the frame or frees it. */'//nl// &
-   '  function pivot(name) {'//nl// &
+   '  function pivot(name) {'//nl
+
+   character(*), parameter :: part_38 = &
    '    edit((sketch) => {'//nl// &
    '      const frame = sketch.links[0];'//nl// &
    '      if (frame.joints.includes(name)) frame.joints = frame.joints.filter((one) => one !== name);'//nl// &
@@ -4132,9 +4188,7 @@ module psalm_board_text
    '  function drive({ joint, slide, cylinder }) {'//nl// &
    '    edit((sketch) => {'//nl// &
    "      const at = slide ? [slide] : cylinder ? cylinder.split(' ') : [joint], kind = slide ? 'slide' : cylinder ? 'cylin"// &
-   "der' : 'turn';"//nl
-
-   character(*), parameter :: part_38 = &
+   "der' : 'turn';"//nl// &
    "      const there = sketch.drives.findIndex((d) => d.at.join(' ') === at.join(' '));"//nl// &
    '      if (there >= 0) { sketch.drives.splice(there, 1); board.tidy(sketch); return; }'//nl// &
    "      const one = { kind, at, base: '', link: '', ratio: 0, phase: 0, delt: [] };"//nl// &
@@ -4198,7 +4252,9 @@ module psalm_board_text
    "    const hit = view.under(x, y, event.pointerType === 'touch', without), at = board.places();"//nl// &
    "    const place = hit && hit.joint ? at.get(hit.joint) : hit && hit.link && board.state.tool !== 'select' ? onLink(hit."// &
    "link, view.world(x, y)) : event.altKey ? view.world(x, y) : view.snap(view.world(x, y));"//nl// &
-   '    const there = jointAtPlace(place, without, at);'//nl// &
+   '    const there = jointAtPlace(place, without, at);'//nl
+
+   character(*), parameter :: part_39 = &
    "    return { x, y, hit: there && !(hit && hit.joint) ? { joint: there } : hit, place, touch: event.pointerType === 'tou"// &
    "ch' };"//nl// &
    '  }'//nl// &
@@ -4242,9 +4298,7 @@ module psalm_board_text
    '    if (event.isTrusted) view.canvas.setPointerCapture(event.pointerId);'//nl// &
    '    pointers.set(event.pointerId, event);'//nl// &
    '    if (pointers.size === 2) { cancel(); pinch = spread(); return; }'//nl// &
-   '    if (pointers.size > 2) return;'//nl
-
-   character(*), parameter :: part_39 = &
+   '    if (pointers.size > 2) return;'//nl// &
    '    const { state } = board, first = spot(event);'//nl// &
    '    if (event.button === 1 || event.button === 2) { press = { pan: true, x: first.x, y: first.y }; return; }'//nl// &
    "    if (state.tool === 'wanted') { press = { tool: 'wanted', x: first.x, y: first.y }; hand = [view.world(first.x, firs"// &
@@ -4307,7 +4361,9 @@ module psalm_board_text
    '    const a = ANGLE * Math.round(Math.atan2(dy, dx) * 180 / Math.PI / ANGLE);'//nl// &
    '    return ((a % 180) + 180) % 180;'//nl// &
    '  };'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_40 = &
    '  function drag(at) {'//nl// &
    '    const { hit } = press.at;'//nl// &
    '    if (hit.joint) {'//nl// &
@@ -4351,9 +4407,7 @@ module psalm_board_text
    '      board.search.drawn(points);'//nl// &
    '      view.draw();'//nl// &
    '      return;'//nl// &
-   '    }'//nl
-
-   character(*), parameter :: part_40 = &
+   '    }'//nl// &
    "    const { state } = board, one = press, dragged = one.tool === 'select' && one.at && one.at.hit && one.at.hit.joint;"//nl// &
    "    const at = spot(event, dragged || '');"//nl// &
    '    press = null;'//nl// &
@@ -4418,7 +4472,9 @@ module psalm_board_text
    '    view.draw();'//nl// &
    '  }'//nl// &
    ''//nl// &
-   "  const cursor = (hit) => board.state.tool !== 'select' ? 'crosshair' : hit ? 'grab' : 'default';"//nl// &
+   "  const cursor = (hit) => board.state.tool !== 'select' ? 'crosshair' : hit ? 'grab' : 'default';"//nl
+
+   character(*), parameter :: part_41 = &
    ''//nl// &
    '  // ---- buttons and keys --------------------------------------------------------------------------------------------'// &
    '-'//nl// &
@@ -4468,9 +4524,7 @@ module psalm_board_text
    "nt.shiftKey ? 5 : 1))); return; }"//nl// &
    "    if (keys[event.key]) { event.preventDefault(); keys[event.key](); } else if (keys[letter] && letter === 'f') keys.f"// &
    "(); else if (tool) choose(tool[0]);"//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_41 = &
+   '  }'//nl// &
    ''//nl// &
    '  function zoom(factor) {'//nl// &
    '    view.zoom(factor);'//nl// &
@@ -4537,7 +4591,9 @@ module psalm_board_text
    "  const blank = () => ({ title: board.words.title, joints: [], links: [{ name: 'frame', joints: [] }], slides: [], gear"// &
    "s: [], lengths: [], kover: false,"//nl// &
    '    drives: [], outputs: [], ikin: 15, crnki: 0, delt: [], keep: {} });'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_42 = &
    '  const state = {'//nl// &
    "    sketch: blank(), source: '', file: 'sketch.nml', dirty: false,"//nl// &
    "    book: '',                   // where the book is, seen from this page; empty: not known"//nl// &
@@ -4578,9 +4634,7 @@ module psalm_board_text
    '      remember(before);'//nl// &
    '      state.dirty = true;'//nl// &
    '    }'//nl// &
-   '    before = null;'//nl
-
-   character(*), parameter :: part_42 = &
+   '    before = null;'//nl// &
    '    refresh();'//nl// &
    '    board.store.keep();'//nl// &
    '  }'//nl// &
@@ -4644,7 +4698,9 @@ module psalm_board_text
    '    let worst = Infinity;'//nl// &
    '    const largest = Math.max(...lengths.map((l) => l.value));'//nl// &
    '    for (let round = 0; round < 60; round++) {'//nl// &
-   '      const rows = [], right = [];'//nl// &
+   '      const rows = [], right = [];'//nl
+
+   character(*), parameter :: part_43 = &
    '      for (const { joints: [a, b], value } of lengths) {'//nl// &
    '        const i = joints.findIndex((j) => j.name === a), k = joints.findIndex((j) => j.name === b);'//nl// &
    '        const dx = joints[k].x - joints[i].x, dy = joints[k].y - joints[i].y, d = Math.hypot(dx, dy) || 1e-9;'//nl// &
@@ -4686,9 +4742,7 @@ module psalm_board_text
    '        for (const gear of s.gears) [gear.wheels, gear.carrier] = [gear.wheels.map(swap), swap(gear.carrier)];'//nl// &
    '        for (const drive of s.drives) [drive.base, drive.link] = [swap(drive.base), swap(drive.link)];'//nl// &
    '      } else {'//nl// &
-   '        for (const one of [...s.joints, ...s.slides]) one.name = swap(one.name);'//nl
-
-   character(*), parameter :: part_43 = &
+   '        for (const one of [...s.joints, ...s.slides]) one.name = swap(one.name);'//nl// &
    '        for (const one of [...s.links, ...s.lengths]) one.joints = one.joints.map(swap);'//nl// &
    '        for (const drive of s.drives) drive.at = drive.at.map(swap);'//nl// &
    '      }'//nl// &
@@ -4753,7 +4807,9 @@ module psalm_board_text
    ''//nl// &
    '  // ---- motion ------------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_44 = &
    '  /** What follows from the sketch; `rough` while something is dragged. */'//nl// &
    '  function refresh(rough = false) {'//nl// &
    '    const { sketch } = state;'//nl// &
@@ -4796,9 +4852,7 @@ module psalm_board_text
    '      const run = (way) => {'//nl// &
    '        const list = [];'//nl// &
    '        let now = start;'//nl// &
-   '        for (let k = 1; k * each <= most + 1e-9; k++) {'//nl
-
-   character(*), parameter :: part_44 = &
+   '        for (let k = 1; k * each <= most + 1e-9; k++) {'//nl// &
    '          const next = solver.advance(mech, now, solver.inputsAt(sketch, way * k * each), NEAR);'//nl// &
    '          if (!next) { list.push(...edge(mech, now, solver.inputsAt(sketch, way * k * each))); break; }'//nl// &
    '          list.push(now = next);'//nl// &
@@ -4860,7 +4914,9 @@ module psalm_board_text
    'length < b.joints.length || b === sketch.links[0] ? a : b;'//nl// &
    '    let { x, y } = slide, u = [Math.cos(slide.angle * solver.RADIAN), Math.sin(slide.angle * solver.RADIAN)];'//nl// &
    '    if (live) {'//nl// &
-   '      const row = m.mech.slides[i], at = (link, p) => {'//nl// &
+   '      const row = m.mech.slides[i], at = (link, p) => {'//nl
+
+   character(*), parameter :: part_45 = &
    '        const phi = live.pose[3 * link + 2], c = Math.cos(phi), s = Math.sin(phi);'//nl// &
    '        return [live.pose[3 * link] + c * p[0] - s * p[1], live.pose[3 * link + 1] + s * p[0] + c * p[1]];'//nl// &
    '      };'//nl// &
@@ -4901,9 +4957,7 @@ module psalm_board_text
    '    });'//nl// &
    '    const next = solver.advance(m.mech, live, target);'//nl// &
    '    if (next) state.live = next;'//nl// &
-   '    show();'//nl
-
-   character(*), parameter :: part_45 = &
+   '    show();'//nl// &
    '    return Boolean(next);'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -4965,7 +5019,9 @@ module psalm_board_text
    '    if (draft || state.sketch.joints.length || state.wanted) remember(snapshot());'//nl// &
    '    Object.assign(state, other, { selection: null, pending: null, dirty: false });'//nl// &
    '    refresh();'//nl// &
-   '    fit();'//nl// &
+   '    fit();'//nl
+
+   character(*), parameter :: part_46 = &
    '  }'//nl// &
    ''//nl// &
    '  /** The sketch of a text, in the same view; throws a Mistake. */'//nl// &
@@ -5008,9 +5064,7 @@ module psalm_board_text
    ''//nl// &
    '  /** The page of the book for what is being done: what is wrong, else what is chosen, else the tool. Without the book,'// &
    ' its name. */'//nl// &
-   '  function help() {'//nl
-
-   character(*), parameter :: part_46 = &
+   '  function help() {'//nl// &
    '    const { book, messages, selection, sketch, tool } = state, chosen = selection || {};'//nl// &
    "    let page = 'board';"//nl// &
    "    if (messages.length && sketch.joints.length) page = 'loops#what-psalm-makes-of-it';"//nl// &
@@ -5072,7 +5126,9 @@ module psalm_board_text
    ''//nl// &
    '  function wrong(words) {'//nl// &
    '    state.messages = [{ text: words, joints: [], links: [] }];'//nl// &
-   '    board.panel.show();'//nl// &
+   '    board.panel.show();'//nl
+
+   character(*), parameter :: part_47 = &
    '  }'//nl// &
    ''//nl// &
    '  Object.assign(board, { state, edit, begin, touch, end, undo: () => undo(), redo: () => undo(future, past), relax, ren'// &
@@ -5097,6 +5153,6 @@ contains
              part_16//part_17//part_18//part_19//part_20//part_21//part_22//part_23// &
              part_24//part_25//part_26//part_27//part_28//part_29//part_30//part_31// &
              part_32//part_33//part_34//part_35//part_36//part_37//part_38//part_39// &
-             part_40//part_41//part_42//part_43//part_44//part_45//part_46
+             part_40//part_41//part_42//part_43//part_44//part_45//part_46//part_47
    end function board_text
 end module psalm_board_text
