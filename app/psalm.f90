@@ -239,7 +239,7 @@ contains
       type(path_progress_t), target :: paths
       type(stop_t) :: stop_reported
       ! allocated: together they would fill a small stack
-      class(problem_t), allocatable :: problem
+      class(problem_t), allocatable, target :: problem
       type(synthesis_t), allocatable :: search
       type(analysis_t), allocatable :: analysis
       type(tolerances_t), allocatable :: tolerances
@@ -277,7 +277,7 @@ contains
       call list_input(header_of('PSALM', devices%mark), set, problem, devices%eight)
       dimensions = prepared%given
       if (prepared%parameters%has_search()) call begin_search_report(set, devices)
-      call begin_log(set, monitor, log)
+      call begin_log(set, problem, monitor, log)
       call synthesise(set, prepared%vertices, problem, threads, stop, dimensions, search, log, prepared%found)
       if (prepared%parameters%has_search()) call report_search(set, search, log, devices)
       wanted = wanted_by(set)
@@ -303,7 +303,8 @@ contains
       if (arguments%links .and. set%is_drawn() .and. .not. set%is_beyond_arrays()) then
          by_loops = variant_of(set)
          by_loops%by_loops = .true.
-         if (set%constr%given .or. set%masses%given .or. set%loads%given .or. set%springs%given .or. set%gives('SWEEP')) then
+         if (set%constr%given .or. set%masses%given .or. set%loads%given .or. set%springs%given .or. set%gives('SWEEP') .or. &
+             index(set%others, '&PLATES') > 0) then
             by_loops%with_others = .false.
             call devices%remark(set, 'device 7 has &LINKS without the groups that call joints by their names')
          end if

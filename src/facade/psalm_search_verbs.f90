@@ -57,7 +57,7 @@ contains
       real(wp), allocatable :: none(:, :)
       integer :: team
 
-      allocate (synthesis%found%best(0), synthesis%ranked(0))
+      allocate (synthesis%found%best(0), synthesis%ranked(0), synthesis%simplexes(0))
       call frame%begin(case, findings, report)
       if (frame%ready) frame%ready = may_share(threads, findings)
       if (.not. frame%ready) return
@@ -93,6 +93,7 @@ contains
             call table%add('rank', [(i, i=1, size(best))])
             call table%add('objective', best%objective)
             call table%add('start', best%start)
+            if (size(synthesis%simplexes) > 0) call table%add('iteration', best%iteration)
             call table%add('distance', best%distance)
          end associate
       else if (allocated(synthesis%last%f)) then

@@ -151,7 +151,7 @@ contains
       integer :: i
 
       do i = 1, size(motion%violations)
-         call findings%warning(describe_violation(problem, motion, motion%violations(i), small=.true.))
+         call findings%warning(describe_violation(problem, motion%input, motion%violations(i), small=.true.))
       end do
       if (.not. allocated(motion%beyond)) return
       if (any(motion%beyond)) call findings%warning(unreached_words(motion%beyond))

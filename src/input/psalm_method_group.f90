@@ -43,11 +43,13 @@ module psalm_method_group
       real(wp) :: var = 0.1_wp
       integer :: istart = 19
       integer :: nguess = 0
+      integer :: nvert = 0                 !! vertices of the simplex; 0: one more than variables
       real(wp) :: bounce = 3.0_wp, expand = 2.0_wp, snake = 0.5_wp, reduce = 0.25_wp, shrink = 0.5_wp
       integer :: niter = default_niter, ncheck = 1
       real(wp) :: fmin = 0.0_wp, small = 0.001_wp
    contains
       procedure :: turn_begins
+      procedure :: vertices
    end type method_group_t
 
    real(wp), parameter :: most_desired = 10.0_wp**min(100, range(1.0_wp) - 25) !! its square has a number, too
@@ -146,6 +148,9 @@ module psalm_method_group
              'start of the random numbers, odd, up to nine digits'), &
       rule_t('NGUESS', a_whole, '', '', '0', '[0,10000000]', &
              'vertices supplied on device 4'), &
+      rule_t('NVERT', a_whole, '', '', 'variables + 1', '[2,100000]', &
+             'vertices of the simplex. Where variables have bounds (LIMVAL=1) more of them, as twice the number of variables, '// &
+             'keep it from flattening against a bound (Box''s complex)'), &
       rule_t('BOUNCE', a_number, '', '', '3', '(1,)', &
              'coefficient of reflection', &
              'must be above 1 (2 reflects by the full distance)'), &
@@ -174,6 +179,15 @@ contains
       least = self%crnki + least
       turn_begins = least - modulo(least, 1.0_wp)
    end function turn_begins
+
+   !> Vertices of a simplex of so many variables.
+   pure integer function vertices(self, variables)
+      class(method_group_t), intent(in) :: self
+      integer, intent(in) :: variables
+
+      vertices = variables + 1
+      if (self%nvert > 0) vertices = self%nvert
+   end function vertices
 
    !> Read the group. Errors: numbers out of range, fewer or more values than NDES.
    subroutine read_method_group(group, nloop, maxarc, shape_known, of_sketch, method, findings)
@@ -228,6 +242,7 @@ contains
          method%istart = method%istart + 1
       end if
       call take(group, 'NGUESS', method%nguess, findings)
+      call take(group, 'NVERT', method%nvert, findings)
       call take(group, 'BOUNCE', method%bounce, findings)
       call take(group, 'EXPAND', method%expand, findings)
       call take(group, 'SNAKE', method%snake, findings)

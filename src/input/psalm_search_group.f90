@@ -62,10 +62,11 @@ module psalm_search_group
              'exact Jacobian; or an algorithm of NLopt by its name, with or without NLOPT_'), &
       rule_t('NSTART', a_whole, '', '', '1', '[1,1000000]', &
              'starts: the first is your linkage, the others are drawn (VAR, or OPLOW to OPHIGH with VAR=0; '// &
-             'ISTART)'), &
+             'ISTART); of the simplex: initial simplexes, the first from ISTART, the others from random integers of their own'), &
       rule_t('NBEST', a_whole, '', '', '1', '[1,1000000]', &
              'linkages that differ to keep; they are ranked in the listing, and device 7 holds them all as '// &
-             'cases one after another, their rank in the title'), &
+             'cases one after another, their rank in the title; of the simplex: of the ends of all simplexes and their best '// &
+             'vertices every NPRINT iterations'), &
       rule_t('DIFFER', a_number, '', '', '0.05', '[0,1]', &
              'two linkages differ if a variable length differs by more than this part of the larger one, or a '// &
              'variable angle by more than this many radians; where the objectives are the same, a length must '// &
@@ -102,7 +103,7 @@ module psalm_search_group
 
 contains
 
-   !> Read the group. Errors: unknown solvers, numbers out of range, several starts of the simplex.
+   !> Read the group. Errors: unknown solvers, numbers out of range, items that a solver does not have.
    subroutine read_search_group(group, search, findings)
       type(group_t), intent(inout) :: group
       type(search_group_t), intent(inout) :: search
@@ -136,12 +137,7 @@ contains
       if (search%solver%family == family_unknown) then
          call unknown_solver()
       else if (.not. search%solver%many_starts) then
-         if (search%nstart > 1) call other_solver('NSTART')
-         if (search%nbest > 1) call other_solver('NBEST')
-         if (search%pareto > pareto_none) call other_solver('PARETO')
-         if (search%nearly > 1.0_wp) call other_solver('NEARLY')
          if (search%ranking > ranking_none) call other_solver('RANKING')
-         if (search%first > 1) call other_solver('FIRST')
          if (search%maxeval > 0) call other_solver('MAXEVAL')
          if (search%by_dyads) call other_solver('IDYAD')
       else if (search%few > 0 .and. search%solver%family /= family_least_squares) then
@@ -183,7 +179,7 @@ contains
       subroutine other_solver(item)
          character(*), intent(in) :: item
 
-         call out_of(group, item, "the simplex makes one search to NITER; this needs another SOLVER, as 'LSQ'", findings)
+         call out_of(group, item, "a simplex is searched to NITER; this needs another SOLVER, as 'LSQ'", findings)
       end subroutine other_solver
    end subroutine read_search_group
 end module psalm_search_group

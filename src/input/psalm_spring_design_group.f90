@@ -15,10 +15,15 @@ module psalm_spring_design_group
    public :: design_items
    public :: spring_design_group_t, spring_design_of
    public :: criterion_range, criterion_rms, criterion_peak
+   public :: acts_between_points, acts_by_turning, acts_along_slide
 
    integer, parameter :: criterion_range = 1 !! greatest less least value
    integer, parameter :: criterion_rms = 2   !! of the values themselves
    integer, parameter :: criterion_peak = 3  !! greatest amount
+
+   integer, parameter :: acts_between_points = 0 !! SKIND: pulls two points together
+   integer, parameter :: acts_by_turning = 1     !! a torsion spring between two links
+   integer, parameter :: acts_along_slide = 2    !! pulls along the line on which the second place goes in the first link
 
    !> Springs. Arrays have the shape (NSFIND).
    type, extends(case_group_t) :: spring_design_group_t
@@ -26,7 +31,9 @@ module psalm_spring_design_group
       type(place_t), allocatable :: first(:), second(:) !! PLINK ..., QLINK ...: where the ends are looked for
       real(wp), allocatable :: first_reach(:), second_reach(:) !! PREACH, QREACH: around there, user's length; 0: just there
       real(wp), allocatable :: stiffest(:)          !! SKMAX: N/m; 0: no limit
-      real(wp), allocatable :: free_low(:), free_high(:) !! SFLOW, SFHIGH: free length, user's length
+      real(wp), allocatable :: free_low(:), free_high(:) !! SFLOW, SFHIGH: free length, user's length; free angle, degrees
+      integer, allocatable :: acts(:)               !! SKIND: acts_...
+      logical :: free_limited = .false.             !! SFLOW or SFHIGH was given
       integer :: criterion = criterion_range        !! SCRIT
       type(place_t) :: joint                        !! SJLINK, SJLOOP: the joint whose load counts
       logical :: of_joint = .false.                 !! else the drive
@@ -70,13 +77,18 @@ module psalm_spring_design_group
              'how far around the first place; 0: just there'), &
       rule_t('QREACH', a_number, '1 to NSFIND', 'length', '0', '[0,)', &
              'how far around the second place; 0: just there'), &
-      rule_t('SFLOW', a_number, '1 to NSFIND', 'length', '0', '[0,)', &
-             'least free length'), &
-      rule_t('SFHIGH', a_number, '1 to NSFIND', 'length', '0', '[0,)', &
-             'greatest free length'), &
-      rule_t('SKMAX', a_number, '1 to NSFIND', 'N/m', '0', '[0,)', &
+      rule_t('SKIND', a_whole, 'NSFIND', '', '0', '0 1 2', &
+             '0: between two points; 1: torsional, between the two links; 2: along the slide on which the second place goes in '// &
+             'the first link', &
+             '0 (between two points), 1 (torsional) or 2 (along a slide) is expected'), &
+      rule_t('SFLOW', a_number, '1 to NSFIND', 'length, degrees', '0; SKIND 1, 2: no limit', '', &
+             'least free length; torsional: free angle from arc PLINK to arc QLINK; along a slide: free distance of the places '// &
+             'along it'), &
+      rule_t('SFHIGH', a_number, '1 to NSFIND', 'length, degrees', '0; SKIND 1, 2: no limit', '', &
+             'greatest free length, angle, distance'), &
+      rule_t('SKMAX', a_number, '1 to NSFIND', 'N/m, N m/rad', '0', '[0,)', &
              'greatest stiffness; 0: 1000 times the largest load over the square of the reach (or of the '// &
-             'greatest free length)'), &
+             'greatest free length); torsional and along slides: the one of 1000 times the largest load'), &
       rule_t('SCRIT', a_word, '', '', 'RANGE', 'RANGE RMS PEAK', &
              '''RANGE'' (greatest less least value), ''RMS'', ''PEAK'' (greatest amount)'), &
       rule_t('SJLINK', a_whole, '', '', '', '', &
@@ -120,18 +132,26 @@ contains
       springs%given = group%line > 0
       call group%follow(design_items)
       call take_count(group, 'NSFIND', n, findings)
-      allocate (springs%first(n), springs%second(n))
+      allocate (springs%first(n), springs%second(n), springs%acts(n))
       allocate (springs%first_reach(n), springs%second_reach(n), springs%stiffest(n), springs%free_low(n), springs%free_high(n), &
                 source=0.0_wp)
       call read_places(group, 'P', ilink, springs%first, findings, sketch=sketch)
       call read_places(group, 'Q', ilink, springs%second, findings, sketch=sketch)
       call take(group, 'PREACH', springs%first_reach, findings, repeated=.true.)
       call take(group, 'QREACH', springs%second_reach, findings, repeated=.true.)
+      call take(group, 'SKIND', springs%acts, findings)
       call take(group, 'SKMAX', springs%stiffest, findings, repeated=.true.)
       call take(group, 'SFLOW', springs%free_low, findings, repeated=.true.)
       call take(group, 'SFHIGH', springs%free_high, findings, repeated=.true.)
       call refuse_unless(springs%free_low <= springs%free_high, group, 'SFLOW', 'the least free length is above the greatest', &
                          findings)
+      springs%free_limited = group%given('SFLOW') .or. group%given('SFHIGH')
+      call refuse_unless(springs%free_low >= 0.0_wp .or. springs%acts /= acts_between_points, group, 'SFLOW', &
+                         'a free length is not negative', findings)
+      call refuse_unless(springs%first_reach <= 0.0_wp .or. springs%acts == acts_between_points, group, 'PREACH', &
+                         'a torsion spring, or one along a slide, has no other place than that given: 0 is expected', findings)
+      call refuse_unless(springs%second_reach <= 0.0_wp .or. springs%acts == acts_between_points, group, 'QREACH', &
+                         'a torsion spring, or one along a slide, has no other place than that given: 0 is expected', findings)
       call take(group, 'SMETH', method, findings)
       springs%exact = method == method_exact
       call take(group, 'SCRIT', springs%criterion, findings)
@@ -155,6 +175,11 @@ contains
       if (springs%exact .and. (n /= 1 .or. springs%of_joint .or. springs%criterion /= criterion_range)) then
          call out_of(group, 'SMETH', "'EXACT' finds one spring for the range of the drive torque; use 'SEARCH'", findings)
       end if
+      if (springs%exact .and. any(springs%acts /= acts_between_points)) &
+         call out_of(group, 'SKIND', "SMETH='EXACT' finds a spring between two points; use 'SEARCH'", findings)
+      if (springs%wire > 0.0_wp .and. any(springs%acts == acts_by_turning)) &
+         call out_of(group, 'CWIRE', 'these coils are pulled; a torsion spring has others: leave CWIRE, CDIAM and CTURNS out', &
+                     findings)
       if (any([springs%wire, springs%coil, springs%turns] > 0.0_wp) .and. &
           .not. all([springs%wire, springs%coil, springs%turns] > 0.0_wp)) then
          call out_of(group, 'CWIRE', 'a coil is given by CWIRE, CDIAM and CTURNS together', findings)

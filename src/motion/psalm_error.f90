@@ -7,9 +7,9 @@ module psalm_error
    use psalm_assur, only: violation_of, coincidence_of
    use psalm_data_set, only: data_set_t
    use psalm_dyad, only: dyad_violation_t, violation_none, violation_angle_small, violation_undetermined, violation_slides, &
-                         violation_toggle
+                         violation_toggle, violation_angle_large
    use psalm_dyad_kind, only: form_of, form_t
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: wp, right_angle
    use psalm_linkage, only: linkage_t, padded
    use psalm_observable, only: observable_t
    use psalm_output_kind, only: output_kind_t, output_kind, motion_point, motion_angle
@@ -125,6 +125,8 @@ module psalm_error
       procedure :: evaluate
       procedure :: analyse
       procedure :: measure_of
+      procedure :: worst_of
+      procedure :: is_worse
       procedure :: find_undetermined
       procedure :: deviations
       procedure :: output_of
@@ -735,6 +737,66 @@ contains
       end do
    end subroutine measure_of
 
+   !> How a loop that is not accepted violates its limits at worst; `worst` is the position.
+   subroutine worst_of(self, loop, violation)
+      class(problem_t), intent(inout) :: self      !! bound
+      integer, intent(in) :: loop
+      type(violation_t), intent(out) :: violation
+      type(violation_t) :: new
+      integer :: block, offset, n, i
+
+      do block = 1, self%blocks()
+         call self%solve_block(block, offset, n, self%linkage%step_of_loop(loop))
+         do i = 1, n
+            if (self%linkage%accepts(i, loop) .and. .not. coincides(self, loop, i)) cycle
+            new = violation_at(self, loop, i)
+            new%worst = offset + i
+            if (violation%kind == violation_none .or. self%is_worse(new%kind, new%amount, violation%kind, violation%amount)) &
+               violation = new
+         end do
+      end do
+   end subroutine worst_of
+
+   !> True if one violation of a loop is worse than another: an open dyad than a bad angle, which is worse the less a small one or
+   !> the more a large one.
+   elemental logical function is_worse(self, kind, amount, other_kind, other_amount)
+      class(problem_t), intent(in) :: self
+      integer, intent(in) :: kind, other_kind      !! violation_...
+      real(wp), intent(in) :: amount, other_amount
+
+      if (closes_by(kind) .neqv. closes_by(other_kind)) then
+         is_worse = closes_by(other_kind)
+      else
+         is_worse = beyond(kind, amount) > beyond(other_kind, other_amount)
+      end if
+
+   contains
+
+      !> The dyad closes, but not within TANGLE or TOGGLE.
+      pure logical function closes_by(kind)
+         integer, intent(in) :: kind
+
+         closes_by = any(kind == [violation_angle_small, violation_angle_large, violation_slides, violation_toggle])
+      end function closes_by
+
+      !> A number that grows with how bad it is.
+      pure real(wp) function beyond(kind, amount)
+         integer, intent(in) :: kind
+         real(wp), intent(in) :: amount
+
+         select case (kind)
+         case (violation_angle_small)
+            beyond = right_angle - amount - self%tangle
+         case (violation_angle_large)
+            beyond = amount - right_angle - self%tangle
+         case (violation_slides, violation_toggle)
+            beyond = -amount
+         case default
+            beyond = amount
+         end select
+      end function beyond
+   end function is_worse
+
    !> The whole motion of a linkage: actual values, errors, and every violation of closure or transmission limits.
    !>
    !> What the host ends is not whole and of no use.
@@ -830,7 +892,6 @@ contains
       integer, intent(inout) :: noted
       type(violation_t) :: new
       type(violation_t), allocatable :: more(:)
-      logical :: worse
 
       new = violation_at(self, loop, i)
       new%first = position
@@ -840,9 +901,7 @@ contains
          associate (old => violations(current))
             if (old%kind == new%kind .and. old%last == position - 1) then
                old%last = position
-               worse = new%amount > old%amount
-               if (any(new%kind == [violation_angle_small, violation_slides, violation_toggle])) worse = new%amount < old%amount
-               if (worse) then
+               if (self%is_worse(new%kind, new%amount, old%kind, old%amount)) then
                   old%amount = new%amount
                   old%worst = position
                end if

@@ -11,7 +11,7 @@ module psalm_nlp
    use psalm_linear, only: along_columns
    implicit none (type, external)
    private
-   public :: nlp_t, plain_nlp_t, normal_equations_t, repair_count_t, quarter, most_moves
+   public :: nlp_t, plain_nlp_t, normal_equations_t, repair_count_t, failure_t, quarter, most_moves
 
    real(wp), parameter :: quarter = 0.25_wp        !! of the way towards a point that obeys
    integer, parameter :: most_moves = 60           !! 0.75**60 = 3e-8: the point has arrived
@@ -28,6 +28,14 @@ module psalm_nlp
       procedure :: clear
    end type normal_equations_t
 
+   !> How one constraint was violated, at worst.
+   type :: failure_t
+      integer :: times = 0             !! points that violated it
+      integer :: kind = 0              !! in which way at worst: a number of the problem's own
+      real(wp) :: amount = 0.0_wp      !! by how much, in its own unit
+      real(wp) :: place = 0.0_wp       !! and where: of a linkage, its input
+   end type failure_t
+
    !> What was done to points to make them obey.
    type :: repair_count_t
       integer :: calls = 0     !! violations met
@@ -35,6 +43,7 @@ module psalm_nlp
       integer :: moves = 0     !! quarter moves
       integer :: clips = 0     !! values put inside their bounds
       integer :: loop = 0      !! the constraint last violated: of a linkage, its loop
+      type(failure_t), allocatable :: failures(:) !! by constraint, since the last iteration; not allocated: not noted
    end type repair_count_t
 
    type, abstract :: nlp_t

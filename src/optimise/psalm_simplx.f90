@@ -4,7 +4,7 @@
 !> obey by the problem (`settle`; of a linkage, CONSTR). Source: Oldham (1977), section 6.4.3, equations 6.17 to 6.24.
 module psalm_simplx
    use psalm_kinds, only: wp
-   use psalm_nlp, only: nlp_t
+   use psalm_nlp, only: nlp_t, failure_t
    use psalm_solver, only: solver_t, ending_t, observer_t, search_state_t, stop_converged, stop_evaluations, stop_interrupted, &
                            stop_iterations, stop_refused, stop_small_objective
    use psalm_stop, only: stop_t
@@ -21,8 +21,8 @@ module psalm_simplx
 
    !> The simplex and its objectives.
    type :: simplex_t
-      real(wp), allocatable :: v(:, :)       !! shape (n, n+1): vertices
-      real(wp), allocatable :: f(:)          !! shape (n+1): objectives
+      real(wp), allocatable :: v(:, :)       !! shape (n, vertices): n+1, or more as in Box's complex
+      real(wp), allocatable :: f(:)          !! shape (vertices): objectives
       integer :: best = 1                    !! the best vertex
    end type simplex_t
 
@@ -38,6 +38,7 @@ module psalm_simplx
    !> The search as a solver: begins with a random simplex round x, and again round the best vertex until that gains nothing.
    type, extends(solver_t) :: simplex_solver_t
       type(simplex_rules_t) :: rules
+      integer :: vertices = 0                !! NVERT; 0: one more than unknowns
    contains
       procedure :: minimise
    end type simplex_solver_t
@@ -58,7 +59,7 @@ contains
       real(wp) :: before
       real(wp) :: deviate
       type(xoshiro_t) :: random
-      integer :: round, i, k, n, last, idle
+      integer :: round, i, k, n, m, last, idle
       logical :: reached
 
       problem%projects = .false.
@@ -67,7 +68,8 @@ contains
       if (rules%niter == 0) rules%niter = usual_iterations*n
       last = huge(last)
       if (self%most_evaluations > 0) last = problem%evaluations + min(self%most_evaluations, huge(1) - problem%evaluations)
-      allocate (simplex%v(n, n + 1), simplex%f(n + 1))
+      m = max(self%vertices, n + 1)
+      allocate (simplex%v(n, m), simplex%f(m))
       call problem%settle(x, ending%objective, ending%feasible)
       ending%reason = stop_refused
       if (.not. ending%feasible) return
@@ -75,10 +77,10 @@ contains
       idle = 0
       do round = 1, most_simplexes
          before = ending%objective
-         simplex%v = spread(x, 2, n + 1)
+         simplex%v = spread(x, 2, m)
          simplex%f(1) = ending%objective
          associate (scales => problem%scales(x))
-            do i = 1, n
+            do i = 1, m - 1
                do k = 1, n
                   call random%next(deviate)
                   simplex%v(k, i + 1) = x(k) + scales(k)*(2.0_wp*deviate - 1.0_wp)
@@ -97,7 +99,7 @@ contains
    end subroutine minimise
 
    !> Improve the simplex until one of the criteria of convergence is met. On return `simplex%best` is the result.
-   subroutine search_simplex(rules, problem, simplex, stop, state, observer, last, made)
+   subroutine search_simplex(rules, problem, simplex, stop, state, observer, last, made, start)
       type(simplex_rules_t), intent(in) :: rules
       class(nlp_t), intent(inout) :: problem
       type(simplex_t), intent(inout) :: simplex
@@ -106,10 +108,12 @@ contains
       class(observer_t), intent(inout), optional :: observer
       integer, intent(in), optional :: last            !! evaluation to stop at
       integer, intent(in), optional :: made            !! iterations made before, which count
+      integer, intent(in), optional :: start           !! number of this simplex; default 1
       integer :: worst
 
       state%limit = rules%niter
       if (present(made)) state%iteration = made
+      if (present(start)) state%start = start
       do
          worst = maxloc(simplex%f, dim=1)
          simplex%best = minloc(simplex%f, dim=1)
@@ -118,6 +122,7 @@ contains
          state%evaluations = problem%evaluations
          state%counts = problem%counts
          if (present(observer)) call observer%report(state, simplex%v, simplex%f)
+         if (allocated(problem%counts%failures)) problem%counts%failures = failure_t()
          if (mod(state%iteration, rules%ncheck) == 0) then
             if (state%best < rules%fmin) then
                state%reason = stop_small_objective

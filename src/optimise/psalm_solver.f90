@@ -20,6 +20,7 @@ module psalm_solver
 
    !> Where a search stands.
    type :: search_state_t
+      integer :: start = 1              !! number of the simplex, of several
       integer :: iteration = 0          !! iterations, or starts, made
       integer :: limit = 0              !! at most so many will be
       integer :: evaluations = 0

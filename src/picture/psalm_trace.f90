@@ -103,7 +103,7 @@ contains
          row%violations = motion%violations
          allocate (row%words(0))
          do i = 1, size(row%violations)
-            words = describe_violation(own, motion, row%violations(i), prescribed, small=.true.)
+            words = describe_violation(own, motion%input, row%violations(i), prescribed, small=.true.)
             call add_string(row%words, upper_case(words(:1))//words(2:))
          end do
          joints = size(own%mechanism%points) + 1

@@ -515,7 +515,7 @@ contains
       call text%add()
       call text%add(' CONSTRAINTS VIOLATED')
       do i = 1, size(motion%violations)
-         call text%add(' '//describe_violation(problem, motion, motion%violations(i)))
+         call text%add(' '//describe_violation(problem, motion%input, motion%violations(i)))
       end do
    end subroutine list_violations
 
@@ -625,9 +625,9 @@ contains
    end function names_of_group
 
    !> A violation in words: loop, dyad, positions and by how much; in capitals or small letters, but for names.
-   function describe_violation(problem, motion, violation, numbered, small) result(text)
+   function describe_violation(problem, input, violation, numbered, small) result(text)
       type(problem_t), intent(in) :: problem
-      type(motion_t), intent(in) :: motion
+      real(wp), intent(in) :: input(:)          !! shape (positions): as it is shown
       type(violation_t), intent(in) :: violation
       logical, intent(in), optional :: numbered !! if false the positions have no numbers that a user knows; default true
       logical, intent(in), optional :: small    !! in small letters but for names; default false
@@ -696,9 +696,9 @@ contains
          if (with_numbers) text = text//said(' (POSITION ')//to_text(violation%worst)//')'
       end if
       if (with_numbers) then
-         text = text//said('; INPUT ')//value_words(problem, motion%input(violation%worst))
+         text = text//said('; INPUT ')//value_words(problem, input(violation%worst))
       else
-         text = text//said(' (INPUT ')//value_words(problem, motion%input(violation%worst))//')'
+         text = text//said(' (INPUT ')//value_words(problem, input(violation%worst))//')'
       end if
 
    contains

@@ -14,6 +14,7 @@ module psalm_ranking_list
    use psalm_search_group, only: pareto_none, pareto_largest, pareto_angle, pareto_ratio, pareto_room, pareto_band
    use psalm_summary_text, only: plain_number
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
+   use psalm_solver_kind, only: family_simplex
    use psalm_text, only: text_t, rank_column, to_text
    implicit none (type, external)
    private
@@ -66,6 +67,7 @@ contains
       do i = 1, size(ranked)
          line = to_text(found%best(i)%start)
          if (found%best(i)%start < 0) line = 'SUPPLIED '//to_text(-found%best(i)%start)
+         if (found%best(i)%iteration > 0) line = line//' AT ITERATION '//to_text(found%best(i)%iteration)
          call text%add(rank_column(i)//in_a_row(first(i, :))//'   '//line)
       end do
       line = ''
@@ -250,7 +252,8 @@ contains
    end function weighed
 
    !> Tables for other programs: ranking, and the dimensions that vary of each linkage.
-   subroutine put_ranking(problem, found, ranked, tables)
+   subroutine put_ranking(set, problem, found, ranked, tables)
+      type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
       type(result_t), intent(in) :: found
       type(ranked_t), intent(in) :: ranked(:)            !! shape (linkages found)
@@ -266,6 +269,7 @@ contains
       call table%add('rank', [(i, i=1, size(ranked))])
       call table%add('objective', found%best(:size(ranked))%objective)
       call table%add('start', found%best(:size(ranked))%start)
+      if (set%search%solver%family == family_simplex) call table%add('iteration', found%best(:size(ranked))%iteration)
       call table%add('change', found%best(:size(ranked))%distance)
       call table%add('angle_margin', ranked%angle_margin, 'deg')
       call table%add('length_margin', ranked%length_margin, 'length')

@@ -45,7 +45,7 @@ module psalm_report
    use psalm_status, only: diagnostics_t
    use psalm_summary, only: summary_t
    use psalm_summary_table, only: put_arcs, put_arc_rates, put_dimensions, put_output_ranges, put_simplex, put_starts, &
-                                  put_summary, put_violations, put_desired_errors
+                                  put_simplexes, put_summary, put_violations, put_desired_errors
    use psalm_summary_text, only: plain_number, write_summary, write_desired_errors
    use psalm_synthesis, only: synthesis_t, ended_infeasible, ended_small_objective, ended_iterations, ended_time, &
                               ended_on_request, ended_without_rates
@@ -84,21 +84,36 @@ contains
       type(synthesis_t), intent(in) :: search
       type(search_log_t), intent(in) :: log              !! of the simplex, which it watched
       type(devices_t), intent(inout) :: devices
+      integer :: i
 
       if (search%is_short()) call devices%note_violation()
-      if (search%many) then
+      if (search%many .and. size(search%simplexes) == 0) then
          call log_starts(set%has_names(), search%found%log, devices%one)
          call report_starts(set, search, devices)
          return
       end if
-      call log_beginning(search%beginning, devices%one, devices%two)
+      do i = 1, size(search%simplexes)
+         associate (one => search%simplexes(i))
+            if (search%many) call devices%one%add(' START '//to_text(one%number)//'  RANDOM INTEGER '//to_text(one%integer))
+            if (search%many) call devices%two%add(' START '//to_text(one%number))
+            call log_beginning(one%beginning, devices%one, devices%two)
+         end associate
+      end do
       if (search%ending == ended_infeasible) then
          call devices%remark(set, 'the given linkage violates closure or transmission limits and cannot be repaired; no search '// &
                              'was made')
       else
          if (log%device1%length > 0) call devices%one%add_text(log%device1%content())
-         call write_vertices('I', search%first%v, search%first%f, devices%seven)
-         call write_vertices('F', search%last%v, search%last%f, devices%seven)
+         if (search%many) then
+            call put_simplexes(search%simplexes, devices%cases(devices%last_case()))
+            call log_starts(set%has_names(), search%found%log, devices%one)
+            call report_starts(set, search, devices)
+            return
+         end if
+         associate (one => search%simplexes(1))
+            call write_vertices('I', one%first%v, one%first%f, devices%seven)
+            call write_vertices('F', one%last%v, one%last%f, devices%seven)
+         end associate
          call report_simplex(set, search, devices)
       end if
    end subroutine report_search
@@ -109,7 +124,7 @@ contains
       type(devices_t), intent(inout) :: devices
       character(:), allocatable :: line, reason, resume
 
-      resume = ' (to go on, give this device 7 as device 4 with NGUESS='//to_text(size(search%last%f))//')'
+      resume = ' (to go on, give this device 7 as device 4 with NGUESS='//to_text(size(search%simplexes(1)%last%f))//')'
       select case (search%ending)
       case (ended_iterations)
          reason = 'stopped at NITER before converging'
@@ -124,10 +139,12 @@ contains
       case default
          reason = 'the simplex has converged'
       end select
-      line = to_text(search%state%iteration)//' iterations, '//to_text(search%state%evaluations)//' evaluations, '// &
-             to_text(search%state%counts%calls)//' violations met, '//to_text(search%state%counts%repairs)//' repairs, '// &
-             to_text(search%state%counts%moves)//' moves; best objective '//number_words(set%has_names(), search%state%best)
-      call put_simplex(search, reason, devices%cases(devices%last_case()))
+      associate (state => search%simplexes(1)%state)
+         line = to_text(state%iteration)//' iterations, '//to_text(state%evaluations)//' evaluations, '// &
+                to_text(state%counts%calls)//' violations met, '//to_text(state%counts%repairs)//' repairs, '// &
+                to_text(state%counts%moves)//' moves; best objective '//number_words(set%has_names(), state%best)
+      end associate
+      call put_simplex(search%simplexes(1)%state, reason, devices%cases(devices%last_case()))
       call devices%one%add(' '//line//'; '//reason)
       call devices%remark(set, reason//' after '//line)
       if (search%ending == ended_iterations .and. set%method%niter == default_niter) call devices%remark(set, &
@@ -143,8 +160,13 @@ contains
       integer :: i
 
       associate (found => search%found)
-         line = to_text(found%starts)//' starts, '//to_text(found%feasible)//' led to a linkage, '//to_text(found%evaluations)// &
-                ' evaluations, '//to_text(found%jacobians)//' Jacobians'
+         if (size(search%simplexes) > 0) then
+            line = to_text(found%starts)//trim(merge(' simplex  ', ' simplexes', found%starts == 1))//', '// &
+                   to_text(count(search%simplexes%has_settled()))//' converged, '//to_text(found%evaluations)//' evaluations'
+         else
+            line = to_text(found%starts)//' starts, '//to_text(found%feasible)//' led to a linkage, '// &
+                   to_text(found%evaluations)//' evaluations, '//to_text(found%jacobians)//' Jacobians'
+         end if
          if (size(found%best) == 0) then
             line = 'no linkage that obeys the constraints was found; what is listed is the one given: '//line
          else
@@ -154,8 +176,12 @@ contains
          if (found%refused) line = 'NLopt refuses '//trim(set%search%solver%name)//' for this problem: '//line
          if (found%interrupted) line = 'interrupted: '//line
          if (found%next > 0) then
-            resume = 'to go on, give this device 7 as device 4 with NGUESS='//to_text(size(found%best))//', FIRST='// &
-                     to_text(found%next)//', NSTART='//to_text(max(1, found%left))
+            resume = 'FIRST='//to_text(found%next)//', NSTART='//to_text(max(1, found%left))
+            if (size(search%simplexes) > 0) then
+               resume = 'to go on, give '//resume
+            else
+               resume = 'to go on, give this device 7 as device 4 with NGUESS='//to_text(size(found%best))//', '//resume
+            end if
             call devices%remark(set, resume)
             call devices%seven%add('! '//resume)
          end if
@@ -204,7 +230,7 @@ contains
 
       if (size(search%ranked) > 0) then
          call list_ranking(set, problem, search%found, search%ranked, devices%six)
-         call put_ranking(problem, search%found, search%ranked, devices%cases(devices%last_case()))
+         call put_ranking(set, problem, search%found, search%ranked, devices%cases(devices%last_case()))
       end if
       if (set%search%ranking /= ranking_none) call add_to_ranking(set, search%found, search%ranked, devices%ranking)
       if (set%search%ranking == ranking_shared) call add_share(set, search%found, devices%shares)
@@ -376,7 +402,7 @@ contains
                                         to_text(size(motion%closed))//' positions')
       if (size(motion%violations) > 0 .and. len(zero_words(set)) > 0) call devices%detail(set, 'inputs '//zero_words(set))
       do i = 1, min(size(motion%violations), most_reported)
-         call devices%detail(set, describe_violation(problem, motion, motion%violations(i)))
+         call devices%detail(set, describe_violation(problem, motion%input, motion%violations(i)))
       end do
    end subroutine report_open
 

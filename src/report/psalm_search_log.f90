@@ -2,7 +2,11 @@
 module psalm_search_log
    use psalm_columns, only: add_rows
    use psalm_data_set, only: data_set_t
+   use psalm_dyad, only: violation_none
+   use psalm_error, only: problem_t, violation_t
+   use psalm_finale, only: describe_violation
    use psalm_kinds, only: wp
+   use psalm_nlp, only: failure_t
    use psalm_number_format, only: in_sentence
    use psalm_search, only: start_record_t
    use psalm_solver, only: observer_t, search_state_t
@@ -20,9 +24,11 @@ module psalm_search_log
       integer :: every_vertex = 100      !! NPRINT: the same for coordinates
       integer :: violations = 30         !! NVIOL: more violations in an iteration are reported
       logical :: named = .false.         !! joints have names: a sketch
+      class(problem_t), pointer :: problem => null() !! that is searched; not associated: no details of violations
       type(text_t) :: device1
       class(observer_t), pointer :: next => null()
       integer, private :: calls_before = 0
+      integer, private :: start = 1      !! the simplex last seen
    contains
       procedure :: report
    end type search_log_t
@@ -30,8 +36,9 @@ module psalm_search_log
 contains
 
    !> A log as the data set wants it; what it sees is passed on to `next`.
-   subroutine begin_log(set, next, log)
+   subroutine begin_log(set, problem, next, log)
       type(data_set_t), intent(in) :: set
+      class(problem_t), intent(in), target :: problem      !! that is searched; must outlive the log
       class(observer_t), intent(inout), target :: next
       type(search_log_t), intent(out) :: log
 
@@ -39,6 +46,7 @@ contains
       log%every_vertex = set%limits%nprint
       log%violations = set%limits%nviol
       log%named = set%has_names()
+      log%problem => problem
       log%next => next
    end subroutine begin_log
 
@@ -86,9 +94,16 @@ contains
 
       if (associated(self%next)) call self%next%report(state, points, objectives)
       if (.not. (present(points) .and. present(objectives))) return
+      if (state%start /= self%start) then
+         self%start = state%start
+         self%calls_before = 0
+         call self%device1%add(' START '//to_text(state%start))
+      end if
       if (state%iteration > 0 .and. state%counts%calls - self%calls_before > self%violations) then
          call self%device1%add(' ITERATION '//to_text(state%iteration)//'  VIOLATIONS '// &
                                to_text(state%counts%calls - self%calls_before)//'  LAST IN LOOP '//to_text(state%counts%loop))
+         if (associated(self%problem) .and. allocated(state%counts%failures)) &
+            call add_failures(self%problem, state%counts%failures, self%device1)
       end if
       self%calls_before = state%counts%calls
       if (mod(state%iteration, self%every) == 0) then
@@ -103,6 +118,36 @@ contains
          call add_rows(points(:, maxloc(objectives, dim=1)), values_per_line, '     ', self%device1)
       end if
    end subroutine report
+
+   !> A line for each dyad that was violated: how often, and how at worst.
+   subroutine add_failures(problem, failures, device1)
+      class(problem_t), intent(in) :: problem
+      type(failure_t), intent(in) :: failures(:)  !! shape (loops)
+      type(text_t), intent(inout) :: device1
+      integer :: loop
+
+      do loop = 1, size(failures)
+         associate (failure => failures(loop))
+            if (failure%times == 0) cycle
+            if (failure%kind == violation_none) then
+               call device1%add('   LOOP '//to_text(loop)//times(failure%times))
+            else
+               call device1%add('   '//describe_violation(problem, [failure%place], violation_t(kind=failure%kind, loop=loop, &
+                  first=1, last=1, worst=1, amount=failure%amount), numbered=.false.)//times(failure%times))
+            end if
+         end associate
+      end do
+
+   contains
+
+      pure function times(number) result(words)
+         integer, intent(in) :: number
+         character(:), allocatable :: words
+
+         words = ', ONCE'
+         if (number > 1) words = ', '//to_text(number)//' TIMES'
+      end function times
+   end subroutine add_failures
 
    !> A line for each start.
    subroutine log_starts(named, starts, device1)

@@ -6,9 +6,10 @@ module psalm_spring_list
    use psalm_kinds, only: wp
    use psalm_number_format, only: error_words, figures_of, in_a_row, in_sentence
    use psalm_place, only: place_t
-   use psalm_spring_design_group, only: spring_design_group_t, spring_design_of, criterion_range, criterion_rms
+   use psalm_spring_design_group, only: spring_design_group_t, spring_design_of, criterion_range, criterion_rms, &
+                                        acts_by_turning
    use psalm_spring_exact, only: exact_distance_varies, exact_possible
-   use psalm_spring_study, only: spring_study_t, spring_result_t
+   use psalm_spring_study, only: spring_study_t, spring_result_t, unmade_wound
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_text, only: text_t, to_text
    use psalm_weight_text, only: place_words, write_places
@@ -26,10 +27,8 @@ contains
       type(spring_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
       type(spring_design_group_t) :: group
-      character(:), allocatable :: what, line
-      character(15), allocatable :: columns(:, :)
+      character(:), allocatable :: what
       logical :: named
-      integer :: i, j, k
 
       named = set%has_names()
       group = spring_design_of(set)
@@ -39,7 +38,9 @@ contains
       call text%add()
       call text%add(' SPRINGS FOR THE LEAST '//what//' OF THE '//study%load//'; N/M, NEWTONS, PLACES IN THE AXES OF THEIR LINKS')
       if (.not. study%found) then
-         if (study%exact_state == exact_distance_varies) then
+         if (study%unmade > 0) then
+            call text%add(' SPRING '//to_text(study%unmade)//': '//why_not(study))
+         else if (study%exact_state == exact_distance_varies) then
             call text%add(' THE PLACES FROM WHICH THE ENDS ARE COUNTED ARE NOT ALWAYS AT THE SAME DISTANCE: NAME SUCH, OR SEARCH')
          else if (study%exact_state /= exact_possible) then
             call text%add(' THE COLUMNS OF THE SPRING''S TORQUE DO NOT HAVE RANK 5: SEARCH')
@@ -60,6 +61,65 @@ contains
          call text%add(' LOCAL OPTIMUM, THE BEST OF '//to_text(study%search%starts)//' STARTS, '// &
                        to_text(study%search%ended_here)//' OF WHICH ENDED SO LOW')
       end if
+      if (any(study%springs%acts /= acts_by_turning)) call list_pulling(set, study, text)
+      if (any(study%springs%acts == acts_by_turning)) call list_turning(set, study, text)
+   end subroutine list_springs
+
+   !> Why a spring cannot be made.
+   pure function why_not(study) result(words)
+      type(spring_study_t), intent(in) :: study
+      character(:), allocatable :: words
+
+      select case (study%why)
+      case (unmade_wound)
+         words = 'ITS LINKS TURN ROUND AGAINST EACH OTHER; A TORSION SPRING WOULD BE WOUND UP'
+      case default
+         words = 'ITS SECOND PLACE DOES NOT GO ALONG A STRAIGHT LINE OF THE FIRST LINK'
+      end select
+   end function why_not
+
+   !> Torsion springs.
+   subroutine list_turning(set, study, text)
+      type(data_set_t), intent(in) :: set
+      type(spring_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      character(15), allocatable :: columns(:, :)
+      character(:), allocatable :: line
+      logical :: named
+      integer :: k
+
+      named = set%has_names()
+      allocate (columns(size(study%springs), 5))
+      associate (of => study%springs, turning => study%springs%acts == acts_by_turning)
+         line = ' SPRING FROM ARC LOOP TO ARC LOOP'
+         if (named) line = ' SPRING   '//left_column('FROM', place_columns, 0)//'   '//left_column('TO', place_columns, 0)
+         call text%add(' TORSION SPRINGS: N M/RAD, DEGREES, N M')
+         call text%add(line//'      STIFFNESS     FREE ANGLE          LEAST       GREATEST GREATEST MOMENT')
+         columns(:, 1) = figures_of(named, of%stiffness, turning)
+         columns(:, 2) = figures_of(named, of%free, turning)
+         columns(:, 3) = figures_of(named, of%shortest, turning)
+         columns(:, 4) = figures_of(named, of%longest, turning)
+         columns(:, 5) = figures_of(named, of%pull, turning)
+         do k = 1, size(of)
+            if (turning(k)) call text%add(right_column(k, 7)//place_text(set, of(k)%ends(1))// &
+                                          place_text(set, of(k)%ends(2))//in_a_row(columns(k, :)))
+         end do
+      end associate
+   end subroutine list_turning
+
+   !> Springs between two points.
+   subroutine list_pulling(set, study, text)
+      type(data_set_t), intent(in) :: set
+      type(spring_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      character(15), allocatable :: columns(:, :)
+      character(:), allocatable :: line
+      logical :: named
+      logical, allocatable :: pulling(:)
+      integer :: i, j, k
+
+      named = set%has_names()
+      pulling = study%springs%acts /= acts_by_turning
       line = ' SPRING FROM ARC LOOP              X              Y TO ARC LOOP              X              Y'
       if (named) line = ' SPRING   '//left_column('FROM', place_columns, 0)//'              X              Y   '// &
                                   left_column('TO', place_columns, 0)//'              X              Y'
@@ -68,21 +128,21 @@ contains
       associate (of => study%springs)
          do j = 1, 2
             do i = 1, 2
-               columns(:, 2*(j - 1) + i) = figures_of(named, [(of(k)%at(i, j), k=1, size(of))])
+               columns(:, 2*(j - 1) + i) = figures_of(named, [(of(k)%at(i, j), k=1, size(of))], pulling)
             end do
          end do
          do k = 1, size(of)
-            call text%add(right_column(k, 7)//place_text(set, of(k)%ends(1))//columns(k, 1)//columns(k, 2)// &
+            if (pulling(k)) call text%add(right_column(k, 7)//place_text(set, of(k)%ends(1))//columns(k, 1)//columns(k, 2)// &
                           place_text(set, of(k)%ends(2))//columns(k, 3)//columns(k, 4))
          end do
          call text%add(' SPRING      STIFFNESS    FREE LENGTH       SHORTEST        LONGEST  GREATEST PULL')
-         columns(:, 1) = figures_of(named, of%stiffness)
-         columns(:, 2) = figures_of(named, of%free)
-         columns(:, 3) = figures_of(named, of%shortest)
-         columns(:, 4) = figures_of(named, of%longest)
-         columns(:, 5) = figures_of(named, of%pull)
+         columns(:, 1) = figures_of(named, of%stiffness, pulling)
+         columns(:, 2) = figures_of(named, of%free, pulling)
+         columns(:, 3) = figures_of(named, of%shortest, pulling)
+         columns(:, 4) = figures_of(named, of%longest, pulling)
+         columns(:, 5) = figures_of(named, of%pull, pulling)
          do k = 1, size(of)
-            call text%add(right_column(k, 7)//in_a_row(columns(k, :)))
+            if (pulling(k)) call text%add(right_column(k, 7)//in_a_row(columns(k, :)))
          end do
          if (.not. study%coil_rate > 0.0_wp) return
          call text%add(' COIL OF STIFFNESS'//in_sentence(named, study%coil_rate)//'   WAHL''S FACTOR'// &
@@ -95,7 +155,7 @@ contains
             call text%add(right_column(k, 7)//in_a_row(columns(k, :3)))
          end do
       end associate
-   end subroutine list_springs
+   end subroutine list_pulling
 
    !> Where the end of a spring is counted from: an arc, or a link and its joints.
    pure function place_text(set, place) result(text)
@@ -123,6 +183,8 @@ contains
       table = table_of('springs', 'a row for each spring: its ends in the axes of their links', audience=for_programs)
       if (allocated(study%springs)) then
          associate (of => study%springs)
+            call table%add('kind', of%acts)
+            ! torsional: N m/rad, degrees, N m
             call table%add('stiffness', of%stiffness, 'N/m')
             call table%add('free', of%free, 'length')
             call add_ends('x1', [(of(k)%at(1, 1), k=1, size(of))])
@@ -194,7 +256,7 @@ contains
       type(spring_result_t), intent(in) :: springs(:)
       type(text_t), intent(inout) :: text
       type(place_t) :: first(size(springs)), second(size(springs))
-      real(wp) :: none(size(springs))
+      real(wp) :: none(size(springs)), free(size(springs))
       character(:), allocatable :: line
       integer :: k
 
@@ -204,6 +266,7 @@ contains
          second(k) = springs(k)%ends(2)
       end do
       none = 0.0_wp
+      free = merge(springs%from, springs%free, springs%acts == acts_by_turning)
       associate (old => set%springs)
          call text%add(' &SPRING NSPRNG='//to_text(size(old%first) + size(springs))//',')
          if (old%added + size(springs) > 0) call text%add('  SADDED='//to_text(old%added + size(springs))// &
@@ -214,10 +277,13 @@ contains
          do k = 1, size(old%first)
             line = line//trim(merge('1,', '0,', old%torsional(k)))
          end do
-         call text%add(line//repeat('0,', size(springs)))
+         do k = 1, size(springs)
+            line = line//trim(merge('1,', '0,', springs(k)%acts == acts_by_turning))
+         end do
+         call text%add(line)
          call add_item('STIFF=', [old%stiffness, springs%stiffness], text)
-         call add_item('SFREE=', [old%free, springs%free], text)
-         call add_item('SPRE=', [old%preload, none], text)
+         call add_item('SFREE=', [old%free, free], text)
+         call add_item('SPRE=', [old%preload, springs%preload], text)
          call add_item('SDAMP=', [old%damping, none], text)
          if (any(abs(old%drag) > 0.0_wp)) call add_item('SQUAD=', [old%drag, none], text)
          if (any(old%power > 0.0_wp)) then

@@ -18,12 +18,13 @@ module psalm_summary_table
    use psalm_sketch_study, only: sketch_study_t
    use psalm_summary, only: summary_t, range_t
    use psalm_summary_text, only: name_of_kind
-   use psalm_synthesis, only: synthesis_t
+   use psalm_simplex_search, only: simplex_run_t
+   use psalm_solver, only: search_state_t
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
    implicit none (type, external)
    private
    public :: put_summary, put_output_ranges, put_desired_errors, put_violations, put_dimensions, put_arcs, put_arc_rates, &
-             put_simplex, put_starts
+             put_simplex, put_simplexes, put_starts
 
    integer, parameter :: name_length = 48  !! characters of a word in a table
 
@@ -399,24 +400,45 @@ contains
    ! ---- searches ----------------------------------------------------------------------------------------------------
 
    !> Table search: how a search by the simplex went.
-   pure subroutine put_simplex(search, ending, tables)
-      type(synthesis_t), intent(in) :: search
+   pure subroutine put_simplex(state, ending, tables)
+      type(search_state_t), intent(in) :: state
       character(*), intent(in) :: ending         !! how it ended, in words
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
 
       table = table_of('search', 'one row: how the search by the simplex went', audience=for_programs)
-      associate (state => search%state)
-         call table%add('ending', [ending])
-         call table%add('objective', [state%best])
-         call table%add('iterations', [state%iteration])
-         call table%add('evaluations', [state%evaluations])
-         call table%add('violations', [state%counts%calls])
-         call table%add('repairs', [state%counts%repairs])
-         call table%add('moves', [state%counts%moves])
-      end associate
+      call table%add('ending', [ending])
+      call table%add('objective', [state%best])
+      call add_simplexes([state], table)
       call tables%put(table)
    end subroutine put_simplex
+
+   !> Table simplexes: how each of several simplexes went.
+   pure subroutine put_simplexes(runs, tables)
+      type(simplex_run_t), intent(in) :: runs(:)
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+
+      table = table_of('simplexes', 'a row for each simplex of the search', audience=for_programs)
+      call table%add('start', runs%number)
+      call table%add('random_integer', runs%integer)
+      call table%add('objective', runs%state%best, known=runs%feasible)
+      call table%add('converged', runs%has_settled())
+      call add_simplexes(runs%state, table)
+      call tables%put(table)
+   end subroutine put_simplexes
+
+   !> What simplexes took.
+   pure subroutine add_simplexes(states, table)
+      type(search_state_t), intent(in) :: states(:)
+      type(table_t), intent(inout) :: table
+
+      call table%add('iterations', states%iteration)
+      call table%add('evaluations', states%evaluations)
+      call table%add('violations', states%counts%calls)
+      call table%add('repairs', states%counts%repairs)
+      call table%add('moves', states%counts%moves)
+   end subroutine add_simplexes
 
    !> Table search: how a search from many starts went.
    pure subroutine put_starts(found, tables)

@@ -103,9 +103,12 @@ contains
             end associate
          end do
       end if
-      if (set%method%nguess > nvar + 1) then
+      if (set%method%nvert > 0 .and. set%method%nvert <= nvar) then
+         call set%origins%error(findings, 'METHOD', 'NVERT', 'a simplex of '//to_text(nvar)//' variables needs at least '// &
+                                to_text(nvar + 1)//' vertices; found '//to_text(set%method%nvert), 1)
+      else if (set%method%nguess > set%method%vertices(nvar)) then
          call set%origins%error(findings, 'METHOD', 'NGUESS', 'a simplex of '//to_text(nvar)//' variables has '// &
-                                to_text(nvar + 1)//' vertices; found '//to_text(set%method%nguess), 1)
+                                to_text(set%method%vertices(nvar))//' vertices; found '//to_text(set%method%nguess), 1)
       end if
 
    contains

@@ -13,6 +13,7 @@ module psalm_chain_synthesis
    use psalm_multistart, only: multistart_t, starter_t, candidate_t
    use psalm_merit, only: extra_positions
    use psalm_search_group, only: order_either
+   use psalm_simplx, only: simplex_solver_t
    use psalm_sketch, only: sketch_t, drive_turns, output_slide
    use psalm_sketch_assembly, only: assemble_sketch
    use psalm_solver, only: solver_t, ending_t, observer_t, stop_refused
@@ -20,6 +21,7 @@ module psalm_chain_synthesis
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t
    use psalm_similarity, only: similarity_t, time_similar
+   use psalm_text, only: to_text
    use psalm_timing_order, only: choose_inputs, inputs_of_path, never, steps_of_path
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
@@ -109,6 +111,10 @@ contains
       else if (set%search%solver%global .and. any(result%problem%high >= huge(1.0_wp))) then
          call set%origins%error(findings, 'SEARCH', 'SOLVER', 'this solver searches a box: give the bounds of all variables, '// &
                                 'VLOW and VHIGH of &CHAIN')
+      else if (set%method%nvert > 0 .and. set%method%nvert <= result%problem%core) then
+         call set%origins%error(findings, 'METHOD', 'NVERT', 'a simplex of '//to_text(result%problem%core)//' variables, free '// &
+                                'inputs among them, needs at least '//to_text(result%problem%core + 1)//' vertices; found '// &
+                                to_text(set%method%nvert), 1)
       else if (set%search%by_dyads) then
          call set%origins%error(findings, 'SEARCH', 'IDYAD', 'a search in the poses of links does not take the linkage apart '// &
                                 'into dyads: leave IDYAD out')
@@ -197,6 +203,10 @@ contains
       starter%sense = problem%sense
       starter%turns = set%sketch%drives(1)%kind == drive_turns
       call new_solver(set%search%solver, starter%solver)
+      select type (solver => starter%solver)
+      type is (simplex_solver_t)
+         solver%vertices = set%method%nvert
+      end select
       call starter%random%seed(set%method%istart, purpose_starts)
       allocate (starter%low(problem%core), starter%high(problem%core))
       starter%low = problem%first

@@ -1,19 +1,19 @@
 !> Springs of a case (group SPRNGS): by search, or of zero free length through six positions. Data in, results out.
 module psalm_spring_study
-   use psalm_angles, only: degrees_of
+   use psalm_angles, only: degrees_of, nearest_difference
    use psalm_body_motion, only: body_motion_t, follow_bodies
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t, motion_t
    use psalm_force_analysis, only: force_table_t, analyse_forces, loads_of_unit_wrenches, column_of_joint, column_drive
-   use psalm_force_model, only: force_model_t, location_t, make_force_model, vertices_of, joint_at, location_of_place, &
-                               place_right, &
-                                place_nowhere
-   use psalm_kinds, only: wp, pi, full_turn
+   use psalm_force_model, only: force_model_t, make_force_model, vertices_of, joint_at
+   use psalm_kinds, only: wp, pi, full_turn, radians_per_degree, degrees_per_radian
+   use psalm_locations, only: location_of_place, location_t, place_nowhere, place_right
    use psalm_mechanism, only: mechanism_t, joint_prismatic
    use psalm_place, only: place_t
-   use psalm_spring_design_group, only: spring_design_group_t, spring_design_of
+   use psalm_spring_design_group, only: spring_design_group_t, spring_design_of, acts_between_points, acts_by_turning, &
+                                        acts_along_slide
    use psalm_spring_exact, only: exact_spring_t, exact_task_t, prepare_exact, find_exact, columns_of_torque, exact_possible
    use psalm_spring_load, only: spring_limits_t, found_spring_t, load_with, criterion_of
    use psalm_spring_search, only: spring_search_t, search_springs
@@ -24,17 +24,33 @@ module psalm_spring_study
    implicit none (type, external)
    private
    public :: spring_study_t, spring_result_t, assess_springs, find_springs
+   public :: unmade_not, unmade_wound, unmade_crooked
 
    integer, parameter :: steps_of_turn = 1024      !! of the torque, for EXACT
 
+   ! why a spring cannot be made
+   integer, parameter :: unmade_not = 0            !! it can
+   integer, parameter :: unmade_wound = 1          !! torsional: its links turn round and round against each other
+   integer, parameter :: unmade_crooked = 2        !! along a slide: the place does not go along a straight line
+   real(wp), parameter :: rounding = 1.0e-6_wp     !! degrees
+   real(wp), parameter :: crooked = 1.0e-6_wp      !! of the travel: a line that departs more from a straight one is none
+
+   !> The line on which the second place goes in the first link.
+   type :: slide_line_t
+      real(wp) :: foot(2) = 0.0_wp                 !! on the line, next to the first place, in the axes of the first link, m
+      real(wp) :: along(2) = 0.0_wp                !! unit vector, in these axes
+   end type slide_line_t
+
    !> A spring as it is to be made.
    type :: spring_result_t
+      integer :: acts = acts_between_points
       type(place_t) :: ends(2)                     !! as the group SPRING names them
       real(wp) :: at(2, 2) = 0.0_wp                !! the same ends, in the axes of their links, user's length
-      real(wp) :: stiffness = 0.0_wp               !! N/m
-      real(wp) :: free = 0.0_wp                    !! user's length
-      real(wp) :: shortest = 0.0_wp, longest = 0.0_wp !! user's length
-      real(wp) :: pull = 0.0_wp                    !! greatest amount, N
+      real(wp) :: stiffness = 0.0_wp               !! N/m, N m/rad
+      real(wp) :: free = 0.0_wp                    !! user's length; torsional: degrees
+      real(wp) :: shortest = 0.0_wp, longest = 0.0_wp !! user's length; torsional: least and greatest angle, degrees
+      real(wp) :: pull = 0.0_wp                    !! greatest amount, N, N m
+      real(wp) :: from = 0.0_wp, preload = 0.0_wp  !! torsional: an angle amid all, degrees; moment there, N m
       real(wp) :: stress = 0.0_wp                  !! of a coil at the longest, Pa
       real(wp) :: coils = 0.0_wp                   !! that side by side have the stiffness
       real(wp) :: helix = 0.0_wp                   !! angle of the coil at the longest, degrees
@@ -42,6 +58,8 @@ module psalm_spring_study
 
    type :: spring_study_t
       integer :: failure = 0                       !! position that is not known; 0: none
+      integer :: unmade = 0                        !! spring that cannot be made; 0: none
+      integer :: why = unmade_not                  !! of which: unmade_...
       character(:), allocatable :: load            !! name of the load
       real(wp) :: before = 0.0_wp, after = 0.0_wp  !! the criterion, N or N m
       type(spring_result_t), allocatable :: springs(:)
@@ -115,6 +133,7 @@ contains
       type(force_table_t) :: table
       type(diagnostics_t) :: unused
       type(spring_limits_t), allocatable :: allowed(:)
+      type(slide_line_t), allocatable :: lines(:)
       type(found_spring_t), allocatable :: springs(:)
       integer, allocatable :: columns(:)
       integer :: k
@@ -131,8 +150,9 @@ contains
       call choose_load(group, problem%mechanism, columns, study)
       if (study%failure > 0) return
       study%load_before = table%value(:, columns)
-      call make_allowed(group, problem, dimensions, model, columns, allowed)
+      call make_allowed(group, problem, dimensions, model, columns, allowed, lines, study)
       study%before = criterion_of(group%criterion, study%load_before)
+      if (study%unmade > 0) return
       if (group%exact) then
          call find_exactly(set, group, problem, dimensions, model, springs, study)
       else
@@ -144,6 +164,9 @@ contains
       if (.not. study%found) return
       study%load_after = load_with(study%load_before, allowed, springs)
       study%after = criterion_of(group%criterion, study%load_after)
+      do k = 1, size(springs)
+         if (group%acts(k) == acts_along_slide) call hold_on_line(allowed(k), lines(k), springs(k))
+      end do
       call describe(set, group, problem%mechanism, dimensions, model, allowed, springs, study)
    end subroutine find_springs
 
@@ -165,20 +188,23 @@ contains
    end subroutine choose_load
 
    !> Where the ends may be, and what a wrench there does.
-   subroutine make_allowed(group, problem, dimensions, model, columns, allowed)
+   subroutine make_allowed(group, problem, dimensions, model, columns, allowed, lines, study)
       type(spring_design_group_t), intent(in) :: group
       type(problem_t), intent(inout) :: problem
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
       integer, intent(in) :: columns(:)
       type(spring_limits_t), allocatable, intent(out) :: allowed(:)
+      type(slide_line_t), allocatable, intent(out) :: lines(:)
+      type(spring_study_t), intent(inout) :: study
       type(body_motion_t) :: bodies
       type(location_t) :: location
+      real(wp) :: along(2, 2)
       real(wp), allocatable :: slopes(:, :, :, :)
       integer :: k, e, state
 
       call follow_bodies(problem, model, bodies)
-      allocate (allowed(size(group%first)))
+      allocate (allowed(size(group%first)), lines(size(group%first)))
       do k = 1, size(allowed)
          allowed(k)%reach = [group%first_reach(k), group%second_reach(k)]*model%metre
          allowed(k)%stiffest = group%stiffest(k)
@@ -193,10 +219,117 @@ contains
                path%y = bodies%y(:, b) + at(1)*path%s + at(2)*path%c
                call loads_of_unit_wrenches(problem, model, [b], slopes)
                path%slope = slopes(:, columns, :, 1)
+               along(:, e) = location%along
             end associate
          end do
+         if (study%unmade > 0) return
+         select case (group%acts(k))
+         case (acts_by_turning)
+            if (group%free_limited) allowed(k)%free = radians_per_degree*[group%free_low(k), group%free_high(k)]
+            call make_torsional(along, group%free_limited, allowed(k), study%why)
+         case (acts_along_slide)
+            call make_sliding(group%free_limited, allowed(k), lines(k), study%why)
+         end select
+         if (study%why /= unmade_not) study%unmade = k
       end do
    end subroutine make_allowed
+
+   !> The angle from the first arc to the second in place of a length. Where the links turn round and round against each other there
+   !> is no such spring.
+   subroutine make_torsional(along, limited, allowed, why)
+      real(wp), intent(in) :: along(2, 2)            !! directions of the arcs, in the axes of their links
+      logical, intent(in) :: limited                 !! the free angle has limits; else up to a turn beyond the angles that are met
+      type(spring_limits_t), intent(inout) :: allowed
+      integer, intent(out) :: why
+      real(wp), allocatable :: angle(:)              !! degrees
+      real(wp) :: a(2), b(2), step, greatest
+      integer :: i
+
+      allocate (angle(size(allowed%ends(1)%x)))
+      greatest = 0.0_wp
+      do i = 1, size(angle)
+         a = direction(1)
+         b = direction(2)
+         angle(i) = degrees_of(a(1)*b(1) + a(2)*b(2), a(1)*b(2) - a(2)*b(1))
+         if (i == 1) cycle
+         step = nearest_difference(angle(i), angle(i - 1))
+         angle(i) = angle(i - 1) + step
+         greatest = max(greatest, abs(step))
+      end do
+      why = unmade_wound
+      if (maxval(angle) - minval(angle) + greatest >= full_turn - rounding) return
+      why = unmade_not
+      if (.not. limited) allowed%free = radians_per_degree*[minval(angle) - full_turn, maxval(angle) + full_turn]
+      allowed%coordinate = radians_per_degree*angle
+      allowed%unit = allowed%ends(1)%slope(:, :, 3) - allowed%ends(2)%slope(:, :, 3)
+
+   contains
+
+      pure function direction(e)
+         integer, intent(in) :: e
+         real(wp) :: direction(2)
+
+         associate (path => allowed%ends(e))
+            direction = [path%c(i)*along(1, e) - path%s(i)*along(2, e), path%s(i)*along(1, e) + path%c(i)*along(2, e)]
+         end associate
+      end function direction
+   end subroutine make_torsional
+
+   !> The distance of the places along the slide in place of a length: positive on the side where the second place is on average.
+   subroutine make_sliding(limited, allowed, line, why)
+      logical, intent(in) :: limited                 !! the free distance has limits; else up to a travel beyond either end
+      type(spring_limits_t), intent(inout) :: allowed
+      type(slide_line_t), intent(out) :: line
+      integer, intent(out) :: why
+      real(wp), allocatable :: seen(:, :), ux(:), uy(:) !! the second place from the first, in the axes of the first link
+      real(wp) :: travel, across, least, greatest
+      integer :: c, far
+
+      why = unmade_crooked
+      associate (p => allowed%ends(1), q => allowed%ends(2))
+         allocate (seen(size(p%x), 2))
+         seen(:, 1) = p%c*(q%x - p%x) + p%s*(q%y - p%y)
+         seen(:, 2) = p%c*(q%y - p%y) - p%s*(q%x - p%x)
+         far = maxloc(hypotenuse(seen(:, 1) - seen(1, 1), seen(:, 2) - seen(1, 2)), dim=1)
+         line%along = seen(far, :) - seen(1, :)
+         travel = hypotenuse(line%along(1), line%along(2))
+         if (.not. travel > crooked*maxval(abs(seen))) return
+         line%along = line%along/travel
+         across = maxval(abs((seen(:, 1) - seen(1, 1))*line%along(2) - (seen(:, 2) - seen(1, 2))*line%along(1)))
+         if (across > crooked*travel) return
+         why = unmade_not
+         allowed%coordinate = seen(:, 1)*line%along(1) + seen(:, 2)*line%along(2)
+         if (sum(allowed%coordinate) < 0.0_wp) then
+            allowed%coordinate = -allowed%coordinate
+            line%along = -line%along
+         end if
+         line%foot = seen(1, :) - allowed%coordinate(1)*line%along
+         least = minval(allowed%coordinate)
+         greatest = maxval(allowed%coordinate)
+         if (.not. limited) allowed%free = [least - (greatest - least), greatest + (greatest - least)]
+         ux = p%c*line%along(1) - p%s*line%along(2)
+         uy = p%s*line%along(1) + p%c*line%along(2)
+         allocate (allowed%unit(size(ux), size(p%slope, 2)))
+         do c = 1, size(allowed%unit, 2)
+            allowed%unit(:, c) = (p%slope(:, c, 1) - q%slope(:, c, 1))*ux + (p%slope(:, c, 2) - q%slope(:, c, 2))*uy + &
+                                 (p%slope(:, c, 3) - q%slope(:, c, 3))*(q%x*uy - q%y*ux)
+         end do
+      end associate
+   end subroutine make_sliding
+
+   !> A spring along a slide as one between two points: its first end on the line, beyond all places of the second.
+   pure subroutine hold_on_line(allowed, line, spring)
+      type(spring_limits_t), intent(in) :: allowed
+      type(slide_line_t), intent(in) :: line
+      type(found_spring_t), intent(inout) :: spring
+      real(wp) :: least, beyond
+
+      least = minval(allowed%coordinate)
+      beyond = min(least, spring%free) - (maxval(allowed%coordinate) - least)
+      spring%at(:, 1) = line%foot + beyond*line%along
+      spring%at(:, 2) = 0.0_wp
+      spring%free = spring%free - beyond
+   end subroutine hold_on_line
 
    !> The spring of zero free length with the least range, over phases of the six positions.
    subroutine find_exactly(set, group, given, dimensions, model, springs, study)
@@ -325,7 +458,23 @@ contains
       allocate (study%springs(size(springs)))
       do k = 1, size(springs)
          associate (result => study%springs(k), spring => springs(k))
+            result%acts = group%acts(k)
             result%stiffness = spring%stiffness
+            if (result%acts == acts_by_turning) then
+               result%ends = [group%first(k), group%second(k)]
+               do e = 1, 2
+                  result%ends(e)%distance = 0.0_wp
+                  result%ends(e)%angle = 0.0_wp
+                  result%ends(e)%written = 0.0_wp
+               end do
+               result%free = degrees_per_radian*spring%free
+               result%shortest = degrees_per_radian*minval(allowed(k)%coordinate)
+               result%longest = degrees_per_radian*maxval(allowed(k)%coordinate)
+               result%pull = maxval(abs(spring%stiffness*(allowed(k)%coordinate - spring%free)))
+               result%from = 0.5_wp*(result%shortest + result%longest)
+               result%preload = spring%stiffness*(radians_per_degree*result%from - spring%free)
+               cycle
+            end if
             result%free = spring%free/model%metre
             do e = 1, 2
                associate (path => allowed(k)%ends(e), at => spring%at(:, e))

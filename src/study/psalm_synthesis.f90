@@ -2,19 +2,18 @@
 !>
 !> Data in, results out: nothing is printed or worded here. An observer may watch the search.
 module psalm_synthesis
-   use psalm_constr, only: vertex_problem_t, make_vertex_problem, without_rates
+   use psalm_constr, only: without_rates
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, motion_t, desired_of
-   use psalm_few_positions, only: stage_sizes, positions_of_stage, take_positions
    use psalm_kinds, only: wp
    use psalm_margins, only: inspector_t, prepare_inspector
    use psalm_ranking, only: ranked_t, rate_linkage, figure_of, least_sensitive_first, unbeaten
    use psalm_search, only: found_t, result_t, search_many, place_desired
    use psalm_search_group, only: pareto_none, ranking_none
    use psalm_similarity, only: similarity_t, fit_similarity
-   use psalm_simplx, only: simplex_t, simplex_rules_t, search_simplex
+   use psalm_simplex_search, only: simplex_run_t, run_simplex, run_simplexes, wants_several
+   use psalm_simplx, only: simplex_t
    use psalm_solver, only: observer_t, search_state_t, stop_iterations, stop_small_objective, stop_interrupted
-   use psalm_start, only: beginning_t, rules_of, start_simplex
    use psalm_stop, only: stop_t
    use psalm_dimensions, only: dimensions_t
    implicit none (type, external)
@@ -36,8 +35,6 @@ module psalm_synthesis
    integer, parameter :: ended_refused = 8         !! NLopt refuses the algorithm for this problem
    integer, parameter :: ended_without_rates = 9   !! simplex; a derivative that is wanted is infinite with every linkage tried
 
-   real(wp), parameter :: near = 1.0e-2_wp         !! relative size of a simplex that goes on to more positions
-
    !> A sketch drawn anew, without loops.
    type :: drawn_case_t
       class(data_set_t), allocatable :: set
@@ -46,11 +43,11 @@ module psalm_synthesis
    !> Results of a search.
    type :: synthesis_t
       integer :: ending = ended_unmade           !! one of `ended_...`
-      logical :: many = .false.                  !! from many starts; else by the simplex
-      ! the simplex
+      logical :: many = .false.                  !! from many starts, or several linkages wanted of the simplex; else one simplex
+      ! the simplex; of several the one that led to the best linkage
       type(simplex_t) :: first, last             !! the initial simplex, the final one
-      type(beginning_t) :: beginning             !! how it was begun
       type(search_state_t) :: state              !! iterations, evaluations, best objective
+      type(simplex_run_t), allocatable :: simplexes(:) !! all that were begun
       ! many starts
       type(result_t) :: found                    !! linkages, best first; counts
       type(ranked_t), allocatable :: ranked(:)   !! by linkage found
@@ -77,7 +74,7 @@ contains
       type(result_t), intent(in), optional :: found !! what many starts led to, if they were made before
 
       allocate (result%found%best(0))
-      allocate (result%ranked(0))
+      allocate (result%ranked(0), result%simplexes(0))
       if (.not. problem%parameters%has_search()) return
       if (.not. set%search%solver%many_starts) then
          call search_with_simplex(set, vertices, problem, stop, dimensions, result, observer)
@@ -94,98 +91,70 @@ contains
       type(dimensions_t), intent(inout) :: dimensions
       type(synthesis_t), intent(inout) :: result
       class(observer_t), intent(inout), optional :: observer
-      type(vertex_problem_t) :: search
       type(stop_t) :: limited
-      logical :: feasible
+      integer :: i
 
-      call make_vertex_problem(set, problem, search)
-      call start_simplex(set, search, vertices, result%first, feasible, result%beginning)
-      if (.not. feasible) then
-         result%ending = ended_infeasible
-         return
-      end if
-      result%last = result%first
       limited = stop
       call limited%limit_time(set%search%maxtime)
-      call search_few_positions(set, problem, search, limited, result, observer)
-      call search_simplex(rules_of(set), search, result%last, limited, result%state, observer, made=(result%state%iteration))
-      call problem%parameters%apply(result%last%v(:, result%last%best), dimensions)
-      if (result%last%f(result%last%best) >= without_rates) then
-         result%ending = ended_without_rates
-         return
+      if (wants_several(set)) then
+         result%many = .true.
+         deallocate (result%found%best, result%simplexes)
+         call run_simplexes(set, vertices, problem, limited, result%simplexes, result%found, observer)
+         if (size(result%found%best) == 0) then
+            result%ending = ended_infeasible
+            if (any(result%simplexes%feasible)) result%ending = ended_without_rates
+            return
+         end if
+         i = findloc(result%simplexes%number, result%found%best(1)%start, dim=1)
+         result%ending = ending_of(result%simplexes(i), limited)
+         call take(result%simplexes(i))
+         if (result%ending /= ended_iterations) result%ending = ended_starts
+         if (result%found%out_of_time) result%ending = ended_time
+         if (result%found%interrupted) result%ending = ended_on_request
+         call look_at_found(set, problem, result)
+         call problem%parameters%apply(result%found%best(1)%values, dimensions)
+      else
+         deallocate (result%simplexes)
+         allocate (result%simplexes(1))
+         result%simplexes%integer = set%method%istart
+         call run_simplex(set, vertices, problem, limited, result%simplexes(1), observer)
+         result%ending = ending_of(result%simplexes(1), limited)
+         call take(result%simplexes(1))
+         if (result%ending == ended_infeasible) return
+         call problem%parameters%apply(result%last%v(:, result%last%best), dimensions)
       end if
-      select case (result%state%reason)
-      case (stop_iterations)
-         result%ending = ended_iterations
-      case (stop_small_objective)
-         result%ending = ended_small_objective
-      case (stop_interrupted)
-         result%ending = merge(ended_time, ended_on_request, limited%late())
-      case default
-         result%ending = ended_converged
-      end select
+
+   contains
+
+      subroutine take(run)
+         type(simplex_run_t), intent(in) :: run
+
+         result%first = run%first
+         result%last = run%last
+         result%state = run%state
+      end subroutine take
    end subroutine search_with_simplex
 
-   !> Search with few positions first, then with twice as many, as long as they are not all. Each simplex becomes the first of the
-   !> next stage.
-   subroutine search_few_positions(set, problem, search, stop, result, observer)
-      type(data_set_t), intent(in) :: set
-      type(problem_t), intent(in) :: problem
-      type(vertex_problem_t), intent(inout) :: search  !! all positions; counts up
-      type(stop_t), intent(in) :: stop
-      type(synthesis_t), intent(inout) :: result       !! `last` is a simplex that obeys; it still does afterwards
-      class(observer_t), intent(inout), optional :: observer
-      class(problem_t), allocatable, target :: part
-      type(vertex_problem_t) :: few
-      type(simplex_rules_t) :: rules
-      real(wp), allocatable :: haven(:)
-      real(wp) :: objective
-      integer :: stage, worst
+   !> How a simplex ended.
+   integer function ending_of(run, stop) result(ending)
+      type(simplex_run_t), intent(in) :: run
+      type(stop_t), intent(in) :: stop             !! that it asked
 
-      associate (sizes => stage_sizes(set%search%few, problem%positions))
-         if (size(sizes) == 1) return
-         rules = rules_of(set)
-         rules%small = max(rules%small, near)
-         haven = result%last%v(:, result%last%best)
-         objective = result%last%f(result%last%best)
-         do stage = 1, size(sizes) - 1
-            call take_positions(problem, positions_of_stage(problem, sizes(stage)), part)
-            call make_vertex_problem(set, part, few)
-            few%evaluations = search%evaluations
-            few%counts = search%counts
-            call settle_all(few, haven, result%last)
-            call search_simplex(rules, few, result%last, stop, result%state, observer, made=(result%state%iteration))
-            search%evaluations = few%evaluations
-            search%counts = few%counts
-         end do
-         call settle_all(search, haven, result%last)
-      end associate
-      ! what few positions led to may be worse at all of them than what there was
-      associate (last => result%last)
-         if (last%f(last%best) <= objective) return
-         worst = maxloc(last%f, dim=1)
-         last%v(:, worst) = haven
-         last%f(worst) = objective
-         last%best = worst
-      end associate
-   end subroutine search_few_positions
-
-   !> Make every vertex obey at the positions of a problem, the best first: the others move towards it where they must.
-   subroutine settle_all(problem, haven, simplex)
-      type(vertex_problem_t), intent(inout) :: problem
-      real(wp), intent(in) :: haven(:)                 !! a linkage that obeys
-      type(simplex_t), intent(inout) :: simplex
-      integer :: k
-      logical :: reached
-
-      associate (best => simplex%best)
-         call problem%settle(simplex%v(:, best), simplex%f(best), reached, towards=haven)
-         do k = 1, size(simplex%f)
-            if (k /= best) call problem%settle(simplex%v(:, k), simplex%f(k), reached, towards=simplex%v(:, best))
-         end do
-      end associate
-      simplex%best = minloc(simplex%f, dim=1)
-   end subroutine settle_all
+      ending = ended_infeasible
+      if (.not. run%feasible) return
+      ending = ended_without_rates
+      if (run%last%f(run%last%best) >= without_rates) return
+      select case (run%state%reason)
+      case (stop_iterations)
+         ending = ended_iterations
+      case (stop_small_objective)
+         ending = ended_small_objective
+      case (stop_interrupted)
+         ending = merge(ended_time, ended_on_request, stop%late())
+      case default
+         ending = ended_converged
+      end select
+   end function ending_of
 
    subroutine search_from_starts(set, vertices, problem, threads, stop, dimensions, result, observer, before)
       type(data_set_t), intent(in) :: set
@@ -277,7 +246,7 @@ contains
       deallocate (result%ranked)
       allocate (result%ranked(size(result%found%best)))
       allocate (inspector)
-      call prepare_inspector(set, problem, .true., inspector)
+      call prepare_inspector(set, problem, set%search%solver%many_starts, inspector)
       allocate (each, source=problem)
       do i = 1, size(result%ranked)
          call rate_linkage(set, each, inspector, result%found%best(i), result%ranked(i))

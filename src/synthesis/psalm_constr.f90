@@ -7,12 +7,14 @@
 module psalm_constr
    use psalm_assur, only: repair_dyad
    use psalm_data_set, only: data_set_t
-   use psalm_error, only: problem_t
+   use psalm_dyad, only: violation_none
+   use psalm_error, only: problem_t, violation_t
    use psalm_kinds, only: wp
-   use psalm_nlp, only: nlp_t, repair_count_t, quarter, most_moves
+   use psalm_nlp, only: nlp_t, repair_count_t, failure_t, quarter, most_moves
    use psalm_dimensions, only: dimensions_t
    use psalm_parameters, only: variable_aside, variable_length, variable_outlk
    use psalm_output_targets, only: output_targets_t, prepare_output_targets, find_output_targets, sum_of_desired_errors
+   use psalm_shown_input, only: input_at
    use psalm_desired_rates, only: desired_rates_t, prepare_desired_rates, find_desired_rates, sum_of_rate_errors, all_rates_exist
    implicit none (type, external)
    private
@@ -29,6 +31,7 @@ module psalm_constr
       real(wp) :: step_in = 0.0_wp                !! STEPIN
       type(dimensions_t) :: dimensions            !! the vertex as a linkage
       real(wp), allocatable :: reach(:)           !! shape (positions)
+      integer :: passed_over = 0                  !! NVIOL: of an iteration so many violations are counted only
    end type constraints_t
 
    !> The search by the thesis's simplex as an optimisation problem: an objective, and vertices that are repaired.
@@ -62,6 +65,7 @@ contains
                              problem%parameters%variables%kind == variable_outlk .or. &
                              problem%parameters%variables%kind == variable_aside
       constraints%step_in = set%limits%stepin
+      constraints%passed_over = set%limits%nviol
       constraints%dimensions = problem%given
       allocate (constraints%reach(problem%positions), source=0.0_wp)
    end subroutine make_constraints
@@ -83,6 +87,7 @@ contains
          call prepare_output_targets(set, problem, .false., .false., search%targets)
       end if
       search%core = size(problem%parameters%variables)
+      allocate (search%counts%failures(problem%mechanism%nloop))
       search%low = spread(-huge(1.0_wp), 1, search%core)
       search%high = -search%low
       if (search%constraints%bounded) then
@@ -171,6 +176,7 @@ contains
             if (feasible) return
             counts%calls = counts%calls + 1
             counts%loop = loop
+            if (allocated(counts%failures)) call note_failure(problem, constraints, loop, counts%failures)
             repairs = repairs + 1
             if (repairs > repairs_per_loop*problem%mechanism%nloop) exit
             call repair(problem, constraints, loop, values, repaired)
@@ -188,6 +194,30 @@ contains
          counts%moves = counts%moves + 1
       end do each_place
    end subroutine constrain
+
+   !> Count a violation; beyond those that are passed over find out how bad it is.
+   subroutine note_failure(problem, constraints, loop, failures)
+      type(problem_t), intent(inout) :: problem          !! bound to the linkage
+      type(constraints_t), intent(in) :: constraints
+      integer, intent(in) :: loop
+      type(failure_t), intent(inout) :: failures(:)      !! shape (loops)
+      type(violation_t) :: violation
+      real(wp) :: input(1)
+
+      associate (failure => failures(loop))
+         failure%times = failure%times + 1
+         if (sum(failures%times) <= constraints%passed_over) return
+         call problem%worst_of(loop, violation)
+         if (violation%kind == violation_none) return    ! two slides on the other side of each other
+         if (failure%kind /= violation_none) then
+            if (.not. problem%is_worse(violation%kind, violation%amount, failure%kind, failure%amount)) return
+         end if
+         failure%kind = violation%kind
+         failure%amount = violation%amount
+         input = input_at(problem%mechanism, constraints%dimensions, problem%delt([violation%worst]))
+         failure%place = input(1)
+      end associate
+   end subroutine note_failure
 
    !> Put values that are out of bounds a little inside; lengths stay positive.
    pure subroutine clip(constraints, values, clips)

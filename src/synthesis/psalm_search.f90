@@ -30,7 +30,7 @@ module psalm_search
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
    implicit none (type, external)
    private
-   public :: found_t, result_t, start_record_t, search_t, search_many, distance_of, place_desired
+   public :: found_t, result_t, start_record_t, search_t, search_many, distance_of, place_desired, tell_apart
 
    real(wp), parameter :: least_value = 1.0e-3_wp  !! of the first linkage: smaller ones do not tell relative changes
    integer, parameter :: most_returns = 4          !! times a search goes back to work on what an inspection found
@@ -57,6 +57,7 @@ module psalm_search
       real(wp), allocatable :: desired(:, :) !! shape (positions, 2): where the desired points lie; not allocated: as given
       real(wp) :: objective = 0.0_wp
       integer :: start = 0                 !! the start that led to it; -j: the j-th supplied vertex
+      integer :: iteration = 0             !! of the simplex, which met it on its way; 0: it is what the start ended with
       real(wp) :: distance = 0.0_wp        !! from the first linkage: largest relative change of a value
    end type found_t
 
@@ -206,7 +207,7 @@ contains
          end do
          associate (merit => team(1)%merit)
             self%rules%compared = [is_length(problem), spread(.false., 1, merit%local)]
-            call tell_apart(set, problem, merit, self%rules)
+            call tell_apart(set, problem, merit%size, merit%local, merit%free, self%rules)
             if (team(1)%batches) self%rules%refined = few_refined
             self%rules%stages = team(1)%stages()
             self%free = merit%free
@@ -413,27 +414,30 @@ contains
 
    !> What makes two linkages different: a length that differs by DIFFER of itself, an angle that differs by DIFFER radians; inputs
    !> of free timing do not.
-   pure subroutine tell_apart(set, problem, merit, rules)
+   pure subroutine tell_apart(set, problem, size_of_linkage, inputs, free, rules)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(in) :: problem
-      type(merit_t), intent(in) :: merit
+      real(wp), intent(in) :: size_of_linkage    !! in the user's unit of length
+      integer, intent(in) :: inputs              !! that are unknowns after the dimensions
+      logical, intent(in) :: free                !! free timing
       type(multistart_t), intent(inout) :: rules
-      integer :: v
+      integer :: v, n
 
-      allocate (rules%relative(merit%core + merit%local), rules%period(merit%core + merit%local), source=0.0_wp)
-      allocate (rules%absolute(merit%core + merit%local), source=huge(1.0_wp))
-      do v = 1, merit%core
+      n = size(problem%parameters%variables)
+      allocate (rules%relative(n + inputs), rules%period(n + inputs), source=0.0_wp)
+      allocate (rules%absolute(n + inputs), source=huge(1.0_wp))
+      do v = 1, n
          associate (kind => problem%parameters%variables(v)%kind)
             if (any(kind == [variable_length, variable_outlk, variable_origlk, variable_aside]) .or. &
                 (kind == variable_crnki .and. problem%mechanism%sliding_input)) then
                rules%relative(v) = set%search%differ
-               rules%absolute(v) = set%search%differ*negligible*merit%size
+               rules%absolute(v) = set%search%differ*negligible*size_of_linkage
             else
                rules%absolute(v) = set%search%differ*degrees_per_radian
                rules%period(v) = full_turn
             end if
             ! with free timing the inputs take up what the reference input says
-            if (kind == variable_crnki .and. merit%free) rules%absolute(v) = huge(1.0_wp)
+            if (kind == variable_crnki .and. free) rules%absolute(v) = huge(1.0_wp)
          end associate
       end do
    end subroutine tell_apart

@@ -68,7 +68,8 @@ contains
             end do
             call add_slopes(allowed, springs(k), slopes)
             problem%stiff(k) = problem%unit/max(maxval(abs(slopes(:, :, 5))), tiny(1.0_wp)/epsilon(1.0_wp))
-            problem%length(k) = max(maxval(allowed%reach), allowed%free(2))
+            problem%length(k) = max(maxval(allowed%reach), maxval(abs(allowed%free)))
+            if (.not. problem%length(k) > 0.0_wp) problem%length(k) = 1.0_wp
             limit = stiffest_in(allowed, bare)/problem%stiff(k)
             problem%low(first + 5:first + 6) = [0.0_wp, allowed%free(1)/problem%length(k)]
             problem%high(first + 5:first + 6) = [limit, allowed%free(2)/problem%length(k)]

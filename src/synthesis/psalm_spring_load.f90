@@ -1,6 +1,7 @@
 !> What springs do to a load: the drive's or a joint's.
 !>
-!> A spring of stiffness S and free length L pulls its ends together with S (l - L) = S l - k, k = S L.
+!> A spring of stiffness S and free length L pulls its ends together with S (l - L) = S l - k, k = S L. One that turns two links, or
+!> acts along a slide, has a coordinate of its own in place of l, an angle or a distance, and places that are given.
 module psalm_spring_load
    use psalm_elementary, only: hypotenuse
    use psalm_kinds, only: wp
@@ -24,7 +25,10 @@ module psalm_spring_load
       type(spring_path_t) :: ends(2)
       real(wp) :: reach(2) = 0.0_wp                !! of the ends, m; 0: given
       real(wp) :: stiffest = 0.0_wp                !! N/m; 0: no limit
-      real(wp) :: free(2) = 0.0_wp                 !! least and greatest free length, m
+      real(wp) :: free(2) = 0.0_wp                 !! least and greatest free length, m; of a coordinate of its own rad or m
+      ! only of a spring with a coordinate of its own
+      real(wp), allocatable :: coordinate(:)       !! shape (positions): angle between its links, rad, or distance along a slide, m
+      real(wp), allocatable :: unit(:, :)          !! shape (positions, components): load by a unit moment, or pull
    end type spring_limits_t
 
    type :: found_spring_t
@@ -61,6 +65,11 @@ contains
 
       stiffness = allowed%stiffest
       if (stiffness > 0.0_wp) return
+      if (allocated(allowed%coordinate)) then
+         stiffness = stiffest_of_all*maxval(abs(bare))/max(maxval(abs(allowed%unit))* &
+                     (maxval(allowed%coordinate) - minval(allowed%coordinate)), tiny(1.0_wp)/epsilon(1.0_wp))
+         return
+      end if
       length = max(maxval(allowed%reach), allowed%free(2))
       if (.not. length > 0.0_wp) length = 1.0_wp
       stiffness = stiffest_of_all*maxval(abs(bare))/length**2
@@ -93,6 +102,18 @@ contains
       integer :: e, c
 
       k = spring%stiffness*spring%free
+      if (allocated(allowed%coordinate)) then
+         do c = 1, size(load, 2)
+            load(:, c) = load(:, c) + (spring%stiffness*allowed%coordinate - k)*allowed%unit(:, c)
+         end do
+         if (.not. present(slopes)) return
+         slopes(:, :, :4) = 0.0_wp
+         do c = 1, size(load, 2)
+            slopes(:, c, 5) = allowed%coordinate*allowed%unit(:, c)
+            slopes(:, c, 6) = -allowed%unit(:, c)
+         end do
+         return
+      end if
       do e = 1, 2
          associate (path => allowed%ends(e))
             z(:, 1, e) = path%x + path%c*spring%at(1, e) + (-path%s)*spring%at(2, e)

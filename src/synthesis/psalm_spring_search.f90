@@ -283,7 +283,7 @@ contains
             slopes(:, :, 6) = 0.0_wp
          end if
          ! a stiffness whose load is of the size of what is to be made less
-         length(k) = max(maxval(allowed(k)%reach), allowed(k)%free(2))
+         length(k) = max(maxval(allowed(k)%reach), maxval(abs(allowed(k)%free)))
          if (.not. length(k) > 0.0_wp) length(k) = 1.0_wp
          stiff(k) = unit/max(maxval(abs(slopes(:, :, 5))), tiny(1.0_wp)/epsilon(1.0_wp))
          do e = 1, each

@@ -22,8 +22,8 @@ module psalm_start
    !> How the simplex was begun.
    type :: beginning_t
       real(wp), allocatable :: low(:), high(:) !! shape (nvar): limits of random vertices
-      integer(i8), allocatable :: integer(:)   !! shape (nvar+1): the random integer a vertex was begun with; 0: it was given
-      real(wp), allocatable :: drawn(:, :)     !! shape (nvar, nvar+1): vertices as they were drawn
+      integer(i8), allocatable :: integer(:)   !! shape (vertices): the random integer a vertex was begun with; 0: it was given
+      real(wp), allocatable :: drawn(:, :)     !! shape (nvar, vertices): vertices as they were drawn
    end type beginning_t
 
 contains
@@ -40,29 +40,31 @@ contains
    !> Build the simplex and evaluate every vertex.
    !>
    !> `feasible` is false if the user's linkage violates the constraints and cannot be repaired; no other vertex is made then.
-   subroutine start_simplex(set, search, supplied, simplex, feasible, beginning)
+   subroutine start_simplex(set, search, supplied, istart, simplex, feasible, beginning)
       type(data_set_t), intent(in) :: set
       type(vertex_problem_t), intent(inout) :: search
       real(wp), intent(in) :: supplied(:, :)     !! shape (nvar, nguess): vertices from device 4
+      integer, intent(in) :: istart              !! random integer to begin with
       type(simplex_t), intent(out) :: simplex
       logical, intent(out) :: feasible
       type(beginning_t), intent(out) :: beginning
       type(random_t) :: random
-      integer :: i, k, nvar
+      integer :: i, k, nvar, vertices
       real(wp) :: deviate
       logical :: reached
 
       nvar = search%core
-      allocate (simplex%v(nvar, nvar + 1), simplex%f(nvar + 1), source=0.0_wp)
-      allocate (beginning%integer(nvar + 1), source=0_i8)
+      vertices = set%method%vertices(nvar)
+      allocate (simplex%v(nvar, vertices), simplex%f(vertices), source=0.0_wp)
+      allocate (beginning%integer(vertices), source=0_i8)
       simplex%v(:, 1) = search%problem%parameters%first_values(search%problem%given)
       if (size(supplied, 2) > 0) simplex%v(:, 1) = supplied(:, 1)
       call random_limits(set, simplex%v(:, 1), beginning%low, beginning%high)
       beginning%drawn = simplex%v
       call search%settle(simplex%v(:, 1), simplex%f(1), feasible)
       if (.not. feasible) return
-      random%state = int(set%method%istart, i8)
-      do i = 2, nvar + 1
+      random%state = int(istart, i8)
+      do i = 2, vertices
          if (i <= size(supplied, 2)) then
             simplex%v(:, i) = supplied(:, i)
          else

@@ -37,7 +37,7 @@ COLUMNS = {"`IFREE=1`": (", IFREE=1", "", ""), "`IRANGE=1`": ("", "", " &CONSTR 
            "widths": ("", "", " &CONSTR SJNT='A B','P Q', SWIDTH=4.,4. &END\n"),
            "derivatives": (", DVELX=6*-30., DVELY=6*1., WVELX=6*0.01", "", ""), "`NFEW`": ("", ", NFEW=3", ""), "`IDYAD=1`": ("", ", IDYAD=1", "")}
 # what psalm says when it refuses, by the number of the reason; 2 and 4 are no refusals
-REASONS = {"1": "needs the group &SEARCH with another SOLVER", "3": "the simplex makes one search", "5": "is for SOLVER=",
+REASONS = {"1": "needs the group &SEARCH with another SOLVER", "3": "a simplex is searched to NITER", "5": "is for SOLVER=",
            "6": "does not take the linkage apart into dyads"}
 CHECKED, TIMED = "2", "4"
 

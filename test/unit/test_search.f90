@@ -276,7 +276,7 @@ contains
       logical :: feasible
 
       call make_vertex_problem(set, problem, vertices)
-      call start_simplex(set, vertices, none, simplex, feasible, beginning)
+      call start_simplex(set, vertices, none, set%method%istart, simplex, feasible, beginning)
       call t%is_true(feasible, 'the published start is feasible')
       call search_simplex(rules_of(set), vertices, simplex, never, state)
       dimensions = problem%given
