@@ -26,11 +26,12 @@ board.engine = (() => {
 
   function begin() {
     if (!served) return;
-    const { make, head, check, row } = board.panel;
+    const { make, head, check, row, button } = board.panel;
     const part = (name, ...inside) => { parts[name] = make('div', { class: name }, ...inside); return parts[name]; };
     const arrow = (name) => make('label', { class: 'tick ' + name }, check(words[name], true, (on) => { shown[name] = on; board.view.draw(); }), words[name]);
     $('engine').append(part('state'), part('result', head(words.here), part('here'), row(words.shownArrows, arrow('velocities'), arrow('forces')),
-      head(words.assumptions), part('loads'), part('angles'), head(words.summary), part('summary'), part('proof'), part('ways'), part('found')));
+      head(words.assumptions), part('loads'), part('angles'), head(words.summary), part('summary'), part('proof'), part('ways'), part('found'), head(words.exports), part('files', make('div', { class: 'list' }, ...Object.entries(words.exportNames)
+      .map(([ending, text]) => button(text, () => save(ending)))))));
     parts.result.hidden = true;
     parts.state.setAttribute('role', 'status');
   }
@@ -68,6 +69,13 @@ board.engine = (() => {
     board.source.findings(text, got.findings || []);
     report();
     board.view.draw();
+  }
+
+  /** A picture of the case, for other programs. */
+  async function save(ending) {
+    const got = await ask('files', board.write());
+    if (got.files) board.download(got.files[ending], board.state.file.replace(/\.\w+$/, '') + ending);
+    else say(got.error || (got.findings || []).filter((one) => one.level === 'error').map((one) => words.line(one.line, one.text)).join('; '), true);
   }
 
   /** The largest of what is drawn as arrows, and what counts along the motion. */
@@ -219,10 +227,10 @@ board.engine = (() => {
   // ---- the panel ----------------------------------------------------------------------------------------------------
 
   /** What the engine is doing, or what is wrong. */
-  function say(text = '') {
+  function say(text = '', now = false) {
     const wait = board.state.sketch.joints.length ? words.waiting : words.nothingYet;
-    parts.state.textContent = fresh ? '' : text || wait;
-    parts.state.classList.toggle('wrong', Boolean(text) && !fresh);
+    parts.state.textContent = fresh && !now ? '' : text || wait;
+    parts.state.classList.toggle('wrong', Boolean(text) && (now || !fresh));
     parts.result.classList.toggle('old', !fresh);
     if (!answer) parts.result.hidden = true;
   }

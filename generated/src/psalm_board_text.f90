@@ -754,50 +754,45 @@ module psalm_board_text
    '</head>'//nl// &
    '<body>'//nl// &
    '<header>'//nl// &
-   '  <input id="title" aria-label="title" maxlength="72" spellcheck="false" value="">'//nl// &
+   '  <input id="title" maxlength="72" spellcheck="false" value="">'//nl// &
    '  <div class="bar">'//nl// &
-   '    <button id="new" type="button" title="empty board">New</button>'//nl// &
-   '    <button id="open" type="button" title="open a data set (Ctrl+O); a file can also be dropped on the board">Open</but'// &
-   'ton>'//nl// &
-   '    <input id="file" type="file" accept=".nml,.dev7,.txt,text/plain" aria-label="data set to open" hidden>'//nl// &
-   '    <button id="save" type="button" class="main" title="save the data set (Ctrl+S)">Save</button>'//nl// &
-   '    <button id="share" type="button" title="a link that holds this sketch">Link</button>'//nl// &
-   '    <button id="gallery" type="button" title="mechanisms to begin with">Gallery</button>'//nl// &
-   '    <button id="undo" type="button" aria-label="undo" title="undo (Ctrl+Z)">&#8630;</button>'//nl// &
-   '    <button id="redo" type="button" aria-label="redo" title="redo (Ctrl+Y)">&#8631;</button>'//nl// &
-   '    <button id="help" type="button" aria-label="help" title="the page of the book for what you are doing (F1)">?</butto'// &
-   'n>'//nl// &
+   '    <button id="new" type="button"></button>'//nl// &
+   '    <button id="open" type="button"></button>'//nl// &
+   '    <input id="file" type="file" accept=".nml,.dev7,.txt,text/plain" hidden>'//nl// &
+   '    <button id="save" type="button" class="main"></button>'//nl// &
+   '    <button id="share" type="button"></button>'//nl// &
+   '    <button id="gallery" type="button"></button>'//nl// &
+   '    <button id="undo" type="button"></button>'//nl// &
+   '    <button id="redo" type="button"></button>'//nl// &
+   '    <button id="help" type="button"></button>'//nl// &
    '  </div>'//nl// &
    '</header>'//nl// &
    '<main>'//nl// &
-   '  <div id="tools" role="toolbar" aria-label="tools" aria-orientation="vertical"></div>'//nl// &
+   '  <div id="tools" role="toolbar" aria-orientation="vertical"></div>'//nl// &
    '  <figure>'//nl// &
    '    <div id="state">'//nl// &
    '    <div id="chip" role="status" aria-live="polite"></div>'//nl// &
    '    <div id="zoom">'//nl// &
-   '      <button id="larger" type="button" aria-label="larger" title="larger (+)">+</button>'//nl// &
-   '      <button id="smaller" type="button" aria-label="smaller" title="smaller (-)">&minus;</button>'//nl// &
-   '      <button id="fit" type="button" aria-label="show all" title="show all (F)">Fit</button>'//nl// &
-   '      <label>grid <select id="grid" aria-label="grid">'//nl// &
-   '        <option value="auto" selected>auto</option><option value="0">off</option>'//nl// &
-   '      </select></label>'//nl// &
+   '      <button id="larger" type="button"></button>'//nl// &
+   '      <button id="smaller" type="button"></button>'//nl// &
+   '      <button id="fit" type="button"></button>'//nl// &
+   '      <label><span id="grid-word"></span> <select id="grid"></select></label>'//nl// &
    '    </div>'//nl// &
    '    </div>'//nl// &
-   '    <canvas id="board" tabindex="0" role="application" aria-describedby="hint" aria-label="drawing board"></canvas>'//nl// &
+   '    <canvas id="board" tabindex="0" role="application" aria-describedby="hint"></canvas>'//nl// &
    '    <div id="hint"></div>'//nl// &
    '  </figure>'//nl// &
    '  <aside id="side">'//nl// &
-   '    <div id="tabs" role="tablist" aria-label="beside the drawing"></div>'//nl// &
-   '    <section id="panel" role="tabpanel" aria-label="properties"></section>'//nl// &
-   '    <section id="text" role="tabpanel" aria-label="text of the data set" hidden></section>'//nl// &
-   '    <section id="engine" role="tabpanel" aria-label="results" hidden></section>'//nl// &
-   '    <section id="search" role="tabpanel" aria-label="search" hidden></section>'//nl// &
+   '    <div id="tabs" role="tablist"></div>'//nl// &
+   '    <section id="panel" role="tabpanel"></section>'//nl// &
+   '    <section id="text" role="tabpanel" hidden></section>'//nl// &
+   '    <section id="engine" role="tabpanel" hidden></section>'//nl// &
+   '    <section id="search" role="tabpanel" hidden></section>'//nl// &
    '  </aside>'//nl// &
    '</main>'//nl// &
    '<footer>'//nl// &
-   '  <button id="play" type="button" class="main" aria-label="play" aria-pressed="false" title="play (space)">Play</button'// &
-   '>'//nl// &
-   '  <label>speed <input id="speed" type="range" min="-2" max="2" step="0.5" value="0" aria-label="speed"></label>'//nl// &
+   '  <button id="play" type="button" class="main" aria-pressed="false"></button>'//nl// &
+   '  <label><span id="speed-word"></span> <input id="speed" type="range" min="-2" max="2" step="0.5" value="0"></label>'//nl// &
    '  <div id="drives"></div>'//nl// &
    '  <output id="facts"></output>'//nl// &
    '</footer>'//nl// &
@@ -984,9 +979,7 @@ module psalm_board_text
    "140.0,0.0,30.0,60.0,140.0,\n  JY=10.0,25.0,15.0,20.0,-10.0,-25.0,-15.0,-20.0,\n  LNAME='body','rod','link1','finger1','"// &
    "link2','finger2', LNK='b b2','a a2','a c','b c f','a2 c2','b2 c2 f2',\n  SLNK='body', SLNK2='rod', SLX=0.0, SLY=0.0, SL"// &
    "ANG=0.0 &END\n &DRIVES DRIVE='S1' &END\n &OUTPUTS OUTPUT='distance f f2','angle b f' &END\n &METHOD NDES=9, DELT=-4.0,-"// &
-   "3.0,-2.0,-1.0,0.0,1.0,2.0,3.0,4.0 &END\n""},"//nl
-
-   character(*), parameter :: part_10 = &
+   "3.0,-2.0,-1.0,0.0,1.0,2.0,3.0,4.0 &END\n""},"//nl// &
    "  {""name"": ""umbrella"", ""title"": ""UMBRELLA, ONE RIB"", ""text"": ""! Half of an umbrella: the runner slides down "// &
    "the pole, the stretcher opens the rib, and the pull rod folds the outer rib out.\n! Output: tip of the outer rib Q and "// &
    "its direction. Lengths in mm; the runner falls by 100 and rises by 100.\nUMBRELLA, ONE RIB\n &CHAIN JNT='T','R','S','U'"// &
@@ -1000,7 +993,9 @@ module psalm_board_text
    ",300.0,-40.0,200.0,60.0,280.0,300.0,420.0,150.0,\n  JY=0.0,0.0,40.0,150.0,160.0,190.0,200.0,260.0,420.0,250.0,\n  LNAME"// &
    "='base','link1','link2','seat','link3','link4','back','link5',\n  LNK='A B H','A C','B K','C K E F','E M','M H','F Q P'"// &
    ",'Q M' &END\n &DRIVES DRIVE='A' &END\n &OUTPUTS OUTPUT='angle back','angle seat','point P' &END\n &METHOD NDES=11, DELT"// &
-   "=-20.0,-16.0,-12.0,-8.0,-4.0,0.0,4.0,8.0,12.0,16.0,20.0 &END\n""},"//nl// &
+   "=-20.0,-16.0,-12.0,-8.0,-4.0,0.0,4.0,8.0,12.0,16.0,20.0 &END\n""},"//nl
+
+   character(*), parameter :: part_10 = &
    "  {""name"": ""squeezer"", ""title"": ""ANDREWS'S SQUEEZER"", ""text"": ""! Andrews's squeezing mechanism, seven moving"// &
    " bodies, a test problem of multibody programs (Schiehlen 1990; lengths as in Hairer and Wanner,\n! Solving Ordinary Dif"// &
    "ferential Equations II, VII.7), here driven at constant speed. Metres. The drawing is rough; LENP has the lengths.\n! O"// &
@@ -1020,17 +1015,160 @@ module psalm_board_text
    '];'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
-   '// The words of the drawing board beside its properties: what a translation would change. Nothing here knows the docume'// &
-   'nt.'//nl// &
+   '// All words of the drawing board: what a translation would change. Nothing here knows the document.'//nl// &
    "'use strict';"//nl// &
    'globalThis.board = globalThis.board || {};'//nl// &
    ''//nl// &
-   'board.words = {'//nl// &
+   'board.words = ((listed) => ({'//nl// &
    "  title: 'A LINKAGE',"//nl// &
+   "  play: 'Play',"//nl// &
+   "  pause: 'Pause',"//nl// &
+   "  playLabel: 'play',"//nl// &
+   "  pauseLabel: 'pause',"//nl// &
    "  apart: 'The links do not meet: with the exact lengths they cannot be put together near the drawing.',"//nl// &
    "  dead: 'The linkage stands at a dead point in the drawing, where two assemblies meet: draw it in another position.',"//nl// &
    "  explained: (page) => 'The book explains this on its page guide/' + page + ' (doc/guide/' + page + '.md).',"//nl// &
    "  tabs: { panel: 'Properties', text: 'Text', engine: 'Results', search: 'Search' },"//nl// &
+   ''//nl// &
+   '  // what is on the page from the beginning'//nl// &
+   '  page: {'//nl// &
+   "    new: { text: 'New', title: 'empty board' },"//nl// &
+   "    open: { text: 'Open', title: 'open a data set (Ctrl+O); a file can also be dropped on the board' },"//nl// &
+   "    save: { text: 'Save', title: 'save the data set (Ctrl+S)' },"//nl// &
+   "    share: { text: 'Link', title: 'a link that holds this sketch' },"//nl// &
+   "    gallery: { text: 'Gallery', title: 'mechanisms to begin with' },"//nl// &
+   "    undo: { text: '\u21b6', title: 'undo (Ctrl+Z)', label: 'undo' },"//nl// &
+   "    redo: { text: '\u21b7', title: 'redo (Ctrl+Y)', label: 'redo' },"//nl// &
+   "    help: { text: '?', title: 'the page of the book for what you are doing (F1)', label: 'help' },"//nl// &
+   "    larger: { text: '+', title: 'larger (+)', label: 'larger' },"//nl// &
+   "    smaller: { text: '\u2212', title: 'smaller (-)', label: 'smaller' },"//nl// &
+   "    fit: { text: 'Fit', title: 'show all (F)', label: 'show all' },"//nl// &
+   "    play: { text: 'Play', title: 'play (space)', label: 'play' },"//nl// &
+   "    tools: { label: 'tools' },"//nl// &
+   "    board: { label: 'drawing board' },"//nl// &
+   "    tabs: { label: 'beside the drawing' },"//nl// &
+   "    panel: { label: 'properties' },"//nl// &
+   "    text: { label: 'text of the data set' },"//nl// &
+   "    engine: { label: 'results' },"//nl// &
+   "    search: { label: 'search' },"//nl// &
+   "    title: { label: 'title' },"//nl// &
+   "    file: { label: 'data set to open' },"//nl// &
+   "    speed: { label: 'speed' },"//nl// &
+   "    'speed-word': { text: 'speed' },"//nl// &
+   "    grid: { label: 'grid' },"//nl// &
+   "    'grid-word': { text: 'grid' },"//nl// &
+   '  },'//nl// &
+   ''//nl// &
+   '  // tools: name, what to do'//nl// &
+   '  tools: {'//nl// &
+   "    select: ['Select', 'Drag joints and links; drag the paper to move the view. Drop a joint on another to join them.']"// &
+   ","//nl// &
+   "    link: ['Link', 'Pull from joint to joint, or click both ends. A click on a link adds a joint to it; pulled off its "// &
+   "line it makes a plate.'],"//nl// &
+   "    pivot: ['Pivot', 'Click a joint to pin it to the frame, or to free it; click the paper for a new frame joint.'],"//nl// &
+   "    slider: ['Slider', 'Press on a joint and pull along the line that it is to slide on.'],"//nl// &
+   "    drive: ['Drive', 'Click a crank\u2019s joint or a slider to drive it; pull from joint to joint for a cylinder.'],"//nl// &
+   "    output: ['Output', 'Click a joint for its path, a link for its angle.'],"//nl// &
+   "    delete: ['Delete', 'Click what is to go.'],"//nl// &
+   "    wanted: ['Wanted', 'Draw the curve that a point of a linkage is to trace; end near its beginning for a closed one.'"// &
+   "],"//nl// &
+   '  },'//nl// &
+   ''//nl// &
+   '  // what is wrong with a sketch, and the remedy'//nl// &
+   '  freedom: {'//nl// &
+   "    empty: 'The board is empty: with the tool Link press where a joint is to be and pull to the next.',"//nl// &
+   "    noLink: (joint) => 'Joint ' + joint + ' belongs to no link: pull a link from it, pin it to the frame, or delete it."// &
+   "',"//nl// &
+   "    frameOnly: 'Only the frame is there: with the tool Link pull a link from joint to joint.',"//nl// &
+   "    samePlace: (a, b, link) => 'Joints ' + a + ' and ' + b + ' of link ' + link + ' are at the same place: move one, or"// &
+   " join them (drop one on the other).',"//nl// &
+   "    apart: (links) => 'Nothing joins ' + (links.length > 1 ? 'links ' : 'link ') + listed(links) +"//nl// &
+   "      ' to the frame: drop a joint on one of another link, or pin one to the frame with the tool Pivot.',"//nl// &
+   "    idle: (drive, freedom, driven) => 'Drive ' + drive + ' moves nothing: the links there are held without it. Freedom "// &
+   "' + freedom +"//nl// &
+   "      ', driven ' + driven + ': take this drive away.',"//nl// &
+   "    heldTwice: (joint, a, b) => 'Overconstrained: joint ' + joint + ' of links ' + a + ' and ' + b +"//nl// &
+   "      ' holds what is held already. Take a joint or a link away, or allow it if they move thanks to special lengths.',"//nl// &
+   "    pairTwice: (gear, a, b) => 'Overconstrained: the ' + (gear ? 'gear pair' : 'slide') + ' between links ' + a + ' and"// &
+   " ' + b + ' holds what is held already: take it away.',"//nl// &
+   "    noDrive: 'Freedom 1 and no drive: with the tool Drive click a frame joint, a slide, or pull a cylinder.',"//nl// &
+   "    loose: (links, held, more, joint) => 'Underconstrained: ' + (links.length > 1 ? 'links ' : 'link ') + listed(links)"// &
+   " + ' can still move' +"//nl// &
+   "      (held.length ? ' with ' + listed(held) + ' held' : '') + '. ' + more + ' drive' + (more > 1 ? 's' : '') + ' more,"// &
+   " or join them.' +"//nl// &
+   "      (joint ? ' Joint ' + joint + ' belongs to one link only: is it a frame joint? Then use the tool Pivot on it.' : '"// &
+   "'),"//nl// &
+   "    moves: (drives) => 'Freedom ' + drives + ', ' + (drives === 1 ? 'one drive' : drives + ' drives') + ': it moves',"//nl// &
+   '  },'//nl// &
+   ''//nl// &
+   '  // properties'//nl// &
+   '  panel: {'//nl// &
+   "    name: 'name',"//nl// &
+   "    jointName: 'name of the joint',"//nl// &
+   "    frame: 'frame',"//nl// &
+   "    pinned: 'pinned to the frame',"//nl// &
+   "    output: 'output',"//nl// &
+   "    pathIsOutput: 'its path is an output',"//nl// &
+   "    delete: 'Delete',"//nl// &
+   "    linkName: 'name of the link',"//nl// &
+   "    joints: 'joints',"//nl// &
+   "    linkJoints: 'joints of the link',"//nl// &
+   "    slideName: 'name of the slide',"//nl// &
+   "    lineOn: 'line on',"//nl// &
+   "    lineOnLabel: 'link that the line is on',"//nl// &
+   "    slides: 'slides',"//nl// &
+   "    slidesLabel: 'link that slides',"//nl// &
+   "    angle: 'angle',"//nl// &
+   "    slideAngle: 'direction of the slide, degrees',"//nl
+
+   character(*), parameter :: part_11 = &
+   "    throughX: 'through x',"//nl// &
+   "    lineX: 'x of a point of the line',"//nl// &
+   "    lineY: 'y of a point of the line',"//nl// &
+   "    driven: 'driven',"//nl// &
+   "    slideDriven: 'the slide is driven',"//nl// &
+   "    cross: '\u00d7',"//nl// &
+   "    ratio: 'ratio',"//nl// &
+   "    positions: 'Positions',"//nl// &
+   "    every: 'every',"//nl// &
+   "    everyLabel: 'degrees from position to position over a turn; 0: a list',"//nl// &
+   "    outputToAdd: 'output to add, for instance: angle rocker',"//nl// &
+   "    outputs: 'Outputs',"//nl// &
+   "    add: 'add',"//nl// &
+   "    jointsHead: 'Joints',"//nl// &
+   "    links: 'Links',"//nl// &
+   "    slidesHead: 'Slides',"//nl// &
+   "    newJointLabel: 'new joint at x y',"//nl// &
+   "    newLinkLabel: 'new link of joints',"//nl// &
+   "    newJoint: 'new joint',"//nl// &
+   "    newLink: 'new link',"//nl// &
+   "    lengthHint: 'A length typed in is kept exactly (tick); the drawing follows.',"//nl// &
+   "    gridOfStrokes: 'A grid of strokes (NGRID); edit it in the tab Text.',"//nl// &
+   "    countedFrom: 'Counted from the drawing: degrees of a crank, lengths of slides and cylinders.',"//nl// &
+   "    outputExample: 'angle rocker, distance P Q ...',"//nl// &
+   "    frameHead: 'Frame',"//nl// &
+   "    degrees: 'degrees',"//nl// &
+   "    joint: (name) => 'Joint ' + name,"//nl// &
+   "    link: (name) => 'Link ' + name,"//nl// &
+   "    slide: (name) => 'Slide ' + name,"//nl// &
+   "    cylinder: (at) => 'Cylinder ' + at,"//nl// &
+   "    cylinderOf: (at) => 'A drive of varying length between joints ' + at.split(' ').join(' and ') + '.',"//nl// &
+   "    linksOf: (names) => 'Links: ' + (names.join(', ') || 'none'),"//nl// &
+   "    exactLength: (pair) => 'exact length ' + pair,"//nl// &
+   "    length: (pair) => 'length ' + pair,"//nl// &
+   "    drives: (count) => count > 1 ? 'Drives' : 'Drive',"//nl// &
+   "    drivenAt: (at) => 'link driven at ' + at,"//nl// &
+   "    noDrive: (at) => 'no drive ' + at,"//nl// &
+   "    ratioOf: (at) => 'ratio of ' + at + ' to the first drive, 0: by itself',"//nl// &
+   "    positionsOf: (at) => 'positions of ' + at + ', from the drawing',"//nl// &
+   "    noOutput: (name) => 'no output ' + name,"//nl// &
+   "    driveKind: { turn: (at) => 'crank at ' + at, slide: (at) => 'slide ' + at, cylinder: (at) => 'cylinder ' + at },"//nl// &
+   "    driveSlider: (at) => 'drive ' + at,"//nl// &
+   "    gridAuto: 'auto',"//nl// &
+   "    gridOff: 'off',"//nl// &
+   "    pageTitle: (title) => title + ' \u2013 drawing board',"//nl// &
+   "    goes: (from, to) => '   (goes from ' + from + ' to ' + to + ')',"//nl// &
+   '  },'//nl// &
    ''//nl// &
    '  // the text of the case'//nl// &
    "  dataSet: 'data set',"//nl// &
@@ -1083,7 +1221,9 @@ module psalm_board_text
    "  severalLoads: 'The case has loads of its own: change them in the text.',"//nl// &
    ''//nl// &
    "  tolerance: 'lengths \u00b1',"//nl// &
-   "  toleranceLabel: 'tolerance of all lengths, to either side; 0: none',"//nl// &
+   "  toleranceLabel: 'tolerance of all lengths, to either side; 0: none',"//nl
+
+   character(*), parameter :: part_12 = &
    "  proven: 'Proven',"//nl// &
    "  strip: 'green: it closes, proven; marks: dead points',"//nl// &
    "  closing: { closes: 'closes', opens: 'does not close' },"//nl// &
@@ -1095,9 +1235,10 @@ module psalm_board_text
    "  assembly: (number) => 'assembly ' + number,"//nl// &
    "  assemblyDrawn: 'as drawn',"//nl// &
    ''//nl// &
+   "  exports: 'Files',"//nl// &
+   "  exportNames: { '.dxf': 'DXF', '.svg': 'SVG', '.move.svg': 'moving SVG', '.html': 'page' },"//nl// &
+   ''//nl// &
    '  // searches'//nl// &
-   "  wantedTool: 'Wanted',"//nl// &
-   "  wantedHint: 'Draw the curve that a point of a linkage is to trace; end near its beginning for a closed one.',"//nl// &
    "  wantedHead: 'Wanted curve',"//nl// &
    "  wantedNone: 'Draw it with the tool Wanted (W), or open a CSV file with x and y in each line, or an SVG picture.',"//nl// &
    "  wantedHas: (count, closed) => (closed ? 'Closed' : 'Open') + ' curve of ' + count + ' points.',"//nl// &
@@ -1108,22 +1249,27 @@ module psalm_board_text
    "  noCurve: (name) => name + ': no curve was found; a CSV file has x and y in each line, a picture a path, polygon or po"// &
    "lyline.',"//nl// &
    "  kinds: 'Kinds',"//nl// &
-   "  kindNames: { pins4: 'four-bars', slide4: 'with a slide', pins6: 'six-bars', geared5: 'geared five-bars' },"//nl// &
+   "  kindNames: { mine: 'this linkage', pins4: 'four-bars', slide4: 'with a slide', pins6: 'six-bars', geared5: 'geared fi"// &
+   "ve-bars' },"//nl// &
    "  leastAngle: 'least angle',"//nl// &
    "  leastAngleLabel: 'least transmission angle, degrees; 0: any',"//nl// &
+   "  lengths: 'lengths',"//nl// &
+   "  lengthLow: 'least length; 0: a fiftieth of the curve',"//nl// &
+   "  lengthHigh: 'greatest length; 0: five times the curve',"//nl// &
+   "  mineHint: 'Of this linkage all dimensions vary but the lengths that are exact (ticked in Properties).',"//nl// &
+   "  mineNeeds: 'Only a linkage that moves, with one drive and a point as its first output, can be varied.',"//nl// &
+   "  mineSlides: 'With slides or gears all dimensions vary: exact lengths cannot be kept.',"//nl// &
    "  searchStart: 'Search',"//nl// &
    "  searchOn: 'Go on',"//nl// &
    "  searchStop: 'Stop',"//nl// &
-   "  searchSave: 'Save as data set',"//nl
-
-   character(*), parameter :: part_11 = &
+   "  searchSave: 'Save as data set',"//nl// &
    "  searching: (kind, round) => 'Round ' + (round + 1) + ': ' + kind + ' ...',"//nl// &
    "  searchOver: (count) => count ? 'Stopped; ' + count + ' kinds of linkages found.' : 'Stopped; nothing was found.',"//nl// &
    "  sheet: 'Found',"//nl// &
    "  sheetHint: 'Click one: it becomes the sketch; undo brings back what was there.',"//nl// &
    "  error: (part) => 'error ' + part + ' of the size',"//nl// &
    "  angle: (value) => 'angle ' + value + '\u00b0',"//nl// &
-   '};'//nl// &
+   "}))((names) => names.length < 2 ? names.join('') : names.slice(0, -1).join(', ') + ' and ' + names.at(-1));"//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
    '// A sketch as text: the NAMELIST notation is read and written. Nothing here knows the document.'//nl// &
@@ -1182,7 +1328,9 @@ module psalm_board_text
    '    while (at < text.length) {'//nl// &
    '      const from = afterBlanks(text, at);'//nl// &
    '      if (from >= text.length) break;'//nl// &
-   "      if (!/[&$]/.test(text[from])) { end = text.lastIndexOf('\n', from) + 1; break; }"//nl// &
+   "      if (!/[&$]/.test(text[from])) { end = text.lastIndexOf('\n', from) + 1; break; }"//nl
+
+   character(*), parameter :: part_13 = &
    '      const head = /[&$]\s*(\w+)/y;'//nl// &
    '      head.lastIndex = from;'//nl// &
    '      const name = head.exec(text);'//nl// &
@@ -1222,9 +1370,7 @@ module psalm_board_text
    '      at += word.length;'//nl// &
    '      if (/^(\s|!)/.test(word)) continue;'//nl// &
    '      if (/^([&$]END|\/)$/i.test(word)) return at;'//nl// &
-   '      if (found[1] !== undefined) {'//nl
-
-   character(*), parameter :: part_12 = &
+   '      if (found[1] !== undefined) {'//nl// &
    "        item = { name: found[1].toUpperCase(), place: found[2] || '', values: [], line: lineOf(at), from: at - word.len"// &
    "gth, to: at };"//nl// &
    '        group.items.push(item);'//nl// &
@@ -1292,7 +1438,9 @@ module psalm_board_text
    '      if (names.includes(word)) return [word];'//nl// &
    '      if ([...word].every((letter) => names.includes(letter))) return [...word];'//nl// &
    '      throw mistake("no joint is called ''" + word + "''");'//nl// &
-   '    });'//nl// &
+   '    });'//nl
+
+   character(*), parameter :: part_14 = &
    '  }'//nl// &
    ''//nl// &
    '  function readChain({ texts, numbers, line }) {'//nl// &
@@ -1333,9 +1481,7 @@ module psalm_board_text
    "      if (sketch.slides.some((slide) => slide.name === drive.at[0])) drive.kind = 'slide';"//nl// &
    '      else if (!names.includes(drive.at[0])) {'//nl// &
    "        drive.kind = 'cylinder';"//nl// &
-   '        drive.at = jointsIn(text, names, wrong);'//nl
-
-   character(*), parameter :: part_13 = &
+   '        drive.at = jointsIn(text, names, wrong);'//nl// &
    '        if (drive.at.length !== 2) throw wrong("''" + text + "'' is no joint, no slide and no pair of joints");'//nl// &
    '      }'//nl// &
    '      return drive;'//nl// &
@@ -1401,7 +1547,9 @@ module psalm_board_text
    '    if (slides.length) {'//nl// &
    "      chain.push(['NSLIDE', [String(slides.length)]]);"//nl// &
    "      if (slides.some((s, i) => s.name !== 'S' + (i + 1))) chain.push(['SNAME', slides.map((s) => quoted(s.name))]);"//nl// &
-   "      chain.push(['SLNK', slides.map((s) => quoted(s.links[0]))], ['SLNK2', slides.map((s) => quoted(s.links[1]))],"//nl// &
+   "      chain.push(['SLNK', slides.map((s) => quoted(s.links[0]))], ['SLNK2', slides.map((s) => quoted(s.links[1]))],"//nl
+
+   character(*), parameter :: part_15 = &
    "        ['SLX', slides.map((s) => number(s.x))], ['SLY', slides.map((s) => number(s.y))], ['SLANG', slides.map((s) => n"// &
    "umber(s.angle))]);"//nl// &
    '    }'//nl// &
@@ -1449,9 +1597,7 @@ module psalm_board_text
    "    const word = (one) => one === from ? to : kind === 'joint' && !joints.includes(one) && from.length === 1 && one.inc"// &
    "ludes(from) &&"//nl// &
    "      [...one].every((letter) => joints.includes(letter)) ? [...one].map((letter) => letter === from ? to : letter).joi"// &
-   "n(to.length > 1 ? ' ' : '') : one;"//nl
-
-   character(*), parameter :: part_14 = &
+   "n(to.length > 1 ? ' ' : '') : one;"//nl// &
    "    return text.replace(/'([^']*)'/g, (_, words) => ""'"" + words.split(/([\s-]+)/).map(word).join('') + ""'"");"//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1523,7 +1669,9 @@ module psalm_board_text
    "  const ROUNDS = 40;             // of Newton's method"//nl// &
    '  const TRUSTED = 0.15;          // first correction against the prediction: beyond it the step is halved'//nl// &
    "  const FARTHEST = 0.3;          // of the drawing's size: a longer prediction is halved too"//nl// &
-   '  const EASY = 0.01;             // below it the next step is doubled'//nl// &
+   '  const EASY = 0.01;             // below it the next step is doubled'//nl
+
+   character(*), parameter :: part_16 = &
    '  const LEAST_STEP = 1e-7;       // of the way'//nl// &
    '  const RANK_LOST = 1e-11;       // least pivot against the largest'//nl// &
    '  const RADIAN = Math.PI / 180;'//nl// &
@@ -1562,9 +1710,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** The same with more equations than unknowns: least squares. */'//nl// &
-   '  function solve(A, b, columns) {'//nl
-
-   character(*), parameter :: part_15 = &
+   '  function solve(A, b, columns) {'//nl// &
    '    if (A.length === columns) return eliminate(A.map((row) => row.slice()), b.slice());'//nl// &
    '    const normal = Array.from({ length: columns }, (_, i) => Array.from({ length: columns }, (_, j) =>'//nl// &
    '      A.reduce((sum, row) => sum + row[i] * row[j], 0)));'//nl// &
@@ -1632,7 +1778,9 @@ module psalm_board_text
    'IAN);'//nl// &
    '      return { a, b, d: [c, n], p: [s.x - origin[a][0], s.y - origin[a][1]], q: [s.x - origin[b][0], s.y - origin[b][1]'// &
    '] };'//nl// &
-   '    });'//nl// &
+   '    });'//nl
+
+   character(*), parameter :: part_17 = &
    '    const rows = [];'//nl// &
    "    of.forEach((links, j) => links.slice(1).forEach((b) => rows.push({ kind: 'pin', a: links[0], b, j })));"//nl// &
    "    slides.forEach((s, i) => rows.push({ kind: 'same', a: s.a, b: s.b, i }, { kind: 'line', a: s.a, b: s.b, i }));"//nl// &
@@ -1671,9 +1819,7 @@ module psalm_board_text
    '    const s = mech.slides[i], [px, py, pdx, pdy] = place(mech, pose, s.a, s.p), [qx, qy, qdx, qdy] = place(mech, pose, '// &
    's.b, s.q);'//nl// &
    '    const [ux, uy] = turn(s.d, pose[3 * s.a + 2]), dx = qx - px, dy = qy - py;'//nl// &
-   '    return { along: dx * ux + dy * uy, across: dy * ux - dx * uy, u: [ux, uy],'//nl
-
-   character(*), parameter :: part_16 = &
+   '    return { along: dx * ux + dy * uy, across: dy * ux - dx * uy, u: [ux, uy],'//nl// &
    '      by: (n) => ({ b: [n[0], n[1], qdx * n[0] + qdy * n[1]], a: [-n[0], -n[1], -(pdx * n[0] + pdy * n[1])] }), dx, dy '// &
    '};'//nl// &
    '  }'//nl// &
@@ -1740,7 +1886,9 @@ module psalm_board_text
    '      if (A.length < n) return { closed: false };'//nl// &
    '      const step = solve(A, r.map((v) => -v), n);'//nl// &
    '      if (!step.x || step.x.some((v) => !isFinite(v))) return { closed: false };'//nl// &
-   '      ({ sign, full } = step);'//nl// &
+   '      ({ sign, full } = step);'//nl
+
+   character(*), parameter :: part_18 = &
    '      const length = Math.max(0, ...step.x.map(Math.abs));'//nl// &
    '      if (round === 1) first = length;'//nl// &
    '      if (length > 10 * mech.size) return { closed: false };'//nl// &
@@ -1778,9 +1926,7 @@ module psalm_board_text
    '      const x = velocity(mech, now, rates);'//nl// &
    '      if (!x) return null;'//nl// &
    '      step = Math.min(step, 1 - way);'//nl// &
-   '      for (;;) {'//nl
-
-   character(*), parameter :: part_17 = &
+   '      for (;;) {'//nl// &
    '        const pose = now.pose.slice(), inputs = way + step >= 1 ? target.slice() : from.map((v, k) => v + (way + step) '// &
    '* rates[k]);'//nl// &
    '        for (let i = 0; i < n; i++) pose[i + 3] += step * (i % 3 === 2 ? x[i] / mech.size : x[i]);'//nl// &
@@ -1847,7 +1993,9 @@ module psalm_board_text
    '    const known = [start], away = (a, b) => a.reduce((sum, v, i) => sum + (v - b[i]) ** 2, 0);'//nl// &
    '    return rows.map((inputs) => {'//nl// &
    '      let best = known[0];'//nl// &
-   '      for (const one of known) if (away(one.inputs, inputs) < away(best.inputs, inputs)) best = one;'//nl// &
+   '      for (const one of known) if (away(one.inputs, inputs) < away(best.inputs, inputs)) best = one;'//nl
+
+   character(*), parameter :: part_19 = &
    '      const state = advance(mech, best, inputs);'//nl// &
    '      if (state) known.push(state);'//nl// &
    '      return state;'//nl// &
@@ -1892,9 +2040,7 @@ module psalm_board_text
    '-'//nl// &
    ''//nl// &
    '  /** The sketch with joints and slides anywhere: what holds there holds for almost all dimensions. Always the same pla'// &
-   'ces. */'//nl
-
-   character(*), parameter :: part_18 = &
+   'ces. */'//nl// &
    '  function anywhere(sketch) {'//nl// &
    '    let seed = 12345;'//nl// &
    '    const random = () => { seed = (seed * 1103515245 + 12345) % 2147483648; return seed / 2147483648; };'//nl// &
@@ -1945,24 +2091,18 @@ module psalm_board_text
    '    return [...moving].sort((a, b) => a - b);'//nl// &
    '  }'//nl// &
    ''//nl// &
-   "  const listed = (names) => names.length < 2 ? names.join('') : names.slice(0, -1).join(', ') + ' and ' + names.at(-1);"//nl// &
-   ''//nl// &
    '  /** What is wrong with a sketch, in words, and the remedy; empty if it is a mechanism. Each has the names it is about'// &
    '. */'//nl// &
    '  function assess(sketch) {'//nl// &
-   '    const say = (text, joints = [], links = []) => [{ text, joints, links }];'//nl// &
-   "    if (!sketch.joints.length) return say('The board is empty: with the tool Link press where a joint is to be and pull"// &
-   " to the next.');"//nl// &
+   '    const words = board.words.freedom, say = (text, joints = [], links = []) => [{ text, joints, links }];'//nl// &
+   '    if (!sketch.joints.length) return say(words.empty);'//nl// &
    '    const home = sketch.joints.filter((j) => !sketch.links.some((l) => l.joints.includes(j.name)));'//nl// &
-   "    if (home.length) return say('Joint ' + home[0].name + ' belongs to no link: pull a link from it, pin it to the fram"// &
-   "e, or delete it.', [home[0].name]);"//nl// &
-   "    if (sketch.links.length < 2) return say('Only the frame is there: with the tool Link pull a link from joint to join"// &
-   "t.');"//nl// &
+   '    if (home.length) return say(words.noLink(home[0].name), [home[0].name]);'//nl// &
+   '    if (sketch.links.length < 2) return say(words.frameOnly);'//nl// &
    '    for (const link of sketch.links) for (const [i, a] of link.joints.entries()) for (const b of link.joints.slice(0, i'// &
    ')) {'//nl// &
    '      const [p, q] = [a, b].map((name) => sketch.joints.find((j) => j.name === name));'//nl// &
-   "      if (Math.hypot(p.x - q.x, p.y - q.y) <= 1e-9) return say('Joints ' + b + ' and ' + a + ' of link ' + link.name +"//nl// &
-   "        ' are at the same place: move one, or join them (drop one on the other).', [a, b]);"//nl// &
+   '      if (Math.hypot(p.x - q.x, p.y - q.y) <= 1e-9) return say(words.samePlace(b, a, link.name), [a, b]);'//nl// &
    '    }'//nl// &
    '    const reached = new Set([0]), touch = sketch.links.map((link) => (other) => link.joints.some((j) => other.joints.in'// &
    'cludes(j)) ||'//nl// &
@@ -1971,54 +2111,42 @@ module psalm_board_text
    ")));"//nl// &
    '    for (let grown = true; grown;) {'//nl// &
    '      grown = false;'//nl// &
-   '      sketch.links.forEach((link, i) => {'//nl// &
+   '      sketch.links.forEach((link, i) => {'//nl
+
+   character(*), parameter :: part_20 = &
    '        if (reached.has(i) || ![...reached].some((k) => touch[i](sketch.links[k]) || touch[k](link))) return;'//nl// &
    '        reached.add(i);'//nl// &
    '        grown = true;'//nl// &
    '      });'//nl// &
    '    }'//nl// &
    '    const apart = sketch.links.filter((_, i) => !reached.has(i)).map((l) => l.name);'//nl// &
-   "    if (apart.length) return say('Nothing joins ' + (apart.length > 1 ? 'links ' : 'link ') + listed(apart) +"//nl// &
-   "      ' to the frame: drop a joint on one of another link, or pin one to the frame with the tool Pivot.', [], apart);"//nl// &
+   '    if (apart.length) return say(words.apart(apart), [], apart);'//nl// &
    '    const { left, twice, free, count } = freedom(sketch), names = free.map((i) => sketch.links[i].name);'//nl// &
    "    const held = sketch.drives.map((d) => d.at.join(' '));"//nl// &
    "    if (twice.length && !(sketch.kover && !twice.some((row) => 'drive' in row))) {"//nl// &
    "      const row = twice.find((one) => 'drive' in one) || twice[0];"//nl// &
-   "      if ('drive' in row) return say('Drive ' + held[row.drive] + ' moves nothing: the links there are held without it."// &
-   " Freedom ' + count +"//nl// &
-   "        ', driven ' + held.length + ': take this drive away.', sketch.drives[row.drive].kind === 'slide' ? [] : sketch."// &
-   "drives[row.drive].at);"//nl// &
+   "      if ('drive' in row) return say(words.idle(held[row.drive], count, held.length), sketch.drives[row.drive].kind ==="// &
+   " 'slide' ? [] : sketch.drives[row.drive].at);"//nl// &
    '      const [a, b] = [row.a, row.b].map((i) => sketch.links[i].name);'//nl// &
-   "      if (row.kind === 'pin') return say('Overconstrained: joint ' + sketch.joints[row.j].name + ' of links ' + a + ' a"// &
-   "nd ' + b +"//nl// &
-   "        ' holds what is held already. Take a joint or a link away, or allow it if they move thanks to special lengths.'"// &
-   ", [sketch.joints[row.j].name], [a, b]);"//nl// &
-   "      return say('Overconstrained: the ' + (row.kind === 'gear' ? 'gear pair' : 'slide') + ' between links ' + a + ' an"// &
-   "d ' + b + ' holds what is held already: take it away.', [], [a, b]);"//nl// &
+   "      if (row.kind === 'pin') return say(words.heldTwice(sketch.joints[row.j].name, a, b), [sketch.joints[row.j].name],"// &
+   " [a, b]);"//nl// &
+   "      return say(words.pairTwice(row.kind === 'gear', a, b), [], [a, b]);"//nl// &
    '    }'//nl// &
    '    if (left) {'//nl// &
    '      const tail = sketch.joints.find((j) => sketch.links.filter((l) => l.joints.includes(j.name)).length === 1 &&'//nl// &
    '        names.some((name) => sketch.links.find((l) => l.name === name).joints.includes(j.name)) && !sketch.outputs.some'// &
    '((o) => o.of.includes(j.name)));'//nl// &
-   "      if (!sketch.drives.length && left === 1) return say('Freedom 1 and no drive: with the tool Drive click a frame jo"// &
-   "int, a slide, or pull a cylinder.', [], names);"//nl// &
-   "      return say('Underconstrained: ' + (names.length > 1 ? 'links ' : 'link ') + listed(names) + ' can still move' + ("// &
-   "held.length ? ' with ' +"//nl// &
-   "        listed(held) + ' held' : '') + '. ' + left + ' drive' + (left > 1 ? 's' : '') + ' more, or join them.' + (tail "// &
-   "? ' Joint ' + tail.name +"//nl// &
-   "        ' belongs to one link only: is it a frame joint? Then use the tool Pivot on it.' : ''), tail ? [tail.name] : []"// &
-   ", names);"//nl// &
+   '      if (!sketch.drives.length && left === 1) return say(words.noDrive, [], names);'//nl// &
+   "      return say(words.loose(names, held, left, tail ? tail.name : ''), tail ? [tail.name] : [], names);"//nl// &
    '    }'//nl// &
    '    return [];'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  return { compile, assemble, advance, correct, joints, travel, positions, inputsAt, follow, output, freedom, assess, e'// &
-   'liminate, listed, RADIAN };'//nl// &
+   'liminate, RADIAN };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
-   '<script>'//nl
-
-   character(*), parameter :: part_19 = &
+   '<script>'//nl// &
    "// The drawing board's picture: what is on the canvas, and what is under a point of it."//nl// &
    "'use strict';"//nl// &
    ''//nl// &
@@ -2092,7 +2220,9 @@ module psalm_board_text
    '-'//nl// &
    ''//nl// &
    "  const colourOf = (i) => i === 0 ? pens.frame : pens['link' + (i - 1) % 8];"//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_21 = &
    '  function line(x1, y1, x2, y2) {'//nl// &
    '    g.beginPath();'//nl// &
    '    g.moveTo(x1, y1);'//nl// &
@@ -2121,9 +2251,7 @@ module psalm_board_text
    '    drawPending();'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function drawGrid() {'//nl
-
-   character(*), parameter :: part_20 = &
+   '  function drawGrid() {'//nl// &
    '    const step = gridStep() || 22 / eye.k, [left, top] = world(0, 0), [right, bottom] = world(w, h), shown = gridStep()'// &
    ' > 0;'//nl// &
    '    const lines = (from, to) => Array.from({ length: Math.min(400, Math.floor(to / step) - Math.ceil(from / step) + 1) '// &
@@ -2200,7 +2328,9 @@ module psalm_board_text
    '    g.globalAlpha = 1;'//nl// &
    '    g.lineWidth = 2.4;'//nl// &
    '    trace(round);'//nl// &
-   '    g.stroke();'//nl// &
+   '    g.stroke();'//nl
+
+   character(*), parameter :: part_22 = &
    '  }'//nl// &
    ''//nl// &
    '  function trace(points) {'//nl// &
@@ -2229,9 +2359,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** The line of a slide, with the link that it is drawn on. */'//nl// &
-   '  function drawRail(slide, i) {'//nl
-
-   character(*), parameter :: part_21 = &
+   '  function drawRail(slide, i) {'//nl// &
    '    const place = board.slidePlace(i), [ux, uy] = place.u, reach = 1.2 * (w + h);'//nl// &
    '    g.strokeStyle = pens.frame;'//nl// &
    '    g.lineWidth = 1.2;'//nl// &
@@ -2306,7 +2434,9 @@ module psalm_board_text
    '      g.fillStyle = pens.paper;'//nl// &
    '      g.lineWidth = 1.8;'//nl// &
    '      g.beginPath();'//nl// &
-   '      g.moveTo(x, y);'//nl// &
+   '      g.moveTo(x, y);'//nl
+
+   character(*), parameter :: part_23 = &
    '      g.lineTo(x - 12, y + 19);'//nl// &
    '      g.lineTo(x + 12, y + 19);'//nl// &
    '      g.closePath();'//nl// &
@@ -2335,9 +2465,7 @@ module psalm_board_text
    '    g.font = ''italic 600 15px system-ui, "DejaVu Sans", sans-serif'';'//nl// &
    '    g.fillText(joint.name, x + 11, y - 10);'//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_22 = &
+   ''//nl// &
    '  /** A crank is driven: an arrow round its joint. */'//nl// &
    '  function drawMotor(x, y) {'//nl// &
    '    g.strokeStyle = g.fillStyle = pens.good;'//nl// &
@@ -2409,7 +2537,9 @@ module psalm_board_text
    '      g.beginPath();'//nl// &
    '      g.arc(x, y, 6, 0, ROUND);'//nl// &
    '      g.stroke();'//nl// &
-   '    }'//nl// &
+   '    }'//nl
+
+   character(*), parameter :: part_24 = &
    '    g.fillStyle = pens.accent;'//nl// &
    "    g.font = '12px system-ui, sans-serif';"//nl// &
    '    const dx = pending.to[0] - pending.from[0], dy = pending.to[1] - pending.from[1];'//nl// &
@@ -2443,9 +2573,7 @@ module psalm_board_text
    '    });'//nl// &
    '    if (best) return best;'//nl// &
    '    least = touch ? 16 : 9;'//nl// &
-   '    sketch.links.forEach((link, i) => {'//nl
-
-   character(*), parameter :: part_23 = &
+   '    sketch.links.forEach((link, i) => {'//nl// &
    '      if (i === 0 || link.joints.includes(without)) return;'//nl// &
    '      const round = outline(link.joints.map(p));'//nl// &
    '      round.forEach((a, k) => {'//nl// &
@@ -2476,7 +2604,7 @@ module psalm_board_text
    "  const TABS = [['panel', board.words.tabs.panel], ['text', board.words.tabs.text], ['engine', board.words.tabs.engine]"// &
    ", ['search', board.words.tabs.search]];"//nl// &
    "  let tab = 'panel';"//nl// &
-   "  const KIND = { turn: 'crank at ', slide: 'slide ', cylinder: 'cylinder ' };"//nl// &
+   '  const words = board.words.panel;'//nl// &
    ''//nl// &
    '  /** An element with attributes, listeners (on...) and children. */'//nl// &
    '  function make(tag, attributes = {}, ...children) {'//nl// &
@@ -2505,8 +2633,8 @@ module psalm_board_text
    ''//nl// &
    '  /** A field that takes a text; `take` gives false for one that cannot be. */'//nl// &
    '  function field(label, value, take, attributes = {}) {'//nl// &
-   "    const input = make('input', { value, 'aria-label': label, spellcheck: 'false', autocomplete: 'off', ...attributes }"// &
-   ");"//nl// &
+   "    const input = make('input', { value, 'aria-label': label, title: label, spellcheck: 'false', autocomplete: 'off', ."// &
+   "..attributes });"//nl// &
    "    input.addEventListener('change', () => {"//nl// &
    '      if (input.value.trim() === String(value)) return;'//nl// &
    "      if (take(input.value.trim()) === false) input.classList.add('bad');"//nl// &
@@ -2519,7 +2647,9 @@ module psalm_board_text
    "    return field(label, board.view.short(value) === '0' ? '0' : String(Number(value.toPrecision(12))), (text) => {"//nl// &
    '      const number = valueOf(text);'//nl// &
    '      return isFinite(number) ? take(number) : false;'//nl// &
-   "    }, { inputmode: 'decimal', ...attributes });"//nl// &
+   "    }, { inputmode: 'decimal', ...attributes });"//nl
+
+   character(*), parameter :: part_25 = &
    '  }'//nl// &
    ''//nl// &
    '  /** Numbers, + - * / and brackets; a comma is a decimal point. */'//nl// &
@@ -2548,9 +2678,7 @@ module psalm_board_text
    '    return at === s.length ? value : NaN;'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  const check = (label, on, take) => {'//nl
-
-   character(*), parameter :: part_24 = &
+   '  const check = (label, on, take) => {'//nl// &
    "    const box = make('input', { type: 'checkbox', 'aria-label': label, onchange: () => take(box.checked) });"//nl// &
    '    box.checked = on;'//nl// &
    '    return box;'//nl// &
@@ -2571,7 +2699,7 @@ module psalm_board_text
    '  function show(rough = false) {'//nl// &
    '    const { state } = board, { sketch } = state;'//nl// &
    "    $('title').value = sketch.title;"//nl// &
-   "    document.title = sketch.title + ' \u2013 drawing board';"//nl// &
+   '    document.title = words.pageTitle(sketch.title);'//nl// &
    "    $('undo').disabled = !board.canUndo();"//nl// &
    "    $('redo').disabled = !board.canRedo();"//nl// &
    '    showState();'//nl// &
@@ -2589,8 +2717,7 @@ module psalm_board_text
    "    const { state } = board, chip = $('chip'), wrong = state.messages.length > 0;"//nl// &
    "    chip.className = wrong ? 'wrong' : '';"//nl// &
    '    const n = state.sketch.drives.length;'//nl// &
-   "    const text = wrong ? state.messages[0].text : 'Freedom ' + n + ', ' + (n === 1 ? 'one drive' : n + ' drives') + ': "// &
-   "it moves';"//nl// &
+   '    const text = wrong ? state.messages[0].text : board.words.freedom.moves(n);'//nl// &
    '    if (chip.textContent !== text) chip.textContent = text;'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -2608,29 +2735,31 @@ module psalm_board_text
    '    const move = (key) => (value) => edit((sketch) => { joint = board.jointOf(name); joint[key] = value; board.relax(sk'// &
    'etch, [name]); });'//nl// &
    '    const places = board.places().get(name);'//nl// &
-   "    return [head('Joint ' + name),"//nl// &
-   "      row('name', field('name of the joint', name, (text) => board.rename('joint', name, text) && choose({ joint: text "// &
+   '    return [head(words.joint(name)),'//nl// &
+   "      row(words.name, field(words.jointName, name, (text) => board.rename('joint', name, text) && choose({ joint: text "// &
    "}))),"//nl// &
    "      row('x', numberField('x', board.state.live ? places[0] : joint.x, move('x'))), row('y', numberField('y', board.st"// &
    "ate.live ? places[1] : joint.y, move('y'))),"//nl// &
-   "      row('frame', check('pinned to the frame', board.inFrame(name), () => board.tools.pivot(name))),"//nl// &
-   "      row('output', check('its path is an output', board.state.sketch.outputs.some((o) => o.kind === 'point' && o.of[0]"// &
-   " === name), () => board.tools.output({ joint: name }))),"//nl// &
-   "      make('p', {}, 'Links: ' + (board.linksAt(name).map((l) => l.name).join(', ') || 'none')),"//nl// &
-   "      button('Delete', () => board.remove({ joint: name }))];"//nl// &
+   '      row(words.frame, check(words.pinned, board.inFrame(name), () => board.tools.pivot(name))),'//nl// &
+   "      row(words.output, check(words.pathIsOutput, board.state.sketch.outputs.some((o) => o.kind === 'point' && o.of[0] "// &
+   "=== name), () => board.tools.output({ joint: name }))),"//nl// &
+   "      make('p', {}, words.linksOf(board.linksAt(name).map((l) => l.name))),"//nl// &
+   '      button(words.delete, () => board.remove({ joint: name }))];'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function linkPart(link) {'//nl// &
    '    const { edit } = board, { name } = link, frame = link === board.state.sketch.links[0], at = board.places();'//nl// &
-   "    const parts = [head(frame ? 'Frame' : 'Link ' + name),"//nl// &
-   "      row('name', field('name of the link', name, (text) => board.rename('link', name, text) && choose({ link: text }))"// &
+   '    const parts = [head(frame ? words.frameHead : words.link(name)),'//nl// &
+   "      row(words.name, field(words.linkName, name, (text) => board.rename('link', name, text) && choose({ link: text }))"// &
    "),"//nl// &
-   "      row('joints', field('joints of the link', link.joints.join(' '), (text) => {"//nl// &
+   "      row(words.joints, field(words.linkJoints, link.joints.join(' '), (text) => {"//nl// &
    '        let joints;'//nl// &
    '        try {'//nl// &
    '          joints = board.text.jointsIn(text, board.state.sketch.joints.map((j) => j.name), (words) => new RangeError(wo'// &
    'rds));'//nl// &
-   '        } catch { return false; }'//nl// &
+   '        } catch { return false; }'//nl
+
+   character(*), parameter :: part_26 = &
    '        edit((sketch) => { board.linkOf(name).joints = [...new Set(joints)]; board.tidy(sketch); });'//nl// &
    '      }))];'//nl// &
    '    if (!frame) {'//nl// &
@@ -2642,12 +2771,12 @@ module psalm_board_text
    '          if (value > 0) sketch.lengths.push({ joints: [a, b], value });'//nl// &
    '          board.relax(sketch);'//nl// &
    '        });'//nl// &
-   "        parts.push(row(label, numberField('length ' + label, exact ? exact.value : length, (value) => value > 0 ? fix(v"// &
-   "alue) : false),"//nl// &
-   "          check('exact length ' + label, Boolean(exact), (on) => fix(on ? Number(length.toPrecision(12)) : 0))));"//nl// &
+   '        parts.push(row(label, numberField(words.length(label), exact ? exact.value : length, (value) => value > 0 ? fix'// &
+   '(value) : false),'//nl// &
+   '          check(words.exactLength(label), Boolean(exact), (on) => fix(on ? Number(length.toPrecision(12)) : 0))));'//nl// &
    '      }'//nl// &
-   "      parts.push(make('p', {}, 'A length typed in is kept exactly (tick); the drawing follows.'),"//nl// &
-   "        button('Delete', () => board.remove({ link: name })));"//nl// &
+   "      parts.push(make('p', {}, words.lengthHint),"//nl// &
+   '        button(words.delete, () => board.remove({ link: name })));'//nl// &
    '    }'//nl// &
    '    return parts;'//nl// &
    '  }'//nl// &
@@ -2657,45 +2786,42 @@ module psalm_board_text
    '    const set = (key) => (value) => edit((sketch) => { sketch.slides.find((one) => one.name === name)[key] = value; });'//nl// &
    '    const onto = (i) => (value) => edit((sketch) => { sketch.slides.find((one) => one.name === name).links[i] = value; '// &
    '});'//nl// &
-   "    return [head('Slide ' + name), row('name', field('name of the slide', name, (text) => board.rename('slide', name, t"// &
-   "ext) && choose({ slide: text }))),"//nl// &
-   "      row('line on', choice('link that the line is on', names, slide.links[0], onto(0))),"//nl// &
-   "      row('slides', choice('link that slides', names, slide.links[1], onto(1))),"//nl// &
-   "      row('angle', numberField('direction of the slide, degrees', slide.angle, set('angle'))),"//nl// &
-   "      row('through x', numberField('x of a point of the line', slide.x, set('x'))),"//nl
-
-   character(*), parameter :: part_25 = &
-   "      row('y', numberField('y of a point of the line', slide.y, set('y'))),"//nl// &
-   "      row('driven', check('the slide is driven', state.sketch.drives.some((d) => d.at[0] === name), () => board.tools.d"// &
-   "rive({ slide: name }))),"//nl// &
-   "      button('Delete', () => board.remove({ slide: name }))];"//nl// &
+   "    return [head(words.slide(name)), row(words.name, field(words.slideName, name, (text) => board.rename('slide', name,"// &
+   " text) && choose({ slide: text }))),"//nl// &
+   '      row(words.lineOn, choice(words.lineOnLabel, names, slide.links[0], onto(0))),'//nl// &
+   '      row(words.slides, choice(words.slidesLabel, names, slide.links[1], onto(1))),'//nl// &
+   "      row(words.angle, numberField(words.slideAngle, slide.angle, set('angle'))),"//nl// &
+   "      row(words.throughX, numberField(words.lineX, slide.x, set('x'))),"//nl// &
+   "      row('y', numberField(words.lineY, slide.y, set('y'))),"//nl// &
+   '      row(words.driven, check(words.slideDriven, state.sketch.drives.some((d) => d.at[0] === name), () => board.tools.d'// &
+   'rive({ slide: name }))),'//nl// &
+   '      button(words.delete, () => board.remove({ slide: name }))];'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function cylinderPart(at) {'//nl// &
-   "    return [head('Cylinder ' + at), make('p', {}, 'A drive of varying length between joints ' + at.split(' ').join(' an"// &
-   "d ') + '.'),"//nl// &
-   "      button('Delete', () => board.remove({ cylinder: at }))];"//nl// &
+   "    return [head(words.cylinder(at)), make('p', {}, words.cylinderOf(at)),"//nl// &
+   '      button(words.delete, () => board.remove({ cylinder: at }))];'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** The drives, and between which links they act. */'//nl// &
    '  function drivePart() {'//nl// &
    '    const { state, edit } = board, { drives, links } = state.sketch;'//nl// &
    '    if (!drives.length) return [];'//nl// &
-   "    const parts = [head(drives.length > 1 ? 'Drives' : 'Drive')];"//nl// &
+   '    const parts = [head(words.drives(drives.length))];'//nl// &
    '    drives.forEach((drive, i) => {'//nl// &
-   "      const at = drive.at.join(' '), label = KIND[drive.kind] + at;"//nl// &
-   "      parts.push(row(label, ...(drive.kind === 'turn' ? [choice('link driven at ' + at, links.filter((l) => l.joints.in"// &
-   "cludes(drive.at[0])).map((l) => l.name),"//nl// &
+   "      const at = drive.at.join(' '), label = words.driveKind[drive.kind](at);"//nl// &
+   "      parts.push(row(label, ...(drive.kind === 'turn' ? [choice(words.drivenAt(at), links.filter((l) => l.joints.includ"// &
+   "es(drive.at[0])).map((l) => l.name),"//nl// &
    "        drive.link || (board.state.motion.mech ? links[board.state.motion.mech.drives[i].link].name : ''), (name) => ed"// &
    "it((sketch) => {"//nl// &
    '          const one = sketch.drives[i];'//nl// &
    '          one.link = name;'//nl// &
    "          if (!one.base || one.base === name) one.base = (sketch.links.find((l) => l.joints.includes(one.at[0]) && l.na"// &
    "me !== name) || { name: '' }).name;"//nl// &
-   "        }))] : []), button('\u00d7', () => edit((sketch) => { sketch.drives.splice(i, 1); board.tidy(sketch); }), { 'ar"// &
-   "ia-label': 'no drive ' + at })));"//nl// &
-   "      if (i > 0) parts.push(row('ratio', numberField('ratio of ' + at + ' to the first drive, 0: by itself', drive.rati"// &
-   "o, (value) => edit((sketch) => { sketch.drives[i].ratio = value; }))));"//nl// &
+   "        }))] : []), button(words.cross, () => edit((sketch) => { sketch.drives.splice(i, 1); board.tidy(sketch); }), { "// &
+   "'aria-label': words.noDrive(at) })));"//nl// &
+   '      if (i > 0) parts.push(row(words.ratio, numberField(words.ratioOf(at), drive.ratio, (value) => edit((sketch) => { '// &
+   'sketch.drives[i].ratio = value; }))));'//nl// &
    '    });'//nl// &
    '    return parts;'//nl// &
    '  }'//nl// &
@@ -2704,23 +2830,20 @@ module psalm_board_text
    '  function positionPart() {'//nl// &
    '    const { state, edit } = board, { sketch } = state;'//nl// &
    '    if (!sketch.drives.length) return [];'//nl// &
-   "    if (sketch.drives.some((d) => d.grid)) return [head('Positions'), make('p', {}, 'A grid of strokes (NGRID); edit it"// &
-   " in the tab Text.')];"//nl// &
+   "    if (sketch.drives.some((d) => d.grid)) return [head(words.positions), make('p', {}, words.gridOfStrokes)];"//nl// &
    "    const list = (label, values, take) => field(label, values.join(' '), (text) => {"//nl// &
    '      const numbers = text.split(/[\s;]+/).filter(Boolean).map(valueOf);'//nl// &
    '      return numbers.length && numbers.every(isFinite) ? take(numbers) : false;'//nl// &
    '    });'//nl// &
-   "    const parts = [head('Positions'), row('every', numberField('degrees from position to position over a turn; 0: a lis"// &
-   "t', sketch.ikin, (value) => {"//nl// &
+   '    const parts = [head(words.positions), row(words.every, numberField(words.everyLabel, sketch.ikin, (value) => {'//nl// &
    '      if (!Number.isInteger(value) || Math.abs(value) > 360) return false;'//nl// &
    '      edit((s) => { s.ikin = value; if (!value && !s.delt.length) s.delt = [0, 10, 20, 30]; });'//nl// &
-   "    }), make('span', { style: 'flex:0 0 auto' }, 'degrees'))];"//nl// &
+   "    }), make('span', { style: 'flex:0 0 auto' }, words.degrees))];"//nl// &
    '    if (sketch.ikin) return parts;'//nl// &
    '    sketch.drives.forEach((drive, i) => {'//nl// &
    '      if (i && drive.ratio) return;'//nl// &
    "      const at = drive.at.join(' ');"//nl// &
-   "      parts.push(row(at, list('positions of ' + at + ', from the drawing', i ? drive.delt : sketch.delt, (numbers) => e"// &
-   "dit((s) => {"//nl// &
+   '      parts.push(row(at, list(words.positionsOf(at), i ? drive.delt : sketch.delt, (numbers) => edit((s) => {'//nl// &
    '        const n = numbers.length;'//nl// &
    '        if (i) s.drives[i].delt = numbers; else s.delt = numbers;'//nl// &
    '        const fill = (values) => Array.from({ length: n }, (_, k) => values[k] ?? values.at(-1) ?? 0);'//nl// &
@@ -2728,13 +2851,13 @@ module psalm_board_text
    '        s.drives.forEach((d, k) => { if (k && !d.ratio) d.delt = fill(d.delt); });'//nl// &
    '      }))));'//nl// &
    '    });'//nl// &
-   "    parts.push(make('p', {}, 'Counted from the drawing: degrees of a crank, lengths of slides and cylinders.'));"//nl// &
+   "    parts.push(make('p', {}, words.countedFrom));"//nl// &
    '    return parts;'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function outputPart() {'//nl// &
    '    const { state, edit } = board, { outputs } = state.sketch;'//nl// &
-   "    const add = field('output to add, for instance: angle rocker', '', (text) => {"//nl// &
+   "    const add = field(words.outputToAdd, '', (text) => {"//nl// &
    '      const words = text.split(/\s+/);'//nl// &
    "      if (!['point', 'x', 'y', 'angle', 'distance', 'slide', 'between', 'pose', 'ratio'].includes(words[0]) || words.le"// &
    "ngth < 2) return false;"//nl// &
@@ -2744,13 +2867,15 @@ module psalm_board_text
    "((letter) => board.jointOf(letter)));"//nl// &
    '      if (!words.slice(1).every(known)) return false;'//nl// &
    "      edit((sketch) => { sketch.outputs.push({ kind: words[0], of: words.slice(1), name: '' }); });"//nl// &
-   "    }, { placeholder: 'angle rocker, distance P Q ...' });"//nl// &
-   "    return [head('Outputs'), make('div', { class: 'list' }, ...outputs.map((one, i) => button([one.kind, ...one.of].joi"// &
-   "n(' ') + ' \u00d7', () =>"//nl// &
-   "      edit((sketch) => { sketch.outputs.splice(i, 1); }), { 'aria-label': 'no output ' + [one.kind, ...one.of].join(' '"// &
-   ") }))), row('add', add)];"//nl// &
+   '    }, { placeholder: words.outputExample });'//nl// &
+   "    return [head(words.outputs), make('div', { class: 'list' }, ...outputs.map((one, i) => button([one.kind, ...one.of]"// &
+   ".join(' ') + ' \u00d7', () =>"//nl// &
+   "      edit((sketch) => { sketch.outputs.splice(i, 1); }), { 'aria-label': words.noOutput([one.kind, ...one.of].join(' '"// &
+   ")) }))), row(words.add, add)];"//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_27 = &
    '  /** All joints and links, to be chosen without a mouse. */'//nl// &
    '  function listPart() {'//nl// &
    '    const { state } = board, { sketch, selection: s } = state;'//nl// &
@@ -2759,15 +2884,15 @@ module psalm_board_text
    '    const joints = sketch.joints.map((j) => item(j.name, { joint: j.name }, s && s.joint === j.name));'//nl// &
    '    const links = sketch.links.map((l) => item(l.name, { link: l.name }, s && s.link === l.name));'//nl// &
    '    const slides = sketch.slides.map((l) => item(l.name, { slide: l.name }, s && s.slide === l.name));'//nl// &
-   "    const parts = [head('Joints'), make('div', { class: 'list' }, ...joints), head('Links'), make('div', { class: 'list"// &
-   "' }, ...links)];"//nl// &
-   "    if (slides.length) parts.push(head('Slides'), make('div', { class: 'list' }, ...slides));"//nl// &
-   "    const place = field('new joint at x y', '', (text) => {"//nl// &
+   "    const parts = [head(words.jointsHead), make('div', { class: 'list' }, ...joints), head(words.links), make('div', { "// &
+   "class: 'list' }, ...links)];"//nl// &
+   "    if (slides.length) parts.push(head(words.slidesHead), make('div', { class: 'list' }, ...slides));"//nl// &
+   "    const place = field(words.newJointLabel, '', (text) => {"//nl// &
    '      const at = text.split(/[\s;]+/).map(valueOf);'//nl// &
    '      if (at.length !== 2 || !at.every(isFinite)) return false;'//nl// &
    '      board.tools.jointAt(at);'//nl// &
    "    }, { placeholder: 'x y' });"//nl// &
-   "    const link = field('new link of joints', '', (text) => {"//nl// &
+   "    const link = field(words.newLinkLabel, '', (text) => {"//nl// &
    '      let joints;'//nl// &
    '      try {'//nl// &
    '        joints = [...new Set(board.text.jointsIn(text, sketch.joints.map((j) => j.name), (words) => new RangeError(word'// &
@@ -2776,15 +2901,13 @@ module psalm_board_text
    '      if (joints.length < 2) return false;'//nl// &
    "      board.edit((one) => { one.links.push({ name: board.freeName('link'), joints }); });"//nl// &
    "    }, { placeholder: 'B C' });"//nl// &
-   "    return [...parts, row('new joint', place), row('new link', link)];"//nl// &
+   '    return [...parts, row(words.newJoint, place), row(words.newLink, link)];'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function choose(what) {'//nl// &
    '    board.state.selection = what;'//nl// &
    '    show();'//nl// &
-   '    board.view.draw();'//nl
-
-   character(*), parameter :: part_26 = &
+   '    board.view.draw();'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  // ---- drives and facts --------------------------------------------------------------------------------------------'// &
@@ -2802,7 +2925,7 @@ module psalm_board_text
    ';'//nl// &
    "      const range = make('input', { type: 'range', min: several ? low : 0, max: several ? high : motion.sweep.states.le"// &
    "ngth - 1, step: several ? (high - low) / 1000 : 1,"//nl// &
-   "        'aria-label': 'drive ' + at, 'data-drive': String(k) });"//nl// &
+   "        'aria-label': words.driveSlider(at), 'data-drive': String(k) });"//nl// &
    "      range.addEventListener('input', () => {"//nl// &
    '        board.pause();'//nl// &
    '        if (several) board.drive(k, Number(range.value)); else board.go(Number(range.value));'//nl// &
@@ -2834,7 +2957,7 @@ module psalm_board_text
    '  function range(sweep, sketch) {'//nl// &
    "    const turns = sketch.drives[0].kind === 'turn', of = (one) => board.view.short(Number((one.inputs[0] / (turns ? boa"// &
    "rd.motion.RADIAN : 1)).toPrecision(4)));"//nl// &
-   "    return '   (goes from ' + of(sweep.states[0]) + ' to ' + of(sweep.states.at(-1)) + (turns ? '\u00b0' : '') + ')';"//nl// &
+   "    return words.goes(of(sweep.states[0]), of(sweep.states.at(-1)) + (turns ? '\u00b0' : ''));"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Shows one of the parts beside the drawing. */'//nl// &
@@ -2861,7 +2984,9 @@ module psalm_board_text
    '        event.preventDefault();'//nl// &
    '        event.stopPropagation();'//nl// &
    '        const next = all[(all.indexOf(tabButton) + step + all.length) % all.length];'//nl// &
-   '        next.click();'//nl// &
+   '        next.click();'//nl
+
+   character(*), parameter :: part_28 = &
    '        next.focus();'//nl// &
    '      });'//nl// &
    "      $('tabs').append(tabButton);"//nl// &
@@ -2869,11 +2994,23 @@ module psalm_board_text
    "    turnTo('panel');"//nl// &
    '  }'//nl// &
    ''//nl// &
+   '  /** The words of what is on the page from the beginning. */'//nl// &
+   '  function name() {'//nl// &
+   '    for (const [id, { text, title, label }] of Object.entries(board.words.page)) {'//nl// &
+   '      const element = $(id);'//nl// &
+   '      if (text) element.textContent = text;'//nl// &
+   '      if (title) element.title = title;'//nl// &
+   "      if (label) element.setAttribute('aria-label', label);"//nl// &
+   '    }'//nl// &
+   '  }'//nl// &
+   ''//nl// &
    '  function begin() {'//nl// &
+   '    name();'//nl// &
    '    listTabs();'//nl// &
    "    $('title').addEventListener('change', () => board.edit((sketch) => { sketch.title = $('title').value.trim().slice(0"// &
-   ", 72) || 'A LINKAGE'; }));"//nl// &
-   "    $('grid').append(...[0.1, 0.5, 1, 2, 5, 10, 20, 50].map((v) => new Option(v, v)));"//nl// &
+   ", 72) || board.words.title; }));"//nl// &
+   "    $('grid').append(new Option(words.gridAuto, 'auto'), new Option(words.gridOff, '0'), ...[0.1, 0.5, 1, 2, 5, 10, 20,"// &
+   " 50].map((v) => new Option(v, v)));"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  return { begin, show, follow, choose, valueOf, make, svg, row, head, button, check, numberField, turnTo, get tab() { '// &
@@ -2893,9 +3030,7 @@ module psalm_board_text
    '  const $ = (id) => document.getElementById(id);'//nl// &
    '  let box, numbers, marks, list, back;'//nl// &
    '  let timer = 0;'//nl// &
-   "  let written = '';              // what the drawing was when it was written here"//nl
-
-   character(*), parameter :: part_27 = &
+   "  let written = '';              // what the drawing was when it was written here"//nl// &
    '  let mistake = null;            // of the text that is here: it is not on the board'//nl// &
    "  let aside = '';                // a text with a mistake, and the drawing has gone on"//nl// &
    '  let found = [];                // what the engine finds in the text `foundIn`'//nl// &
@@ -2958,7 +3093,9 @@ module psalm_board_text
    ''//nl// &
    '  /** Line numbers, marked lines, messages. */'//nl// &
    '  function show() {'//nl// &
-   '    number();'//nl// &
+   '    number();'//nl
+
+   character(*), parameter :: part_29 = &
    '    const all = faults(), { make } = board.panel;'//nl// &
    '    back.hidden = !aside;'//nl// &
    '    marks.replaceChildren(...all.slice(0, MOST_MARKS).filter((one) => one.line).map((one) => {'//nl// &
@@ -2999,9 +3136,7 @@ module psalm_board_text
    '    box.scrollTop = Math.max(0, (line - 4) * LINE);'//nl// &
    '    scroll();'//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_28 = &
+   ''//nl// &
    '  /** An item of a group, as text, in the data set. */'//nl// &
    '  function setItem(group, item, value) {'//nl// &
    '    board.take(board.text.changed(board.write(), group, item, value));'//nl// &
@@ -3065,7 +3200,9 @@ module psalm_board_text
    '= 2 && p.every(Number.isFinite)) ?'//nl// &
    '    { points: one.points, closed: Boolean(one.closed) } : null;'//nl// &
    ''//nl// &
-   '  /** Whether all changes are kept. */'//nl// &
+   '  /** Whether all changes are kept. */'//nl
+
+   character(*), parameter :: part_30 = &
    '  function kept() {'//nl// &
    '    if (timer) put();'//nl// &
    '    return works;'//nl// &
@@ -3109,9 +3246,7 @@ module psalm_board_text
    ''//nl// &
    '  async function share() {'//nl// &
    "    const { make, button } = board.panel, dialog = $('dialog'), field = make('input', { readonly: true, 'aria-label': w"// &
-   "ords.linkLabel, value: await link() });"//nl
-
-   character(*), parameter :: part_29 = &
+   "ords.linkLabel, value: await link() });"//nl// &
    '    const copy = button(words.copy, () => {'//nl// &
    '      field.select();'//nl// &
    "      navigator.clipboard.writeText(field.value).catch(() => document.execCommand('copy'));"//nl// &
@@ -3182,7 +3317,9 @@ module psalm_board_text
    '    const cards = board.examples.map((one) => {'//nl// &
    '      const sketch = board.text.parse(one.text);'//nl// &
    "      const card = make('button', { type: 'button', class: 'card', 'data-name': one.name, onclick: () => { dialog.close"// &
-   "(); board.load(one.text, one.name + '.nml'); board.store.keep(); } },"//nl// &
+   "(); board.load(one.text, one.name + '.nml'); board.store.keep(); } },"//nl
+
+   character(*), parameter :: part_31 = &
    "        picture(sketch), make('span', {}, one.title));"//nl// &
    '      return card;'//nl// &
    '    });'//nl// &
@@ -3228,9 +3365,7 @@ module psalm_board_text
    "  let timer = 0, since = 0, number = 0, asked = '';     // begin and number of the question that is open, its text"//nl// &
    '  let answer = null, fresh = false, parts = {};'//nl// &
    ''//nl// &
-   '  /** What the server says; an object with `error` if it says no. */'//nl
-
-   character(*), parameter :: part_30 = &
+   '  /** What the server says; an object with `error` if it says no. */'//nl// &
    "  async function ask(path, body, method = body === undefined ? 'GET' : 'POST') {"//nl// &
    '    try {'//nl// &
    "      const reply = await fetch(path, { method, body, headers: { 'X-Psalm-Token': meta.content, 'X-Psalm-Page': page },"// &
@@ -3243,14 +3378,16 @@ module psalm_board_text
    ''//nl// &
    '  function begin() {'//nl// &
    '    if (!served) return;'//nl// &
-   '    const { make, head, check, row } = board.panel;'//nl// &
+   '    const { make, head, check, row, button } = board.panel;'//nl// &
    "    const part = (name, ...inside) => { parts[name] = make('div', { class: name }, ...inside); return parts[name]; };"//nl// &
    "    const arrow = (name) => make('label', { class: 'tick ' + name }, check(words[name], true, (on) => { shown[name] = o"// &
    "n; board.view.draw(); }), words[name]);"//nl// &
    "    $('engine').append(part('state'), part('result', head(words.here), part('here'), row(words.shownArrows, arrow('velo"// &
    "cities'), arrow('forces')),"//nl// &
    "      head(words.assumptions), part('loads'), part('angles'), head(words.summary), part('summary'), part('proof'), part"// &
-   "('ways'), part('found')));"//nl// &
+   "('ways'), part('found'), head(words.exports), part('files', make('div', { class: 'list' }, ...Object.entries(words.expo"// &
+   "rtNames)"//nl// &
+   '      .map(([ending, text]) => button(text, () => save(ending)))))));'//nl// &
    '    parts.result.hidden = true;'//nl// &
    "    parts.state.setAttribute('role', 'status');"//nl// &
    '  }'//nl// &
@@ -3288,6 +3425,16 @@ module psalm_board_text
    '    board.source.findings(text, got.findings || []);'//nl// &
    '    report();'//nl// &
    '    board.view.draw();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** A picture of the case, for other programs. */'//nl// &
+   '  async function save(ending) {'//nl// &
+   "    const got = await ask('files', board.write());"//nl// &
+   "    if (got.files) board.download(got.files[ending], board.state.file.replace(/\.\w+$/, '') + ending);"//nl
+
+   character(*), parameter :: part_32 = &
+   "    else say(got.error || (got.findings || []).filter((one) => one.level === 'error').map((one) => words.line(one.line,"// &
+   " one.text)).join('; '), true);"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** The largest of what is drawn as arrows, and what counts along the motion. */'//nl// &
@@ -3346,9 +3493,7 @@ module psalm_board_text
    '    if (loaded) for (const [x, y, fx, fy] of motion.forces.loads.map((one) => one.map((v) => mixed(v, loaded))))'//nl// &
    "      list.push({ from: [x, y], x: fx, y: fy, most: answer.strongest, kind: 'load', strong: true });"//nl// &
    '    return list.filter((one) => one.x !== null && one.y !== null && one.most > 0);'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_31 = &
+   '  }'//nl// &
    ''//nl// &
    '  function draw(g, X, Y, pens) {'//nl// &
    '    if (!served) return;'//nl// &
@@ -3404,7 +3549,9 @@ module psalm_board_text
    'max(...at[0]) - Math.min(...at[0]) + Math.max(...at[1]) - Math.min(...at[1]));'//nl// &
    "    for (const [kind, alpha] of [['worst', 0.14], ['square', 0.24]]) {"//nl// &
    '      g.fillStyle = pens.accent;'//nl// &
-   '      g.globalAlpha = alpha;'//nl// &
+   '      g.globalAlpha = alpha;'//nl
+
+   character(*), parameter :: part_33 = &
    '      const shape = new Path2D();'//nl// &
    '      for (let i = 0; i + 1 < n + (ring ? 1 : 0); i++) {'//nl// &
    '        const k = (i + 1) % n, corners = [];'//nl// &
@@ -3456,18 +3603,16 @@ module psalm_board_text
    "    while (box.children.length < rows.length) box.append(make('div', { class: 'fact' }, make('span'), make('b')));"//nl// &
    '    rows.forEach(([name, value], i) => [name, value].forEach((text, k) => { const one = box.children[i].children[k]; if'// &
    ' (one.textContent !== text) one.textContent = text; }));'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_32 = &
+   '  }'//nl// &
    ''//nl// &
    '  // ---- the panel ---------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
    ''//nl// &
    '  /** What the engine is doing, or what is wrong. */'//nl// &
-   "  function say(text = '') {"//nl// &
+   "  function say(text = '', now = false) {"//nl// &
    '    const wait = board.state.sketch.joints.length ? words.waiting : words.nothingYet;'//nl// &
-   "    parts.state.textContent = fresh ? '' : text || wait;"//nl// &
-   "    parts.state.classList.toggle('wrong', Boolean(text) && !fresh);"//nl// &
+   "    parts.state.textContent = fresh && !now ? '' : text || wait;"//nl// &
+   "    parts.state.classList.toggle('wrong', Boolean(text) && (now || !fresh));"//nl// &
    "    parts.result.classList.toggle('old', !fresh);"//nl// &
    '    if (!answer) parts.result.hidden = true;'//nl// &
    '  }'//nl// &
@@ -3524,7 +3669,9 @@ module psalm_board_text
    '    const k = board.state.sketch.drives.findIndex((d) => !d.ratio), unit = turning() ? board.motion.RADIAN : 1;'//nl// &
    '    const value = (i) => sweep.states[i].inputs[k] / unit, n = sweep.states.length, low = Math.min(value(0), value(n - '// &
    '1)), high = Math.max(value(0), value(n - 1));'//nl// &
-   '    if (!(high > low)) return;'//nl// &
+   '    if (!(high > low)) return;'//nl
+
+   character(*), parameter :: part_34 = &
    "    const strip = make('div', { class: 'proven', title: words.strip }), x = (v) => 100 * Math.min(1, Math.max(0, (v - l"// &
    "ow) / (high - low)));"//nl// &
    '    const shifts = turning() ? [-360, 0, 360] : [0], put = (from, to, kind, title) => {'//nl// &
@@ -3583,9 +3730,7 @@ module psalm_board_text
    '    });'//nl// &
    "    parts.cursor = svg('line', { y1: 4, y2: high - 4, class: 'cursor' });"//nl// &
    '    parts.cursorAt = X;'//nl// &
-   '    picture.append(parts.cursor);'//nl
-
-   character(*), parameter :: part_33 = &
+   '    picture.append(parts.cursor);'//nl// &
    "    parts.angles.append(head(words.transmission), picture, make('p', {}, angle.map((one) => one.name).join('; ')));"//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -3653,7 +3798,9 @@ module psalm_board_text
    ' the sketch.'//nl// &
    "'use strict';"//nl// &
    ''//nl// &
-   'board.search = (() => {'//nl// &
+   'board.search = (() => {'//nl
+
+   character(*), parameter :: part_35 = &
    '  const POINTS = 24, MOST_POINTS = 200;  // of a curve that is drawn'//nl// &
    '  const NEAR = 0.12;                     // of its size: how far apart the ends of a closed one may be'//nl// &
    '  const EVERY = 400;                     // milliseconds between two questions'//nl// &
@@ -3661,6 +3808,7 @@ module psalm_board_text
    '  const $ = (id) => document.getElementById(id);'//nl// &
    "  const parts = {}, chosen = new Set(['pins4', 'slide4', 'pins6']);"//nl// &
    "  let cards = [], running = '', round = 0, angle = 0, count = POINTS, stopping = false;"//nl// &
+   '  let low = 0, high = 0;                 // bounds of lengths; 0: the usual ones'//nl// &
    "  let text = '';                         // the data set of the last search, as psalm reads it"//nl// &
    ''//nl// &
    '  // ---- the curve ---------------------------------------------------------------------------------------------------'// &
@@ -3707,9 +3855,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  function want(curve) {'//nl// &
-   '    board.begin();'//nl
-
-   character(*), parameter :: part_34 = &
+   '    board.begin();'//nl// &
    '    board.state.wanted = curve;'//nl// &
    '    board.end();'//nl// &
    '    forget();'//nl// &
@@ -3767,7 +3913,9 @@ module psalm_board_text
    '      g.strokeStyle = g.fillStyle = pens.accent;'//nl// &
    '      g.lineWidth = 2;'//nl// &
    '      g.setLineDash([7, 5]);'//nl// &
-   '      g.beginPath();'//nl// &
+   '      g.beginPath();'//nl
+
+   character(*), parameter :: part_36 = &
    '      for (const [x, y] of points) g.lineTo(X(x), Y(y));'//nl// &
    '      if (closed) g.closePath();'//nl// &
    '      g.stroke();'//nl// &
@@ -3790,6 +3938,8 @@ module psalm_board_text
    "    parts.has = make('p');"//nl// &
    "    parts.told = make('p', { class: 'wrong', role: 'alert' });"//nl// &
    '    parts.clear = button(words.wantedClear, () => want(null));'//nl// &
+   '    parts.closed = check(words.wantedClosed, false, (on) => { const { wanted } = board.state; if (wanted) want({ points'// &
+   ': even(wanted.points, wanted.points.length, on), closed: on }); });'//nl// &
    "    parts.start = button(words.searchStart, start, { class: 'main', id: 'start-search' });"//nl// &
    "    parts.stop = button(words.searchStop, stop, { id: 'stop-search' });"//nl// &
    "    parts.save = button(words.searchSave, () => board.download(text, 'wanted.nml'), { hidden: true });"//nl// &
@@ -3798,9 +3948,10 @@ module psalm_board_text
    "    parts.found = make('div', { hidden: true }, head(words.sheet), make('p', {}, words.sheetHint), parts.sheet);"//nl// &
    "    const kinds = Object.entries(words.kindNames).map(([name, text]) => make('label', { class: 'tick' }, check(text, ch"// &
    "osen.has(name), (on) => { if (on) chosen.add(name); else chosen.delete(name); follow(); }), text));"//nl// &
-   "    $('search').append(head(words.wantedHead), parts.has, make('div', { class: 'list' }, button(words.wantedTool, () =>"// &
-   " { board.tools.choose('wanted'); board.view.canvas.scrollIntoView({ block: 'nearest' }); }),"//nl// &
-   '      button(words.wantedFile, () => parts.file.click()), parts.clear, parts.file),'//nl// &
+   "    $('search').append(head(words.wantedHead), parts.has, make('div', { class: 'list' }, button(words.tools.wanted[0], "// &
+   "() => { board.tools.choose('wanted'); board.view.canvas.scrollIntoView({ block: 'nearest' }); }),"//nl// &
+   "      button(words.wantedFile, () => parts.file.click()), parts.clear, parts.file, make('label', { class: 'tick' }, par"// &
+   "ts.closed, words.wantedClosed)),"//nl// &
    '    row(words.wantedPoints, numberField(words.wantedPoints, count, (value) => {'//nl// &
    '      if (!Number.isInteger(value) || value < 3 || value > MOST_POINTS) return false;'//nl// &
    '      count = value;'//nl// &
@@ -3808,8 +3959,11 @@ module psalm_board_text
    '      if (wanted) want({ points: even(wanted.points, count, wanted.closed), closed: wanted.closed });'//nl// &
    '      return true;'//nl// &
    "    })), parts.told, head(words.kinds), make('div', { class: 'list' }, ...kinds),"//nl// &
-   '    row(words.leastAngle, numberField(words.leastAngleLabel, angle, (value) => { if (value < 0 || value > 60) return fa'// &
-   'lse; angle = value; return true; })),'//nl// &
+   "    parts.mine = make('p'), row(words.lengths, ...[[words.lengthLow, (v) => { low = v; }], [words.lengthHigh, (v) => { "// &
+   "high = v; }]].map(([label, take]) =>"//nl// &
+   '      numberField(label, 0, (value) => { if (value < 0) return false; take(value); return true; }))), row(words.leastAn'// &
+   'gle, numberField(words.leastAngleLabel, angle, (value) => { if (value < 0 || value > 60) return false; angle = value; r'// &
+   'eturn true; })),'//nl// &
    "    make('div', { class: 'list' }, parts.start, parts.stop, parts.save), parts.doing, parts.found);"//nl// &
    '    follow();'//nl// &
    '  }'//nl// &
@@ -3818,14 +3972,37 @@ module psalm_board_text
    '    if (!board.engine.served) return;'//nl// &
    '    const { wanted } = board.state;'//nl// &
    '    parts.has.textContent = wanted ? words.wantedHas(wanted.points.length, wanted.closed) : words.wantedNone;'//nl// &
-   '    parts.clear.disabled = !wanted;'//nl// &
-   '    parts.start.disabled = !wanted || !chosen.size || Boolean(running);'//nl// &
+   '    parts.clear.disabled = parts.closed.disabled = !wanted;'//nl// &
+   '    parts.closed.checked = Boolean(wanted && wanted.closed);'//nl// &
+   "    parts.mine.textContent = !chosen.has('mine') ? '' : !ownPossible() ? words.mineNeeds : own() ? words.mineHint : wor"// &
+   "ds.mineSlides;"//nl// &
+   "    parts.start.disabled = (chosen.has('mine') && !ownPossible()) || !wanted || !chosen.size || Boolean(running);"//nl// &
    '    parts.stop.disabled = !running || stopping;'//nl// &
    '    parts.start.textContent = cards.length ? words.searchOn : words.searchStart;'//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_35 = &
+   ''//nl// &
+   '  /** Whether the sketch that is drawn can be varied. */'//nl// &
+   '  function ownPossible() {'//nl// &
+   '    const { sketch, messages } = board.state;'//nl// &
+   "    return !messages.length && board.free() === 1 && Boolean(sketch.outputs.length) && sketch.outputs[0].kind === 'poin"// &
+   "t';"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Dimensions of the sketch that vary: all but exact lengths, as psalm names them; nothing where they have no names.'// &
+   ' */'//nl// &
+   '  function own() {'//nl// &
+   '    const { links, lengths, slides, gears } = board.state.sketch, exact = (a, b) => lengths.some((l) => l.joints.includ'// &
+   'es(a) && l.joints.includes(b));'//nl// &
+   "    if (!lengths.length) return ['all'];"//nl// &
+   '    if (slides.length || gears.length) return null;'//nl// &
+   '    // a length across a plate holds the whole plate'//nl// &
+   '    const across = (joints) => lengths.some((l) => l.joints.every((name) => joints.slice(1).includes(name)));'//nl// &
+   "    return links.flatMap(({ joints: [a, b, ...more] }, i) => i === 0 ? [a, b, ...more].filter(Boolean).map((name) => 'p"// &
+   "lace ' + name) : across([a, b, ...more]) ? [] :"//nl// &
+   "      [...(exact(a, b) ? [] : [a + ' ' + b]), ...more.flatMap((c) => [...(exact(a, c) ? [] : [a + ' ' + c]), ...(exact("// &
+   "b, c) ? [] : ['angle ' + a + ' ' + b + ' ' + a + ' ' + c])])]);"//nl// &
+   '  }'//nl// &
+   ''//nl// &
    '  /** Of another curve nothing has been found yet. */'//nl// &
    '  function forget() {'//nl// &
    '    stop();'//nl// &
@@ -3841,7 +4018,9 @@ module psalm_board_text
    '    const { wanted } = board.state;'//nl// &
    "    parts.told.textContent = '';"//nl// &
    "    const got = await board.engine.ask('search', JSON.stringify({ points: wanted.points, closed: wanted.closed, kinds: "// &
-   "[...chosen], round, angle }));"//nl// &
+   "[...chosen], round, angle, low, high,"//nl// &
+   "      ...(chosen.has('mine') ? { case: board.write(), output: board.state.sketch.outputs[0].of[0], vary: own() || ['all"// &
+   "'] } : {}) }));"//nl// &
    '    if (got.error) { parts.told.textContent = got.error; return; }'//nl// &
    '    running = got.search;'//nl// &
    '    stopping = false;'//nl// &
@@ -3855,7 +4034,9 @@ module psalm_board_text
    '    if (running !== name) return;'//nl// &
    "    if (got.error) { parts.told.textContent = got.error; running = ''; follow(); return; }"//nl// &
    '    for (const one of got.events) {'//nl// &
-   '      if (one.doing) {'//nl// &
+   '      if (one.doing) {'//nl
+
+   character(*), parameter :: part_37 = &
    '        parts.doing.textContent = words.searching(words.kindNames[one.doing], one.round);'//nl// &
    '        text = one.text;'//nl// &
    '        parts.save.hidden = false;'//nl// &
@@ -3896,8 +4077,8 @@ module psalm_board_text
    '      const path = card.path[0].map((x, i) => [x, card.path[1][i]]).filter(([x, y]) => x !== null && y !== null);'//nl// &
    "      return make('button', { type: 'button', class: 'card', 'data-key': key, 'data-kind': card.kind, onclick: () => ch"// &
    "oose(card) }, board.store.picture(board.text.parse(card.text), path),"//nl// &
-   "        make('span', {}, card.kind), make('small', {}, words.error((100 * card.part).toPrecision(2) + ' %') + (card.ang"// &
-   "le === null ? '' : ', ' + words.angle(card.angle.toFixed(0)))));"//nl// &
+   "        make('span', {}, words.kindNames[card.kind] || card.kind), make('small', {}, words.error((100 * card.part).toPr"// &
+   "ecision(2) + ' %') + (card.angle === null ? '' : ', ' + words.angle(card.angle.toFixed(0)))));"//nl// &
    '    }));'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -3923,24 +4104,14 @@ module psalm_board_text
    '  const BAR_STEPS = 20;                  // places on a bar where a joint may be put'//nl// &
    '  const ANGLE = 15;                      // degrees between directions of a slide that is drawn'//nl// &
    '  const TOOLS = ['//nl// &
-   "    ['select', 'Select', 'v', 'M6 3l13 9-6 1.5-2.5 6z', 'Drag joints and links; drag the paper to move the view. Drop a"// &
-   " joint on another to join them.'],"//nl// &
-   "    ['link', 'Link', 'l', 'M6 18L18 6M6 18m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0M18 6m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0',"//nl// &
-   "      'Pull from joint to joint, or click both ends. A click on a link adds a joint to it; pulled off its line it makes"// &
-   " a plate.'],"//nl// &
-   "    ['pivot', 'Pivot', 'p', 'M12 8L5 19h14zM12 8m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0', 'Click a joint to pin it to the fra"// &
-   "me, or to free it; click the paper for a new frame joint.'],"//nl// &
-   "    ['slider', 'Slider', 's', 'M2 18h20M7 8h10v7H7zM2 5h20', 'Press on a joint and pull along the line that it is to sl"// &
-   "ide on.'],"//nl// &
-   "    ['drive', 'Drive', 'd', 'M5 14a7 7 0 1 1 3 4M5 14l-3-3M5 14l4-2', 'Click a crank\u2019s joint or a slider to drive "// &
-   "it; pull from joint to joint for a cylinder.'],"//nl// &
-   "    ['output', 'Output', 'o', 'M12 3l2.6 6 6.4.5-4.900 4.200 1.500 6.300-5.600-3.400-5.600 3.400 1.500-6.300L3 9.500l6."// &
-   "400-.5z', 'Click a joint for its path, a link for its angle.'],"//nl// &
-   "    ...(board.engine.served ? [['wanted', board.words.wantedTool, 'w', 'M4 15c2-9 8-12 11-8s-1 6-3 5 1-6 8-7', board.wo"// &
-   "rds.wantedHint]] : []),"//nl
-
-   character(*), parameter :: part_36 = &
-   "    ['delete', 'Delete', 'x', 'M6 6l12 12M18 6L6 18', 'Click what is to go.'],"//nl// &
+   "    ['select', 'v', 'M6 3l13 9-6 1.5-2.5 6z'],"//nl// &
+   "    ['link', 'l', 'M6 18L18 6M6 18m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0M18 6m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0'],"//nl// &
+   "    ['pivot', 'p', 'M12 8L5 19h14zM12 8m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0'],"//nl// &
+   "    ['slider', 's', 'M2 18h20M7 8h10v7H7zM2 5h20'],"//nl// &
+   "    ['drive', 'd', 'M5 14a7 7 0 1 1 3 4M5 14l-3-3M5 14l4-2'],"//nl// &
+   "    ['output', 'o', 'M12 3l2.6 6 6.4.5-4.900 4.200 1.500 6.300-5.600-3.400-5.600 3.400 1.500-6.300L3 9.500l6.400-.5z'],"//nl// &
+   "    ...(board.engine.served ? [['wanted', 'w', 'M4 15c2-9 8-12 11-8s-1 6-3 5 1-6 8-7']] : []),"//nl// &
+   "    ['delete', 'x', 'M6 6l12 12M18 6L6 18'],"//nl// &
    '  ];'//nl// &
    '  const pointers = new Map();'//nl// &
    '  let press = null;                      // what the pointer that is down does'//nl// &
@@ -3971,7 +4142,9 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** Pins a joint to the frame or frees it. */'//nl// &
-   '  function pivot(name) {'//nl// &
+   '  function pivot(name) {'//nl
+
+   character(*), parameter :: part_38 = &
    '    edit((sketch) => {'//nl// &
    '      const frame = sketch.links[0];'//nl// &
    '      if (frame.joints.includes(name)) frame.joints = frame.joints.filter((one) => one !== name);'//nl// &
@@ -4047,9 +4220,7 @@ module psalm_board_text
    ''//nl// &
    '  function output({ joint, link: name }) {'//nl// &
    "    const kind = joint ? 'point' : 'angle', of = joint || name;"//nl// &
-   '    edit((sketch) => {'//nl
-
-   character(*), parameter :: part_37 = &
+   '    edit((sketch) => {'//nl// &
    '      const there = sketch.outputs.findIndex((o) => o.kind === kind && o.of.join() === of);'//nl// &
    '      if (there >= 0) sketch.outputs.splice(there, 1);'//nl// &
    "      else if (joint || board.linkOf(name).joints.length > 1) sketch.outputs.push({ kind, of: [of], name: '' });"//nl// &
@@ -4081,7 +4252,9 @@ module psalm_board_text
    "    const hit = view.under(x, y, event.pointerType === 'touch', without), at = board.places();"//nl// &
    "    const place = hit && hit.joint ? at.get(hit.joint) : hit && hit.link && board.state.tool !== 'select' ? onLink(hit."// &
    "link, view.world(x, y)) : event.altKey ? view.world(x, y) : view.snap(view.world(x, y));"//nl// &
-   '    const there = jointAtPlace(place, without, at);'//nl// &
+   '    const there = jointAtPlace(place, without, at);'//nl
+
+   character(*), parameter :: part_39 = &
    "    return { x, y, hit: there && !(hit && hit.joint) ? { joint: there } : hit, place, touch: event.pointerType === 'tou"// &
    "ch' };"//nl// &
    '  }'//nl// &
@@ -4157,9 +4330,7 @@ module psalm_board_text
    "      if (event.pointerType !== 'touch') { state.hover = at.hit; view.canvas.style.cursor = cursor(at.hit); view.draw()"// &
    "; }"//nl// &
    '      return;'//nl// &
-   '    }'//nl
-
-   character(*), parameter :: part_38 = &
+   '    }'//nl// &
    '    if (!press.moved && Math.hypot(at.x - press.x, at.y - press.y) < (at.touch ? TOUCH_CLICK : CLICK)) return;'//nl// &
    "    if (!press.moved) { press.moved = true; if (press.tool === 'select' && !press.pan) board.begin(); }"//nl// &
    '    if (press.pan) {'//nl// &
@@ -4190,7 +4361,9 @@ module psalm_board_text
    '    const a = ANGLE * Math.round(Math.atan2(dy, dx) * 180 / Math.PI / ANGLE);'//nl// &
    '    return ((a % 180) + 180) % 180;'//nl// &
    '  };'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_40 = &
    '  function drag(at) {'//nl// &
    '    const { hit } = press.at;'//nl// &
    '    if (hit.joint) {'//nl// &
@@ -4268,9 +4441,7 @@ module psalm_board_text
    "    else if (tool === 'delete' && start.hit) board.remove(hit);"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function driveAt(hit, end, pulled) {'//nl
-
-   character(*), parameter :: part_39 = &
+   '  function driveAt(hit, end, pulled) {'//nl// &
    '    const { sketch } = board.state;'//nl// &
    "    if (pulled && hit.joint && end.joint && hit.joint !== end.joint) drive({ cylinder: hit.joint + ' ' + end.joint });"//nl// &
    '    else if (hit.cylinder || hit.slide) drive(hit);'//nl// &
@@ -4301,7 +4472,9 @@ module psalm_board_text
    '    view.draw();'//nl// &
    '  }'//nl// &
    ''//nl// &
-   "  const cursor = (hit) => board.state.tool !== 'select' ? 'crosshair' : hit ? 'grab' : 'default';"//nl// &
+   "  const cursor = (hit) => board.state.tool !== 'select' ? 'crosshair' : hit ? 'grab' : 'default';"//nl
+
+   character(*), parameter :: part_41 = &
    ''//nl// &
    '  // ---- buttons and keys --------------------------------------------------------------------------------------------'// &
    '-'//nl// &
@@ -4311,7 +4484,7 @@ module psalm_board_text
    '    board.state.pending = null;'//nl// &
    "    for (const button of $('tools').children) button.setAttribute('aria-pressed', String(button.dataset.tool === tool))"// &
    ";"//nl// &
-   "    $('hint').textContent = TOOLS.find(([name]) => name === tool)[4];"//nl// &
+   "    $('hint').textContent = board.words.tools[tool][1];"//nl// &
    '    view.canvas.style.cursor = cursor(null);'//nl// &
    '    view.draw();'//nl// &
    '  }'//nl// &
@@ -4345,7 +4518,7 @@ module psalm_board_text
    "      F1: () => board.help(), f: board.fit, '+': () => zoom(1.25), '=': () => zoom(1.25), '-': () => zoom(0.8),"//nl// &
    '    };'//nl// &
    '    const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };'//nl// &
-   '    const tool = TOOLS.find(([, , shortcut]) => shortcut === letter);'//nl// &
+   '    const tool = TOOLS.find(([, shortcut]) => shortcut === letter);'//nl// &
    "    if (event.key === ' ' && (own === 'BUTTON' || own === 'INPUT')) return;"//nl// &
    "    if (arrows[event.key] && own === 'CANVAS') { event.preventDefault(); nudge(...arrows[event.key].map((v) => v * (eve"// &
    "nt.shiftKey ? 5 : 1))); return; }"//nl// &
@@ -4359,7 +4532,8 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  function begin() {'//nl// &
-   '    for (const [name, label, shortcut, path] of TOOLS) {'//nl// &
+   '    for (const [name, shortcut, path] of TOOLS) {'//nl// &
+   '      const [label] = board.words.tools[name];'//nl// &
    "      const button = document.createElement('button');"//nl// &
    "      button.type = 'button';"//nl// &
    '      button.dataset.tool = name;'//nl// &
@@ -4382,9 +4556,7 @@ module psalm_board_text
    '      const box = canvas.getBoundingClientRect();'//nl// &
    '      view.zoom(1.0015 ** -event.deltaY, event.clientX - box.left, event.clientY - box.top);'//nl// &
    '      view.draw();'//nl// &
-   '    }, { passive: false });'//nl
-
-   character(*), parameter :: part_40 = &
+   '    }, { passive: false });'//nl// &
    "    canvas.addEventListener('dragover', (event) => event.preventDefault());"//nl// &
    "    canvas.addEventListener('drop', (event) => { event.preventDefault(); if (event.dataTransfer.files[0]) board.open(ev"// &
    "ent.dataTransfer.files[0]); });"//nl// &
@@ -4419,7 +4591,9 @@ module psalm_board_text
    "  const blank = () => ({ title: board.words.title, joints: [], links: [{ name: 'frame', joints: [] }], slides: [], gear"// &
    "s: [], lengths: [], kover: false,"//nl// &
    '    drives: [], outputs: [], ikin: 15, crnki: 0, delt: [], keep: {} });'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_42 = &
    '  const state = {'//nl// &
    "    sketch: blank(), source: '', file: 'sketch.nml', dirty: false,"//nl// &
    "    book: '',                   // where the book is, seen from this page; empty: not known"//nl// &
@@ -4492,9 +4666,7 @@ module psalm_board_text
    '    board.store.keep();'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Exact lengths may hold the joints elsewhere than they were drawn: from there on they are drawn where they are. */'//nl
-
-   character(*), parameter :: part_41 = &
+   '  /** Exact lengths may hold the joints elsewhere than they were drawn: from there on they are drawn where they are. */'//nl// &
    '  function settle() {'//nl// &
    '    const { mech, start } = state.motion;'//nl// &
    '    if (!start || !state.sketch.lengths.length) return;'//nl// &
@@ -4526,7 +4698,9 @@ module psalm_board_text
    '    let worst = Infinity;'//nl// &
    '    const largest = Math.max(...lengths.map((l) => l.value));'//nl// &
    '    for (let round = 0; round < 60; round++) {'//nl// &
-   '      const rows = [], right = [];'//nl// &
+   '      const rows = [], right = [];'//nl
+
+   character(*), parameter :: part_43 = &
    '      for (const { joints: [a, b], value } of lengths) {'//nl// &
    '        const i = joints.findIndex((j) => j.name === a), k = joints.findIndex((j) => j.name === b);'//nl// &
    '        const dx = joints[k].x - joints[i].x, dy = joints[k].y - joints[i].y, d = Math.hypot(dx, dy) || 1e-9;'//nl// &
@@ -4600,9 +4774,7 @@ module psalm_board_text
    '    const link = (name) => s.links.some((one) => one.name === name), joint = (name) => s.joints.some((one) => one.name '// &
    '=== name);'//nl// &
    '    s.slides = s.slides.filter((one) => one.links.every(link));'//nl// &
-   '    s.links = s.links.filter((one, i) => i === 0 || one.joints.length > 1 || slides(one.name));'//nl
-
-   character(*), parameter :: part_42 = &
+   '    s.links = s.links.filter((one, i) => i === 0 || one.joints.length > 1 || slides(one.name));'//nl// &
    '    s.joints = s.joints.filter((one) => s.links.some((l) => l.joints.includes(one.name)));'//nl// &
    '    for (const one of s.links) one.joints = one.joints.filter(joint);'//nl// &
    '    const shared = (names) => s.links.some((l) => names.every((name) => l.joints.includes(name)));'//nl// &
@@ -4635,7 +4807,9 @@ module psalm_board_text
    ''//nl// &
    '  // ---- motion ------------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_44 = &
    '  /** What follows from the sketch; `rough` while something is dragged. */'//nl// &
    '  function refresh(rough = false) {'//nl// &
    '    const { sketch } = state;'//nl// &
@@ -4710,9 +4884,7 @@ module psalm_board_text
    '    return { states, home, ring, places: states.map((one) => solver.joints(mech, one.pose)) };'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** The last states before a dead point, nearer and nearer. */'//nl
-
-   character(*), parameter :: part_43 = &
+   '  /** The last states before a dead point, nearer and nearer. */'//nl// &
    '  function edge(mech, from, target) {'//nl// &
    '    const list = [];'//nl// &
    '    let now = from, part = 0.5;'//nl// &
@@ -4742,7 +4914,9 @@ module psalm_board_text
    'length < b.joints.length || b === sketch.links[0] ? a : b;'//nl// &
    '    let { x, y } = slide, u = [Math.cos(slide.angle * solver.RADIAN), Math.sin(slide.angle * solver.RADIAN)];'//nl// &
    '    if (live) {'//nl// &
-   '      const row = m.mech.slides[i], at = (link, p) => {'//nl// &
+   '      const row = m.mech.slides[i], at = (link, p) => {'//nl
+
+   character(*), parameter :: part_45 = &
    '        const phi = live.pose[3 * link + 2], c = Math.cos(phi), s = Math.sin(phi);'//nl// &
    '        return [live.pose[3 * link] + c * p[0] - s * p[1], live.pose[3 * link + 1] + s * p[0] + c * p[1]];'//nl// &
    '      };'//nl// &
@@ -4794,8 +4968,8 @@ module psalm_board_text
    ''//nl// &
    '  function play(on = !state.playing) {'//nl// &
    '    state.playing = on && Boolean(state.motion.sweep) && state.motion.sweep.states.length > 1;'//nl// &
-   "    $('play').textContent = state.playing ? 'Pause' : 'Play';"//nl// &
-   "    $('play').setAttribute('aria-label', state.playing ? 'pause' : 'play');"//nl// &
+   "    $('play').textContent = state.playing ? board.words.pause : board.words.play;"//nl// &
+   "    $('play').setAttribute('aria-label', state.playing ? board.words.pauseLabel : board.words.playLabel);"//nl// &
    "    $('play').setAttribute('aria-pressed', String(state.playing));"//nl// &
    '    if (!state.playing) return;'//nl// &
    '    let last = 0;'//nl// &
@@ -4814,9 +4988,7 @@ module psalm_board_text
    ''//nl// &
    '  const pause = () => { if (state.playing) play(false); };'//nl// &
    ''//nl// &
-   '  /** Every position of the data set: inputs, whether it closes, joints, outputs; as psalm has it in CASE.csv. */'//nl
-
-   character(*), parameter :: part_44 = &
+   '  /** Every position of the data set: inputs, whether it closes, joints, outputs; as psalm has it in CASE.csv. */'//nl// &
    '  function table() {'//nl// &
    '    const { mech, start } = state.motion;'//nl// &
    '    if (!start) return [];'//nl// &
@@ -4847,7 +5019,9 @@ module psalm_board_text
    '    if (draft || state.sketch.joints.length || state.wanted) remember(snapshot());'//nl// &
    '    Object.assign(state, other, { selection: null, pending: null, dirty: false });'//nl// &
    '    refresh();'//nl// &
-   '    fit();'//nl// &
+   '    fit();'//nl
+
+   character(*), parameter :: part_46 = &
    '  }'//nl// &
    ''//nl// &
    '  /** The sketch of a text, in the same view; throws a Mistake. */'//nl// &
@@ -4923,9 +5097,7 @@ module psalm_board_text
    '    board.store.begin();'//nl// &
    '    for (const part of parts) part.begin();'//nl// &
    '    new ResizeObserver(() => { view.resize(); view.draw(); }).observe(view.canvas);'//nl// &
-   "    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { view.resize(); view.draw(); });"//nl
-
-   character(*), parameter :: part_45 = &
+   "    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { view.resize(); view.draw(); });"//nl// &
    "    addEventListener('beforeunload', (event) => { if (state.dirty && !board.store.kept()) event.preventDefault(); });"//nl// &
    "    addEventListener('hashchange', () => { const words = asked(); if (words) present(words); });"//nl// &
    "    const given = asked() || JSON.parse($('data').textContent);"//nl// &
@@ -4954,7 +5126,9 @@ module psalm_board_text
    ''//nl// &
    '  function wrong(words) {'//nl// &
    '    state.messages = [{ text: words, joints: [], links: [] }];'//nl// &
-   '    board.panel.show();'//nl// &
+   '    board.panel.show();'//nl
+
+   character(*), parameter :: part_47 = &
    '  }'//nl// &
    ''//nl// &
    '  Object.assign(board, { state, edit, begin, touch, end, undo: () => undo(), redo: () => undo(future, past), relax, ren'// &
@@ -4979,6 +5153,6 @@ contains
              part_16//part_17//part_18//part_19//part_20//part_21//part_22//part_23// &
              part_24//part_25//part_26//part_27//part_28//part_29//part_30//part_31// &
              part_32//part_33//part_34//part_35//part_36//part_37//part_38//part_39// &
-             part_40//part_41//part_42//part_43//part_44//part_45
+             part_40//part_41//part_42//part_43//part_44//part_45//part_46//part_47
    end function board_text
 end module psalm_board_text
