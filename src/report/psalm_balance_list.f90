@@ -198,8 +198,8 @@ contains
       type(outcome_t), intent(in) :: outcome
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
-      character(15) :: columns(size(outcome%weights), 6)
-      logical :: discs, bodies
+      character(15) :: columns(size(outcome%weights), 7)
+      logical :: discs, bodies, raised
       integer :: k
 
       associate (of => outcome%weights)
@@ -209,17 +209,21 @@ contains
          columns(:, 4) = figures_of(named, of%radius)
          columns(:, 5) = figures_of(named, of%thickness)
          columns(:, 6) = figures_of(named, of%inertia, all_count=.true.)
+         columns(:, 7) = figures_of(named, of%height)
       end associate
       discs = any(outcome%weights%thickness > 0.0_wp)
       bodies = any(outcome%weights%inertia > 0.0_wp) .and. .not. discs
+      raised = any(abs(outcome%weights%height) > 0.0_wp)
       line = ' WEIGHT ON                      MASS       DISTANCE          ANGLE'
       if (discs) line = line//'         RADIUS      THICKNESS'
       if (bodies) line = line//'   OWN INERTIA'
+      if (raised) line = line//'         HEIGHT'
       call text%add(line)
       do k = 1, size(outcome%weights)
          line = ' '//padded(outcome%weights(k)%link)//in_a_row(columns(k, :3))
          if (discs) line = line//in_a_row(columns(k, 4:5))
          if (bodies) line = line//columns(k, 6)
+         if (raised) line = line//columns(k, 7)
          call text%add(line)
       end do
       if (size(outcome%weights) == 0) call text%add(' NO WEIGHT AT ALL')
@@ -231,16 +235,19 @@ contains
       type(outcome_t), intent(in) :: outcome
       type(text_t), intent(inout) :: text
       character(15) :: values(size(study%channels), 4)
-      integer :: k
+      integer :: k, last
 
+      last = size(values, 1) - merge(1, 0, study%tilts)
       associate (before => study%before, after => outcome%loads)
          ! forces of the joints have one unit and one number of decimals
          do k = 1, size(values, 1)
             if (k > channel_torque) exit
             values(k, :) = figures_of(named, [before(k)%rms, after(k)%rms, before(k)%peak, after(k)%peak])
          end do
-         values(k:, :) = reshape(figures_of(named, [before(k:)%rms, after(k:)%rms, before(k:)%peak, after(k:)%peak]), &
-                                 [size(values, 1) - k + 1, size(values, 2)])
+         values(k:last, :) = reshape(figures_of(named, [before(k:last)%rms, after(k:last)%rms, before(k:last)%peak, &
+                                                        after(k:last)%peak]), [last - k + 1, size(values, 2)])
+         if (study%tilts) values(last + 1, :) = figures_of(named, [before(last + 1)%rms, after(last + 1)%rms, &
+                                                                   before(last + 1)%peak, after(last + 1)%peak])
       end associate
       call text%add(' LOADS                    RMS BEFORE          AFTER    PEAK BEFORE          AFTER')
       do k = 1, size(study%channels)

@@ -178,6 +178,7 @@ contains
       call table%add('inertia', [(list(of(k))%of%weights(at(k))%inertia, k=1, size(of))], 'kg m^2')
       call table%add('radius', [(list(of(k))%of%weights(at(k))%radius, k=1, size(of))], 'length')
       call table%add('thickness', [(list(of(k))%of%weights(at(k))%thickness, k=1, size(of))], 'length')
+      if (study%tilts) call table%add('height', [(list(of(k))%of%weights(at(k))%height, k=1, size(of))], 'length')
       call tables%put(table)
 
       table = table_of('without_weight', 'a row for each choice of weights and link of a set that carries none', &
@@ -264,6 +265,7 @@ contains
       case default
          associate (name => study%channels(channel)%name)
             load = 'joint '//name(index(name, ' ') + 1:)
+            if (is_tilt(study, channel)) load = 'out_of_plane_moment'
          end associate
       end select
    end function load_of
@@ -275,7 +277,16 @@ contains
 
       unit = 'N'
       if (channel == channel_moment .or. (channel == channel_torque .and. .not. study%sliding)) unit = 'N m'
+      if (is_tilt(study, channel)) unit = 'N m'
    end function unit_of
+
+   !> True of the moment out of the plane.
+   pure logical function is_tilt(study, channel)
+      type(balance_study_t), intent(in) :: study
+      integer, intent(in) :: channel
+
+      is_tilt = study%tilts .and. channel == size(study%channels)
+   end function is_tilt
 
    !> What the linkage does to its frame, drive and joints, before and with each choice of weights.
    subroutine put_loads(study, list, tables)

@@ -52,6 +52,7 @@ module psalm_balance_study
       real(wp) :: inertia = 0.0_wp                 !! about its centre, kg m2
       real(wp) :: place(2) = 0.0_wp                !! of its centre from the reference of its link, m
       real(wp) :: radius = 0.0_wp, thickness = 0.0_wp !! of a disc, user's length
+      real(wp) :: height = 0.0_wp                  !! above the plane of the linkage, user's length
    end type weight_t
 
    !> Weights and what they do.
@@ -109,6 +110,8 @@ module psalm_balance_study
       type(front_point_t), allocatable :: budgets(:) !! least force for a mass
       type(front_point_t), allocatable :: front(:)
       logical :: sliding = .false.                 !! the drive is a force
+      logical :: tilts = .false.                   !! there are heights: the last channel is the moment out of the plane
+      real(wp), allocatable :: height(:)           !! by body: of a weight, m
    contains
       procedure :: take_weights
       procedure :: chosen_outcome
@@ -128,6 +131,7 @@ contains
       type(force_model_t) :: model
       type(location_t) :: location
       character(*), parameter :: without = 'no joint has clearance: give &CLEAR'
+      character(*), parameter :: in_plane = 'all masses are in the plane of the linkage: give heights, MZ of &MASSES or WZ'
       integer, allocatable :: taken(:)
       integer :: k, state
 
@@ -138,6 +142,10 @@ contains
       end if
       call make_force_model(set, mechanism, dimensions, model, unused)
       if (unused%failed()) return                  ! reported elsewhere
+      if (.not. (set%masses%has_heights .or. group%raised)) then
+         if (group%tilt_tolerance > 0.0_wp) call set%origins%error(findings, 'BALANC', 'TOLQ', in_plane)
+         if (group%most_tilt > 0.0_wp) call set%origins%error(findings, 'BALANC', 'MAXQ', in_plane)
+      end if
       allocate (taken(size(group%places)), source=0)
       do k = 1, size(group%places)
          call location_of_place(mechanism, dimensions, model%reference, group%places(k), location, state)
@@ -253,6 +261,7 @@ contains
       call analyse_forces(problem, model, set%pace(), set%change_of_pace(), motion%closed, motion%input, table)
       study%failure = findloc([(table%known(k), k=1, size(motion%input))], .false., dim=1)
       study%sliding = problem%mechanism%sliding_input
+      study%tilts = set%masses%has_heights .or. group%raised
       call name_bodies(problem%mechanism, study)
       call order_by_pins(problem%mechanism, pins)
       study%adrift = pack([(b, b=1, size(pins%adrift))], pins%adrift)
@@ -329,6 +338,7 @@ contains
       integer :: b, k, state, next
 
       call find_lines(set, mechanism, dimensions, model, study)
+      allocate (study%height(size(model%reference)), source=0.0_wp)
       allocate (anchor(2, size(model%reference)), source=0.0_wp)
       do b = body_frame + 1, size(model%reference)
          if (pins%anchor(b) == 0) cycle
@@ -364,6 +374,7 @@ contains
          integer, intent(in) :: body, entry
 
          region%link = body
+         study%height(body) = group%height(entry)*model%metre
          region%reach = group%reach(entry)*model%metre
          region%most = group%most(entry)
          region%radius = [group%radius_low(entry), group%radius_high(entry)]*model%metre
@@ -417,7 +428,8 @@ contains
       allocate (bare%loads(0), bare%springs(0))
       call analyse_forces(problem, bare, set%pace(), set%change_of_pace(), motion%closed, motion%input, shaking)
       call loads_of_unit_masses(problem, model, set%pace(), set%change_of_pace(), inertia)
-      allocate (study%channels(first_joint_channel - 1 + size(problem%mechanism%joints)))
+      allocate (study%channels(first_joint_channel - 1 + size(problem%mechanism%joints) + merge(1, 0, study%tilts)))
+      if (study%tilts) study%channels(size(study%channels)) = tilting_channel()
       study%channels(channel_force) = channel_of('SHAKING FORCE', shaking%value, inertia, [column_fx, column_fy])
       study%channels(channel_moment) = channel_of('SHAKING MOMENT', moments(shaking%value), moments_of_masses(), [1])
       if (any(abs(model%gravity) > 0.0_wp)) then
@@ -450,6 +462,25 @@ contains
             channel%slope(:, :, :, body) = about_anchor(unit_values(:, which, :, body), anchor(:, body))
          end do
       end function channel_of
+
+      !> The moment out of the plane, of inertia alone: about x and about y.
+      type(channel_t) function tilting_channel() result(channel)
+         real(wp) :: raised(size(inertia, 1), 2, size(inertia, 3))
+         integer :: body, k
+
+         channel%name = 'OUT-OF-PLANE MOMENT'
+         allocate (channel%bare(size(inertia, 1), 2), source=0.0_wp)
+         allocate (channel%slope(size(inertia, 1), 2, parameters_of_weight, size(inertia, 4)))
+         do body = 1, size(inertia, 4)
+            ! a force of an element at the height z has the moments -z F_y and z F_x
+            raised(:, 1, :) = -inertia(:, column_fy, :, body)
+            raised(:, 2, :) = inertia(:, column_fx, :, body)
+            do k = 1, size(model%tilt, 1)
+               channel%bare = channel%bare + model%tilt(k, body)*raised(:, :, k)
+            end do
+            channel%slope(:, :, :, body) = study%height(body)*about_anchor(raised, anchor(:, body))
+         end do
+      end function tilting_channel
 
       !> The shaking moment as kalm lists it: about MOMX, MOMY, with the drive's reaction or without.
       pure function moments(value) result(moment)
@@ -667,6 +698,7 @@ contains
          weight%body = b
          weight%link = trim(study%names(b))
          weight%mass = added(weight_mass, b)
+         weight%height = study%height(b)/model%metre
          centre = added(weight_px:weight_py, b)/weight%mass
          weight%inertia = max(0.0_wp, added(weight_inertia, b) - weight%mass*sum(centre**2))
          if (weight%inertia <= 1.0e-12_wp*added(weight_inertia, b)) weight%inertia = 0.0_wp
@@ -717,6 +749,8 @@ contains
          if (group%tolerance(k) > 0.0_wp) call count_in(k, group%tolerance(k))
          if (group%most_load(k) > 0.0_wp) call limit(k, group%most_load(k))
       end do
+      if (group%tilt_tolerance > 0.0_wp) call count_in(size(study%channels), group%tilt_tolerance)
+      if (group%most_tilt > 0.0_wp) call limit(size(study%channels), group%most_tilt)
       do k = 1, size(group%joints)
          associate (channel => first_joint_channel - 1 + joint_at(mechanism, group%joints(k)))
             if (group%joint_tolerance(k) > 0.0_wp) call count_in(channel, group%joint_tolerance(k))
