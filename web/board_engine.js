@@ -31,7 +31,7 @@ board.engine = (() => {
     const arrow = (name) => make('label', { class: 'tick ' + name }, check(words[name], true, (on) => { shown[name] = on; board.view.draw(); }), words[name]);
     $('engine').append(part('state'), part('result', head(words.here), part('here'), row(words.shownArrows, arrow('velocities'), arrow('forces')),
       head(words.assumptions), part('loads'), part('angles'), head(words.summary), part('summary'), part('proof'), part('ways'), part('found'), head(words.exports), part('files', make('div', { class: 'list' }, ...Object.entries(words.exportNames)
-      .map(([ending, text]) => button(text, () => save(ending)))))));
+      .map(([ending, text]) => button(text, () => save(ending))))), board.study.part()));
     parts.result.hidden = true;
     parts.state.setAttribute('role', 'status');
   }
@@ -41,6 +41,7 @@ board.engine = (() => {
   /** After a change: what was found holds no longer, unless the text is the same. */
   function follow(rough) {
     if (!served) return;
+    if (!rough) board.study.follow();
     const text = textNow();
     fresh = Boolean(answer) && answer.text === text && !board.source.mistaken;
     if (fresh) { if (!rough) report(); return; }

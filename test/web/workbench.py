@@ -502,6 +502,47 @@ def test_results(server, browser):
     bench.context.close()
 
 
+def test_studies(server, browser, shots):
+    """What the groups of a case ask for: counterweights as muscle finds them, and a search that is stopped."""
+    bench = Bench(browser, server.url)
+    page = bench.page
+    name = os.path.join(DATA, "muscle", "thesis_ten_bar.nml")
+    bench.ask("board.load(%s, 'ten_bar.nml')" % json.dumps(read(name)))
+    page.click("#tab-engine")
+    bench.until("board.engine.answer")
+    page.select_option('[aria-label="Studies"]', "balance")
+    page.click("#run-study")
+    bench.until("!document.querySelector('.listing').hidden")
+    code, listing, errors = run(os.path.join(picture_tools.programs, "muscle"), "--quiet", name, cwd=os.getcwd())
+    shown = page.text_content(".listing")
+    lines = [line for line in listing.split("\n") if line.strip()]
+    check("studies: counterweights, the listing of muscle", code in (0, 1) and len(lines) > 30 and all(line.strip() in shown for line in lines), errors)
+    before = bench.ask("board.write()")
+    page.click(".study .card")
+    check("studies: the linkage with its weights is on the board", bench.ask("board.write()") != before and "it moves" in bench.chip() and "MASSES" in bench.ask("board.write()"))
+    bench.until("board.engine.answer")
+    if shots:
+        page.evaluate("document.querySelector('.study').scrollIntoView()")
+        page.screenshot(path=os.path.join(shots, "bench_study.png"))
+    search = re.sub(r"NSTART=\d+", "NSTART=1000000", read(os.path.join(DATA, "types", "similar_path.nml")))
+    bench.ask("board.load(%s, 'path.nml')" % json.dumps(search))
+    page.select_option('[aria-label="Studies"]', "synthesis")
+    page.click("#run-study")
+    bench.until("document.querySelector('.study [role=status]').textContent.includes('1000000')")
+    page.click("#stop-study")
+    bench.until("!board.study.running")
+    check("studies: a search that is stopped has what it found", len(page.query_selector_all(".study .card")) == 1 and "best objective" in page.text_content(".listing"),
+          page.text_content(".study"))
+    page.select_option('[aria-label="Studies"]', "cams")
+    page.click("#run-study")
+    bench.until("document.querySelector('.study .wrong').textContent")
+    check("studies: what is missing is said", "&CAM" in page.text_content(".study .wrong"), page.text_content(".study .wrong"))
+    for verb in ("board", "picture", "x", None):
+        check("studies: the verb %s is refused" % verb, server.ask("/run", json.dumps({"verb": verb, "case": search}).encode())[0] == 400)
+    check("studies: no complaint", not bench.complaints, str(bench.complaints))
+    bench.context.close()
+
+
 def test_curves(server, browser):
     """Wanted curves from files."""
     write("curve.csv", "x;y\n" + "".join("%s;%s\n" % tuple(("%.3f" % v).replace(".", ",") for v in heart(k)) for k in range(40)))
@@ -664,6 +705,7 @@ def main(arguments):
                 timed(test_story, empty, browser, shots, 390, 844)
                 timed(test_text, server, browser)
                 timed(test_results, server, browser)
+                timed(test_studies, server, browser, shots)
                 timed(test_curves, empty, browser)
                 timed(test_file, browser)
                 timed(test_frames, browser)
