@@ -3495,7 +3495,9 @@ module psalm_board_text
    '  const shown = { velocities: true, forces: true };'//nl// &
    '  const PATIENT = 300;                   // milliseconds: an answer that takes longer is given up for one to a later te'// &
    'xt'//nl// &
-   "  let timer = 0, since = 0, number = 0, asked = '';     // begin and number of the question that is open, its text"//nl// &
+   '  const PROOF = 250;                     // after an answer'//nl// &
+   "  let timer = 0, later = 0, since = 0, number = 0, asked = '';     // begin and number of the question that is open, it"// &
+   "s text"//nl// &
    '  let answer = null, fresh = false, parts = {};'//nl// &
    ''//nl// &
    '  /** What the server says; an object with `error` if it says no. */'//nl// &
@@ -3540,10 +3542,10 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  async function look() {'//nl// &
-   '    timer = 0;'//nl// &
-   '    const text = textNow();'//nl
+   '    timer = 0;'//nl
 
    character(*), parameter :: part_33 = &
+   '    const text = textNow();'//nl// &
    "    if (!board.state.sketch.joints.length && !board.source.mistaken) { answer = null; asked = ''; say(); return; }"//nl// &
    '    if (text === asked) return;'//nl// &
    '    if (since && performance.now() - since < PATIENT) { timer = setTimeout(look, DRAGGING); return; }'//nl// &
@@ -3561,6 +3563,18 @@ module psalm_board_text
    '    board.source.findings(text, got.findings || []);'//nl// &
    '    report();'//nl// &
    '    board.view.draw();'//nl// &
+   '    clearTimeout(later);'//nl// &
+   '    later = setTimeout(prove, PROOF);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** What takes longer is asked for when the drawing rests. */'//nl// &
+   '  async function prove() {'//nl// &
+   '    if (!fresh || !answer.motion) return;'//nl// &
+   "    const { text } = answer, got = await ask('prove', text);"//nl// &
+   '    if (!fresh || answer.text !== text || got.stale) return;'//nl// &
+   "    Object.assign(answer, { proof: got.proof, assemblies: got.assemblies, unproven: got.error || '' });"//nl// &
+   '    proof();'//nl// &
+   '    ways();'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** A picture of the case, for other programs. */'//nl// &
@@ -3644,7 +3658,9 @@ module psalm_board_text
    '      g.beginPath();'//nl// &
    '      g.moveTo(u, v);'//nl// &
    '      g.lineTo(u + dx - head * ux, v + dy - head * uy);'//nl// &
-   '      g.stroke();'//nl// &
+   '      g.stroke();'//nl
+
+   character(*), parameter :: part_34 = &
    '      g.beginPath();'//nl// &
    '      g.moveTo(u + dx, v + dy);'//nl// &
    '      g.lineTo(u + dx - head * ux - 0.45 * head * uy, v + dy - head * uy + 0.45 * head * ux);'//nl// &
@@ -3657,9 +3673,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** Every fifth position of the outputs as the engine has them: points on the path. */'//nl// &
-   '  function drawPath(g, X, Y, pens) {'//nl
-
-   character(*), parameter :: part_34 = &
+   '  function drawPath(g, X, Y, pens) {'//nl// &
    '    const { joints } = answer.motion;'//nl// &
    '    g.fillStyle = pens.actual;'//nl// &
    '    for (const output of board.state.sketch.outputs) {'//nl// &
@@ -3755,7 +3769,9 @@ module psalm_board_text
    '    say();'//nl// &
    "    const { make, head } = board.panel, { motion, summary, findings } = answer, errors = (findings || []).filter((one) "// &
    "=> one.level === 'error');"//nl// &
-   '    parts.result.hidden = !motion;'//nl// &
+   '    parts.result.hidden = !motion;'//nl
+
+   character(*), parameter :: part_35 = &
    "    if (!motion && errors.length) { parts.state.textContent = words.line(errors[0].line, errors[0].text); parts.state.c"// &
    "lassList.add('wrong'); return; }"//nl// &
    "    const lines = (summary || '').split('\n').slice(1).map((line) => /^ {2}(\S.*?)(?: {2,}(.*))?$/.exec(line)).filter(B"// &
@@ -3772,9 +3788,7 @@ module psalm_board_text
    '    ways();'//nl// &
    '    here();'//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_35 = &
+   ''//nl// &
    '  /** What is proven, with its bounds; where it closes stands below the slider of the drive, too. */'//nl// &
    '  function proof() {'//nl// &
    "    const { make, head } = board.panel, { limits = [], extremes = [] } = answer.proof || {}, unit = turning() ? '\u00b0"// &
@@ -3789,6 +3803,7 @@ module psalm_board_text
    'f,'//nl// &
    '      words.extremes(span(one.least_low, one.least_high), digits(one.least_at) + unit, span(one.greatest_low, one.great'// &
    'est_high), digits(one.greatest_at) + unit))));'//nl// &
+   "    if (answer.unproven) rows.push(make('p', {}, answer.unproven));"//nl// &
    '    parts.proof.replaceChildren(...(rows.length && board.free() === 1 ? [head(words.proven), ...rows] : []));'//nl// &
    '    marks();'//nl// &
    '  }'//nl// &
@@ -3879,7 +3894,9 @@ module psalm_board_text
    ''//nl// &
    '  /** Fields for the speed of the input and for one load. */'//nl// &
    '  function loads() {'//nl// &
-   '    const { make, row, numberField, button } = board.panel, { sketch } = board.state, text = board.write();'//nl// &
+   '    const { make, row, numberField, button } = board.panel, { sketch } = board.state, text = board.write();'//nl
+
+   character(*), parameter :: part_36 = &
    "    const held = parts.loads.contains(document.activeElement) ? document.activeElement.getAttribute('aria-label') : nul"// &
    "l;"//nl// &
    '    const group = (name) => { try { return board.text.placeOf(text, name); } catch { return undefined; } };'//nl// &
@@ -3903,9 +3920,7 @@ module psalm_board_text
    "    const at = make('select', { 'aria-label': words.loadAt }, ...joints.map((joint) => new Option(joint.name, joint.nam"// &
    "e)));"//nl// &
    "    at.value = joints.some((one) => one.name === now) ? now : output ? output.of[0] : joints.length ? joints.at(-1).nam"// &
-   "e : '';"//nl
-
-   character(*), parameter :: part_36 = &
+   "e : '';"//nl// &
    "    const field = (label, value) => make('input', { 'aria-label': label, value: String(value), inputmode: 'decimal', au"// &
    "tocomplete: 'off' });"//nl// &
    "    const x = field(words.loadX, first(place, 'LFX', 0)), y = field(words.loadY, first(place, 'LFY', 0));"//nl// &
@@ -4004,7 +4019,9 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** Points along the longest path of an SVG picture, y upwards. */'//nl// &
-   '  function fromPicture(text) {'//nl// &
+   '  function fromPicture(text) {'//nl
+
+   character(*), parameter :: part_37 = &
    "    const whole = new DOMParser().parseFromString(text, 'image/svg+xml'), mine = board.panel.svg('path');"//nl// &
    "    const pathOf = (one) => one.tagName === 'path' ? one.getAttribute('d') : 'M' + (one.getAttribute('points') || '') +"// &
    " (one.tagName === 'polygon' ? 'z' : '');"//nl// &
@@ -4021,9 +4038,7 @@ module psalm_board_text
    'one_.matrix.b * p[0] + one_.matrix.d * p[1] + one_.matrix.f];'//nl// &
    '      }'//nl// &
    '      if (length(points) > length(best)) { best = points; closed = /z\s*$/i.test(pathOf(one)); }'//nl// &
-   '    }'//nl
-
-   character(*), parameter :: part_37 = &
+   '    }'//nl// &
    '    return { points: best.map(([x, y]) => [x, -y]), closed };'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -4127,7 +4142,9 @@ module psalm_board_text
    '  function own() {'//nl// &
    '    const { links, lengths, slides, gears } = board.state.sketch, exact = (a, b) => lengths.some((l) => l.joints.includ'// &
    'es(a) && l.joints.includes(b));'//nl// &
-   "    if (!lengths.length) return ['all'];"//nl// &
+   "    if (!lengths.length) return ['all'];"//nl
+
+   character(*), parameter :: part_38 = &
    '    if (slides.length || gears.length) return null;'//nl// &
    '    // a length across a plate holds the whole plate'//nl// &
    '    const across = (joints) => lengths.some((l) => l.joints.every((name) => joints.slice(1).includes(name)));'//nl// &
@@ -4143,9 +4160,7 @@ module psalm_board_text
    "    running = '';"//nl// &
    "    [cards, round, text] = [[], 0, ''];"//nl// &
    '    if (parts.save) parts.save.hidden = true;'//nl// &
-   '    show();'//nl
-
-   character(*), parameter :: part_38 = &
+   '    show();'//nl// &
    "    if (parts.doing) parts.doing.textContent = '';"//nl// &
    '    follow();'//nl// &
    '  }'//nl// &
@@ -4237,7 +4252,9 @@ module psalm_board_text
    '  const CLICK = 5, TOUCH_CLICK = 12;     // pixels that a pointer may move in a click'//nl// &
    '  const BAR_STEPS = 20;                  // places on a bar where a joint may be put'//nl// &
    '  const ANGLE = 15;                      // degrees between directions of a slide that is drawn'//nl// &
-   '  const TOOLS = ['//nl// &
+   '  const TOOLS = ['//nl
+
+   character(*), parameter :: part_39 = &
    "    ['select', 'v', 'M6 3l13 9-6 1.5-2.5 6z'],"//nl// &
    "    ['link', 'l', 'M6 18L18 6M6 18m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0M18 6m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0'],"//nl// &
    "    ['pivot', 'p', 'M12 8L5 19h14zM12 8m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0'],"//nl// &
@@ -4251,9 +4268,7 @@ module psalm_board_text
    '  let press = null;                      // what the pointer that is down does'//nl// &
    '  let pinch = 0;                         // distance of two fingers'//nl// &
    '  let hand = null;                       // points of a curve that is being drawn'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_39 = &
+   ''//nl// &
    '  // ---- what tools do -----------------------------------------------------------------------------------------------'// &
    '-'//nl// &
    ''//nl// &
@@ -4346,7 +4361,9 @@ module psalm_board_text
    "    if (only && sketch.drives[0].kind === 'turn') { if (!sketch.delt.length) sketch.ikin = sketch.ikin || 15; return; }"//nl// &
    '    if (sketch.ikin || !sketch.delt.length) {'//nl// &
    '      sketch.ikin = 0;'//nl// &
-   "      sketch.delt = steps(sketch.drives[0].kind === 'turn' ? 5 : stroke);"//nl// &
+   "      sketch.delt = steps(sketch.drives[0].kind === 'turn' ? 5 : stroke);"//nl
+
+   character(*), parameter :: part_40 = &
    '    }'//nl// &
    '    for (const one of sketch.drives.slice(1)) if (!one.ratio && one.delt.length !== sketch.delt.length) one.delt = sket'// &
    'ch.delt.map(() => 0);'//nl// &
@@ -4361,9 +4378,7 @@ module psalm_board_text
    '    });'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Two joints become one, in all their links. */'//nl
-
-   character(*), parameter :: part_40 = &
+   '  /** Two joints become one, in all their links. */'//nl// &
    '  function join(from, to) {'//nl// &
    '    const swap = (names) => [...new Set(names.map((name) => name === from ? to : name))];'//nl// &
    '    board.touch((sketch) => {'//nl// &
@@ -4456,7 +4471,9 @@ module psalm_board_text
    '    const { state } = board;'//nl// &
    '    if (pointers.has(event.pointerId)) pointers.set(event.pointerId, event);'//nl// &
    '    if (pinch) { pinchTo(); return; }'//nl// &
-   '    if (hand) { trace(event); return; }'//nl// &
+   '    if (hand) { trace(event); return; }'//nl
+
+   character(*), parameter :: part_41 = &
    "    const dragged = press && press.at && press.tool === 'select' && press.at.hit && press.at.hit.joint;"//nl// &
    "    const at = spot(event, dragged || '');"//nl// &
    '    if (state.pending) { state.pending.to = target(state.pending, at); state.hover = at.hit; view.draw(); }'//nl// &
@@ -4471,9 +4488,7 @@ module psalm_board_text
    '      view.pan(at.x - press.x, at.y - press.y);'//nl// &
    '      [press.x, press.y] = [at.x, at.y];'//nl// &
    '      view.draw();'//nl// &
-   "    } else if (press.tool === 'select') {"//nl
-
-   character(*), parameter :: part_41 = &
+   "    } else if (press.tool === 'select') {"//nl// &
    '      drag(at);'//nl// &
    '    }'//nl// &
    '  }'//nl// &
@@ -4567,7 +4582,9 @@ module psalm_board_text
    "});"//nl// &
    "    else if (tool === 'pivot' && hit.joint) pivot(hit.joint);"//nl// &
    "    else if (tool === 'pivot') edit((sketch) => { const name = addJoint(sketch, start.place, hit.link); sketch.links[0]"// &
-   ".joints.push(name); state.selection = { joint: name }; });"//nl// &
+   ".joints.push(name); state.selection = { joint: name }; });"//nl
+
+   character(*), parameter :: part_42 = &
    "    else if (tool === 'slider' && hit.joint) slider(hit.joint, pulled ? slideAngle(at.place[0] - start.place[0], at.pla"// &
    "ce[1] - start.place[1]) : 0);"//nl// &
    "    else if (tool === 'drive') driveAt(hit, at.hit || {}, pulled);"//nl// &
@@ -4582,9 +4599,7 @@ module psalm_board_text
    '    else if (hit.joint) {'//nl// &
    '      // the joint of a block that slides means the slide'//nl// &
    '      const slide = sketch.slides.find((s) => s.links.some((name) => board.linkOf(name).joints.join() === hit.joint));'//nl// &
-   '      drive(slide && !board.inFrame(hit.joint) ? { slide: slide.name } : { joint: hit.joint });'//nl
-
-   character(*), parameter :: part_42 = &
+   '      drive(slide && !board.inFrame(hit.joint) ? { slide: slide.name } : { joint: hit.joint });'//nl// &
    '    } else if (hit.link) {'//nl// &
    '      const joint = board.linkOf(hit.link).joints.find(board.inFrame);'//nl// &
    '      if (joint) drive({ joint });'//nl// &
@@ -4681,7 +4696,9 @@ module psalm_board_text
    "    canvas.addEventListener('pointerdown', down);"//nl// &
    "    canvas.addEventListener('pointermove', move);"//nl// &
    "    canvas.addEventListener('pointerup', up);"//nl// &
-   "    canvas.addEventListener('pointercancel', (event) => { pointers.delete(event.pointerId); pinch = 0; cancel(); });"//nl// &
+   "    canvas.addEventListener('pointercancel', (event) => { pointers.delete(event.pointerId); pinch = 0; cancel(); });"//nl
+
+   character(*), parameter :: part_43 = &
    "    canvas.addEventListener('pointerleave', () => { if (!press && board.state.hover) { board.state.hover = null; view.d"// &
    "raw(); } });"//nl// &
    "    canvas.addEventListener('contextmenu', (event) => event.preventDefault());"//nl// &
@@ -4698,9 +4715,7 @@ module psalm_board_text
    '    const acts = { play: () => board.play(), undo: () => board.undo(), redo: () => board.redo(), save: () => board.save'// &
    '(), fit: () => board.fit(),'//nl// &
    "      larger: () => zoom(1.25), smaller: () => zoom(0.8), open: () => $('file').click(), new: () => board.start(),"//nl// &
-   '      help: () => board.help() };'//nl
-
-   character(*), parameter :: part_43 = &
+   '      help: () => board.help() };'//nl// &
    "    for (const [id, act] of Object.entries(acts)) $(id).addEventListener('click', act);"//nl// &
    "    $('file').addEventListener('change', () => { if ($('file').files[0]) board.open($('file').files[0]); $('file').valu"// &
    "e = ''; });"//nl// &
@@ -4792,7 +4807,9 @@ module psalm_board_text
    '  function undo(from = past, to = future) {'//nl// &
    '    if (!from.length) return;'//nl// &
    '    pause();'//nl// &
-   '    to.push(snapshot());'//nl// &
+   '    to.push(snapshot());'//nl
+
+   character(*), parameter :: part_44 = &
    '    Object.assign(state, JSON.parse(from.pop()));'//nl// &
    '    state.selection = null;'//nl// &
    '    state.dirty = true;'//nl// &
@@ -4806,9 +4823,7 @@ module psalm_board_text
    '    if (!start || !state.sketch.lengths.length) return;'//nl// &
    '    solver.joints(mech, start.pose).forEach(([x, y], j) => Object.assign(state.sketch.joints[j], { x, y }));'//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_44 = &
+   ''//nl// &
    '  /** Moves joints as little as may be until all exact lengths hold. What is pinned stays, unless lengths between pinne'// &
    'd joints ask for'//nl// &
    '      more, or the lengths cannot hold otherwise; `held` joints give way last of the others. */'//nl// &
@@ -4899,7 +4914,9 @@ module psalm_board_text
    '    });'//nl// &
    '    state.selection = null;'//nl// &
    '    refresh();'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_45 = &
    ''//nl// &
    '  function tidy(s) {'//nl// &
    '    const slides = (name) => s.slides.some((one) => one.links.includes(name));'//nl// &
@@ -4915,9 +4932,7 @@ module psalm_board_text
    '    s.gears = s.gears.filter((one) => [...one.wheels, one.carrier].every(link));'//nl// &
    '    s.lengths = s.lengths.filter((one) => one.joints.every(joint) && shared(one.joints));'//nl// &
    "    s.drives = s.drives.filter((one) => one.kind === 'slide' ? s.slides.some((slide) => slide.name === one.at[0]) : one"// &
-   ".at.every(joint) &&"//nl
-
-   character(*), parameter :: part_45 = &
+   ".at.every(joint) &&"//nl// &
    "      (one.kind !== 'cylinder' || !shared(one.at)) && (one.kind !== 'turn' || s.links.filter((l) => l.joints.includes(o"// &
    "ne.at[0])).length > 1));"//nl// &
    "    for (const one of s.drives) for (const key of ['base', 'link']) if (one[key] && !link(one[key])) one[key] = '';"//nl// &
@@ -5010,7 +5025,9 @@ module psalm_board_text
    '      });'//nl// &
    '      states = [];'//nl// &
    '      for (const inputs of between) {'//nl// &
-   '        const next = solver.advance(mech, states.at(-1) || start, inputs, NEAR);'//nl// &
+   '        const next = solver.advance(mech, states.at(-1) || start, inputs, NEAR);'//nl
+
+   character(*), parameter :: part_46 = &
    '        if (!next) break;'//nl// &
    '        states.push(next);'//nl// &
    '      }'//nl// &
@@ -5024,9 +5041,7 @@ module psalm_board_text
    '    let now = from, part = 0.5;'//nl// &
    '    for (let i = 0; i < 6; i++, part /= 2) {'//nl// &
    '      const next = solver.advance(mech, now, from.inputs.map((v, k) => now.inputs[k] + part * (target[k] - v)), NEAR);'//nl// &
-   '      if (next) list.push(now = next);'//nl
-
-   character(*), parameter :: part_46 = &
+   '      if (next) list.push(now = next);'//nl// &
    '    }'//nl// &
    '    return list;'//nl// &
    '  }'//nl// &
@@ -5114,7 +5129,9 @@ module psalm_board_text
    '      let t = state.t + state.forth * 2 ** state.speed * dt * n / (sweep.ring ? TURN_TIME : WAY_TIME);'//nl// &
    '      if (sweep.ring) state.forth = 1;'//nl// &
    '      else if (t >= n - 1) { t = n - 1; state.forth = -1; } else if (t <= 0) { t = 0; state.forth = 1; }'//nl// &
-   '      go(t);'//nl// &
+   '      go(t);'//nl
+
+   character(*), parameter :: part_47 = &
    '      requestAnimationFrame(tick);'//nl// &
    '    };'//nl// &
    '    requestAnimationFrame(tick);'//nl// &
@@ -5129,9 +5146,7 @@ module psalm_board_text
    '    return solver.follow(mech, start, solver.positions(state.sketch)).map((one) => one ? { closed: 1,'//nl// &
    "      ...Object.fromEntries(solver.joints(mech, one.pose).flatMap(([x, y], j) => [[state.sketch.joints[j].name + '.x', "// &
    "x], [state.sketch.joints[j].name + '.y', y]])),"//nl// &
-   '      ...Object.assign({}, ...state.sketch.outputs.map((o) => solver.output(mech, one, o))) } : { closed: 0 });'//nl
-
-   character(*), parameter :: part_47 = &
+   '      ...Object.assign({}, ...state.sketch.outputs.map((o) => solver.output(mech, one, o))) } : { closed: 0 });'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  // ---- files -------------------------------------------------------------------------------------------------------'// &
@@ -5223,7 +5238,9 @@ module psalm_board_text
    ";"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function ready() {'//nl// &
+   '  function ready() {'//nl
+
+   character(*), parameter :: part_48 = &
    '    view.begin();'//nl// &
    '    view.resize();'//nl// &
    '    board.panel.begin();'//nl// &
@@ -5237,9 +5254,7 @@ module psalm_board_text
    "    const given = asked() || JSON.parse($('data').textContent);"//nl// &
    '    start();'//nl// &
    '    present(given);'//nl// &
-   "    board.store.restore(given.lines ? given.lines.join('\n') + '\n' : '');"//nl
-
-   character(*), parameter :: part_48 = &
+   "    board.store.restore(given.lines ? given.lines.join('\n') + '\n' : '');"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Puts what was given on the board: lines of a data set, or a compressed one. */'//nl// &

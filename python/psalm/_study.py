@@ -83,6 +83,15 @@ def files(request):
 
 def look(request):
     """What the engine says of a case: findings, summary, positions, transmission angles, velocities, forces."""
+    return parts_of(request, (("motion", motion_of), ("summary", summary_of), ("velocity", velocities_of)))
+
+
+def prove(request):
+    """What may take longer, but changes nothing of the rest: what is proven, all assemblies."""
+    return parts_of(request, (("proof", proof_of), ("assemblies", assemblies_of)))
+
+
+def parts_of(request, parts):
     text = request["case"]
     refused = files_named(text)
     if refused:
@@ -93,8 +102,7 @@ def look(request):
         return {"findings": findings_of(error.findings)}
     answer = {"findings": [], "title": case.title}
     found = {}
-    for part, study in (("motion", motion_of), ("summary", summary_of), ("velocity", velocities_of), ("proof", proof_of),
-                        ("assemblies", assemblies_of)):
+    for part, study in parts:
         try:
             answer[part], findings = study(case)
         except psalm.Error as error:
@@ -311,7 +319,8 @@ def main():
         sys.stdout.flush()
 
     threading.Thread(target=listen, daemon=True).start()
-    tell({"look": look, "files": files}[request["study"]](request) if request["study"] in ("look", "files") else
+    short = {"look": look, "prove": prove, "files": files}
+    tell(short[request["study"]](request) if request["study"] in short else
          {"search": search, "run": run}[request["study"]](request, tell, end.is_set))
     os._exit(0)
 

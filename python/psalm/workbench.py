@@ -371,6 +371,9 @@ def application(token, port, case="", file="", seconds=LOOK_SECONDS):
     async def look(request):
         return JSONResponse(await studies.look(request.headers.get("x-psalm-page", "")[:32], await case_of(request)))
 
+    async def prove(request):
+        return JSONResponse(await studies.look(request.headers.get("x-psalm-page", "")[:32] + " prove", await case_of(request), "prove"))
+
     async def files(request):
         return JSONResponse(await studies.look(request.headers.get("x-psalm-page", "")[:32] + " files", await case_of(request), "files"))
 
@@ -421,7 +424,7 @@ def application(token, port, case="", file="", seconds=LOOK_SECONDS):
         yield
         await studies.close()
 
-    routes = [Route("/", home), Route("/look", look, methods=["POST"]), Route("/files", files, methods=["POST"]), Route("/search", search, methods=["POST"]), Route("/run", run, methods=["POST"]),
+    routes = [Route("/", home), Route("/look", look, methods=["POST"]), Route("/prove", prove, methods=["POST"]), Route("/files", files, methods=["POST"]), Route("/search", search, methods=["POST"]), Route("/run", run, methods=["POST"]),
               Route("/search/{name}", found), Route("/search/{name}/stop", stop, methods=["POST"])]
     app = Starlette(routes=routes, lifespan=alive, exception_handlers={Refused: refused, 404: no_page})
     return Guard(app, token, {"%s:%d" % (name, port) for name in (HOST, "localhost")})
