@@ -11,7 +11,8 @@ board.engine = (() => {
   const page = Math.random().toString(36).slice(2);
   const shown = { velocities: true, forces: true };
   const PATIENT = 300;                   // milliseconds: an answer that takes longer is given up for one to a later text
-  let timer = 0, since = 0, number = 0, asked = '';     // begin and number of the question that is open, its text
+  const PROOF = 250;                     // after an answer
+  let timer = 0, later = 0, since = 0, number = 0, asked = '';     // begin and number of the question that is open, its text
   let answer = null, fresh = false, parts = {};
 
   /** What the server says; an object with `error` if it says no. */
@@ -31,7 +32,7 @@ board.engine = (() => {
     const arrow = (name) => make('label', { class: 'tick ' + name }, check(words[name], true, (on) => { shown[name] = on; board.view.draw(); }), words[name]);
     $('engine').append(part('state'), part('result', head(words.here), part('here'), row(words.shownArrows, arrow('velocities'), arrow('forces')),
       head(words.assumptions), part('loads'), part('angles'), head(words.summary), part('summary'), part('proof'), part('ways'), part('found'), head(words.exports), part('files', make('div', { class: 'list' }, ...Object.entries(words.exportNames)
-      .map(([ending, text]) => button(text, () => save(ending)))))));
+      .map(([ending, text]) => button(text, () => save(ending))))), board.study.part()));
     parts.result.hidden = true;
     parts.state.setAttribute('role', 'status');
   }
@@ -41,6 +42,7 @@ board.engine = (() => {
   /** After a change: what was found holds no longer, unless the text is the same. */
   function follow(rough) {
     if (!served) return;
+    if (!rough) board.study.follow();
     const text = textNow();
     fresh = Boolean(answer) && answer.text === text && !board.source.mistaken;
     if (fresh) { if (!rough) report(); return; }
@@ -69,6 +71,18 @@ board.engine = (() => {
     board.source.findings(text, got.findings || []);
     report();
     board.view.draw();
+    clearTimeout(later);
+    later = setTimeout(prove, PROOF);
+  }
+
+  /** What takes longer is asked for when the drawing rests. */
+  async function prove() {
+    if (!fresh || !answer.motion) return;
+    const { text } = answer, got = await ask('prove', text);
+    if (!fresh || answer.text !== text || got.stale) return;
+    Object.assign(answer, { proof: got.proof, assemblies: got.assemblies, unproven: got.error || '' });
+    proof();
+    ways();
   }
 
   /** A picture of the case, for other programs. */
@@ -261,6 +275,7 @@ board.engine = (() => {
       words.range(digits(one.from) + unit, digits(one.to) + unit) + (one.group ? ', ' + one.group : '')));
     rows.push(...extremes.filter((one) => one.least_low !== null && one.greatest_high !== null).map((one) => fact(one.of,
       words.extremes(span(one.least_low, one.least_high), digits(one.least_at) + unit, span(one.greatest_low, one.greatest_high), digits(one.greatest_at) + unit))));
+    if (answer.unproven) rows.push(make('p', {}, answer.unproven));
     parts.proof.replaceChildren(...(rows.length && board.free() === 1 ? [head(words.proven), ...rows] : []));
     marks();
   }

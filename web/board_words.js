@@ -207,6 +207,19 @@ board.words = ((listed) => ({
   exports: 'Files',
   exportNames: { '.dxf': 'DXF', '.svg': 'SVG', '.move.svg': 'moving SVG', '.html': 'page' },
 
+  // studies
+  studies: 'Studies',
+  studyHint: 'What the groups of the text ask for. A linkage that is found becomes the sketch by a click.',
+  studyNames: { rates: ['rates', ''], forces: ['forces', ''], proof: ['proof', ''], tolerances: ['tolerances', '&TOLER'], allocation: ['cheapest tolerances', '&ALLOC'],
+    sweep: ['adjustable dimension', '&SWEEP'], synthesis: ['search', '&SEARCH'], exact: ['exact synthesis', '&EXACT'], balance: ['counterweights', '&BALANC'],
+    springs: ['springs', '&SPRNGS'], machine: ['motion from torque', '&MOTOR'], time: ['motion in time', '&TIME'], vibration: ['vibration', '&VIBR, &ESTIM'],
+    clearance: ['clearance of a joint', '&CLEAR'], cams: ['cam', '&CAM'] },
+  run: 'Run',
+  studyStop: 'stop the study',
+  listing: 'listing of the study',
+  studying: (name) => name + ' ...',
+  progress: (made, most, best) => made + ' of ' + most + (best === null ? '' : ', best ' + Number(best.toPrecision(4))),
+
   // searches
   wantedHead: 'Wanted curve',
   wantedNone: 'Draw it with the tool Wanted (W), or open a CSV file with x and y in each line, or an SVG picture.',

@@ -423,9 +423,19 @@ module psalm_board_text
    '  font-variant-numeric: tabular-nums;'//nl// &
    '}'//nl// &
    ''//nl// &
-   '.result.old {'//nl
+   '.listing {'//nl
 
    character(*), parameter :: part_6 = &
+   '  max-height: 300px;'//nl// &
+   '  overflow: auto;'//nl// &
+   '  padding: 6px;'//nl// &
+   '  border: 1px solid var(--line);'//nl// &
+   '  border-radius: 5px;'//nl// &
+   '  font: 11px/1.35 ui-monospace, "DejaVu Sans Mono", monospace;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.listing.old,'//nl// &
+   '.result.old {'//nl// &
    '  opacity: .45;'//nl// &
    '}'//nl// &
    ''//nl// &
@@ -515,7 +525,9 @@ module psalm_board_text
    '  stroke-width: 1.6;'//nl// &
    '  vector-effect: non-scaling-stroke;'//nl// &
    '}'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_7 = &
    '.card svg circle {'//nl// &
    '  fill: var(--paper);'//nl// &
    '  stroke: var(--ink);'//nl// &
@@ -525,9 +537,7 @@ module psalm_board_text
    ''//nl// &
    '.card svg circle.frame {'//nl// &
    '  fill: var(--ink);'//nl// &
-   '}'//nl
-
-   character(*), parameter :: part_7 = &
+   '}'//nl// &
    ''//nl// &
    'dialog {'//nl// &
    '  width: min(860px, calc(100vw - 24px));'//nl// &
@@ -617,7 +627,9 @@ module psalm_board_text
    '  border: 0;'//nl// &
    '}'//nl// &
    ''//nl// &
-   ':focus-visible {'//nl// &
+   ':focus-visible {'//nl
+
+   character(*), parameter :: part_8 = &
    '  outline: 3px solid var(--accent);'//nl// &
    '  outline-offset: 1px;'//nl// &
    '}'//nl// &
@@ -627,9 +639,7 @@ module psalm_board_text
    '  outline-offset: -2px;'//nl// &
    '}'//nl// &
    ''//nl// &
-   'footer label {'//nl
-
-   character(*), parameter :: part_8 = &
+   'footer label {'//nl// &
    '  display: flex;'//nl// &
    '  align-items: center;'//nl// &
    '  gap: 6px;'//nl// &
@@ -719,7 +729,9 @@ module psalm_board_text
    '    border-right: 0;'//nl// &
    '    border-bottom: 1px solid var(--line);'//nl// &
    '    overflow-x: auto;'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_9 = &
    '  #tools button {'//nl// &
    '    flex: 0 0 58px;'//nl// &
    '  }'//nl// &
@@ -729,9 +741,7 @@ module psalm_board_text
    '  main,'//nl// &
    '  main:has(#side[data-tab]) {'//nl// &
    '    grid-template-columns: minmax(0, 1fr);'//nl// &
-   '    grid-template-rows: none;'//nl
-
-   character(*), parameter :: part_9 = &
+   '    grid-template-rows: none;'//nl// &
    '  }'//nl// &
    '  #side {'//nl// &
    '    border-left: 0;'//nl// &
@@ -918,7 +928,9 @@ module psalm_board_text
    " Output: height of the needle and path of the take-up. Lengths in mm.\nSEWING MACHINE, NEEDLE BAR AND TAKE-UP\n &CHAIN "// &
    "JNT='O','K','N','L','T','P', JX=0.0,10.0,5.0,25.0,30.0,-30.0, JY=0.0,8.0,-60.0,30.0,5.0,50.0,\n  LNAME='arm','crank','r"// &
    "od','needle','take-up','guide', LNK='O T','O K','K N','N','K L P','T L',\n  SLNK='arm', SLNK2='needle', SLX=0.0, SLY=-6"// &
-   "0.0, SLANG=90.0 &END\n &DRIVES DRIVE='O' &END\n &OUTPUTS OUTPUT='y N','point P' &END\n &METHOD IKIN=10 &END\n""},"//nl// &
+   "0.0, SLANG=90.0 &END\n &DRIVES DRIVE='O' &END\n &OUTPUTS OUTPUT='y N','point P' &END\n &METHOD IKIN=10 &END\n""},"//nl
+
+   character(*), parameter :: part_10 = &
    "  {""name"": ""wiper"", ""title"": ""WIPER WITH TWO BLADES"", ""text"": ""! Windscreen wiper with two blades: a motor c"// &
    "rank swings the left blade's arm, a tie carries the motion on to the right one.\n! Both pivots are on the bulkhead.\n! "// &
    "Output: angle of the right blade's arm.\nWIPER WITH TWO BLADES\n &CHAIN JNT='M','B','C','D','E','F', JX=0.0,40.0,300.0,"// &
@@ -993,9 +1005,7 @@ module psalm_board_text
    ",300.0,-40.0,200.0,60.0,280.0,300.0,420.0,150.0,\n  JY=0.0,0.0,40.0,150.0,160.0,190.0,200.0,260.0,420.0,250.0,\n  LNAME"// &
    "='base','link1','link2','seat','link3','link4','back','link5',\n  LNK='A B H','A C','B K','C K E F','E M','M H','F Q P'"// &
    ",'Q M' &END\n &DRIVES DRIVE='A' &END\n &OUTPUTS OUTPUT='angle back','angle seat','point P' &END\n &METHOD NDES=11, DELT"// &
-   "=-20.0,-16.0,-12.0,-8.0,-4.0,0.0,4.0,8.0,12.0,16.0,20.0 &END\n""},"//nl
-
-   character(*), parameter :: part_10 = &
+   "=-20.0,-16.0,-12.0,-8.0,-4.0,0.0,4.0,8.0,12.0,16.0,20.0 &END\n""},"//nl// &
    "  {""name"": ""squeezer"", ""title"": ""ANDREWS'S SQUEEZER"", ""text"": ""! Andrews's squeezing mechanism, seven moving"// &
    " bodies, a test problem of multibody programs (Schiehlen 1990; lengths as in Hairer and Wanner,\n! Solving Ordinary Dif"// &
    "ferential Equations II, VII.7), here driven at constant speed. Metres. The drawing is rough; LENP has the lengths.\n! O"// &
@@ -1109,7 +1119,9 @@ module psalm_board_text
    "    pinned: 'pinned to the frame',"//nl// &
    "    output: 'output',"//nl// &
    "    pathIsOutput: 'its path is an output',"//nl// &
-   "    delete: 'Delete',"//nl// &
+   "    delete: 'Delete',"//nl
+
+   character(*), parameter :: part_11 = &
    "    linkName: 'name of the link',"//nl// &
    "    joints: 'joints',"//nl// &
    "    linkJoints: 'joints of the link',"//nl// &
@@ -1119,9 +1131,7 @@ module psalm_board_text
    "    slides: 'slides',"//nl// &
    "    slidesLabel: 'link that slides',"//nl// &
    "    angle: 'angle',"//nl// &
-   "    slideAngle: 'direction of the slide, degrees',"//nl
-
-   character(*), parameter :: part_11 = &
+   "    slideAngle: 'direction of the slide, degrees',"//nl// &
    "    throughX: 'through x',"//nl// &
    "    lineX: 'x of a point of the line',"//nl// &
    "    lineY: 'y of a point of the line',"//nl// &
@@ -1211,7 +1221,9 @@ module psalm_board_text
    "  assumptions: 'Speed, load, tolerance',"//nl// &
    "  speed: 'speed',"//nl// &
    "  speedLabel: 'speed of the input, radians or lengths a second',"//nl// &
-   "  load: 'load at',"//nl// &
+   "  load: 'load at',"//nl
+
+   character(*), parameter :: part_12 = &
    "  loadAt: 'joint that the load is at',"//nl// &
    "  loadX: 'load along x, N',"//nl// &
    "  loadY: 'load along y, N',"//nl// &
@@ -1221,9 +1233,7 @@ module psalm_board_text
    "  severalLoads: 'The case has loads of its own: change them in the text.',"//nl// &
    ''//nl// &
    "  tolerance: 'lengths \u00b1',"//nl// &
-   "  toleranceLabel: 'tolerance of all lengths, to either side; 0: none',"//nl
-
-   character(*), parameter :: part_12 = &
+   "  toleranceLabel: 'tolerance of all lengths, to either side; 0: none',"//nl// &
    "  proven: 'Proven',"//nl// &
    "  strip: 'green: it closes, proven; marks: dead points',"//nl// &
    "  closing: { closes: 'closes', opens: 'does not close' },"//nl// &
@@ -1237,6 +1247,23 @@ module psalm_board_text
    ''//nl// &
    "  exports: 'Files',"//nl// &
    "  exportNames: { '.dxf': 'DXF', '.svg': 'SVG', '.move.svg': 'moving SVG', '.html': 'page' },"//nl// &
+   ''//nl// &
+   '  // studies'//nl// &
+   "  studies: 'Studies',"//nl// &
+   "  studyHint: 'What the groups of the text ask for. A linkage that is found becomes the sketch by a click.',"//nl// &
+   "  studyNames: { rates: ['rates', ''], forces: ['forces', ''], proof: ['proof', ''], tolerances: ['tolerances', '&TOLER'"// &
+   "], allocation: ['cheapest tolerances', '&ALLOC'],"//nl// &
+   "    sweep: ['adjustable dimension', '&SWEEP'], synthesis: ['search', '&SEARCH'], exact: ['exact synthesis', '&EXACT'], "// &
+   "balance: ['counterweights', '&BALANC'],"//nl// &
+   "    springs: ['springs', '&SPRNGS'], machine: ['motion from torque', '&MOTOR'], time: ['motion in time', '&TIME'], vibr"// &
+   "ation: ['vibration', '&VIBR, &ESTIM'],"//nl// &
+   "    clearance: ['clearance of a joint', '&CLEAR'], cams: ['cam', '&CAM'] },"//nl// &
+   "  run: 'Run',"//nl// &
+   "  studyStop: 'stop the study',"//nl// &
+   "  listing: 'listing of the study',"//nl// &
+   "  studying: (name) => name + ' ...',"//nl// &
+   "  progress: (made, most, best) => made + ' of ' + most + (best === null ? '' : ', best ' + Number(best.toPrecision(4)))"// &
+   ","//nl// &
    ''//nl// &
    '  // searches'//nl// &
    "  wantedHead: 'Wanted curve',"//nl// &
@@ -1304,7 +1331,9 @@ module psalm_board_text
    "      super((line ? 'line ' + line + ': ' : '') + text);"//nl// &
    '      this.line = line;'//nl// &
    '    }'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_13 = &
    ''//nl// &
    '  // ---- reading -----------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
@@ -1328,9 +1357,7 @@ module psalm_board_text
    '    while (at < text.length) {'//nl// &
    '      const from = afterBlanks(text, at);'//nl// &
    '      if (from >= text.length) break;'//nl// &
-   "      if (!/[&$]/.test(text[from])) { end = text.lastIndexOf('\n', from) + 1; break; }"//nl
-
-   character(*), parameter :: part_13 = &
+   "      if (!/[&$]/.test(text[from])) { end = text.lastIndexOf('\n', from) + 1; break; }"//nl// &
    '      const head = /[&$]\s*(\w+)/y;'//nl// &
    '      head.lastIndex = from;'//nl// &
    '      const name = head.exec(text);'//nl// &
@@ -1414,7 +1441,9 @@ module psalm_board_text
    '  function parse(text) {'//nl// &
    '    const whole = split(text);'//nl// &
    '    const groupOf = (name) => whole.groups.find((group) => group.name === name);'//nl// &
-   "    if (!groupOf('CHAIN')) {"//nl// &
+   "    if (!groupOf('CHAIN')) {"//nl
+
+   character(*), parameter :: part_14 = &
    "      throw new Mistake(groupOf('LINKS') ? 'this data set describes its linkage by loops (&LINKS); the drawing board ta"// &
    "kes sketches (&CHAIN)' :"//nl// &
    "        'there is no group &CHAIN');"//nl// &
@@ -1438,9 +1467,7 @@ module psalm_board_text
    '      if (names.includes(word)) return [word];'//nl// &
    '      if ([...word].every((letter) => names.includes(letter))) return [...word];'//nl// &
    '      throw mistake("no joint is called ''" + word + "''");'//nl// &
-   '    });'//nl
-
-   character(*), parameter :: part_14 = &
+   '    });'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function readChain({ texts, numbers, line }) {'//nl// &
@@ -1523,7 +1550,9 @@ module psalm_board_text
    '    for (const [item, values] of items) {'//nl// &
    "      const room = line.length + item.length + values.join(',').length;"//nl// &
    "      if (room > WIDTH && line.trim() !== '&' + name) { lines.push(line); line = ' '; }"//nl// &
-   "      line += ' ' + item + '=';"//nl// &
+   "      line += ' ' + item + '=';"//nl
+
+   character(*), parameter :: part_15 = &
    '      values.forEach((value) => {'//nl// &
    "        if (line.length + value.length + 1 > WIDTH) { lines.push(line); line = '   '; }"//nl// &
    "        line += value + ',';"//nl// &
@@ -1547,9 +1576,7 @@ module psalm_board_text
    '    if (slides.length) {'//nl// &
    "      chain.push(['NSLIDE', [String(slides.length)]]);"//nl// &
    "      if (slides.some((s, i) => s.name !== 'S' + (i + 1))) chain.push(['SNAME', slides.map((s) => quoted(s.name))]);"//nl// &
-   "      chain.push(['SLNK', slides.map((s) => quoted(s.links[0]))], ['SLNK2', slides.map((s) => quoted(s.links[1]))],"//nl
-
-   character(*), parameter :: part_15 = &
+   "      chain.push(['SLNK', slides.map((s) => quoted(s.links[0]))], ['SLNK2', slides.map((s) => quoted(s.links[1]))],"//nl// &
    "        ['SLX', slides.map((s) => number(s.x))], ['SLY', slides.map((s) => number(s.y))], ['SLANG', slides.map((s) => n"// &
    "umber(s.angle))]);"//nl// &
    '    }'//nl// &
@@ -1642,7 +1669,9 @@ module psalm_board_text
    '  function changed(text, name, item, value) {'//nl// &
    '    const place = placeOf(text, name), there = place && place.items.find((one) => one.name === item);'//nl// &
    "    if (there) return text.slice(0, there.from) + item + '=' + value + (/,\s*$/.test(text.slice(there.from, there.to)) "// &
-   "? ',' : '') + text.slice(there.to);"//nl// &
+   "? ',' : '') + text.slice(there.to);"//nl
+
+   character(*), parameter :: part_16 = &
    "    const head = ' &' + name + ' ';"//nl// &
    "    if (place) return text.slice(0, place.start) + head.trimStart() + item + '=' + value + ',' + text.slice(place.start"// &
    " + 1 + name.length);"//nl// &
@@ -1669,9 +1698,7 @@ module psalm_board_text
    "  const ROUNDS = 40;             // of Newton's method"//nl// &
    '  const TRUSTED = 0.15;          // first correction against the prediction: beyond it the step is halved'//nl// &
    "  const FARTHEST = 0.3;          // of the drawing's size: a longer prediction is halved too"//nl// &
-   '  const EASY = 0.01;             // below it the next step is doubled'//nl
-
-   character(*), parameter :: part_16 = &
+   '  const EASY = 0.01;             // below it the next step is doubled'//nl// &
    '  const LEAST_STEP = 1e-7;       // of the way'//nl// &
    '  const RANK_LOST = 1e-11;       // least pivot against the largest'//nl// &
    '  const RADIAN = Math.PI / 180;'//nl// &
@@ -1751,7 +1778,9 @@ module psalm_board_text
    '      }));'//nl// &
    '    }'//nl// &
    '    if (isFrame) {'//nl// &
-   '      const [dx, dy] = [first[0] - at.get(names[0])[0], first[1] - at.get(names[0])[1]];'//nl// &
+   '      const [dx, dy] = [first[0] - at.get(names[0])[0], first[1] - at.get(names[0])[1]];'//nl
+
+   character(*), parameter :: part_17 = &
    '      for (const place of at.values()) { place[0] += dx; place[1] += dy; }'//nl// &
    '    }'//nl// &
    '    return at;'//nl// &
@@ -1778,9 +1807,7 @@ module psalm_board_text
    'IAN);'//nl// &
    '      return { a, b, d: [c, n], p: [s.x - origin[a][0], s.y - origin[a][1]], q: [s.x - origin[b][0], s.y - origin[b][1]'// &
    '] };'//nl// &
-   '    });'//nl
-
-   character(*), parameter :: part_17 = &
+   '    });'//nl// &
    '    const rows = [];'//nl// &
    "    of.forEach((links, j) => links.slice(1).forEach((b) => rows.push({ kind: 'pin', a: links[0], b, j })));"//nl// &
    "    slides.forEach((s, i) => rows.push({ kind: 'same', a: s.a, b: s.b, i }, { kind: 'line', a: s.a, b: s.b, i }));"//nl// &
@@ -1861,7 +1888,9 @@ module psalm_board_text
    "      if (drive.kind === 'turn') {"//nl// &
    '        add(size * (pose[3 * drive.link + 2] - pose[3 * drive.base + 2] - inputs[k]), [[drive.link, 0, 0, size], [drive'// &
    '.base, 0, 0, -size]]);'//nl// &
-   "      } else if (drive.kind === 'slide') {"//nl// &
+   "      } else if (drive.kind === 'slide') {"//nl
+
+   character(*), parameter :: part_18 = &
    '        const s = mech.slides[drive.slide], z = travel(mech, pose, drive.slide), by = z.by(z.u), sense = s.a === drive.'// &
    'base ? 1 : -1;'//nl// &
    '        by.a[2] += z.across;'//nl// &
@@ -1886,9 +1915,7 @@ module psalm_board_text
    '      if (A.length < n) return { closed: false };'//nl// &
    '      const step = solve(A, r.map((v) => -v), n);'//nl// &
    '      if (!step.x || step.x.some((v) => !isFinite(v))) return { closed: false };'//nl// &
-   '      ({ sign, full } = step);'//nl
-
-   character(*), parameter :: part_18 = &
+   '      ({ sign, full } = step);'//nl// &
    '      const length = Math.max(0, ...step.x.map(Math.abs));'//nl// &
    '      if (round === 1) first = length;'//nl// &
    '      if (length > 10 * mech.size) return { closed: false };'//nl// &
@@ -1969,7 +1996,9 @@ module psalm_board_text
    '    if (sketch.ikin) return Array.from({ length: Math.floor(359 / Math.abs(sketch.ikin)) + 1 },'//nl// &
    '      (_, k) => inputsAt(sketch, sketch.crnki + k * sketch.ikin, k));'//nl// &
    '    return sketch.delt.map((value, k) => inputsAt(sketch, sketch.crnki + value, k));'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_19 = &
    ''//nl// &
    '  function gridPositions(sketch, grids) {'//nl// &
    '    const counts = grids.map((grid) => grid ? grid[0] : 1), total = counts.reduce((a, b) => a * b, 1);'//nl// &
@@ -1993,9 +2022,7 @@ module psalm_board_text
    '    const known = [start], away = (a, b) => a.reduce((sum, v, i) => sum + (v - b[i]) ** 2, 0);'//nl// &
    '    return rows.map((inputs) => {'//nl// &
    '      let best = known[0];'//nl// &
-   '      for (const one of known) if (away(one.inputs, inputs) < away(best.inputs, inputs)) best = one;'//nl
-
-   character(*), parameter :: part_19 = &
+   '      for (const one of known) if (away(one.inputs, inputs) < away(best.inputs, inputs)) best = one;'//nl// &
    '      const state = advance(mech, best, inputs);'//nl// &
    '      if (state) known.push(state);'//nl// &
    '      return state;'//nl// &
@@ -2083,7 +2110,9 @@ module psalm_board_text
    '    }'//nl// &
    '    const bound = new Map(rows.map((row) => [row.column, row])), moving = new Set();'//nl// &
    '    for (let free = 0; free < n; free++) {'//nl// &
-   '      if (bound.has(free)) continue;'//nl// &
+   '      if (bound.has(free)) continue;'//nl
+
+   character(*), parameter :: part_20 = &
    '      moving.add(Math.floor(free / 3) + 1);'//nl// &
    '      for (const [column, { w }] of bound) if (Math.abs(w[free]) > 1e-7 * Math.abs(w[column])) moving.add(Math.floor(co'// &
    'lumn / 3) + 1);'//nl// &
@@ -2111,9 +2140,7 @@ module psalm_board_text
    ")));"//nl// &
    '    for (let grown = true; grown;) {'//nl// &
    '      grown = false;'//nl// &
-   '      sketch.links.forEach((link, i) => {'//nl
-
-   character(*), parameter :: part_20 = &
+   '      sketch.links.forEach((link, i) => {'//nl// &
    '        if (reached.has(i) || ![...reached].some((k) => touch[i](sketch.links[k]) || touch[k](link))) return;'//nl// &
    '        reached.add(i);'//nl// &
    '        grown = true;'//nl// &
@@ -2195,7 +2222,9 @@ module psalm_board_text
    '  function pan(dx, dy) {'//nl// &
    '    eye.x -= dx / eye.k;'//nl// &
    '    eye.y += dy / eye.k;'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_21 = &
    ''//nl// &
    '  /** Lengths between two lines of the grid: round, and wide enough to be seen. */'//nl// &
    '  function gridStep() {'//nl// &
@@ -2220,9 +2249,7 @@ module psalm_board_text
    '-'//nl// &
    ''//nl// &
    "  const colourOf = (i) => i === 0 ? pens.frame : pens['link' + (i - 1) % 8];"//nl// &
-   ''//nl
-
-   character(*), parameter :: part_21 = &
+   ''//nl// &
    '  function line(x1, y1, x2, y2) {'//nl// &
    '    g.beginPath();'//nl// &
    '    g.moveTo(x1, y1);'//nl// &
@@ -2305,7 +2332,9 @@ module psalm_board_text
    '    g.strokeStyle = g.fillStyle = colourOf(i);'//nl// &
    '    if (i === 0) {'//nl// &
    '      g.setLineDash([7, 6]);'//nl// &
-   '      g.lineWidth = chosen ? 3 : 1.4;'//nl// &
+   '      g.lineWidth = chosen ? 3 : 1.4;'//nl
+
+   character(*), parameter :: part_22 = &
    '      trace(round);'//nl// &
    '      g.stroke();'//nl// &
    '      g.setLineDash([]);'//nl// &
@@ -2328,9 +2357,7 @@ module psalm_board_text
    '    g.globalAlpha = 1;'//nl// &
    '    g.lineWidth = 2.4;'//nl// &
    '    trace(round);'//nl// &
-   '    g.stroke();'//nl
-
-   character(*), parameter :: part_22 = &
+   '    g.stroke();'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function trace(points) {'//nl// &
@@ -2410,7 +2437,9 @@ module psalm_board_text
    '    g.globalAlpha = 1;'//nl// &
    "    g.lineCap = 'round';"//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_23 = &
    '  function drawGear(gear, p) {'//nl// &
    '    const { sketch } = board.state, link = (name) => sketch.links.find((l) => l.name === name);'//nl// &
    '    const centre = (wheel) => link(wheel).joints.find((name) => link(gear.carrier).joints.includes(name));'//nl// &
@@ -2434,9 +2463,7 @@ module psalm_board_text
    '      g.fillStyle = pens.paper;'//nl// &
    '      g.lineWidth = 1.8;'//nl// &
    '      g.beginPath();'//nl// &
-   '      g.moveTo(x, y);'//nl
-
-   character(*), parameter :: part_23 = &
+   '      g.moveTo(x, y);'//nl// &
    '      g.lineTo(x - 12, y + 19);'//nl// &
    '      g.lineTo(x + 12, y + 19);'//nl// &
    '      g.closePath();'//nl// &
@@ -2514,7 +2541,9 @@ module psalm_board_text
    '      const nx = (y2 - y1) / d, ny = -(x2 - x1) / d, side = ny > 0 ? -1 : 1;'//nl// &
    '      const x = (x1 + x2) / 2 + 17 * side * nx, y = (y1 + y2) / 2 + 17 * side * ny, wide = g.measureText(text).width;'//nl// &
    '      g.fillStyle = pens.paper;'//nl// &
-   '      g.globalAlpha = 0.85;'//nl// &
+   '      g.globalAlpha = 0.85;'//nl
+
+   character(*), parameter :: part_24 = &
    '      g.fillRect(x - wide / 2 - 3, y - 8, wide + 6, 16);'//nl// &
    '      g.globalAlpha = 1;'//nl// &
    '      g.fillStyle = exact ? pens.accent : pens.soft;'//nl// &
@@ -2537,9 +2566,7 @@ module psalm_board_text
    '      g.beginPath();'//nl// &
    '      g.arc(x, y, 6, 0, ROUND);'//nl// &
    '      g.stroke();'//nl// &
-   '    }'//nl
-
-   character(*), parameter :: part_24 = &
+   '    }'//nl// &
    '    g.fillStyle = pens.accent;'//nl// &
    "    g.font = '12px system-ui, sans-serif';"//nl// &
    '    const dx = pending.to[0] - pending.from[0], dy = pending.to[1] - pending.from[1];'//nl// &
@@ -2623,7 +2650,9 @@ module psalm_board_text
    ''//nl// &
    '  /** An element of a picture. */'//nl// &
    '  function svg(tag, attributes = {}) {'//nl// &
-   '    const element = document.createElementNS(pictures.content.firstChild.namespaceURI, tag);'//nl// &
+   '    const element = document.createElementNS(pictures.content.firstChild.namespaceURI, tag);'//nl
+
+   character(*), parameter :: part_25 = &
    '    for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);'//nl// &
    '    return element;'//nl// &
    '  }'//nl// &
@@ -2647,9 +2676,7 @@ module psalm_board_text
    "    return field(label, board.view.short(value) === '0' ? '0' : String(Number(value.toPrecision(12))), (text) => {"//nl// &
    '      const number = valueOf(text);'//nl// &
    '      return isFinite(number) ? take(number) : false;'//nl// &
-   "    }, { inputmode: 'decimal', ...attributes });"//nl
-
-   character(*), parameter :: part_25 = &
+   "    }, { inputmode: 'decimal', ...attributes });"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Numbers, + - * / and brackets; a comma is a decimal point. */'//nl// &
@@ -2728,7 +2755,9 @@ module psalm_board_text
    '    if (s.link) return linkPart(board.linkOf(s.link));'//nl// &
    '    if (s.slide) return slidePart(state.sketch.slides.find((one) => one.name === s.slide));'//nl// &
    '    return cylinderPart(s.cylinder);'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_26 = &
    ''//nl// &
    '  function jointPart(joint) {'//nl// &
    '    const { edit } = board, { name } = joint;'//nl// &
@@ -2757,9 +2786,7 @@ module psalm_board_text
    '        try {'//nl// &
    '          joints = board.text.jointsIn(text, board.state.sketch.joints.map((j) => j.name), (words) => new RangeError(wo'// &
    'rds));'//nl// &
-   '        } catch { return false; }'//nl
-
-   character(*), parameter :: part_26 = &
+   '        } catch { return false; }'//nl// &
    '        edit((sketch) => { board.linkOf(name).joints = [...new Set(joints)]; board.tidy(sketch); });'//nl// &
    '      }))];'//nl// &
    '    if (!frame) {'//nl// &
@@ -2845,7 +2872,9 @@ module psalm_board_text
    "      const at = drive.at.join(' ');"//nl// &
    '      parts.push(row(at, list(words.positionsOf(at), i ? drive.delt : sketch.delt, (numbers) => edit((s) => {'//nl// &
    '        const n = numbers.length;'//nl// &
-   '        if (i) s.drives[i].delt = numbers; else s.delt = numbers;'//nl// &
+   '        if (i) s.drives[i].delt = numbers; else s.delt = numbers;'//nl
+
+   character(*), parameter :: part_27 = &
    '        const fill = (values) => Array.from({ length: n }, (_, k) => values[k] ?? values.at(-1) ?? 0);'//nl// &
    '        s.delt = fill(s.delt);'//nl// &
    '        s.drives.forEach((d, k) => { if (k && !d.ratio) d.delt = fill(d.delt); });'//nl// &
@@ -2873,9 +2902,7 @@ module psalm_board_text
    "      edit((sketch) => { sketch.outputs.splice(i, 1); }), { 'aria-label': words.noOutput([one.kind, ...one.of].join(' '"// &
    ")) }))), row(words.add, add)];"//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_27 = &
+   ''//nl// &
    '  /** All joints and links, to be chosen without a mouse. */'//nl// &
    '  function listPart() {'//nl// &
    '    const { state } = board, { sketch, selection: s } = state;'//nl// &
@@ -2961,7 +2988,9 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** Shows one of the parts beside the drawing. */'//nl// &
-   '  function turnTo(name) {'//nl// &
+   '  function turnTo(name) {'//nl
+
+   character(*), parameter :: part_28 = &
    '    tab = name;'//nl// &
    '    for (const [id] of TABS) {'//nl// &
    '      $(id).hidden = id !== name;'//nl// &
@@ -2984,9 +3013,7 @@ module psalm_board_text
    '        event.preventDefault();'//nl// &
    '        event.stopPropagation();'//nl// &
    '        const next = all[(all.indexOf(tabButton) + step + all.length) % all.length];'//nl// &
-   '        next.click();'//nl
-
-   character(*), parameter :: part_28 = &
+   '        next.click();'//nl// &
    '        next.focus();'//nl// &
    '      });'//nl// &
    "      $('tabs').append(tabButton);"//nl// &
@@ -3070,7 +3097,9 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** The drawing was changed: the text follows, unless somebody is typing it. */'//nl// &
-   '  function follow(rough) {'//nl// &
+   '  function follow(rough) {'//nl
+
+   character(*), parameter :: part_29 = &
    '    if (rough || timer) return;'//nl// &
    '    const now = board.write();'//nl// &
    '    if (now === box.value) { written = now; show(); return; }'//nl// &
@@ -3093,9 +3122,7 @@ module psalm_board_text
    ''//nl// &
    '  /** Line numbers, marked lines, messages. */'//nl// &
    '  function show() {'//nl// &
-   '    number();'//nl
-
-   character(*), parameter :: part_29 = &
+   '    number();'//nl// &
    '    const all = faults(), { make } = board.panel;'//nl// &
    '    back.hidden = !aside;'//nl// &
    '    marks.replaceChildren(...all.slice(0, MOST_MARKS).filter((one) => one.line).map((one) => {'//nl// &
@@ -3176,7 +3203,9 @@ module psalm_board_text
    '      works = true;'//nl// &
    '    } catch {'//nl// &
    '      works = false;             // the browser keeps nothing, or is full'//nl// &
-   '    }'//nl// &
+   '    }'//nl
+
+   character(*), parameter :: part_30 = &
    '  }'//nl// &
    ''//nl// &
    '  /** What was drawn last time, if the same was given then as now. */'//nl// &
@@ -3200,9 +3229,7 @@ module psalm_board_text
    '= 2 && p.every(Number.isFinite)) ?'//nl// &
    '    { points: one.points, closed: Boolean(one.closed) } : null;'//nl// &
    ''//nl// &
-   '  /** Whether all changes are kept. */'//nl
-
-   character(*), parameter :: part_30 = &
+   '  /** Whether all changes are kept. */'//nl// &
    '  function kept() {'//nl// &
    '    if (timer) put();'//nl// &
    '    return works;'//nl// &
@@ -3288,7 +3315,9 @@ module psalm_board_text
    '      if (start && !start.dead) {'//nl// &
    '        board.motion.joints(mech, start.pose).forEach(([x, y], j) => at.set(sketch.joints[j].name, [x, -y]));'//nl// &
    "        const out = sketch.outputs.find((o) => ['point', 'pose', 'x', 'y'].includes(o.kind)), j = out ? sketch.joints.f"// &
-   "indIndex((one) => one.name === out.of[0]) : -1;"//nl// &
+   "indIndex((one) => one.name === out.of[0]) : -1;"//nl
+
+   character(*), parameter :: part_31 = &
    '        if (j >= 0) curve = board.sweepOf(sketch, mech, start, 3).places.map((places) => [places[j][0], -places[j][1]])'// &
    ';'//nl// &
    '      }'//nl// &
@@ -3317,9 +3346,7 @@ module psalm_board_text
    '    const cards = board.examples.map((one) => {'//nl// &
    '      const sketch = board.text.parse(one.text);'//nl// &
    "      const card = make('button', { type: 'button', class: 'card', 'data-name': one.name, onclick: () => { dialog.close"// &
-   "(); board.load(one.text, one.name + '.nml'); board.store.keep(); } },"//nl
-
-   character(*), parameter :: part_31 = &
+   "(); board.load(one.text, one.name + '.nml'); board.store.keep(); } },"//nl// &
    "        picture(sketch), make('span', {}, one.title));"//nl// &
    '      return card;'//nl// &
    '    });'//nl// &
@@ -3346,6 +3373,112 @@ module psalm_board_text
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
+   '// Studies that the groups of a data set ask for, each in a process of its own: the listing as the programs write it, a'// &
+   'nd the linkages found,'//nl// &
+   '// one of which becomes the sketch.'//nl// &
+   "'use strict';"//nl// &
+   ''//nl// &
+   'board.study = (() => {'//nl// &
+   '  const EVERY = 300;                     // milliseconds between two questions'//nl// &
+   '  const { words } = board;'//nl// &
+   '  const parts = {};'//nl// &
+   "  let running = '', about = '', stopping = false;"//nl// &
+   ''//nl// &
+   '  /** The part below the results. */'//nl// &
+   '  function part() {'//nl// &
+   '    const { make, head, button } = board.panel;'//nl// &
+   "    parts.verb = make('select', { 'aria-label': words.studies }, ...Object.entries(words.studyNames).map(([verb, [name,"// &
+   " groups]]) => new Option(groups ? name + ' (' + groups + ')' : name, verb)));"//nl// &
+   "    parts.run = button(words.run, run, { id: 'run-study' });"//nl// &
+   "    parts.stop = button(words.searchStop, stop, { id: 'stop-study', 'aria-label': words.studyStop });"//nl// &
+   "    parts.doing = make('p', { role: 'status' });"//nl// &
+   "    parts.told = make('p', { class: 'wrong', role: 'alert' });"//nl// &
+   "    parts.listing = make('pre', { class: 'listing', tabindex: '0', 'aria-label': words.listing, hidden: true });"//nl// &
+   "    parts.sheet = make('div', { class: 'cards' });"//nl// &
+   '    parts.stop.disabled = true;'//nl// &
+   "    return make('div', { class: 'study' }, head(words.studies), make('p', {}, words.studyHint), make('div', { class: 'r"// &
+   "ow' }, parts.verb), make('div', { class: 'list' }, parts.run, parts.stop),"//nl// &
+   '      parts.doing, parts.told, parts.listing, parts.sheet);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function follow() {'//nl// &
+   '    if (!parts.listing) return;'//nl// &
+   "    parts.listing.classList.toggle('old', Boolean(about) && about !== board.write());"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  async function run() {'//nl// &
+   '    const verb = parts.verb.value;'//nl// &
+   "    parts.told.textContent = '';"//nl// &
+   '    parts.run.disabled = true;'//nl// &
+   '    about = board.write();'//nl// &
+   "    const got = await board.engine.ask('run', JSON.stringify({ verb, case: about }));"//nl// &
+   '    if (got.error) { over(); parts.told.textContent = got.error; return; }'//nl// &
+   '    parts.listing.hidden = true;'//nl// &
+   '    parts.sheet.replaceChildren();'//nl// &
+   '    running = got.search;'//nl// &
+   '    stopping = false;'//nl// &
+   '    parts.stop.disabled = false;'//nl// &
+   '    parts.doing.textContent = words.studying(words.studyNames[verb][0]);'//nl// &
+   '    watch(running, 0);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  async function watch(name, after) {'//nl// &
+   "    const got = await board.engine.ask('search/' + name + '?after=' + after);"//nl// &
+   '    if (running !== name) return;'//nl// &
+   '    for (const one of got.events || []) {'//nl// &
+   '      if (one.made) parts.doing.textContent = words.progress(one.made, one.most, one.best);'//nl// &
+   '      if (one.error) parts.told.textContent = one.error;'//nl// &
+   '      if (one.done) show(one);'//nl// &
+   '    }'//nl
+
+   character(*), parameter :: part_32 = &
+   '    if (got.error) parts.told.textContent = got.error;'//nl// &
+   '    if (got.running) { setTimeout(() => watch(name, after + got.events.length), EVERY); return; }'//nl// &
+   '    over();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function over() {'//nl// &
+   "    running = '';"//nl// &
+   '    parts.run.disabled = false;'//nl// &
+   '    parts.stop.disabled = true;'//nl// &
+   "    parts.doing.textContent = '';"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function stop() {'//nl// &
+   '    if (!running || stopping) return;'//nl// &
+   '    stopping = true;'//nl// &
+   '    parts.stop.disabled = true;'//nl// &
+   "    board.engine.ask('search/' + running + '/stop', '');"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function show({ listing, findings = [], cases = [] }) {'//nl// &
+   '    const { make } = board.panel;'//nl// &
+   "    parts.listing.textContent = [listing || '', ...findings.map((one) => words.line(one.line, one.text))].join('\n').tr"// &
+   "im();"//nl// &
+   '    parts.listing.hidden = !parts.listing.textContent;'//nl// &
+   '    const sketches = cases.map((one) => {'//nl// &
+   '      try { return [one, board.text.parse(one.text)]; } catch (error) {'//nl// &
+   '        if (!(error instanceof board.text.Mistake)) throw error;'//nl// &
+   '        return null;                     // a linkage of loops is not drawn here; it is in the listing'//nl// &
+   '      }'//nl// &
+   '    }).filter(Boolean);'//nl// &
+   "    parts.sheet.replaceChildren(...sketches.map(([one, sketch]) => make('button', { type: 'button', class: 'card', oncl"// &
+   "ick: () => choose(one.text) },"//nl// &
+   "      board.store.picture(sketch), make('span', {}, one.title))));"//nl// &
+   '    follow();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function choose(text) {'//nl// &
+   '    board.load(text, board.state.file);'//nl// &
+   '    board.state.dirty = true;'//nl// &
+   '    board.store.keep();'//nl// &
+   "    board.view.canvas.scrollIntoView({ block: 'nearest' });"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  return { part, follow, get running() { return running; } };'//nl// &
+   '})();'//nl// &
+   '</script>'//nl// &
+   '<script>'//nl// &
    '// Results of the engine on the board, where psalm-workbench serves it: one look at the case after every change, arrows'// &
    ', numbers, curves.'//nl// &
    '// The one file of the pages that asks for something: of the server that the page comes from, with the token that stand'// &
@@ -3362,7 +3495,9 @@ module psalm_board_text
    '  const shown = { velocities: true, forces: true };'//nl// &
    '  const PATIENT = 300;                   // milliseconds: an answer that takes longer is given up for one to a later te'// &
    'xt'//nl// &
-   "  let timer = 0, since = 0, number = 0, asked = '';     // begin and number of the question that is open, its text"//nl// &
+   '  const PROOF = 250;                     // after an answer'//nl// &
+   "  let timer = 0, later = 0, since = 0, number = 0, asked = '';     // begin and number of the question that is open, it"// &
+   "s text"//nl// &
    '  let answer = null, fresh = false, parts = {};'//nl// &
    ''//nl// &
    '  /** What the server says; an object with `error` if it says no. */'//nl// &
@@ -3387,7 +3522,7 @@ module psalm_board_text
    "      head(words.assumptions), part('loads'), part('angles'), head(words.summary), part('summary'), part('proof'), part"// &
    "('ways'), part('found'), head(words.exports), part('files', make('div', { class: 'list' }, ...Object.entries(words.expo"// &
    "rtNames)"//nl// &
-   '      .map(([ending, text]) => button(text, () => save(ending)))))));'//nl// &
+   '      .map(([ending, text]) => button(text, () => save(ending))))), board.study.part()));'//nl// &
    '    parts.result.hidden = true;'//nl// &
    "    parts.state.setAttribute('role', 'status');"//nl// &
    '  }'//nl// &
@@ -3397,6 +3532,7 @@ module psalm_board_text
    '  /** After a change: what was found holds no longer, unless the text is the same. */'//nl// &
    '  function follow(rough) {'//nl// &
    '    if (!served) return;'//nl// &
+   '    if (!rough) board.study.follow();'//nl// &
    '    const text = textNow();'//nl// &
    '    fresh = Boolean(answer) && answer.text === text && !board.source.mistaken;'//nl// &
    '    if (fresh) { if (!rough) report(); return; }'//nl// &
@@ -3406,7 +3542,9 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  async function look() {'//nl// &
-   '    timer = 0;'//nl// &
+   '    timer = 0;'//nl
+
+   character(*), parameter :: part_33 = &
    '    const text = textNow();'//nl// &
    "    if (!board.state.sketch.joints.length && !board.source.mistaken) { answer = null; asked = ''; say(); return; }"//nl// &
    '    if (text === asked) return;'//nl// &
@@ -3425,14 +3563,24 @@ module psalm_board_text
    '    board.source.findings(text, got.findings || []);'//nl// &
    '    report();'//nl// &
    '    board.view.draw();'//nl// &
+   '    clearTimeout(later);'//nl// &
+   '    later = setTimeout(prove, PROOF);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** What takes longer is asked for when the drawing rests. */'//nl// &
+   '  async function prove() {'//nl// &
+   '    if (!fresh || !answer.motion) return;'//nl// &
+   "    const { text } = answer, got = await ask('prove', text);"//nl// &
+   '    if (!fresh || answer.text !== text || got.stale) return;'//nl// &
+   "    Object.assign(answer, { proof: got.proof, assemblies: got.assemblies, unproven: got.error || '' });"//nl// &
+   '    proof();'//nl// &
+   '    ways();'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** A picture of the case, for other programs. */'//nl// &
    '  async function save(ending) {'//nl// &
    "    const got = await ask('files', board.write());"//nl// &
-   "    if (got.files) board.download(got.files[ending], board.state.file.replace(/\.\w+$/, '') + ending);"//nl
-
-   character(*), parameter :: part_32 = &
+   "    if (got.files) board.download(got.files[ending], board.state.file.replace(/\.\w+$/, '') + ending);"//nl// &
    "    else say(got.error || (got.findings || []).filter((one) => one.level === 'error').map((one) => words.line(one.line,"// &
    " one.text)).join('; '), true);"//nl// &
    '  }'//nl// &
@@ -3510,7 +3658,9 @@ module psalm_board_text
    '      g.beginPath();'//nl// &
    '      g.moveTo(u, v);'//nl// &
    '      g.lineTo(u + dx - head * ux, v + dy - head * uy);'//nl// &
-   '      g.stroke();'//nl// &
+   '      g.stroke();'//nl
+
+   character(*), parameter :: part_34 = &
    '      g.beginPath();'//nl// &
    '      g.moveTo(u + dx, v + dy);'//nl// &
    '      g.lineTo(u + dx - head * ux - 0.45 * head * uy, v + dy - head * uy + 0.45 * head * ux);'//nl// &
@@ -3549,9 +3699,7 @@ module psalm_board_text
    'max(...at[0]) - Math.min(...at[0]) + Math.max(...at[1]) - Math.min(...at[1]));'//nl// &
    "    for (const [kind, alpha] of [['worst', 0.14], ['square', 0.24]]) {"//nl// &
    '      g.fillStyle = pens.accent;'//nl// &
-   '      g.globalAlpha = alpha;'//nl
-
-   character(*), parameter :: part_33 = &
+   '      g.globalAlpha = alpha;'//nl// &
    '      const shape = new Path2D();'//nl// &
    '      for (let i = 0; i + 1 < n + (ring ? 1 : 0); i++) {'//nl// &
    '        const k = (i + 1) % n, corners = [];'//nl// &
@@ -3621,7 +3769,9 @@ module psalm_board_text
    '    say();'//nl// &
    "    const { make, head } = board.panel, { motion, summary, findings } = answer, errors = (findings || []).filter((one) "// &
    "=> one.level === 'error');"//nl// &
-   '    parts.result.hidden = !motion;'//nl// &
+   '    parts.result.hidden = !motion;'//nl
+
+   character(*), parameter :: part_35 = &
    "    if (!motion && errors.length) { parts.state.textContent = words.line(errors[0].line, errors[0].text); parts.state.c"// &
    "lassList.add('wrong'); return; }"//nl// &
    "    const lines = (summary || '').split('\n').slice(1).map((line) => /^ {2}(\S.*?)(?: {2,}(.*))?$/.exec(line)).filter(B"// &
@@ -3653,6 +3803,7 @@ module psalm_board_text
    'f,'//nl// &
    '      words.extremes(span(one.least_low, one.least_high), digits(one.least_at) + unit, span(one.greatest_low, one.great'// &
    'est_high), digits(one.greatest_at) + unit))));'//nl// &
+   "    if (answer.unproven) rows.push(make('p', {}, answer.unproven));"//nl// &
    '    parts.proof.replaceChildren(...(rows.length && board.free() === 1 ? [head(words.proven), ...rows] : []));'//nl// &
    '    marks();'//nl// &
    '  }'//nl// &
@@ -3669,9 +3820,7 @@ module psalm_board_text
    '    const k = board.state.sketch.drives.findIndex((d) => !d.ratio), unit = turning() ? board.motion.RADIAN : 1;'//nl// &
    '    const value = (i) => sweep.states[i].inputs[k] / unit, n = sweep.states.length, low = Math.min(value(0), value(n - '// &
    '1)), high = Math.max(value(0), value(n - 1));'//nl// &
-   '    if (!(high > low)) return;'//nl
-
-   character(*), parameter :: part_34 = &
+   '    if (!(high > low)) return;'//nl// &
    "    const strip = make('div', { class: 'proven', title: words.strip }), x = (v) => 100 * Math.min(1, Math.max(0, (v - l"// &
    "ow) / (high - low)));"//nl// &
    '    const shifts = turning() ? [-360, 0, 360] : [0], put = (from, to, kind, title) => {'//nl// &
@@ -3745,7 +3894,9 @@ module psalm_board_text
    ''//nl// &
    '  /** Fields for the speed of the input and for one load. */'//nl// &
    '  function loads() {'//nl// &
-   '    const { make, row, numberField, button } = board.panel, { sketch } = board.state, text = board.write();'//nl// &
+   '    const { make, row, numberField, button } = board.panel, { sketch } = board.state, text = board.write();'//nl
+
+   character(*), parameter :: part_36 = &
    "    const held = parts.loads.contains(document.activeElement) ? document.activeElement.getAttribute('aria-label') : nul"// &
    "l;"//nl// &
    '    const group = (name) => { try { return board.text.placeOf(text, name); } catch { return undefined; } };'//nl// &
@@ -3798,9 +3949,7 @@ module psalm_board_text
    ' the sketch.'//nl// &
    "'use strict';"//nl// &
    ''//nl// &
-   'board.search = (() => {'//nl
-
-   character(*), parameter :: part_35 = &
+   'board.search = (() => {'//nl// &
    '  const POINTS = 24, MOST_POINTS = 200;  // of a curve that is drawn'//nl// &
    '  const NEAR = 0.12;                     // of its size: how far apart the ends of a closed one may be'//nl// &
    '  const EVERY = 400;                     // milliseconds between two questions'//nl// &
@@ -3870,7 +4019,9 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** Points along the longest path of an SVG picture, y upwards. */'//nl// &
-   '  function fromPicture(text) {'//nl// &
+   '  function fromPicture(text) {'//nl
+
+   character(*), parameter :: part_37 = &
    "    const whole = new DOMParser().parseFromString(text, 'image/svg+xml'), mine = board.panel.svg('path');"//nl// &
    "    const pathOf = (one) => one.tagName === 'path' ? one.getAttribute('d') : 'M' + (one.getAttribute('points') || '') +"// &
    " (one.tagName === 'polygon' ? 'z' : '');"//nl// &
@@ -3913,9 +4064,7 @@ module psalm_board_text
    '      g.strokeStyle = g.fillStyle = pens.accent;'//nl// &
    '      g.lineWidth = 2;'//nl// &
    '      g.setLineDash([7, 5]);'//nl// &
-   '      g.beginPath();'//nl
-
-   character(*), parameter :: part_36 = &
+   '      g.beginPath();'//nl// &
    '      for (const [x, y] of points) g.lineTo(X(x), Y(y));'//nl// &
    '      if (closed) g.closePath();'//nl// &
    '      g.stroke();'//nl// &
@@ -3993,7 +4142,9 @@ module psalm_board_text
    '  function own() {'//nl// &
    '    const { links, lengths, slides, gears } = board.state.sketch, exact = (a, b) => lengths.some((l) => l.joints.includ'// &
    'es(a) && l.joints.includes(b));'//nl// &
-   "    if (!lengths.length) return ['all'];"//nl// &
+   "    if (!lengths.length) return ['all'];"//nl
+
+   character(*), parameter :: part_38 = &
    '    if (slides.length || gears.length) return null;'//nl// &
    '    // a length across a plate holds the whole plate'//nl// &
    '    const across = (joints) => lengths.some((l) => l.joints.every((name) => joints.slice(1).includes(name)));'//nl// &
@@ -4034,9 +4185,7 @@ module psalm_board_text
    '    if (running !== name) return;'//nl// &
    "    if (got.error) { parts.told.textContent = got.error; running = ''; follow(); return; }"//nl// &
    '    for (const one of got.events) {'//nl// &
-   '      if (one.doing) {'//nl
-
-   character(*), parameter :: part_37 = &
+   '      if (one.doing) {'//nl// &
    '        parts.doing.textContent = words.searching(words.kindNames[one.doing], one.round);'//nl// &
    '        text = one.text;'//nl// &
    '        parts.save.hidden = false;'//nl// &
@@ -4103,7 +4252,9 @@ module psalm_board_text
    '  const CLICK = 5, TOUCH_CLICK = 12;     // pixels that a pointer may move in a click'//nl// &
    '  const BAR_STEPS = 20;                  // places on a bar where a joint may be put'//nl// &
    '  const ANGLE = 15;                      // degrees between directions of a slide that is drawn'//nl// &
-   '  const TOOLS = ['//nl// &
+   '  const TOOLS = ['//nl
+
+   character(*), parameter :: part_39 = &
    "    ['select', 'v', 'M6 3l13 9-6 1.5-2.5 6z'],"//nl// &
    "    ['link', 'l', 'M6 18L18 6M6 18m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0M18 6m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0'],"//nl// &
    "    ['pivot', 'p', 'M12 8L5 19h14zM12 8m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0'],"//nl// &
@@ -4142,9 +4293,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** Pins a joint to the frame or frees it. */'//nl// &
-   '  function pivot(name) {'//nl
-
-   character(*), parameter :: part_38 = &
+   '  function pivot(name) {'//nl// &
    '    edit((sketch) => {'//nl// &
    '      const frame = sketch.links[0];'//nl// &
    '      if (frame.joints.includes(name)) frame.joints = frame.joints.filter((one) => one !== name);'//nl// &
@@ -4212,7 +4361,9 @@ module psalm_board_text
    "    if (only && sketch.drives[0].kind === 'turn') { if (!sketch.delt.length) sketch.ikin = sketch.ikin || 15; return; }"//nl// &
    '    if (sketch.ikin || !sketch.delt.length) {'//nl// &
    '      sketch.ikin = 0;'//nl// &
-   "      sketch.delt = steps(sketch.drives[0].kind === 'turn' ? 5 : stroke);"//nl// &
+   "      sketch.delt = steps(sketch.drives[0].kind === 'turn' ? 5 : stroke);"//nl
+
+   character(*), parameter :: part_40 = &
    '    }'//nl// &
    '    for (const one of sketch.drives.slice(1)) if (!one.ratio && one.delt.length !== sketch.delt.length) one.delt = sket'// &
    'ch.delt.map(() => 0);'//nl// &
@@ -4252,9 +4403,7 @@ module psalm_board_text
    "    const hit = view.under(x, y, event.pointerType === 'touch', without), at = board.places();"//nl// &
    "    const place = hit && hit.joint ? at.get(hit.joint) : hit && hit.link && board.state.tool !== 'select' ? onLink(hit."// &
    "link, view.world(x, y)) : event.altKey ? view.world(x, y) : view.snap(view.world(x, y));"//nl// &
-   '    const there = jointAtPlace(place, without, at);'//nl
-
-   character(*), parameter :: part_39 = &
+   '    const there = jointAtPlace(place, without, at);'//nl// &
    "    return { x, y, hit: there && !(hit && hit.joint) ? { joint: there } : hit, place, touch: event.pointerType === 'tou"// &
    "ch' };"//nl// &
    '  }'//nl// &
@@ -4322,7 +4471,9 @@ module psalm_board_text
    '    const { state } = board;'//nl// &
    '    if (pointers.has(event.pointerId)) pointers.set(event.pointerId, event);'//nl// &
    '    if (pinch) { pinchTo(); return; }'//nl// &
-   '    if (hand) { trace(event); return; }'//nl// &
+   '    if (hand) { trace(event); return; }'//nl
+
+   character(*), parameter :: part_41 = &
    "    const dragged = press && press.at && press.tool === 'select' && press.at.hit && press.at.hit.joint;"//nl// &
    "    const at = spot(event, dragged || '');"//nl// &
    '    if (state.pending) { state.pending.to = target(state.pending, at); state.hover = at.hit; view.draw(); }'//nl// &
@@ -4361,9 +4512,7 @@ module psalm_board_text
    '    const a = ANGLE * Math.round(Math.atan2(dy, dx) * 180 / Math.PI / ANGLE);'//nl// &
    '    return ((a % 180) + 180) % 180;'//nl// &
    '  };'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_40 = &
+   ''//nl// &
    '  function drag(at) {'//nl// &
    '    const { hit } = press.at;'//nl// &
    '    if (hit.joint) {'//nl// &
@@ -4433,7 +4582,9 @@ module psalm_board_text
    "});"//nl// &
    "    else if (tool === 'pivot' && hit.joint) pivot(hit.joint);"//nl// &
    "    else if (tool === 'pivot') edit((sketch) => { const name = addJoint(sketch, start.place, hit.link); sketch.links[0]"// &
-   ".joints.push(name); state.selection = { joint: name }; });"//nl// &
+   ".joints.push(name); state.selection = { joint: name }; });"//nl
+
+   character(*), parameter :: part_42 = &
    "    else if (tool === 'slider' && hit.joint) slider(hit.joint, pulled ? slideAngle(at.place[0] - start.place[0], at.pla"// &
    "ce[1] - start.place[1]) : 0);"//nl// &
    "    else if (tool === 'drive') driveAt(hit, at.hit || {}, pulled);"//nl// &
@@ -4472,9 +4623,7 @@ module psalm_board_text
    '    view.draw();'//nl// &
    '  }'//nl// &
    ''//nl// &
-   "  const cursor = (hit) => board.state.tool !== 'select' ? 'crosshair' : hit ? 'grab' : 'default';"//nl
-
-   character(*), parameter :: part_41 = &
+   "  const cursor = (hit) => board.state.tool !== 'select' ? 'crosshair' : hit ? 'grab' : 'default';"//nl// &
    ''//nl// &
    '  // ---- buttons and keys --------------------------------------------------------------------------------------------'// &
    '-'//nl// &
@@ -4547,7 +4696,9 @@ module psalm_board_text
    "    canvas.addEventListener('pointerdown', down);"//nl// &
    "    canvas.addEventListener('pointermove', move);"//nl// &
    "    canvas.addEventListener('pointerup', up);"//nl// &
-   "    canvas.addEventListener('pointercancel', (event) => { pointers.delete(event.pointerId); pinch = 0; cancel(); });"//nl// &
+   "    canvas.addEventListener('pointercancel', (event) => { pointers.delete(event.pointerId); pinch = 0; cancel(); });"//nl
+
+   character(*), parameter :: part_43 = &
    "    canvas.addEventListener('pointerleave', () => { if (!press && board.state.hover) { board.state.hover = null; view.d"// &
    "raw(); } });"//nl// &
    "    canvas.addEventListener('contextmenu', (event) => event.preventDefault());"//nl// &
@@ -4591,9 +4742,7 @@ module psalm_board_text
    "  const blank = () => ({ title: board.words.title, joints: [], links: [{ name: 'frame', joints: [] }], slides: [], gear"// &
    "s: [], lengths: [], kover: false,"//nl// &
    '    drives: [], outputs: [], ikin: 15, crnki: 0, delt: [], keep: {} });'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_42 = &
+   ''//nl// &
    '  const state = {'//nl// &
    "    sketch: blank(), source: '', file: 'sketch.nml', dirty: false,"//nl// &
    "    book: '',                   // where the book is, seen from this page; empty: not known"//nl// &
@@ -4658,7 +4807,9 @@ module psalm_board_text
    '  function undo(from = past, to = future) {'//nl// &
    '    if (!from.length) return;'//nl// &
    '    pause();'//nl// &
-   '    to.push(snapshot());'//nl// &
+   '    to.push(snapshot());'//nl
+
+   character(*), parameter :: part_44 = &
    '    Object.assign(state, JSON.parse(from.pop()));'//nl// &
    '    state.selection = null;'//nl// &
    '    state.dirty = true;'//nl// &
@@ -4698,9 +4849,7 @@ module psalm_board_text
    '    let worst = Infinity;'//nl// &
    '    const largest = Math.max(...lengths.map((l) => l.value));'//nl// &
    '    for (let round = 0; round < 60; round++) {'//nl// &
-   '      const rows = [], right = [];'//nl
-
-   character(*), parameter :: part_43 = &
+   '      const rows = [], right = [];'//nl// &
    '      for (const { joints: [a, b], value } of lengths) {'//nl// &
    '        const i = joints.findIndex((j) => j.name === a), k = joints.findIndex((j) => j.name === b);'//nl// &
    '        const dx = joints[k].x - joints[i].x, dy = joints[k].y - joints[i].y, d = Math.hypot(dx, dy) || 1e-9;'//nl// &
@@ -4765,7 +4914,9 @@ module psalm_board_text
    '    });'//nl// &
    '    state.selection = null;'//nl// &
    '    refresh();'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_45 = &
    ''//nl// &
    '  function tidy(s) {'//nl// &
    '    const slides = (name) => s.slides.some((one) => one.links.includes(name));'//nl// &
@@ -4807,9 +4958,7 @@ module psalm_board_text
    ''//nl// &
    '  // ---- motion ------------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_44 = &
+   ''//nl// &
    '  /** What follows from the sketch; `rough` while something is dragged. */'//nl// &
    '  function refresh(rough = false) {'//nl// &
    '    const { sketch } = state;'//nl// &
@@ -4876,7 +5025,9 @@ module psalm_board_text
    '      });'//nl// &
    '      states = [];'//nl// &
    '      for (const inputs of between) {'//nl// &
-   '        const next = solver.advance(mech, states.at(-1) || start, inputs, NEAR);'//nl// &
+   '        const next = solver.advance(mech, states.at(-1) || start, inputs, NEAR);'//nl
+
+   character(*), parameter :: part_46 = &
    '        if (!next) break;'//nl// &
    '        states.push(next);'//nl// &
    '      }'//nl// &
@@ -4914,9 +5065,7 @@ module psalm_board_text
    'length < b.joints.length || b === sketch.links[0] ? a : b;'//nl// &
    '    let { x, y } = slide, u = [Math.cos(slide.angle * solver.RADIAN), Math.sin(slide.angle * solver.RADIAN)];'//nl// &
    '    if (live) {'//nl// &
-   '      const row = m.mech.slides[i], at = (link, p) => {'//nl
-
-   character(*), parameter :: part_45 = &
+   '      const row = m.mech.slides[i], at = (link, p) => {'//nl// &
    '        const phi = live.pose[3 * link + 2], c = Math.cos(phi), s = Math.sin(phi);'//nl// &
    '        return [live.pose[3 * link] + c * p[0] - s * p[1], live.pose[3 * link + 1] + s * p[0] + c * p[1]];'//nl// &
    '      };'//nl// &
@@ -4980,7 +5129,9 @@ module psalm_board_text
    '      let t = state.t + state.forth * 2 ** state.speed * dt * n / (sweep.ring ? TURN_TIME : WAY_TIME);'//nl// &
    '      if (sweep.ring) state.forth = 1;'//nl// &
    '      else if (t >= n - 1) { t = n - 1; state.forth = -1; } else if (t <= 0) { t = 0; state.forth = 1; }'//nl// &
-   '      go(t);'//nl// &
+   '      go(t);'//nl
+
+   character(*), parameter :: part_47 = &
    '      requestAnimationFrame(tick);'//nl// &
    '    };'//nl// &
    '    requestAnimationFrame(tick);'//nl// &
@@ -5019,9 +5170,7 @@ module psalm_board_text
    '    if (draft || state.sketch.joints.length || state.wanted) remember(snapshot());'//nl// &
    '    Object.assign(state, other, { selection: null, pending: null, dirty: false });'//nl// &
    '    refresh();'//nl// &
-   '    fit();'//nl
-
-   character(*), parameter :: part_46 = &
+   '    fit();'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** The sketch of a text, in the same view; throws a Mistake. */'//nl// &
@@ -5089,7 +5238,9 @@ module psalm_board_text
    ";"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function ready() {'//nl// &
+   '  function ready() {'//nl
+
+   character(*), parameter :: part_48 = &
    '    view.begin();'//nl// &
    '    view.resize();'//nl// &
    '    board.panel.begin();'//nl// &
@@ -5126,9 +5277,7 @@ module psalm_board_text
    ''//nl// &
    '  function wrong(words) {'//nl// &
    '    state.messages = [{ text: words, joints: [], links: [] }];'//nl// &
-   '    board.panel.show();'//nl
-
-   character(*), parameter :: part_47 = &
+   '    board.panel.show();'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  Object.assign(board, { state, edit, begin, touch, end, undo: () => undo(), redo: () => undo(future, past), relax, ren'// &
@@ -5153,6 +5302,7 @@ contains
              part_16//part_17//part_18//part_19//part_20//part_21//part_22//part_23// &
              part_24//part_25//part_26//part_27//part_28//part_29//part_30//part_31// &
              part_32//part_33//part_34//part_35//part_36//part_37//part_38//part_39// &
-             part_40//part_41//part_42//part_43//part_44//part_45//part_46//part_47
+             part_40//part_41//part_42//part_43//part_44//part_45//part_46//part_47// &
+             part_48
    end function board_text
 end module psalm_board_text

@@ -11,6 +11,7 @@ import re
 import resource
 import sys
 import threading
+import time
 
 import numpy
 
@@ -19,7 +20,7 @@ import psalm
 MEMORY = 4 << 30        # bytes of address space
 SAYS = ("motion", "summary")    # studies whose errors are told: the others are asked of whatever is drawn
 FINE = 5                # degrees between the positions of which velocities are shown
-PREFIX = re.compile(r"^case in memory:\d+: (?:error|warning|remark): ")
+PREFIX = re.compile(r"^case in memory(?::\d+: (?:error|warning|remark))?: ")
 CURVE_FILE = re.compile(r"^[^!'\"]*[&$]\s*CURVE\b", re.I)
 WARM = "WARM\n &CHAIN JNT='A','B','C','D', JX=0.,0.,60.,100., JY=0.,30.,80.,0., LNK='A D','A B','B C','C D' &END\n" \
     " &DRIVES DRIVE='A' &END\n &METHOD IKIN=30 &END\n"
@@ -31,6 +32,9 @@ OWN_STARTS = 100000
 TURNS = 720.0           # degrees to either side: no bound of an angle
 FIRST_SECONDS, MOST_SECONDS = 0.5, 16.0     # of a kind in the first round; doubled from round to round
 ASSEMBLIES = 24         # that are shown
+TOLD = 0.3              # seconds between two reports of progress
+LISTING = 200000        # characters of a listing that are shown
+FOUND = 24              # linkages found that are shown
 SHOWN = 60              # points of a path on the contact sheet
 
 
@@ -79,6 +83,15 @@ def files(request):
 
 def look(request):
     """What the engine says of a case: findings, summary, positions, transmission angles, velocities, forces."""
+    return parts_of(request, (("motion", motion_of), ("summary", summary_of), ("velocity", velocities_of)))
+
+
+def prove(request):
+    """What may take longer, but changes nothing of the rest: what is proven, all assemblies."""
+    return parts_of(request, (("proof", proof_of), ("assemblies", assemblies_of)))
+
+
+def parts_of(request, parts):
     text = request["case"]
     refused = files_named(text)
     if refused:
@@ -89,8 +102,7 @@ def look(request):
         return {"findings": findings_of(error.findings)}
     answer = {"findings": [], "title": case.title}
     found = {}
-    for part, study in (("motion", motion_of), ("summary", summary_of), ("velocity", velocities_of), ("proof", proof_of),
-                        ("assemblies", assemblies_of)):
+    for part, study in parts:
         try:
             answer[part], findings = study(case)
         except psalm.Error as error:
@@ -258,6 +270,29 @@ def card_of(case, name, error, size, output):
     return card
 
 
+# ---- any other study ----------------------------------------------------------------------------------------------------
+
+def run(request, tell, stopped):
+    """A study that a case asks for: its listing, and the linkages found."""
+    last = [0.0]
+
+    def progress(made, most, best):
+        if time.monotonic() > last[0] + TOLD:
+            last[0] = time.monotonic()
+            tell({"made": made, "most": most, "best": best if math.isfinite(best) and best < sys.float_info.max else None})
+        return stopped()
+
+    refused = files_named(request["case"])
+    if refused:
+        return {"error": refused[0]["text"]}
+    try:
+        result = psalm.Case.from_text(request["case"]).study(request["verb"], progress=progress)
+    except psalm.Error as error:
+        return {"error": "; ".join(PREFIX.sub("", f.text) for f in error.findings if f.level == "error") or str(error)}
+    return {"done": True, "listing": result.listing[:LISTING], "findings": findings_of(result.findings),
+            "cases": [{"title": case.title, "text": case.text} for case in result.cases[:FOUND]]}
+
+
 # ---- the process --------------------------------------------------------------------------------------------------------
 
 def main():
@@ -284,7 +319,9 @@ def main():
         sys.stdout.flush()
 
     threading.Thread(target=listen, daemon=True).start()
-    tell({"look": look, "files": files}[request["study"]](request) if request["study"] != "search" else search(request, tell, end.is_set))
+    short = {"look": look, "prove": prove, "files": files}
+    tell(short[request["study"]](request) if request["study"] in short else
+         {"search": search, "run": run}[request["study"]](request, tell, end.is_set))
     os._exit(0)
 
 

@@ -49,6 +49,7 @@ KEPT = 8                    # searches that have ended, results of which are sti
 POINTS = 3, 400             # of a wanted curve
 FAR = 1e9                   # its largest coordinate
 MOST_VARY = 200             # dimensions that a search varies
+VERBS = tuple(verb for verb in psalm.verbs if verb not in ("analysis", "summary", "picture", "board", "assemblies", "kinds"))
 EMPTY = "PAGE\n &CHAIN JNT='A','B','C','D', JX=0.,0.,60.,100., JY=0.,30.,80.,0., LNK='A D','A B','B C','C D' &END\n" \
     " &DRIVES DRIVE='A' &END\n &METHOD IKIN=30 &END\n"
 DATA = re.compile(r'<script type="application/json" id="data">.*?</script>', re.S)
@@ -251,7 +252,7 @@ class Studies:
             return {"stale": True} if process.over else {"error": "the study ended early: it took too long or wanted too much memory"}
         return answer
 
-    async def search(self, request):
+    async def search(self, request, study="search"):
         if sum(one.running for one in self.searches.values()) >= SEARCHES:
             raise Refused(429, "%d searches are running: stop one of them" % SEARCHES)
         name, one = secrets.token_hex(8), Search()
@@ -262,7 +263,7 @@ class Studies:
                 break
             del self.searches[oldest]
         one.process = await self.process()
-        one.task = asyncio.create_task(self.follow(one, request))
+        one.task = asyncio.create_task(self.follow(one, {**request, "study": study}))
         return name
 
     async def follow(self, one, request):
@@ -270,7 +271,7 @@ class Studies:
         loop = asyncio.get_running_loop()
         end = loop.time() + request["seconds"] + END_SECONDS + 20.0
         try:
-            await one.process.ask({**request, "study": "search"})
+            await one.process.ask(request)
             reading = asyncio.ensure_future(one.process.answer())
             while True:
                 done, _ = await asyncio.wait({reading}, timeout=1.0)
@@ -348,6 +349,17 @@ def request_of(body):
             "low": float(number("low", 0, FAR, 0)), "high": float(number("high", 0, FAR, 0)), "vary": vary, **words}
 
 
+def run_of(body):
+    """A study that is asked for by its verb."""
+    try:
+        given = json.loads(body)
+    except (ValueError, RecursionError):
+        raise Refused(400, "the request is not JSON") from None
+    if not isinstance(given, dict) or given.get("verb") not in VERBS or not isinstance(given.get("case"), str) or "\0" in given["case"]:
+        raise Refused(400, "a study has a verb, one of %s, and a case" % " ".join(VERBS))
+    return {"verb": given["verb"], "case": given["case"], "seconds": SEARCH_SECONDS}
+
+
 def application(token, port, case="", file="", seconds=LOOK_SECONDS):
     """The server as an ASGI application, and its studies."""
     page, policy = page_of(token, case, file)
@@ -358,6 +370,9 @@ def application(token, port, case="", file="", seconds=LOOK_SECONDS):
 
     async def look(request):
         return JSONResponse(await studies.look(request.headers.get("x-psalm-page", "")[:32], await case_of(request)))
+
+    async def prove(request):
+        return JSONResponse(await studies.look(request.headers.get("x-psalm-page", "")[:32] + " prove", await case_of(request), "prove"))
 
     async def files(request):
         return JSONResponse(await studies.look(request.headers.get("x-psalm-page", "")[:32] + " files", await case_of(request), "files"))
@@ -373,6 +388,9 @@ def application(token, port, case="", file="", seconds=LOOK_SECONDS):
 
     async def search(request):
         return JSONResponse({"search": await studies.search(request_of(await request.body()))})
+
+    async def run(request):
+        return JSONResponse({"search": await studies.search(run_of(await request.body()), "run")})
 
     def one_of(request):
         one = studies.searches.get(request.path_params["name"])
@@ -406,7 +424,7 @@ def application(token, port, case="", file="", seconds=LOOK_SECONDS):
         yield
         await studies.close()
 
-    routes = [Route("/", home), Route("/look", look, methods=["POST"]), Route("/files", files, methods=["POST"]), Route("/search", search, methods=["POST"]),
+    routes = [Route("/", home), Route("/look", look, methods=["POST"]), Route("/prove", prove, methods=["POST"]), Route("/files", files, methods=["POST"]), Route("/search", search, methods=["POST"]), Route("/run", run, methods=["POST"]),
               Route("/search/{name}", found), Route("/search/{name}/stop", stop, methods=["POST"])]
     app = Starlette(routes=routes, lifespan=alive, exception_handlers={Refused: refused, 404: no_page})
     return Guard(app, token, {"%s:%d" % (name, port) for name in (HOST, "localhost")})

@@ -467,6 +467,7 @@ def test_results(server, browser):
     page = bench.page
     page.click("#tab-engine")
     bench.until("board.engine.answer")
+    bench.until("board.engine.answer && board.engine.answer.proof")
     proof = bench.ask("board.engine.answer.proof")
     check("proven: it closes over the whole turn", [(one["kind"], one["from"], one["to"]) for one in proof["limits"]] == [("closes", 0, 360)], str(proof["limits"]))
     angle = next(one for one in proof["extremes"] if "transmission" in one["of"])
@@ -499,6 +500,47 @@ def test_results(server, browser):
                 for row in rows for k, axis in enumerate("xy") for name, column in (("worst", "worst_case"), ("square", "root_sum_square")))
     check("tolerances: the band is that of psalm", len(rows) == 24 and worst < 1e-6, "%.1e" % worst)
     check("results: no complaint", not bench.complaints, str(bench.complaints))
+    bench.context.close()
+
+
+def test_studies(server, browser, shots):
+    """What the groups of a case ask for: counterweights as muscle finds them, and a search that is stopped."""
+    bench = Bench(browser, server.url)
+    page = bench.page
+    name = os.path.join(DATA, "muscle", "thesis_ten_bar.nml")
+    bench.ask("board.load(%s, 'ten_bar.nml')" % json.dumps(read(name)))
+    page.click("#tab-engine")
+    bench.until("board.engine.answer")
+    page.select_option('[aria-label="Studies"]', "balance")
+    page.click("#run-study")
+    bench.until("!document.querySelector('.listing').hidden")
+    code, listing, errors = run(os.path.join(picture_tools.programs, "muscle"), "--quiet", name, cwd=os.getcwd())
+    shown = page.text_content(".listing")
+    lines = [line for line in listing.split("\n") if line.strip()]
+    check("studies: counterweights, the listing of muscle", code in (0, 1) and len(lines) > 30 and all(line.strip() in shown for line in lines), errors)
+    before = bench.ask("board.write()")
+    page.click(".study .card")
+    check("studies: the linkage with its weights is on the board", bench.ask("board.write()") != before and "it moves" in bench.chip() and "MASSES" in bench.ask("board.write()"))
+    bench.until("board.engine.answer")
+    if shots:
+        page.evaluate("document.querySelector('.study').scrollIntoView()")
+        page.screenshot(path=os.path.join(shots, "bench_study.png"))
+    search = re.sub(r"NSTART=\d+", "NSTART=1000000", read(os.path.join(DATA, "types", "similar_path.nml")))
+    bench.ask("board.load(%s, 'path.nml')" % json.dumps(search))
+    page.select_option('[aria-label="Studies"]', "synthesis")
+    page.click("#run-study")
+    bench.until("document.querySelector('.study [role=status]').textContent.includes('1000000')")
+    page.click("#stop-study")
+    bench.until("!board.study.running")
+    check("studies: a search that is stopped has what it found", len(page.query_selector_all(".study .card")) == 1 and "best objective" in page.text_content(".listing"),
+          page.text_content(".study"))
+    page.select_option('[aria-label="Studies"]', "cams")
+    page.click("#run-study")
+    bench.until("document.querySelector('.study .wrong').textContent")
+    check("studies: what is missing is said", "&CAM" in page.text_content(".study .wrong"), page.text_content(".study .wrong"))
+    for verb in ("board", "picture", "x", None):
+        check("studies: the verb %s is refused" % verb, server.ask("/run", json.dumps({"verb": verb, "case": search}).encode())[0] == 400)
+    check("studies: no complaint", not bench.complaints, str(bench.complaints))
     bench.context.close()
 
 
@@ -617,9 +659,15 @@ def test_file(browser):
     board.context.close()
 
 
-def test_frames(browser):
+def test_frames(server, browser):
     """How long a frame takes while a joint of a ten-bar is dragged: the motion over its whole turn, found anew, and the picture."""
-    board = Board(browser, BOARD, 1280, 800)
+    drag(Board(browser, BOARD, 1280, 800), "from a file")
+    board = Bench(browser, server.url)
+    board.page.click("#tab-engine")
+    drag(board, "with results")
+
+
+def drag(board, law):
     board.ask("board.load(%s, 'ten.nml')" % json.dumps(read(os.path.join(DATA, "muscle", "thesis_ten_bar.nml"))))
     check("ten-bar: it moves", "it moves" in board.chip() and len(board.sketch()["links"]) == 10, "%s %d" % (board.chip(), len(board.sketch()["links"])))
     times = board.ask("""(() => {
@@ -638,8 +686,8 @@ def test_frames(browser):
         return times.sort((a, b) => a - b);
     })()""")
     slow = times[int(0.95*len(times))]
-    print("ten-bar dragged: 95 of 100 frames take at most %.1f ms, half of them %.1f ms" % (slow, times[len(times)//2]))
-    check("ten-bar: a frame is quick", slow < BUSY*QUICK, "%.1f ms" % slow)
+    print("ten-bar dragged, " + law + ": 95 of 100 frames take at most %.1f ms, half of them %.1f ms" % (slow, times[len(times)//2]))
+    check("ten-bar, %s: a frame is quick" % law, slow < BUSY*QUICK, "%.1f ms" % slow)
     board.context.close()
 
 
@@ -664,9 +712,10 @@ def main(arguments):
                 timed(test_story, empty, browser, shots, 390, 844)
                 timed(test_text, server, browser)
                 timed(test_results, server, browser)
+                timed(test_studies, server, browser, shots)
                 timed(test_curves, empty, browser)
                 timed(test_file, browser)
-                timed(test_frames, browser)
+                timed(test_frames, server, browser)
                 browser.close()
             timed(test_refusals, server)
             timed(test_bounds, server)
