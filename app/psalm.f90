@@ -303,7 +303,8 @@ contains
       if (arguments%links .and. set%is_drawn() .and. .not. set%is_beyond_arrays()) then
          by_loops = variant_of(set)
          by_loops%by_loops = .true.
-         if (set%constr%given .or. set%masses%given .or. set%loads%given .or. set%springs%given .or. set%gives('SWEEP')) then
+         if (set%constr%given .or. set%masses%given .or. set%loads%given .or. set%springs%given .or. set%gives('SWEEP') .or. &
+             index(set%others, '&PLATES') > 0) then
             by_loops%with_others = .false.
             call devices%remark(set, 'device 7 has &LINKS without the groups that call joints by their names')
          end if

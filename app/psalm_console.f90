@@ -282,7 +282,7 @@ contains
          case ('--quiet', '-q')
             arguments%quiet = .true.
          case ('--curves', '--assemblies', '--edit', '--animate', '--phase', '--sheet', '--mjcf', '--sdf', &
-               '--urdf')
+               '--urdf', '--freecad')
             if (program /= 'balm' .and. .not. (program == 'ssics' .and. word == '--curves') .and. &
                 .not. (program == 'psalm' .and. word == '--assemblies')) then
                call say(program, "'"//word//"' is an option of balm"// &
@@ -299,6 +299,7 @@ contains
             arguments%robots%mjcf = arguments%robots%mjcf .or. word == '--mjcf'
             arguments%robots%sdf = arguments%robots%sdf .or. word == '--sdf'
             arguments%robots%urdf = arguments%robots%urdf .or. word == '--urdf'
+            arguments%robots%freecad = arguments%robots%freecad .or. word == '--freecad'
          case ('--links')
             if (program /= 'psalm') then
                call say(program, "unknown option '"//word//"'; see --help")
@@ -368,7 +369,7 @@ contains
       if (arguments%edit .and. (arguments%curves .or. arguments%assemblies .or. arguments%animate .or. &
                                 arguments%phase .or. arguments%robots%any())) then
          call say(program, '--edit makes the drawing board and no pictures or models; leave --curves, --assemblies, --animate, '// &
-                  '--phase, --mjcf, --sdf and --urdf out')
+                  '--phase, --mjcf, --sdf, --urdf and --freecad out')
          arguments%code = exit_bad_input
       end if
       if (count([arguments%parts > 0, arguments%merge, arguments%so_far]) > 1) then

@@ -1,4 +1,4 @@
-// The drawing board: its state, every change with undo, the motion that follows from it, playing, files.
+// The drawing board: its state, every change with undo, the motion that follows from it, playing, files to open and to save.
 'use strict';
 
 (() => {
@@ -8,20 +8,22 @@
   const NEAR = 1e-3;                                       // part of a step of the sweep that is followed to a dead point
   const FINE = 1, COARSE = 5;                              // degrees between positions of a sweep; while dragging
   const clone = (value) => JSON.parse(JSON.stringify(value));
-  const blank = () => ({ title: 'A LINKAGE', joints: [], links: [{ name: 'frame', joints: [] }], slides: [], gears: [], lengths: [], kover: false,
+  const blank = () => ({ title: board.words.title, joints: [], links: [{ name: 'frame', joints: [] }], slides: [], gears: [], lengths: [], kover: false,
     drives: [], outputs: [], ikin: 15, crnki: 0, delt: [], keep: {} });
 
   const state = {
     sketch: blank(), source: '', file: 'sketch.nml', dirty: false,
     book: '',                   // where the book is, seen from this page; empty: not known
+    wanted: null,               // points that a search is to come near: { points, closed }
     tool: 'select', selection: null, hover: null, pending: null, grid: 'auto',
     messages: [], wrong: new Set(),
     motion: {},                 // mech, start, sweep: what follows from the sketch
     live: null,                 // state shown; null: the drawing as it is
     t: 0, forth: 1, playing: false, speed: 0,
   };
+  const parts = [board.source, board.engine, board.search];    // what follows every change
   const past = [], future = [];
-  let before = null;            // the sketch before a change that goes on
+  let before = null;            // what there was before a change that goes on
 
   const jointOf = (name) => state.sketch.joints.find((j) => j.name === name);
   const linkOf = (name) => state.sketch.links.find((l) => l.name === name);
@@ -35,7 +37,7 @@
     if (before) return;
     pause();
     settle();
-    before = JSON.stringify(state.sketch);
+    before = snapshot();
   }
 
   function touch(change) {
@@ -44,14 +46,22 @@
   }
 
   function end() {
-    if (before && before !== JSON.stringify(state.sketch)) {
-      past.push(before);
-      if (past.length > MOST_UNDO) past.shift();
-      future.length = 0;
+    if (before && before !== snapshot()) {
+      remember(before);
       state.dirty = true;
     }
     before = null;
     refresh();
+    board.store.keep();
+  }
+
+  /** All that undo brings back. */
+  const snapshot = () => JSON.stringify({ sketch: state.sketch, source: state.source, file: state.file, wanted: state.wanted });
+
+  function remember(one) {
+    past.push(one);
+    if (past.length > MOST_UNDO) past.shift();
+    future.length = 0;
   }
 
   function edit(change) {
@@ -63,11 +73,12 @@
   function undo(from = past, to = future) {
     if (!from.length) return;
     pause();
-    to.push(JSON.stringify(state.sketch));
-    state.sketch = JSON.parse(from.pop());
+    to.push(snapshot());
+    Object.assign(state, JSON.parse(from.pop()));
     state.selection = null;
     state.dirty = true;
     refresh();
+    board.store.keep();
   }
 
   /** Exact lengths may hold the joints elsewhere than they were drawn: from there on they are drawn where they are. */
@@ -210,10 +221,10 @@
     if (!state.messages.length) {
       const mech = solver.compile(sketch), start = solver.assemble(mech);
       state.motion = { mech, start };
-      if (!start) tell('The links do not meet: with the exact lengths they cannot be put together near the drawing.');
-      else if (start.dead) tell('The linkage stands at a dead point in the drawing, where two assemblies meet: draw it in another position.');
+      if (!start) tell(board.words.apart);
+      else if (start.dead) tell(board.words.dead);
       else {
-        state.motion.sweep = sweepOf(mech, start, rough ? COARSE : FINE);
+        state.motion.sweep = sweepOf(sketch, mech, start, rough ? COARSE : FINE);
         state.live = start;
         state.t = state.motion.sweep.home;
       }
@@ -221,6 +232,7 @@
     state.wrong = new Set(state.messages.flatMap((m) => m.joints));
     if (state.selection && !exists(state.selection)) state.selection = null;
     board.panel.show(rough);
+    for (const part of parts) part.follow(rough);
     view.draw();
   }
 
@@ -228,13 +240,12 @@
   const exists = (s) => s.joint ? jointOf(s.joint) : s.link ? linkOf(s.link) : s.slide ? state.sketch.slides.some((one) => one.name === s.slide) :
     state.sketch.drives.some((d) => d.at.join(' ') === s.cylinder);
 
-  const free = () => state.sketch.drives.filter((d) => !d.ratio).length;
+  const free = (sketch = state.sketch) => sketch.drives.filter((d) => !d.ratio).length;
 
   /** States along the motion: a whole turn, or as far as the linkage goes both ways; of several drives the way through all positions. */
-  function sweepOf(mech, start, step) {
-    const { sketch } = state;
+  function sweepOf(sketch, mech, start, step) {
     let states = [start], home = 0, ring = false;
-    if (free() === 1) {
+    if (free(sketch) === 1) {
       const turns = sketch.drives[0].kind === 'turn', each = turns ? step : mech.size * step / 120, most = turns ? 360 : mech.size;
       const run = (way) => {
         const list = [];
@@ -381,52 +392,58 @@
 
   // ---- files --------------------------------------------------------------------------------------------------------
 
-  function load(source, file = 'sketch.nml') {
+  /** Another data set; what was there comes back by undo. */
+  function load(source, file = 'sketch.nml', draft = false) {
     const sketch = notation.parse(source);
-    pause();
-    Object.assign(state, { sketch, source, file, selection: null, pending: null, dirty: false });
-    past.length = future.length = 0;
-    refresh();
-    fit();
+    instead({ sketch, source, file }, draft);
     board.tools.choose('select');
   }
 
   function start(sketch = blank()) {
+    instead({ sketch, source: '', file: 'sketch.nml', wanted: null });
+    board.tools.choose('link');
+  }
+
+  function instead(other, draft = false) {
     pause();
-    Object.assign(state, { sketch, source: '', file: 'sketch.nml', selection: null, pending: null, dirty: false });
-    past.length = future.length = 0;
+    before = null;
+    if (draft || state.sketch.joints.length || state.wanted) remember(snapshot());
+    Object.assign(state, other, { selection: null, pending: null, dirty: false });
     refresh();
     fit();
-    board.tools.choose('link');
+  }
+
+  /** The sketch of a text, in the same view; throws a Mistake. */
+  function take(source) {
+    const sketch = notation.parse(source);
+    begin();
+    Object.assign(state, { sketch, source });
+    end();
   }
 
   const write = () => notation.write(state.sketch, state.source);
 
   function save() {
-    const link = document.createElement('a');
-    link.href = URL.createObjectURL(new Blob([write()], { type: 'text/plain' }));
-    link.download = state.file.replace(/\.(dev7|txt)$/, '.nml');
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+    download(write(), state.file.replace(/\.(dev7|txt)$/, '.nml'));
     state.dirty = false;
   }
 
+  function download(text, name) {
+    const link = document.createElement('a');
+    link.href = URL.createObjectURL(new Blob([text], { type: 'text/plain' }));
+    link.download = name;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+  }
+
   function open(file) {
-    file.text().then((source) => {
-      try {
-        load(source, file.name);
-      } catch (error) {
-        if (!(error instanceof notation.Mistake)) throw error;
-        state.messages = [{ text: file.name + ': ' + error.message, joints: [], links: [] }];
-        board.panel.show();
-      }
-    });
+    file.text().then((source) => attempt(source, file.name));
   }
 
   /** Everything into the view, with the paths. */
   function fit() {
-    const { sketch, motion: m } = state, all = [...places().values(), ...(m.sweep ? m.sweep.places.flat() : [])];
-    if (!sketch.joints.length) { view.look([-20, -20, 180, 120]); view.draw(); return; }
+    const { motion: m, wanted } = state, all = [...places().values(), ...(m.sweep ? m.sweep.places.flat() : []), ...(wanted ? wanted.points : [])];
+    if (!all.length) { view.look([-20, -20, 180, 120]); view.draw(); return; }
     const xs = all.map((p) => p[0]), ys = all.map((p) => p[1]), least = (l) => l.reduce((a, b) => Math.min(a, b)), most = (l) => l.reduce((a, b) => Math.max(a, b));
     view.look([least(xs), least(ys), most(xs), most(ys)]);
     view.draw();
@@ -443,14 +460,16 @@
     else if (chosen.output !== undefined || tool === 'output') page = 'sketch#outputs-optional';
     const [name, place] = page.split('#');
     if (book) window.open(book + 'guide/' + name + '.html' + (place ? '#' + place : ''), 'book');
-    else $('hint').textContent = 'The book explains this on its page guide/' + name + ' (doc/guide/' + name + '.md).';
+    else $('hint').textContent = board.words.explained(name);
     return page;
   }
 
-  /** What the address asks for: #case=TEXT&file=NAME&book=PATH. A path leads to a folder beside or above this page, nowhere else. */
+  /** What the address asks for: #case=TEXT&file=NAME&book=PATH, or #z=TEXT, compressed. A path leads to a folder beside or above this page,
+      nowhere else. */
   function asked() {
     const words = new URLSearchParams(location.hash.slice(1)), book = words.get('book') || '';
     if (/^(\.{1,2}\/)*(\w[\w.-]*\/)*$/.test(book)) state.book = book;
+    if (words.has('z')) return { z: words.get('z'), file: words.get('file') || 'sketch.nml' };
     return words.has('case') ? { lines: words.get('case').split('\n'), file: words.get('file') || 'sketch.nml' } : null;
   }
 
@@ -459,18 +478,42 @@
     view.resize();
     board.panel.begin();
     board.tools.begin();
+    board.store.begin();
+    for (const part of parts) part.begin();
     new ResizeObserver(() => { view.resize(); view.draw(); }).observe(view.canvas);
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { view.resize(); view.draw(); });
-    addEventListener('beforeunload', (event) => { if (state.dirty) event.preventDefault(); });
+    addEventListener('beforeunload', (event) => { if (state.dirty && !board.store.kept()) event.preventDefault(); });
+    addEventListener('hashchange', () => { const words = asked(); if (words) present(words); });
     const given = asked() || JSON.parse($('data').textContent);
-    board.panel.listExamples(board.examples);
     start();
-    if (given.lines) {
-      try { load(given.lines.join('\n') + '\n', given.file); } catch (error) { tell(error.message); board.panel.show(); }
+    present(given);
+    board.store.restore(given.lines ? given.lines.join('\n') + '\n' : '');
+  }
+
+  /** Puts what was given on the board: lines of a data set, or a compressed one. */
+  function present({ lines, z, file }) {
+    if (z) board.store.unpacked(z).then((text) => attempt(text, file), () => wrong(board.words.badLink));
+    else if (lines) attempt(lines.join('\n') + '\n', file);
+  }
+
+  /** Opens a text; a mistake is told. */
+  function attempt(text, file, draft = false) {
+    try {
+      load(text, file, draft);
+      return true;
+    } catch (error) {
+      if (!(error instanceof notation.Mistake)) throw error;
+      wrong(file + ': ' + error.message);
+      return false;
     }
   }
 
-  Object.assign(board, { state, edit, begin, touch, end, undo: () => undo(), redo: () => undo(future, past), relax, rename, remove, freeName, tidy,
+  function wrong(words) {
+    state.messages = [{ text: words, joints: [], links: [] }];
+    board.panel.show();
+  }
+
+  Object.assign(board, { state, edit, begin, touch, end, undo: () => undo(), redo: () => undo(future, past), relax, rename, remove, freeName, tidy, take, attempt, wrong, sweepOf, download,
     refresh, places, slidePlace, sides, jointOf, linkOf, linksAt, inFrame, go, drive, play, pause, table, load, start, write, save, open, fit, free, clone, help,
     canUndo: () => past.length > 0, canRedo: () => future.length > 0 });
   ready();

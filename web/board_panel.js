@@ -1,10 +1,11 @@
-// Beside and below the drawing board: properties of what is chosen, positions, the text of the data set, drives, messages.
+// Beside and below the drawing board: tabs, properties of what is chosen, positions, drives, messages.
 'use strict';
 
 board.panel = (() => {
   const $ = (id) => document.getElementById(id);
+  const TABS = [['panel', board.words.tabs.panel], ['text', board.words.tabs.text], ['engine', board.words.tabs.engine], ['search', board.words.tabs.search]];
+  let tab = 'panel';
   const KIND = { turn: 'crank at ', slide: 'slide ', cylinder: 'cylinder ' };
-  let showText = false;
 
   /** An element with attributes, listeners (on...) and children. */
   function make(tag, attributes = {}, ...children) {
@@ -15,6 +16,16 @@ board.panel = (() => {
       else if (value !== false && value !== undefined) element.setAttribute(name, value);
     }
     element.append(...children);
+    return element;
+  }
+
+  const pictures = make('template');
+  pictures.innerHTML = '<svg></svg>';
+
+  /** An element of a picture. */
+  function svg(tag, attributes = {}) {
+    const element = document.createElementNS(pictures.content.firstChild.namespaceURI, tag);
+    for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
     return element;
   }
 
@@ -91,7 +102,7 @@ board.panel = (() => {
     if (rough) return;
     const panel = $('panel'), held = document.activeElement && panel.contains(document.activeElement) ?
       document.activeElement.getAttribute('aria-label') : null;
-    panel.replaceChildren(...chosen(), ...drivePart(), ...positionPart(), ...outputPart(), ...listPart(), ...textPart());
+    panel.replaceChildren(...chosen(), ...drivePart(), ...positionPart(), ...outputPart(), ...listPart());
     if (held) panel.querySelector('[aria-label="' + CSS.escape(held) + '"]')?.focus();
     showDrives();
     follow();
@@ -198,7 +209,7 @@ board.panel = (() => {
   function positionPart() {
     const { state, edit } = board, { sketch } = state;
     if (!sketch.drives.length) return [];
-    if (sketch.drives.some((d) => d.grid)) return [head('Positions'), make('p', {}, 'A grid of strokes (NGRID); edit it in the text below.')];
+    if (sketch.drives.some((d) => d.grid)) return [head('Positions'), make('p', {}, 'A grid of strokes (NGRID); edit it in the tab Text.')];
     const list = (label, values, take) => field(label, values.join(' '), (text) => {
       const numbers = text.split(/[\s;]+/).filter(Boolean).map(valueOf);
       return numbers.length && numbers.every(isFinite) ? take(numbers) : false;
@@ -262,25 +273,6 @@ board.panel = (() => {
     return [...parts, row('new joint', place), row('new link', link)];
   }
 
-  /** The data set as it will be saved; it can be changed here too. */
-  function textPart() {
-    const box = make('textarea', { 'aria-label': 'data set', spellcheck: 'false', wrap: 'off' }), told = make('p', { class: 'wrong', role: 'alert' });
-    box.value = board.write();
-    const take = button('Take over', () => {
-      try {
-        const sketch = board.text.parse(box.value);
-        board.state.source = box.value;
-        board.edit(() => { board.state.sketch = sketch; });
-      } catch (error) {
-        if (!(error instanceof board.text.Mistake)) throw error;
-        told.textContent = error.message;
-      }
-    });
-    const part = make('details', { ontoggle: () => { showText = part.open; } }, make('summary', {}, 'Data set'), box, take, told);
-    part.open = showText;
-    return [head('Text'), part];
-  }
-
   function choose(what) {
     board.state.selection = what;
     show();
@@ -304,8 +296,9 @@ board.panel = (() => {
         board.pause();
         if (several) board.drive(k, Number(range.value)); else board.go(Number(range.value));
       });
-      return [make('label', {}, at, range, value)];
+      return [make('label', {}, at, make('div', { class: 'track' }, range), value)];
     }));
+    board.engine.marks();
   }
 
   /** What changes while it moves. */
@@ -330,14 +323,43 @@ board.panel = (() => {
     return '   (goes from ' + of(sweep.states[0]) + ' to ' + of(sweep.states.at(-1)) + (turns ? '\u00b0' : '') + ')';
   }
 
-  function listExamples(examples) {
-    examples.forEach((one, i) => $('examples').append(new Option(one.name, i)));
+  /** Shows one of the parts beside the drawing. */
+  function turnTo(name) {
+    tab = name;
+    for (const [id] of TABS) {
+      $(id).hidden = id !== name;
+      const button = $('tab-' + id);
+      if (!button) continue;
+      button.setAttribute('aria-selected', String(id === name));
+      button.tabIndex = id === name ? 0 : -1;
+    }
+    $('side').dataset.tab = name;
+    for (const part of [board.source, board.engine, board.search]) if (part.shown) part.shown(name);
+  }
+
+  function listTabs() {
+    for (const [id, words] of TABS) {
+      if (!board.engine.served && (id === 'engine' || id === 'search')) continue;
+      const tabButton = button(words, () => turnTo(id), { id: 'tab-' + id, role: 'tab', 'aria-controls': id });
+      tabButton.addEventListener('keydown', (event) => {
+        const all = [...$('tabs').children], step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+        if (!step) return;
+        event.preventDefault();
+        event.stopPropagation();
+        const next = all[(all.indexOf(tabButton) + step + all.length) % all.length];
+        next.click();
+        next.focus();
+      });
+      $('tabs').append(tabButton);
+    }
+    turnTo('panel');
   }
 
   function begin() {
+    listTabs();
     $('title').addEventListener('change', () => board.edit((sketch) => { sketch.title = $('title').value.trim().slice(0, 72) || 'A LINKAGE'; }));
     $('grid').append(...[0.1, 0.5, 1, 2, 5, 10, 20, 50].map((v) => new Option(v, v)));
   }
 
-  return { begin, show, follow, choose, listExamples, valueOf };
+  return { begin, show, follow, choose, valueOf, make, svg, row, head, button, check, numberField, turnTo, get tab() { return tab; } };
 })();

@@ -15,11 +15,13 @@ board.tools = (() => {
     ['slider', 'Slider', 's', 'M2 18h20M7 8h10v7H7zM2 5h20', 'Press on a joint and pull along the line that it is to slide on.'],
     ['drive', 'Drive', 'd', 'M5 14a7 7 0 1 1 3 4M5 14l-3-3M5 14l4-2', 'Click a crank\u2019s joint or a slider to drive it; pull from joint to joint for a cylinder.'],
     ['output', 'Output', 'o', 'M12 3l2.6 6 6.4.5-4.900 4.200 1.500 6.300-5.600-3.400-5.600 3.400 1.500-6.300L3 9.500l6.400-.5z', 'Click a joint for its path, a link for its angle.'],
+    ...(board.engine.served ? [['wanted', board.words.wantedTool, 'w', 'M4 15c2-9 8-12 11-8s-1 6-3 5 1-6 8-7', board.words.wantedHint]] : []),
     ['delete', 'Delete', 'x', 'M6 6l12 12M18 6L6 18', 'Click what is to go.'],
   ];
   const pointers = new Map();
   let press = null;                      // what the pointer that is down does
   let pinch = 0;                         // distance of two fingers
+  let hand = null;                       // points of a curve that is being drawn
 
   // ---- what tools do ------------------------------------------------------------------------------------------------
 
@@ -186,6 +188,7 @@ board.tools = (() => {
     if (pointers.size > 2) return;
     const { state } = board, first = spot(event);
     if (event.button === 1 || event.button === 2) { press = { pan: true, x: first.x, y: first.y }; return; }
+    if (state.tool === 'wanted') { press = { tool: 'wanted', x: first.x, y: first.y }; hand = [view.world(first.x, first.y)]; return; }
     if (!atHome() && first.hit) return;
     const at = spot(event);
     press = { at, tool: state.tool, moved: false, x: at.x, y: at.y };
@@ -205,6 +208,7 @@ board.tools = (() => {
     const { state } = board;
     if (pointers.has(event.pointerId)) pointers.set(event.pointerId, event);
     if (pinch) { pinchTo(); return; }
+    if (hand) { trace(event); return; }
     const dragged = press && press.at && press.tool === 'select' && press.at.hit && press.at.hit.joint;
     const at = spot(event, dragged || '');
     if (state.pending) { state.pending.to = target(state.pending, at); state.hover = at.hit; view.draw(); }
@@ -221,6 +225,13 @@ board.tools = (() => {
     } else if (press.tool === 'select') {
       drag(at);
     }
+  }
+
+  /** The curve that is being drawn goes on, with all places that the browser has kept between two frames. */
+  function trace(event) {
+    const box = view.canvas.getBoundingClientRect(), all = event.getCoalescedEvents ? event.getCoalescedEvents() : [];
+    for (const one of all.length ? all : [event]) hand.push(view.world(one.clientX - box.left, one.clientY - box.top));
+    view.draw();
   }
 
   /** Where the line that is pulled ends: a slide's turns in steps. */
@@ -268,6 +279,13 @@ board.tools = (() => {
     pointers.delete(event.pointerId);
     if (pinch) { if (pointers.size < 2) pinch = 0; return; }
     if (!press) return;
+    if (hand) {
+      const points = hand;
+      hand = press = null;
+      board.search.drawn(points);
+      view.draw();
+      return;
+    }
     const { state } = board, one = press, dragged = one.tool === 'select' && one.at && one.at.hit && one.at.hit.joint;
     const at = spot(event, dragged || '');
     press = null;
@@ -313,7 +331,7 @@ board.tools = (() => {
 
   function cancel() {
     if (press && press.moved && press.tool === 'select' && !press.pan) board.end();
-    press = null;
+    press = hand = null;
     board.state.pending = null;
     view.draw();
   }
@@ -406,14 +424,9 @@ board.tools = (() => {
       help: () => board.help() };
     for (const [id, act] of Object.entries(acts)) $(id).addEventListener('click', act);
     $('file').addEventListener('change', () => { if ($('file').files[0]) board.open($('file').files[0]); $('file').value = ''; });
-    $('examples').addEventListener('change', () => {
-      const one = board.examples[Number($('examples').value)];
-      if (one) board.load(one.text, one.name + '.nml');
-      $('examples').value = '';
-    });
     $('grid').addEventListener('change', () => { board.state.grid = $('grid').value; view.draw(); });
     $('speed').addEventListener('input', () => { board.state.speed = Number($('speed').value); });
   }
 
-  return { begin, choose, pivot, output, drive, slider, jointAt, link };
+  return { begin, choose, pivot, output, drive, slider, jointAt, link, get hand() { return hand; } };
 })();

@@ -83,6 +83,7 @@ board.view = (() => {
     drawGrid();
     const p = (name) => { const [x, y] = at.get(name); return [X(x), Y(y)]; };
     drawPaths();
+    board.search.draw(g, X, Y, pens);
     sketch.slides.forEach((slide, i) => drawRail(slide, i));
     sketch.gears.forEach((gear) => drawGear(gear, p));
     sketch.links.forEach((link, i) => drawLink(link, i, p));
@@ -92,6 +93,7 @@ board.view = (() => {
     sketch.drives.forEach((drive) => { if (drive.kind === 'turn') drawMotor(...p(drive.at[0])); });
     drawOutputs(p);
     drawDimensions(p);
+    board.engine.draw(g, X, Y, pens);
     drawPending();
   }
 

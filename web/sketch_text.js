@@ -322,5 +322,18 @@ board.text = (() => {
     return text + source.slice(at, group.end);
   }
 
-  return { Mistake, parse, write, renameIn, groups, number, jointsIn };
+  /** Where a group of the first case stands in a text, with its items; nothing if there is none. */
+  const placeOf = (text, name) => split(text).groups.find((one) => one.name === name);
+
+  /** A text in which a group, or one item of it, is another; a group that is not there comes last of its case. */
+  function changed(text, name, item, value) {
+    const place = placeOf(text, name), there = place && place.items.find((one) => one.name === item);
+    if (there) return text.slice(0, there.from) + item + '=' + value + (/,\s*$/.test(text.slice(there.from, there.to)) ? ',' : '') + text.slice(there.to);
+    const head = ' &' + name + ' ';
+    if (place) return text.slice(0, place.start) + head.trimStart() + item + '=' + value + ',' + text.slice(place.start + 1 + name.length);
+    const { groups: all } = split(text), last = all.length ? all.at(-1).end : text.length;
+    return text.slice(0, last) + '\n' + head + item + '=' + value + ' &END' + text.slice(last);
+  }
+
+  return { Mistake, parse, write, renameIn, groups, number, jointsIn, placeOf, changed };
 })();

@@ -82,6 +82,7 @@ module psalm_board_text
    '  min-height: 0;'//nl// &
    '  display: grid;'//nl// &
    '  grid-template-columns: auto minmax(0, 1fr) minmax(250px, 310px);'//nl// &
+   '  grid-template-rows: minmax(0, 1fr);'//nl// &
    '}'//nl// &
    ''//nl// &
    '#tools {'//nl// &
@@ -116,10 +117,10 @@ module psalm_board_text
    '  stroke-linecap: round;'//nl// &
    '  stroke-linejoin: round;'//nl// &
    '}'//nl// &
-   ''//nl// &
-   '#tools button[aria-pressed=true] {'//nl
+   ''//nl
 
    character(*), parameter :: part_3 = &
+   '#tools button[aria-pressed=true] {'//nl// &
    '  background: var(--accent);'//nl// &
    '  color: var(--paper);'//nl// &
    '}'//nl// &
@@ -189,14 +190,53 @@ module psalm_board_text
    '  padding: 0 8px;'//nl// &
    '}'//nl// &
    ''//nl// &
-   '#panel {'//nl// &
+   '#side {'//nl// &
+   '  display: flex;'//nl// &
+   '  flex-direction: column;'//nl// &
+   '  min-width: 0;'//nl// &
+   '  min-height: 0;'//nl// &
    '  border-left: 1px solid var(--line);'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '#tabs {'//nl// &
+   '  display: flex;'//nl// &
+   '  border-bottom: 1px solid var(--line);'//nl// &
+   '  background: var(--panel);'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '#tabs button {'//nl// &
+   '  flex: 1 1 auto;'//nl// &
+   '  min-width: 0;'//nl// &
+   '  padding: 2px 4px;'//nl// &
+   '  border: 0;'//nl// &
+   '  border-bottom: 3px solid transparent;'//nl// &
+   '  border-radius: 0;'//nl// &
+   '  background: transparent;'//nl// &
+   '  font-size: .86rem;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '#tabs button[aria-selected=true] {'//nl// &
+   '  border-bottom-color: var(--accent);'//nl// &
+   '  color: var(--accent);'//nl// &
+   '}'//nl// &
+   ''//nl
+
+   character(*), parameter :: part_4 = &
+   '#tabs button.bad::after {'//nl// &
+   '  content: " !";'//nl// &
+   '  color: var(--bad);'//nl// &
+   '  font-weight: 700;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '#side > section {'//nl// &
+   '  flex: 1;'//nl// &
+   '  min-height: 0;'//nl// &
    '  padding: 4px 12px 20px;'//nl// &
    '  overflow-y: auto;'//nl// &
    '  font-size: .9rem;'//nl// &
    '}'//nl// &
    ''//nl// &
-   '#panel h2 {'//nl// &
+   '#side h2 {'//nl// &
    '  font-size: .8rem;'//nl// &
    '  letter-spacing: .06em;'//nl// &
    '  text-transform: uppercase;'//nl// &
@@ -204,59 +244,326 @@ module psalm_board_text
    '  margin: 14px 0 5px;'//nl// &
    '}'//nl// &
    ''//nl// &
-   '#panel .row {'//nl// &
+   '#side .row {'//nl// &
    '  display: flex;'//nl// &
    '  align-items: center;'//nl// &
    '  gap: 6px;'//nl// &
    '  margin: 4px 0;'//nl// &
    '}'//nl// &
    ''//nl// &
-   '#panel .row > span {'//nl// &
+   '#side .row > span {'//nl// &
    '  flex: 0 0 64px;'//nl// &
    '  color: var(--soft);'//nl// &
    '  overflow-wrap: anywhere;'//nl// &
    '}'//nl// &
    ''//nl// &
-   '#panel .row > input,'//nl// &
-   '#panel .row > select,'//nl// &
-   '#panel .row > textarea {'//nl
-
-   character(*), parameter :: part_4 = &
+   '#side .row > input,'//nl// &
+   '#side .row > select,'//nl// &
+   '#side .row > textarea {'//nl// &
    '  flex: 1 1 40px;'//nl// &
    '  min-width: 0;'//nl// &
    '}'//nl// &
    ''//nl// &
-   '#panel .row > input[type=checkbox] {'//nl// &
+   '#side .row > input[type=checkbox] {'//nl// &
    '  flex: 0 0 auto;'//nl// &
    '}'//nl// &
    ''//nl// &
-   '#panel .list {'//nl// &
+   '#side .list {'//nl// &
    '  display: flex;'//nl// &
    '  flex-wrap: wrap;'//nl// &
    '  gap: 4px;'//nl// &
    '}'//nl// &
    ''//nl// &
-   '#panel .list button {'//nl// &
+   '#side .list button {'//nl// &
    '  min-height: 30px;'//nl// &
    '  min-width: 30px;'//nl// &
    '  padding: 0 8px;'//nl// &
    '}'//nl// &
    ''//nl// &
-   '#panel .list button.on {'//nl// &
+   '#side .list button.on {'//nl// &
    '  border-color: var(--accent);'//nl// &
    '  color: var(--accent);'//nl// &
    '}'//nl// &
    ''//nl// &
-   '#panel p {'//nl// &
+   '#side p {'//nl// &
    '  margin: 4px 0;'//nl// &
    '  color: var(--soft);'//nl// &
    '}'//nl// &
    ''//nl// &
-   'textarea {'//nl// &
-   '  width: 100%;'//nl// &
+   'main:has(#side[data-tab=text]) {'//nl// &
+   '  grid-template-columns: auto minmax(0, 1fr) minmax(280px, 38%);'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   'main:has(#side[data-tab=engine]),'//nl// &
+   'main:has(#side[data-tab=search]) {'//nl// &
+   '  grid-template-columns: auto minmax(0, 1fr) minmax(270px, 360px);'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '#side > #text {'//nl// &
+   '  display: flex;'//nl// &
+   '  flex-direction: column;'//nl// &
+   '  padding-bottom: 8px;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.editor {'//nl// &
+   '  flex: 1 1 200px;'//nl// &
    '  min-height: 150px;'//nl// &
-   '  font: 12px/1.4 ui-monospace, "DejaVu Sans Mono", monospace;'//nl// &
+   '  display: flex;'//nl// &
+   '  border: 1px solid var(--line);'//nl// &
+   '  border-radius: 5px;'//nl// &
+   '  overflow: hidden;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.editor:focus-within {'//nl// &
+   '  border-color: var(--accent);'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.editor pre,'//nl// &
+   '.editor textarea {'//nl// &
+   '  margin: 0;'//nl// &
+   '  padding: 4px 6px;'//nl
+
+   character(*), parameter :: part_5 = &
+   '  border: 0;'//nl// &
+   '  font: 12px/17px ui-monospace, "DejaVu Sans Mono", monospace;'//nl// &
    '  white-space: pre;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.editor pre {'//nl// &
+   '  flex: 0 0 auto;'//nl// &
+   '  overflow: hidden;'//nl// &
+   '  color: var(--soft);'//nl// &
+   '  background: var(--panel);'//nl// &
+   '  text-align: right;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.sheet {'//nl// &
+   '  position: relative;'//nl// &
+   '  flex: 1;'//nl// &
+   '  min-width: 0;'//nl// &
+   '  overflow: hidden;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.sheet textarea {'//nl// &
+   '  position: absolute;'//nl// &
+   '  inset: 0;'//nl// &
+   '  width: 100%;'//nl// &
+   '  height: 100%;'//nl// &
+   '  resize: none;'//nl// &
+   '  background: transparent;'//nl// &
+   '  outline: 0;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.mark {'//nl// &
+   '  position: absolute;'//nl// &
+   '  left: 0;'//nl// &
+   '  right: 0;'//nl// &
+   '  height: 17px;'//nl// &
+   '  margin-top: 4px;'//nl// &
+   '  background: var(--warnband);'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.mark.error {'//nl// &
+   '  background: var(--badband);'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '#faults {'//nl// &
+   '  flex: 0 0 auto;'//nl// &
+   '  max-height: 30%;'//nl// &
+   '  overflow-y: auto;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '#side ul {'//nl// &
+   '  margin: 6px 0 0;'//nl// &
+   '  padding: 0;'//nl// &
+   '  list-style: none;'//nl// &
+   '  font-size: .84rem;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '#side li {'//nl// &
+   '  margin: 2px 0;'//nl// &
+   '  overflow-wrap: anywhere;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '#side li.error,'//nl// &
+   '#side .wrong {'//nl// &
+   '  color: var(--bad);'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '#side li.warning {'//nl// &
+   '  color: var(--warn);'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '#side li.good {'//nl// &
+   '  color: var(--good);'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   'button.go {'//nl// &
+   '  border: 0;'//nl// &
+   '  padding: 0;'//nl// &
+   '  min-height: 24px;'//nl// &
+   '  background: transparent;'//nl// &
+   '  text-align: left;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.fact {'//nl// &
+   '  display: flex;'//nl// &
+   '  gap: 8px;'//nl// &
+   '  margin: 3px 0;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.fact span {'//nl// &
+   '  flex: 0 0 42%;'//nl// &
+   '  color: var(--soft);'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.fact b {'//nl// &
+   '  flex: 1;'//nl// &
+   '  font-weight: 500;'//nl// &
+   '  font-variant-numeric: tabular-nums;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.result.old {'//nl
+
+   character(*), parameter :: part_6 = &
+   '  opacity: .45;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.tick {'//nl// &
+   '  display: flex;'//nl// &
+   '  align-items: center;'//nl// &
+   '  gap: 5px;'//nl// &
+   '  margin-right: 10px;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.tick input {'//nl// &
+   '  min-height: 0;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.tick.velocities {'//nl// &
+   '  color: var(--good);'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.tick.forces {'//nl// &
+   '  color: var(--bad);'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.chart {'//nl// &
+   '  width: 100%;'//nl// &
+   '  background: var(--paper);'//nl// &
+   '  border: 1px solid var(--line);'//nl// &
+   '  border-radius: 5px;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.chart line,'//nl// &
+   '.chart path {'//nl// &
+   '  fill: none;'//nl// &
+   '  stroke: var(--line);'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.chart .limit {'//nl// &
+   '  stroke: var(--warn);'//nl// &
+   '  stroke-dasharray: 4 3;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.chart .curve {'//nl// &
+   '  stroke: var(--c);'//nl// &
+   '  stroke-width: 1.8;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.chart .cursor {'//nl// &
+   '  stroke: var(--accent);'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.cards {'//nl// &
+   '  display: grid;'//nl// &
+   '  grid-template-columns: repeat(auto-fill, minmax(130px, 1fr));'//nl// &
+   '  gap: 8px;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.card {'//nl// &
+   '  display: flex;'//nl// &
+   '  flex-direction: column;'//nl// &
+   '  gap: 2px;'//nl// &
+   '  padding: 6px;'//nl// &
+   '  text-align: left;'//nl// &
+   '  font-size: .8rem;'//nl// &
+   '  overflow-wrap: anywhere;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.card small {'//nl// &
+   '  color: var(--soft);'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.card svg {'//nl// &
+   '  width: 100%;'//nl// &
+   '  aspect-ratio: 1.4;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.card svg .link {'//nl// &
+   '  fill: var(--c);'//nl// &
+   '  fill-opacity: .18;'//nl// &
+   '  stroke: var(--c);'//nl// &
+   '  stroke-width: 2;'//nl// &
+   '  stroke-linejoin: round;'//nl// &
+   '  vector-effect: non-scaling-stroke;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.card svg .path {'//nl// &
+   '  fill: none;'//nl// &
+   '  stroke: var(--actual);'//nl// &
+   '  stroke-width: 1.6;'//nl// &
+   '  vector-effect: non-scaling-stroke;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.card svg circle {'//nl// &
+   '  fill: var(--paper);'//nl// &
+   '  stroke: var(--ink);'//nl// &
+   '  stroke-width: 1.2;'//nl// &
+   '  vector-effect: non-scaling-stroke;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.card svg circle.frame {'//nl// &
+   '  fill: var(--ink);'//nl// &
+   '}'//nl
+
+   character(*), parameter :: part_7 = &
+   ''//nl// &
+   'dialog {'//nl// &
+   '  width: min(860px, calc(100vw - 24px));'//nl// &
+   '  max-height: calc(100vh - 40px);'//nl// &
+   '  padding: 14px;'//nl// &
+   '  border: 1px solid var(--line);'//nl// &
+   '  border-radius: 8px;'//nl// &
+   '  background: var(--paper);'//nl// &
+   '  color: var(--ink);'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   'dialog::backdrop {'//nl// &
+   '  background: rgba(0,0,0,.35);'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   'dialog .row {'//nl// &
+   '  display: flex;'//nl// &
+   '  flex-wrap: wrap;'//nl// &
+   '  gap: 8px;'//nl// &
+   '  align-items: center;'//nl// &
+   '  margin-bottom: 10px;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   'dialog h2 {'//nl// &
+   '  margin: 0;'//nl// &
+   '  font-size: 1.1rem;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   'dialog input {'//nl// &
+   '  flex: 1;'//nl// &
+   '  min-width: 120px;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   'dialog.link > input {'//nl// &
+   '  width: 100%;'//nl// &
+   '  margin: 6px 0 12px;'//nl// &
    '}'//nl// &
    ''//nl// &
    'button,'//nl// &
@@ -320,10 +627,10 @@ module psalm_board_text
    '  outline-offset: -2px;'//nl// &
    '}'//nl// &
    ''//nl// &
-   'footer label {'//nl// &
-   '  display: flex;'//nl
+   'footer label {'//nl
 
-   character(*), parameter :: part_5 = &
+   character(*), parameter :: part_8 = &
+   '  display: flex;'//nl// &
    '  align-items: center;'//nl// &
    '  gap: 6px;'//nl// &
    '  color: var(--soft);'//nl// &
@@ -355,6 +662,43 @@ module psalm_board_text
    '  font-variant-numeric: tabular-nums;'//nl// &
    '}'//nl// &
    ''//nl// &
+   '.track {'//nl// &
+   '  position: relative;'//nl// &
+   '  flex: 1;'//nl// &
+   '  display: flex;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.proven {'//nl// &
+   '  position: absolute;'//nl// &
+   '  left: 8px;'//nl// &
+   '  right: 8px;'//nl// &
+   '  bottom: 2px;'//nl// &
+   '  height: 4px;'//nl// &
+   '  pointer-events: none;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.proven i {'//nl// &
+   '  position: absolute;'//nl// &
+   '  top: 0;'//nl// &
+   '  height: 4px;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.proven .closes {'//nl// &
+   '  background: var(--good);'//nl// &
+   '  opacity: .55;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.proven .dead {'//nl// &
+   '  width: 2px;'//nl// &
+   '  top: -3px;'//nl// &
+   '  height: 9px;'//nl// &
+   '  background: var(--warn);'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.card[aria-pressed=true] {'//nl// &
+   '  border-color: var(--accent);'//nl// &
+   '}'//nl// &
+   ''//nl// &
    '#facts {'//nl// &
    '  color: var(--soft);'//nl// &
    '  font-size: .86rem;'//nl// &
@@ -370,9 +714,6 @@ module psalm_board_text
    '  body {'//nl// &
    '    height: auto;'//nl// &
    '  }'//nl// &
-   '  main {'//nl// &
-   '    grid-template-columns: minmax(0, 1fr);'//nl// &
-   '  }'//nl// &
    '  #tools {'//nl// &
    '    flex-direction: row;'//nl// &
    '    border-right: 0;'//nl// &
@@ -385,9 +726,24 @@ module psalm_board_text
    '  figure {'//nl// &
    '    height: 58vh;'//nl// &
    '  }'//nl// &
-   '  #panel {'//nl// &
+   '  main,'//nl// &
+   '  main:has(#side[data-tab]) {'//nl// &
+   '    grid-template-columns: minmax(0, 1fr);'//nl// &
+   '    grid-template-rows: none;'//nl
+
+   character(*), parameter :: part_9 = &
+   '  }'//nl// &
+   '  #side {'//nl// &
    '    border-left: 0;'//nl// &
    '    border-top: 1px solid var(--line);'//nl// &
+   '  }'//nl// &
+   '  #tabs {'//nl// &
+   '    position: sticky;'//nl// &
+   '    top: 0;'//nl// &
+   '    z-index: 1;'//nl// &
+   '  }'//nl// &
+   '  #side > #text {'//nl// &
+   '    height: 60vh;'//nl// &
    '  }'//nl// &
    '  footer {'//nl// &
    '    position: sticky;'//nl// &
@@ -405,7 +761,8 @@ module psalm_board_text
    'ton>'//nl// &
    '    <input id="file" type="file" accept=".nml,.dev7,.txt,text/plain" aria-label="data set to open" hidden>'//nl// &
    '    <button id="save" type="button" class="main" title="save the data set (Ctrl+S)">Save</button>'//nl// &
-   '    <select id="examples" aria-label="examples"><option value="">Examples</option></select>'//nl// &
+   '    <button id="share" type="button" title="a link that holds this sketch">Link</button>'//nl// &
+   '    <button id="gallery" type="button" title="mechanisms to begin with">Gallery</button>'//nl// &
    '    <button id="undo" type="button" aria-label="undo" title="undo (Ctrl+Z)">&#8630;</button>'//nl// &
    '    <button id="redo" type="button" aria-label="redo" title="redo (Ctrl+Y)">&#8631;</button>'//nl// &
    '    <button id="help" type="button" aria-label="help" title="the page of the book for what you are doing (F1)">?</butto'// &
@@ -425,13 +782,17 @@ module psalm_board_text
    '        <option value="auto" selected>auto</option><option value="0">off</option>'//nl// &
    '      </select></label>'//nl// &
    '    </div>'//nl// &
-   '    </div>'//nl
-
-   character(*), parameter :: part_6 = &
+   '    </div>'//nl// &
    '    <canvas id="board" tabindex="0" role="application" aria-describedby="hint" aria-label="drawing board"></canvas>'//nl// &
    '    <div id="hint"></div>'//nl// &
    '  </figure>'//nl// &
-   '  <aside id="panel" aria-label="properties"></aside>'//nl// &
+   '  <aside id="side">'//nl// &
+   '    <div id="tabs" role="tablist" aria-label="beside the drawing"></div>'//nl// &
+   '    <section id="panel" role="tabpanel" aria-label="properties"></section>'//nl// &
+   '    <section id="text" role="tabpanel" aria-label="text of the data set" hidden></section>'//nl// &
+   '    <section id="engine" role="tabpanel" aria-label="results" hidden></section>'//nl// &
+   '    <section id="search" role="tabpanel" aria-label="search" hidden></section>'//nl// &
+   '  </aside>'//nl// &
    '</main>'//nl// &
    '<footer>'//nl// &
    '  <button id="play" type="button" class="main" aria-label="play" aria-pressed="false" title="play (space)">Play</button'// &
@@ -440,6 +801,7 @@ module psalm_board_text
    '  <div id="drives"></div>'//nl// &
    '  <output id="facts"></output>'//nl// &
    '</footer>'//nl// &
+   '<dialog id="dialog"></dialog>'//nl// &
    '<noscript>The drawing board needs scripts.</noscript>'//nl// &
    '<!--DATA-->'//nl// &
    '<script>'//nl// &
@@ -447,96 +809,321 @@ module psalm_board_text
    "'use strict';"//nl// &
    'globalThis.board = globalThis.board || {};'//nl// &
    'board.examples = ['//nl// &
-   "  {""name"": ""sketch_four_bar"", ""text"": ""! A four-bar as it is sketched: five joints with coordinates, four links "// &
-   "by their joints; P is a point of the coupler.\n! No loop, no sign and no length is worked out by hand: psalm reads them"// &
-   " off the drawing and device 8 shows its choice.\n! Output: path of P.\nFOUR-BAR FROM A SKETCH\n &CHAIN JNT='A','B','C',"// &
-   "'D','P', JX=0.0,-4.0,33.0,90.0,20.0, JY=0.0,31.0,82.0,5.0,95.0,\n  LNAME='frame','crank','coupler','rocker', LNK='A D',"// &
-   "'A B','B C P','C D' &END\n &DRIVES DRIVE='A', DBASE='frame', DLINK='crank' &END\n &OUTPUTS OUTPUT='point P' &END\n &MET"// &
-   "HOD IKIN=15 &END\n &LIMITS TANGLE=80.0, IPLOT=1 &END\n""},"//nl// &
-   "  {""name"": ""sketch_slider_crank"", ""text"": ""! The slider-crank of an engine from a sketch: three joints, four lin"// &
-   "ks, one slide. The same engine in the arrays of the thesis is\n! dyad4_slider_crank; crank 40, rod 140, cylinder axis 1"// &
-   "0 above the shaft.\n! Output: place of the gudgeon pin.\nSLIDER-CRANK FROM A SKETCH\n &CHAIN JNT='A','B','C', JX=0.0,0."// &
-   "0,136.0, JY=0.0,40.0,10.0,\n  LNAME='frame','crank','rod','piston', LNK='A','A B','B C','C', LENP='A B','B C', LENV=40."// &
-   "0,140.0,\n  NSLIDE=1, SLNK='frame', SLNK2='piston', SLX=0.0, SLY=10.0, SLANG=0.0 &END\n &DRIVES DRIVE='A' &END\n &OUTPU"// &
-   "TS OUTPUT='point C' &END\n &METHOD IKIN=15 &END\n &LIMITS TANGLE=80.0, IPLOT=1 &END\n""},"//nl// &
-   "  {""name"": ""jansen"", ""text"": ""! Theo Jansen's walking leg: one crank of 15, eleven \""holy numbers\"", a foot th"// &
-   "at runs level for half a turn and then steps.\n! The drawing is rough; LENP gives the numbers exactly and the drawing o"// &
-   "nly chooses the assembly.\n! Output: path of the foot, G.\nTHEO JANSEN'S LEG\n &CHAIN JNT='O','B','A','C','D','E','F','"// &
-   "G',\n  JX=0.0,-38.0,15.0,-24.0,-75.0,-27.0,-59.0,-43.0,\n  JY=0.0,-7.8,0.0,31.0,8.0,-45.0,-28.0,-92.0,\n  LNAME='frame'"// &
-   ",'crank','j','upper','k','c','f','foot',\n  LNK='O B','O A','A C','C B D','A E','E B','D F','F E G',\n  LENP='O A','A C"// &
-   "','C B','B D','C D','A E','E B','D F','F E','E G','F G',\n  LENV=15.0,50.0,41.5,40.1,55.8,61.9,39.3,39.4,36.7,49.0,65.7"// &
-   " &END\n &DRIVES DRIVE='O' &END\n &OUTPUTS OUTPUT='point G' &END\n &METHOD IKIN=10 &END\n &LIMITS TANGLE=85.0, IPLOT=1 &"// &
-   "END\n""},"//nl// &
-   "  {""name"": ""peaucellier"", ""text"": ""! Peaucellier's inversor of 1864, the first linkage that draws an exactly str"// &
-   "aight line: B runs on a circle through O, so P, its\n! image by inversion, runs on a line. The crank turns about Q as f"// &
-   "ar as the rhombus allows.\n! Output: path of P; its x is 60 to the last digit.\nPEAUCELLIER'S STRAIGHT LINE\n &CHAIN JN"// &
-   "T='O','Q','B','C','D','P', JX=0.0,20.0,39.0,47.0,56.0,60.0, JY=0.0,0.0,6.0,24.0,-14.0,10.0,\n  LNAME='frame','crank','l"// &
-   "ong1','long2','side1','side2','side3','side4',\n  LNK='O Q','Q B','O C','O D','B C','B D','C P','D P',\n  LENP='O Q','Q"// &
-   " B','O C','O D','B C','B D','C P','D P',\n  LENV=20.0,20.0,53.0,53.0,20.223748416156685,20.223748416156685,20.223748416"// &
-   "156685,20.223748416156685 &END\n &DRIVES DRIVE='Q' &END\n &OUTPUTS OUTPUT='point P' &END\n &METHOD NDES=7, DELT=-36.0,-"// &
-   "30.0,-20.0,-10.0,0.0,10.0,15.0 &END\n &LIMITS TANGLE=85.0 &END\n""},"//nl// &
-   "  {""name"": ""watt_six_bar"", ""text"": ""! Watt's six-bar of the first kind: the coupler and the rocker of a four-bar"// &
-   " are ternary and carry a second four-bar, all\n! of it moving. The end of the second rocker, P, is not tied to the fram"// &
-   "e at all.\n! Output: path of P.\nWATT I SIX-BAR\n &CHAIN JNT='A','B','C','D','E','F','G','P',\n  JX=0.0,10.0,60.0,75.0,"// &
-   "50.0,100.0,130.0,140.0, JY=0.0,25.0,65.0,0.0,95.0,60.0,95.0,130.0,\n  LNAME='frame','crank','coupler','rocker','rod','a"// &
-   "rm',\n  LNK='A D','A B','B C E','C D F','E G','F G P' &END\n &DRIVES DRIVE='A' &END\n &OUTPUTS OUTPUT='point P' &END\n "// &
-   "&METHOD IKIN=15 &END\n &LIMITS TANGLE=80.0 &END\n""},"//nl// &
-   "  {""name"": ""stephenson2_six_bar"", ""text"": ""! Stephenson's six-bar of the second kind driven in its five-bar loop"// &
-   ": the crank stands in a loop of five links, so no dyad can be\n! solved by itself; links 2 to 5 are one Assur group, a "// &
-   "triad.\n! Output: path of D.\nSTEPHENSON II SIX-BAR, DRIVEN IN THE FIVE-BAR\n &CHAIN JNT='A','B','C','D','E','F','G', J"// &
-   "X=0.0,0.0,40.0,80.0,45.0,85.0,100.0, JY=0.0,30.0,60.0,55.0,30.0,20.0,0.0,\n  LNAME='frame','crank','left','top','right'"// &
-   ",'tie', LNK='A G','A B','B C E','C D','D F G','E F' &END\n &DRIVES DRIVE='A' &END\n &OUTPUTS OUTPUT='point D','angle G "// &
-   "D' &END\n &METHOD NDES=7, DELT=0.0,-2.0,-4.0,-6.0,-8.0,-10.0,-12.0 &END\n""},"//nl// &
-   "  {""name"": ""toggle_press"", ""text"": ""! A toggle press: the crank pulls at the knee T of two links, which press th"// &
-   "e ram S down its guide as they straighten.\n! The ram is a link with one joint and a slide on the frame.\n! Output: pla"// &
-   "ce of the ram.\nTOGGLE PRESS FROM A SKETCH\n &CHAIN JNT='O','M','T','G','S', JX=-120.0,-107.0,-18.0,0.0,0.0, JY=80.0,72"// &
-   ".0,100.0,200.0,0.0,\n  LNAME='frame','crank','rod','upper','lower','ram', LNK='O G','O M','M T','G T','T S','S',\n  NSL"// &
-   "IDE=1, SLNK='frame', SLNK2='ram', SLX=0.0, SLY=0.0, SLANG=90.0 &END\n &DRIVES DRIVE='O' &END\n &OUTPUTS OUTPUT='point S"// &
-   "' &END\n &METHOD IKIN=10 &END\n &LIMITS TANGLE=85.0 &END\n""},"//nl// &
-   "  {""name"": ""wiper"", ""text"": ""! Windscreen wiper with two blades: a motor crank swings the left blade's arm, a ti"// &
-   "e carries the motion on to the right one.\n! Both pivots are on the bulkhead.\n! Output: angle of the right blade's arm"// &
-   ".\nWIPER WITH TWO BLADES\n &CHAIN JNT='M','B','C','D','E','F', JX=0.0,40.0,300.0,280.0,700.0,680.0, JY=0.0,0.0,60.0,-20"// &
-   ".0,60.0,-20.0,\n  LNAME='frame','crank','rod','left','tie','right', LNK='M D F','M B','B C','C D','C E','E F' &END\n &D"// &
-   "RIVES DRIVE='M' &END\n &OUTPUTS OUTPUT='angle F E' &END\n &METHOD IKIN=10 &END\n &LIMITS TANGLE=80.0 &END\n""},"//nl// &
-   "  {""name"": ""double_wishbone"", ""text"": ""! A car's front suspension from behind: two wishbones of unequal length h"// &
-   "old the upright. As the wheel rises its camber changes, and the\n! contact point moves sideways (scrub). Input: angle o"// &
-   "f the lower wishbone.\n! Output: contact point of the wheel, camber (direction of the upright).\nDOUBLE WISHBONE, CAMBE"// &
-   "R AGAINST BUMP\n &CHAIN JNT='A','B','C','D','W', JX=0.0,360.0,320.0,80.0,460.0, JY=0.0,-20.0,230.0,240.0,-190.0,\n  LNA"// &
-   "ME='body','lower','upright','upper', LNK='A D','A B','B C W','C D' &END\n &DRIVES DRIVE='A' &END\n &OUTPUTS OUTPUT='poi"// &
-   "nt W','angle B C', ONAME='contact','camber' &END\n &METHOD NDES=9, DELT=-12.0,-9.0,-6.0,-3.0,0.0,3.0,6.0,9.0,12.0 &END\"// &
-   "n""},"//nl// &
-   "  {""name"": ""geared_five_bar"", ""text"": ""! A five-bar whose two cranks are geared to each other on fixed centres: "// &
-   "the second turns half as fast as the first. Such linkages draw\n! curves that no four-bar has. The gears are a ratio be"// &
-   "tween two drives.\n! Output: path of C, proven over the range of the inputs (IPROOF).\nGEARED FIVE-BAR\n &CHAIN JNT='A'"// &
-   ",'B','C','G','E', JX=0.0,3.0,40.0,85.0,80.0, JY=0.0,50.0,90.0,49.0,0.0,\n  LNAME='frame','crank1','rod1','rod2','crank2"// &
-   "', LNK='A E','A B','B C','C G','G E' &END\n &DRIVES DRIVE='A','E', RATIO=0.0,0.5 &END\n &OUTPUTS OUTPUT='point C' &END\"// &
-   "n &METHOD NDES=7, DELT=-30.0,-20.0,-10.0,0.0,10.0,20.0,30.0 &END\n &LIMITS IPROOF=2 &END\n""},"//nl// &
-   "  {""name"": ""scissors_lift"", ""text"": ""! A scissors lift raised by a cylinder between its two arms: the drive floa"// &
-   "ts, neither of its ends is on the frame. The cylinder is\n! named by its two joints; its stroke counts from the drawing"// &
-   " (metres). Both shoes roll, one on the floor and one below the deck.\n! Output: height of the deck, and the leverage of"// &
-   " the cylinder: rise of the deck for its stroke.\nSCISSORS LIFT WITH A FLOATING CYLINDER\n &CHAIN JNT='A','M','B','C','D"// &
-   "','P','Q',\n  JX=0.0,0.8660254037844386,1.7320508075688772,1.7320508075688772,0.0,0.34641016151377546,0.433012701892219"// &
-   "3,\n  JY=0.0,0.5,0.0,1.0,1.0,0.2,0.75,\n  LNAME='floor','arm1','arm2','shoe','deck','shoe2', LNK='A','A M C P','B M D Q"// &
-   "','B','D','C',\n  NSLIDE=2, SLNK='floor','deck', SLNK2='shoe','shoe2', SLX=1.7320508075688772,1.7320508075688772, SLY=0"// &
-   ".0,1.0,\n  SLANG=0.0,0.0 &END\n &DRIVES DRIVE='P Q' &END\n &OUTPUTS OUTPUT='y D','distance P Q','ratio height cylinder'"// &
-   ", ONAME='height','cylinder','leverage' &END\n &METHOD NDES=9, DELT=-0.20,-0.15,-0.10,-0.05,0.0,0.05,0.10,0.15,0.20 &END"// &
-   "\n""},"//nl// &
-   "  {""name"": ""landing_gear"", ""text"": ""! A retractable landing gear: the leg hangs on A and folds by a cylinder bet"// &
-   "ween the airframe and the drag strut's knee; in the\n! drawing the strut is nearly straight and holds the leg down. The"// &
-   " cylinder is the input (millimetres from the drawing).\n! Output: wheel axle W and the angle of the leg.\nLANDING GEAR "// &
-   "WITH A PIVOTED CYLINDER\n &CHAIN JNT='A','W','K','L','B','S', JX=0.0,0.0,0.0,420.0,430.0,700.0, JY=0.0,-1200.0,-600.0,-"// &
-   "330.0,-20.0,-60.0,\n  LNAME='airframe','leg','lower','upper', LNK='A B S','A K W','K L','L S' &END\n &DRIVES DRIVE='B L"// &
-   "' &END\n &OUTPUTS OUTPUT='point W','angle A W' &END\n &METHOD NDES=6, DELT=0.0,-30.0,-60.0,-90.0,-120.0,-150.0 &END\n"""// &
-   "},"//nl// &
-   "  {""name"": ""excavator"", ""text"": ""! An excavator's arm: boom, stick and bucket, each moved by a hydraulic cylinde"// &
-   "r between two of its links; the bucket by a four-bar of\n! rocker and pusher. Three drives, none of them on the frame a"// &
-   "lone: each cylinder is named by its two joints and gets shorter or\n! longer than in the drawing (metres). Output: tip "// &
-   "of the bucket T and the bucket's direction.\nEXCAVATOR ARM, THREE CYLINDERS\n &CHAIN JNT='A','B','C','D','E','F','G','H"// &
-   "','I','J','K','T',\n  JX=0.0,0.5,2.6,2.9,5.2,4.6,5.0,6.0,6.6,6.3,5.9,7.0, JY=1.5,1.0,3.4,3.9,3.2,3.9,3.7,1.9,1.6,2.3,2."// &
-   "4,0.5,\n  LNAME='frame','boom','stick','rocker','pusher','bucket',\n  LNK='A B','A C D E','E F G H K','H J','J I','K I "// &
-   "T' &END\n &DRIVES DRIVE='B C','D F','G J', DELT2=0.0,0.0,0.1,0.1,-0.1, DELT3=0.0,0.1,0.0,-0.1,0.1 &END\n &OUTPUTS OUTPU"// &
-   "T='point T','angle K T' &END\n &METHOD NDES=5, DELT=0.0,0.1,0.2,-0.1,0.0 &END\n""},"//nl// &
+   "  {""name"": ""sketch_four_bar"", ""title"": ""FOUR-BAR FROM A SKETCH"", ""text"": ""! A four-bar as it is sketched: fi"// &
+   "ve joints with coordinates, four links by their joints; P is a point of the coupler.\n! No loop, no sign and no length "// &
+   "is worked out by hand: psalm reads them off the drawing and device 8 shows its choice.\n! Output: path of P.\nFOUR-BAR "// &
+   "FROM A SKETCH\n &CHAIN JNT='A','B','C','D','P', JX=0.0,-4.0,33.0,90.0,20.0, JY=0.0,31.0,82.0,5.0,95.0,\n  LNAME='frame'"// &
+   ",'crank','coupler','rocker', LNK='A D','A B','B C P','C D' &END\n &DRIVES DRIVE='A', DBASE='frame', DLINK='crank' &END\"// &
+   "n &OUTPUTS OUTPUT='point P' &END\n &METHOD IKIN=15 &END\n &LIMITS TANGLE=80.0, IPLOT=1 &END\n""},"//nl// &
+   "  {""name"": ""sketch_slider_crank"", ""title"": ""SLIDER-CRANK FROM A SKETCH"", ""text"": ""! The slider-crank of an e"// &
+   "ngine from a sketch: three joints, four links, one slide. The same engine in the arrays of the thesis is\n! dyad4_slide"// &
+   "r_crank; crank 40, rod 140, cylinder axis 10 above the shaft.\n! Output: place of the gudgeon pin.\nSLIDER-CRANK FROM A"// &
+   " SKETCH\n &CHAIN JNT='A','B','C', JX=0.0,0.0,136.0, JY=0.0,40.0,10.0,\n  LNAME='frame','crank','rod','piston', LNK='A',"// &
+   "'A B','B C','C', LENP='A B','B C', LENV=40.0,140.0,\n  NSLIDE=1, SLNK='frame', SLNK2='piston', SLX=0.0, SLY=10.0, SLANG"// &
+   "=0.0 &END\n &DRIVES DRIVE='A' &END\n &OUTPUTS OUTPUT='point C' &END\n &METHOD IKIN=15 &END\n &LIMITS TANGLE=80.0, IPLOT"// &
+   "=1 &END\n""},"//nl// &
+   "  {""name"": ""drag_link"", ""title"": ""DRAG LINK, DOUBLE CRANK"", ""text"": ""! Drag link: both links on the frame tu"// &
+   "rn fully, the second one fast and slow (the frame is the shortest link).\n! Output: direction of the second crank.\nDRA"// &
+   "G LINK, DOUBLE CRANK\n &CHAIN JNT='A','B','C','D', JX=0.0,0.0,52.0,15.0, JY=0.0,40.0,40.0,0.0,\n  LNAME='frame','crank'"// &
+   ",'coupler','follower', LNK='A D','A B','B C','C D' &END\n &DRIVES DRIVE='A' &END\n &OUTPUTS OUTPUT='angle follower' &EN"// &
+   "D\n &METHOD IKIN=10 &END\n""},"//nl// &
+   "  {""name"": ""hoecken"", ""title"": ""HOECKEN'S STRAIGHT-LINE LINKAGE"", ""text"": ""HOECKEN'S STRAIGHT-LINE LINKAGE\n"// &
+   " &CHAIN JNT='A','B','C','D','P', JX=0.0,-1.0,0.5,2.0,2.0, JY=0.0,0.0,2.0,0.0,4.0,\n  LNAME='frame','crank','coupler','r"// &
+   "ocker', LNK='A D','A B','B C P','C D' &END\n &DRIVES DRIVE='A', DBASE='frame', DLINK='crank' &END\n &OUTPUTS OUTPUT='po"// &
+   "int P' &END\n &METHOD IKIN=5 &END\n""},"//nl// &
+   "  {""name"": ""chebyshev"", ""title"": ""CHEBYSHEV'S LAMBDA LINKAGE"", ""text"": ""! Chebyshev's lambda linkage: crank "// &
+   "20, frame 40, coupler and rocker 50, and the coupler goes on as far again to P. For half a\n! turn P moves along a near"// &
+   "ly straight line at nearly constant speed.\n! Output: path of P.\nCHEBYSHEV'S LAMBDA LINKAGE\n &CHAIN JNT='A','B','C','"// &
+   "D','P', JX=0.0,0.0,42.0,40.0,84.0, JY=0.0,20.0,46.0,0.0,73.0,\n  LNAME='frame','crank','coupler','rocker', LNK='A D','A"// &
+   " B','B C P','C D',\n  LENP='A B','A D','B C','C P','B P','C D', LENV=20.0,40.0,50.0,50.0,100.0,50.0 &END\n &DRIVES DRIV"// &
+   "E='A' &END\n &OUTPUTS OUTPUT='point P' &END\n &METHOD IKIN=10 &END\n &LIMITS TANGLE=80.0 &END\n""},"//nl// &
+   "  {""name"": ""chebyshev_line"", ""title"": ""CHEBYSHEV'S STRAIGHT LINE"", ""text"": ""! Chebyshev's straight line: fra"// &
+   "me 40, crossed rockers 50, coupler 20; its middle P moves along a nearly straight line.\n! Output: path of P.\nCHEBYSHE"// &
+   "V'S STRAIGHT LINE\n &CHAIN JNT='A','B','C','D','P', JX=0.0,30.0,10.0,40.0,20.0, JY=0.0,40.0,40.0,0.0,40.0,\n  LNAME='fr"// &
+   "ame','rocker1','coupler','rocker2', LNK='A D','A B','B C P','C D' &END\n &DRIVES DRIVE='A', DBASE='frame', DLINK='rocke"// &
+   "r1' &END\n &OUTPUTS OUTPUT='point P' &END\n &METHOD NDES=17, DELT=-16.0,-12.0,-8.0,-4.0,0.0,4.0,8.0,12.0,16.0,20.0,24.0"// &
+   ",28.0,32.0,35.0,36.0,37.0,38.0 &END\n""},"//nl// &
+   "  {""name"": ""roberts"", ""title"": ""ROBERTS'S STRAIGHT LINE"", ""text"": ""! Roberts's straight line: rockers and th"// &
+   "e legs of the coupler's triangle are all 60, the coupler half as long as the frame. P moves along\n! the line through b"// &
+   "oth fixed pivots.\n! Output: path of P.\nROBERTS'S STRAIGHT LINE\n &CHAIN JNT='A','B','C','D','P', JX=0.0,25.0,75.0,100"// &
+   ".0,50.0, JY=0.0,54.5,54.5,0.0,0.0,\n  LNAME='frame','rocker1','coupler','rocker2', LNK='A D','A B','B C P','C D',\n  LE"// &
+   "NP='A B','B C','C D','B P','C P','A D', LENV=60.0,50.0,60.0,60.0,60.0,100.0 &END\n &DRIVES DRIVE='A', DBASE='frame', DL"// &
+   "INK='rocker1' &END\n &OUTPUTS OUTPUT='point P' &END\n &METHOD NDES=15, DELT=-27.0,-24.0,-21.0,-18.0,-15.0,-12.0,-9.0,-6"// &
+   ".0,-3.0,0.0,3.0,6.0,9.0,12.0,15.0 &END\n""},"//nl// &
+   "  {""name"": ""watt_straight_line"", ""title"": ""WATT'S STRAIGHT LINE"", ""text"": ""! James Watt's straight line of 1"// &
+   "784: two rockers of 40 on either side of a short coupler, whose middle P moves along a nearly straight line\n! for 40 d"// &
+   "egrees of a rocker.\n! Output: path of P.\nWATT'S STRAIGHT LINE\n &CHAIN JNT='A','B','C','D','P', JX=-40.0,0.0,0.0,40.0"// &
+   ",0.0, JY=10.0,10.0,-10.0,-10.0,0.0,\n  LNAME='frame','rocker1','coupler','rocker2', LNK='A D','A B','B C P','C D' &END\"// &
+   "n &DRIVES DRIVE='A', DBASE='frame', DLINK='rocker1' &END\n &OUTPUTS OUTPUT='point P' &END\n &METHOD NDES=21, DELT=-20.0"// &
+   ",-18.0,-16.0,-14.0,-12.0,-10.0,-8.0,-6.0,-4.0,-2.0,0.0,2.0,4.0,6.0,8.0,10.0,12.0,14.0,16.0,18.0,20.0 &END\n""},"//nl// &
+   "  {""name"": ""peaucellier"", ""title"": ""PEAUCELLIER'S STRAIGHT LINE"", ""text"": ""! Peaucellier's inversor of 1864,"// &
+   " the first linkage that draws an exactly straight line: B runs on a circle through O, so P, its\n! image by inversion, "// &
+   "runs on a line. The crank turns about Q as far as the rhombus allows.\n! Output: path of P; its x is 60 to the last dig"// &
+   "it.\nPEAUCELLIER'S STRAIGHT LINE\n &CHAIN JNT='O','Q','B','C','D','P', JX=0.0,20.0,39.0,47.0,56.0,60.0, JY=0.0,0.0,6.0,"// &
+   "24.0,-14.0,10.0,\n  LNAME='frame','crank','long1','long2','side1','side2','side3','side4',\n  LNK='O Q','Q B','O C','O "// &
+   "D','B C','B D','C P','D P',\n  LENP='O Q','Q B','O C','O D','B C','B D','C P','D P',\n  LENV=20.0,20.0,53.0,53.0,20.223"// &
+   "748416156685,20.223748416156685,20.223748416156685,20.223748416156685 &END\n &DRIVES DRIVE='Q' &END\n &OUTPUTS OUTPUT='"// &
+   "point P' &END\n &METHOD NDES=7, DELT=-36.0,-30.0,-20.0,-10.0,0.0,10.0,15.0 &END\n &LIMITS TANGLE=85.0 &END\n""},"//nl// &
+   "  {""name"": ""jansen"", ""title"": ""THEO JANSEN'S LEG"", ""text"": ""! Theo Jansen's walking leg: one crank of 15, el"// &
+   "even \""holy numbers\"", a foot that runs level for half a turn and then steps.\n! The drawing is rough; LENP gives the"// &
+   " numbers exactly and the drawing only chooses the assembly.\n! Output: path of the foot, G.\nTHEO JANSEN'S LEG\n &CHAIN"// &
+   " JNT='O','B','A','C','D','E','F','G',\n  JX=0.0,-38.0,15.0,-24.0,-75.0,-27.0,-59.0,-43.0,\n  JY=0.0,-7.8,0.0,31.0,8.0,-"// &
+   "45.0,-28.0,-92.0,\n  LNAME='frame','crank','j','upper','k','c','f','foot',\n  LNK='O B','O A','A C','C B D','A E','E B'"// &
+   ",'D F','F E G',\n  LENP='O A','A C','C B','B D','C D','A E','E B','D F','F E','E G','F G',\n  LENV=15.0,50.0,41.5,40.1,"// &
+   "55.8,61.9,39.3,39.4,36.7,49.0,65.7 &END\n &DRIVES DRIVE='O' &END\n &OUTPUTS OUTPUT='point G' &END\n &METHOD IKIN=10 &EN"// &
+   "D\n &LIMITS TANGLE=85.0, IPLOT=1 &END\n""},"//nl// &
+   "  {""name"": ""klann"", ""title"": ""KLANN'S LEG"", ""text"": ""! Klann's walking leg: a crank, two rockers on the fram"// &
+   "e, a connecting rod and the leg. The foot runs level for half a turn and then\n! steps high. Proportions of an optimise"// &
+   "d leg as published by an amateur builder, crank 17.5; LENP gives them, the drawing is rough.\n! Output: path of the foo"// &
+   "t, G.\nKLANN'S LEG\n &CHAIN JNT='A','B','C','D','E','F','G','H', JX=0.0,-38.8,17.5,-14.6,-46.0,-56.0,-32.0,-21.0,\n  JY"// &
+   "=0.0,-12.5,0.0,41.9,54.0,-2.6,-56.0,3.3,\n  LNAME='frame','crank','rod','lower','upper','leg', LNK='A B D','A C','C H F"// &
+   "','B H','D E','E F G',\n  LENP='A C','B H','C F','C H','H F','D E','E F','E G','F G', LENV=17.5,23.7,73.4,38.8,35.2,34."// &
+   "1,57.7,111.7,59.0 &END\n &DRIVES DRIVE='A' &END\n &OUTPUTS OUTPUT='point G' &END\n &METHOD IKIN=15 &END\n &LIMITS TANGL"// &
+   "E=60.0 &END\n""},"//nl// &
+   "  {""name"": ""watt_six_bar"", ""title"": ""WATT I SIX-BAR"", ""text"": ""! Watt's six-bar of the first kind: the coupl"// &
+   "er and the rocker of a four-bar are ternary and carry a second four-bar, all\n! of it moving. The end of the second roc"// &
+   "ker, P, is not tied to the frame at all.\n! Output: path of P.\nWATT I SIX-BAR\n &CHAIN JNT='A','B','C','D','E','F','G'"// &
+   ",'P',\n  JX=0.0,10.0,60.0,75.0,50.0,100.0,130.0,140.0, JY=0.0,25.0,65.0,0.0,95.0,60.0,95.0,130.0,\n  LNAME='frame','cra"// &
+   "nk','coupler','rocker','rod','arm',\n  LNK='A D','A B','B C E','C D F','E G','F G P' &END\n &DRIVES DRIVE='A' &END\n &O"// &
+   "UTPUTS OUTPUT='point P' &END\n &METHOD IKIN=15 &END\n &LIMITS TANGLE=80.0 &END\n""},"//nl// &
+   "  {""name"": ""stephenson1_six_bar"", ""title"": ""STEPHENSON I SIX-BAR"", ""text"": ""! Stephenson's six-bar of the fi"// &
+   "rst kind: crank and rocker of a four-bar both carry an arm, and a dyad joins the ends of these\n! arms; no link of it i"// &
+   "s pinned to the frame.\n! Output: path of E.\nSTEPHENSON I SIX-BAR\n &CHAIN JNT='A','B','C','D','P','Q','E', JX=0.0,10."// &
+   "0,75.0,100.0,-15.0,110.0,50.0, JY=0.0,23.0,65.0,0.0,20.0,75.0,150.0,\n  LNAME='frame','crank','coupler','rocker','left'"// &
+   ",'right', LNK='A D','A B P','B C','C D Q','P E','E Q' &END\n &DRIVES DRIVE='A' &END\n &OUTPUTS OUTPUT='point E' &END\n "// &
+   "&METHOD IKIN=15 &END\n &LIMITS TANGLE=55.0 &END\n""},"//nl// &
+   "  {""name"": ""stephenson2_six_bar"", ""title"": ""STEPHENSON II SIX-BAR, DRIVEN IN THE FIVE-BAR"", ""text"": ""! Steph"// &
+   "enson's six-bar of the second kind driven in its five-bar loop: the crank stands in a loop of five links, so no dyad ca"// &
+   "n be\n! solved by itself; links 2 to 5 are one Assur group, a triad.\n! Output: path of D.\nSTEPHENSON II SIX-BAR, DRIV"// &
+   "EN IN THE FIVE-BAR\n &CHAIN JNT='A','B','C','D','E','F','G', JX=0.0,0.0,40.0,80.0,45.0,85.0,100.0, JY=0.0,30.0,60.0,55."// &
+   "0,30.0,20.0,0.0,\n  LNAME='frame','crank','left','top','right','tie', LNK='A G','A B','B C E','C D','D F G','E F' &END\"// &
+   "n &DRIVES DRIVE='A' &END\n &OUTPUTS OUTPUT='point D','angle G D' &END\n &METHOD NDES=7, DELT=0.0,-2.0,-4.0,-6.0,-8.0,-1"// &
+   "0.0,-12.0 &END\n""},"//nl// &
+   "  {""name"": ""stephenson3_six_bar"", ""title"": ""STEPHENSON III SIX-BAR"", ""text"": ""! Stephenson's six-bar of the "// &
+   "third kind: a coupler point P of a four-bar pulls a second rocker by a rod, and that rocker can\n! dwell where the coup"// &
+   "ler curve is nearly an arc about E.\n! Output: angle of the second rocker.\nSTEPHENSON III SIX-BAR\n &CHAIN JNT='A','B'"// &
+   ",'C','D','P','E','F',\n  JX=0.0,10.0,60.0,75.0,45.0,120.0,130.0, JY=0.0,15.0,55.0,0.0,80.0,70.0,0.0,\n  LNAME='frame','"// &
+   "crank','coupler','rocker','rod','output',\n  LNK='A D F','A B','B C P','C D','P E','E F' &END\n &DRIVES DRIVE='A', DBAS"// &
+   "E='frame', DLINK='crank' &END\n &OUTPUTS OUTPUT='angle F E' &END\n &METHOD IKIN=15 &END\n &LIMITS TANGLE=80.0, IPLOT=1 "// &
+   "&END\n""},"//nl// &
+   "  {""name"": ""quick_return"", ""title"": ""QUICK RETURN WITH RAM"", ""text"": ""! The quick-return motion of a shaping"// &
+   " machine with its ram: the block on the crank pin slides on the lever, whose end pushes\n! the ram by a rod. The stroke"// &
+   " of cutting takes longer than the return.\n! Output: place of the ram.\nQUICK RETURN WITH RAM\n &CHAIN JNT='O','A','L',"// &
+   "'B','C', JX=0.0,0.0,0.0,0.0,-110.0, JY=0.0,50.0,-130.0,150.0,165.0,\n  LNAME='frame','crank','block','lever','rod','ram"// &
+   "', LNK='O L','O A','A','L B','B C','C',\n  SLNK='lever','frame', SLNK2='block','ram', SLX=0.0,-110.0, SLY=50.0,165.0, S"// &
+   "LANG=90.0,0.0 &END\n &DRIVES DRIVE='O' &END\n &OUTPUTS OUTPUT='point C' &END\n &METHOD IKIN=15 &END\n""},"//nl// &
+   "  {""name"": ""toggle_press"", ""title"": ""TOGGLE PRESS FROM A SKETCH"", ""text"": ""! A toggle press: the crank pulls"// &
+   " at the knee T of two links, which press the ram S down its guide as they straighten.\n! The ram is a link with one joi"// &
+   "nt and a slide on the frame.\n! Output: place of the ram.\nTOGGLE PRESS FROM A SKETCH\n &CHAIN JNT='O','M','T','G','S',"// &
+   " JX=-120.0,-107.0,-18.0,0.0,0.0, JY=80.0,72.0,100.0,200.0,0.0,\n  LNAME='frame','crank','rod','upper','lower','ram', LN"// &
+   "K='O G','O M','M T','G T','T S','S',\n  NSLIDE=1, SLNK='frame', SLNK2='ram', SLX=0.0, SLY=0.0, SLANG=90.0 &END\n &DRIVE"// &
+   "S DRIVE='O' &END\n &OUTPUTS OUTPUT='point S' &END\n &METHOD IKIN=10 &END\n &LIMITS TANGLE=85.0 &END\n""},"//nl// &
+   "  {""name"": ""sewing_machine"", ""title"": ""SEWING MACHINE, NEEDLE BAR AND TAKE-UP"", ""text"": ""! Sewing machine: o"// &
+   "ne crank moves the needle bar N through a rod, and the take-up P, a point of the same rod's plate, pulls the thread.\n!"// &
+   " Output: height of the needle and path of the take-up. Lengths in mm.\nSEWING MACHINE, NEEDLE BAR AND TAKE-UP\n &CHAIN "// &
+   "JNT='O','K','N','L','T','P', JX=0.0,10.0,5.0,25.0,30.0,-30.0, JY=0.0,8.0,-60.0,30.0,5.0,50.0,\n  LNAME='arm','crank','r"// &
+   "od','needle','take-up','guide', LNK='O T','O K','K N','N','K L P','T L',\n  SLNK='arm', SLNK2='needle', SLX=0.0, SLY=-6"// &
+   "0.0, SLANG=90.0 &END\n &DRIVES DRIVE='O' &END\n &OUTPUTS OUTPUT='y N','point P' &END\n &METHOD IKIN=10 &END\n""},"//nl// &
+   "  {""name"": ""wiper"", ""title"": ""WIPER WITH TWO BLADES"", ""text"": ""! Windscreen wiper with two blades: a motor c"// &
+   "rank swings the left blade's arm, a tie carries the motion on to the right one.\n! Both pivots are on the bulkhead.\n! "// &
+   "Output: angle of the right blade's arm.\nWIPER WITH TWO BLADES\n &CHAIN JNT='M','B','C','D','E','F', JX=0.0,40.0,300.0,"// &
+   "280.0,700.0,680.0, JY=0.0,0.0,60.0,-20.0,60.0,-20.0,\n  LNAME='frame','crank','rod','left','tie','right', LNK='M D F','"// &
+   "M B','B C','C D','C E','E F' &END\n &DRIVES DRIVE='M' &END\n &OUTPUTS OUTPUT='angle F E' &END\n &METHOD IKIN=10 &END\n "// &
+   "&LIMITS TANGLE=80.0 &END\n""},"//nl// &
+   "  {""name"": ""double_wishbone"", ""title"": ""DOUBLE WISHBONE, CAMBER AGAINST BUMP"", ""text"": ""! A car's front susp"// &
+   "ension from behind: two wishbones of unequal length hold the upright. As the wheel rises its camber changes, and the\n!"// &
+   " contact point moves sideways (scrub). Input: angle of the lower wishbone.\n! Output: contact point of the wheel, cambe"// &
+   "r (direction of the upright).\nDOUBLE WISHBONE, CAMBER AGAINST BUMP\n &CHAIN JNT='A','B','C','D','W', JX=0.0,360.0,320."// &
+   "0,80.0,460.0, JY=0.0,-20.0,230.0,240.0,-190.0,\n  LNAME='body','lower','upright','upper', LNK='A D','A B','B C W','C D'"// &
+   " &END\n &DRIVES DRIVE='A' &END\n &OUTPUTS OUTPUT='point W','angle B C', ONAME='contact','camber' &END\n &METHOD NDES=9,"// &
+   " DELT=-12.0,-9.0,-6.0,-3.0,0.0,3.0,6.0,9.0,12.0 &END\n""},"//nl// &
+   "  {""name"": ""horst_suspension"", ""title"": ""HORST SUSPENSION, LEVERAGE OF THE SHOCK"", ""text"": ""! A bicycle's re"// &
+   "ar suspension with a Horst link: the wheel hangs on the seat stay, which is the coupler of a four-bar; a rocker\n! pres"// &
+   "ses the shock. The leverage, rise of the wheel for the stroke of the shock, is what its designer tunes.\n! Output: whee"// &
+   "l axle, length of the shock, leverage.\nHORST SUSPENSION, LEVERAGE OF THE SHOCK\n &CHAIN JNT='M','H','K','R','W','L','S"// &
+   "', JX=0.0,-370.0,-75.0,-20.0,-430.0,20.0,-130.0, JY=40.0,5.0,345.0,330.0,20.0,300.0,190.0,\n  LNAME='frame','chainstay'"// &
+   ",'seatstay','rocker', LNK='M R S','M H','H K W','R K L' &END\n &DRIVES DRIVE='M' &END\n &OUTPUTS OUTPUT='point W','y W'"// &
+   ",'distance S L','ratio rise shock', ONAME='axle','rise','shock','leverage' &END\n &METHOD NDES=7, DELT=0.0,-2.0,-4.0,-6"// &
+   ".0,-8.0,-10.0,-12.0 &END\n""},"//nl// &
+   "  {""name"": ""geared_five_bar"", ""title"": ""GEARED FIVE-BAR"", ""text"": ""! A five-bar whose two cranks are geared "// &
+   "to each other on fixed centres: the second turns half as fast as the first. Such linkages draw\n! curves that no four-b"// &
+   "ar has. The gears are a ratio between two drives.\n! Output: path of C, proven over the range of the inputs (IPROOF).\n"// &
+   "GEARED FIVE-BAR\n &CHAIN JNT='A','B','C','G','E', JX=0.0,3.0,40.0,85.0,80.0, JY=0.0,50.0,90.0,49.0,0.0,\n  LNAME='frame"// &
+   "','crank1','rod1','rod2','crank2', LNK='A E','A B','B C','C G','G E' &END\n &DRIVES DRIVE='A','E', RATIO=0.0,0.5 &END\n"// &
+   " &OUTPUTS OUTPUT='point C' &END\n &METHOD NDES=7, DELT=-30.0,-20.0,-10.0,0.0,10.0,20.0,30.0 &END\n &LIMITS IPROOF=2 &EN"// &
+   "D\n""},"//nl// &
+   "  {""name"": ""scissors_lift"", ""title"": ""SCISSORS LIFT WITH A FLOATING CYLINDER"", ""text"": ""! A scissors lift ra"// &
+   "ised by a cylinder between its two arms: the drive floats, neither of its ends is on the frame. The cylinder is\n! name"// &
+   "d by its two joints; its stroke counts from the drawing (metres). Both shoes roll, one on the floor and one below the d"// &
+   "eck.\n! Output: height of the deck, and the leverage of the cylinder: rise of the deck for its stroke.\nSCISSORS LIFT W"// &
+   "ITH A FLOATING CYLINDER\n &CHAIN JNT='A','M','B','C','D','P','Q',\n  JX=0.0,0.8660254037844386,1.7320508075688772,1.732"// &
+   "0508075688772,0.0,0.34641016151377546,0.4330127018922193,\n  JY=0.0,0.5,0.0,1.0,1.0,0.2,0.75,\n  LNAME='floor','arm1','"// &
+   "arm2','shoe','deck','shoe2', LNK='A','A M C P','B M D Q','B','D','C',\n  NSLIDE=2, SLNK='floor','deck', SLNK2='shoe','s"// &
+   "hoe2', SLX=1.7320508075688772,1.7320508075688772, SLY=0.0,1.0,\n  SLANG=0.0,0.0 &END\n &DRIVES DRIVE='P Q' &END\n &OUTP"// &
+   "UTS OUTPUT='y D','distance P Q','ratio height cylinder', ONAME='height','cylinder','leverage' &END\n &METHOD NDES=9, DE"// &
+   "LT=-0.20,-0.15,-0.10,-0.05,0.0,0.05,0.10,0.15,0.20 &END\n""},"//nl// &
+   "  {""name"": ""landing_gear"", ""title"": ""LANDING GEAR WITH A PIVOTED CYLINDER"", ""text"": ""! A retractable landing"// &
+   " gear: the leg hangs on A and folds by a cylinder between the airframe and the drag strut's knee; in the\n! drawing the"// &
+   " strut is nearly straight and holds the leg down. The cylinder is the input (millimetres from the drawing).\n! Output: "// &
+   "wheel axle W and the angle of the leg.\nLANDING GEAR WITH A PIVOTED CYLINDER\n &CHAIN JNT='A','W','K','L','B','S', JX=0"// &
+   ".0,0.0,0.0,420.0,430.0,700.0, JY=0.0,-1200.0,-600.0,-330.0,-20.0,-60.0,\n  LNAME='airframe','leg','lower','upper', LNK="// &
+   "'A B S','A K W','K L','L S' &END\n &DRIVES DRIVE='B L' &END\n &OUTPUTS OUTPUT='point W','angle A W' &END\n &METHOD NDES"// &
+   "=6, DELT=0.0,-30.0,-60.0,-90.0,-120.0,-150.0 &END\n""},"//nl// &
+   "  {""name"": ""excavator"", ""title"": ""EXCAVATOR ARM, THREE CYLINDERS"", ""text"": ""! An excavator's arm: boom, stic"// &
+   "k and bucket, each moved by a hydraulic cylinder between two of its links; the bucket by a four-bar of\n! rocker and pu"// &
+   "sher. Three drives, none of them on the frame alone: each cylinder is named by its two joints and gets shorter or\n! lo"// &
+   "nger than in the drawing (metres). Output: tip of the bucket T and the bucket's direction.\nEXCAVATOR ARM, THREE CYLIND"// &
+   "ERS\n &CHAIN JNT='A','B','C','D','E','F','G','H','I','J','K','T',\n  JX=0.0,0.5,2.6,2.9,5.2,4.6,5.0,6.0,6.6,6.3,5.9,7.0"// &
+   ", JY=1.5,1.0,3.4,3.9,3.2,3.9,3.7,1.9,1.6,2.3,2.4,0.5,\n  LNAME='frame','boom','stick','rocker','pusher','bucket',\n  LN"// &
+   "K='A B','A C D E','E F G H K','H J','J I','K I T' &END\n &DRIVES DRIVE='B C','D F','G J', DELT2=0.0,0.0,0.1,0.1,-0.1, D"// &
+   "ELT3=0.0,0.1,0.0,-0.1,0.1 &END\n &OUTPUTS OUTPUT='point T','angle K T' &END\n &METHOD NDES=5, DELT=0.0,0.1,0.2,-0.1,0.0"// &
+   " &END\n""},"//nl// &
+   "  {""name"": ""gripper"", ""title"": ""GRIPPER, TWO FINGERS"", ""text"": ""! Gripper with two fingers: the piston rod o"// &
+   "f an air cylinder moves both through links. Lengths in mm, the rod 4 in and out.\n! Output: distance of the finger tips"// &
+   " and direction of one finger.\nGRIPPER, TWO FINGERS\n &CHAIN JNT='a','b','c','f','a2','b2','c2','f2', JX=0.0,30.0,60.0,"// &
+   "140.0,0.0,30.0,60.0,140.0,\n  JY=10.0,25.0,15.0,20.0,-10.0,-25.0,-15.0,-20.0,\n  LNAME='body','rod','link1','finger1','"// &
+   "link2','finger2', LNK='b b2','a a2','a c','b c f','a2 c2','b2 c2 f2',\n  SLNK='body', SLNK2='rod', SLX=0.0, SLY=0.0, SL"// &
+   "ANG=0.0 &END\n &DRIVES DRIVE='S1' &END\n &OUTPUTS OUTPUT='distance f f2','angle b f' &END\n &METHOD NDES=9, DELT=-4.0,-"// &
+   "3.0,-2.0,-1.0,0.0,1.0,2.0,3.0,4.0 &END\n""},"//nl
+
+   character(*), parameter :: part_10 = &
+   "  {""name"": ""umbrella"", ""title"": ""UMBRELLA, ONE RIB"", ""text"": ""! Half of an umbrella: the runner slides down "// &
+   "the pole, the stretcher opens the rib, and the pull rod folds the outer rib out.\n! Output: tip of the outer rib Q and "// &
+   "its direction. Lengths in mm; the runner falls by 100 and rises by 100.\nUMBRELLA, ONE RIB\n &CHAIN JNT='T','R','S','U'"// &
+   ",'V','P','Q', JX=0.0,0.0,150.0,130.0,300.0,320.0,450.0, JY=600.0,350.0,560.0,530.0,480.0,510.0,420.0,\n  LNAME='pole','"// &
+   "runner','stretcher','rib','pull','outer', LNK='T','R','R U','T S U P','S V','P V Q',\n  SLNK='pole', SLNK2='runner', SL"// &
+   "X=0.0, SLY=350.0, SLANG=90.0 &END\n &DRIVES DRIVE='S1' &END\n &OUTPUTS OUTPUT='point Q','angle outer' &END\n &METHOD ND"// &
+   "ES=9, DELT=-100.0,-75.0,-50.0,-25.0,0.0,25.0,50.0,75.0,100.0 &END\n""},"//nl// &
+   "  {""name"": ""bed_hinge"", ""title"": ""BED HINGE, SEVEN MOVING LINKS"", ""text"": ""! Hinge of a sofa bed with seven "// &
+   "moving links: the seat comes forward while the back falls. Lengths in mm.\n! Output: directions of back and seat, place"// &
+   " of the upper edge P.\nBED HINGE, SEVEN MOVING LINKS\n &CHAIN JNT='A','B','H','C','K','E','F','Q','P','M', JX=0.0,220.0"// &
+   ",300.0,-40.0,200.0,60.0,280.0,300.0,420.0,150.0,\n  JY=0.0,0.0,40.0,150.0,160.0,190.0,200.0,260.0,420.0,250.0,\n  LNAME"// &
+   "='base','link1','link2','seat','link3','link4','back','link5',\n  LNK='A B H','A C','B K','C K E F','E M','M H','F Q P'"// &
+   ",'Q M' &END\n &DRIVES DRIVE='A' &END\n &OUTPUTS OUTPUT='angle back','angle seat','point P' &END\n &METHOD NDES=11, DELT"// &
+   "=-20.0,-16.0,-12.0,-8.0,-4.0,0.0,4.0,8.0,12.0,16.0,20.0 &END\n""},"//nl// &
+   "  {""name"": ""squeezer"", ""title"": ""ANDREWS'S SQUEEZER"", ""text"": ""! Andrews's squeezing mechanism, seven moving"// &
+   " bodies, a test problem of multibody programs (Schiehlen 1990; lengths as in Hairer and Wanner,\n! Solving Ordinary Dif"// &
+   "ferential Equations II, VII.7), here driven at constant speed. Metres. The drawing is rough; LENP has the lengths.\n! O"// &
+   "utput: path of E.\nANDREWS'S SQUEEZER\n &CHAIN JNT='O','F','E','A','B','C','D','G','H',\n  JX=0.0,0.00698,-0.0209,-0.06"// &
+   "934,-0.03635,0.014,-0.0107,-0.0315,-0.0310,\n  JY=0.0,-0.0004,0.0001,-0.00227,0.03273,0.072,0.0365,0.0165,-0.0160,\n  L"// &
+   "NK='O A B C','O F','F E','E G','G A','E H','H A','B D E',\n  LENP='O F','F E','E G','G A','E H','H A','B D','D E','B E'"// &
+   ", LENV=0.007,0.028,0.02,0.04,0.02,0.04,0.02,0.018,0.035 &END\n &DRIVES DRIVE='O' &END\n &OUTPUTS OUTPUT='point E' &END\"// &
+   "n &METHOD IKIN=10 &END\n""},"//nl// &
+   "  {""name"": ""triad_six_assemblies"", ""title"": ""PLATFORM ON THREE LINKS, SIX ASSEMBLIES"", ""text"": ""! A platform"// &
+   " P Q R on three links, the 3-RR triad, with all of its six assemblies real: psalm --assemblies lists them. The pivot\n!"// &
+   " A of its longest link is carried by a crank; the platform follows from the assembly that is drawn.\n! Output: place of"// &
+   " P and direction of the platform.\nPLATFORM ON THREE LINKS, SIX ASSEMBLIES\n &CHAIN JNT='O','A','B','C','P','Q','R', JX"// &
+   "=0.0,0.0,11.5,9.8,10.35,12.04,10.65, JY=-4.0,0.0,0.0,3.0,2.29,3.36,8.03,\n  LNAME='frame','crank','left','right','upper"// &
+   "','platform', LNK='O B C','O A','A P','B Q','C R','P Q R',\n  LENP='A P','B Q','C R','P Q','P R','Q R', LENV=10.6,3.4,5"// &
+   ".1,2.0,5.742821606144492,4.876474136094644 &END\n &DRIVES DRIVE='O' &END\n &OUTPUTS OUTPUT='pose P P Q' &END\n &METHOD "// &
+   "NDES=6, DELT=0.0,5.0,10.0,15.0,20.0,25.0 &END\n""},"//nl// &
    '];'//nl// &
+   '</script>'//nl// &
+   '<script>'//nl// &
+   '// The words of the drawing board beside its properties: what a translation would change. Nothing here knows the docume'// &
+   'nt.'//nl// &
+   "'use strict';"//nl// &
+   'globalThis.board = globalThis.board || {};'//nl// &
+   ''//nl// &
+   'board.words = {'//nl// &
+   "  title: 'A LINKAGE',"//nl// &
+   "  apart: 'The links do not meet: with the exact lengths they cannot be put together near the drawing.',"//nl// &
+   "  dead: 'The linkage stands at a dead point in the drawing, where two assemblies meet: draw it in another position.',"//nl// &
+   "  explained: (page) => 'The book explains this on its page guide/' + page + ' (doc/guide/' + page + '.md).',"//nl// &
+   "  tabs: { panel: 'Properties', text: 'Text', engine: 'Results', search: 'Search' },"//nl// &
+   ''//nl// &
+   '  // the text of the case'//nl// &
+   "  dataSet: 'data set',"//nl// &
+   "  textHint: 'What is saved. Changes here are on the board at once, and the other way round.',"//nl// &
+   "  understood: 'The board understands it all.',"//nl// &
+   "  aside: 'The drawing was changed while this text had a mistake.',"//nl// &
+   "  backToText: 'Back to my text',"//nl// &
+   "  line: (number, text) => number ? 'line ' + number + ': ' + text : text,"//nl// &
+   ''//nl// &
+   '  // links, drafts, gallery'//nl// &
+   "  badLink: 'The link holds no data set: it is incomplete, or not a link of a drawing board.',"//nl// &
+   "  linkHead: 'Link to this sketch',"//nl// &
+   "  linkHint: 'The link holds the whole data set. It opens on this board; on any other board, copy it and press Ctrl+V.',"//nl// &
+   "  linkServed: 'The text holds the whole data set. On any drawing board, copy it and press Ctrl+V.',"//nl// &
+   "  linkLabel: 'link to this sketch',"//nl// &
+   "  copy: 'Copy',"//nl// &
+   "  copied: 'Copied',"//nl// &
+   "  close: 'Close',"//nl// &
+   "  restored: 'This is what you drew last time; undo takes it away.',"//nl// &
+   "  galleryHead: 'Gallery',"//nl// &
+   "  galleryFilter: 'find in the gallery',"//nl// &
+   ''//nl// &
+   '  // results of the engine'//nl// &
+   "  waiting: 'The engine is computing.',"//nl// &
+   "  away: 'The engine does not answer. Is psalm-workbench still running?',"//nl// &
+   "  nothingYet: 'Draw a linkage that moves: results appear here.',"//nl// &
+   "  summary: 'Summary',"//nl// &
+   "  messages: 'Messages',"//nl// &
+   "  here: 'At this position',"//nl// &
+   "  shownArrows: 'Arrows',"//nl// &
+   "  velocities: 'velocities',"//nl// &
+   "  forces: 'forces',"//nl// &
+   "  transmission: 'Transmission angle',"//nl// &
+   "  drive: 'drive',"//nl// &
+   "  speedOf: (name) => 'speed of ' + name,"//nl// &
+   "  forceAt: (name) => 'force at ' + name,"//nl// &
+   "  perSecond: '/s',"//nl// &
+   "  moment: ' N m',"//nl// &
+   "  newton: ' N',"//nl// &
+   "  assumptions: 'Speed, load, tolerance',"//nl// &
+   "  speed: 'speed',"//nl// &
+   "  speedLabel: 'speed of the input, radians or lengths a second',"//nl// &
+   "  load: 'load at',"//nl// &
+   "  loadAt: 'joint that the load is at',"//nl// &
+   "  loadX: 'load along x, N',"//nl// &
+   "  loadY: 'load along y, N',"//nl// &
+   "  setLoad: 'Set load',"//nl// &
+   "  loadHint: 'The load becomes the group &LOADS of the case; masses are set in the text (&MASSES).',"//nl// &
+   "  noForces: 'Forces need a load, masses or springs.',"//nl// &
+   "  severalLoads: 'The case has loads of its own: change them in the text.',"//nl// &
+   ''//nl// &
+   "  tolerance: 'lengths \u00b1',"//nl// &
+   "  toleranceLabel: 'tolerance of all lengths, to either side; 0: none',"//nl// &
+   "  proven: 'Proven',"//nl// &
+   "  strip: 'green: it closes, proven; marks: dead points',"//nl// &
+   "  closing: { closes: 'closes', opens: 'does not close' },"//nl// &
+   "  range: (from, to) => 'from ' + from + ' to ' + to,"//nl// &
+   "  extremes: (least, at, greatest, where) => 'least ' + least + ' at ' + at + ', greatest ' + greatest + ' at ' + where,"//nl// &
+   "  deadPoint: (of) => 'dead point: ' + of,"//nl// &
+   "  assemblies: 'Assemblies',"//nl// &
+   "  assembliesHint: 'All ways to put the links together here; click one to draw it.',"//nl// &
+   "  assembly: (number) => 'assembly ' + number,"//nl// &
+   "  assemblyDrawn: 'as drawn',"//nl// &
+   ''//nl// &
+   '  // searches'//nl// &
+   "  wantedTool: 'Wanted',"//nl// &
+   "  wantedHint: 'Draw the curve that a point of a linkage is to trace; end near its beginning for a closed one.',"//nl// &
+   "  wantedHead: 'Wanted curve',"//nl// &
+   "  wantedNone: 'Draw it with the tool Wanted (W), or open a CSV file with x and y in each line, or an SVG picture.',"//nl// &
+   "  wantedHas: (count, closed) => (closed ? 'Closed' : 'Open') + ' curve of ' + count + ' points.',"//nl// &
+   "  wantedFile: 'Open a curve',"//nl// &
+   "  wantedClear: 'Clear',"//nl// &
+   "  wantedClosed: 'closed',"//nl// &
+   "  wantedPoints: 'points',"//nl// &
+   "  noCurve: (name) => name + ': no curve was found; a CSV file has x and y in each line, a picture a path, polygon or po"// &
+   "lyline.',"//nl// &
+   "  kinds: 'Kinds',"//nl// &
+   "  kindNames: { pins4: 'four-bars', slide4: 'with a slide', pins6: 'six-bars', geared5: 'geared five-bars' },"//nl// &
+   "  leastAngle: 'least angle',"//nl// &
+   "  leastAngleLabel: 'least transmission angle, degrees; 0: any',"//nl// &
+   "  searchStart: 'Search',"//nl// &
+   "  searchOn: 'Go on',"//nl// &
+   "  searchStop: 'Stop',"//nl// &
+   "  searchSave: 'Save as data set',"//nl
+
+   character(*), parameter :: part_11 = &
+   "  searching: (kind, round) => 'Round ' + (round + 1) + ': ' + kind + ' ...',"//nl// &
+   "  searchOver: (count) => count ? 'Stopped; ' + count + ' kinds of linkages found.' : 'Stopped; nothing was found.',"//nl// &
+   "  sheet: 'Found',"//nl// &
+   "  sheetHint: 'Click one: it becomes the sketch; undo brings back what was there.',"//nl// &
+   "  error: (part) => 'error ' + part + ' of the size',"//nl// &
+   "  angle: (value) => 'angle ' + value + '\u00b0',"//nl// &
+   '};'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
    '// A sketch as text: the NAMELIST notation is read and written. Nothing here knows the document.'//nl// &
@@ -608,9 +1195,7 @@ module psalm_board_text
    "    return { titleStart: starts[first], title: lines[first].trim(), titleEnd: starts[first] + lines[first].replace(/\r$"// &
    "/, '').length,"//nl// &
    '      groups, end };'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_7 = &
+   '  }'//nl// &
    ''//nl// &
    '  /** The place after blanks, line ends and comments. */'//nl// &
    '  function afterBlanks(text, at) {'//nl// &
@@ -637,7 +1222,9 @@ module psalm_board_text
    '      at += word.length;'//nl// &
    '      if (/^(\s|!)/.test(word)) continue;'//nl// &
    '      if (/^([&$]END|\/)$/i.test(word)) return at;'//nl// &
-   '      if (found[1] !== undefined) {'//nl// &
+   '      if (found[1] !== undefined) {'//nl
+
+   character(*), parameter :: part_12 = &
    "        item = { name: found[1].toUpperCase(), place: found[2] || '', values: [], line: lineOf(at), from: at - word.len"// &
    "gth, to: at };"//nl// &
    '        group.items.push(item);'//nl// &
@@ -718,9 +1305,7 @@ module psalm_board_text
    "    if (twice) throw wrong('JNT')('joint ' + twice + ' is named twice');"//nl// &
    "    const links = texts('LNK').map((words, i) => ({ name: (texts('LNAME')[i] || String(i + 1)).trim(),"//nl// &
    "      joints: jointsIn(words, names, wrong('LNK')) }));"//nl// &
-   "    const count = texts('NSLIDE').length ? numbers('NSLIDE')[0] : texts('SLNK').length;"//nl
-
-   character(*), parameter :: part_8 = &
+   "    const count = texts('NSLIDE').length ? numbers('NSLIDE')[0] : texts('SLNK').length;"//nl// &
    '    const known = (name, item) => {'//nl// &
    '      if (!links.some((link) => link.name === name.trim())) throw wrong(item)("no link is called ''" + name + "''");'//nl// &
    '      return name.trim();'//nl// &
@@ -748,7 +1333,9 @@ module psalm_board_text
    "      if (sketch.slides.some((slide) => slide.name === drive.at[0])) drive.kind = 'slide';"//nl// &
    '      else if (!names.includes(drive.at[0])) {'//nl// &
    "        drive.kind = 'cylinder';"//nl// &
-   '        drive.at = jointsIn(text, names, wrong);'//nl// &
+   '        drive.at = jointsIn(text, names, wrong);'//nl
+
+   character(*), parameter :: part_13 = &
    '        if (drive.at.length !== 2) throw wrong("''" + text + "'' is no joint, no slide and no pair of joints");'//nl// &
    '      }'//nl// &
    '      return drive;'//nl// &
@@ -831,9 +1418,7 @@ module psalm_board_text
    "    if (outputs.some((o) => o.name)) wanted.push(['ONAME', outputs.map((o) => quoted(o.name || [o.kind, ...o.of].join('"// &
    "_')))]);"//nl// &
    "    list.OUTPUTS = outputs.length ? group('OUTPUTS', wanted.concat(kept(sketch, 'OUTPUTS'))) : '';"//nl// &
-   '    const method = [];'//nl
-
-   character(*), parameter :: part_9 = &
+   '    const method = [];'//nl// &
    "    if (sketch.crnki) method.push(['CRNKI', [number(sketch.crnki)]]);"//nl// &
    "    if (sketch.ikin) method.push(['IKIN', [String(sketch.ikin)]]);"//nl// &
    "    else if (!drives.some((d) => d.grid)) method.push(['NDES', [String(sketch.delt.length)]], ['DELT', sketch.delt.map("// &
@@ -864,7 +1449,9 @@ module psalm_board_text
    "    const word = (one) => one === from ? to : kind === 'joint' && !joints.includes(one) && from.length === 1 && one.inc"// &
    "ludes(from) &&"//nl// &
    "      [...one].every((letter) => joints.includes(letter)) ? [...one].map((letter) => letter === from ? to : letter).joi"// &
-   "n(to.length > 1 ? ' ' : '') : one;"//nl// &
+   "n(to.length > 1 ? ' ' : '') : one;"//nl
+
+   character(*), parameter :: part_14 = &
    "    return text.replace(/'([^']*)'/g, (_, words) => ""'"" + words.split(/([\s-]+)/).map(word).join('') + ""'"");"//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -902,7 +1489,22 @@ module psalm_board_text
    '    return text + source.slice(at, group.end);'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  return { Mistake, parse, write, renameIn, groups, number, jointsIn };'//nl// &
+   '  /** Where a group of the first case stands in a text, with its items; nothing if there is none. */'//nl// &
+   '  const placeOf = (text, name) => split(text).groups.find((one) => one.name === name);'//nl// &
+   ''//nl// &
+   '  /** A text in which a group, or one item of it, is another; a group that is not there comes last of its case. */'//nl// &
+   '  function changed(text, name, item, value) {'//nl// &
+   '    const place = placeOf(text, name), there = place && place.items.find((one) => one.name === item);'//nl// &
+   "    if (there) return text.slice(0, there.from) + item + '=' + value + (/,\s*$/.test(text.slice(there.from, there.to)) "// &
+   "? ',' : '') + text.slice(there.to);"//nl// &
+   "    const head = ' &' + name + ' ';"//nl// &
+   "    if (place) return text.slice(0, place.start) + head.trimStart() + item + '=' + value + ',' + text.slice(place.start"// &
+   " + 1 + name.length);"//nl// &
+   '    const { groups: all } = split(text), last = all.length ? all.at(-1).end : text.length;'//nl// &
+   "    return text.slice(0, last) + '\n' + head + item + '=' + value + ' &END' + text.slice(last);"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  return { Mistake, parse, write, renameIn, groups, number, jointsIn, placeOf, changed };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
@@ -948,9 +1550,7 @@ module psalm_board_text
    '        if (f === 0) continue;'//nl// &
    '        for (let j = k; j < n; j++) A[i][j] -= f * A[k][j];'//nl// &
    '        b[i] -= f * b[k];'//nl// &
-   '      }'//nl
-
-   character(*), parameter :: part_10 = &
+   '      }'//nl// &
    '    }'//nl// &
    '    const x = new Array(n);'//nl// &
    '    for (let k = n - 1; k >= 0; k--) {'//nl// &
@@ -962,7 +1562,9 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** The same with more equations than unknowns: least squares. */'//nl// &
-   '  function solve(A, b, columns) {'//nl// &
+   '  function solve(A, b, columns) {'//nl
+
+   character(*), parameter :: part_15 = &
    '    if (A.length === columns) return eliminate(A.map((row) => row.slice()), b.slice());'//nl// &
    '    const normal = Array.from({ length: columns }, (_, i) => Array.from({ length: columns }, (_, j) =>'//nl// &
    '      A.reduce((sum, row) => sum + row[i] * row[j], 0)));'//nl// &
@@ -1055,9 +1657,7 @@ module psalm_board_text
    '    });'//nl// &
    '    return { sketch, size, origin, point, of, slides, rows, drives, links: sketch.links.length,'//nl// &
    "      count: rows.reduce((sum, row) => sum + (row.kind === 'pin' ? 2 : 1), 0) + drives.length };"//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_11 = &
+   '  }'//nl// &
    ''//nl// &
    '  /** Where a point of a link is, and its derivative by the turn of the link. */'//nl// &
    '  function place(mech, pose, link, p) {'//nl// &
@@ -1071,7 +1671,9 @@ module psalm_board_text
    '    const s = mech.slides[i], [px, py, pdx, pdy] = place(mech, pose, s.a, s.p), [qx, qy, qdx, qdy] = place(mech, pose, '// &
    's.b, s.q);'//nl// &
    '    const [ux, uy] = turn(s.d, pose[3 * s.a + 2]), dx = qx - px, dy = qy - py;'//nl// &
-   '    return { along: dx * ux + dy * uy, across: dy * ux - dx * uy, u: [ux, uy],'//nl// &
+   '    return { along: dx * ux + dy * uy, across: dy * ux - dx * uy, u: [ux, uy],'//nl
+
+   character(*), parameter :: part_16 = &
    '      by: (n) => ({ b: [n[0], n[1], qdx * n[0] + qdy * n[1]], a: [-n[0], -n[1], -(pdx * n[0] + pdy * n[1])] }), dx, dy '// &
    '};'//nl// &
    '  }'//nl// &
@@ -1163,9 +1765,7 @@ module psalm_board_text
    '    const right = A.map((_, i) => i < A.length - rates.length ? 0 : rates[i - (A.length - rates.length)] *'//nl// &
    "      (mech.drives[i - (A.length - rates.length)].kind === 'turn' ? mech.size : 1));"//nl// &
    '    const { x, full } = solve(A, right, n);'//nl// &
-   '    return full ? x : null;'//nl
-
-   character(*), parameter :: part_12 = &
+   '    return full ? x : null;'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** From a state to other inputs, in steps that stay on the branch, of at least this part of the way; null where the '// &
@@ -1178,7 +1778,9 @@ module psalm_board_text
    '      const x = velocity(mech, now, rates);'//nl// &
    '      if (!x) return null;'//nl// &
    '      step = Math.min(step, 1 - way);'//nl// &
-   '      for (;;) {'//nl// &
+   '      for (;;) {'//nl
+
+   character(*), parameter :: part_17 = &
    '        const pose = now.pose.slice(), inputs = way + step >= 1 ? target.slice() : from.map((v, k) => v + (way + step) '// &
    '* rates[k]);'//nl// &
    '        for (let i = 0; i < n; i++) pose[i + 3] += step * (i % 3 === 2 ? x[i] / mech.size : x[i]);'//nl// &
@@ -1275,9 +1877,7 @@ module psalm_board_text
    "    case 'distance': { const [p, q] = names(words); return { [name]: q ? Math.hypot(q[0] - p[0], q[1] - p[1]) : Math.hy"// &
    "pot(...p) }; }"//nl// &
    "    case 'slide': return { [name]: travel(mech, state.pose, mech.sketch.slides.findIndex((s) => s.name === words[0])).a"// &
-   "long };"//nl
-
-   character(*), parameter :: part_13 = &
+   "long };"//nl// &
    "    case 'between': {"//nl// &
    '      const half = words.length === 2 ? [[words[0]], [words[1]]] : words.length === 4 ? [words.slice(0, 2), words.slice'// &
    '(2)] : [[...words[0]].slice(0, 2), [...words[0]].slice(2)];'//nl// &
@@ -1292,7 +1892,9 @@ module psalm_board_text
    '-'//nl// &
    ''//nl// &
    '  /** The sketch with joints and slides anywhere: what holds there holds for almost all dimensions. Always the same pla'// &
-   'ces. */'//nl// &
+   'ces. */'//nl
+
+   character(*), parameter :: part_18 = &
    '  function anywhere(sketch) {'//nl// &
    '    let seed = 12345;'//nl// &
    '    const random = () => { seed = (seed * 1103515245 + 12345) % 2147483648; return seed / 2147483648; };'//nl// &
@@ -1397,9 +1999,7 @@ module psalm_board_text
    '    if (left) {'//nl// &
    '      const tail = sketch.joints.find((j) => sketch.links.filter((l) => l.joints.includes(j.name)).length === 1 &&'//nl// &
    '        names.some((name) => sketch.links.find((l) => l.name === name).joints.includes(j.name)) && !sketch.outputs.some'// &
-   '((o) => o.of.includes(j.name)));'//nl
-
-   character(*), parameter :: part_14 = &
+   '((o) => o.of.includes(j.name)));'//nl// &
    "      if (!sketch.drives.length && left === 1) return say('Freedom 1 and no drive: with the tool Drive click a frame jo"// &
    "int, a slide, or pull a cylinder.', [], names);"//nl// &
    "      return say('Underconstrained: ' + (names.length > 1 ? 'links ' : 'link ') + listed(names) + ' can still move' + ("// &
@@ -1416,7 +2016,9 @@ module psalm_board_text
    'liminate, listed, RADIAN };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
-   '<script>'//nl// &
+   '<script>'//nl
+
+   character(*), parameter :: part_19 = &
    "// The drawing board's picture: what is on the canvas, and what is under a point of it."//nl// &
    "'use strict';"//nl// &
    ''//nl// &
@@ -1505,21 +2107,23 @@ module psalm_board_text
    '    drawGrid();'//nl// &
    '    const p = (name) => { const [x, y] = at.get(name); return [X(x), Y(y)]; };'//nl// &
    '    drawPaths();'//nl// &
+   '    board.search.draw(g, X, Y, pens);'//nl// &
    '    sketch.slides.forEach((slide, i) => drawRail(slide, i));'//nl// &
    '    sketch.gears.forEach((gear) => drawGear(gear, p));'//nl// &
-   '    sketch.links.forEach((link, i) => drawLink(link, i, p));'//nl
-
-   character(*), parameter :: part_15 = &
+   '    sketch.links.forEach((link, i) => drawLink(link, i, p));'//nl// &
    "    sketch.drives.forEach((drive) => { if (drive.kind === 'cylinder') drawCylinder(drive, p); });"//nl// &
    '    sketch.slides.forEach((slide, i) => drawBlock(slide, i, p));'//nl// &
    '    sketch.joints.forEach((joint) => drawJoint(joint, p(joint.name)));'//nl// &
    "    sketch.drives.forEach((drive) => { if (drive.kind === 'turn') drawMotor(...p(drive.at[0])); });"//nl// &
    '    drawOutputs(p);'//nl// &
    '    drawDimensions(p);'//nl// &
+   '    board.engine.draw(g, X, Y, pens);'//nl// &
    '    drawPending();'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function drawGrid() {'//nl// &
+   '  function drawGrid() {'//nl
+
+   character(*), parameter :: part_20 = &
    '    const step = gridStep() || 22 / eye.k, [left, top] = world(0, 0), [right, bottom] = world(w, h), shown = gridStep()'// &
    ' > 0;'//nl// &
    '    const lines = (from, to) => Array.from({ length: Math.min(400, Math.floor(to / step) - Math.ceil(from / step) + 1) '// &
@@ -1615,9 +2219,7 @@ module psalm_board_text
    '        while (chain.length > 1) {'//nl// &
    '          const [a, b] = chain.slice(-2);'//nl// &
    '          if ((b[0] - a[0]) * (q[1] - a[1]) - (b[1] - a[1]) * (q[0] - a[0]) > 1e-6) break;'//nl// &
-   '          chain.pop();'//nl
-
-   character(*), parameter :: part_16 = &
+   '          chain.pop();'//nl// &
    '        }'//nl// &
    '        chain.push(q);'//nl// &
    '      }'//nl// &
@@ -1627,7 +2229,9 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** The line of a slide, with the link that it is drawn on. */'//nl// &
-   '  function drawRail(slide, i) {'//nl// &
+   '  function drawRail(slide, i) {'//nl
+
+   character(*), parameter :: part_21 = &
    '    const place = board.slidePlace(i), [ux, uy] = place.u, reach = 1.2 * (w + h);'//nl// &
    '    g.strokeStyle = pens.frame;'//nl// &
    '    g.lineWidth = 1.2;'//nl// &
@@ -1721,9 +2325,7 @@ module psalm_board_text
    '      g.globalAlpha = 1;'//nl// &
    '    }'//nl// &
    '    g.fillStyle = pens.paper;'//nl// &
-   '    g.strokeStyle = chosen ? pens.accent : wrong.has(joint.name) ? pens.warn : pens.ink;'//nl
-
-   character(*), parameter :: part_17 = &
+   '    g.strokeStyle = chosen ? pens.accent : wrong.has(joint.name) ? pens.warn : pens.ink;'//nl// &
    '    g.lineWidth = 2.2;'//nl// &
    '    g.beginPath();'//nl// &
    '    g.arc(x, y, r, 0, ROUND);'//nl// &
@@ -1733,7 +2335,9 @@ module psalm_board_text
    '    g.font = ''italic 600 15px system-ui, "DejaVu Sans", sans-serif'';'//nl// &
    '    g.fillText(joint.name, x + 11, y - 10);'//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_22 = &
    '  /** A crank is driven: an arrow round its joint. */'//nl// &
    '  function drawMotor(x, y) {'//nl// &
    '    g.strokeStyle = g.fillStyle = pens.good;'//nl// &
@@ -1829,9 +2433,7 @@ module psalm_board_text
    ')]; };'//nl// &
    '    let best = null, least = touch ? FINGER : MOUSE;'//nl// &
    '    for (const joint of sketch.joints) {'//nl// &
-   '      const [x, y] = p(joint.name), away = Math.hypot(px - x, py - y);'//nl
-
-   character(*), parameter :: part_18 = &
+   '      const [x, y] = p(joint.name), away = Math.hypot(px - x, py - y);'//nl// &
    '      if (joint.name !== without && away < least) { best = { joint: joint.name }; least = away; }'//nl// &
    '    }'//nl// &
    '    if (best) return best;'//nl// &
@@ -1841,7 +2443,9 @@ module psalm_board_text
    '    });'//nl// &
    '    if (best) return best;'//nl// &
    '    least = touch ? 16 : 9;'//nl// &
-   '    sketch.links.forEach((link, i) => {'//nl// &
+   '    sketch.links.forEach((link, i) => {'//nl
+
+   character(*), parameter :: part_23 = &
    '      if (i === 0 || link.joints.includes(without)) return;'//nl// &
    '      const round = outline(link.joints.map(p));'//nl// &
    '      round.forEach((a, k) => {'//nl// &
@@ -1864,14 +2468,15 @@ module psalm_board_text
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
-   '// Beside and below the drawing board: properties of what is chosen, positions, the text of the data set, drives, messa'// &
-   'ges.'//nl// &
+   '// Beside and below the drawing board: tabs, properties of what is chosen, positions, drives, messages.'//nl// &
    "'use strict';"//nl// &
    ''//nl// &
    'board.panel = (() => {'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
+   "  const TABS = [['panel', board.words.tabs.panel], ['text', board.words.tabs.text], ['engine', board.words.tabs.engine]"// &
+   ", ['search', board.words.tabs.search]];"//nl// &
+   "  let tab = 'panel';"//nl// &
    "  const KIND = { turn: 'crank at ', slide: 'slide ', cylinder: 'cylinder ' };"//nl// &
-   '  let showText = false;'//nl// &
    ''//nl// &
    '  /** An element with attributes, listeners (on...) and children. */'//nl// &
    '  function make(tag, attributes = {}, ...children) {'//nl// &
@@ -1882,6 +2487,16 @@ module psalm_board_text
    '      else if (value !== false && value !== undefined) element.setAttribute(name, value);'//nl// &
    '    }'//nl// &
    '    element.append(...children);'//nl// &
+   '    return element;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   "  const pictures = make('template');"//nl// &
+   "  pictures.innerHTML = '<svg></svg>';"//nl// &
+   ''//nl// &
+   '  /** An element of a picture. */'//nl// &
+   '  function svg(tag, attributes = {}) {'//nl// &
+   '    const element = document.createElementNS(pictures.content.firstChild.namespaceURI, tag);'//nl// &
+   '    for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);'//nl// &
    '    return element;'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1933,10 +2548,10 @@ module psalm_board_text
    '    return at === s.length ? value : NaN;'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  const check = (label, on, take) => {'//nl// &
-   "    const box = make('input', { type: 'checkbox', 'aria-label': label, onchange: () => take(box.checked) });"//nl
+   '  const check = (label, on, take) => {'//nl
 
-   character(*), parameter :: part_19 = &
+   character(*), parameter :: part_24 = &
+   "    const box = make('input', { type: 'checkbox', 'aria-label': label, onchange: () => take(box.checked) });"//nl// &
    '    box.checked = on;'//nl// &
    '    return box;'//nl// &
    '  };'//nl// &
@@ -1963,8 +2578,7 @@ module psalm_board_text
    '    if (rough) return;'//nl// &
    "    const panel = $('panel'), held = document.activeElement && panel.contains(document.activeElement) ?"//nl// &
    "      document.activeElement.getAttribute('aria-label') : null;"//nl// &
-   '    panel.replaceChildren(...chosen(), ...drivePart(), ...positionPart(), ...outputPart(), ...listPart(), ...textPart()'// &
-   ');'//nl// &
+   '    panel.replaceChildren(...chosen(), ...drivePart(), ...positionPart(), ...outputPart(), ...listPart());'//nl// &
    "    if (held) panel.querySelector('[aria-label=""' + CSS.escape(held) + '""]')?.focus();"//nl// &
    '    showDrives();'//nl// &
    '    follow();'//nl// &
@@ -2048,10 +2662,10 @@ module psalm_board_text
    "      row('line on', choice('link that the line is on', names, slide.links[0], onto(0))),"//nl// &
    "      row('slides', choice('link that slides', names, slide.links[1], onto(1))),"//nl// &
    "      row('angle', numberField('direction of the slide, degrees', slide.angle, set('angle'))),"//nl// &
-   "      row('through x', numberField('x of a point of the line', slide.x, set('x'))),"//nl// &
-   "      row('y', numberField('y of a point of the line', slide.y, set('y'))),"//nl
+   "      row('through x', numberField('x of a point of the line', slide.x, set('x'))),"//nl
 
-   character(*), parameter :: part_20 = &
+   character(*), parameter :: part_25 = &
+   "      row('y', numberField('y of a point of the line', slide.y, set('y'))),"//nl// &
    "      row('driven', check('the slide is driven', state.sketch.drives.some((d) => d.at[0] === name), () => board.tools.d"// &
    "rive({ slide: name }))),"//nl// &
    "      button('Delete', () => board.remove({ slide: name }))];"//nl// &
@@ -2091,7 +2705,7 @@ module psalm_board_text
    '    const { state, edit } = board, { sketch } = state;'//nl// &
    '    if (!sketch.drives.length) return [];'//nl// &
    "    if (sketch.drives.some((d) => d.grid)) return [head('Positions'), make('p', {}, 'A grid of strokes (NGRID); edit it"// &
-   " in the text below.')];"//nl// &
+   " in the tab Text.')];"//nl// &
    "    const list = (label, values, take) => field(label, values.join(' '), (text) => {"//nl// &
    '      const numbers = text.split(/[\s;]+/).filter(Boolean).map(valueOf);'//nl// &
    '      return numbers.length && numbers.every(isFinite) ? take(numbers) : false;'//nl// &
@@ -2165,33 +2779,12 @@ module psalm_board_text
    "    return [...parts, row('new joint', place), row('new link', link)];"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** The data set as it will be saved; it can be changed here too. */'//nl// &
-   '  function textPart() {'//nl// &
-   "    const box = make('textarea', { 'aria-label': 'data set', spellcheck: 'false', wrap: 'off' }), told = make('p', { cl"// &
-   "ass: 'wrong', role: 'alert' });"//nl// &
-   '    box.value = board.write();'//nl// &
-   "    const take = button('Take over', () => {"//nl
-
-   character(*), parameter :: part_21 = &
-   '      try {'//nl// &
-   '        const sketch = board.text.parse(box.value);'//nl// &
-   '        board.state.source = box.value;'//nl// &
-   '        board.edit(() => { board.state.sketch = sketch; });'//nl// &
-   '      } catch (error) {'//nl// &
-   '        if (!(error instanceof board.text.Mistake)) throw error;'//nl// &
-   '        told.textContent = error.message;'//nl// &
-   '      }'//nl// &
-   '    });'//nl// &
-   "    const part = make('details', { ontoggle: () => { showText = part.open; } }, make('summary', {}, 'Data set'), box, t"// &
-   "ake, told);"//nl// &
-   '    part.open = showText;'//nl// &
-   "    return [head('Text'), part];"//nl// &
-   '  }'//nl// &
-   ''//nl// &
    '  function choose(what) {'//nl// &
    '    board.state.selection = what;'//nl// &
    '    show();'//nl// &
-   '    board.view.draw();'//nl// &
+   '    board.view.draw();'//nl
+
+   character(*), parameter :: part_26 = &
    '  }'//nl// &
    ''//nl// &
    '  // ---- drives and facts --------------------------------------------------------------------------------------------'// &
@@ -2214,8 +2807,9 @@ module psalm_board_text
    '        board.pause();'//nl// &
    '        if (several) board.drive(k, Number(range.value)); else board.go(Number(range.value));'//nl// &
    '      });'//nl// &
-   "      return [make('label', {}, at, range, value)];"//nl// &
+   "      return [make('label', {}, at, make('div', { class: 'track' }, range), value)];"//nl// &
    '    }));'//nl// &
+   '    board.engine.marks();'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** What changes while it moves. */'//nl// &
@@ -2243,17 +2837,1079 @@ module psalm_board_text
    "    return '   (goes from ' + of(sweep.states[0]) + ' to ' + of(sweep.states.at(-1)) + (turns ? '\u00b0' : '') + ')';"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function listExamples(examples) {'//nl// &
-   "    examples.forEach((one, i) => $('examples').append(new Option(one.name, i)));"//nl// &
+   '  /** Shows one of the parts beside the drawing. */'//nl// &
+   '  function turnTo(name) {'//nl// &
+   '    tab = name;'//nl// &
+   '    for (const [id] of TABS) {'//nl// &
+   '      $(id).hidden = id !== name;'//nl// &
+   "      const button = $('tab-' + id);"//nl// &
+   '      if (!button) continue;'//nl// &
+   "      button.setAttribute('aria-selected', String(id === name));"//nl// &
+   '      button.tabIndex = id === name ? 0 : -1;'//nl// &
+   '    }'//nl// &
+   "    $('side').dataset.tab = name;"//nl// &
+   '    for (const part of [board.source, board.engine, board.search]) if (part.shown) part.shown(name);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function listTabs() {'//nl// &
+   '    for (const [id, words] of TABS) {'//nl// &
+   "      if (!board.engine.served && (id === 'engine' || id === 'search')) continue;"//nl// &
+   "      const tabButton = button(words, () => turnTo(id), { id: 'tab-' + id, role: 'tab', 'aria-controls': id });"//nl// &
+   "      tabButton.addEventListener('keydown', (event) => {"//nl// &
+   "        const all = [...$('tabs').children], step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];"//nl// &
+   '        if (!step) return;'//nl// &
+   '        event.preventDefault();'//nl// &
+   '        event.stopPropagation();'//nl// &
+   '        const next = all[(all.indexOf(tabButton) + step + all.length) % all.length];'//nl// &
+   '        next.click();'//nl// &
+   '        next.focus();'//nl// &
+   '      });'//nl// &
+   "      $('tabs').append(tabButton);"//nl// &
+   '    }'//nl// &
+   "    turnTo('panel');"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function begin() {'//nl// &
+   '    listTabs();'//nl// &
    "    $('title').addEventListener('change', () => board.edit((sketch) => { sketch.title = $('title').value.trim().slice(0"// &
    ", 72) || 'A LINKAGE'; }));"//nl// &
    "    $('grid').append(...[0.1, 0.5, 1, 2, 5, 10, 20, 50].map((v) => new Option(v, v)));"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  return { begin, show, follow, choose, listExamples, valueOf };'//nl// &
+   '  return { begin, show, follow, choose, valueOf, make, svg, row, head, button, check, numberField, turnTo, get tab() { '// &
+   'return tab; } };'//nl// &
+   '})();'//nl// &
+   '</script>'//nl// &
+   '<script>'//nl// &
+   '// The text of the data set beside the drawing: what changes in one of them changes in the other; mistakes stand at the'// &
+   'ir line.'//nl// &
+   "'use strict';"//nl// &
+   ''//nl// &
+   'board.source = (() => {'//nl// &
+   '  const DELAY = 350;             // milliseconds after the last key until a text is taken over'//nl// &
+   '  const LINE = 17;               // pixels from line to line, as in the style sheet'//nl// &
+   '  const MOST_MARKS = 200;'//nl// &
+   '  const { words } = board;'//nl// &
+   '  const $ = (id) => document.getElementById(id);'//nl// &
+   '  let box, numbers, marks, list, back;'//nl// &
+   '  let timer = 0;'//nl// &
+   "  let written = '';              // what the drawing was when it was written here"//nl
+
+   character(*), parameter :: part_27 = &
+   '  let mistake = null;            // of the text that is here: it is not on the board'//nl// &
+   "  let aside = '';                // a text with a mistake, and the drawing has gone on"//nl// &
+   '  let found = [];                // what the engine finds in the text `foundIn`'//nl// &
+   "  let foundIn = '';"//nl// &
+   ''//nl// &
+   '  function begin() {'//nl// &
+   '    const { make, button } = board.panel;'//nl// &
+   "    box = make('textarea', { id: 'source', 'aria-label': words.dataSet, spellcheck: 'false', wrap: 'off', autocomplete:"// &
+   " 'off' });"//nl// &
+   "    numbers = make('pre', { id: 'numbers', 'aria-hidden': 'true' });"//nl// &
+   "    marks = make('div', { id: 'marks', 'aria-hidden': 'true' });"//nl// &
+   "    list = make('ul', { id: 'faults', role: 'status', 'aria-live': 'polite' });"//nl// &
+   "    back = make('p', { hidden: true }, words.aside + ' ', button(words.backToText, () => { box.value = aside; aside = '"// &
+   "'; changed(); }));"//nl// &
+   "    $('text').append(make('p', {}, words.textHint), make('div', { class: 'editor' }, numbers, make('div', { class: 'she"// &
+   "et' }, marks, box)), back, list);"//nl// &
+   "    box.addEventListener('input', () => { clearTimeout(timer); timer = setTimeout(changed, DELAY); number(); });"//nl// &
+   "    box.addEventListener('blur', () => { if (timer) changed(); });"//nl// &
+   "    box.addEventListener('scroll', scroll);"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** The text was changed: onto the board with it, if it is understood. */'//nl// &
+   '  function changed() {'//nl// &
+   '    clearTimeout(timer);'//nl// &
+   '    timer = 0;'//nl// &
+   '    const text = box.value;'//nl// &
+   '    mistake = null;'//nl// &
+   '    if (text !== board.write()) {'//nl// &
+   '      try {'//nl// &
+   '        board.take(text);'//nl// &
+   '      } catch (error) {'//nl// &
+   '        if (!(error instanceof board.text.Mistake)) throw error;'//nl// &
+   "        mistake = { line: error.line || 0, text: error.message.replace(/^line \d+: /, ''), level: 'error' };"//nl// &
+   '      }'//nl// &
+   '    }'//nl// &
+   '    show();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** The drawing was changed: the text follows, unless somebody is typing it. */'//nl// &
+   '  function follow(rough) {'//nl// &
+   '    if (rough || timer) return;'//nl// &
+   '    const now = board.write();'//nl// &
+   '    if (now === box.value) { written = now; show(); return; }'//nl// &
+   '    if (now === written && mistake) return;                // nothing but the selection, or the view, has changed'//nl// &
+   '    if (mistake) aside = box.value;'//nl// &
+   '    written = now;'//nl// &
+   '    mistake = null;'//nl// &
+   '    const { scrollTop, selectionStart } = box;'//nl// &
+   '    box.value = now;'//nl// &
+   '    box.setSelectionRange(selectionStart, selectionStart);'//nl// &
+   '    box.scrollTop = scrollTop;'//nl// &
+   '    show();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** What the engine says of a text. */'//nl// &
+   '  function findings(text, all) {'//nl// &
+   '    [found, foundIn] = [all, text];'//nl// &
+   '    show();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Line numbers, marked lines, messages. */'//nl// &
+   '  function show() {'//nl// &
+   '    number();'//nl// &
+   '    const all = faults(), { make } = board.panel;'//nl// &
+   '    back.hidden = !aside;'//nl// &
+   '    marks.replaceChildren(...all.slice(0, MOST_MARKS).filter((one) => one.line).map((one) => {'//nl// &
+   "      const mark = make('div', { class: 'mark ' + one.level });"//nl// &
+   "      mark.style.top = (one.line - 1) * LINE + 'px';"//nl// &
+   '      return mark;'//nl// &
+   '    }));'//nl// &
+   "    list.replaceChildren(...(all.length ? all.slice(0, MOST_MARKS).map((one) => make('li', { class: one.level },"//nl// &
+   "      make('button', { type: 'button', class: 'go', onclick: () => go(one.line) }, words.line(one.line, one.text)))) :"//nl// &
+   "      [make('li', { class: 'good' }, words.understood)]));"//nl// &
+   "    const button = $('tab-text');"//nl// &
+   "    button.classList.toggle('bad', all.some((one) => one.level === 'error'));"//nl// &
+   '    scroll();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   "  /** The board's own mistake first, then what the engine says of the same text. */"//nl// &
+   "  const faults = () => [...(mistake ? [mistake] : []), ...(foundIn === box.value ? found.filter((one) => one.level !== "// &
+   "'remark') : [])];"//nl// &
+   ''//nl// &
+   '  function number() {'//nl// &
+   "    const count = box.value.split('\n').length;"//nl// &
+   '    if (numbers.dataset.count === String(count)) return;'//nl// &
+   '    numbers.dataset.count = String(count);'//nl// &
+   "    numbers.textContent = Array.from({ length: count }, (_, k) => k + 1).join('\n') + '\n';"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function scroll() {'//nl// &
+   '    numbers.scrollTop = box.scrollTop;'//nl// &
+   "    marks.style.transform = 'translateY(' + -box.scrollTop + 'px)';"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** The caret to a line, and the line into view. */'//nl// &
+   '  function go(line) {'//nl// &
+   '    if (!line) return;'//nl// &
+   "    const lines = box.value.split('\n'), from = lines.slice(0, line - 1).reduce((sum, one) => sum + one.length + 1, 0);"//nl// &
+   '    box.focus();'//nl// &
+   "    box.setSelectionRange(from, from + (lines[line - 1] || '').length);"//nl// &
+   '    box.scrollTop = Math.max(0, (line - 4) * LINE);'//nl// &
+   '    scroll();'//nl// &
+   '  }'//nl// &
+   ''//nl
+
+   character(*), parameter :: part_28 = &
+   '  /** An item of a group, as text, in the data set. */'//nl// &
+   '  function setItem(group, item, value) {'//nl// &
+   '    board.take(board.text.changed(board.write(), group, item, value));'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   "  return { begin, follow, findings, setItem, shown: (tab) => { if (tab === 'text') show(); }, get mistaken() { return B"// &
+   "oolean(mistake); }, get value() { return box.value; } };"//nl// &
+   '})();'//nl// &
+   '</script>'//nl// &
+   '<script>'//nl// &
+   '// Drafts in the browser, links that hold a sketch, the gallery.'//nl// &
+   "'use strict';"//nl// &
+   ''//nl// &
+   'board.store = (() => {'//nl// &
+   "  const KEY = 'psalm.board', DELAY = 250, MOST_TEXT = 1 << 20;   // characters of a data set in a link"//nl// &
+   '  const { words } = board;'//nl// &
+   '  const $ = (id) => document.getElementById(id);'//nl// &
+   "  let timer = 0, given = '', works = true;"//nl// &
+   ''//nl// &
+   '  // ---- drafts ------------------------------------------------------------------------------------------------------'// &
+   '-'//nl// &
+   ''//nl// &
+   '  /** Keeps what is on the board, a moment after the last change. */'//nl// &
+   '  function keep() {'//nl// &
+   '    clearTimeout(timer);'//nl// &
+   '    timer = setTimeout(put, DELAY);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function put() {'//nl// &
+   '    clearTimeout(timer);'//nl// &
+   '    timer = 0;'//nl// &
+   '    const { sketch, file, wanted } = board.state;'//nl// &
+   '    try {'//nl// &
+   "      if (sketch.joints.length || wanted) localStorage.setItem(KEY, JSON.stringify({ text: sketch.joints.length ? board"// &
+   ".write() : '', file, wanted, given }));"//nl// &
+   '      else localStorage.removeItem(KEY);'//nl// &
+   '      works = true;'//nl// &
+   '    } catch {'//nl// &
+   '      works = false;             // the browser keeps nothing, or is full'//nl// &
+   '    }'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** What was drawn last time, if the same was given then as now. */'//nl// &
+   '  function restore(text) {'//nl// &
+   '    given = text;'//nl// &
+   '    if (board.state.sketch.joints.length && !text) return;         // it came with the address'//nl// &
+   '    let draft = null;'//nl// &
+   '    try {'//nl// &
+   '      draft = JSON.parse(localStorage.getItem(KEY));'//nl// &
+   '    } catch { return; }'//nl// &
+   "    if (!draft || draft.given !== given || draft.text === given || typeof draft.text !== 'string') return;"//nl// &
+   '    if (draft.text && !board.attempt(draft.text, String(draft.file), true)) return;'//nl// &
+   '    board.state.wanted = wantedOf(draft.wanted);'//nl// &
+   '    board.state.dirty = true;'//nl// &
+   '    board.refresh();'//nl// &
+   '    board.fit();'//nl// &
+   "    $('hint').textContent = words.restored;"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  const wantedOf = (one) => one && Array.isArray(one.points) && one.points.every((p) => Array.isArray(p) && p.length =='// &
+   '= 2 && p.every(Number.isFinite)) ?'//nl// &
+   '    { points: one.points, closed: Boolean(one.closed) } : null;'//nl// &
+   ''//nl// &
+   '  /** Whether all changes are kept. */'//nl// &
+   '  function kept() {'//nl// &
+   '    if (timer) put();'//nl// &
+   '    return works;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  // ---- links -------------------------------------------------------------------------------------------------------'// &
+   '-'//nl// &
+   ''//nl// &
+   '  const through = (bytes, stream) => new Blob([bytes]).stream().pipeThrough(stream);'//nl// &
+   ''//nl// &
+   '  /** A text compressed, in letters that an address may have. */'//nl// &
+   '  async function packed(text) {'//nl// &
+   "    const bytes = new Uint8Array(await new Response(through(new TextEncoder().encode(text), new CompressionStream('defl"// &
+   "ate-raw'))).arrayBuffer());"//nl// &
+   "    let letters = '';"//nl// &
+   '    for (const byte of bytes) letters += String.fromCharCode(byte);'//nl// &
+   "    return btoa(letters).replace(/\+/g, '-').replace(/\//g, '_').replace(/=+$/, '');"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** The text again; refused if it is no such text, or grows without measure. */'//nl// &
+   '  async function unpacked(letters) {'//nl// &
+   "    const bytes = Uint8Array.from(atob(letters.replace(/-/g, '+').replace(/_/g, '/')), (letter) => letter.charCodeAt(0)"// &
+   ");"//nl// &
+   "    const reader = through(bytes, new DecompressionStream('deflate-raw')).getReader(), parts = [];"//nl// &
+   '    let size = 0;'//nl// &
+   '    for (;;) {'//nl// &
+   '      const { done, value } = await reader.read();'//nl// &
+   '      if (done) break;'//nl// &
+   '      size += value.length;'//nl// &
+   "      if (size > MOST_TEXT) { await reader.cancel(); throw new RangeError('too long'); }"//nl// &
+   '      parts.push(value);'//nl// &
+   '    }'//nl// &
+   "    return new TextDecoder('utf-8', { fatal: true }).decode(await new Blob(parts).arrayBuffer());"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** A link that holds the data set; of a served board, whose address has a token, the part that holds it alone. */'//nl// &
+   '  async function link() {'//nl// &
+   "    const part = '#z=' + await packed(board.write()) + '&file=' + encodeURIComponent(board.state.file);"//nl// &
+   "    return board.engine.served ? part : location.href.replace(/#.*$/, '') + part;"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  async function share() {'//nl// &
+   "    const { make, button } = board.panel, dialog = $('dialog'), field = make('input', { readonly: true, 'aria-label': w"// &
+   "ords.linkLabel, value: await link() });"//nl
+
+   character(*), parameter :: part_29 = &
+   '    const copy = button(words.copy, () => {'//nl// &
+   '      field.select();'//nl// &
+   "      navigator.clipboard.writeText(field.value).catch(() => document.execCommand('copy'));"//nl// &
+   '      copy.textContent = words.copied;'//nl// &
+   "    }, { class: 'main' });"//nl// &
+   "    dialog.className = 'link';"//nl// &
+   "    dialog.replaceChildren(make('h2', {}, words.linkHead), make('p', {}, board.engine.served ? words.linkServed : words"// &
+   ".linkHint), field,"//nl// &
+   "      make('div', { class: 'row' }, copy, button(words.close, () => dialog.close())));"//nl// &
+   '    dialog.showModal();'//nl// &
+   '    field.select();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** A link or a data set that is pasted onto the board. */'//nl// &
+   '  function paste(event) {'//nl// &
+   '    if (/^(INPUT|TEXTAREA|SELECT)$/.test(event.target.tagName)) return;'//nl// &
+   "    const text = event.clipboardData.getData('text/plain'), packed = /#z=([\w-]+)(?:&file=([\w.%-]+))?/.exec(text);"//nl// &
+   "    if (packed) unpacked(packed[1]).then((case_) => board.attempt(case_, decoded(packed[2] || 'sketch.nml')), () => boa"// &
+   "rd.wrong(words.badLink));"//nl// &
+   "    else if (/[&$]CHAIN\b/i.test(text)) board.attempt(text, 'sketch.nml');"//nl// &
+   '    else return;'//nl// &
+   '    event.preventDefault();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function decoded(name) {'//nl// &
+   "    try { return decodeURIComponent(name); } catch { return 'sketch.nml'; }"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  // ---- gallery -----------------------------------------------------------------------------------------------------'// &
+   '-'//nl// &
+   ''//nl// &
+   '  /** A picture of a sketch: its links, and the paths of its outputs. */'//nl// &
+   '  function picture(sketch, path = null) {'//nl// &
+   '    const at = new Map(sketch.joints.map((j) => [j.name, [j.x, -j.y]])), lines = [];'//nl// &
+   '    let curve = path ? path.map(([x, y]) => [x, -y]) : null;'//nl// &
+   '    if (!path) {'//nl// &
+   '      const mech = board.motion.assess(sketch).length ? null : board.motion.compile(sketch), start = mech && board.moti'// &
+   'on.assemble(mech);'//nl// &
+   '      if (start && !start.dead) {'//nl// &
+   '        board.motion.joints(mech, start.pose).forEach(([x, y], j) => at.set(sketch.joints[j].name, [x, -y]));'//nl// &
+   "        const out = sketch.outputs.find((o) => ['point', 'pose', 'x', 'y'].includes(o.kind)), j = out ? sketch.joints.f"// &
+   "indIndex((one) => one.name === out.of[0]) : -1;"//nl// &
+   '        if (j >= 0) curve = board.sweepOf(sketch, mech, start, 3).places.map((places) => [places[j][0], -places[j][1]])'// &
+   ';'//nl// &
+   '      }'//nl// &
+   '    }'//nl// &
+   '    const all = [...at.values(), ...(curve || [])], xs = all.map((p) => p[0]), ys = all.map((p) => p[1]);'//nl// &
+   '    const [x1, x2, y1, y2] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)], size = Math.max(x2 -'// &
+   ' x1, 1.4 * (y2 - y1), 1e-9), edge = 0.07 * size;'//nl// &
+   '    const { svg } = board.panel;'//nl// &
+   "    const text = (points) => points.map((p) => p.map((v) => Number(v.toPrecision(6))).join(',')).join(' ');"//nl// &
+   '    sketch.links.forEach((one, i) => {'//nl// &
+   "      if (i && one.joints.length > 1) lines.push(svg('polygon', { points: text(board.view.outline(one.joints.map((name)"// &
+   " => at.get(name)))), class: 'link', style: '--c:var(--link' + (i - 1) % 8 + ')' }));"//nl// &
+   '    });'//nl// &
+   '    const frame = new Set(sketch.links[0].joints);'//nl// &
+   "    const dots = sketch.joints.map((j) => svg('circle', { cx: at.get(j.name)[0], cy: at.get(j.name)[1], r: 0.018 * size"// &
+   ", class: frame.has(j.name) ? 'frame' : 'pin' }));"//nl// &
+   "    const whole = svg('svg', { viewBox: [x1 - edge, (y1 + y2) / 2 - size / 2.8 - edge, size + 2 * edge, size / 1.4 + 2 "// &
+   "* edge].join(' '), 'aria-hidden': 'true' });"//nl// &
+   "    if (curve && curve.length > 1) lines.unshift(svg('polyline', { points: text(curve), class: 'path' }));"//nl// &
+   '    whole.append(...lines, ...dots);'//nl// &
+   '    return whole;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function gallery() {'//nl// &
+   "    const { make, button } = board.panel, dialog = $('dialog');"//nl// &
+   '    const cards = board.examples.map((one) => {'//nl// &
+   '      const sketch = board.text.parse(one.text);'//nl// &
+   "      const card = make('button', { type: 'button', class: 'card', 'data-name': one.name, onclick: () => { dialog.close"// &
+   "(); board.load(one.text, one.name + '.nml'); board.store.keep(); } },"//nl// &
+   "        picture(sketch), make('span', {}, one.title));"//nl// &
+   '      return card;'//nl// &
+   '    });'//nl// &
+   "    const find = make('input', { type: 'search', 'aria-label': words.galleryFilter, placeholder: words.galleryFilter, o"// &
+   "ninput: () => {"//nl// &
+   "      for (const card of cards) card.hidden = !(card.dataset.name + ' ' + card.textContent).toLowerCase().includes(find"// &
+   ".value.trim().toLowerCase());"//nl// &
+   '    } });'//nl// &
+   "    dialog.className = 'gallery';"//nl// &
+   "    dialog.replaceChildren(make('div', { class: 'row' }, make('h2', {}, words.galleryHead), find, button(words.close, ("// &
+   ") => dialog.close())),"//nl// &
+   "      make('div', { class: 'cards' }, ...cards));"//nl// &
+   '    dialog.showModal();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function begin() {'//nl// &
+   "    $('share').addEventListener('click', share);"//nl// &
+   "    $('gallery').addEventListener('click', gallery);"//nl// &
+   "    document.addEventListener('paste', paste);"//nl// &
+   "    addEventListener('pagehide', () => { if (timer) put(); });"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  return { begin, keep, kept, restore, packed, unpacked, link, picture };'//nl// &
+   '})();'//nl// &
+   '</script>'//nl// &
+   '<script>'//nl// &
+   '// Results of the engine on the board, where psalm-workbench serves it: one look at the case after every change, arrows'// &
+   ', numbers, curves.'//nl// &
+   '// The one file of the pages that asks for something: of the server that the page comes from, with the token that stand'// &
+   's in the page.'//nl// &
+   "'use strict';"//nl// &
+   ''//nl// &
+   'board.engine = (() => {'//nl// &
+   '  const DELAY = 200, DRAGGING = 40;      // milliseconds after a change'//nl// &
+   '  const ARROW = 0.2;                     // longest arrow, part of the picture'//nl// &
+   '  const { words } = board;'//nl// &
+   '  const $ = (id) => document.getElementById(id);'//nl// &
+   '  const meta = document.querySelector(''meta[name="psalm-workbench"]''), served = Boolean(meta);'//nl// &
+   '  const page = Math.random().toString(36).slice(2);'//nl// &
+   '  const shown = { velocities: true, forces: true };'//nl// &
+   '  const PATIENT = 300;                   // milliseconds: an answer that takes longer is given up for one to a later te'// &
+   'xt'//nl// &
+   "  let timer = 0, since = 0, number = 0, asked = '';     // begin and number of the question that is open, its text"//nl// &
+   '  let answer = null, fresh = false, parts = {};'//nl// &
+   ''//nl// &
+   '  /** What the server says; an object with `error` if it says no. */'//nl
+
+   character(*), parameter :: part_30 = &
+   "  async function ask(path, body, method = body === undefined ? 'GET' : 'POST') {"//nl// &
+   '    try {'//nl// &
+   "      const reply = await fetch(path, { method, body, headers: { 'X-Psalm-Token': meta.content, 'X-Psalm-Page': page },"// &
+   " credentials: 'omit', cache: 'no-store' });"//nl// &
+   '      return await reply.json();'//nl// &
+   '    } catch {'//nl// &
+   '      return { error: words.away, away: true };'//nl// &
+   '    }'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function begin() {'//nl// &
+   '    if (!served) return;'//nl// &
+   '    const { make, head, check, row } = board.panel;'//nl// &
+   "    const part = (name, ...inside) => { parts[name] = make('div', { class: name }, ...inside); return parts[name]; };"//nl// &
+   "    const arrow = (name) => make('label', { class: 'tick ' + name }, check(words[name], true, (on) => { shown[name] = o"// &
+   "n; board.view.draw(); }), words[name]);"//nl// &
+   "    $('engine').append(part('state'), part('result', head(words.here), part('here'), row(words.shownArrows, arrow('velo"// &
+   "cities'), arrow('forces')),"//nl// &
+   "      head(words.assumptions), part('loads'), part('angles'), head(words.summary), part('summary'), part('proof'), part"// &
+   "('ways'), part('found')));"//nl// &
+   '    parts.result.hidden = true;'//nl// &
+   "    parts.state.setAttribute('role', 'status');"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  const textNow = () => board.source.mistaken ? board.source.value : board.write();'//nl// &
+   ''//nl// &
+   '  /** After a change: what was found holds no longer, unless the text is the same. */'//nl// &
+   '  function follow(rough) {'//nl// &
+   '    if (!served) return;'//nl// &
+   '    const text = textNow();'//nl// &
+   '    fresh = Boolean(answer) && answer.text === text && !board.source.mistaken;'//nl// &
+   '    if (fresh) { if (!rough) report(); return; }'//nl// &
+   '    clearTimeout(timer);'//nl// &
+   '    timer = setTimeout(look, rough ? DRAGGING : DELAY);'//nl// &
+   '    if (!rough) say();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  async function look() {'//nl// &
+   '    timer = 0;'//nl// &
+   '    const text = textNow();'//nl// &
+   "    if (!board.state.sketch.joints.length && !board.source.mistaken) { answer = null; asked = ''; say(); return; }"//nl// &
+   '    if (text === asked) return;'//nl// &
+   '    if (since && performance.now() - since < PATIENT) { timer = setTimeout(look, DRAGGING); return; }'//nl// &
+   '    const mine = ++number;'//nl// &
+   '    since = performance.now();'//nl// &
+   '    asked = text;'//nl// &
+   "    const got = await ask('look', text);"//nl// &
+   '    if (mine !== number) return;                 // a later question is open; the server has ended this one'//nl// &
+   '    since = 0;'//nl// &
+   "    if (got.stale || textNow() !== text) { asked = ''; if (!timer) timer = setTimeout(look, DRAGGING); return; }"//nl// &
+   "    if (got.error) { answer = null; fresh = false; say(got.error); if (got.away) asked = ''; return; }"//nl// &
+   '    answer = { ...got, text };'//nl// &
+   '    fresh = !board.source.mistaken;'//nl// &
+   '    prepare();'//nl// &
+   '    board.source.findings(text, got.findings || []);'//nl// &
+   '    report();'//nl// &
+   '    board.view.draw();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** The largest of what is drawn as arrows, and what counts along the motion. */'//nl// &
+   '  function prepare() {'//nl// &
+   '    const { motion, velocity } = answer, largest = (joints) => Math.max(0, ...Object.values(joints).flatMap(([x, y]) =>'// &
+   ' (Array.isArray(x) ? x : [x])'//nl// &
+   '      .map((v, i) => Math.hypot(v || 0, (Array.isArray(y) ? y[i] : y) || 0))));'//nl// &
+   '    answer.fastest = velocity ? largest(velocity.joints) : 0;'//nl// &
+   '    answer.strongest = motion && motion.forces ? Math.max(largest(motion.forces.joints), largest(motion.forces.loads.ma'// &
+   'p(([, , x, y]) => [x, y]))) : 0;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  // ---- at the position that is shown -------------------------------------------------------------------------------'// &
+   '-'//nl// &
+   ''//nl// &
+   '  /** Where the position shown is on a list of inputs: number and part of the way to the next; nothing if it is not on '// &
+   'it. */'//nl// &
+   '  function placeOn(inputs) {'//nl// &
+   '    const { live, sketch } = board.state;'//nl// &
+   '    if (!live || !inputs || inputs.length < 1 || board.free() !== 1) return null;'//nl// &
+   "    const turns = sketch.drives[0].kind === 'turn', value = live.inputs[0] / (turns ? board.motion.RADIAN : 1), round ="// &
+   " (v) => turns ? v - 360 * Math.round(v / 360) : v;"//nl// &
+   '    let best = -1, least = Infinity;'//nl// &
+   '    inputs.forEach((v, i) => { const away = Math.abs(round(v - value)); if (away < least) { least = away; best = i; } }'// &
+   ');'//nl// &
+   '    const near = round(value - inputs[best]), n = inputs.length;'//nl// &
+   '    for (const next of [best + 1, best - 1]) {'//nl// &
+   '      const to = (next + n) % n, gap = round(inputs[to] - inputs[best]);'//nl// &
+   '      if ((turns || to === next) && to !== best && gap && near / gap >= 0 && near / gap <= 1) return { i: best, k: to, '// &
+   'part: near / gap };'//nl// &
+   '    }'//nl// &
+   '    return Math.abs(near) < 1e-6 ? { i: best, k: best, part: 0 } : null;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  const mixed = (values, at) => {'//nl// &
+   '    if (!Array.isArray(values)) return values;'//nl// &
+   '    const a = values[at.i], b = values[at.k];'//nl// &
+   '    return a === null || b === null ? null : a + at.part * (b - a);'//nl// &
+   '  };'//nl// &
+   ''//nl// &
+   '  /** Arrows at the position shown: from, along, kind. */'//nl// &
+   '  function arrows() {'//nl// &
+   '    const list = [];'//nl// &
+   '    if (!fresh || !answer.motion || answer.motion.time || board.state.messages.length) return list;'//nl// &
+   '    const places = board.places(), { velocity, motion } = answer, outputs = new Set(board.state.sketch.outputs.flatMap('// &
+   '(o) => o.of));'//nl// &
+   '    const moving = velocity && shown.velocities && placeOn(velocity.input), loaded = motion.forces && shown.forces && p'// &
+   'laceOn(motion.input);'//nl// &
+   '    if (moving) for (const [name, [x, y]] of Object.entries(velocity.joints)) if (places.has(name) && !board.inFrame(na'// &
+   'me))'//nl// &
+   "      list.push({ from: places.get(name), x: mixed(x, moving), y: mixed(y, moving), most: answer.fastest, kind: 'veloci"// &
+   "ty', strong: outputs.has(name) });"//nl// &
+   '    if (loaded) for (const [name, [x, y]] of Object.entries(motion.forces.joints)) if (places.has(name))'//nl// &
+   "      list.push({ from: places.get(name), x: mixed(x, loaded), y: mixed(y, loaded), most: answer.strongest, kind: 'forc"// &
+   "e', strong: true });"//nl// &
+   '    if (loaded) for (const [x, y, fx, fy] of motion.forces.loads.map((one) => one.map((v) => mixed(v, loaded))))'//nl// &
+   "      list.push({ from: [x, y], x: fx, y: fy, most: answer.strongest, kind: 'load', strong: true });"//nl// &
+   '    return list.filter((one) => one.x !== null && one.y !== null && one.most > 0);'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_31 = &
+   ''//nl// &
+   '  function draw(g, X, Y, pens) {'//nl// &
+   '    if (!served) return;'//nl// &
+   '    const size = ARROW * Math.min(board.view.canvas.clientWidth, board.view.canvas.clientHeight);'//nl// &
+   '    if (fresh && answer.motion && !answer.motion.time && !board.state.messages.length) { drawBand(g, X, Y, pens); drawP'// &
+   'ath(g, X, Y, pens); }'//nl// &
+   '    for (const { from, x, y, most, kind, strong } of arrows()) {'//nl// &
+   '      const [u, v] = [X(from[0]), Y(from[1])], dx = size * x / most, dy = -size * y / most, d = Math.hypot(dx, dy);'//nl// &
+   '      if (d < 3) continue;'//nl// &
+   '      g.strokeStyle = g.fillStyle = { velocity: pens.good, force: pens.bad, load: pens.warn }[kind];'//nl// &
+   '      g.globalAlpha = strong ? 1 : 0.5;'//nl// &
+   '      g.lineWidth = strong ? 2.4 : 1.6;'//nl// &
+   '      const head = Math.min(10, 0.5 * d), [ux, uy] = [dx / d, dy / d];'//nl// &
+   '      g.beginPath();'//nl// &
+   '      g.moveTo(u, v);'//nl// &
+   '      g.lineTo(u + dx - head * ux, v + dy - head * uy);'//nl// &
+   '      g.stroke();'//nl// &
+   '      g.beginPath();'//nl// &
+   '      g.moveTo(u + dx, v + dy);'//nl// &
+   '      g.lineTo(u + dx - head * ux - 0.45 * head * uy, v + dy - head * uy + 0.45 * head * ux);'//nl// &
+   '      g.lineTo(u + dx - head * ux + 0.45 * head * uy, v + dy - head * uy - 0.45 * head * ux);'//nl// &
+   '      g.closePath();'//nl// &
+   '      g.fill();'//nl// &
+   '    }'//nl// &
+   '    g.globalAlpha = 1;'//nl// &
+   '    here();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Every fifth position of the outputs as the engine has them: points on the path. */'//nl// &
+   '  function drawPath(g, X, Y, pens) {'//nl// &
+   '    const { joints } = answer.motion;'//nl// &
+   '    g.fillStyle = pens.actual;'//nl// &
+   '    for (const output of board.state.sketch.outputs) {'//nl// &
+   "      const at = ['point', 'pose', 'x', 'y'].includes(output.kind) && joints[output.of[0]];"//nl// &
+   '      if (!at || !Array.isArray(at[0])) continue;'//nl// &
+   '      for (let i = 0; i < at[0].length; i += 5) {'//nl// &
+   '        const y = Array.isArray(at[1]) ? at[1][i] : at[1];'//nl// &
+   '        if (at[0][i] === null || y === null) continue;'//nl// &
+   '        g.beginPath();'//nl// &
+   '        g.arc(X(at[0][i]), Y(y), 2.2, 0, 2 * Math.PI);'//nl// &
+   '        g.fill();'//nl// &
+   '      }'//nl// &
+   '    }'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** The band of the tolerances round the path of the first output. */'//nl// &
+   '  function drawBand(g, X, Y, pens) {'//nl// &
+   "    const { band, joints, input } = answer.motion, output = board.state.sketch.outputs.find((one) => one.kind === 'poin"// &
+   "t'), at = output && joints[output.of[0]];"//nl// &
+   '    if (!band || band.length < 2 || !at || !Array.isArray(at[0]) || !Array.isArray(at[1]) || at[0].some((v) => v === nu'// &
+   'll) || at[1].some((v) => v === null)) return;'//nl// &
+   '    const n = input.length, ring = Math.abs(at[0][0] - at[0][n - 1]) + Math.abs(at[1][0] - at[1][n - 1]) < 0.2 * (Math.'// &
+   'max(...at[0]) - Math.min(...at[0]) + Math.max(...at[1]) - Math.min(...at[1]));'//nl// &
+   "    for (const [kind, alpha] of [['worst', 0.14], ['square', 0.24]]) {"//nl// &
+   '      g.fillStyle = pens.accent;'//nl// &
+   '      g.globalAlpha = alpha;'//nl// &
+   '      const shape = new Path2D();'//nl// &
+   '      for (let i = 0; i + 1 < n + (ring ? 1 : 0); i++) {'//nl// &
+   '        const k = (i + 1) % n, corners = [];'//nl// &
+   '        for (const m of [i, k]) for (const [u, v] of [[1, 1], [1, -1], [-1, -1], [-1, 1]])'//nl// &
+   '          corners.push([X(at[0][m] + u * band[0][kind][m]), Y(at[1][m] + v * band[1][kind][m])]);'//nl// &
+   '        const part = new Path2D();'//nl// &
+   '        board.view.outline(corners).forEach(([x, y], c) => { if (c) part.lineTo(x, y); else part.moveTo(x, y); });'//nl// &
+   '        part.closePath();'//nl// &
+   '        shape.addPath(part);'//nl// &
+   '      }'//nl// &
+   "      g.fill(shape, 'nonzero');"//nl// &
+   '    }'//nl// &
+   '    g.globalAlpha = 1;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  const digits = (v) => board.view.short(Number(v.toPrecision(4)));'//nl// &
+   ''//nl// &
+   '  /** Numbers at the position shown. */'//nl// &
+   '  function here() {'//nl// &
+   "    if (!parts.here || $('engine').hidden) return;"//nl// &
+   '    const rows = [];'//nl// &
+   '    if (fresh && answer.motion) {'//nl// &
+   '      const { motion, velocity } = answer, at = placeOn(motion.input), moving = velocity && placeOn(velocity.input);'//nl// &
+   "      if (at) for (const one of motion.angle) { const v = mixed(one.values, at); if (v !== null) rows.push([words.trans"// &
+   "mission + ', ' + one.name, digits(v) + '\u00b0']); }"//nl// &
+   '      if (moving) for (const output of board.state.sketch.outputs) {'//nl// &
+   '        const of = velocity.joints[output.of[0]];'//nl// &
+   "        if (of && ['point', 'pose', 'x', 'y'].includes(output.kind)) rows.push([words.speedOf(output.of[0]), digits(Mat"// &
+   "h.hypot(mixed(of[0], moving), mixed(of[1], moving))) + words.perSecond]);"//nl// &
+   '      }'//nl// &
+   '      if (at && motion.forces) {'//nl// &
+   '        const drive = mixed(motion.forces.drive, at);'//nl// &
+   '        if (drive !== null && drive !== undefined) rows.push([words.drive, digits(drive) + (motion.forces.sliding ? wor'// &
+   'ds.newton : words.moment)]);'//nl// &
+   '        for (const [name, [x, y]] of Object.entries(motion.forces.joints)) {'//nl// &
+   '          const u = mixed(x, at), v = mixed(y, at);'//nl// &
+   '          if (u !== null && v !== null) rows.push([words.forceAt(name), digits(Math.hypot(u, v)) + words.newton]);'//nl// &
+   '        }'//nl// &
+   '      }'//nl// &
+   '      cursor(at);'//nl// &
+   '    }'//nl// &
+   '    list(parts.here, rows);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** A list of names and values, without making what is there anew. */'//nl// &
+   '  function list(box, rows) {'//nl// &
+   '    const { make } = board.panel;'//nl// &
+   '    while (box.children.length > rows.length) box.lastChild.remove();'//nl// &
+   "    while (box.children.length < rows.length) box.append(make('div', { class: 'fact' }, make('span'), make('b')));"//nl// &
+   '    rows.forEach(([name, value], i) => [name, value].forEach((text, k) => { const one = box.children[i].children[k]; if'// &
+   ' (one.textContent !== text) one.textContent = text; }));'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_32 = &
+   ''//nl// &
+   '  // ---- the panel ---------------------------------------------------------------------------------------------------'// &
+   '-'//nl// &
+   ''//nl// &
+   '  /** What the engine is doing, or what is wrong. */'//nl// &
+   "  function say(text = '') {"//nl// &
+   '    const wait = board.state.sketch.joints.length ? words.waiting : words.nothingYet;'//nl// &
+   "    parts.state.textContent = fresh ? '' : text || wait;"//nl// &
+   "    parts.state.classList.toggle('wrong', Boolean(text) && !fresh);"//nl// &
+   "    parts.result.classList.toggle('old', !fresh);"//nl// &
+   '    if (!answer) parts.result.hidden = true;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function report() {'//nl// &
+   '    say();'//nl// &
+   "    const { make, head } = board.panel, { motion, summary, findings } = answer, errors = (findings || []).filter((one) "// &
+   "=> one.level === 'error');"//nl// &
+   '    parts.result.hidden = !motion;'//nl// &
+   "    if (!motion && errors.length) { parts.state.textContent = words.line(errors[0].line, errors[0].text); parts.state.c"// &
+   "lassList.add('wrong'); return; }"//nl// &
+   "    const lines = (summary || '').split('\n').slice(1).map((line) => /^ {2}(\S.*?)(?: {2,}(.*))?$/.exec(line)).filter(B"// &
+   "oolean);"//nl// &
+   "    parts.summary.replaceChildren(...lines.map(([, name, value]) => make('div', { class: 'fact' }, make('span', {}, nam"// &
+   "e), make('b', {}, value || ''))));"//nl// &
+   '    const told = (findings || []).filter((one) => one.text), breaches = motion ? motion.breaches : [];'//nl// &
+   "    parts.found.replaceChildren(...(told.length || breaches.length ? [head(words.messages), make('ul', {}, ...breaches."// &
+   "map((text) => make('li', { class: 'error' }, text)),"//nl// &
+   "      ...told.map((one) => make('li', { class: one.level }, words.line(one.line, one.text))))] : []));"//nl// &
+   '    chart();'//nl// &
+   '    loads();'//nl// &
+   '    proof();'//nl// &
+   '    ways();'//nl// &
+   '    here();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** What is proven, with its bounds; where it closes stands below the slider of the drive, too. */'//nl// &
+   '  function proof() {'//nl// &
+   "    const { make, head } = board.panel, { limits = [], extremes = [] } = answer.proof || {}, unit = turning() ? '\u00b0"// &
+   "' : '';"//nl// &
+   "    const span = (a, b) => Math.abs(a - b) <= 1e-6 * (1 + Math.abs(a)) ? digits((a + b) / 2) : digits(a) + ' ... ' + di"// &
+   "gits(b);"//nl// &
+   "    const fact = (name, value) => make('div', { class: 'fact' }, make('span', {}, name), make('b', {}, value));"//nl// &
+   "    const rows = limits.filter((one) => one.kind !== 'undecided').map((one) => fact(words.closing[one.kind] || one.kind"// &
+   ","//nl// &
+   "      words.range(digits(one.from) + unit, digits(one.to) + unit) + (one.group ? ', ' + one.group : '')));"//nl// &
+   '    rows.push(...extremes.filter((one) => one.least_low !== null && one.greatest_high !== null).map((one) => fact(one.o'// &
+   'f,'//nl// &
+   '      words.extremes(span(one.least_low, one.least_high), digits(one.least_at) + unit, span(one.greatest_low, one.great'// &
+   'est_high), digits(one.greatest_at) + unit))));'//nl// &
+   '    parts.proof.replaceChildren(...(rows.length && board.free() === 1 ? [head(words.proven), ...rows] : []));'//nl// &
+   '    marks();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   "  const turning = () => Boolean(board.state.sketch.drives.length) && board.state.sketch.drives[0].kind === 'turn';"//nl// &
+   ''//nl// &
+   '  /** Below the slider of a single drive: where the linkage closes for certain, and where something has a dead point. *'// &
+   '/'//nl// &
+   '  function marks() {'//nl// &
+   "    const track = $('drives').querySelector('.track'), { sweep } = board.state.motion, { make } = board.panel;"//nl// &
+   "    for (const one of $('drives').querySelectorAll('.proven')) one.remove();"//nl// &
+   '    if (!served || !fresh || !answer || !answer.proof || !track || !sweep || board.free() !== 1 || sweep.states.length '// &
+   '< 2) return;'//nl// &
+   '    const k = board.state.sketch.drives.findIndex((d) => !d.ratio), unit = turning() ? board.motion.RADIAN : 1;'//nl// &
+   '    const value = (i) => sweep.states[i].inputs[k] / unit, n = sweep.states.length, low = Math.min(value(0), value(n - '// &
+   '1)), high = Math.max(value(0), value(n - 1));'//nl// &
+   '    if (!(high > low)) return;'//nl// &
+   "    const strip = make('div', { class: 'proven', title: words.strip }), x = (v) => 100 * Math.min(1, Math.max(0, (v - l"// &
+   "ow) / (high - low)));"//nl// &
+   '    const shifts = turning() ? [-360, 0, 360] : [0], put = (from, to, kind, title) => {'//nl// &
+   '      for (const shift of shifts) {'//nl// &
+   '        const [a, b] = [from, to].map((v) => v + shift).sort((p, q) => p - q);'//nl// &
+   '        if (b < low || a > high) continue;'//nl// &
+   "        const mark = make('i', { class: kind, title });"//nl// &
+   "        mark.style.left = x(a) + '%';"//nl// &
+   "        if (kind === 'closes') mark.style.width = Math.max(0, x(b) - x(a)) + '%';"//nl// &
+   '        strip.append(mark);'//nl// &
+   '      }'//nl// &
+   '    };'//nl// &
+   "    for (const one of answer.proof.limits || []) if (one.kind === 'closes') put(one.from, one.to, 'closes', words.closi"// &
+   "ng.closes);"//nl// &
+   "    for (const one of answer.proof.dead_points || []) put(one.low, one.high, 'dead', words.deadPoint(one.of));"//nl// &
+   '    track.append(strip);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Every way in which the links can be put together; a click on one draws it. */'//nl// &
+   '  function ways() {'//nl// &
+   '    const { make, head } = board.panel, all = answer.assemblies || [], { sketch } = board.state;'//nl// &
+   '    const known = all.length > 1 && sketch.joints.every((joint) => all.every((one) => one.joints[joint.name]));'//nl// &
+   "    parts.ways.replaceChildren(...(!known ? [] : [head(words.assemblies), make('p', {}, words.assembliesHint), make('di"// &
+   "v', { class: 'cards' }, ...all.map((one, i) => {"//nl// &
+   '      const other = { ...sketch, outputs: [], drives: [], lengths: [], joints: sketch.joints.map(({ name }) => ({ name,'// &
+   ' x: one.joints[name][0], y: one.joints[name][1] })) };'//nl// &
+   "      return make('button', { type: 'button', class: 'card', 'aria-label': words.assembly(i + 1), 'aria-pressed': Strin"// &
+   "g(one.drawn), onclick: () => redraw(one.joints) },"//nl// &
+   "        board.store.picture(other, []), make('small', {}, one.drawn ? words.assemblyDrawn : words.assembly(i + 1)));"//nl// &
+   '    }))]));'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function redraw(joints) {'//nl// &
+   '    board.edit((sketch) => { for (const joint of sketch.joints) [joint.x, joint.y] = joints[joint.name].map((v) => Numb'// &
+   'er(v.toPrecision(12))); });'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** The transmission angles over the motion, and where the position shown is. */'//nl// &
+   '  function chart() {'//nl// &
+   '    const { make, head, svg } = board.panel, { angle, limits, input } = answer.motion;'//nl// &
+   '    parts.angles.replaceChildren();'//nl// &
+   '    if (!angle.length || input.length < 2) return;'//nl// &
+   '    const wide = 280, high = 110, X = (i) => 4 + (wide - 8) * i / (input.length - 1), Y = (v) => high - 4 - (high - 8) '// &
+   '* v / 180;'//nl// &
+   "    const picture = svg('svg', { viewBox: '0 0 ' + wide + ' ' + high, class: 'chart', role: 'img', 'aria-label': words."// &
+   "transmission });"//nl// &
+   "    for (const v of [0, 90, 180]) picture.append(svg('line', { x1: 4, x2: wide - 4, y1: Y(v), y2: Y(v), class: 'grid' }"// &
+   "));"//nl// &
+   "    for (const v of limits || []) if (v > 0 && v < 180) picture.append(svg('line', { x1: 4, x2: wide - 4, y1: Y(v), y2:"// &
+   " Y(v), class: 'limit' }));"//nl// &
+   '    angle.forEach((one, k) => {'//nl// &
+   "      let d = '', on = false;"//nl// &
+   "      one.values.forEach((v, i) => { if (v === null) { on = false; return; } d += (on ? 'L' : 'M') + X(i).toFixed(1) + "// &
+   "' ' + Y(v).toFixed(1); on = true; });"//nl// &
+   "      picture.append(svg('path', { d, class: 'curve', style: '--c:var(--link' + k % 8 + ')' }));"//nl// &
+   '    });'//nl// &
+   "    parts.cursor = svg('line', { y1: 4, y2: high - 4, class: 'cursor' });"//nl// &
+   '    parts.cursorAt = X;'//nl// &
+   '    picture.append(parts.cursor);'//nl
+
+   character(*), parameter :: part_33 = &
+   "    parts.angles.append(head(words.transmission), picture, make('p', {}, angle.map((one) => one.name).join('; ')));"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function cursor(at) {'//nl// &
+   '    if (!parts.cursor) return;'//nl// &
+   "    parts.cursor.style.display = at ? '' : 'none';"//nl// &
+   '    if (!at) return;'//nl// &
+   '    const x = parts.cursorAt(Math.abs(at.k - at.i) === 1 ? at.i + at.part * (at.k - at.i) : at.i);'//nl// &
+   "    parts.cursor.setAttribute('x1', x);"//nl// &
+   "    parts.cursor.setAttribute('x2', x);"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Fields for the speed of the input and for one load. */'//nl// &
+   '  function loads() {'//nl// &
+   '    const { make, row, numberField, button } = board.panel, { sketch } = board.state, text = board.write();'//nl// &
+   "    const held = parts.loads.contains(document.activeElement) ? document.activeElement.getAttribute('aria-label') : nul"// &
+   "l;"//nl// &
+   '    const group = (name) => { try { return board.text.placeOf(text, name); } catch { return undefined; } };'//nl// &
+   '    const item = (place, name) => ((place && place.items.find((one) => one.name === name)) || { values: [] }).values;'//nl// &
+   "    const first = (place, name, other) => { const v = Number((item(place, name)[0] || '').replace(/d/i, 'e')); return i"// &
+   "tem(place, name).length && isFinite(v) ? v : other; };"//nl// &
+   "    const rates = group('RATES'), place = group('LOADS'), own = !place || (item(place, 'LNAME').length === 1 && place.i"// &
+   "tems.every((one) => ['NLOAD', 'LNAME', 'LFX', 'LFY'].includes(one.name)));"//nl// &
+   "    const play = group('TOLER'), tolerance = row(words.tolerance, numberField(words.toleranceLabel, first(play, 'TOLLEN"// &
+   "', 0), (value) => value >= 0 ?"//nl// &
+   "      board.source.setItem('TOLER', 'TOLLEN', board.text.number(value)) : false));"//nl// &
+   "    const speed = row(words.speed, numberField(words.speedLabel, first(rates, 'SPEED', 1), (value) => board.source.setI"// &
+   "tem('RATES', 'SPEED', board.text.number(value))));"//nl// &
+   "    const put = (...all) => { parts.loads.replaceChildren(...all); if (held) parts.loads.querySelector('[aria-label=""'"// &
+   " + CSS.escape(held) + '""]')?.focus(); };"//nl// &
+   "    if (!own) { put(speed, make('p', {}, words.severalLoads), tolerance); return; }"//nl// &
+   '    const joints = sketch.joints.filter((joint) => sketch.links.slice(1).some((link) => link.joints.includes(joint.name'// &
+   ')));'//nl// &
+   "    const now = (item(place, 'LNAME')[0] || '').trim().split(/\s+/).at(-1), output = sketch.outputs.find((o) => o.kind "// &
+   "=== 'point');"//nl// &
+   "    const at = make('select', { 'aria-label': words.loadAt }, ...joints.map((joint) => new Option(joint.name, joint.nam"// &
+   "e)));"//nl// &
+   "    at.value = joints.some((one) => one.name === now) ? now : output ? output.of[0] : joints.length ? joints.at(-1).nam"// &
+   "e : '';"//nl// &
+   "    const field = (label, value) => make('input', { 'aria-label': label, value: String(value), inputmode: 'decimal', au"// &
+   "tocomplete: 'off' });"//nl// &
+   "    const x = field(words.loadX, first(place, 'LFX', 0)), y = field(words.loadY, first(place, 'LFY', 0));"//nl// &
+   '    const set = () => {'//nl// &
+   "      const [fx, fy] = [x, y].map((one) => { const v = board.panel.valueOf(one.value); one.classList.toggle('bad', !isF"// &
+   "inite(v)); return v; });"//nl// &
+   '      const link = sketch.links.slice(1).find((one) => one.joints.includes(at.value));'//nl// &
+   '      if (!isFinite(fx) || !isFinite(fy) || !link) return;'//nl// &
+   '      let changed = board.write();'//nl// &
+   '      const words = { LNAME: "''" + link.name + '' '' + at.value + "''", LFX: board.text.number(fx), LFY: board.text.nu'// &
+   'mber(fy) };'//nl// &
+   "      for (const [name, value] of Object.entries(words)) changed = board.text.changed(changed, 'LOADS', name, value);"//nl// &
+   '      board.take(changed);'//nl// &
+   '    };'//nl// &
+   "    put(speed, row(words.load, at, x, y), button(words.setLoad, set, { 'aria-label': words.setLoad }), make('p', {}, an"// &
+   "swer.motion.forces ? words.loadHint : words.noForces + ' ' + words.loadHint), tolerance);"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   "  return { begin, follow, draw, ask, served, marks, shown: (tab) => { if (tab === 'engine') board.view.draw(); }, arrow"// &
+   "s,"//nl// &
+   '    get answer() { return fresh ? answer : null; } };'//nl// &
+   '})();'//nl// &
+   '</script>'//nl// &
+   '<script>'//nl// &
+   '// A wanted curve on the board, and a search for linkages that trace it: the sheet of those found, one of which becomes'// &
+   ' the sketch.'//nl// &
+   "'use strict';"//nl// &
+   ''//nl// &
+   'board.search = (() => {'//nl// &
+   '  const POINTS = 24, MOST_POINTS = 200;  // of a curve that is drawn'//nl// &
+   '  const NEAR = 0.12;                     // of its size: how far apart the ends of a closed one may be'//nl// &
+   '  const EVERY = 400;                     // milliseconds between two questions'//nl// &
+   '  const { words } = board;'//nl// &
+   '  const $ = (id) => document.getElementById(id);'//nl// &
+   "  const parts = {}, chosen = new Set(['pins4', 'slide4', 'pins6']);"//nl// &
+   "  let cards = [], running = '', round = 0, angle = 0, count = POINTS, stopping = false;"//nl// &
+   "  let text = '';                         // the data set of the last search, as psalm reads it"//nl// &
+   ''//nl// &
+   '  // ---- the curve ---------------------------------------------------------------------------------------------------'// &
+   '-'//nl// &
+   ''//nl// &
+   '  const length = (points) => points.slice(1).reduce((sum, p, i) => sum + Math.hypot(p[0] - points[i][0], p[1] - points['// &
+   'i][1]), 0);'//nl// &
+   ''//nl// &
+   '  /** Points evenly along a line; a closed one does not have its first point again. */'//nl// &
+   '  function even(points, n, closed) {'//nl// &
+   '    const line = closed ? [...points, points[0]] : points, whole = length(line), list = [];'//nl// &
+   '    let k = 1, passed = 0;'//nl// &
+   '    for (let i = 0; i < n; i++) {'//nl// &
+   '      const target = whole * i / (closed ? n : n - 1);'//nl// &
+   '      let step = Math.hypot(line[k][0] - line[k - 1][0], line[k][1] - line[k - 1][1]);'//nl// &
+   '      while (k < line.length - 1 && passed + step < target) {'//nl// &
+   '        passed += step;'//nl// &
+   '        k++;'//nl// &
+   '        step = Math.hypot(line[k][0] - line[k - 1][0], line[k][1] - line[k - 1][1]);'//nl// &
+   '      }'//nl// &
+   '      const f = step ? Math.min(1, (target - passed) / step) : 0;'//nl// &
+   '      list.push([0, 1].map((axis) => Number((line[k - 1][axis] + f * (line[k][axis] - line[k - 1][axis])).toPrecision(7'// &
+   '))));'//nl// &
+   '    }'//nl// &
+   '    return list;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** A hand that trembles is smoothed: each point is the mean of its neighbours. */'//nl// &
+   '  function smoothed(points, closed) {'//nl// &
+   '    const n = points.length;'//nl// &
+   '    return points.map((p, i) => !closed && (i === 0 || i === n - 1) ? p : [0, 1].map((axis) => Number(((points[(i + n -'// &
+   ' 1) % n][axis] + 2 * p[axis] + points[(i + 1) % n][axis]) / 4).toPrecision(7))));'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** What was drawn by hand becomes the wanted curve. */'//nl// &
+   '  function drawn(points) {'//nl// &
+   '    const xs = points.map((p) => p[0]), ys = points.map((p) => p[1]), size = Math.max(Math.max(...xs) - Math.min(...xs)'// &
+   ', Math.max(...ys) - Math.min(...ys));'//nl// &
+   '    if (points.length < 4 || !(size > 0)) return;'//nl// &
+   '    const ends = Math.hypot(points[0][0] - points.at(-1)[0], points[0][1] - points.at(-1)[1]), closed = ends < NEAR * l'// &
+   'ength(points);'//nl// &
+   '    want({ points: smoothed(even(points, count, closed), closed), closed });'//nl// &
+   "    board.panel.turnTo('search');"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function want(curve) {'//nl// &
+   '    board.begin();'//nl
+
+   character(*), parameter :: part_34 = &
+   '    board.state.wanted = curve;'//nl// &
+   '    board.end();'//nl// &
+   '    forget();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Points of a CSV file: the first two numbers of each line that has two. */'//nl// &
+   '  function fromTable(text) {'//nl// &
+   "    const comma = text.includes(';');"//nl// &
+   "    return text.split(/\r?\n/).map((line) => (comma ? line.replace(/,/g, '.').split(/[;\s]+/) : line.split(/[,\s]+/)).f"// &
+   "ilter(Boolean).map(Number))"//nl// &
+   '      .filter((row) => row.length > 1 && isFinite(row[0]) && isFinite(row[1])).map((row) => [row[0], row[1]]);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Points along the longest path of an SVG picture, y upwards. */'//nl// &
+   '  function fromPicture(text) {'//nl// &
+   "    const whole = new DOMParser().parseFromString(text, 'image/svg+xml'), mine = board.panel.svg('path');"//nl// &
+   "    const pathOf = (one) => one.tagName === 'path' ? one.getAttribute('d') : 'M' + (one.getAttribute('points') || '') +"// &
+   " (one.tagName === 'polygon' ? 'z' : '');"//nl// &
+   '    let best = [], closed = false;'//nl// &
+   "    for (const one of whole.querySelectorAll('path,polygon,polyline')) {"//nl// &
+   "      mine.setAttribute('d', pathOf(one) || '');"//nl// &
+   '      const reach = mine.getTotalLength(), points = [];'//nl// &
+   '      if (!(reach > 0)) continue;'//nl// &
+   '      for (let i = 0; i <= MOST_POINTS; i++) { const p = mine.getPointAtLength(reach * i / MOST_POINTS); points.push([p'// &
+   '.x, p.y]); }'//nl// &
+   '      for (let up = one; up && up.transform; up = up.parentNode) {'//nl// &
+   '        const one_ = up.transform.baseVal.consolidate();'//nl// &
+   '        if (one_) for (const p of points) [p[0], p[1]] = [one_.matrix.a * p[0] + one_.matrix.c * p[1] + one_.matrix.e, '// &
+   'one_.matrix.b * p[0] + one_.matrix.d * p[1] + one_.matrix.f];'//nl// &
+   '      }'//nl// &
+   '      if (length(points) > length(best)) { best = points; closed = /z\s*$/i.test(pathOf(one)); }'//nl// &
+   '    }'//nl// &
+   '    return { points: best.map(([x, y]) => [x, -y]), closed };'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function openCurve(file) {'//nl// &
+   '    file.text().then((text) => {'//nl// &
+   '      const picture = /\.svg$/i.test(file.name), found = picture ? fromPicture(text) : { points: fromTable(text), close'// &
+   'd: false }, { points } = found;'//nl// &
+   '      if (points.length < 3 || !(length(points) > 0)) { parts.told.textContent = words.noCurve(file.name); return; }'//nl// &
+   '      const gap = Math.hypot(points[0][0] - points.at(-1)[0], points[0][1] - points.at(-1)[1]), closed = found.closed |'// &
+   '| gap < NEAR * length(points);'//nl// &
+   '      if (closed && gap < 1e-9 * length(points)) points.pop();'//nl// &
+   "      parts.told.textContent = '';"//nl// &
+   '      want({ points: picture || points.length > MOST_POINTS ? even(points, count, closed) : points, closed });'//nl// &
+   '      board.fit();'//nl// &
+   '    });'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function draw(g, X, Y, pens) {'//nl// &
+   '    const { wanted } = board.state, hand = board.tools.hand;'//nl// &
+   '    for (const [points, closed] of [[hand || [], false], wanted && !hand ? [wanted.points, wanted.closed] : [[], false]'// &
+   ']) {'//nl// &
+   '      if (!points.length) continue;'//nl// &
+   '      g.strokeStyle = g.fillStyle = pens.accent;'//nl// &
+   '      g.lineWidth = 2;'//nl// &
+   '      g.setLineDash([7, 5]);'//nl// &
+   '      g.beginPath();'//nl// &
+   '      for (const [x, y] of points) g.lineTo(X(x), Y(y));'//nl// &
+   '      if (closed) g.closePath();'//nl// &
+   '      g.stroke();'//nl// &
+   '      g.setLineDash([]);'//nl// &
+   '      if (points !== hand) for (const [x, y] of points) { g.beginPath(); g.arc(X(x), Y(y), 2.6, 0, 2 * Math.PI); g.fill'// &
+   '(); }'//nl// &
+   '    }'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  // ---- the search --------------------------------------------------------------------------------------------------'// &
+   '-'//nl// &
+   ''//nl// &
+   '  function begin() {'//nl// &
+   '    if (!board.engine.served) return;'//nl// &
+   '    const { make, head, check, button, row, numberField } = board.panel;'//nl// &
+   "    parts.file = make('input', { type: 'file', accept: '.csv,.txt,.svg', 'aria-label': words.wantedFile, hidden: true }"// &
+   ");"//nl// &
+   "    parts.file.addEventListener('change', () => { if (parts.file.files[0]) openCurve(parts.file.files[0]); parts.file.v"// &
+   "alue = ''; });"//nl// &
+   "    parts.has = make('p');"//nl// &
+   "    parts.told = make('p', { class: 'wrong', role: 'alert' });"//nl// &
+   '    parts.clear = button(words.wantedClear, () => want(null));'//nl// &
+   "    parts.start = button(words.searchStart, start, { class: 'main', id: 'start-search' });"//nl// &
+   "    parts.stop = button(words.searchStop, stop, { id: 'stop-search' });"//nl// &
+   "    parts.save = button(words.searchSave, () => board.download(text, 'wanted.nml'), { hidden: true });"//nl// &
+   "    parts.doing = make('p', { role: 'status' });"//nl// &
+   "    parts.sheet = make('div', { class: 'cards' });"//nl// &
+   "    parts.found = make('div', { hidden: true }, head(words.sheet), make('p', {}, words.sheetHint), parts.sheet);"//nl// &
+   "    const kinds = Object.entries(words.kindNames).map(([name, text]) => make('label', { class: 'tick' }, check(text, ch"// &
+   "osen.has(name), (on) => { if (on) chosen.add(name); else chosen.delete(name); follow(); }), text));"//nl// &
+   "    $('search').append(head(words.wantedHead), parts.has, make('div', { class: 'list' }, button(words.wantedTool, () =>"// &
+   " { board.tools.choose('wanted'); board.view.canvas.scrollIntoView({ block: 'nearest' }); }),"//nl// &
+   '      button(words.wantedFile, () => parts.file.click()), parts.clear, parts.file),'//nl// &
+   '    row(words.wantedPoints, numberField(words.wantedPoints, count, (value) => {'//nl// &
+   '      if (!Number.isInteger(value) || value < 3 || value > MOST_POINTS) return false;'//nl// &
+   '      count = value;'//nl// &
+   '      const { wanted } = board.state;'//nl// &
+   '      if (wanted) want({ points: even(wanted.points, count, wanted.closed), closed: wanted.closed });'//nl// &
+   '      return true;'//nl// &
+   "    })), parts.told, head(words.kinds), make('div', { class: 'list' }, ...kinds),"//nl// &
+   '    row(words.leastAngle, numberField(words.leastAngleLabel, angle, (value) => { if (value < 0 || value > 60) return fa'// &
+   'lse; angle = value; return true; })),'//nl// &
+   "    make('div', { class: 'list' }, parts.start, parts.stop, parts.save), parts.doing, parts.found);"//nl// &
+   '    follow();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function follow() {'//nl// &
+   '    if (!board.engine.served) return;'//nl// &
+   '    const { wanted } = board.state;'//nl// &
+   '    parts.has.textContent = wanted ? words.wantedHas(wanted.points.length, wanted.closed) : words.wantedNone;'//nl// &
+   '    parts.clear.disabled = !wanted;'//nl// &
+   '    parts.start.disabled = !wanted || !chosen.size || Boolean(running);'//nl// &
+   '    parts.stop.disabled = !running || stopping;'//nl// &
+   '    parts.start.textContent = cards.length ? words.searchOn : words.searchStart;'//nl// &
+   '  }'//nl// &
+   ''//nl
+
+   character(*), parameter :: part_35 = &
+   '  /** Of another curve nothing has been found yet. */'//nl// &
+   '  function forget() {'//nl// &
+   '    stop();'//nl// &
+   "    running = '';"//nl// &
+   "    [cards, round, text] = [[], 0, ''];"//nl// &
+   '    if (parts.save) parts.save.hidden = true;'//nl// &
+   '    show();'//nl// &
+   "    if (parts.doing) parts.doing.textContent = '';"//nl// &
+   '    follow();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  async function start() {'//nl// &
+   '    const { wanted } = board.state;'//nl// &
+   "    parts.told.textContent = '';"//nl// &
+   "    const got = await board.engine.ask('search', JSON.stringify({ points: wanted.points, closed: wanted.closed, kinds: "// &
+   "[...chosen], round, angle }));"//nl// &
+   '    if (got.error) { parts.told.textContent = got.error; return; }'//nl// &
+   '    running = got.search;'//nl// &
+   '    stopping = false;'//nl// &
+   '    follow();'//nl// &
+   '    watch(running, 0);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Asks what was found until the search is over; of a search that is no longer wanted nothing is taken. */'//nl// &
+   '  async function watch(name, after) {'//nl// &
+   "    const got = await board.engine.ask('search/' + name + '?after=' + after);"//nl// &
+   '    if (running !== name) return;'//nl// &
+   "    if (got.error) { parts.told.textContent = got.error; running = ''; follow(); return; }"//nl// &
+   '    for (const one of got.events) {'//nl// &
+   '      if (one.doing) {'//nl// &
+   '        parts.doing.textContent = words.searching(words.kindNames[one.doing], one.round);'//nl// &
+   '        text = one.text;'//nl// &
+   '        parts.save.hidden = false;'//nl// &
+   '      }'//nl// &
+   '      if (one.found) add(one.found);'//nl// &
+   '      if (one.error) parts.told.textContent = one.error;'//nl// &
+   '      if (one.done) round = one.round === undefined ? round + 1 : one.round;'//nl// &
+   '    }'//nl// &
+   '    if (got.events.some((one) => one.found)) show();'//nl// &
+   '    if (got.running) { setTimeout(() => watch(name, after + got.events.length), EVERY); return; }'//nl// &
+   "    running = '';"//nl// &
+   '    parts.doing.textContent = words.searchOver(cards.length);'//nl// &
+   '    follow();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function stop() {'//nl// &
+   '    if (!running) return;'//nl// &
+   '    stopping = true;'//nl// &
+   "    board.engine.ask('search/' + running + '/stop', '');"//nl// &
+   '    follow();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** The best of each kind is on the sheet. */'//nl// &
+   '  function add(one) {'//nl// &
+   '    const there = cards.find((card) => card.kind === one.kind);'//nl// &
+   '    if (there && there.error <= one.error) return;'//nl// &
+   '    cards = [...cards.filter((card) => card !== there), one].sort((a, b) => a.error - b.error);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function show() {'//nl// &
+   '    if (!parts.sheet) return;'//nl// &
+   '    const { make } = board.panel, made = new Map([...parts.sheet.children].map((element) => [element.dataset.key, eleme'// &
+   'nt]));'//nl// &
+   '    parts.found.hidden = !cards.length;'//nl// &
+   '    parts.sheet.replaceChildren(...cards.map((card) => {'//nl// &
+   "      const key = card.kind + ' ' + card.error;"//nl// &
+   '      if (made.has(key)) return made.get(key);'//nl// &
+   '      const path = card.path[0].map((x, i) => [x, card.path[1][i]]).filter(([x, y]) => x !== null && y !== null);'//nl// &
+   "      return make('button', { type: 'button', class: 'card', 'data-key': key, 'data-kind': card.kind, onclick: () => ch"// &
+   "oose(card) }, board.store.picture(board.text.parse(card.text), path),"//nl// &
+   "        make('span', {}, card.kind), make('small', {}, words.error((100 * card.part).toPrecision(2) + ' %') + (card.ang"// &
+   "le === null ? '' : ', ' + words.angle(card.angle.toFixed(0)))));"//nl// &
+   '    }));'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function choose(card) {'//nl// &
+   "    board.load(card.text, card.kind.replace(/[^\w]+/g, '_') + '.nml');"//nl// &
+   '    board.store.keep();'//nl// &
+   '    board.state.dirty = true;'//nl// &
+   "    board.view.canvas.scrollIntoView({ block: 'nearest' });"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  return { begin, follow, draw, drawn, even, fromTable, fromPicture, get cards() { return cards; }, get running() { ret'// &
+   'urn running; } };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
@@ -2280,16 +3936,19 @@ module psalm_board_text
    "it; pull from joint to joint for a cylinder.'],"//nl// &
    "    ['output', 'Output', 'o', 'M12 3l2.6 6 6.4.5-4.900 4.200 1.500 6.300-5.600-3.400-5.600 3.400 1.500-6.300L3 9.500l6."// &
    "400-.5z', 'Click a joint for its path, a link for its angle.'],"//nl// &
+   "    ...(board.engine.served ? [['wanted', board.words.wantedTool, 'w', 'M4 15c2-9 8-12 11-8s-1 6-3 5 1-6 8-7', board.wo"// &
+   "rds.wantedHint]] : []),"//nl
+
+   character(*), parameter :: part_36 = &
    "    ['delete', 'Delete', 'x', 'M6 6l12 12M18 6L6 18', 'Click what is to go.'],"//nl// &
    '  ];'//nl// &
    '  const pointers = new Map();'//nl// &
    '  let press = null;                      // what the pointer that is down does'//nl// &
    '  let pinch = 0;                         // distance of two fingers'//nl// &
+   '  let hand = null;                       // points of a curve that is being drawn'//nl// &
    ''//nl// &
    '  // ---- what tools do -----------------------------------------------------------------------------------------------'// &
-   '-'//nl
-
-   character(*), parameter :: part_22 = &
+   '-'//nl// &
    ''//nl// &
    '  const edit = (change) => board.edit(change);'//nl// &
    ''//nl// &
@@ -2388,7 +4047,9 @@ module psalm_board_text
    ''//nl// &
    '  function output({ joint, link: name }) {'//nl// &
    "    const kind = joint ? 'point' : 'angle', of = joint || name;"//nl// &
-   '    edit((sketch) => {'//nl// &
+   '    edit((sketch) => {'//nl
+
+   character(*), parameter :: part_37 = &
    '      const there = sketch.outputs.findIndex((o) => o.kind === kind && o.of.join() === of);'//nl// &
    '      if (there >= 0) sketch.outputs.splice(there, 1);'//nl// &
    "      else if (joint || board.linkOf(name).joints.length > 1) sketch.outputs.push({ kind, of: [of], name: '' });"//nl// &
@@ -2396,9 +4057,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** Two joints become one, in all their links. */'//nl// &
-   '  function join(from, to) {'//nl
-
-   character(*), parameter :: part_23 = &
+   '  function join(from, to) {'//nl// &
    '    const swap = (names) => [...new Set(names.map((name) => name === from ? to : name))];'//nl// &
    '    board.touch((sketch) => {'//nl// &
    '      for (const one of sketch.links) one.joints = swap(one.joints);'//nl// &
@@ -2469,6 +4128,8 @@ module psalm_board_text
    '    if (pointers.size > 2) return;'//nl// &
    '    const { state } = board, first = spot(event);'//nl// &
    '    if (event.button === 1 || event.button === 2) { press = { pan: true, x: first.x, y: first.y }; return; }'//nl// &
+   "    if (state.tool === 'wanted') { press = { tool: 'wanted', x: first.x, y: first.y }; hand = [view.world(first.x, firs"// &
+   "t.y)]; return; }"//nl// &
    '    if (!atHome() && first.hit) return;'//nl// &
    '    const at = spot(event);'//nl// &
    '    press = { at, tool: state.tool, moved: false, x: at.x, y: at.y };'//nl// &
@@ -2488,6 +4149,7 @@ module psalm_board_text
    '    const { state } = board;'//nl// &
    '    if (pointers.has(event.pointerId)) pointers.set(event.pointerId, event);'//nl// &
    '    if (pinch) { pinchTo(); return; }'//nl// &
+   '    if (hand) { trace(event); return; }'//nl// &
    "    const dragged = press && press.at && press.tool === 'select' && press.at.hit && press.at.hit.joint;"//nl// &
    "    const at = spot(event, dragged || '');"//nl// &
    '    if (state.pending) { state.pending.to = target(state.pending, at); state.hover = at.hit; view.draw(); }'//nl// &
@@ -2495,7 +4157,9 @@ module psalm_board_text
    "      if (event.pointerType !== 'touch') { state.hover = at.hit; view.canvas.style.cursor = cursor(at.hit); view.draw()"// &
    "; }"//nl// &
    '      return;'//nl// &
-   '    }'//nl// &
+   '    }'//nl
+
+   character(*), parameter :: part_38 = &
    '    if (!press.moved && Math.hypot(at.x - press.x, at.y - press.y) < (at.touch ? TOUCH_CLICK : CLICK)) return;'//nl// &
    "    if (!press.moved) { press.moved = true; if (press.tool === 'select' && !press.pan) board.begin(); }"//nl// &
    '    if (press.pan) {'//nl// &
@@ -2505,9 +4169,14 @@ module psalm_board_text
    "    } else if (press.tool === 'select') {"//nl// &
    '      drag(at);'//nl// &
    '    }'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_24 = &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** The curve that is being drawn goes on, with all places that the browser has kept between two frames. */'//nl// &
+   '  function trace(event) {'//nl// &
+   '    const box = view.canvas.getBoundingClientRect(), all = event.getCoalescedEvents ? event.getCoalescedEvents() : [];'//nl// &
+   '    for (const one of all.length ? all : [event]) hand.push(view.world(one.clientX - box.left, one.clientY - box.top));'//nl// &
+   '    view.draw();'//nl// &
+   '  }'//nl// &
    ''//nl// &
    "  /** Where the line that is pulled ends: a slide's turns in steps. */"//nl// &
    '  function target({ tool, from }, at) {'//nl// &
@@ -2559,6 +4228,13 @@ module psalm_board_text
    '    pointers.delete(event.pointerId);'//nl// &
    '    if (pinch) { if (pointers.size < 2) pinch = 0; return; }'//nl// &
    '    if (!press) return;'//nl// &
+   '    if (hand) {'//nl// &
+   '      const points = hand;'//nl// &
+   '      hand = press = null;'//nl// &
+   '      board.search.drawn(points);'//nl// &
+   '      view.draw();'//nl// &
+   '      return;'//nl// &
+   '    }'//nl// &
    "    const { state } = board, one = press, dragged = one.tool === 'select' && one.at && one.at.hit && one.at.hit.joint;"//nl// &
    "    const at = spot(event, dragged || '');"//nl// &
    '    press = null;'//nl// &
@@ -2592,7 +4268,9 @@ module psalm_board_text
    "    else if (tool === 'delete' && start.hit) board.remove(hit);"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function driveAt(hit, end, pulled) {'//nl// &
+   '  function driveAt(hit, end, pulled) {'//nl
+
+   character(*), parameter :: part_39 = &
    '    const { sketch } = board.state;'//nl// &
    "    if (pulled && hit.joint && end.joint && hit.joint !== end.joint) drive({ cylinder: hit.joint + ' ' + end.joint });"//nl// &
    '    else if (hit.cylinder || hit.slide) drive(hit);'//nl// &
@@ -2608,7 +4286,7 @@ module psalm_board_text
    ''//nl// &
    '  function cancel() {'//nl// &
    "    if (press && press.moved && press.tool === 'select' && !press.pan) board.end();"//nl// &
-   '    press = null;'//nl// &
+   '    press = hand = null;'//nl// &
    '    board.state.pending = null;'//nl// &
    '    view.draw();'//nl// &
    '  }'//nl// &
@@ -2617,9 +4295,7 @@ module psalm_board_text
    'clientY) || 1; };'//nl// &
    ''//nl// &
    '  function pinchTo() {'//nl// &
-   '    const [a, b] = [...pointers.values()], box = view.canvas.getBoundingClientRect(), now = spread();'//nl
-
-   character(*), parameter :: part_25 = &
+   '    const [a, b] = [...pointers.values()], box = view.canvas.getBoundingClientRect(), now = spread();'//nl// &
    '    view.zoom(now / pinch, (a.clientX + b.clientX) / 2 - box.left, (a.clientY + b.clientY) / 2 - box.top);'//nl// &
    '    pinch = now;'//nl// &
    '    view.draw();'//nl// &
@@ -2706,7 +4382,9 @@ module psalm_board_text
    '      const box = canvas.getBoundingClientRect();'//nl// &
    '      view.zoom(1.0015 ** -event.deltaY, event.clientX - box.left, event.clientY - box.top);'//nl// &
    '      view.draw();'//nl// &
-   '    }, { passive: false });'//nl// &
+   '    }, { passive: false });'//nl
+
+   character(*), parameter :: part_40 = &
    "    canvas.addEventListener('dragover', (event) => event.preventDefault());"//nl// &
    "    canvas.addEventListener('drop', (event) => { event.preventDefault(); if (event.dataTransfer.files[0]) board.open(ev"// &
    "ent.dataTransfer.files[0]); });"//nl// &
@@ -2718,24 +4396,18 @@ module psalm_board_text
    "    for (const [id, act] of Object.entries(acts)) $(id).addEventListener('click', act);"//nl// &
    "    $('file').addEventListener('change', () => { if ($('file').files[0]) board.open($('file').files[0]); $('file').valu"// &
    "e = ''; });"//nl// &
-   "    $('examples').addEventListener('change', () => {"//nl// &
-   "      const one = board.examples[Number($('examples').value)];"//nl// &
-   "      if (one) board.load(one.text, one.name + '.nml');"//nl// &
-   "      $('examples').value = '';"//nl// &
-   '    });'//nl// &
    "    $('grid').addEventListener('change', () => { board.state.grid = $('grid').value; view.draw(); });"//nl// &
    "    $('speed').addEventListener('input', () => { board.state.speed = Number($('speed').value); });"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  return { begin, choose, pivot, output, drive, slider, jointAt, link };'//nl// &
+   '  return { begin, choose, pivot, output, drive, slider, jointAt, link, get hand() { return hand; } };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
-   '// The drawing board: its state, every change with undo, the motion that follows from it, playing, files.'//nl// &
+   '// The drawing board: its state, every change with undo, the motion that follows from it, playing, files to open and to'// &
+   ' save.'//nl// &
    "'use strict';"//nl// &
-   ''//nl
-
-   character(*), parameter :: part_26 = &
+   ''//nl// &
    '(() => {'//nl// &
    '  const { view, motion: solver, text: notation } = board;'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
@@ -2744,21 +4416,23 @@ module psalm_board_text
    'int'//nl// &
    '  const FINE = 1, COARSE = 5;                              // degrees between positions of a sweep; while dragging'//nl// &
    '  const clone = (value) => JSON.parse(JSON.stringify(value));'//nl// &
-   "  const blank = () => ({ title: 'A LINKAGE', joints: [], links: [{ name: 'frame', joints: [] }], slides: [], gears: [],"// &
-   " lengths: [], kover: false,"//nl// &
+   "  const blank = () => ({ title: board.words.title, joints: [], links: [{ name: 'frame', joints: [] }], slides: [], gear"// &
+   "s: [], lengths: [], kover: false,"//nl// &
    '    drives: [], outputs: [], ikin: 15, crnki: 0, delt: [], keep: {} });'//nl// &
    ''//nl// &
    '  const state = {'//nl// &
    "    sketch: blank(), source: '', file: 'sketch.nml', dirty: false,"//nl// &
    "    book: '',                   // where the book is, seen from this page; empty: not known"//nl// &
+   '    wanted: null,               // points that a search is to come near: { points, closed }'//nl// &
    "    tool: 'select', selection: null, hover: null, pending: null, grid: 'auto',"//nl// &
    '    messages: [], wrong: new Set(),'//nl// &
    '    motion: {},                 // mech, start, sweep: what follows from the sketch'//nl// &
    '    live: null,                 // state shown; null: the drawing as it is'//nl// &
    '    t: 0, forth: 1, playing: false, speed: 0,'//nl// &
    '  };'//nl// &
+   '  const parts = [board.source, board.engine, board.search];    // what follows every change'//nl// &
    '  const past = [], future = [];'//nl// &
-   '  let before = null;            // the sketch before a change that goes on'//nl// &
+   '  let before = null;            // what there was before a change that goes on'//nl// &
    ''//nl// &
    '  const jointOf = (name) => state.sketch.joints.find((j) => j.name === name);'//nl// &
    '  const linkOf = (name) => state.sketch.links.find((l) => l.name === name);'//nl// &
@@ -2773,7 +4447,7 @@ module psalm_board_text
    '    if (before) return;'//nl// &
    '    pause();'//nl// &
    '    settle();'//nl// &
-   '    before = JSON.stringify(state.sketch);'//nl// &
+   '    before = snapshot();'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function touch(change) {'//nl// &
@@ -2782,14 +4456,23 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  function end() {'//nl// &
-   '    if (before && before !== JSON.stringify(state.sketch)) {'//nl// &
-   '      past.push(before);'//nl// &
-   '      if (past.length > MOST_UNDO) past.shift();'//nl// &
-   '      future.length = 0;'//nl// &
+   '    if (before && before !== snapshot()) {'//nl// &
+   '      remember(before);'//nl// &
    '      state.dirty = true;'//nl// &
    '    }'//nl// &
    '    before = null;'//nl// &
    '    refresh();'//nl// &
+   '    board.store.keep();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** All that undo brings back. */'//nl// &
+   '  const snapshot = () => JSON.stringify({ sketch: state.sketch, source: state.source, file: state.file, wanted: state.w'// &
+   'anted });'//nl// &
+   ''//nl// &
+   '  function remember(one) {'//nl// &
+   '    past.push(one);'//nl// &
+   '    if (past.length > MOST_UNDO) past.shift();'//nl// &
+   '    future.length = 0;'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function edit(change) {'//nl// &
@@ -2801,14 +4484,17 @@ module psalm_board_text
    '  function undo(from = past, to = future) {'//nl// &
    '    if (!from.length) return;'//nl// &
    '    pause();'//nl// &
-   '    to.push(JSON.stringify(state.sketch));'//nl// &
-   '    state.sketch = JSON.parse(from.pop());'//nl// &
+   '    to.push(snapshot());'//nl// &
+   '    Object.assign(state, JSON.parse(from.pop()));'//nl// &
    '    state.selection = null;'//nl// &
    '    state.dirty = true;'//nl// &
    '    refresh();'//nl// &
+   '    board.store.keep();'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Exact lengths may hold the joints elsewhere than they were drawn: from there on they are drawn where they are. */'//nl// &
+   '  /** Exact lengths may hold the joints elsewhere than they were drawn: from there on they are drawn where they are. */'//nl
+
+   character(*), parameter :: part_41 = &
    '  function settle() {'//nl// &
    '    const { mech, start } = state.motion;'//nl// &
    '    if (!start || !state.sketch.lengths.length) return;'//nl// &
@@ -2841,9 +4527,7 @@ module psalm_board_text
    '    const largest = Math.max(...lengths.map((l) => l.value));'//nl// &
    '    for (let round = 0; round < 60; round++) {'//nl// &
    '      const rows = [], right = [];'//nl// &
-   '      for (const { joints: [a, b], value } of lengths) {'//nl
-
-   character(*), parameter :: part_27 = &
+   '      for (const { joints: [a, b], value } of lengths) {'//nl// &
    '        const i = joints.findIndex((j) => j.name === a), k = joints.findIndex((j) => j.name === b);'//nl// &
    '        const dx = joints[k].x - joints[i].x, dy = joints[k].y - joints[i].y, d = Math.hypot(dx, dy) || 1e-9;'//nl// &
    '        rows.push({ i, k, u: [dx / d, dy / d] });'//nl// &
@@ -2916,7 +4600,9 @@ module psalm_board_text
    '    const link = (name) => s.links.some((one) => one.name === name), joint = (name) => s.joints.some((one) => one.name '// &
    '=== name);'//nl// &
    '    s.slides = s.slides.filter((one) => one.links.every(link));'//nl// &
-   '    s.links = s.links.filter((one, i) => i === 0 || one.joints.length > 1 || slides(one.name));'//nl// &
+   '    s.links = s.links.filter((one, i) => i === 0 || one.joints.length > 1 || slides(one.name));'//nl
+
+   character(*), parameter :: part_42 = &
    '    s.joints = s.joints.filter((one) => s.links.some((l) => l.joints.includes(one.name)));'//nl// &
    '    for (const one of s.links) one.joints = one.joints.filter(joint);'//nl// &
    '    const shared = (names) => s.links.some((l) => names.every((name) => l.joints.includes(name)));'//nl// &
@@ -2950,9 +4636,7 @@ module psalm_board_text
    '  // ---- motion ------------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
    ''//nl// &
-   '  /** What follows from the sketch; `rough` while something is dragged. */'//nl
-
-   character(*), parameter :: part_28 = &
+   '  /** What follows from the sketch; `rough` while something is dragged. */'//nl// &
    '  function refresh(rough = false) {'//nl// &
    '    const { sketch } = state;'//nl// &
    '    state.motion = {};'//nl// &
@@ -2962,11 +4646,10 @@ module psalm_board_text
    '    if (!state.messages.length) {'//nl// &
    '      const mech = solver.compile(sketch), start = solver.assemble(mech);'//nl// &
    '      state.motion = { mech, start };'//nl// &
-   "      if (!start) tell('The links do not meet: with the exact lengths they cannot be put together near the drawing.');"//nl// &
-   "      else if (start.dead) tell('The linkage stands at a dead point in the drawing, where two assemblies meet: draw it "// &
-   "in another position.');"//nl// &
+   '      if (!start) tell(board.words.apart);'//nl// &
+   '      else if (start.dead) tell(board.words.dead);'//nl// &
    '      else {'//nl// &
-   '        state.motion.sweep = sweepOf(mech, start, rough ? COARSE : FINE);'//nl// &
+   '        state.motion.sweep = sweepOf(sketch, mech, start, rough ? COARSE : FINE);'//nl// &
    '        state.live = start;'//nl// &
    '        state.t = state.motion.sweep.home;'//nl// &
    '      }'//nl// &
@@ -2974,6 +4657,7 @@ module psalm_board_text
    '    state.wrong = new Set(state.messages.flatMap((m) => m.joints));'//nl// &
    '    if (state.selection && !exists(state.selection)) state.selection = null;'//nl// &
    '    board.panel.show(rough);'//nl// &
+   '    for (const part of parts) part.follow(rough);'//nl// &
    '    view.draw();'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -2982,14 +4666,13 @@ module psalm_board_text
    ' => one.name === s.slide) :'//nl// &
    "    state.sketch.drives.some((d) => d.at.join(' ') === s.cylinder);"//nl// &
    ''//nl// &
-   '  const free = () => state.sketch.drives.filter((d) => !d.ratio).length;'//nl// &
+   '  const free = (sketch = state.sketch) => sketch.drives.filter((d) => !d.ratio).length;'//nl// &
    ''//nl// &
    '  /** States along the motion: a whole turn, or as far as the linkage goes both ways; of several drives the way through'// &
    ' all positions. */'//nl// &
-   '  function sweepOf(mech, start, step) {'//nl// &
-   '    const { sketch } = state;'//nl// &
+   '  function sweepOf(sketch, mech, start, step) {'//nl// &
    '    let states = [start], home = 0, ring = false;'//nl// &
-   '    if (free() === 1) {'//nl// &
+   '    if (free(sketch) === 1) {'//nl// &
    "      const turns = sketch.drives[0].kind === 'turn', each = turns ? step : mech.size * step / 120, most = turns ? 360 "// &
    ": mech.size;"//nl// &
    '      const run = (way) => {'//nl// &
@@ -3027,7 +4710,9 @@ module psalm_board_text
    '    return { states, home, ring, places: states.map((one) => solver.joints(mech, one.pose)) };'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** The last states before a dead point, nearer and nearer. */'//nl// &
+   '  /** The last states before a dead point, nearer and nearer. */'//nl
+
+   character(*), parameter :: part_43 = &
    '  function edge(mech, from, target) {'//nl// &
    '    const list = [];'//nl// &
    '    let now = from, part = 0.5;'//nl// &
@@ -3058,9 +4743,7 @@ module psalm_board_text
    '    let { x, y } = slide, u = [Math.cos(slide.angle * solver.RADIAN), Math.sin(slide.angle * solver.RADIAN)];'//nl// &
    '    if (live) {'//nl// &
    '      const row = m.mech.slides[i], at = (link, p) => {'//nl// &
-   '        const phi = live.pose[3 * link + 2], c = Math.cos(phi), s = Math.sin(phi);'//nl
-
-   character(*), parameter :: part_29 = &
+   '        const phi = live.pose[3 * link + 2], c = Math.cos(phi), s = Math.sin(phi);'//nl// &
    '        return [live.pose[3 * link] + c * p[0] - s * p[1], live.pose[3 * link + 1] + s * p[0] + c * p[1]];'//nl// &
    '      };'//nl// &
    '      [x, y] = at(moves === a ? row.a : row.b, moves === a ? row.p : row.q);'//nl// &
@@ -3131,7 +4814,9 @@ module psalm_board_text
    ''//nl// &
    '  const pause = () => { if (state.playing) play(false); };'//nl// &
    ''//nl// &
-   '  /** Every position of the data set: inputs, whether it closes, joints, outputs; as psalm has it in CASE.csv. */'//nl// &
+   '  /** Every position of the data set: inputs, whether it closes, joints, outputs; as psalm has it in CASE.csv. */'//nl
+
+   character(*), parameter :: part_44 = &
    '  function table() {'//nl// &
    '    const { mech, start } = state.motion;'//nl// &
    '    if (!start) return [];'//nl// &
@@ -3144,54 +4829,59 @@ module psalm_board_text
    '  // ---- files -------------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
    ''//nl// &
-   "  function load(source, file = 'sketch.nml') {"//nl// &
+   '  /** Another data set; what was there comes back by undo. */'//nl// &
+   "  function load(source, file = 'sketch.nml', draft = false) {"//nl// &
    '    const sketch = notation.parse(source);'//nl// &
-   '    pause();'//nl// &
-   '    Object.assign(state, { sketch, source, file, selection: null, pending: null, dirty: false });'//nl// &
-   '    past.length = future.length = 0;'//nl// &
-   '    refresh();'//nl// &
-   '    fit();'//nl// &
+   '    instead({ sketch, source, file }, draft);'//nl// &
    "    board.tools.choose('select');"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function start(sketch = blank()) {'//nl// &
-   '    pause();'//nl// &
-   "    Object.assign(state, { sketch, source: '', file: 'sketch.nml', selection: null, pending: null, dirty: false });"//nl// &
-   '    past.length = future.length = 0;'//nl// &
-   '    refresh();'//nl// &
-   '    fit();'//nl// &
+   "    instead({ sketch, source: '', file: 'sketch.nml', wanted: null });"//nl// &
    "    board.tools.choose('link');"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  const write = () => notation.write(state.sketch, state.source);'//nl
-
-   character(*), parameter :: part_30 = &
+   '  function instead(other, draft = false) {'//nl// &
+   '    pause();'//nl// &
+   '    before = null;'//nl// &
+   '    if (draft || state.sketch.joints.length || state.wanted) remember(snapshot());'//nl// &
+   '    Object.assign(state, other, { selection: null, pending: null, dirty: false });'//nl// &
+   '    refresh();'//nl// &
+   '    fit();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** The sketch of a text, in the same view; throws a Mistake. */'//nl// &
+   '  function take(source) {'//nl// &
+   '    const sketch = notation.parse(source);'//nl// &
+   '    begin();'//nl// &
+   '    Object.assign(state, { sketch, source });'//nl// &
+   '    end();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  const write = () => notation.write(state.sketch, state.source);'//nl// &
    ''//nl// &
    '  function save() {'//nl// &
-   "    const link = document.createElement('a');"//nl// &
-   "    link.href = URL.createObjectURL(new Blob([write()], { type: 'text/plain' }));"//nl// &
-   "    link.download = state.file.replace(/\.(dev7|txt)$/, '.nml');"//nl// &
-   '    link.click();'//nl// &
-   '    setTimeout(() => URL.revokeObjectURL(link.href), 1000);'//nl// &
+   "    download(write(), state.file.replace(/\.(dev7|txt)$/, '.nml'));"//nl// &
    '    state.dirty = false;'//nl// &
    '  }'//nl// &
    ''//nl// &
+   '  function download(text, name) {'//nl// &
+   "    const link = document.createElement('a');"//nl// &
+   "    link.href = URL.createObjectURL(new Blob([text], { type: 'text/plain' }));"//nl// &
+   '    link.download = name;'//nl// &
+   '    link.click();'//nl// &
+   '    setTimeout(() => URL.revokeObjectURL(link.href), 1000);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
    '  function open(file) {'//nl// &
-   '    file.text().then((source) => {'//nl// &
-   '      try {'//nl// &
-   '        load(source, file.name);'//nl// &
-   '      } catch (error) {'//nl// &
-   '        if (!(error instanceof notation.Mistake)) throw error;'//nl// &
-   "        state.messages = [{ text: file.name + ': ' + error.message, joints: [], links: [] }];"//nl// &
-   '        board.panel.show();'//nl// &
-   '      }'//nl// &
-   '    });'//nl// &
+   '    file.text().then((source) => attempt(source, file.name));'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Everything into the view, with the paths. */'//nl// &
    '  function fit() {'//nl// &
-   '    const { sketch, motion: m } = state, all = [...places().values(), ...(m.sweep ? m.sweep.places.flat() : [])];'//nl// &
-   '    if (!sketch.joints.length) { view.look([-20, -20, 180, 120]); view.draw(); return; }'//nl// &
+   '    const { motion: m, wanted } = state, all = [...places().values(), ...(m.sweep ? m.sweep.places.flat() : []), ...(wa'// &
+   'nted ? wanted.points : [])];'//nl// &
+   '    if (!all.length) { view.look([-20, -20, 180, 120]); view.draw(); return; }'//nl// &
    '    const xs = all.map((p) => p[0]), ys = all.map((p) => p[1]), least = (l) => l.reduce((a, b) => Math.min(a, b)), most'// &
    ' = (l) => l.reduce((a, b) => Math.max(a, b));'//nl// &
    '    view.look([least(xs), least(ys), most(xs), most(ys)]);'//nl// &
@@ -3210,15 +4900,17 @@ module psalm_board_text
    "    else if (chosen.output !== undefined || tool === 'output') page = 'sketch#outputs-optional';"//nl// &
    "    const [name, place] = page.split('#');"//nl// &
    "    if (book) window.open(book + 'guide/' + name + '.html' + (place ? '#' + place : ''), 'book');"//nl// &
-   "    else $('hint').textContent = 'The book explains this on its page guide/' + name + ' (doc/guide/' + name + '.md).';"//nl// &
+   "    else $('hint').textContent = board.words.explained(name);"//nl// &
    '    return page;'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** What the address asks for: #case=TEXT&file=NAME&book=PATH. A path leads to a folder beside or above this page, no'// &
-   'where else. */'//nl// &
+   '  /** What the address asks for: #case=TEXT&file=NAME&book=PATH, or #z=TEXT, compressed. A path leads to a folder besid'// &
+   'e or above this page,'//nl// &
+   '      nowhere else. */'//nl// &
    '  function asked() {'//nl// &
    "    const words = new URLSearchParams(location.hash.slice(1)), book = words.get('book') || '';"//nl// &
    '    if (/^(\.{1,2}\/)*(\w[\w.-]*\/)*$/.test(book)) state.book = book;'//nl// &
+   "    if (words.has('z')) return { z: words.get('z'), file: words.get('file') || 'sketch.nml' };"//nl// &
    "    return words.has('case') ? { lines: words.get('case').split('\n'), file: words.get('file') || 'sketch.nml' } : null"// &
    ";"//nl// &
    '  }'//nl// &
@@ -3228,20 +4920,45 @@ module psalm_board_text
    '    view.resize();'//nl// &
    '    board.panel.begin();'//nl// &
    '    board.tools.begin();'//nl// &
+   '    board.store.begin();'//nl// &
+   '    for (const part of parts) part.begin();'//nl// &
    '    new ResizeObserver(() => { view.resize(); view.draw(); }).observe(view.canvas);'//nl// &
-   "    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { view.resize(); view.draw(); });"//nl// &
-   "    addEventListener('beforeunload', (event) => { if (state.dirty) event.preventDefault(); });"//nl// &
+   "    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { view.resize(); view.draw(); });"//nl
+
+   character(*), parameter :: part_45 = &
+   "    addEventListener('beforeunload', (event) => { if (state.dirty && !board.store.kept()) event.preventDefault(); });"//nl// &
+   "    addEventListener('hashchange', () => { const words = asked(); if (words) present(words); });"//nl// &
    "    const given = asked() || JSON.parse($('data').textContent);"//nl// &
-   '    board.panel.listExamples(board.examples);'//nl// &
    '    start();'//nl// &
-   '    if (given.lines) {'//nl// &
-   "      try { load(given.lines.join('\n') + '\n', given.file); } catch (error) { tell(error.message); board.panel.show();"// &
-   " }"//nl// &
+   '    present(given);'//nl// &
+   "    board.store.restore(given.lines ? given.lines.join('\n') + '\n' : '');"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Puts what was given on the board: lines of a data set, or a compressed one. */'//nl// &
+   '  function present({ lines, z, file }) {'//nl// &
+   '    if (z) board.store.unpacked(z).then((text) => attempt(text, file), () => wrong(board.words.badLink));'//nl// &
+   "    else if (lines) attempt(lines.join('\n') + '\n', file);"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Opens a text; a mistake is told. */'//nl// &
+   '  function attempt(text, file, draft = false) {'//nl// &
+   '    try {'//nl// &
+   '      load(text, file, draft);'//nl// &
+   '      return true;'//nl// &
+   '    } catch (error) {'//nl// &
+   '      if (!(error instanceof notation.Mistake)) throw error;'//nl// &
+   "      wrong(file + ': ' + error.message);"//nl// &
+   '      return false;'//nl// &
    '    }'//nl// &
    '  }'//nl// &
    ''//nl// &
+   '  function wrong(words) {'//nl// &
+   '    state.messages = [{ text: words, joints: [], links: [] }];'//nl// &
+   '    board.panel.show();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
    '  Object.assign(board, { state, edit, begin, touch, end, undo: () => undo(), redo: () => undo(future, past), relax, ren'// &
-   'ame, remove, freeName, tidy,'//nl// &
+   'ame, remove, freeName, tidy, take, attempt, wrong, sweepOf, download,'//nl// &
    '    refresh, places, slidePlace, sides, jointOf, linkOf, linksAt, inFrame, go, drive, play, pause, table, load, start, '// &
    'write, save, open, fit, free, clone, help,'//nl// &
    '    canUndo: () => past.length > 0, canRedo: () => future.length > 0 });'//nl// &
@@ -3260,6 +4977,8 @@ contains
       text = part_1//colours_css//part_2//part_3//part_4//part_5//part_6//part_7// &
              part_8//part_9//part_10//part_11//part_12//part_13//part_14//part_15// &
              part_16//part_17//part_18//part_19//part_20//part_21//part_22//part_23// &
-             part_24//part_25//part_26//part_27//part_28//part_29//part_30
+             part_24//part_25//part_26//part_27//part_28//part_29//part_30//part_31// &
+             part_32//part_33//part_34//part_35//part_36//part_37//part_38//part_39// &
+             part_40//part_41//part_42//part_43//part_44//part_45
    end function board_text
 end module psalm_board_text

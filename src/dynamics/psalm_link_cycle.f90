@@ -6,13 +6,14 @@ module psalm_link_cycle
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t, motion_t
-   use psalm_force_model, only: force_model_t, load_t, location_t, vertices_of, parameter_mass, parameter_mx, &
-                                parameter_my, parameter_inertia
+   use psalm_force_model, only: force_model_t, load_t, vertices_of, parameter_mass, parameter_mx, parameter_my, &
+                                parameter_inertia
    use psalm_kinds, only: wp, full_turn
    use psalm_kinetostatics, only: forces_t, prepare_forces, move_bodies, clear_wrenches, add_source, sweep, joint_rows, &
                                   first_spring, source_inertia, sources_of
    use psalm_link_loads, only: acting_cycle_t, find_foot, list_acting, follow_acting
    use psalm_link_vibration, only: moving_link_t
+   use psalm_locations, only: location_t
    use psalm_mechanism, only: mechanism_t, at_start, at_finish, body_frame, joint_gear, joint_prismatic
    use psalm_periodic, only: periodic_from_samples
    use psalm_rates, only: rates_t, prepare_rates, differentiate, is_dead
@@ -107,7 +108,8 @@ contains
       end do
       if (any(pins == 0)) call refuse('there is no pin at an end of this arc')
       if (any(abs(model%inertia(:, body)) > 0.0_wp)) then
-         call refuse('&MASSES has a mass on this link; its own mass follows from density and area, and another is not treated')
+         call refuse('&MASSES or &PLATES has a mass on this link; its own mass follows from density and area, and another is '// &
+                     'not treated')
       end if
       if (size(model%friction) > 0) then
          call refuse('the equations of a vibrating link are linear, but friction changes its sign with the motion of the '// &

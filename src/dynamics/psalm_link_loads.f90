@@ -3,10 +3,11 @@ module psalm_link_loads
    use psalm_body_points, only: locate_point
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
-   use psalm_force_model, only: force_model_t, location_t
+   use psalm_force_model, only: force_model_t
    use psalm_kinds, only: wp
    use psalm_kinetostatics, only: forces_t, clear_wrenches, add_source, find_location, first_load, first_spring, table_factors
    use psalm_linkage, only: padded
+   use psalm_locations, only: location_t
    use psalm_mechanism, only: mechanism_t, at_start, at_finish
    implicit none (type, external)
    private

@@ -36,7 +36,7 @@ module psalm_verbs
    private
    public :: verb_t, verbs, study
 
-   integer, parameter :: verb_length = 12, program_length = 6, groups_length = 30, table_length = 10
+   integer, parameter :: verb_length = 12, program_length = 6, groups_length = 36, table_length = 10
 
    !> A verb: its name, the program of the suite that has it, the groups that ask for it (none: every case may be asked), and the
    !> table that its report is about (none: the first).
@@ -60,7 +60,7 @@ module psalm_verbs
       verb_t('proof', 'psalm', 'LIMITS CONSTR', ''), &
       verb_t('assemblies', 'psalm', 'CHAIN', ''), &
       verb_t('rates', 'kalm', 'RATES', 'positions'), &
-      verb_t('forces', 'kalm', 'MASSES LOADS SPRING FRICTN', 'positions'), &
+      verb_t('forces', 'kalm', 'MASSES PLATES LOADS SPRING FRICTN', 'positions'), &
       verb_t('machine', 'kalm', 'MOTOR', 'positions'), &
       verb_t('time', 'kalm', 'TIME STOPS', 'time'), &
       verb_t('balance', 'muscle', 'BALANC', ''), &

@@ -6,39 +6,29 @@
 !> four numbers in which every force of the mechanism is linear. Source: Oldham (1977), 15.1; Haines (about 1982), chapter 9.
 module psalm_force_model
    use psalm_angles, only: unit_vector
-   use psalm_body_points, only: locate_point
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_force_entries, only: loading_t, loading_of
    use psalm_kinds, only: wp
+   use psalm_locations, only: location_t, location_of_place, place_afloat, place_nowhere, place_on_foot, place_right, turned
    use psalm_loop_forces, only: link_of_body
    use psalm_mechanism, only: mechanism_t, at_start, at_finish, body_frame, joint_gear, joint_prismatic, joint_revolute, pivot
    use psalm_motor_group, only: motor_group_t, motor_of
    use psalm_place, only: place_t
+   use psalm_plate_masses, only: plate_mass_t, find_plates
    use psalm_sketch, only: frame_link
    use psalm_spring_law, only: spring_law_t, spring_law_of
    use psalm_status, only: diagnostics_t
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: force_model_t, location_t, load_t, spring_t, friction_t, make_force_model, forces_wanted, vertices_of
-   public :: body_of_link, location_of_place, joint_at, moving_pair, place_right, place_on_foot, place_afloat, place_nowhere
+   public :: force_model_t, load_t, spring_t, friction_t, make_force_model, forces_wanted, vertices_of
+   public :: body_of_link, joint_at, moving_pair
    public :: mass_parameters, parameter_mass, parameter_mx, parameter_my, parameter_inertia
 
    integer, parameter :: mass_parameters = 4  !! of a body
    integer, parameter :: parameter_mass = 1, parameter_mx = 2, parameter_my = 3, parameter_inertia = 4
    real(wp), parameter :: rounding = 64.0_wp*epsilon(1.0_wp) !! of sums of masses that cancel
-   integer, parameter :: place_right = 0      !! a place that is a point of its link
-   integer, parameter :: place_on_foot = 1    !! it is counted from the foot of a slide
-   integer, parameter :: place_afloat = 2     !! its arc is only parallel to its link
-   integer, parameter :: place_nowhere = 3    !! no loop runs through its link
-
-   !> A place fixed in a body.
-   type :: location_t
-      integer :: body = body_frame
-      real(wp) :: at(2) = 0.0_wp            !! from the body's reference, in the axes of the body's own arc, user's length
-      real(wp) :: along(2) = [1.0_wp, 0.0_wp] !! unit vector of the arc it was named by, in these axes
-   end type location_t
 
    type, extends(loading_t) :: load_t
       type(location_t) :: location
@@ -85,6 +75,7 @@ module psalm_force_model
       real(wp), allocatable :: table_input(:)     !! shape (rows): degrees or user's length, ascending
       real(wp), allocatable :: table_factor(:, :) !! shape (rows, tables)
       type(location_t), allocatable :: centres(:)     !! shape (entries of MASSES)
+      type(plate_mass_t), allocatable :: plates(:)    !! of PLATES
    end type force_model_t
 
 contains
@@ -94,7 +85,7 @@ contains
       type(data_set_t), intent(in) :: set
 
       forces_wanted = set%masses%given .or. set%loads%given .or. set%springs%given .or. set%friction%given .or. &
-                      set%gives('MOTOR')
+                      set%gives('PLATES') .or. set%gives('MOTOR')
    end function forces_wanted
 
    !> Every vertex of a mechanism as the finish of an arc, for the plan. Shape of the result: (2, points), loop and arc.
@@ -183,6 +174,12 @@ contains
          call add_mass(model, model%centres(k), set%masses%mass(k), set%masses%inertia(k))
          associate (body => model%tilt(:, model%centres(k)%body))
             body = body + set%masses%mass(k)*set%masses%height(k)*model%metre*[1.0_wp, model%centres(k)%at*model%metre]
+         end associate
+      end do
+      call find_plates(set, mechanism, dimensions, model%reference, model%metre, model%plates, findings)
+      do k = 1, size(model%plates)
+         associate (plate => model%plates(k))
+            model%inertia(:, plate%body) = model%inertia(:, plate%body) + [plate%mass, plate%moment, plate%inertia]
          end associate
       end do
       call check_masses(set, mechanism, model, findings)
@@ -377,47 +374,6 @@ contains
          end associate
       end do
    end subroutine put_shoes
-
-   !> A place of the data set on its body; `state` is one of `place_...`.
-   subroutine location_of_place(mechanism, dimensions, reference, given, location, state)
-      type(mechanism_t), intent(in) :: mechanism
-      type(dimensions_t), intent(in) :: dimensions
-      integer, intent(in) :: reference(:)   !! by body: its vertex
-      type(place_t), intent(in) :: given
-      type(location_t), intent(out) :: location
-      integer, intent(out) :: state
-      real(wp) :: from(2), cosine, sine
-      integer :: n, end
-      logical :: found
-
-      state = place_nowhere
-      if (given%loop == 0) return
-      n = mechanism%seq(given%loop, given%arc)
-      end = merge(at_start, at_finish, given%from_start)
-      associate (arc => mechanism%arcs(n))
-         location%body = arc%body
-         if (arc%rod > 0 .and. arc%foot == end) location%body = arc%rod
-         state = place_on_foot
-         if (arc%foot == end .and. location%body == arc%body) return
-         state = place_afloat
-         if (.not. arc%attached) return
-         ! a joint of the link that nothing leads to from its others
-         call locate_point(mechanism, dimensions, location%body, reference(location%body), arc%ends(end), from, found)
-         if (.not. found) return
-         call unit_vector(mechanism%angle_on_body(n, dimensions) + given%turn, location%along(1), location%along(2))
-         call unit_vector(given%angle, cosine, sine)
-         location%at = from + given%distance*turned([cosine, sine], location%along)
-      end associate
-      state = place_right
-   end subroutine location_of_place
-
-   !> A vector turned by the angle of a unit vector.
-   pure function turned(vector, by)
-      real(wp), intent(in) :: vector(2), by(2)
-      real(wp) :: turned(2)
-
-      turned = [vector(1)*by(1) - vector(2)*by(2), vector(1)*by(2) + vector(2)*by(1)]
-   end function turned
 
    !> Add one entry to its body.
    pure subroutine add_mass(model, location, mass, inertia)

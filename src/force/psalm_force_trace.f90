@@ -2,9 +2,10 @@
 module psalm_force_trace
    use psalm_error, only: problem_t
    use psalm_force_analysis, only: force_table_t, analyse_forces, column_of_joint
-   use psalm_force_model, only: force_model_t, location_t, parameter_mass, parameter_mx, parameter_my
+   use psalm_force_model, only: force_model_t, parameter_mass, parameter_mx, parameter_my
    use psalm_kinds, only: wp
    use psalm_kinetostatics, only: forces_t, prepare_forces, move_bodies, clear_wrenches, add_source, find_location, first_load
+   use psalm_locations, only: location_t
    use psalm_mechanism, only: body_frame, joint_prismatic
    use psalm_rates, only: rates_t, prepare_rates, differentiate
    implicit none (type, external)

@@ -12,11 +12,11 @@ module psalm_kinetostatics
    use psalm_error, only: problem_t
    use psalm_force_kernels, only: load_body, move_axes, add_inertia, add_weight, add_force_at, add_couple, place_in_body, &
                                   velocity_in_body, power_of, add_wrench, drive_of_crank, drive_of_slide
-   use psalm_force_model, only: force_model_t, friction_t, location_t, parameter_mass, parameter_mx, parameter_my, &
-                                parameter_inertia
+   use psalm_force_model, only: force_model_t, friction_t, parameter_mass, parameter_mx, parameter_my, parameter_inertia
    use psalm_group_reactions, only: group_joint_t, group_couple_t, react_group
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_linkage, only: padded
+   use psalm_locations, only: location_t
    use psalm_mechanism, only: mechanism_t, arc_actuator, at_finish, at_start, body_frame, joint_prismatic, joint_revolute
    use psalm_piecewise, only: interpolated
    use psalm_rates, only: rates_t

@@ -376,7 +376,7 @@ contains
       type(group_t), allocatable :: groups(:)      ! large: they would fill a small stack
       type(diagnostics_t) :: unused
       logical :: shape_known, sketch_valid
-      integer :: i
+      integer :: i, line_of_plates
 
       call study_groups(set%sections)
       names = [character(name_length) :: own, set%sections%name]
@@ -446,23 +446,26 @@ contains
       call read_spring_group(groups(spring), set%links%ilink, set%sketch, set%springs, findings)
       call read_friction_group(groups(frictn), set%links%ilink, set%sketch, set%friction, findings)
       allocate (about)
+      line_of_plates = 0
       about%ilink = set%links%ilink
       about%sketch = set%sketch
       about%positions = merge(359/max(1, abs(set%method%ikin)) + 1, set%method%ndes, set%method%ikin /= 0)
       about%searched = set%wants_search()
       do i = 1, size(set%sections)
          call set%sections(i)%group%read(groups(size(own) + i), about, findings)
+         if (set%sections(i)%name == 'PLATES') line_of_plates = groups(size(own) + i)%line
          ! the tables of all of them fill more memory than a small case needs otherwise; so the next one takes the place of this
          call groups(size(own) + i)%forget()
       end do
       ! where there are errors the group may stand under a misspelt name
-      if (size(set%masses%mass) > 0 .and. .not. (set%rates%given .or. set%gives('TIME') .or. findings%failed())) then
+      if ((size(set%masses%mass) > 0 .or. line_of_plates > 0) .and. .not. (set%rates%given .or. set%gives('TIME') .or. &
+                                                                           findings%failed())) then
          call findings%warning('there is no group &RATES: the input is taken to move at '// &
                                trim(merge('1 unit of length a second', '1 radian a second        ', sliding_input(set))), &
-                               line=groups(masses)%line, group='MASSES', item='NMASS')
+                               line=max(groups(masses)%line, line_of_plates), group='MASSES', item='NMASS')
       end if
       if (.not. findings%failed()) then
-         call doubt_units(groups(masses), groups(loads)%line, set, findings)
+         call doubt_units(groups(masses), max(groups(loads)%line, line_of_plates), set, findings)
          call doubt_reference(groups(method), set, findings)
       end if
       do i = 1, size(groups)
@@ -472,21 +475,21 @@ contains
    end subroutine read_set
 
    !> Masses or loads on a linkage of many metres, where the unit of length is not said: it may be drawn in millimetres.
-   subroutine doubt_units(group, line_of_loads, set, findings)
+   subroutine doubt_units(group, line_of_others, set, findings)
       type(group_t), intent(in) :: group             !! MASSES
-      integer, intent(in) :: line_of_loads           !! of LOADS; 0: it is not given
+      integer, intent(in) :: line_of_others          !! of LOADS or PLATES; 0: they are not given
       type(data_set_t), intent(in) :: set
       type(diagnostics_t), intent(inout) :: findings
       real(wp) :: extent
 
-      if (size(set%masses%mass) == 0 .and. line_of_loads == 0 .or. group%given('UNITL')) return
+      if (size(set%masses%mass) == 0 .and. line_of_others == 0 .or. group%given('UNITL')) return
       extent = maxval(set%links%arcl)
       if (set%sketch%given .and. size(set%sketch%x) > 0) extent = max(maxval(set%sketch%x) - minval(set%sketch%x), &
                                                                       maxval(set%sketch%y) - minval(set%sketch%y))
       if (extent <= largest_machine) return
       call findings%warning('missing: lengths are taken as metres, and this linkage is '//to_text(nint(extent))// &
                             ' m large; if it is drawn in millimetres, set UNITL=0.001', &
-                            line=merge(group%line, line_of_loads, group%line > 0), group='MASSES', item='UNITL')
+                            line=merge(group%line, line_of_others, group%line > 0), group='MASSES', item='UNITL')
    end subroutine doubt_units
 
    !> CRNKI of a sketch counts from the drawing, and DELT from there: who gives the crank's own angle turns it twice.
@@ -884,7 +887,7 @@ contains
    pure logical function reads_of(case, program, group)
       type(case_text_t), intent(in) :: case
       character(*), intent(in) :: program, group
-      character(*), parameter :: of_forces(*) = [character(name_length) :: 'MASSES', 'LOADS', 'SPRING', 'FRICTN', 'RATES']
+      character(*), parameter :: of_forces(*) = [character(name_length) :: 'MASSES', 'PLATES', 'LOADS', 'SPRING', 'FRICTN', 'RATES']
       integer :: i
 
       reads_of = program_reads(program, group)

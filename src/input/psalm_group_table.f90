@@ -28,6 +28,7 @@ module psalm_group_table
       known_group_t('DRIVES', 'psalm kalm balm ssics muscle calm bridge'), &
       known_group_t('OUTPUTS', 'psalm kalm balm ssics muscle calm bridge'), &
       known_group_t('MASSES', 'kalm balm ssics muscle calm bridge'), &
+      known_group_t('PLATES', 'kalm balm ssics muscle calm bridge'), &
       known_group_t('LOADS', 'kalm balm ssics muscle calm bridge'), &
       known_group_t('SPRING', 'kalm balm ssics muscle calm bridge'), &
       known_group_t('FRICTN', 'kalm balm ssics muscle calm bridge'), &

@@ -9,6 +9,7 @@ submodule(psalm_study_groups) psalm_study_groups_listed
    use psalm_exact_group, only: exact_group_t
    use psalm_kinds_group, only: kinds_group_t
    use psalm_motor_group, only: motor_group_t
+   use psalm_plate_group, only: plate_group_t
    use psalm_spring_design_group, only: spring_design_group_t
    use psalm_stops_group, only: stops_group_t
    use psalm_sweep_group, only: sweep_group_t
@@ -19,9 +20,10 @@ submodule(psalm_study_groups) psalm_study_groups_listed
 contains
 
    module procedure study_groups
-      allocate (sections(17))
+      allocate (sections(18))
       sections%name = [character(len(sections%name)) :: 'MOTOR', 'VIBR', 'ESTIM', 'DRIVEL', 'HILL', 'BALANC', 'CAM', 'SPRNGS', &
-                       'CLEAR', 'CAM2', 'EXACT', 'DXF', 'SWEEP', 'KINDS', 'ALLOC', 'TIME', 'STOPS']
+                       'CLEAR', 'CAM2', 'EXACT', 'DXF', 'SWEEP', 'KINDS', 'ALLOC', 'TIME', 'STOPS', &
+                       'PLATES']
       allocate (motor_group_t :: sections(1)%group)
       allocate (vibration_group_t :: sections(2)%group)
       allocate (estimate_group_t :: sections(3)%group)
@@ -39,5 +41,6 @@ contains
       allocate (allocation_group_t :: sections(15)%group)
       allocate (time_group_t :: sections(16)%group)
       allocate (stops_group_t :: sections(17)%group)
+      allocate (plate_group_t :: sections(18)%group)
    end procedure study_groups
 end submodule psalm_study_groups_listed

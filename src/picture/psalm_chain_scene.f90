@@ -10,10 +10,12 @@ module psalm_chain_scene
    use psalm_data_set, only: data_set_t
    use psalm_error, only: violation_t
    use psalm_kinds, only: wp, degrees_per_radian, full_turn
+   use psalm_link_outline, only: convex_hull
+   use psalm_plate_group, only: plate_group_t, plates_of
    use psalm_markup, only: add_string
    use psalm_output_kind, only: motion_point, motion_angle
    use psalm_panels, only: add_study_panels, with_unit
-   use psalm_parts, only: drawn_bar_t, edge_t, drawn_joint_t, drawn_slide_t, wheel_t, convex_hull
+   use psalm_parts, only: drawn_bar_t, edge_t, drawn_joint_t, drawn_slide_t, wheel_t
    use psalm_scene, only: scene_t, message_scene, choose_view, find_rails, motion_number
    use psalm_row_study, only: row_study_t, solved_row_t
    use psalm_sketch, only: columns_of, sketch_t, drive_turns, frame_link, grid_digits, output_angle, &
@@ -69,6 +71,7 @@ contains
          call make_sweep(set, own, scene, sweep)
       end if
       call make_parts(set%sketch, own%closure, own%start, scene, feet)
+      call set_widths(plates_of(set), scene)
       call choose_output(set%sketch, own, scene)
       call trace_chain(set%sketch, own, feet, scene, scene%prescribed)
       call trace_chain(set%sketch, sweep, feet, scene, scene%sweep)
@@ -288,6 +291,20 @@ contains
    end subroutine make_sweep
 
    ! ---- parts -------------------------------------------------------------------------------------------------------
+
+   !> Widths and holes of the links that are cut from plate.
+   pure subroutine set_widths(plates, scene)
+      type(plate_group_t), intent(in) :: plates
+      type(scene_t), intent(inout) :: scene
+      integer :: link, k
+
+      do link = 1, size(scene%bodies)
+         k = plates%plate_of_link(link)
+         if (k == 0) cycle
+         scene%bodies(link)%width = plates%plates(k)%width
+         scene%bodies(link)%hole = plates%plates(k)%hole
+      end do
+   end subroutine set_widths
 
    !> Joints, links, slides and wheels; feet of slides and rims of wheels are joints without a name.
    subroutine make_parts(sketch, closure, start, scene, feet)

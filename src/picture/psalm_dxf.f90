@@ -85,9 +85,11 @@ contains
             associate (joints => scene%bodies(k)%joints)
                if (.not. all(row%known(joints, at))) cycle
                spine = spine_of(row%x(joints, at), row%y(joints, at))
-               if (size(spine) < 3 .and. dxf%width <= 0.0_wp) cycle
-               outline = outline_of(row%x(joints(spine), at), row%y(joints(spine), at), 0.5_wp*dxf%width)
-               if (dxf%width > 0.0_wp) then
+               associate (width => width_of(scene, dxf, k))
+                  if (size(spine) < 3 .and. width <= 0.0_wp) cycle
+                  outline = outline_of(row%x(joints(spine), at), row%y(joints(spine), at), 0.5_wp*width)
+               end associate
+               if (width_of(scene, dxf, k) > 0.0_wp) then
                   call drawing%polyline(layers(k), outline%x, outline%y, .true., outline%bulge)
                else
                   call drawing%polyline(layers(k), outline%x, outline%y, .true.)
@@ -106,7 +108,9 @@ contains
                if (.not. (row%known(bar%start, at) .and. row%known(bar%finish, at))) cycle
                if (bar%slide == 0 .and. bar%body > 0) then
                   if (is_side(bar%body, bar%start, bar%finish)) cycle
-                  if (dxf%width > 0.0_wp .and. has_outline(scene, bar%body)) cycle
+                  if (has_outline(scene, bar%body)) then
+                     if (width_of(scene, dxf, bar%body) > 0.0_wp) cycle
+                  end if
                end if
                if (bar%body == 0) then
                   call drawing%line('SLIDES', row%x(bar%start, at), row%y(bar%start, at), row%x(bar%finish, at), &
@@ -293,7 +297,7 @@ contains
       call choose_position(scene, dxf, row, at)
       layers = layer_names(scene)
       radius = radius_of(scene, dxf)
-      gap = max(gap_part*maxval(scene%high - scene%low), dxf%width)
+      gap = max(gap_part*maxval(scene%high - scene%low), maxval([(width_of(scene, dxf, b), b=1, size(scene%bodies))]))
       order = [pack([(b, b=1, size(scene%bodies))], scene%bodies%frame), pack([(b, b=1, size(scene%bodies))], &
                                                                               .not. scene%bodies%frame)]
       allocate (outlines(size(scene%bodies)))
@@ -347,8 +351,8 @@ contains
                flat(:, i) = turned(b, row%x(joints(i), at), row%y(joints(i), at))
             end do
             spine = spine_of(flat(1, :), flat(2, :))
-            outlines(b) = outline_of(flat(1, spine), flat(2, spine), max(0.5_wp*dxf%width, 0.0_wp))
-            associate (half => max(0.5_wp*dxf%width, radius))
+            outlines(b) = outline_of(flat(1, spine), flat(2, spine), max(0.5_wp*width_of(scene, dxf, b), 0.0_wp))
+            associate (half => max(0.5_wp*width_of(scene, dxf, b), radius))
                shift(:, b) = [half - minval(flat(1, :)), top + half - minval(flat(2, :))]
                top = top + maxval(flat(2, :)) - minval(flat(2, :)) + 2.0_wp*half + gap
                widest = max(widest, maxval(flat(1, :)) - minval(flat(1, :)) + 2.0_wp*half)
@@ -376,9 +380,9 @@ contains
          integer :: i, s
 
          associate (joints => scene%bodies(b)%joints, outline => outlines(b))
-            if (size(outline%x) == 2 .and. dxf%width <= 0.0_wp) then
+            if (size(outline%x) == 2 .and. width_of(scene, dxf, b) <= 0.0_wp) then
                if (size(joints) > 1) call drawing%line(layers(b), outline%x(1), outline%y(1), outline%x(2), outline%y(2))
-            else if (dxf%width > 0.0_wp) then
+            else if (width_of(scene, dxf, b) > 0.0_wp) then
                call drawing%polyline(layers(b), outline%x, outline%y, .true., outline%bulge)
             else
                call drawing%polyline(layers(b), outline%x, outline%y, .true.)
@@ -414,7 +418,7 @@ contains
                end do
             end if
             ! beyond the arc at the end
-            call drawing%words('NAMES', maxval(outline%x) + 0.5_wp*dxf%width + 2.0_wp*radius, &
+            call drawing%words('NAMES', maxval(outline%x) + 0.5_wp*width_of(scene, dxf, b) + 2.0_wp*radius, &
                                0.5_wp*(minval(outline%y) + maxval(outline%y)), height*radius, trim(layers(b)))
          end associate
       end subroutine draw_link
@@ -484,8 +488,19 @@ contains
       type(dxf_group_t), intent(in) :: dxf
 
       radius = circle_part*maxval(scene%high - scene%low)
+      if (any(scene%bodies%hole > 0.0_wp)) radius = 0.5_wp*maxval(scene%bodies%hole)
       if (dxf%pin > 0.0_wp) radius = 0.5_wp*dxf%pin
    end function radius_of
+
+   !> Width of a link: WIDTH of &DXF, else that of the plate it is cut from; 0: none.
+   pure real(wp) function width_of(scene, dxf, body) result(width)
+      type(scene_t), intent(in) :: scene
+      type(dxf_group_t), intent(in) :: dxf
+      integer, intent(in) :: body
+
+      width = dxf%width
+      if (.not. width > 0.0_wp) width = scene%bodies(body)%width
+   end function width_of
 
    !> True if a link is drawn with its outline: a moving one, of a plate or with a width. Cylinders change their length.
    pure logical function has_outline(scene, body)

@@ -7,9 +7,7 @@ module psalm_parts
    private
    public :: ghost_t
    public :: drawn_joint_t, drawn_bar_t, drawn_body_t, drawn_slide_t, drawn_dyad_t, wheel_t, output_curve_t, drive_part_t, &
-             edge_t, find_slides, convex_hull
-
-   real(wp), parameter :: flat = 1.0e-3_wp !! a hull with less area than this times its width squared is a line
+             edge_t, find_slides
 
    !> The linkage once more, in grey: an equilibrium.
    type :: ghost_t
@@ -43,6 +41,7 @@ module psalm_parts
       integer, allocatable :: hull(:)         !! joints round its outline, size 0: no plate
       logical :: frame = .false.
       character(:), allocatable :: name       !! of a link of a sketch; else not allocated
+      real(wp) :: width = 0.0_wp, hole = 0.0_wp !! of a plate: of the link, of the holes at its joints
    end type drawn_body_t
 
    type :: drawn_slide_t
@@ -112,65 +111,4 @@ contains
          slides = [slides, slide]
       end do
    end subroutine find_slides
-
-   !> Joints round the outline of a set of points, anticlockwise; size 0 if they lie on a line.
-   function convex_hull(joints, x, y) result(hull)
-      integer, intent(in) :: joints(:)
-      real(wp), intent(in) :: x(:), y(:)       !! shape as `joints`
-      integer, allocatable :: hull(:)
-      integer :: order(size(joints)), chain(2*size(joints)), i, k, first, count
-      real(wp) :: u(size(joints)), v(size(joints)), width
-
-      allocate (hull(0))
-      width = max(maxval(x) - minval(x), maxval(y) - minval(y))
-      if (size(joints) < 3 .or. width <= 0.0_wp) return
-      u = (x - minval(x))/width
-      v = (y - minval(y))/width
-      order = [(i, i=1, size(joints))]
-      do i = 2, size(order)
-         do k = i, 2, -1
-            if (u(order(k)) > u(order(k - 1)) .or. (u(order(k)) >= u(order(k - 1)) .and. v(order(k)) >= v(order(k - 1)))) exit
-            order([k - 1, k]) = order([k, k - 1])
-         end do
-      end do
-      count = 0
-      first = 1
-      do i = 1, size(order)
-         call push(order(i))
-      end do
-      first = count
-      do i = size(order) - 1, 1, -1
-         call push(order(i))
-      end do
-      count = count - 1
-      if (count < 3 .or. area() < flat) return
-      hull = joints(chain(:count))
-
-   contains
-
-      !> Put a point on the outline; points it leaves to its right go.
-      subroutine push(point)
-         integer, intent(in) :: point
-
-         do while (count > first)
-            associate (a => chain(count - 1), b => chain(count))
-               if ((u(b) - u(a))*(v(point) - v(b)) - (v(b) - v(a))*(u(point) - u(b)) > flat*flat) exit
-            end associate
-            count = count - 1
-         end do
-         count = count + 1
-         chain(count) = point
-      end subroutine push
-
-      pure real(wp) function area()
-         integer :: m
-
-         area = 0.0_wp
-         do m = 1, count
-            associate (a => chain(m), b => chain(modulo(m, count) + 1))
-               area = area + 0.5_wp*(u(a)*v(b) - u(b)*v(a))
-            end associate
-         end do
-      end function area
-   end function convex_hull
 end module psalm_parts

@@ -6,7 +6,7 @@ module psalm_picture_study
    use psalm_clearance_scene, only: clearance_scene_t, make_clearance_scene
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: most_reported
-   use psalm_dxf_group, only: dxf_of
+   use psalm_dxf_group, only: dxf_group_t, dxf_of
    use psalm_error, only: problem_t, motion_t, make_problem
    use psalm_force_scene, only: extent_of_weights, make_force_scene
    use psalm_finale, only: describe_violation
@@ -103,7 +103,7 @@ contains
                call study_rows(each, prepared%mechanism, prepared%given, prepared%parameters, study, chosen, kept=kept)
                call make_scene(each, study, .false., own, scene)
                if (scene%valid) call add_curves(each, study, scene)
-               if (each%is_drawn() .and. scene%valid .and. (cases(k)%dxf%flat .or. cases(k)%dxf%width > 0.0_wp)) then
+               if (scene%valid .and. draws_links(each, cases(k)%dxf)) then
                   allocate (cases(k)%parts)
                   call make_chain_scene(each, own, cases(k)%parts, chosen, rows=study)
                end if
@@ -211,7 +211,7 @@ contains
          end if
       else
          call make_scene(set, rows, .false., all_findings, case%scene)
-         if (set%is_drawn() .and. case%scene%valid .and. (case%dxf%flat .or. case%dxf%width > 0.0_wp)) then
+         if (case%scene%valid .and. draws_links(set, case%dxf)) then
             allocate (case%parts)
             call make_chain_scene(set, all_findings, case%parts, chosen, rows=rows)
          end if
@@ -295,6 +295,14 @@ contains
       call findings%append(noted)
       if (prepared%ready) call add_allotted(set, prepared, findings, case, stop)
    end subroutine add_allotted_by_links
+
+   !> True of a sketch whose links are to be drawn with all their joints: laid flat, or with widths.
+   pure logical function draws_links(set, dxf)
+      type(data_set_t), intent(in) :: set
+      type(dxf_group_t), intent(in) :: dxf
+
+      draws_links = set%is_drawn() .and. (dxf%flat .or. dxf%width > 0.0_wp .or. set%gives('PLATES'))
+   end function draws_links
 
    !> Numbers of evenly chosen positions, as many as a picture can show, and of those of the least and the greatest input, which
    !> are the range.

@@ -2,6 +2,8 @@
 module psalm_robot_files
    use psalm_data_set, only: data_set_t
    use psalm_drawing, only: picture_t, add_picture, ending
+   use psalm_freecad, only: write_freecad
+   use psalm_kinds, only: wp
    use psalm_mjcf, only: write_mjcf
    use psalm_multibody, only: multibody_t, make_multibody
    use psalm_pictured, only: pictured_t
@@ -41,6 +43,17 @@ contains
                call begin()
                call write_mjcf(model, text)
                call add_picture(models, ending(k, '.mjcf.xml'), text%content())
+            end if
+            if (formats%freecad) then
+               if (any(model%bodies%thickness > 0.0_wp)) then
+                  text = text_t()
+                  call text%add('# run '//mark)
+                  call write_freecad(model, text)
+                  call add_picture(models, ending(k, '.freecad.py'), text%content())
+               else
+                  call own%error('has no link that is a plate, so there are no solids for FreeCAD; give the group &PLATES', &
+                                 line=sets(k)%title_line)
+               end if
             end if
             if (formats%sdf) then
                call begin()

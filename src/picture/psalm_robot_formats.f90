@@ -5,6 +5,7 @@ module psalm_robot_formats
    public :: robot_formats_t
 
    type :: robot_formats_t
+      logical :: freecad = .false. !! FreeCAD
       logical :: mjcf = .false.    !! MuJoCo
       logical :: sdf = .false.     !! Gazebo
       logical :: urdf = .false.    !! ROS
@@ -18,7 +19,7 @@ contains
    pure logical function any_format(self)
       class(robot_formats_t), intent(in) :: self
 
-      any_format = self%mjcf .or. self%sdf .or. self%urdf
+      any_format = self%mjcf .or. self%sdf .or. self%urdf .or. self%freecad
    end function any_format
 
    !> The options of the command line.
@@ -30,5 +31,6 @@ contains
       if (self%mjcf) words = words//' --mjcf'
       if (self%sdf) words = words//' --sdf'
       if (self%urdf) words = words//' --urdf'
+      if (self%freecad) words = words//' --freecad'
    end function options
 end module psalm_robot_formats

@@ -13,13 +13,16 @@ module psalm_scene
    use psalm_force_scene, only: force_scene_t, extent_of_weights, make_force_scene
    use psalm_group_words, only: group_words
    use psalm_kinds, only: wp, full_turn
+   use psalm_link_outline, only: convex_hull
+   use psalm_plate_group, only: plate_group_t, plates_of
+   use psalm_plate_masses, only: plate_of_body
    use psalm_margin_list, only: describe_margin
    use psalm_margins, only: margin_t, inspector_t, prepare_inspector, inspect, is_violated
    use psalm_markup, only: strings_t, add_string
    use psalm_output_kind, only: motion_point, motion_angle, motion_distance, motion_slide, motion_pose
    use psalm_panels, only: panel_t, tolerance_band_t, add_family_panels, add_rate_panels, add_study_panels, find_band
    use psalm_parts, only: drawn_joint_t, drawn_bar_t, drawn_body_t, drawn_slide_t, drawn_dyad_t, wheel_t, output_curve_t, &
-                          drive_part_t, edge_t, ghost_t, find_slides, convex_hull
+                          drive_part_t, edge_t, ghost_t, find_slides
    use psalm_sketch, only: output_point, output_pose, output_x, output_y
    use psalm_sketch_study, only: sketch_study_t, study_sketch
    use psalm_proof_scene, only: proof_scene_t, make_proof_scene
@@ -184,7 +187,7 @@ contains
             scene%joints(place(size(mechanism%points) + 1 + side))%name = trim(set%sketch%joint_name(sides(side)%joint))
          end do
          scene%reference = minloc(abs(scene%prescribed%delt), dim=1)
-         call make_bodies(mechanism, set%has_names(), sides, scene)
+         call make_bodies(mechanism, set%has_names(), sides, scene, plates_of(set))
          call choose_view(scene, maxval(dimensions%arcl))
          call find_rails(scene)
          call find_others(scene, scene%prescribed)
@@ -637,11 +640,12 @@ contains
 
    !> The mechanism's bodies as far as they have bars of fixed length; one with an area is a plate. Bars of one body that hang
    !> together nowhere, as where one is only parallel to the others, are drawn apart. A slide belongs with the body that guides it.
-   subroutine make_bodies(mechanism, named, sides, scene)
+   subroutine make_bodies(mechanism, named, sides, scene, plates)
       type(mechanism_t), intent(in) :: mechanism
       logical, intent(in) :: named        !! the links have names of the user's
       type(side_point_t), intent(in) :: sides(:)
       type(scene_t), intent(inout) :: scene
+      type(plate_group_t), intent(in) :: plates
       integer :: body(size(scene%bars))   !! the mechanism's
       integer :: piece(size(scene%bars)), first(size(mechanism%bodies)), b, c, pieces, old
 
@@ -715,6 +719,11 @@ contains
          end do
          new%joints = pack([(j, j=1, size(member))], member)
          new%frame = whole == body_frame
+         k = plate_of_body(plates, mechanism, whole)
+         if (k > 0) then
+            new%width = plates%plates(k)%width
+            new%hole = plates%plates(k)%hole
+         end if
          if (named .and. allocated(mechanism%bodies(whole)%name)) new%name = mechanism%bodies(whole)%name
          allocate (new%hull(0))
          do k = 1, scene%prescribed%n

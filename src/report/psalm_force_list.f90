@@ -8,6 +8,7 @@ module psalm_force_list
    use psalm_force_study, only: force_study_t
    use psalm_group_words, only: group_heading
    use psalm_kinds, only: wp
+   use psalm_plate_group, only: plate_group_t, plates_of
    use psalm_number_format, only: number_format_t, format_of, figure, in_sentence
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_text, only: text_t, cased, to_text
@@ -89,10 +90,59 @@ contains
          end do
          if (set%masses%about_given) call text%add(' P IS'//in_sentence(set%has_names(), set%masses%about(1))// &
                                                    in_sentence(set%has_names(), set%masses%about(2)))
+         if (size(study%model%plates) > 0) call list_plates(set, study, text)
          if (any(known)) call list_sizing(study, 'THE INPUT', text)
          if (size(study%harmonics) > 0) call list_harmonics(study, text)
       end associate
    end subroutine list_forces
+
+   !> Links cut from plate: their masses as &MASSES would have them.
+   subroutine list_plates(set, study, text)
+      type(data_set_t), intent(in) :: set
+      type(force_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      type(number_format_t) :: of_mass, of_distance, of_angle, of_inertia
+      integer :: k
+
+      associate (plates => study%model%plates, named => study%mechanism%has_joint_names())
+         of_mass = format_of(named, plates%mass)
+         of_distance = format_of(named, plates%distance)
+         of_angle = format_of(named, plates%angle)
+         of_inertia = format_of(named, plates%own_inertia)
+         call text%add()
+         call text%add(' LINKS CUT FROM PLATE       MASS, KG       DISTANCE          ANGLE INERTIA, KG M2   CENTRE OF MASS FROM')
+         do k = 1, size(plates)
+            call text%add('  '//named_so(study%mechanism%bodies(plates(k)%body)%name)//figure(plates(k)%mass, of_mass)// &
+                          figure(plates(k)%distance, of_distance)//figure(plates(k)%angle, of_angle)// &
+                          figure(plates(k)%own_inertia, of_inertia)//'   '//counted_from(set, plates(k)%plate))
+         end do
+      end associate
+
+   contains
+
+      pure function named_so(name) result(cell)
+         character(*), intent(in) :: name
+         character(max(name_columns, len(name))) :: cell
+
+         cell = name
+      end function named_so
+   end subroutine list_plates
+
+   !> What the centre of mass of a plate is counted from: a joint and the line to another; of loops the link's own arc.
+   pure function counted_from(set, plate) result(words)
+      type(data_set_t), intent(in) :: set
+      integer, intent(in) :: plate             !! its number in the group
+      character(:), allocatable :: words
+      type(plate_group_t) :: plates
+
+      words = 'ITS FIRST ARC'
+      if (.not. set%has_names()) return
+      plates = plates_of(set)
+      associate (joints => set%sketch%links(plates%plates(plate)%link)%joints)
+         words = trim(set%sketch%joint_name(joints(1)))
+         if (size(joints) > 1) words = words//', LINE '//words//' '//trim(set%sketch%joint_name(joints(2)))
+      end associate
+   end function counted_from
 
    !> Column of the table that has a drive after the first.
    pure integer function column_of_drive(study, drive)
@@ -317,6 +367,19 @@ contains
          call tables%put(table)
       end if
 
+      if (size(study%model%plates) > 0) then
+         associate (plates => study%model%plates)
+            table = table_of('plates', 'a row for each link cut from plate, its centre of mass from its first joint and the '// &
+                             'line to the next; of loops from its own arc', audience=for_programs)
+            call table%add('link', [(link_name(plates(k)%body), k=1, size(plates))])
+            call table%add('mass', plates%mass, 'kg')
+            call table%add('distance', plates%distance, 'length')
+            call table%add('angle', plates%angle, 'deg')
+            call table%add('inertia', plates%own_inertia, 'kg m2')
+         end associate
+         call tables%put(table)
+      end if
+
       if (size(study%harmonics) > 0) then
          associate (all => study%harmonics)
             table = table_of('harmonics', 'a row for each quantity and order, amplitude*cos(order*input - phase): '//of_all, &
@@ -342,6 +405,13 @@ contains
       call tables%put(table)
 
    contains
+
+      pure function link_name(body) result(name)
+         integer, intent(in) :: body
+         character(name_columns) :: name
+
+         name = study%mechanism%bodies(body)%name
+      end function link_name
 
       subroutine add_share(name, column, unit)
          character(*), intent(in) :: name, unit

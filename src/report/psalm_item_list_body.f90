@@ -20,6 +20,7 @@ submodule(psalm_item_list) psalm_item_list_body
    use psalm_load_group, only: load_items
    use psalm_json, only: json_text
    use psalm_mass_group, only: mass_items
+   use psalm_plate_group, only: plate_items
    use psalm_method_group, only: method_items
    use psalm_motor_group, only: motor_items
    use psalm_number, only: parse_real
@@ -110,6 +111,8 @@ contains
          rules = exact_items
       case ('TIME')
          rules = time_items
+      case ('PLATES')
+         rules = plate_items
       case ('STOPS')
          rules = stops_items
       case default

@@ -11,6 +11,7 @@ module psalm_loop_forces
    use psalm_mechanism, only: mechanism_t, joint_t, at_start, at_finish, body_frame, joint_gear, joint_prismatic
    use psalm_parameters, only: parameters_t
    use psalm_place, only: place_t
+   use psalm_plate_group, only: plate_group_t, plates_of
    use psalm_setup, only: set_up
    use psalm_sketch, only: frame_link
    use psalm_status, only: diagnostics_t
@@ -25,7 +26,8 @@ contains
       type(data_set_t), intent(in) :: set
       type(allocation_group_t) :: allocation
 
-      asks_for_forces = set%masses%given .or. set%loads%given .or. set%springs%given .or. set%friction%given
+      asks_for_forces = set%masses%given .or. set%loads%given .or. set%springs%given .or. set%friction%given .or. &
+                        set%gives('PLATES')
       if (asks_for_forces .or. .not. set%gives('ALLOC')) return
       allocation = allocation_of(set)
       asks_for_forces = size(allocation%plays) > 0
@@ -40,7 +42,8 @@ contains
       type(parameters_t) :: parameters
       type(diagnostics_t) :: findings
       type(place_t), allocatable :: places(:)
-      integer :: k
+      type(plate_group_t) :: plates
+      integer :: k, i
 
       loops_carry_forces = .true.
       allocate (mechanism)
@@ -52,6 +55,13 @@ contains
       places = [set%masses%places, set%loads%places, set%springs%first, set%springs%second, set%traced%shoes]
       do k = 1, size(places)
          loops_carry_forces = loops_carry_forces .and. is_on_link(mechanism, dimensions, places(k))
+      end do
+      plates = plates_of(set)
+      do k = 1, size(plates%plates)
+         if (plates%plates(k)%link == 0) cycle
+         do i = 1, size(plates%plates(k)%corners)
+            loops_carry_forces = loops_carry_forces .and. is_on_link(mechanism, dimensions, plates%plates(k)%corners(i))
+         end do
       end do
 
    contains

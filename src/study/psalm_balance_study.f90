@@ -16,13 +16,14 @@ module psalm_balance_study
    use psalm_force_analysis, only: force_table_t, analyse_forces, loads_of_unit_masses, column_of_joint, column_drive, &
                                    column_fx, column_fy, column_moment
    use psalm_force_balance, only: force_balance_t, weights_t, prepare_balance, find_sets, least_weights, rank_of, unspanned, &
-                                   conditions_t, find_conditions
-   use psalm_force_model, only: force_model_t, location_t, make_force_model, vertices_of, joint_at, location_of_place, &
-                                place_right, mass_parameters, parameter_mass, parameter_mx, parameter_my
+                                  conditions_t, find_conditions
+   use psalm_force_model, only: force_model_t, make_force_model, vertices_of, joint_at, mass_parameters, parameter_mass, &
+                                parameter_mx, parameter_my
    use psalm_kinds, only: wp, half_turn
    use psalm_kinetostatics, only: source_inertia, source_weight
    use psalm_linear_loads, only: channel_t, measure_t, measure_of, about_anchor, parameters_of_weight, weight_mass, weight_px, &
                                  weight_py, weight_inertia
+   use psalm_locations, only: location_of_place, location_t, place_right
    use psalm_mechanism, only: mechanism_t, body_frame, joint_gear, joint_prismatic, at_start
    use psalm_pin_order, only: pin_order_t, order_by_pins
    use psalm_sort, only: ascending

@@ -13,9 +13,10 @@ module psalm_multibody
    use psalm_data_set, only: data_set_t
    use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t, motion_t, make_problem
-   use psalm_force_model, only: force_model_t, location_t, location_of_place, make_force_model, parameter_inertia, parameter_mass, &
-                                parameter_mx, parameter_my, place_right, vertices_of
+   use psalm_force_model, only: force_model_t, make_force_model, parameter_inertia, parameter_mass, parameter_mx, parameter_my, &
+                                vertices_of
    use psalm_kinds, only: wp, radians_per_degree
+   use psalm_locations, only: location_of_place, location_t, place_right
    use psalm_loop_forces, only: loops_carry_forces
    use psalm_mechanism, only: mechanism_t, arc_actuator, at_finish, body_frame, joint_gear, joint_prismatic
    use psalm_output_kind, only: motion_point
@@ -47,6 +48,10 @@ module psalm_multibody
       logical :: mass_assumed = .false., inertia_assumed = .false.
       real(wp), allocatable :: points(:, :)      !! shape (2, points): joints and other points of it
       integer :: joint = 0                       !! the joint that leads to it in the tree; 0: the frame
+      ! of a plate, m
+      real(wp) :: thickness = 0.0_wp             !! 0: it is none
+      real(wp) :: width = 0.0_wp, hole = 0.0_wp  !! hole: the diameter of all
+      real(wp), allocatable :: corners(:, :), holes(:, :) !! shapes (2, corners), (2, holes): corners anticlockwise
    end type rigid_body_t
 
    !> A joint.
@@ -156,6 +161,7 @@ contains
       call mark_points(set, prepared, forces, pose, model)
       call add_joints(prepared%mechanism, problem, forces%metre, origin, model)
       call add_masses(forces, pose, origin, model)
+      call add_plates(forces, pose, origin, model)
       call plant_tree(model, order)
       call add_relations(prepared%mechanism, forces%metre, set%pace(), set%sketch, model)
       call add_rates(pose, 1, origin, set%pace(), model%joints)
@@ -290,6 +296,38 @@ contains
          end associate
       end subroutine mark
    end subroutine mark_points
+
+   !> What of the bodies is cut from plate.
+   pure subroutine add_plates(forces, pose, origin, model)
+      type(force_model_t), intent(in) :: forces
+      type(body_motion_t), intent(in) :: pose
+      real(wp), intent(in) :: origin(2)
+      type(multibody_t), intent(inout) :: model
+      integer :: k
+
+      do k = 1, size(forces%plates)
+         associate (plate => forces%plates(k), body => model%bodies(forces%plates(k)%body))
+            body%thickness = forces%metre*plate%thickness
+            body%width = forces%metre*plate%width
+            body%hole = forces%metre*plate%hole
+            body%corners = all_placed(plate%body, plate%corners)
+            body%holes = all_placed(plate%body, plate%holes)
+         end associate
+      end do
+
+   contains
+
+      pure function all_placed(body, from) result(at)
+         integer, intent(in) :: body
+         real(wp), intent(in) :: from(:, :)
+         real(wp) :: at(2, size(from, 2))
+         integer :: i
+
+         do i = 1, size(from, 2)
+            at(:, i) = placed(pose, 1, body, origin, forces%metre*from(:, i))
+         end do
+      end function all_placed
+   end subroutine add_plates
 
    !> A place on a body, from its reference in its axes, as a place of the machine.
    pure function placed(pose, position, body, origin, from) result(at)

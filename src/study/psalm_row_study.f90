@@ -20,7 +20,7 @@ module psalm_row_study
    !> A row of inputs.
    type :: solved_row_t
       class(problem_t), allocatable :: problem  !! bound; its plan has every loop and the point that the output arc begins at
-      class(motion_t), allocatable :: motion
+      type(motion_t), allocatable :: motion     !! a type: as a class gfortran 12 may, at random, not free it in a component
       type(force_table_t), allocatable :: forces !! of a motion in time: as it has them
    end type solved_row_t
 

@@ -7,10 +7,9 @@ module psalm_spring_study
    use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t, motion_t
    use psalm_force_analysis, only: force_table_t, analyse_forces, loads_of_unit_wrenches, column_of_joint, column_drive
-   use psalm_force_model, only: force_model_t, location_t, make_force_model, vertices_of, joint_at, location_of_place, &
-                               place_right, &
-                                place_nowhere
+   use psalm_force_model, only: force_model_t, make_force_model, vertices_of, joint_at
    use psalm_kinds, only: wp, pi, full_turn, radians_per_degree, degrees_per_radian
+   use psalm_locations, only: location_of_place, location_t, place_nowhere, place_right
    use psalm_mechanism, only: mechanism_t, joint_prismatic
    use psalm_place, only: place_t
    use psalm_spring_design_group, only: spring_design_group_t, spring_design_of, acts_between_points, acts_by_turning, &

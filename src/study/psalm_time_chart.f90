@@ -10,12 +10,13 @@ module psalm_time_chart
    use psalm_data_set, only: data_set_t
    use psalm_error, only: problem_t, make_problem
    use psalm_force_analysis, only: column_drive, column_moment, column_of_joint, column_of_other_drive
-   use psalm_force_model, only: force_model_t, location_t, body_of_link, make_force_model, vertices_of, &
-                                parameter_mass, parameter_mx, parameter_my, parameter_inertia
+   use psalm_force_model, only: force_model_t, body_of_link, make_force_model, vertices_of, parameter_mass, parameter_mx, &
+                                parameter_my, parameter_inertia
    use psalm_free_motion, only: free_motion_t, free_state_t, make_free_motion
    use psalm_joint_location, only: locate_sketch
    use psalm_joint_stops, only: joint_stop_t, make_stops, rate_at, rubbing_joints, watch_joint
    use psalm_kinds, only: wp, degrees_per_radian, full_turn
+   use psalm_locations, only: location_t
    use psalm_loop_forces, only: link_of_body
    use psalm_mechanism, only: mechanism_t, at_finish, at_start, body_frame, joint_prismatic, joint_revolute
    use psalm_moving_joints, only: sketch_motion_t

@@ -363,7 +363,7 @@ def bad_input(place):
             ([(" &RATES SPEED=23.07, UNITS='RAD/S' &END\n", "")], 2, "ssics needs the SPEED"),
             ([("SPEED=23.07", "SPEED=0.0")], 2, "a speed other than 0"),
             ([("SPEED=23.07", "SPEED=23.07, ACCEL=1.0")], 2, "constant speed"),
-            ([("NMASS=1, MLINK=3", "NMASS=1, MLINK=2")], 2, "&MASSES has a mass on this link"),
+            ([("NMASS=1, MLINK=3", "NMASS=1, MLINK=2")], 2, "&MASSES or &PLATES has a mass on this link"),
             ([("VZETA=0.015", "VZETA=1.5")], 2, "must lie between 0 and 1"),
             ([("NMODE=2", "NMODES=2")], 2, "did you mean NMODE?"),
             ([("76.2,381.0,152.4,381.0", "160.0,381.0,152.4,381.0")], 1, "cannot make a full turn"),

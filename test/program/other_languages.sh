@@ -15,7 +15,8 @@ check() { local law=$1; shift; if "$@" >"$work/log" 2>&1; then passed=$((passed 
 # the first three positions of the slider-crank of doc/guide/library.md
 slides() { "$@" >"$work/slides" && head -3 "$work/slides" | tr -s ' ' | grep -c -E '^ (0.0 179.6424|15.0 178.6366|30.0 174.2834)$' | grep -qx 3; }
 
-check 'it builds' "$top/scripts/build_library" "$lib"
+# the tests of the workbench wait for it, or build it
+check 'it builds' flock "$top/build/lib.lock" "$top/scripts/build_library" "$lib"
 cd "$work" || exit 1
 fortran=(gfortran -std=f2018 -I "$lib/include")
 libraries=(-L "$lib" -lpsalm "-Wl,-rpath,$lib")
@@ -37,6 +38,7 @@ check 'the test in C compiles' "${c[@]}" "$top/c/test_psalm.c" -o capi "${librar
 ./capi "$top/data" || failed=$((failed + 1))
 check 'pip installs the module' "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation \
     --target "$work/site" "$top/python"
+check 'pip: the workbench has its command' test -x site/bin/psalm-workbench
 check 'pip: the library is beside the module' test -s site/psalm/libpsalm.so
 export PYTHONPATH="$work/site"
 check 'Python: the slider-crank' slides "$venv/bin/python" "$top/python/example/slider_crank.py"

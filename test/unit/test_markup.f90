@@ -6,7 +6,7 @@ program test_markup
    use psalm_json, only: add_member, json_integers, json_number, json_text
    use psalm_markup, only: clean_text, sentence_case, short_number, strings_t, wrapped, &
                            xml_text
-   use psalm_parts, only: convex_hull
+   use psalm_link_outline, only: convex_hull
    use psalm_text, only: text_t
    implicit none (type, external)
    type(checks_t) :: t

@@ -420,14 +420,14 @@ def test_words(browser):
         code, _, errors = psalm("--quiet", "wrong.nml")
         check("words, %s: told on the board" % name, words in board.chip() and not board.ask("Boolean(board.state.motion.sweep)"), board.chip())
         check("words, %s: psalm refuses it too" % name, code == 2, errors)
-    board.page.click("summary")
-    board.page.fill('[aria-label="data set"]', "A CASE\n &CHAIN JNT='A','B', JX=0.,1., JY=0.,x &END\n")
-    board.page.click("text=Take over")
-    check("words: a mistake in the text has its line", "line 2: &CHAIN JY: a number is expected; found 'x'" in board.page.text_content("#panel .wrong"),
-          board.page.text_content("#panel"))
-    board.page.fill('[aria-label="data set"]', four % ("'A D','A B','B C','C D'", "'A'"))
-    board.page.click("text=Take over")
-    check("words: a right text is taken over", "it moves" in board.chip(), board.chip())
+    board.page.click("#tab-text")
+    board.page.fill("#source", "A CASE\n &CHAIN JNT='A','B', JX=0.,1., JY=0.,x &END\n")
+    board.page.wait_for_function("document.querySelector('#faults .error')")
+    check("words: a mistake in the text has its line", "line 2: &CHAIN JY: a number is expected; found 'x'" in board.page.text_content("#faults") and
+          board.ask("document.querySelector('.mark.error').style.top") == "17px", board.page.text_content("#text"))
+    board.page.fill("#source", four % ("'A D','A B','B C','C D'", "'A'"))
+    board.page.wait_for_function("board.state.messages.length === 0")
+    check("words: a right text is on the board", "it moves" in board.chip(), board.chip())
     check("words: no complaint", not board.complaints, str(board.complaints))
     board.context.close()
 
