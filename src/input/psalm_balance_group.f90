@@ -60,6 +60,8 @@ module psalm_balance_group
       integer :: order = order_mass            !! WRANK
       integer :: filter = filter_none          !! WCLEAR: designs left out for what the joint of &CLEAR does
       integer :: listed = 10                   !! NLIST: designs listed at most
+      integer :: explained = 0                 !! NCOND: designs whose conditions are listed
+      logical :: dynamic = .false.             !! IDYNAM: can force and moment be balanced together?
       real(wp), allocatable :: budgets(:)      !! WBUDGT, shape (NBUDGT): kg
       integer :: front = 0                     !! NFRONT: points of a Pareto front
       integer :: front_of(2) = [measure_force, measure_mass] !! FRONT1, FRONT2
@@ -177,6 +179,12 @@ module psalm_balance_group
              'lose it in the passage, ''ANY'' those that lose it at all'), &
       rule_t('NLIST', a_whole, '', '', '10', '[1,10000]', &
              'designs that are listed'), &
+      rule_t('NCOND', a_whole, '', '', '0', '[0,10000]', &
+             'so many of the designs are listed with the conditions that their weights satisfy: mass times distance and angle, '// &
+             'term by term'), &
+      rule_t('IDYNAM', a_flag, '', '', '0', '', &
+             '1: can shaking force and moment be balanced together: the least moment that is left when the force is balanced '// &
+             'by bodies within the limits'), &
       rule_t('NBUDGT', a_whole, '', '', 'as many as WBUDGT has', '[0,1000]', &
              'number of added masses for each of which the least shaking force is found'), &
       rule_t('WBUDGT', a_number, 'NBUDGT', 'kg', '', '[0,)', &
@@ -266,6 +274,8 @@ contains
       call take(group, 'WRANK', balance%order, findings)
       call take(group, 'WCLEAR', balance%filter, findings)
       call take(group, 'NLIST', balance%listed, findings)
+      call take(group, 'NCOND', balance%explained, findings)
+      call take(group, 'IDYNAM', balance%dynamic, findings)
       call take_count(group, 'NBUDGT', budgets, findings)
       allocate (balance%budgets(budgets), source=0.0_wp)
       call take(group, 'WBUDGT', balance%budgets, findings)
