@@ -85,7 +85,7 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
                 content[place] = file.read()
     content[info + "METADATA"] = _metadata().encode()
     content[info + "WHEEL"] = ("Wheel-Version: 1.0\nGenerator: psalm\nRoot-Is-Purelib: false\nTag: %s\n" % tag).encode()
-    content[info + "entry_points.txt"] = b"[console_scripts]\npsalm-workbench = psalm.workbench:main\npsalm-import = psalm.imports:main\n"
+    content[info + "entry_points.txt"] = b"[console_scripts]\npsalm-workbench = psalm.workbench:main\npsalm-import = psalm.imports:main\npsalm-report = psalm.report:main\n"
     record = ""
     for place, data in content.items():
         digest = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()

@@ -14,8 +14,10 @@ import re
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
+import xml.etree.ElementTree
 
 import numpy
 import psalm
@@ -495,6 +497,38 @@ def test_stopping():
     raises("too many threads for tolerances", "1024", lambda: endless().tolerances(100000))
 
 
+def test_report():
+    """The report says what the studies say; a case that is wrong and a limit that is violated give their exit statuses."""
+    from psalm import report
+    case = psalm.from_file(os.path.join(DATA, "cut_from_plate.nml"))
+    page = report.report(case)
+    plates, forces = case.study("forces").tables["plates"], case.forces()
+    check("report: masses", all("<td>%.6g</td>" % mass in page for mass in plates["mass"]))
+    check("report: forces", all("<td>%.6g</td>" % value in page for value in forces["drive"]))
+    check("report: summary", "crank-rocker" in page and "<svg" not in page.split("<h2>Positions")[0])
+    check("report: the page is XML", bool(xml.etree.ElementTree.fromstring(re.sub(r"<!DOCTYPE html>|<meta[^>]*>|<img[^>]*>|<br>", "", page))))
+    check("report: words of the case are escaped", "&lt;b&gt;" in report.report(psalm.Case.from_text(case.text.replace("VENT LIFT", "<b>"))))
+    long = report.report(psalm.from_file(os.path.join(DATA, "needle_masses.nml")))
+    check("report: long tables are thinned, curves drawn", "every" in long and long.count("<svg") > 10)
+    check("report: motion in time", "<h2>Motion in time</h2>" in report.report(psalm.from_file(os.path.join(DATA, "time", "clutch_press.nml"))))
+    raises("report: a case without a linkage", "no linkage", lambda: report.report(psalm.from_file(os.path.join(DATA, "exact", "five_poses.nml"))))
+    for name in ("needle", "muscle/haines_10u", "bridge/four_bar_haines"):
+        check("report: " + name, "</html>" in report.report(psalm.from_file(os.path.join(DATA, name + ".nml"))))
+    with tempfile.TemporaryDirectory() as folder:
+        def written(name, text):
+            with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
+                file.write(text)
+            return report.main([os.path.join(folder, name)])
+        sys.stdout.flush()
+        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()) as said:
+            check("report: written", written("good.nml", case.text) == 0 and os.path.getsize(os.path.join(folder, "good.report.html")) > 10000)
+            check("report: violated", written("open.nml", case.text.replace("TANGLE=70.0", "TANGLE=10.0")) == 1)
+            check("report: wrong", written("wrong.nml", case.text.replace("JNT", "JOINTS")) == 2 and "JOINTS" in said.getvalue())
+            check("report: nothing there", report.main([os.path.join(folder, "nothing.nml")]) >= 2)
+            check("report: no folder", report.main([os.path.join(folder, "good.nml"), "--output-dir", os.path.join(folder, "none")]) == 3)
+        check("report: nothing else is left", sorted(os.listdir(folder)) == ["good.nml", "good.report.html", "open.nml", "open.report.html", "wrong.nml"])
+
+
 def test_threads():
     """Cases of different threads do not disturb each other."""
     results = {}
@@ -533,7 +567,7 @@ def test_threads():
 
 
 for test in (test_analysis, test_made, test_linkage, test_tolerances, test_search, test_next_study, test_files_of_a_case, test_verbs,
-             test_errors, test_copies, test_names, test_fork, test_bar, test_stopping, test_threads, test_speed, test_import, test_level):
+             test_errors, test_copies, test_names, test_fork, test_bar, test_stopping, test_report, test_threads, test_speed, test_import, test_level):
     test()
 test_wrong_arguments(int(sys.argv[2]) if len(sys.argv) > 2 else 4000)
 PROJECT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "pyproject.toml")
