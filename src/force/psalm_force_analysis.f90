@@ -13,7 +13,7 @@ module psalm_force_analysis
    use psalm_stop, only: stop_t, is_to_end
    implicit none (type, external)
    private
-   public :: force_table_t, analyse_forces, share_of_sources, loads_of_unit_masses, loads_of_unit_wrenches, &
+   public :: force_table_t, analyse_forces, share_of_sources, loads_of_unit_masses, loads_of_unit_wrenches, tilting_moments, &
              column_of_joint, column_of_other_drive, columns_of, take_columns
    public :: column_drive, column_fx, column_fy, column_moment
 
@@ -178,6 +178,31 @@ contains
          end do
       end do
    end subroutine share_of_sources
+
+   !> Moments of inertia forces and weight out of the plane, on the frame about the axes x and y: shape (positions, 2), N m.
+   !>
+   !> A force F of an element at the height z has the moments -z F_y and z F_x: masses times their heights in place of masses give
+   !> forces on the frame that are these moments. Loads and springs act in the plane. Source: Haines (about 1982), table 148a.
+   subroutine tilting_moments(problem, model, speed, accel, closed, input, moments)
+      type(problem_t), intent(inout) :: problem
+      type(force_model_t), intent(in) :: model
+      real(wp), intent(in) :: speed, accel
+      logical, intent(in) :: closed(:)
+      real(wp), intent(in) :: input(:)
+      real(wp), allocatable, intent(out) :: moments(:, :)
+      type(force_model_t) :: raised
+      type(force_table_t) :: table
+
+      raised = model
+      raised%inertia = 0.0_wp
+      raised%inertia(:size(model%tilt, 1), :) = model%tilt
+      deallocate (raised%loads, raised%springs, raised%friction)
+      allocate (raised%loads(0), raised%springs(0), raised%friction(0))
+      call analyse_forces(problem, raised, speed, accel, closed, input, table)
+      allocate (moments(size(input), 2))
+      moments(:, 1) = -table%value(:, column_fy)
+      moments(:, 2) = table%value(:, column_fx)
+   end subroutine tilting_moments
 
    !> Inertia forces of unit masses: every force of the mechanism is the sum over the bodies of these columns times the body's
    !> mass [kg], first moments [kg m] in the axes of its own arc, and moment of inertia [kg m2] about its reference.

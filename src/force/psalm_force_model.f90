@@ -66,6 +66,8 @@ module psalm_force_model
       integer, allocatable :: reference(:)  !! vertex of the mechanism
       real(wp), allocatable :: inertia(:, :) !! shape (4, bodies): mass [kg], first moments [kg m], moment of inertia [kg m2]
                                             !! about the reference
+      logical :: tilts = .false.            !! masses have heights above the plane
+      real(wp), allocatable :: tilt(:, :)   !! shape (3, bodies): masses times height [kg m], and these times place [kg m2]
       type(load_t), allocatable :: loads(:)
       type(spring_t), allocatable :: springs(:)
       type(friction_t), allocatable :: friction(:)
@@ -149,6 +151,10 @@ contains
          call set%origins%error(findings, 'MOTOR', '', 'motion from torque needs one drive that all others follow; '// &
                                 'this linkage has several of their own')
       end if
+      model%tilts = set%masses%has_heights
+      allocate (model%tilt(parameter_my, size(mechanism%bodies)), source=0.0_wp)
+      if (model%tilts .and. set%gives('TIME')) call set%origins%warning(findings, 'MASSES', 'MZ', &
+         'has no effect on a motion in time: moments out of the plane are found where the drive has its speed')
       masses = size(set%masses%places)
       springs = size(set%springs%first)
       if (present(without_added)) then
@@ -166,6 +172,9 @@ contains
             cycle
          end if
          call add_mass(model, model%centres(k), set%masses%mass(k), set%masses%inertia(k))
+         associate (body => model%tilt(:, model%centres(k)%body))
+            body = body + set%masses%mass(k)*set%masses%height(k)*model%metre*[1.0_wp, model%centres(k)%at*model%metre]
+         end associate
       end do
       call find_plates(set, mechanism, dimensions, model%reference, model%metre, model%plates, findings)
       do k = 1, size(model%plates)

@@ -33,6 +33,10 @@ module psalm_balance_group
       type(place_t), allocatable :: places(:)  !! WLINK, WLOOP, WDIST, WANG: the anchor
       real(wp), allocatable :: reach(:)        !! WREACH: greatest distance of a centre from the anchor, user's length
       real(wp), allocatable :: most(:)         !! WMOST: greatest mass, kg; 0: no limit
+      real(wp), allocatable :: height(:)       !! WZ: of the weights' plane above that of the linkage, user's length
+      logical :: raised = .false.              !! it was given
+      real(wp) :: tilt_tolerance = 0.0_wp      !! TOLQ; 0: it does not count
+      real(wp) :: most_tilt = 0.0_wp           !! MAXQ; 0: no limit
       logical :: boxed = .false.               !! the centres have limits of their own:
       real(wp), allocatable :: centre_low(:, :), centre_high(:, :) !! WXLOW, WYLOW; WXHIGH, WYHIGH, shape (2, links): from the
                                                !! anchor, along the link's line and across it, user's length
@@ -56,6 +60,8 @@ module psalm_balance_group
       integer :: order = order_mass            !! WRANK
       integer :: filter = filter_none          !! WCLEAR: designs left out for what the joint of &CLEAR does
       integer :: listed = 10                   !! NLIST: designs listed at most
+      integer :: explained = 0                 !! NCOND: designs whose conditions are listed
+      logical :: dynamic = .false.             !! IDYNAM: can force and moment be balanced together?
       real(wp), allocatable :: budgets(:)      !! WBUDGT, shape (NBUDGT): kg
       integer :: front = 0                     !! NFRONT: points of a Pareto front
       integer :: front_of(2) = [measure_force, measure_mass] !! FRONT1, FRONT2
@@ -85,6 +91,8 @@ module psalm_balance_group
              'angle from the arc''s direction'), &
       rule_t('WREACH', a_number, '1 to NWEIGH', 'length', 'required', '[0,)', &
              'greatest distance of a weight''s centre from its anchor; 0: no weight on this link'), &
+      rule_t('WZ', a_number, '1 to NWEIGH', 'length', '0', '', &
+             'height of a weight''s centre above the plane of the linkage, as MZ of &MASSES'), &
       rule_t('WMOST', a_number, '1 to NWEIGH', 'kg', '0', '[0,)', &
              'greatest mass; 0: a hundred times the linkage''s mass'), &
       rule_t('WXLOW', a_number, '1 to NWEIGH', 'length', '-WREACH', '', &
@@ -120,6 +128,8 @@ module psalm_balance_group
              'tolerance of the shaking moment'), &
       rule_t('TOLT', a_number, '', 'N m, N', '0', '[0,)', &
              'tolerance of drive torque or force'), &
+      rule_t('TOLQ', a_number, '', 'N m', '0', '[0,)', &
+             'tolerance of the moment out of the plane (MZ of &MASSES, WZ)'), &
       rule_t('TOLW', a_number, '', 'kg', '0', '[0,)', &
              'tolerance of the added mass; With WCRIT=''RMS'' the square of the added mass over TOLW is added '// &
              'once for each position, as those of forces are: an added mass of TOLW weighs as much as a force '// &
@@ -147,6 +157,8 @@ module psalm_balance_group
              'greatest shaking moment at any position; 0: no limit'), &
       rule_t('MAXT', a_number, '', 'N m, N', '0', '[0,)', &
              'greatest drive torque or force at any position; 0: no limit'), &
+      rule_t('MAXQ', a_number, '', 'N m', '0', '[0,)', &
+             'greatest moment out of the plane at any position; 0: no limit'), &
       rule_t('DESFX', a_number, 'n', 'N', '0', '', &
              'desired shaking force, x: one value, or one for each position; the composite is of the differences from it'), &
       rule_t('DESFY', a_number, 'n', 'N', '0', '', &
@@ -167,6 +179,12 @@ module psalm_balance_group
              'lose it in the passage, ''ANY'' those that lose it at all'), &
       rule_t('NLIST', a_whole, '', '', '10', '[1,10000]', &
              'designs that are listed'), &
+      rule_t('NCOND', a_whole, '', '', '0', '[0,10000]', &
+             'so many of the designs are listed with the conditions that their weights satisfy: mass times distance and angle, '// &
+             'term by term'), &
+      rule_t('IDYNAM', a_flag, '', '', '0', '', &
+             '1: can shaking force and moment be balanced together: the least moment that is left when the force is balanced '// &
+             'by bodies within the limits'), &
       rule_t('NBUDGT', a_whole, '', '', 'as many as WBUDGT has', '[0,1000]', &
              'number of added masses for each of which the least shaking force is found'), &
       rule_t('WBUDGT', a_number, 'NBUDGT', 'kg', '', '[0,)', &
@@ -189,14 +207,15 @@ contains
    pure logical function wants_optimum(self)
       class(balance_group_t), intent(in) :: self
 
-      wants_optimum = any(self%tolerance > 0.0_wp) .or. size(self%joints) > 0 .or. any(self%most_load > 0.0_wp)
+      wants_optimum = any(self%tolerance > 0.0_wp) .or. size(self%joints) > 0 .or. any(self%most_load > 0.0_wp) .or. &
+                      self%tilt_tolerance > 0.0_wp .or. self%most_tilt > 0.0_wp
    end function wants_optimum
 
    !> True if something counts in the composite; otherwise loads have limits only, and the added mass is made least.
    pure logical function counts_loads(self)
       class(balance_group_t), intent(in) :: self
 
-      counts_loads = any(self%tolerance > 0.0_wp) .or. any(self%joint_tolerance > 0.0_wp)
+      counts_loads = any(self%tolerance > 0.0_wp) .or. any(self%joint_tolerance > 0.0_wp) .or. self%tilt_tolerance > 0.0_wp
    end function counts_loads
 
    !> Read the group. Errors: arcs that are not there, numbers out of range, limits that leave no room.
@@ -221,6 +240,11 @@ contains
                 balance%thickness_high(n), source=0.0_wp)
       call take(group, 'WREACH', balance%reach, findings, repeated=.true.)
       call take(group, 'WMOST', balance%most, findings, repeated=.true.)
+      allocate (balance%height(n), source=0.0_wp)
+      call take(group, 'WZ', balance%height, findings, repeated=.true.)
+      balance%raised = group%given('WZ')
+      call take(group, 'TOLQ', balance%tilt_tolerance, findings)
+      call take(group, 'MAXQ', balance%most_tilt, findings)
       call take(group, 'WRLOW', balance%radius_low, findings, repeated=.true.)
       call take(group, 'WRHIGH', balance%radius_high, findings, repeated=.true.)
       call take(group, 'WTLOW', balance%thickness_low, findings, repeated=.true.)
@@ -250,6 +274,8 @@ contains
       call take(group, 'WRANK', balance%order, findings)
       call take(group, 'WCLEAR', balance%filter, findings)
       call take(group, 'NLIST', balance%listed, findings)
+      call take(group, 'NCOND', balance%explained, findings)
+      call take(group, 'IDYNAM', balance%dynamic, findings)
       call take_count(group, 'NBUDGT', budgets, findings)
       allocate (balance%budgets(budgets), source=0.0_wp)
       call take(group, 'WBUDGT', balance%budgets, findings)

@@ -18,6 +18,8 @@ module psalm_mass_group
       type(place_t), allocatable :: places(:)     !! shape (entries): centres of mass
       real(wp), allocatable :: mass(:)            !! shape (entries): kg
       real(wp), allocatable :: inertia(:)         !! shape (entries): about the entry's own centre of mass, kg m2
+      real(wp), allocatable :: height(:)          !! shape (entries): of the centre above the plane of the linkage, user's length
+      logical :: has_heights = .false.            !! MZ was given: moments out of the plane are wanted
       real(wp) :: metre = 1.0_wp                  !! UNITL: metres in one unit of length
       real(wp) :: gravity(2) = 0.0_wp             !! m/s2, machine axes
       real(wp) :: about(2) = 0.0_wp               !! the frame moment is listed about this point too, user's length
@@ -46,6 +48,9 @@ module psalm_mass_group
              'centre of mass: distance from that end'), &
       rule_t('MANG', a_number, 'NMASS', 'degrees', '0', '', &
              'centre of mass: angle from the arc''s direction'), &
+      rule_t('MZ', a_number, 'NMASS', 'length', '0', '', &
+             'centre of mass: height above the plane of the linkage; where it is given the moments out of the plane on the '// &
+             'frame are found'), &
       rule_t('MINERT', a_number, 'NMASS', 'kg m2', '0', '', &
              'moment of inertia about the entry''s own centre of mass; without a mass it is a flywheel'), &
       rule_t('UNITL', a_number, '', 'm', '1', '(0,)', &
@@ -87,10 +92,12 @@ contains
       masses%given = group%line > 0
       call group%follow(mass_items)
       call take_count(group, 'NMASS', n, findings)
-      allocate (masses%places(n), masses%mass(n), masses%inertia(n))
+      allocate (masses%places(n), masses%mass(n), masses%inertia(n), masses%height(n))
       call read_places(group, 'M', ilink, masses%places, findings, sketch=sketch)
       call take(group, 'MASS', masses%mass, findings)
       call take(group, 'MINERT', masses%inertia, findings)
+      call take(group, 'MZ', masses%height, findings)
+      masses%has_heights = group%given('MZ')
       call take(group, 'UNITL', masses%metre, findings)
       call take(group, 'GRAVX', masses%gravity(1), findings)
       call take(group, 'GRAVY', masses%gravity(2), findings)

@@ -1,7 +1,8 @@
 !> Counterweights in the listing.
 module psalm_balance_list
    use psalm_balance_group, only: balance_group_t, balance_of, form_body, measure_names, order_moment, order_torque, order_contact
-   use psalm_balance_study, only: balance_study_t, outcome_t, channel_force, channel_moment, channel_torque
+   use psalm_balance_study, only: balance_study_t, outcome_t, balance_term_t, channel_force, channel_moment, channel_torque, &
+                                  condition_whole, condition_link
    use psalm_clearance_study, only: margins_t
    use psalm_columns, only: right_column
    use psalm_data_set, only: data_set_t
@@ -33,7 +34,8 @@ contains
          call text%add(' PLACES ARE COUNTED FROM THE ANCHOR, ANGLES FROM THE DIRECTION OF THE LINK''S OWN ARC')
       end if
       call list_feasibility(set%has_names(), study, text)
-      if (study%feasible) call list_designs(set%has_names(), group, study, text)
+      if (study%feasible) call list_designs(set%has_names(), set%masses%metre, group, study, text)
+      if (study%steady_wanted) call list_steady(set%has_names(), study, text)
       if (size(study%budgets) > 0) call list_budgets(set%has_names(), study, text)
       if (allocated(study%found)) call list_optimum(set%has_names(), group, study, text)
       if (allocated(study%front)) call list_front(set%has_names(), group, study, text)
@@ -87,8 +89,9 @@ contains
       end if
    end subroutine list_feasibility
 
-   subroutine list_designs(named, group, study, text)
+   subroutine list_designs(named, metre, group, study, text)
       logical, intent(in) :: named                !! joints have names: a sketch
+      real(wp), intent(in) :: metre               !! metres in a unit of length
       type(balance_group_t), intent(in) :: group
       type(balance_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
@@ -127,6 +130,9 @@ contains
       end if
       if (study%has_clearance) call list_contact(named, study, text)
       if (size(study%designs) == 0) return
+      do k = 1, size(study%designs)
+         if (allocated(study%designs(k)%conditions)) call list_conditions(named, metre, k, study, text)
+      end do
       call text%add()
       call text%add(' DESIGN 1')
       call list_outcome(named, study, study%designs(1), text)
@@ -135,6 +141,69 @@ contains
       call text%add(' LIGHTEST OF ALL, WITH WEIGHTS ON ANY OF THE LINKS ALLOWED')
       call list_outcome(named, study, study%lightest, text)
    end subroutine list_designs
+
+   !> What the weights of a design satisfy, term by term: mass times distance from the anchor, and the angle.
+   subroutine list_conditions(named, metre, design, study, text)
+      logical, intent(in) :: named                !! joints have names: a sketch
+      real(wp), intent(in) :: metre               !! metres in a unit of length
+      integer, intent(in) :: design
+      type(balance_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      type(balance_term_t), allocatable :: rows(:)
+      character(15), allocatable :: columns(:, :)
+      character(:), allocatable :: line
+      integer :: k
+
+      rows = study%conditions_of(design, metre)
+      allocate (columns(size(rows), 2))
+      columns(:, 1) = figures_of(named, rows%product, all_count=.true.)
+      columns(:, 2) = figures_of(named, rows%angle)
+      call text%add()
+      call text%add(' CONDITIONS OF DESIGN '//to_text(design)//': MASS TIMES DISTANCE FROM THE ANCHOR, KG AND UNITS OF LENGTH, '// &
+                    'AND ANGLE; THE DISTANCE IS FREE')
+      call text%add(' WEIGHT ON             ORDER        PRODUCT          ANGLE   WHAT ASKS FOR IT')
+      do k = 1, size(rows)
+         line = ' '//padded('')//'      '
+         if (rows(k)%kind == condition_whole) line = ' '//padded(trim(study%names(rows(k)%body)))// &
+                                                     right_column(study%order(rows(k)%body), 6)
+         line = line//in_a_row(columns(k, :))//'   '
+         select case (rows(k)%kind)
+         case (condition_whole)
+            line = line//'ALL, WITH THE MASSES OF THE DESIGN'
+         case (condition_link)
+            line = line//'MASS OF '//trim(study%names(rows(k)%source))
+         case default
+            line = line//'EACH KG OF THE WEIGHT ON '//trim(study%names(rows(k)%source))
+         end select
+         call text%add(line)
+      end do
+   end subroutine list_conditions
+
+   !> Whether shaking force and moment can be balanced together.
+   subroutine list_steady(named, study, text)
+      logical, intent(in) :: named                !! joints have names: a sketch
+      type(balance_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+
+      call text%add()
+      call text%add(' COMPLETE BALANCE OF FORCE AND MOMENT')
+      if (.not. study%feasible) then
+         call text%add(' IMPOSSIBLE: THE SHAKING FORCE CANNOT BE BALANCED')
+      else if (.not. allocated(study%steady)) then
+         call text%add(' IMPOSSIBLE: THE SHAKING FORCE CANNOT BE BALANCED WITHIN THE LIMITS OF THE WEIGHTS')
+      else
+         associate (moment => study%steady%loads(channel_moment)%rms, before => study%before(channel_moment)%rms)
+            if (study%is_steady()) then
+               call text%add(' POSSIBLE, WITH THESE BODIES')
+            else
+               call text%add(' IMPOSSIBLE WITHIN THE LIMITS OF THE WEIGHTS; THE LEAST MOMENT WITH THE FORCE BALANCED:')
+            end if
+            call text%add(' SHAKING MOMENT (RMS) BEFORE'//in_sentence(named, before)//'   AFTER'//in_sentence(named, moment)// &
+                          '   NONE IS BELOW'//in_sentence(named, study%steady_bound))
+         end associate
+         call list_weights(named, study%steady, text)
+      end if
+   end subroutine list_steady
 
    !> What becomes of contact in the joint with clearance.
    subroutine list_contact(named, study, text)
@@ -198,8 +267,8 @@ contains
       type(outcome_t), intent(in) :: outcome
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
-      character(15) :: columns(size(outcome%weights), 6)
-      logical :: discs, bodies
+      character(15) :: columns(size(outcome%weights), 7)
+      logical :: discs, bodies, raised
       integer :: k
 
       associate (of => outcome%weights)
@@ -209,17 +278,21 @@ contains
          columns(:, 4) = figures_of(named, of%radius)
          columns(:, 5) = figures_of(named, of%thickness)
          columns(:, 6) = figures_of(named, of%inertia, all_count=.true.)
+         columns(:, 7) = figures_of(named, of%height)
       end associate
       discs = any(outcome%weights%thickness > 0.0_wp)
       bodies = any(outcome%weights%inertia > 0.0_wp) .and. .not. discs
+      raised = any(abs(outcome%weights%height) > 0.0_wp)
       line = ' WEIGHT ON                      MASS       DISTANCE          ANGLE'
       if (discs) line = line//'         RADIUS      THICKNESS'
       if (bodies) line = line//'   OWN INERTIA'
+      if (raised) line = line//'         HEIGHT'
       call text%add(line)
       do k = 1, size(outcome%weights)
          line = ' '//padded(outcome%weights(k)%link)//in_a_row(columns(k, :3))
          if (discs) line = line//in_a_row(columns(k, 4:5))
          if (bodies) line = line//columns(k, 6)
+         if (raised) line = line//columns(k, 7)
          call text%add(line)
       end do
       if (size(outcome%weights) == 0) call text%add(' NO WEIGHT AT ALL')
@@ -231,16 +304,19 @@ contains
       type(outcome_t), intent(in) :: outcome
       type(text_t), intent(inout) :: text
       character(15) :: values(size(study%channels), 4)
-      integer :: k
+      integer :: k, last
 
+      last = size(values, 1) - merge(1, 0, study%tilts)
       associate (before => study%before, after => outcome%loads)
          ! forces of the joints have one unit and one number of decimals
          do k = 1, size(values, 1)
             if (k > channel_torque) exit
             values(k, :) = figures_of(named, [before(k)%rms, after(k)%rms, before(k)%peak, after(k)%peak])
          end do
-         values(k:, :) = reshape(figures_of(named, [before(k:)%rms, after(k:)%rms, before(k:)%peak, after(k:)%peak]), &
-                                 [size(values, 1) - k + 1, size(values, 2)])
+         values(k:last, :) = reshape(figures_of(named, [before(k:last)%rms, after(k:last)%rms, before(k:last)%peak, &
+                                                        after(k:last)%peak]), [last - k + 1, size(values, 2)])
+         if (study%tilts) values(last + 1, :) = figures_of(named, [before(last + 1)%rms, after(last + 1)%rms, &
+                                                                   before(last + 1)%peak, after(last + 1)%peak])
       end associate
       call text%add(' LOADS                    RMS BEFORE          AFTER    PEAK BEFORE          AFTER')
       do k = 1, size(study%channels)

@@ -1,6 +1,6 @@
 !> Counterweights as tables.
 module psalm_balance_table
-   use psalm_balance_study, only: balance_study_t, outcome_t, channel_force, channel_moment, channel_torque
+   use psalm_balance_study, only: balance_study_t, outcome_t, balance_term_t, channel_force, channel_moment, channel_torque
    use psalm_clearance_study, only: margins_t
    use psalm_kinds, only: wp
    use psalm_linear_loads, only: measure_t
@@ -43,6 +43,7 @@ contains
          end associate
          call tables%put(table)
       end if
+      call put_conditions(metre, study, tables)
       if (size(study%budgets) > 0) then
          table = table_of('budgets', 'a row for each mass of the counterweights: the least RMS of the force on the frame')
          call table%add('mass', study%budgets%second, 'kg')
@@ -87,6 +88,54 @@ contains
       end if
       call tables%put(table)
    end subroutine put_result
+
+   !> Terms of the conditions of designs; whether force and moment can be balanced together.
+   subroutine put_conditions(metre, study, tables)
+      real(wp), intent(in) :: metre
+      type(balance_study_t), intent(in) :: study
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      type(balance_term_t), allocatable :: rows(:), more(:)
+      character(name_length), allocatable :: source(:)
+      integer, allocatable :: design(:)
+      integer :: k
+
+      allocate (rows(0), design(0))
+      do k = 1, size(study%designs)
+         if (.not. allocated(study%designs(k)%conditions)) cycle
+         more = study%conditions_of(k, metre)
+         rows = [rows, more]
+         design = [design, spread(k, 1, size(more))]
+      end do
+      if (size(rows) > 0) then
+         allocate (source(size(rows)))
+         source = ''
+         where (rows%source > 0) source = named(study, max(rows%source, 1))
+         table = table_of('conditions', 'a row for each term of the condition that a weight of a design satisfies: 0 all '// &
+                          'together, 1 by the mass of a link, 2 by each kilogram of another weight', audience=for_programs)
+         call table%add('design', design)
+         call table%add('link', named(study, rows%body))
+         call table%add('kind', rows%kind)
+         call table%add('source', source)
+         call table%add('product', rows%product, 'kg length')
+         call table%add('angle', rows%angle, 'deg')
+         call tables%put(table)
+      end if
+      if (.not. study%steady_wanted) return
+      table = table_of('dynamic_balance', 'one row: the least shaking moment, RMS, with the force balanced, and its lower bound', &
+                       audience=for_programs)
+      associate (known => [allocated(study%steady)])
+         call table%add('possible', [study%is_steady()])
+         call table%add('before', [study%before(channel_moment)%rms], 'N m')
+         if (allocated(study%steady)) then
+            call table%add('after', [study%steady%loads(channel_moment)%rms], 'N m')
+         else
+            call table%add('after', [0.0_wp], 'N m', known)
+         end if
+         call table%add('bound', [study%steady_bound], 'N m', known)
+      end associate
+      call tables%put(table)
+   end subroutine put_conditions
 
    !> The moving links, and the sets that need no more weights than any other: each by the links without a weight.
    subroutine put_links(study, tables)
@@ -178,6 +227,7 @@ contains
       call table%add('inertia', [(list(of(k))%of%weights(at(k))%inertia, k=1, size(of))], 'kg m^2')
       call table%add('radius', [(list(of(k))%of%weights(at(k))%radius, k=1, size(of))], 'length')
       call table%add('thickness', [(list(of(k))%of%weights(at(k))%thickness, k=1, size(of))], 'length')
+      if (study%tilts) call table%add('height', [(list(of(k))%of%weights(at(k))%height, k=1, size(of))], 'length')
       call tables%put(table)
 
       table = table_of('without_weight', 'a row for each choice of weights and link of a set that carries none', &
@@ -264,6 +314,7 @@ contains
       case default
          associate (name => study%channels(channel)%name)
             load = 'joint '//name(index(name, ' ') + 1:)
+            if (is_tilt(study, channel)) load = 'out_of_plane_moment'
          end associate
       end select
    end function load_of
@@ -275,7 +326,16 @@ contains
 
       unit = 'N'
       if (channel == channel_moment .or. (channel == channel_torque .and. .not. study%sliding)) unit = 'N m'
+      if (is_tilt(study, channel)) unit = 'N m'
    end function unit_of
+
+   !> True of the moment out of the plane.
+   pure logical function is_tilt(study, channel)
+      type(balance_study_t), intent(in) :: study
+      integer, intent(in) :: channel
+
+      is_tilt = study%tilts .and. channel == size(study%channels)
+   end function is_tilt
 
    !> What the linkage does to its frame, drive and joints, before and with each choice of weights.
    subroutine put_loads(study, list, tables)

@@ -26,7 +26,7 @@ contains
       type(force_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
       character(:), allocatable :: line
-      type(number_format_t) :: of_input, of_power, of_energy, of_about, of_loss
+      type(number_format_t) :: of_input, of_power, of_energy, of_about, of_loss, of_tilt
       type(number_format_t) :: of_column(size(study%table%value, 2))   ! drives, frame, joints
       logical :: known(size(study%input))
       integer :: k, d
@@ -45,6 +45,7 @@ contains
          of_energy = format_of(named, study%table%kinetic, known)
          if (set%masses%about_given) of_about = format_of(named, study%about, known)
          if (set%friction%given) of_loss = format_of(named, study%table%loss, known)
+         if (allocated(study%tilt)) of_tilt = format_of(named, reshape(study%tilt, [size(study%tilt)]), [known, known])
       end associate
       associate (sliding => study%drive_slides(1))
          call text%add()
@@ -52,6 +53,8 @@ contains
                        in_sentence(set%has_names(), set%masses%metre)//' METRES')
          call text%add(' FORCE AND MOMENT OF THE LINKAGE ON ITS FRAME, MOMENT ABOUT THE MACHINE ORIGIN'// &
                        trim(merge(', DRIVE INCLUDED    ', ', WITHOUT THE DRIVE ', set%masses%motor_on_frame .or. sliding)))
+         if (allocated(study%tilt)) call text%add(' QX, QY: MOMENTS OUT OF THE PLANE ABOUT X AND Y, OF INERTIA '// &
+                                                  'AND WEIGHT OF MASSES AT THEIR HEIGHTS MZ')
          call text%add()
          line = merge('   INPUT LENGTH', '    CRANK ANGLE', sliding)
          if (study%mechanism%from_drawing) line = '          INPUT'
@@ -59,6 +62,7 @@ contains
                 '       FRAME FX       FRAME FY   FRAME MOMENT    DRIVE POWER KINETIC ENERGY'
          if (set%masses%about_given) line = line//'  MOMENT ABOUT P'
          if (set%friction%given) line = line//'  FRICTION LOSS'
+         if (allocated(study%tilt)) line = line//'       FRAME QX       FRAME QY'
          do d = 2, size(study%drives)
             line = line//heading_of(merge('FORCE ', 'TORQUE', study%drive_slides(d))//' '//study%drives(d))
          end do
@@ -77,6 +81,7 @@ contains
                line = line//figure(study%drive_power(k), of_power)//figure(study%table%kinetic(k), of_energy)
                if (set%masses%about_given) line = line//' '//figure(study%about(k), of_about)
                if (set%friction%given) line = line//figure(study%table%loss(k), of_loss)
+               if (allocated(study%tilt)) line = line//figure(study%tilt(k, 1), of_tilt)//figure(study%tilt(k, 2), of_tilt)
                do d = 2, size(study%drives)
                   line = line//figure(v(k, column_of_drive(study, d)), of_column(column_of_drive(study, d)))
                end do
@@ -314,6 +319,10 @@ contains
          call table%add('frame_fx', v(:, column_fx), 'N', known)
          call table%add('frame_fy', v(:, column_fy), 'N', known)
          call table%add('frame_m', v(:, column_moment), 'N m', known)
+         if (allocated(study%tilt)) then
+            call table%add('frame_qx', study%tilt(:, 1), 'N m', known)
+            call table%add('frame_qy', study%tilt(:, 2), 'N m', known)
+         end if
          call table%add('kinetic', study%table%kinetic, 'J', known)
          call table%add('kinetic_per_s', study%table%growth, 'W', known)
          do j = 1, size(study%joints)

@@ -45,6 +45,8 @@ contains
          call write_places(set, 'M', places, text)
          call add_item('MASS=', [masses%mass, outcome%weights%mass], text)
          call add_item('MINERT=', inertia, text)
+         if (masses%has_heights .or. any(abs(outcome%weights%height) > 0.0_wp)) &
+            call add_item('MZ=', [masses%height, outcome%weights%height], text)
          call text%add('  UNITL='//full_precision(masses%metre)//', GRAVX='//full_precision(masses%gravity(1))//', GRAVY='// &
                        full_precision(masses%gravity(2))//',')
          if (masses%about_given) then

@@ -15,7 +15,8 @@ module psalm_balance_study
    use psalm_error, only: problem_t, motion_t
    use psalm_force_analysis, only: force_table_t, analyse_forces, loads_of_unit_masses, column_of_joint, column_drive, &
                                    column_fx, column_fy, column_moment
-   use psalm_force_balance, only: force_balance_t, weights_t, prepare_balance, find_sets, least_weights, rank_of, unspanned
+   use psalm_force_balance, only: force_balance_t, weights_t, prepare_balance, find_sets, least_weights, rank_of, unspanned, &
+                                  conditions_t, find_conditions
    use psalm_force_model, only: force_model_t, make_force_model, vertices_of, joint_at, mass_parameters, parameter_mass, &
                                 parameter_mx, parameter_my
    use psalm_kinds, only: wp, half_turn
@@ -33,6 +34,7 @@ module psalm_balance_study
    private
    public :: balance_study_t, outcome_t, assess_balance, find_balance
    public :: channel_force, channel_moment, channel_torque
+   public :: balance_term_t, condition_whole, condition_link, condition_weight
 
    integer, parameter :: channel_force = 1, channel_moment = 2, channel_torque = 3, first_joint_channel = 4
    integer, parameter :: fewest_positions = 36     !! fewer do not tell the rank of a motion
@@ -41,6 +43,22 @@ module psalm_balance_study
    real(wp), parameter :: balanced = 1.0e-9_wp     !! part of the imbalance that is rounding
    real(wp), parameter :: rounding_of_angles = 1.0e-10_wp !! degrees
    real(wp), parameter :: lightest_shown = 1.0e-9_wp !! masses of the linkage: a lighter weight is none
+
+   ! what asks for a part of mass times distance
+   integer, parameter :: condition_whole = 0       !! all together
+   integer, parameter :: condition_link = 1        !! the mass of a link
+   integer, parameter :: condition_weight = 2      !! each kilogram of another weight
+   real(wp), parameter :: steady_part = 1.0e-6_wp  !! of the moment before: less is none
+   real(wp), parameter :: no_term = 1.0e-9_wp      !! of the largest of its kind: less is rounding
+
+   !> One term of the condition that a weight satisfies.
+   type :: balance_term_t
+      integer :: body = 0                          !! that carries it
+      integer :: kind = condition_whole
+      integer :: source = 0                        !! the body that asks for it
+      real(wp) :: product = 0.0_wp                 !! mass times distance from the anchor, kg and user's length
+      real(wp) :: angle = 0.0_wp                   !! from the link's line, degrees
+   end type balance_term_t
 
    !> A weight as it is to be made.
    type :: weight_t
@@ -52,6 +70,7 @@ module psalm_balance_study
       real(wp) :: inertia = 0.0_wp                 !! about its centre, kg m2
       real(wp) :: place(2) = 0.0_wp                !! of its centre from the reference of its link, m
       real(wp) :: radius = 0.0_wp, thickness = 0.0_wp !! of a disc, user's length
+      real(wp) :: height = 0.0_wp                  !! above the plane of the linkage, user's length
    end type weight_t
 
    !> Weights and what they do.
@@ -62,6 +81,7 @@ module psalm_balance_study
       real(wp) :: bound = 0.0_wp                   !! no weights on these links are lighter; of a composite: no composite is less
       real(wp) :: gap = 0.0_wp, residual = 0.0_wp
       integer, allocatable :: bare_links(:)        !! bodies without a weight that the set leaves out
+      type(conditions_t), allocatable :: conditions !! of the set, where they are wanted
       type(margins_t) :: contact                   !! of the joint of &CLEAR
    contains
       procedure :: add_to
@@ -109,8 +129,16 @@ module psalm_balance_study
       type(front_point_t), allocatable :: budgets(:) !! least force for a mass
       type(front_point_t), allocatable :: front(:)
       logical :: sliding = .false.                 !! the drive is a force
+      logical :: tilts = .false.                   !! there are heights: the last channel is the moment out of the plane
+      real(wp), allocatable :: height(:)           !! by body: of a weight, m
+      integer, allocatable :: order(:)             !! by body: pins between it and the frame, 1 for links on the frame; 0: none
+      type(outcome_t), allocatable :: steady       !! least shaking moment with the force balanced, where it is wanted
+      real(wp) :: steady_bound = 0.0_wp            !! RMS: with the force balanced no weights within the limits have less, N m
+      logical :: steady_wanted = .false.           !! IDYNAM
    contains
       procedure :: take_weights
+      procedure :: conditions_of
+      procedure :: is_steady
       procedure :: chosen_outcome
    end type balance_study_t
 
@@ -128,6 +156,7 @@ contains
       type(force_model_t) :: model
       type(location_t) :: location
       character(*), parameter :: without = 'no joint has clearance: give &CLEAR'
+      character(*), parameter :: in_plane = 'all masses are in the plane of the linkage: give heights, MZ of &MASSES or WZ'
       integer, allocatable :: taken(:)
       integer :: k, state
 
@@ -138,6 +167,10 @@ contains
       end if
       call make_force_model(set, mechanism, dimensions, model, unused)
       if (unused%failed()) return                  ! reported elsewhere
+      if (.not. (set%masses%has_heights .or. group%raised)) then
+         if (group%tilt_tolerance > 0.0_wp) call set%origins%error(findings, 'BALANC', 'TOLQ', in_plane)
+         if (group%most_tilt > 0.0_wp) call set%origins%error(findings, 'BALANC', 'MAXQ', in_plane)
+      end if
       allocate (taken(size(group%places)), source=0)
       do k = 1, size(group%places)
          call location_of_place(mechanism, dimensions, model%reference, group%places(k), location, state)
@@ -172,6 +205,70 @@ contains
          call set%origins%error(findings, 'BALANC', item, 'entry '//to_text(entry)//': '//text, entry)
       end subroutine refuse
    end subroutine assess_balance
+
+   !> Force and moment can be balanced together.
+   pure logical function is_steady(self)
+      class(balance_study_t), intent(in) :: self
+
+      is_steady = allocated(self%steady)
+      if (is_steady) is_steady = self%steady%loads(channel_moment)%rms <= steady_part*self%before(channel_moment)%rms
+   end function is_steady
+
+   !> The terms of the conditions of a design, weight by weight, the whole first; terms of rounding are left out.
+   function conditions_of(self, design, metre) result(rows)
+      class(balance_study_t), intent(in) :: self
+      integer, intent(in) :: design                !! its conditions are there
+      real(wp), intent(in) :: metre                !! metres in a unit of length
+      type(balance_term_t), allocatable :: rows(:)
+      type(balance_term_t) :: row
+      complex(wp) :: whole
+      integer :: i, k, w
+
+      allocate (rows(0))
+      associate (of => self%designs(design), conditions => self%designs(design)%conditions)
+         do i = 1, size(conditions%links)
+            whole = sum(conditions%by_links(i, :))
+            do w = 1, size(of%weights)
+               k = findloc(conditions%links, of%weights(w)%body, dim=1)
+               if (k > 0) whole = whole + of%weights(w)%mass*conditions%by_weights(i, k)
+            end do
+            call put(condition_whole, 0, whole, 0.0_wp)
+            do k = 1, size(conditions%by_links, 2)
+               call put(condition_link, k, conditions%by_links(i, k), size_of(reshape(conditions%by_links, &
+                                                                          [size(conditions%by_links)])))
+            end do
+            do k = 1, size(conditions%links)
+               call put(condition_weight, conditions%links(k), conditions%by_weights(i, k), size_of(reshape( &
+                        conditions%by_weights, [size(conditions%by_weights)])))
+            end do
+         end do
+      end associate
+
+   contains
+
+      pure real(wp) function size_of(values)
+         complex(wp), intent(in) :: values(:)
+
+         size_of = maxval(hypotenuse(real(values, wp), aimag(values)))
+      end function size_of
+
+      subroutine put(kind, source, value, largest)
+         integer, intent(in) :: kind, source
+         complex(wp), intent(in) :: value          !! kg m, axes of the link
+         real(wp), intent(in) :: largest           !! of the values of this kind
+
+         associate (amount => hypotenuse(real(value, wp), aimag(value)))
+            if (kind /= condition_whole .and. amount <= no_term*largest) return
+            row%body = self%designs(design)%conditions%links(i)
+            row%kind = kind
+            row%source = source
+            row%product = amount/metre
+            row%angle = 0.0_wp
+            if (amount > 0.0_wp) row%angle = plain(degrees_of(real(value, wp), aimag(value)) - self%line_angle(row%body))
+         end associate
+         rows = [rows, row]
+      end subroutine put
+   end function conditions_of
 
    !> The weights that device 7 gets: those of the composite, else those of the first design.
    function chosen_outcome(self) result(outcome)
@@ -253,9 +350,11 @@ contains
       call analyse_forces(problem, model, set%pace(), set%change_of_pace(), motion%closed, motion%input, table)
       study%failure = findloc([(table%known(k), k=1, size(motion%input))], .false., dim=1)
       study%sliding = problem%mechanism%sliding_input
+      study%tilts = set%masses%has_heights .or. group%raised
       call name_bodies(problem%mechanism, study)
       call order_by_pins(problem%mechanism, pins)
       study%adrift = pack([(b, b=1, size(pins%adrift))], pins%adrift)
+      study%order = pins%order
       if (study%failure > 0) return
       call place_anchors(set, group, problem%mechanism, dimensions, model, pins, anchor, regions, study)
       study%mass = sum(model%inertia(parameter_mass, :))
@@ -274,6 +373,8 @@ contains
       end if
       call balance_completely(set, problem, dimensions, group, model, anchor, balance, regions, pins, study, stop)
       if (study%stopped .or. size(regions) == 0) return
+      study%steady_wanted = group%dynamic
+      if (study%steady_wanted .and. study%feasible) call balance_moment(group, model, anchor, balance, regions, study)
       if (group%wants_optimum()) call find_optimum(group, problem%mechanism, model, anchor, balance, regions, study)
       if (study%has_clearance .and. allocated(study%optimum)) then
          call assess_contact(set, problem, dimensions, size(model%reference), study%optimum)
@@ -329,6 +430,7 @@ contains
       integer :: b, k, state, next
 
       call find_lines(set, mechanism, dimensions, model, study)
+      allocate (study%height(size(model%reference)), source=0.0_wp)
       allocate (anchor(2, size(model%reference)), source=0.0_wp)
       do b = body_frame + 1, size(model%reference)
          if (pins%anchor(b) == 0) cycle
@@ -364,6 +466,7 @@ contains
          integer, intent(in) :: body, entry
 
          region%link = body
+         study%height(body) = group%height(entry)*model%metre
          region%reach = group%reach(entry)*model%metre
          region%most = group%most(entry)
          region%radius = [group%radius_low(entry), group%radius_high(entry)]*model%metre
@@ -417,7 +520,8 @@ contains
       allocate (bare%loads(0), bare%springs(0))
       call analyse_forces(problem, bare, set%pace(), set%change_of_pace(), motion%closed, motion%input, shaking)
       call loads_of_unit_masses(problem, model, set%pace(), set%change_of_pace(), inertia)
-      allocate (study%channels(first_joint_channel - 1 + size(problem%mechanism%joints)))
+      allocate (study%channels(first_joint_channel - 1 + size(problem%mechanism%joints) + merge(1, 0, study%tilts)))
+      if (study%tilts) study%channels(size(study%channels)) = tilting_channel()
       study%channels(channel_force) = channel_of('SHAKING FORCE', shaking%value, inertia, [column_fx, column_fy])
       study%channels(channel_moment) = channel_of('SHAKING MOMENT', moments(shaking%value), moments_of_masses(), [1])
       if (any(abs(model%gravity) > 0.0_wp)) then
@@ -450,6 +554,25 @@ contains
             channel%slope(:, :, :, body) = about_anchor(unit_values(:, which, :, body), anchor(:, body))
          end do
       end function channel_of
+
+      !> The moment out of the plane, of inertia alone: about x and about y.
+      type(channel_t) function tilting_channel() result(channel)
+         real(wp) :: raised(size(inertia, 1), 2, size(inertia, 3))
+         integer :: body, k
+
+         channel%name = 'OUT-OF-PLANE MOMENT'
+         allocate (channel%bare(size(inertia, 1), 2), source=0.0_wp)
+         allocate (channel%slope(size(inertia, 1), 2, parameters_of_weight, size(inertia, 4)))
+         do body = 1, size(inertia, 4)
+            ! a force of an element at the height z has the moments -z F_y and z F_x
+            raised(:, 1, :) = -inertia(:, column_fy, :, body)
+            raised(:, 2, :) = inertia(:, column_fx, :, body)
+            do k = 1, size(model%tilt, 1)
+               channel%bare = channel%bare + model%tilt(k, body)*raised(:, :, k)
+            end do
+            channel%slope(:, :, :, body) = study%height(body)*about_anchor(raised, anchor(:, body))
+         end do
+      end function tilting_channel
 
       !> The shaking moment as kalm lists it: about MOMX, MOMY, with the drive's reaction or without.
       pure function moments(value) result(moment)
@@ -484,7 +607,7 @@ contains
       class(problem_t), allocatable :: finer
       type(body_motion_t) :: bodies
       type(motion_t) :: motion
-      complex(wp), allocatable :: turning(:, :), place(:, :), imbalance(:)
+      complex(wp), allocatable :: turning(:, :), place(:, :), imbalance(:), parts(:, :)
       real(wp) :: low, high
       integer :: b, k
 
@@ -501,14 +624,17 @@ contains
       call follow_bodies(finer, model, bodies)
       allocate (turning(finer%positions, size(anchor, 2)), place(finer%positions, size(anchor, 2)))
       allocate (imbalance(finer%positions), source=(0.0_wp, 0.0_wp))
+      allocate (parts(finer%positions, size(anchor, 2)))
       do b = 1, size(anchor, 2)
          turning(:, b) = cmplx(bodies%c(:, b), bodies%s(:, b), wp)
          place(:, b) = cmplx(bodies%x(:, b), bodies%y(:, b), wp)
+         parts(:, b) = model%inertia(parameter_mass, b)*place(:, b) + &
+                       cmplx(model%inertia(parameter_mx, b), model%inertia(parameter_my, b), wp)*turning(:, b)
          imbalance = imbalance + model%inertia(parameter_mass, b)*place(:, b) + &
                      cmplx(model%inertia(parameter_mx, b), model%inertia(parameter_my, b), wp)*turning(:, b)
          place(:, b) = place(:, b) + cmplx(anchor(1, b), anchor(2, b), wp)*turning(:, b)
       end do
-      call prepare_balance(turning, place, imbalance, sum(model%inertia(parameter_mass, :)), balance)
+      call prepare_balance(turning, place, imbalance, sum(model%inertia(parameter_mass, :)), balance, parts)
    end subroutine make_balance
 
    ! ---- complete balance --------------------------------------------------------------------------------------------
@@ -530,6 +656,7 @@ contains
       real(wp), allocatable :: key(:)
       integer, allocatable :: order(:), kept(:)
       integer :: k, count_found, links, b, rank
+      logical :: valid
 
       links = size(model%reference) - 1
       study%by_rule = 2*links - count(problem%mechanism%joints%kind /= joint_gear)
@@ -597,6 +724,13 @@ contains
          kept = [kept, order(k)]
       end do
       study%designs = designs(kept)
+      do k = 1, min(group%explained, size(study%designs))
+         allocate (study%designs(k)%conditions)
+         call find_conditions(balance, pack([(b, b=2, links + 1)], &
+                                            [(all(study%designs(k)%bare_links /= b), b=2, links + 1)]), &
+                              study%designs(k)%conditions, valid)
+         if (.not. valid) deallocate (study%designs(k)%conditions)
+      end do
       call find_least(regions%link)
       if (.not. weights%found) return
       allocate (study%lightest)
@@ -667,6 +801,7 @@ contains
          weight%body = b
          weight%link = trim(study%names(b))
          weight%mass = added(weight_mass, b)
+         weight%height = study%height(b)/model%metre
          centre = added(weight_px:weight_py, b)/weight%mass
          weight%inertia = max(0.0_wp, added(weight_inertia, b) - weight%mass*sum(centre**2))
          if (weight%inertia <= 1.0e-12_wp*added(weight_inertia, b)) weight%inertia = 0.0_wp
@@ -717,6 +852,8 @@ contains
          if (group%tolerance(k) > 0.0_wp) call count_in(k, group%tolerance(k))
          if (group%most_load(k) > 0.0_wp) call limit(k, group%most_load(k))
       end do
+      if (group%tilt_tolerance > 0.0_wp) call count_in(size(study%channels), group%tilt_tolerance)
+      if (group%most_tilt > 0.0_wp) call limit(size(study%channels), group%most_tilt)
       do k = 1, size(group%joints)
          associate (channel => first_joint_channel - 1 + joint_at(mechanism, group%joints(k)))
             if (group%joint_tolerance(k) > 0.0_wp) call count_in(channel, group%joint_tolerance(k))
@@ -804,6 +941,32 @@ contains
          end do
       end subroutine take_wanted
    end subroutine find_optimum
+
+   !> The least shaking moment that is left when the force is balanced completely, by bodies: a convex problem, whose bound says
+   !> whether force and moment can be balanced together.
+   subroutine balance_moment(group, model, anchor, balance, regions, study)
+      type(balance_group_t), intent(in) :: group
+      type(force_model_t), intent(in) :: model
+      real(wp), intent(in) :: anchor(:, :)
+      type(force_balance_t), intent(in) :: balance
+      type(weight_region_t), intent(in) :: regions(:)
+      type(balance_study_t), intent(inout) :: study
+      type(criterion_t) :: criterion
+      type(design_t) :: design
+
+      criterion = criterion_of(group)
+      criterion%form = form_body
+      criterion%exact = .true.
+      criterion%channels = [channel_moment]
+      criterion%tolerance = [1.0_wp]
+      call least_composite(study%channels, regions, criterion, balance, design)
+      if (.not. design%found) return
+      allocate (study%steady)
+      call describe(model, anchor, study, design%added, study%steady)
+      study%steady%gap = design%gap
+      study%steady%residual = design%residual
+      study%steady_bound = sqrt(max(0.0_wp, design%bound)/real(size(study%channels(channel_moment)%bare, 1), wp))
+   end subroutine balance_moment
 
    !> An criterion without criteria.
    pure type(criterion_t) function criterion_of(group) result(criterion)

@@ -7,8 +7,8 @@ module psalm_force_study
    use psalm_dimensions, only: dimensions_t
    use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t, motion_t
-   use psalm_force_analysis, only: force_table_t, analyse_forces, share_of_sources, loads_of_unit_masses, column_of_joint, &
-                                   column_of_other_drive, column_drive, column_fx, column_fy, column_moment
+   use psalm_force_analysis, only: force_table_t, analyse_forces, share_of_sources, loads_of_unit_masses, tilting_moments, &
+                                   column_of_joint, column_of_other_drive, column_drive, column_fx, column_fy, column_moment
    use psalm_force_model, only: force_model_t, make_force_model, vertices_of
    use psalm_kinds, only: wp, full_turn
    use psalm_kinetostatics, only: source_inertia, source_weight
@@ -55,6 +55,8 @@ module psalm_force_study
       type(force_table_t) :: table
       real(wp), allocatable :: input(:)        !! shape (positions): degrees in a turn, or length
       real(wp), allocatable :: about(:)        !! shape (positions): frame moment about MOMX, MOMY
+      real(wp), allocatable :: tilt(:, :)      !! shape (positions, 2): frame moments out of the plane, about x and y; not
+                                               !! allocated: masses have no heights
       real(wp), allocatable :: drive_power(:)  !! shape (positions): of all drives, W; of a motion in time empty
       logical :: rubs = .false.                !! there is friction
       type(sizing_t), allocatable :: sizing(:)
@@ -119,6 +121,8 @@ contains
       call analyse_forces(problem, study%model, set%pace(), set%change_of_pace(), motion%closed, motion%input, study%table, &
                           stop)
       if (is_to_end(stop)) return
+      if (study%model%tilts) call tilting_moments(problem, study%model, set%pace(), set%change_of_pace(), motion%closed, &
+                                                  motion%input, study%tilt)
       if (.not. set%masses%motor_on_frame) call take_motors_off(study%mechanism, study%table%value)
       allocate (study%drive_power(size(study%input)), source=0.0_wp)
       do k = 1, size(study%drives)
@@ -208,6 +212,10 @@ contains
          call add('FRAME FX', v(:, column_fx), frame)
          call add('FRAME FY', v(:, column_fy), frame)
          call add('FRAME MOMENT', v(:, column_moment))
+         if (allocated(study%tilt)) then
+            call add('FRAME QX', study%tilt(:, 1))
+            call add('FRAME QY', study%tilt(:, 2))
+         end if
          do j = 1, size(joints)
             c = column_of_joint(j)
             if (joints(j)%slides) then

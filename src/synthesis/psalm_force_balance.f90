@@ -11,6 +11,7 @@ module psalm_force_balance
    implicit none (type, external)
    private
    public :: force_balance_t, weights_t, prepare_balance, find_sets, least_weights, solve_moments, rank_of, unspanned, heaviest
+   public :: conditions_t, find_conditions
 
    real(wp), parameter :: dependent = 1.0e-10_wp   !! a column of which less is left depends on the others
    real(wp), parameter :: penalty = 1.0e4_wp       !! of missing room, in masses of the linkage: no limit costs more to keep
@@ -22,10 +23,18 @@ module psalm_force_balance
       complex(wp), allocatable :: turning(:, :)    !! shape (rank, links): exp(i theta)
       complex(wp), allocatable :: moving(:, :)     !! shape (rank, links): anchors, m
       complex(wp), allocatable :: imbalance(:)     !! shape (rank): of the linkage, kg m
+      complex(wp), allocatable :: parts(:, :)      !! shape (rank, links): of it by the mass of each link, kg m; where it was given
       real(wp) :: swing = 0.0_wp                   !! RMS of the imbalance about its mean, kg m
       real(wp) :: left = 0.0_wp                    !! part of it that no weights can balance
       real(wp) :: mass = 0.0_wp                    !! of all moving links, kg
    end type force_balance_t
+
+   !> What the weights of a set must satisfy: equations 11.15 to 11.21 as numbers.
+   type :: conditions_t
+      integer, allocatable :: links(:)             !! with weights
+      complex(wp), allocatable :: by_links(:, :)   !! shape (weights, links): first moment that the mass of each link asks for, kg m
+      complex(wp), allocatable :: by_weights(:, :) !! shape (weights, weights): and each kilogram of each weight, m
+   end type conditions_t
 
    !> Weights on links, and what proves that none are lighter.
    type :: weights_t
@@ -41,12 +50,13 @@ module psalm_force_balance
 contains
 
    !> Reduce the motion of the links to its own dimension.
-   subroutine prepare_balance(turning, moving, imbalance, mass, balance)
+   subroutine prepare_balance(turning, moving, imbalance, mass, balance, parts)
       complex(wp), intent(in) :: turning(:, :)     !! shape (positions, links): exp(i theta)
       complex(wp), intent(in) :: moving(:, :)      !! shape (positions, links): anchors, m
       complex(wp), intent(in) :: imbalance(:)      !! shape (positions): sum m G, kg m
       real(wp), intent(in) :: mass                 !! of all links, kg
       type(force_balance_t), intent(out) :: balance
+      complex(wp), intent(in), optional :: parts(:, :) !! shape (positions, links): m G of each, kg m
       complex(wp) :: basis(size(turning, 1), size(turning, 2)), column(size(turning, 1))
       real(wp) :: unit, rest, largest
       integer :: k, b, rank, best
@@ -74,9 +84,11 @@ contains
          basis(:, rank) = column/length_of(column)
       end do
       allocate (balance%turning(rank, size(turning, 2)), balance%moving(rank, size(turning, 2)), balance%imbalance(rank))
+      if (present(parts)) allocate (balance%parts(rank, size(turning, 2)))
       do b = 1, size(turning, 2)
          balance%turning(:, b) = along(basis(:, :rank), centred(turning(:, b))/unit)
          balance%moving(:, b) = along(basis(:, :rank), centred(moving(:, b))/unit)
+         if (present(parts)) balance%parts(:, b) = along(basis(:, :rank), centred(parts(:, b))/unit)
       end do
       column = centred(imbalance)/unit
       balance%swing = length_of(column)
@@ -386,6 +398,27 @@ contains
       right(:, size(links) + 2:) = -conjugate_product(frame, balance%turning(:, free))
       call solve_complex(square, right, valid)
    end subroutine solve_moments
+
+   !> The terms of the conditions of a minimal set of links that balances the linkage.
+   subroutine find_conditions(balance, links, conditions, valid)
+      type(force_balance_t), intent(in) :: balance
+      integer, intent(in) :: links(:)              !! with weights; their columns are independent
+      type(conditions_t), intent(out) :: conditions
+      logical, intent(out) :: valid
+      complex(wp), allocatable :: frame(:, :), square(:, :), right(:, :)
+
+      conditions%links = links
+      frame = frame_of(balance, links)
+      square = conjugate_product(frame, balance%turning(:, links))
+      associate (n => size(balance%parts, 2))
+         allocate (right(size(links), n + size(links)))
+         right(:, :n) = -conjugate_product(frame, balance%parts)
+         right(:, n + 1:) = -conjugate_product(frame, balance%moving(:, links))
+         call solve_complex(square, right, valid)
+         conditions%by_links = right(:, :n)
+         conditions%by_weights = right(:, n + 1:)
+      end associate
+   end subroutine find_conditions
 
    !> Product of the conjugate transpose of a matrix with another one.
    pure function conjugate_product(a, b) result(c)
