@@ -479,6 +479,7 @@
     board.panel.begin();
     board.tools.begin();
     board.store.begin();
+    board.picture.begin();
     for (const part of parts) part.begin();
     new ResizeObserver(() => { view.resize(); view.draw(); }).observe(view.canvas);
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { view.resize(); view.draw(); });

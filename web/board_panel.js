@@ -102,7 +102,7 @@ board.panel = (() => {
     if (rough) return;
     const panel = $('panel'), held = document.activeElement && panel.contains(document.activeElement) ?
       document.activeElement.getAttribute('aria-label') : null;
-    panel.replaceChildren(...chosen(), ...drivePart(), ...positionPart(), ...outputPart(), ...listPart());
+    panel.replaceChildren(...chosen(), ...drivePart(), ...positionPart(), ...outputPart(), ...listPart(), ...board.picture.part());
     if (held) panel.querySelector('[aria-label="' + CSS.escape(held) + '"]')?.focus();
     showDrives();
     follow();

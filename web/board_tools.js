@@ -417,7 +417,7 @@ board.tools = (() => {
       view.draw();
     }, { passive: false });
     canvas.addEventListener('dragover', (event) => event.preventDefault());
-    canvas.addEventListener('drop', (event) => { event.preventDefault(); if (event.dataTransfer.files[0]) board.open(event.dataTransfer.files[0]); });
+    canvas.addEventListener('drop', (event) => { event.preventDefault(); const [file] = event.dataTransfer.files; if (file) (file.type.startsWith('image/') ? board.picture : board).open(file); });
     document.addEventListener('keydown', key);
     const acts = { play: () => board.play(), undo: () => board.undo(), redo: () => board.redo(), save: () => board.save(), fit: () => board.fit(),
       larger: () => zoom(1.25), smaller: () => zoom(0.8), open: () => $('file').click(), new: () => board.start(),

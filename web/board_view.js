@@ -80,6 +80,7 @@ board.view = (() => {
     const { state } = board, { sketch } = state, at = board.places();
     g.clearRect(0, 0, w, h);
     g.lineJoin = g.lineCap = 'round';
+    board.picture.draw(g, X, Y);
     drawGrid();
     const p = (name) => { const [x, y] = at.get(name); return [X(x), Y(y)]; };
     drawPaths();

@@ -27,6 +27,8 @@ board.words = ((listed) => ({
     smaller: { text: '\u2212', title: 'smaller (-)', label: 'smaller' },
     fit: { text: 'Fit', title: 'show all (F)', label: 'show all' },
     play: { text: 'Play', title: 'play (space)', label: 'play' },
+    picture: { text: 'Picture', title: 'a picture underneath, to trace over; it can also be dropped on the board' },
+    'picture-file': { label: 'picture to trace over' },
     tools: { label: 'tools' },
     board: { label: 'drawing board' },
     tabs: { label: 'beside the drawing' },
@@ -140,6 +142,15 @@ board.words = ((listed) => ({
     pageTitle: (title) => title + ' \u2013 drawing board',
     goes: (from, to) => '   (goes from ' + from + ' to ' + to + ')',
   },
+
+  // a picture underneath
+  noPicture: (name) => name + ': this is no picture that the browser can show.',
+  pictureHead: 'Picture underneath',
+  pictureWidth: 'width',
+  pictureFade: 'strength',
+  pictureAway: 'Take away',
+  picture: { x: 'x of the lower left corner of the picture', y: 'y of the lower left corner of the picture', width: 'width of the picture, lengths',
+    fade: 'how strongly the picture shows, 0 to 100' },
 
   // the text of the case
   dataSet: 'data set',

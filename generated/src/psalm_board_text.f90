@@ -772,6 +772,8 @@ module psalm_board_text
    '    <button id="save" type="button" class="main"></button>'//nl// &
    '    <button id="share" type="button"></button>'//nl// &
    '    <button id="gallery" type="button"></button>'//nl// &
+   '    <button id="picture" type="button"></button>'//nl// &
+   '    <input id="picture-file" type="file" accept="image/*" hidden>'//nl// &
    '    <button id="undo" type="button"></button>'//nl// &
    '    <button id="redo" type="button"></button>'//nl// &
    '    <button id="help" type="button"></button>'//nl// &
@@ -916,7 +918,9 @@ module psalm_board_text
    " of cutting takes longer than the return.\n! Output: place of the ram.\nQUICK RETURN WITH RAM\n &CHAIN JNT='O','A','L',"// &
    "'B','C', JX=0.0,0.0,0.0,0.0,-110.0, JY=0.0,50.0,-130.0,150.0,165.0,\n  LNAME='frame','crank','block','lever','rod','ram"// &
    "', LNK='O L','O A','A','L B','B C','C',\n  SLNK='lever','frame', SLNK2='block','ram', SLX=0.0,-110.0, SLY=50.0,165.0, S"// &
-   "LANG=90.0,0.0 &END\n &DRIVES DRIVE='O' &END\n &OUTPUTS OUTPUT='point C' &END\n &METHOD IKIN=15 &END\n""},"//nl// &
+   "LANG=90.0,0.0 &END\n &DRIVES DRIVE='O' &END\n &OUTPUTS OUTPUT='point C' &END\n &METHOD IKIN=15 &END\n""},"//nl
+
+   character(*), parameter :: part_10 = &
    "  {""name"": ""toggle_press"", ""title"": ""TOGGLE PRESS FROM A SKETCH"", ""text"": ""! A toggle press: the crank pulls"// &
    " at the knee T of two links, which press the ram S down its guide as they straighten.\n! The ram is a link with one joi"// &
    "nt and a slide on the frame.\n! Output: place of the ram.\nTOGGLE PRESS FROM A SKETCH\n &CHAIN JNT='O','M','T','G','S',"// &
@@ -928,9 +932,7 @@ module psalm_board_text
    " Output: height of the needle and path of the take-up. Lengths in mm.\nSEWING MACHINE, NEEDLE BAR AND TAKE-UP\n &CHAIN "// &
    "JNT='O','K','N','L','T','P', JX=0.0,10.0,5.0,25.0,30.0,-30.0, JY=0.0,8.0,-60.0,30.0,5.0,50.0,\n  LNAME='arm','crank','r"// &
    "od','needle','take-up','guide', LNK='O T','O K','K N','N','K L P','T L',\n  SLNK='arm', SLNK2='needle', SLX=0.0, SLY=-6"// &
-   "0.0, SLANG=90.0 &END\n &DRIVES DRIVE='O' &END\n &OUTPUTS OUTPUT='y N','point P' &END\n &METHOD IKIN=10 &END\n""},"//nl
-
-   character(*), parameter :: part_10 = &
+   "0.0, SLANG=90.0 &END\n &DRIVES DRIVE='O' &END\n &OUTPUTS OUTPUT='y N','point P' &END\n &METHOD IKIN=10 &END\n""},"//nl// &
    "  {""name"": ""wiper"", ""title"": ""WIPER WITH TWO BLADES"", ""text"": ""! Windscreen wiper with two blades: a motor c"// &
    "rank swings the left blade's arm, a tie carries the motion on to the right one.\n! Both pivots are on the bulkhead.\n! "// &
    "Output: angle of the right blade's arm.\nWIPER WITH TWO BLADES\n &CHAIN JNT='M','B','C','D','E','F', JX=0.0,40.0,300.0,"// &
@@ -1054,6 +1056,8 @@ module psalm_board_text
    "    smaller: { text: '\u2212', title: 'smaller (-)', label: 'smaller' },"//nl// &
    "    fit: { text: 'Fit', title: 'show all (F)', label: 'show all' },"//nl// &
    "    play: { text: 'Play', title: 'play (space)', label: 'play' },"//nl// &
+   "    picture: { text: 'Picture', title: 'a picture underneath, to trace over; it can also be dropped on the board' },"//nl// &
+   "    'picture-file': { label: 'picture to trace over' },"//nl// &
    "    tools: { label: 'tools' },"//nl// &
    "    board: { label: 'drawing board' },"//nl// &
    "    tabs: { label: 'beside the drawing' },"//nl// &
@@ -1115,13 +1119,13 @@ module psalm_board_text
    '  panel: {'//nl// &
    "    name: 'name',"//nl// &
    "    jointName: 'name of the joint',"//nl// &
-   "    frame: 'frame',"//nl// &
+   "    frame: 'frame',"//nl
+
+   character(*), parameter :: part_11 = &
    "    pinned: 'pinned to the frame',"//nl// &
    "    output: 'output',"//nl// &
    "    pathIsOutput: 'its path is an output',"//nl// &
-   "    delete: 'Delete',"//nl
-
-   character(*), parameter :: part_11 = &
+   "    delete: 'Delete',"//nl// &
    "    linkName: 'name of the link',"//nl// &
    "    joints: 'joints',"//nl// &
    "    linkJoints: 'joints of the link',"//nl// &
@@ -1180,6 +1184,16 @@ module psalm_board_text
    "    goes: (from, to) => '   (goes from ' + from + ' to ' + to + ')',"//nl// &
    '  },'//nl// &
    ''//nl// &
+   '  // a picture underneath'//nl// &
+   "  noPicture: (name) => name + ': this is no picture that the browser can show.',"//nl// &
+   "  pictureHead: 'Picture underneath',"//nl// &
+   "  pictureWidth: 'width',"//nl// &
+   "  pictureFade: 'strength',"//nl// &
+   "  pictureAway: 'Take away',"//nl// &
+   "  picture: { x: 'x of the lower left corner of the picture', y: 'y of the lower left corner of the picture', width: 'wi"// &
+   "dth of the picture, lengths',"//nl// &
+   "    fade: 'how strongly the picture shows, 0 to 100' },"//nl// &
+   ''//nl// &
    '  // the text of the case'//nl// &
    "  dataSet: 'data set',"//nl// &
    "  textHint: 'What is saved. Changes here are on the board at once, and the other way round.',"//nl// &
@@ -1208,7 +1222,9 @@ module psalm_board_text
    "  summary: 'Summary',"//nl// &
    "  messages: 'Messages',"//nl// &
    "  here: 'At this position',"//nl// &
-   "  shownArrows: 'Arrows',"//nl// &
+   "  shownArrows: 'Arrows',"//nl
+
+   character(*), parameter :: part_12 = &
    "  velocities: 'velocities',"//nl// &
    "  forces: 'forces',"//nl// &
    "  transmission: 'Transmission angle',"//nl// &
@@ -1221,9 +1237,7 @@ module psalm_board_text
    "  assumptions: 'Speed, load, tolerance',"//nl// &
    "  speed: 'speed',"//nl// &
    "  speedLabel: 'speed of the input, radians or lengths a second',"//nl// &
-   "  load: 'load at',"//nl
-
-   character(*), parameter :: part_12 = &
+   "  load: 'load at',"//nl// &
    "  loadAt: 'joint that the load is at',"//nl// &
    "  loadX: 'load along x, N',"//nl// &
    "  loadY: 'load along y, N',"//nl// &
@@ -1318,7 +1332,9 @@ module psalm_board_text
    '  const NAMING = /^(?!ONAME)\w*NAME$|JNT$|^VARY$|^FREE$|^FOTHER$|^(TOL|AL)NAM$/; // items that name joints or links'//nl// &
    '  const OWN = {                  // items that a sketch has places for; others are kept'//nl// &
    "    CHAIN: ['JNT', 'JX', 'JY', 'LNAME', 'LNK', 'NSLIDE', 'SNAME', 'SLNK', 'SLNK2', 'SLX', 'SLY', 'SLANG', 'GEARA', 'GEA"// &
-   "RB', 'GCARR',"//nl// &
+   "RB', 'GCARR',"//nl
+
+   character(*), parameter :: part_13 = &
    "      'GTA', 'GTB', 'LENP', 'LENV', 'KOVER'],"//nl// &
    "    DRIVES: ['DRIVE', 'DBASE', 'DLINK', 'NDRIVE', 'RATIO', 'PHASE', 'NGRID', 'DLOW', 'DHIGH'],"//nl// &
    "    OUTPUTS: ['OUTPUT', 'ONAME'],"//nl// &
@@ -1331,9 +1347,7 @@ module psalm_board_text
    "      super((line ? 'line ' + line + ': ' : '') + text);"//nl// &
    '      this.line = line;'//nl// &
    '    }'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_13 = &
+   '  }'//nl// &
    ''//nl// &
    '  // ---- reading -----------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
@@ -1427,7 +1441,9 @@ module psalm_board_text
    '  function reader(group) {'//nl// &
    '    const find = (name) => group && group.items.find((item) => item.name === name);'//nl// &
    '    const texts = (name) => (find(name) || { values: [] }).values;'//nl// &
-   '    const numbers = (name) => texts(name).map((value) => {'//nl// &
+   '    const numbers = (name) => texts(name).map((value) => {'//nl
+
+   character(*), parameter :: part_14 = &
    "      const number = Number(value.replace(/^([-+.\d]*)[dq]/i, '$1e'));"//nl// &
    "      if (value === '' || !isFinite(number))"//nl// &
    "        throw new Mistake('&' + group.name + ' ' + name + "": a number is expected; found '"" + value + ""'"", find(nam"// &
@@ -1441,9 +1457,7 @@ module psalm_board_text
    '  function parse(text) {'//nl// &
    '    const whole = split(text);'//nl// &
    '    const groupOf = (name) => whole.groups.find((group) => group.name === name);'//nl// &
-   "    if (!groupOf('CHAIN')) {"//nl
-
-   character(*), parameter :: part_14 = &
+   "    if (!groupOf('CHAIN')) {"//nl// &
    "      throw new Mistake(groupOf('LINKS') ? 'this data set describes its linkage by loops (&LINKS); the drawing board ta"// &
    "kes sketches (&CHAIN)' :"//nl// &
    "        'there is no group &CHAIN');"//nl// &
@@ -1537,7 +1551,9 @@ module psalm_board_text
    ''//nl// &
    '  /** The shortest text that is read as the same number, with a decimal point. */'//nl// &
    '  function number(value) {'//nl// &
-   "    const text = String(value).replace('e', 'E').replace('E+', 'E');"//nl// &
+   "    const text = String(value).replace('e', 'E').replace('E+', 'E');"//nl
+
+   character(*), parameter :: part_15 = &
    "    return /[.E]/.test(text) ? text.replace(/^(-?\d+)E/, '$1.0E') : text + '.0';"//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1550,9 +1566,7 @@ module psalm_board_text
    '    for (const [item, values] of items) {'//nl// &
    "      const room = line.length + item.length + values.join(',').length;"//nl// &
    "      if (room > WIDTH && line.trim() !== '&' + name) { lines.push(line); line = ' '; }"//nl// &
-   "      line += ' ' + item + '=';"//nl
-
-   character(*), parameter :: part_15 = &
+   "      line += ' ' + item + '=';"//nl// &
    '      values.forEach((value) => {'//nl// &
    "        if (line.length + value.length + 1 > WIDTH) { lines.push(line); line = '   '; }"//nl// &
    "        line += value + ',';"//nl// &
@@ -1654,7 +1668,9 @@ module psalm_board_text
    'ow. */'//nl// &
    '  function renamed(source, at, group, renames) {'//nl// &
    "    let text = '';"//nl// &
-   '    for (const item of group.items) {'//nl// &
+   '    for (const item of group.items) {'//nl
+
+   character(*), parameter :: part_16 = &
    '      text += source.slice(at, item.from) + renames.reduce((part, one) => renameIn(item.name, part, one), source.slice('// &
    'item.from, item.to));'//nl// &
    '      at = item.to;'//nl// &
@@ -1669,9 +1685,7 @@ module psalm_board_text
    '  function changed(text, name, item, value) {'//nl// &
    '    const place = placeOf(text, name), there = place && place.items.find((one) => one.name === item);'//nl// &
    "    if (there) return text.slice(0, there.from) + item + '=' + value + (/,\s*$/.test(text.slice(there.from, there.to)) "// &
-   "? ',' : '') + text.slice(there.to);"//nl
-
-   character(*), parameter :: part_16 = &
+   "? ',' : '') + text.slice(there.to);"//nl// &
    "    const head = ' &' + name + ' ';"//nl// &
    "    if (place) return text.slice(0, place.start) + head.trimStart() + item + '=' + value + ',' + text.slice(place.start"// &
    " + 1 + name.length);"//nl// &
@@ -1765,7 +1779,9 @@ module psalm_board_text
    '        [row[i], row[i + 1], row[k], row[k + 1]] = [-dx / d, -dy / d, dx / d, dy / d];'//nl// &
    '        rows.push(row);'//nl// &
    '        right.push(value - d);'//nl// &
-   '      }'//nl// &
+   '      }'//nl
+
+   character(*), parameter :: part_17 = &
    '      const worst = Math.max(...right.map(Math.abs));'//nl// &
    '      if (worst <= 4e-16 * Math.max(...held.map((l) => l.value))) break;'//nl// &
    '      // the shortest step: a combination of the rows'//nl// &
@@ -1778,9 +1794,7 @@ module psalm_board_text
    '      }));'//nl// &
    '    }'//nl// &
    '    if (isFrame) {'//nl// &
-   '      const [dx, dy] = [first[0] - at.get(names[0])[0], first[1] - at.get(names[0])[1]];'//nl
-
-   character(*), parameter :: part_17 = &
+   '      const [dx, dy] = [first[0] - at.get(names[0])[0], first[1] - at.get(names[0])[1]];'//nl// &
    '      for (const place of at.values()) { place[0] += dx; place[1] += dy; }'//nl// &
    '    }'//nl// &
    '    return at;'//nl// &
@@ -1874,7 +1888,9 @@ module psalm_board_text
    '        add(q[1] - p[1], [[b, 0, 1, q[3]], [a, 0, -1, -p[3]]]);'//nl// &
    "      } else if (row.kind === 'same') {"//nl// &
    '        add(size * (pose[3 * b + 2] - pose[3 * a + 2]), [[b, 0, 0, size], [a, 0, 0, -size]]);'//nl// &
-   "      } else if (row.kind === 'line') {"//nl// &
+   "      } else if (row.kind === 'line') {"//nl
+
+   character(*), parameter :: part_18 = &
    '        const z = travel(mech, pose, row.i), by = z.by([-z.u[1], z.u[0]]);'//nl// &
    '        by.a[2] -= z.along;'//nl// &
    '        add(z.across, [[b, ...by.b], [a, ...by.a]]);'//nl// &
@@ -1888,9 +1904,7 @@ module psalm_board_text
    "      if (drive.kind === 'turn') {"//nl// &
    '        add(size * (pose[3 * drive.link + 2] - pose[3 * drive.base + 2] - inputs[k]), [[drive.link, 0, 0, size], [drive'// &
    '.base, 0, 0, -size]]);'//nl// &
-   "      } else if (drive.kind === 'slide') {"//nl
-
-   character(*), parameter :: part_18 = &
+   "      } else if (drive.kind === 'slide') {"//nl// &
    '        const s = mech.slides[drive.slide], z = travel(mech, pose, drive.slide), by = z.by(z.u), sense = s.a === drive.'// &
    'base ? 1 : -1;'//nl// &
    '        by.a[2] += z.across;'//nl// &
@@ -1983,7 +1997,9 @@ module psalm_board_text
    '  /** Inputs (radians or lengths) of all drives where the first free one has a value in its own unit; `k`: position. */'//nl// &
    '  function inputsAt(sketch, first, k = -1) {'//nl// &
    '    return sketch.drives.map((drive, i) => {'//nl// &
-   '      let value = i === 0 ? first : drive.ratio ? drive.ratio * first + drive.phase : k >= 0 ? drive.delt[k] || 0 : 0;'//nl// &
+   '      let value = i === 0 ? first : drive.ratio ? drive.ratio * first + drive.phase : k >= 0 ? drive.delt[k] || 0 : 0;'//nl
+
+   character(*), parameter :: part_19 = &
    "      if (drive.kind === 'turn') value *= RADIAN;"//nl// &
    '      return value;'//nl// &
    '    });'//nl// &
@@ -1996,9 +2012,7 @@ module psalm_board_text
    '    if (sketch.ikin) return Array.from({ length: Math.floor(359 / Math.abs(sketch.ikin)) + 1 },'//nl// &
    '      (_, k) => inputsAt(sketch, sketch.crnki + k * sketch.ikin, k));'//nl// &
    '    return sketch.delt.map((value, k) => inputsAt(sketch, sketch.crnki + value, k));'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_19 = &
+   '  }'//nl// &
    ''//nl// &
    '  function gridPositions(sketch, grids) {'//nl// &
    '    const counts = grids.map((grid) => grid ? grid[0] : 1), total = counts.reduce((a, b) => a * b, 1);'//nl// &
@@ -2096,7 +2110,9 @@ module psalm_board_text
    '      for (let j = 1; j < n; j++) if (Math.abs(v[j]) > Math.abs(v[column])) column = j;'//nl// &
    '      if (n && Math.abs(v[column]) > 1e-9 * scale) basis.push({ column, w: v }); else twice.push(tags[k]);'//nl// &
    '    });'//nl// &
-   '    const left = n - basis.length;'//nl// &
+   '    const left = n - basis.length;'//nl
+
+   character(*), parameter :: part_20 = &
    '    return { left, twice, free: left ? freeLinks(basis, n) : [], count: n - (mech.count - mech.drives.length), driven: '// &
    'mech.drives.length };'//nl// &
    '  }'//nl// &
@@ -2110,9 +2126,7 @@ module psalm_board_text
    '    }'//nl// &
    '    const bound = new Map(rows.map((row) => [row.column, row])), moving = new Set();'//nl// &
    '    for (let free = 0; free < n; free++) {'//nl// &
-   '      if (bound.has(free)) continue;'//nl
-
-   character(*), parameter :: part_20 = &
+   '      if (bound.has(free)) continue;'//nl// &
    '      moving.add(Math.floor(free / 3) + 1);'//nl// &
    '      for (const [column, { w }] of bound) if (Math.abs(w[free]) > 1e-7 * Math.abs(w[column])) moving.add(Math.floor(co'// &
    'lumn / 3) + 1);'//nl// &
@@ -2209,7 +2223,9 @@ module psalm_board_text
    '    eye.y = (y1 + y2) / 2;'//nl// &
    '    eye.k = Math.min(Math.max(60, w - 150) / Math.max(across, room / 8), Math.max(60, h - 170) / Math.max(down, room / '// &
    '8));'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_21 = &
    ''//nl// &
    '  function zoom(factor, px = w / 2, py = h / 2) {'//nl// &
    '    const [x, y] = world(px, py);'//nl// &
@@ -2222,9 +2238,7 @@ module psalm_board_text
    '  function pan(dx, dy) {'//nl// &
    '    eye.x -= dx / eye.k;'//nl// &
    '    eye.y += dy / eye.k;'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_21 = &
+   '  }'//nl// &
    ''//nl// &
    '  /** Lengths between two lines of the grid: round, and wide enough to be seen. */'//nl// &
    '  function gridStep() {'//nl// &
@@ -2261,6 +2275,7 @@ module psalm_board_text
    '    const { state } = board, { sketch } = state, at = board.places();'//nl// &
    '    g.clearRect(0, 0, w, h);'//nl// &
    "    g.lineJoin = g.lineCap = 'round';"//nl// &
+   '    board.picture.draw(g, X, Y);'//nl// &
    '    drawGrid();'//nl// &
    '    const p = (name) => { const [x, y] = at.get(name); return [X(x), Y(y)]; };'//nl// &
    '    drawPaths();'//nl// &
@@ -2318,7 +2333,9 @@ module psalm_board_text
    '      g.beginPath();'//nl// &
    '      for (const places of motion.sweep.places) g.lineTo(X(places[j][0]), Y(places[j][1]));'//nl// &
    '      if (motion.sweep.ring) g.closePath();'//nl// &
-   '      g.stroke();'//nl// &
+   '      g.stroke();'//nl
+
+   character(*), parameter :: part_22 = &
    '    });'//nl// &
    '    g.globalAlpha = 1;'//nl// &
    '  }'//nl// &
@@ -2332,9 +2349,7 @@ module psalm_board_text
    '    g.strokeStyle = g.fillStyle = colourOf(i);'//nl// &
    '    if (i === 0) {'//nl// &
    '      g.setLineDash([7, 6]);'//nl// &
-   '      g.lineWidth = chosen ? 3 : 1.4;'//nl
-
-   character(*), parameter :: part_22 = &
+   '      g.lineWidth = chosen ? 3 : 1.4;'//nl// &
    '      trace(round);'//nl// &
    '      g.stroke();'//nl// &
    '      g.setLineDash([]);'//nl// &
@@ -2422,7 +2437,9 @@ module psalm_board_text
    '      line(24, -17, 18, -13);'//nl// &
    '    }'//nl// &
    '    g.restore();'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_23 = &
    ''//nl// &
    '  function drawCylinder(drive, p) {'//nl// &
    '    const [a, b] = drive.at.map(p), d = Math.hypot(b[0] - a[0], b[1] - a[1]) || 1, f = 0.6;'//nl// &
@@ -2437,9 +2454,7 @@ module psalm_board_text
    '    g.globalAlpha = 1;'//nl// &
    "    g.lineCap = 'round';"//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_23 = &
+   ''//nl// &
    '  function drawGear(gear, p) {'//nl// &
    '    const { sketch } = board.state, link = (name) => sketch.links.find((l) => l.name === name);'//nl// &
    '    const centre = (wheel) => link(wheel).joints.find((name) => link(gear.carrier).joints.includes(name));'//nl// &
@@ -2526,7 +2541,9 @@ module psalm_board_text
    '  /** Exact lengths, and those of the link chosen. */'//nl// &
    '  function drawDimensions(p) {'//nl// &
    '    const { sketch, selection } = board.state, at = board.places();'//nl// &
-   "    const pairs = new Map(sketch.lengths.map((l) => [l.joints.join('\n'), { joints: l.joints, exact: true }]));"//nl// &
+   "    const pairs = new Map(sketch.lengths.map((l) => [l.joints.join('\n'), { joints: l.joints, exact: true }]));"//nl
+
+   character(*), parameter :: part_24 = &
    '    const link = selection && sketch.links.find((l) => l.name === selection.link);'//nl// &
    '    if (link && link !== sketch.links[0]) board.sides(link).forEach((joints) => {'//nl// &
    "      if (!pairs.has(joints.join('\n')) && !pairs.has(joints.slice().reverse().join('\n'))) pairs.set(joints.join('\n')"// &
@@ -2541,9 +2558,7 @@ module psalm_board_text
    '      const nx = (y2 - y1) / d, ny = -(x2 - x1) / d, side = ny > 0 ? -1 : 1;'//nl// &
    '      const x = (x1 + x2) / 2 + 17 * side * nx, y = (y1 + y2) / 2 + 17 * side * ny, wide = g.measureText(text).width;'//nl// &
    '      g.fillStyle = pens.paper;'//nl// &
-   '      g.globalAlpha = 0.85;'//nl
-
-   character(*), parameter :: part_24 = &
+   '      g.globalAlpha = 0.85;'//nl// &
    '      g.fillRect(x - wide / 2 - 3, y - 8, wide + 6, 16);'//nl// &
    '      g.globalAlpha = 1;'//nl// &
    '      g.fillStyle = exact ? pens.accent : pens.soft;'//nl// &
@@ -2636,7 +2651,9 @@ module psalm_board_text
    '  /** An element with attributes, listeners (on...) and children. */'//nl// &
    '  function make(tag, attributes = {}, ...children) {'//nl// &
    '    const element = document.createElement(tag);'//nl// &
-   '    for (const [name, value] of Object.entries(attributes)) {'//nl// &
+   '    for (const [name, value] of Object.entries(attributes)) {'//nl
+
+   character(*), parameter :: part_25 = &
    "      if (name.startsWith('on')) element.addEventListener(name.slice(2), value);"//nl// &
    "      else if (value === true) element.setAttribute(name, '');"//nl// &
    '      else if (value !== false && value !== undefined) element.setAttribute(name, value);'//nl// &
@@ -2650,9 +2667,7 @@ module psalm_board_text
    ''//nl// &
    '  /** An element of a picture. */'//nl// &
    '  function svg(tag, attributes = {}) {'//nl// &
-   '    const element = document.createElementNS(pictures.content.firstChild.namespaceURI, tag);'//nl
-
-   character(*), parameter :: part_25 = &
+   '    const element = document.createElementNS(pictures.content.firstChild.namespaceURI, tag);'//nl// &
    '    for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);'//nl// &
    '    return element;'//nl// &
    '  }'//nl// &
@@ -2733,7 +2748,8 @@ module psalm_board_text
    '    if (rough) return;'//nl// &
    "    const panel = $('panel'), held = document.activeElement && panel.contains(document.activeElement) ?"//nl// &
    "      document.activeElement.getAttribute('aria-label') : null;"//nl// &
-   '    panel.replaceChildren(...chosen(), ...drivePart(), ...positionPart(), ...outputPart(), ...listPart());'//nl// &
+   '    panel.replaceChildren(...chosen(), ...drivePart(), ...positionPart(), ...outputPart(), ...listPart(), ...board.pict'// &
+   'ure.part());'//nl// &
    "    if (held) panel.querySelector('[aria-label=""' + CSS.escape(held) + '""]')?.focus();"//nl// &
    '    showDrives();'//nl// &
    '    follow();'//nl// &
@@ -2741,7 +2757,9 @@ module psalm_board_text
    ''//nl// &
    '  /** Freedom, or what is wrong, in words. */'//nl// &
    '  function showState() {'//nl// &
-   "    const { state } = board, chip = $('chip'), wrong = state.messages.length > 0;"//nl// &
+   "    const { state } = board, chip = $('chip'), wrong = state.messages.length > 0;"//nl
+
+   character(*), parameter :: part_26 = &
    "    chip.className = wrong ? 'wrong' : '';"//nl// &
    '    const n = state.sketch.drives.length;'//nl// &
    '    const text = wrong ? state.messages[0].text : board.words.freedom.moves(n);'//nl// &
@@ -2755,9 +2773,7 @@ module psalm_board_text
    '    if (s.link) return linkPart(board.linkOf(s.link));'//nl// &
    '    if (s.slide) return slidePart(state.sketch.slides.find((one) => one.name === s.slide));'//nl// &
    '    return cylinderPart(s.cylinder);'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_26 = &
+   '  }'//nl// &
    ''//nl// &
    '  function jointPart(joint) {'//nl// &
    '    const { edit } = board, { name } = joint;'//nl// &
@@ -2858,7 +2874,9 @@ module psalm_board_text
    '    const { state, edit } = board, { sketch } = state;'//nl// &
    '    if (!sketch.drives.length) return [];'//nl// &
    "    if (sketch.drives.some((d) => d.grid)) return [head(words.positions), make('p', {}, words.gridOfStrokes)];"//nl// &
-   "    const list = (label, values, take) => field(label, values.join(' '), (text) => {"//nl// &
+   "    const list = (label, values, take) => field(label, values.join(' '), (text) => {"//nl
+
+   character(*), parameter :: part_27 = &
    '      const numbers = text.split(/[\s;]+/).filter(Boolean).map(valueOf);'//nl// &
    '      return numbers.length && numbers.every(isFinite) ? take(numbers) : false;'//nl// &
    '    });'//nl// &
@@ -2872,9 +2890,7 @@ module psalm_board_text
    "      const at = drive.at.join(' ');"//nl// &
    '      parts.push(row(at, list(words.positionsOf(at), i ? drive.delt : sketch.delt, (numbers) => edit((s) => {'//nl// &
    '        const n = numbers.length;'//nl// &
-   '        if (i) s.drives[i].delt = numbers; else s.delt = numbers;'//nl
-
-   character(*), parameter :: part_27 = &
+   '        if (i) s.drives[i].delt = numbers; else s.delt = numbers;'//nl// &
    '        const fill = (values) => Array.from({ length: n }, (_, k) => values[k] ?? values.at(-1) ?? 0);'//nl// &
    '        s.delt = fill(s.delt);'//nl// &
    '        s.drives.forEach((d, k) => { if (k && !d.ratio) d.delt = fill(d.delt); });'//nl// &
@@ -2972,7 +2988,9 @@ module psalm_board_text
    " board.motion.RADIAN : 1);"//nl// &
    "      if (part.tagName === 'INPUT') part.value = several ? value : Math.round(state.t);"//nl// &
    "      else part.textContent = board.view.short(Number(value.toPrecision(5))) + (turns ? '\u00b0' : '');"//nl// &
-   '    }'//nl// &
+   '    }'//nl
+
+   character(*), parameter :: part_28 = &
    '    const facts = sketch.outputs.slice(0, 4).flatMap((one) => Object.entries(board.motion.output(motion.mech, live, one'// &
    ')))'//nl// &
    "      .map(([name, value]) => name.replace(/_/g, ' ') + ' ' + board.view.short(Number(value.toPrecision(6))));"//nl// &
@@ -2988,9 +3006,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** Shows one of the parts beside the drawing. */'//nl// &
-   '  function turnTo(name) {'//nl
-
-   character(*), parameter :: part_28 = &
+   '  function turnTo(name) {'//nl// &
    '    tab = name;'//nl// &
    '    for (const [id] of TABS) {'//nl// &
    '      $(id).hidden = id !== name;'//nl// &
@@ -3083,7 +3099,9 @@ module psalm_board_text
    '  function changed() {'//nl// &
    '    clearTimeout(timer);'//nl// &
    '    timer = 0;'//nl// &
-   '    const text = box.value;'//nl// &
+   '    const text = box.value;'//nl
+
+   character(*), parameter :: part_29 = &
    '    mistake = null;'//nl// &
    '    if (text !== board.write()) {'//nl// &
    '      try {'//nl// &
@@ -3097,9 +3115,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** The drawing was changed: the text follows, unless somebody is typing it. */'//nl// &
-   '  function follow(rough) {'//nl
-
-   character(*), parameter :: part_29 = &
+   '  function follow(rough) {'//nl// &
    '    if (rough || timer) return;'//nl// &
    '    const now = board.write();'//nl// &
    '    if (now === box.value) { written = now; show(); return; }'//nl// &
@@ -3174,6 +3190,73 @@ module psalm_board_text
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
+   '// A picture underneath the drawing, to trace over. It is not part of the data set.'//nl// &
+   "'use strict';"//nl// &
+   ''//nl// &
+   'board.picture = (() => {'//nl// &
+   '  const PART = 0.8;                      // of the view that a new picture takes'//nl// &
+   '  const { words } = board;'//nl// &
+   '  const $ = (id) => document.getElementById(id);'//nl// &
+   '  let image = null, place = null;        // x, y of its lower left corner, width: lengths; fade: how strongly it shows'//nl// &
+   ''//nl// &
+   '  function open(file) {'//nl// &
+   '    const one = new Image(), address = URL.createObjectURL(file);'//nl// &
+   '    one.onload = () => {'//nl// &
+   '      URL.revokeObjectURL(address);'//nl// &
+   "      if (!(one.width > 0 && one.height > 0)) { $('hint').textContent = words.noPicture(file.name); return; }"//nl
+
+   character(*), parameter :: part_30 = &
+   '      const { view } = board, [left, top] = view.world(0, 0), [right, bottom] = view.world(view.canvas.clientWidth, vie'// &
+   'w.canvas.clientHeight);'//nl// &
+   '      const width = Number((PART * Math.min(right - left, (top - bottom) * one.width / one.height)).toPrecision(3)), he'// &
+   'ight = width * one.height / one.width;'//nl// &
+   '      image = one;'//nl// &
+   '      place = { x: Number(((left + right - width) / 2).toPrecision(4)), y: Number(((top + bottom - height) / 2).toPreci'// &
+   'sion(4)), width, fade: 50 };'//nl// &
+   '      show();'//nl// &
+   '    };'//nl// &
+   "    one.onerror = () => { URL.revokeObjectURL(address); $('hint').textContent = words.noPicture(file.name); };"//nl// &
+   '    one.src = address;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function show() {'//nl// &
+   '    board.panel.show();'//nl// &
+   '    board.view.draw();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function draw(g, X, Y) {'//nl// &
+   '    if (!image) return;'//nl// &
+   '    const { x, y, width, fade } = place, height = width * image.height / image.width;'//nl// &
+   '    g.globalAlpha = fade / 100;'//nl// &
+   '    g.drawImage(image, X(x), Y(y + height), X(x + width) - X(x), Y(y) - Y(y + height));'//nl// &
+   '    g.globalAlpha = 1;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Its place and strength among the properties. */'//nl// &
+   '  function part() {'//nl// &
+   '    const { head, row, numberField, button, make } = board.panel;'//nl// &
+   '    if (!image) return [];'//nl// &
+   '    const field = (key, least = -Infinity, most = Infinity) => numberField(words.picture[key], place[key], (value) => {'//nl// &
+   '      if (!(value >= least && value <= most)) return false;'//nl// &
+   '      place[key] = value;'//nl// &
+   '      show();'//nl// &
+   '      return true;'//nl// &
+   '    });'//nl// &
+   "    return [head(words.pictureHead), row('x, y', field('x'), field('y')), row(words.pictureWidth, field('width', 1e-9))"// &
+   ", row(words.pictureFade, field('fade', 0, 100)),"//nl// &
+   "      make('div', { class: 'list' }, button(words.pictureAway, () => { image = null; show(); }))];"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function begin() {'//nl// &
+   "    $('picture').addEventListener('click', () => $('picture-file').click());"//nl// &
+   "    $('picture-file').addEventListener('change', () => { if ($('picture-file').files[0]) open($('picture-file').files[0"// &
+   "]); $('picture-file').value = ''; });"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  return { begin, open, draw, part, get place() { return image && place; } };'//nl// &
+   '})();'//nl// &
+   '</script>'//nl// &
+   '<script>'//nl// &
    '// Drafts in the browser, links that hold a sketch, the gallery.'//nl// &
    "'use strict';"//nl// &
    ''//nl// &
@@ -3203,9 +3286,7 @@ module psalm_board_text
    '      works = true;'//nl// &
    '    } catch {'//nl// &
    '      works = false;             // the browser keeps nothing, or is full'//nl// &
-   '    }'//nl
-
-   character(*), parameter :: part_30 = &
+   '    }'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** What was drawn last time, if the same was given then as now. */'//nl// &
@@ -3232,7 +3313,9 @@ module psalm_board_text
    '  /** Whether all changes are kept. */'//nl// &
    '  function kept() {'//nl// &
    '    if (timer) put();'//nl// &
-   '    return works;'//nl// &
+   '    return works;'//nl
+
+   character(*), parameter :: part_31 = &
    '  }'//nl// &
    ''//nl// &
    '  // ---- links -------------------------------------------------------------------------------------------------------'// &
@@ -3315,9 +3398,7 @@ module psalm_board_text
    '      if (start && !start.dead) {'//nl// &
    '        board.motion.joints(mech, start.pose).forEach(([x, y], j) => at.set(sketch.joints[j].name, [x, -y]));'//nl// &
    "        const out = sketch.outputs.find((o) => ['point', 'pose', 'x', 'y'].includes(o.kind)), j = out ? sketch.joints.f"// &
-   "indIndex((one) => one.name === out.of[0]) : -1;"//nl
-
-   character(*), parameter :: part_31 = &
+   "indIndex((one) => one.name === out.of[0]) : -1;"//nl// &
    '        if (j >= 0) curve = board.sweepOf(sketch, mech, start, 3).places.map((places) => [places[j][0], -places[j][1]])'// &
    ';'//nl// &
    '      }'//nl// &
@@ -3349,7 +3430,9 @@ module psalm_board_text
    "(); board.load(one.text, one.name + '.nml'); board.store.keep(); } },"//nl// &
    "        picture(sketch), make('span', {}, one.title));"//nl// &
    '      return card;'//nl// &
-   '    });'//nl// &
+   '    });'//nl
+
+   character(*), parameter :: part_32 = &
    "    const find = make('input', { type: 'search', 'aria-label': words.galleryFilter, placeholder: words.galleryFilter, o"// &
    "ninput: () => {"//nl// &
    "      for (const card of cards) card.hidden = !(card.dataset.name + ' ' + card.textContent).toLowerCase().includes(find"// &
@@ -3429,9 +3512,7 @@ module psalm_board_text
    '      if (one.made) parts.doing.textContent = words.progress(one.made, one.most, one.best);'//nl// &
    '      if (one.error) parts.told.textContent = one.error;'//nl// &
    '      if (one.done) show(one);'//nl// &
-   '    }'//nl
-
-   character(*), parameter :: part_32 = &
+   '    }'//nl// &
    '    if (got.error) parts.told.textContent = got.error;'//nl// &
    '    if (got.running) { setTimeout(() => watch(name, after + got.events.length), EVERY); return; }'//nl// &
    '    over();'//nl// &
@@ -3458,7 +3539,9 @@ module psalm_board_text
    '    parts.listing.hidden = !parts.listing.textContent;'//nl// &
    '    const sketches = cases.map((one) => {'//nl// &
    '      try { return [one, board.text.parse(one.text)]; } catch (error) {'//nl// &
-   '        if (!(error instanceof board.text.Mistake)) throw error;'//nl// &
+   '        if (!(error instanceof board.text.Mistake)) throw error;'//nl
+
+   character(*), parameter :: part_33 = &
    '        return null;                     // a linkage of loops is not drawn here; it is in the listing'//nl// &
    '      }'//nl// &
    '    }).filter(Boolean);'//nl// &
@@ -3542,9 +3625,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  async function look() {'//nl// &
-   '    timer = 0;'//nl
-
-   character(*), parameter :: part_33 = &
+   '    timer = 0;'//nl// &
    '    const text = textNow();'//nl// &
    "    if (!board.state.sketch.joints.length && !board.source.mistaken) { answer = null; asked = ''; say(); return; }"//nl// &
    '    if (text === asked) return;'//nl// &
@@ -3570,7 +3651,9 @@ module psalm_board_text
    '  /** What takes longer is asked for when the drawing rests. */'//nl// &
    '  async function prove() {'//nl// &
    '    if (!fresh || !answer.motion) return;'//nl// &
-   "    const { text } = answer, got = await ask('prove', text);"//nl// &
+   "    const { text } = answer, got = await ask('prove', text);"//nl
+
+   character(*), parameter :: part_34 = &
    '    if (!fresh || answer.text !== text || got.stale) return;'//nl// &
    "    Object.assign(answer, { proof: got.proof, assemblies: got.assemblies, unproven: got.error || '' });"//nl// &
    '    proof();'//nl// &
@@ -3658,9 +3741,7 @@ module psalm_board_text
    '      g.beginPath();'//nl// &
    '      g.moveTo(u, v);'//nl// &
    '      g.lineTo(u + dx - head * ux, v + dy - head * uy);'//nl// &
-   '      g.stroke();'//nl
-
-   character(*), parameter :: part_34 = &
+   '      g.stroke();'//nl// &
    '      g.beginPath();'//nl// &
    '      g.moveTo(u + dx, v + dy);'//nl// &
    '      g.lineTo(u + dx - head * ux - 0.45 * head * uy, v + dy - head * uy + 0.45 * head * ux);'//nl// &
@@ -3686,7 +3767,9 @@ module psalm_board_text
    '        g.arc(X(at[0][i]), Y(y), 2.2, 0, 2 * Math.PI);'//nl// &
    '        g.fill();'//nl// &
    '      }'//nl// &
-   '    }'//nl// &
+   '    }'//nl
+
+   character(*), parameter :: part_35 = &
    '  }'//nl// &
    ''//nl// &
    '  /** The band of the tolerances round the path of the first output. */'//nl// &
@@ -3769,9 +3852,7 @@ module psalm_board_text
    '    say();'//nl// &
    "    const { make, head } = board.panel, { motion, summary, findings } = answer, errors = (findings || []).filter((one) "// &
    "=> one.level === 'error');"//nl// &
-   '    parts.result.hidden = !motion;'//nl
-
-   character(*), parameter :: part_35 = &
+   '    parts.result.hidden = !motion;'//nl// &
    "    if (!motion && errors.length) { parts.state.textContent = words.line(errors[0].line, errors[0].text); parts.state.c"// &
    "lassList.add('wrong'); return; }"//nl// &
    "    const lines = (summary || '').split('\n').slice(1).map((line) => /^ {2}(\S.*?)(?: {2,}(.*))?$/.exec(line)).filter(B"// &
@@ -3806,7 +3887,9 @@ module psalm_board_text
    "    if (answer.unproven) rows.push(make('p', {}, answer.unproven));"//nl// &
    '    parts.proof.replaceChildren(...(rows.length && board.free() === 1 ? [head(words.proven), ...rows] : []));'//nl// &
    '    marks();'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_36 = &
    ''//nl// &
    "  const turning = () => Boolean(board.state.sketch.drives.length) && board.state.sketch.drives[0].kind === 'turn';"//nl// &
    ''//nl// &
@@ -3894,9 +3977,7 @@ module psalm_board_text
    ''//nl// &
    '  /** Fields for the speed of the input and for one load. */'//nl// &
    '  function loads() {'//nl// &
-   '    const { make, row, numberField, button } = board.panel, { sketch } = board.state, text = board.write();'//nl
-
-   character(*), parameter :: part_36 = &
+   '    const { make, row, numberField, button } = board.panel, { sketch } = board.state, text = board.write();'//nl// &
    "    const held = parts.loads.contains(document.activeElement) ? document.activeElement.getAttribute('aria-label') : nul"// &
    "l;"//nl// &
    '    const group = (name) => { try { return board.text.placeOf(text, name); } catch { return undefined; } };'//nl// &
@@ -3936,7 +4017,9 @@ module psalm_board_text
    '      board.take(changed);'//nl// &
    '    };'//nl// &
    "    put(speed, row(words.load, at, x, y), button(words.setLoad, set, { 'aria-label': words.setLoad }), make('p', {}, an"// &
-   "swer.motion.forces ? words.loadHint : words.noForces + ' ' + words.loadHint), tolerance);"//nl// &
+   "swer.motion.forces ? words.loadHint : words.noForces + ' ' + words.loadHint), tolerance);"//nl
+
+   character(*), parameter :: part_37 = &
    '  }'//nl// &
    ''//nl// &
    "  return { begin, follow, draw, ask, served, marks, shown: (tab) => { if (tab === 'engine') board.view.draw(); }, arrow"// &
@@ -4019,9 +4102,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** Points along the longest path of an SVG picture, y upwards. */'//nl// &
-   '  function fromPicture(text) {'//nl
-
-   character(*), parameter :: part_37 = &
+   '  function fromPicture(text) {'//nl// &
    "    const whole = new DOMParser().parseFromString(text, 'image/svg+xml'), mine = board.panel.svg('path');"//nl// &
    "    const pathOf = (one) => one.tagName === 'path' ? one.getAttribute('d') : 'M' + (one.getAttribute('points') || '') +"// &
    " (one.tagName === 'polygon' ? 'z' : '');"//nl// &
@@ -4052,7 +4133,9 @@ module psalm_board_text
    '      if (closed && gap < 1e-9 * length(points)) points.pop();'//nl// &
    "      parts.told.textContent = '';"//nl// &
    '      want({ points: picture || points.length > MOST_POINTS ? even(points, count, closed) : points, closed });'//nl// &
-   '      board.fit();'//nl// &
+   '      board.fit();'//nl
+
+   character(*), parameter :: part_38 = &
    '    });'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -4142,9 +4225,7 @@ module psalm_board_text
    '  function own() {'//nl// &
    '    const { links, lengths, slides, gears } = board.state.sketch, exact = (a, b) => lengths.some((l) => l.joints.includ'// &
    'es(a) && l.joints.includes(b));'//nl// &
-   "    if (!lengths.length) return ['all'];"//nl
-
-   character(*), parameter :: part_38 = &
+   "    if (!lengths.length) return ['all'];"//nl// &
    '    if (slides.length || gears.length) return null;'//nl// &
    '    // a length across a plate holds the whole plate'//nl// &
    '    const across = (joints) => lengths.some((l) => l.joints.every((name) => joints.slice(1).includes(name)));'//nl// &
@@ -4174,7 +4255,9 @@ module psalm_board_text
    "'] } : {}) }));"//nl// &
    '    if (got.error) { parts.told.textContent = got.error; return; }'//nl// &
    '    running = got.search;'//nl// &
-   '    stopping = false;'//nl// &
+   '    stopping = false;'//nl
+
+   character(*), parameter :: part_39 = &
    '    follow();'//nl// &
    '    watch(running, 0);'//nl// &
    '  }'//nl// &
@@ -4252,9 +4335,7 @@ module psalm_board_text
    '  const CLICK = 5, TOUCH_CLICK = 12;     // pixels that a pointer may move in a click'//nl// &
    '  const BAR_STEPS = 20;                  // places on a bar where a joint may be put'//nl// &
    '  const ANGLE = 15;                      // degrees between directions of a slide that is drawn'//nl// &
-   '  const TOOLS = ['//nl
-
-   character(*), parameter :: part_39 = &
+   '  const TOOLS = ['//nl// &
    "    ['select', 'v', 'M6 3l13 9-6 1.5-2.5 6z'],"//nl// &
    "    ['link', 'l', 'M6 18L18 6M6 18m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0M18 6m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0'],"//nl// &
    "    ['pivot', 'p', 'M12 8L5 19h14zM12 8m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0'],"//nl// &
@@ -4281,7 +4362,9 @@ module psalm_board_text
    '    if (on) sketch.links.find((l) => l.name === on).joints.push(name);'//nl// &
    '    return name;'//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_40 = &
    '  /** A frame joint at a place that is typed in: it can be freed, or have links pulled from it. A joint that is there i'// &
    's pinned. */'//nl// &
    '  function jointAt(place) {'//nl// &
@@ -4361,9 +4444,7 @@ module psalm_board_text
    "    if (only && sketch.drives[0].kind === 'turn') { if (!sketch.delt.length) sketch.ikin = sketch.ikin || 15; return; }"//nl// &
    '    if (sketch.ikin || !sketch.delt.length) {'//nl// &
    '      sketch.ikin = 0;'//nl// &
-   "      sketch.delt = steps(sketch.drives[0].kind === 'turn' ? 5 : stroke);"//nl
-
-   character(*), parameter :: part_40 = &
+   "      sketch.delt = steps(sketch.drives[0].kind === 'turn' ? 5 : stroke);"//nl// &
    '    }'//nl// &
    '    for (const one of sketch.drives.slice(1)) if (!one.ratio && one.delt.length !== sketch.delt.length) one.delt = sket'// &
    'ch.delt.map(() => 0);'//nl// &
@@ -4390,7 +4471,9 @@ module psalm_board_text
    '      for (const one of sketch.outputs) one.of = one.of.map((name) => name === from ? to : name);'//nl// &
    '      sketch.joints = sketch.joints.filter((one) => one.name !== from);'//nl// &
    '      board.tidy(sketch);'//nl// &
-   '    });'//nl// &
+   '    });'//nl
+
+   character(*), parameter :: part_41 = &
    '    board.state.selection = { joint: to };'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -4471,9 +4554,7 @@ module psalm_board_text
    '    const { state } = board;'//nl// &
    '    if (pointers.has(event.pointerId)) pointers.set(event.pointerId, event);'//nl// &
    '    if (pinch) { pinchTo(); return; }'//nl// &
-   '    if (hand) { trace(event); return; }'//nl
-
-   character(*), parameter :: part_41 = &
+   '    if (hand) { trace(event); return; }'//nl// &
    "    const dragged = press && press.at && press.tool === 'select' && press.at.hit && press.at.hit.joint;"//nl// &
    "    const at = spot(event, dragged || '');"//nl// &
    '    if (state.pending) { state.pending.to = target(state.pending, at); state.hover = at.hit; view.draw(); }'//nl// &
@@ -4500,7 +4581,9 @@ module psalm_board_text
    '    view.draw();'//nl// &
    '  }'//nl// &
    ''//nl// &
-   "  /** Where the line that is pulled ends: a slide's turns in steps. */"//nl// &
+   "  /** Where the line that is pulled ends: a slide's turns in steps. */"//nl
+
+   character(*), parameter :: part_42 = &
    '  function target({ tool, from }, at) {'//nl// &
    "    if (tool !== 'slider') return at.place;"//nl// &
    '    const dx = at.place[0] - from[0], dy = at.place[1] - from[1], d = Math.hypot(dx, dy), a = slideAngle(dx, dy) * Math'// &
@@ -4582,9 +4665,7 @@ module psalm_board_text
    "});"//nl// &
    "    else if (tool === 'pivot' && hit.joint) pivot(hit.joint);"//nl// &
    "    else if (tool === 'pivot') edit((sketch) => { const name = addJoint(sketch, start.place, hit.link); sketch.links[0]"// &
-   ".joints.push(name); state.selection = { joint: name }; });"//nl
-
-   character(*), parameter :: part_42 = &
+   ".joints.push(name); state.selection = { joint: name }; });"//nl// &
    "    else if (tool === 'slider' && hit.joint) slider(hit.joint, pulled ? slideAngle(at.place[0] - start.place[0], at.pla"// &
    "ce[1] - start.place[1]) : 0);"//nl// &
    "    else if (tool === 'drive') driveAt(hit, at.hit || {}, pulled);"//nl// &
@@ -4611,7 +4692,9 @@ module psalm_board_text
    '    press = hand = null;'//nl// &
    '    board.state.pending = null;'//nl// &
    '    view.draw();'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_43 = &
    ''//nl// &
    '  const spread = () => { const [a, b] = [...pointers.values()]; return Math.hypot(a.clientX - b.clientX, a.clientY - b.'// &
    'clientY) || 1; };'//nl// &
@@ -4696,9 +4779,7 @@ module psalm_board_text
    "    canvas.addEventListener('pointerdown', down);"//nl// &
    "    canvas.addEventListener('pointermove', move);"//nl// &
    "    canvas.addEventListener('pointerup', up);"//nl// &
-   "    canvas.addEventListener('pointercancel', (event) => { pointers.delete(event.pointerId); pinch = 0; cancel(); });"//nl
-
-   character(*), parameter :: part_43 = &
+   "    canvas.addEventListener('pointercancel', (event) => { pointers.delete(event.pointerId); pinch = 0; cancel(); });"//nl// &
    "    canvas.addEventListener('pointerleave', () => { if (!press && board.state.hover) { board.state.hover = null; view.d"// &
    "raw(); } });"//nl// &
    "    canvas.addEventListener('contextmenu', (event) => event.preventDefault());"//nl// &
@@ -4709,8 +4790,8 @@ module psalm_board_text
    '      view.draw();'//nl// &
    '    }, { passive: false });'//nl// &
    "    canvas.addEventListener('dragover', (event) => event.preventDefault());"//nl// &
-   "    canvas.addEventListener('drop', (event) => { event.preventDefault(); if (event.dataTransfer.files[0]) board.open(ev"// &
-   "ent.dataTransfer.files[0]); });"//nl// &
+   "    canvas.addEventListener('drop', (event) => { event.preventDefault(); const [file] = event.dataTransfer.files; if (f"// &
+   "ile) (file.type.startsWith('image/') ? board.picture : board).open(file); });"//nl// &
    "    document.addEventListener('keydown', key);"//nl// &
    '    const acts = { play: () => board.play(), undo: () => board.undo(), redo: () => board.redo(), save: () => board.save'// &
    '(), fit: () => board.fit(),'//nl// &
@@ -4729,7 +4810,9 @@ module psalm_board_text
    '<script>'//nl// &
    '// The drawing board: its state, every change with undo, the motion that follows from it, playing, files to open and to'// &
    ' save.'//nl// &
-   "'use strict';"//nl// &
+   "'use strict';"//nl
+
+   character(*), parameter :: part_44 = &
    ''//nl// &
    '(() => {'//nl// &
    '  const { view, motion: solver, text: notation } = board;'//nl// &
@@ -4807,9 +4890,7 @@ module psalm_board_text
    '  function undo(from = past, to = future) {'//nl// &
    '    if (!from.length) return;'//nl// &
    '    pause();'//nl// &
-   '    to.push(snapshot());'//nl
-
-   character(*), parameter :: part_44 = &
+   '    to.push(snapshot());'//nl// &
    '    Object.assign(state, JSON.parse(from.pop()));'//nl// &
    '    state.selection = null;'//nl// &
    '    state.dirty = true;'//nl// &
@@ -4837,7 +4918,9 @@ module psalm_board_text
    '    const within = lengths.filter((l) => l.joints.every((name) => pinned.has(name))), wrong = within.filter(short);'//nl// &
    '    const rest = lengths.filter((l) => !within.includes(l) || wrong.includes(l)), drawn = joints.map(({ x, y }) => ({ x'// &
    ', y }));'//nl// &
-   '    for (const [rows, give] of [[rest, new Set(wrong.flatMap((l) => l.joints))], [lengths, pinned]]) {'//nl// &
+   '    for (const [rows, give] of [[rest, new Set(wrong.flatMap((l) => l.joints))], [lengths, pinned]]) {'//nl
+
+   character(*), parameter :: part_45 = &
    '      if (meet(joints, rows, joints.map((j) => pinned.has(j.name) ? (give.has(j.name) ? 1e-6 : 0) : held.includes(j.nam'// &
    'e) ? 1e-2 : 1))) return;'//nl// &
    '      if (give !== pinned) joints.forEach((j, i) => Object.assign(j, drawn[i]));'//nl// &
@@ -4914,9 +4997,7 @@ module psalm_board_text
    '    });'//nl// &
    '    state.selection = null;'//nl// &
    '    refresh();'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_45 = &
+   '  }'//nl// &
    ''//nl// &
    '  function tidy(s) {'//nl// &
    '    const slides = (name) => s.slides.some((one) => one.links.includes(name));'//nl// &
@@ -4945,7 +5026,9 @@ module psalm_board_text
    ''//nl// &
    '  /** A name that is free: A, B ... for joints, the word with a number for others. */'//nl// &
    '  function freeName(kind) {'//nl// &
-   '    const { sketch } = state;'//nl// &
+   '    const { sketch } = state;'//nl
+
+   character(*), parameter :: part_46 = &
    "    if (kind === 'joint') {"//nl// &
    "      const letters = (n) => (n >= 26 ? letters(Math.floor(n / 26) - 1) : '') + String.fromCharCode(65 + n % 26);"//nl// &
    '      for (let n = 0; ; n++) if (!jointOf(letters(n)) && !sketch.slides.some((s) => s.name === letters(n))) return lett'// &
@@ -5025,9 +5108,7 @@ module psalm_board_text
    '      });'//nl// &
    '      states = [];'//nl// &
    '      for (const inputs of between) {'//nl// &
-   '        const next = solver.advance(mech, states.at(-1) || start, inputs, NEAR);'//nl
-
-   character(*), parameter :: part_46 = &
+   '        const next = solver.advance(mech, states.at(-1) || start, inputs, NEAR);'//nl// &
    '        if (!next) break;'//nl// &
    '        states.push(next);'//nl// &
    '      }'//nl// &
@@ -5053,7 +5134,9 @@ module psalm_board_text
    ''//nl// &
    '  /** Where all joints are now. */'//nl// &
    '  function places() {'//nl// &
-   '    const { motion: m, live, sketch } = state;'//nl// &
+   '    const { motion: m, live, sketch } = state;'//nl
+
+   character(*), parameter :: part_47 = &
    '    const list = live ? solver.joints(m.mech, live.pose) : sketch.joints.map((j) => [j.x, j.y]);'//nl// &
    '    return new Map(sketch.joints.map((j, i) => [j.name, list[i]]));'//nl// &
    '  }'//nl// &
@@ -5129,9 +5212,7 @@ module psalm_board_text
    '      let t = state.t + state.forth * 2 ** state.speed * dt * n / (sweep.ring ? TURN_TIME : WAY_TIME);'//nl// &
    '      if (sweep.ring) state.forth = 1;'//nl// &
    '      else if (t >= n - 1) { t = n - 1; state.forth = -1; } else if (t <= 0) { t = 0; state.forth = 1; }'//nl// &
-   '      go(t);'//nl
-
-   character(*), parameter :: part_47 = &
+   '      go(t);'//nl// &
    '      requestAnimationFrame(tick);'//nl// &
    '    };'//nl// &
    '    requestAnimationFrame(tick);'//nl// &
@@ -5159,7 +5240,9 @@ module psalm_board_text
    "    board.tools.choose('select');"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function start(sketch = blank()) {'//nl// &
+   '  function start(sketch = blank()) {'//nl
+
+   character(*), parameter :: part_48 = &
    "    instead({ sketch, source: '', file: 'sketch.nml', wanted: null });"//nl// &
    "    board.tools.choose('link');"//nl// &
    '  }'//nl// &
@@ -5238,14 +5321,13 @@ module psalm_board_text
    ";"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function ready() {'//nl
-
-   character(*), parameter :: part_48 = &
+   '  function ready() {'//nl// &
    '    view.begin();'//nl// &
    '    view.resize();'//nl// &
    '    board.panel.begin();'//nl// &
    '    board.tools.begin();'//nl// &
    '    board.store.begin();'//nl// &
+   '    board.picture.begin();'//nl// &
    '    for (const part of parts) part.begin();'//nl// &
    '    new ResizeObserver(() => { view.resize(); view.draw(); }).observe(view.canvas);'//nl// &
    "    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { view.resize(); view.draw(); });"//nl// &
@@ -5265,7 +5347,9 @@ module psalm_board_text
    ''//nl// &
    '  /** Opens a text; a mistake is told. */'//nl// &
    '  function attempt(text, file, draft = false) {'//nl// &
-   '    try {'//nl// &
+   '    try {'//nl
+
+   character(*), parameter :: part_49 = &
    '      load(text, file, draft);'//nl// &
    '      return true;'//nl// &
    '    } catch (error) {'//nl// &
@@ -5303,6 +5387,6 @@ contains
              part_24//part_25//part_26//part_27//part_28//part_29//part_30//part_31// &
              part_32//part_33//part_34//part_35//part_36//part_37//part_38//part_39// &
              part_40//part_41//part_42//part_43//part_44//part_45//part_46//part_47// &
-             part_48
+             part_48//part_49
    end function board_text
 end module psalm_board_text

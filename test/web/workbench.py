@@ -640,6 +640,28 @@ def test_file(browser):
     other.page.wait_for_function("board.state.messages.length === 0")
     check("link: pasted onto another board", other.ask("board.write()") == text)
     other.context.close()
+    # a picture underneath
+    write("photo.svg", '<svg xmlns="http://www.w3.org/2000/svg" width="200" height="100"><rect width="200" height="100" fill="red"/></svg>')
+    write("photo.png", "no picture")
+    drawn = board.pixels("board")
+    page.set_input_files("#picture-file", "photo.png")
+    page.wait_for_function("document.getElementById('hint').textContent.includes('photo.png')")
+    check("picture: one that is none is told", "no picture" in page.text_content("#hint") and board.ask("board.picture.place") is None)
+    page.set_input_files("#picture-file", "photo.svg")
+    page.wait_for_function("board.picture.place")
+    board.fill("width of the picture, lengths", "80")
+    board.fill("x of the lower left corner of the picture", "-120")
+    board.fill("how strongly the picture shows, 0 to 100", "100")
+    colour = """(([x, y]) => { const c = document.getElementById('board'), b = c.getBoundingClientRect(), k = c.width / b.width, copy = document.createElement('canvas');
+        [copy.width, copy.height] = [c.width, c.height];
+        const pen = copy.getContext('2d', { willReadFrequently: true });
+        pen.drawImage(c, 0, 0);
+        return [...pen.getImageData(Math.round((x - b.left) * k), Math.round((y - b.top) * k), 1, 1).data].slice(0, 3); })(board.view.screen(%s, %s))"""
+    y = board.ask("board.picture.place.y")
+    inside, outside = board.ask(colour % (-117.3, y + 38.7)), board.ask(colour % (-122.7, y + 38.7))
+    check("picture: it is where its properties say", inside[0] > 180 and inside[1] < 90 and outside[0] < 180, "%s %s" % (inside, outside))
+    page.click("text=Take away")
+    check("picture: taken away", board.pixels("board") == drawn)
     # a draft
     board.ask("board.edit((sketch) => { sketch.joints[0].x = 1.5; })")
     page.wait_for_function("localStorage.getItem('psalm.board')?.includes('1.5')")
