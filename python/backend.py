@@ -34,6 +34,7 @@ def _metadata():
     return ("Metadata-Version: 2.1\nName: psalm\nVersion: %s\nSummary: %s\nRequires-Python: %s\nLicense: MIT\n"
             "Requires-Dist: numpy>=1.24\nProvides-Extra: frames\nRequires-Dist: pandas; extra == 'frames'\n"
             "Requires-Dist: xarray; extra == 'frames'\nProvides-Extra: plot\nRequires-Dist: matplotlib; extra == 'plot'\n"
+            "Provides-Extra: dxf\nRequires-Dist: ezdxf>=1.0; extra == 'dxf'\n"
             "Provides-Extra: workbench\nRequires-Dist: starlette>=0.40; extra == 'workbench'\nRequires-Dist: uvicorn>=0.30; extra == 'workbench'\n"
             "Description-Content-Type: text/markdown\n\n%s" %
             (_project("version"), _project("description"), _project("requires-python"), readme))
@@ -84,7 +85,7 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
                 content[place] = file.read()
     content[info + "METADATA"] = _metadata().encode()
     content[info + "WHEEL"] = ("Wheel-Version: 1.0\nGenerator: psalm\nRoot-Is-Purelib: false\nTag: %s\n" % tag).encode()
-    content[info + "entry_points.txt"] = b"[console_scripts]\npsalm-workbench = psalm.workbench:main\n"
+    content[info + "entry_points.txt"] = b"[console_scripts]\npsalm-workbench = psalm.workbench:main\npsalm-import = psalm.imports:main\n"
     record = ""
     for place, data in content.items():
         digest = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()

@@ -361,8 +361,8 @@
 
   function play(on = !state.playing) {
     state.playing = on && Boolean(state.motion.sweep) && state.motion.sweep.states.length > 1;
-    $('play').textContent = state.playing ? 'Pause' : 'Play';
-    $('play').setAttribute('aria-label', state.playing ? 'pause' : 'play');
+    $('play').textContent = state.playing ? board.words.pause : board.words.play;
+    $('play').setAttribute('aria-label', state.playing ? board.words.pauseLabel : board.words.playLabel);
     $('play').setAttribute('aria-pressed', String(state.playing));
     if (!state.playing) return;
     let last = 0;

@@ -11,7 +11,8 @@ board.engine = (() => {
   const page = Math.random().toString(36).slice(2);
   const shown = { velocities: true, forces: true };
   const PATIENT = 300;                   // milliseconds: an answer that takes longer is given up for one to a later text
-  let timer = 0, since = 0, number = 0, asked = '';     // begin and number of the question that is open, its text
+  const PROOF = 250;                     // after an answer
+  let timer = 0, later = 0, since = 0, number = 0, asked = '';     // begin and number of the question that is open, its text
   let answer = null, fresh = false, parts = {};
 
   /** What the server says; an object with `error` if it says no. */
@@ -26,11 +27,12 @@ board.engine = (() => {
 
   function begin() {
     if (!served) return;
-    const { make, head, check, row } = board.panel;
+    const { make, head, check, row, button } = board.panel;
     const part = (name, ...inside) => { parts[name] = make('div', { class: name }, ...inside); return parts[name]; };
     const arrow = (name) => make('label', { class: 'tick ' + name }, check(words[name], true, (on) => { shown[name] = on; board.view.draw(); }), words[name]);
     $('engine').append(part('state'), part('result', head(words.here), part('here'), row(words.shownArrows, arrow('velocities'), arrow('forces')),
-      head(words.assumptions), part('loads'), part('angles'), head(words.summary), part('summary'), part('proof'), part('ways'), part('found')));
+      head(words.assumptions), part('loads'), part('angles'), head(words.summary), part('summary'), part('proof'), part('ways'), part('found'), head(words.exports), part('files', make('div', { class: 'list' }, ...Object.entries(words.exportNames)
+      .map(([ending, text]) => button(text, () => save(ending))))), board.study.part()));
     parts.result.hidden = true;
     parts.state.setAttribute('role', 'status');
   }
@@ -40,6 +42,7 @@ board.engine = (() => {
   /** After a change: what was found holds no longer, unless the text is the same. */
   function follow(rough) {
     if (!served) return;
+    if (!rough) board.study.follow();
     const text = textNow();
     fresh = Boolean(answer) && answer.text === text && !board.source.mistaken;
     if (fresh) { if (!rough) report(); return; }
@@ -68,6 +71,25 @@ board.engine = (() => {
     board.source.findings(text, got.findings || []);
     report();
     board.view.draw();
+    clearTimeout(later);
+    later = setTimeout(prove, PROOF);
+  }
+
+  /** What takes longer is asked for when the drawing rests. */
+  async function prove() {
+    if (!fresh || !answer.motion) return;
+    const { text } = answer, got = await ask('prove', text);
+    if (!fresh || answer.text !== text || got.stale) return;
+    Object.assign(answer, { proof: got.proof, assemblies: got.assemblies, unproven: got.error || '' });
+    proof();
+    ways();
+  }
+
+  /** A picture of the case, for other programs. */
+  async function save(ending) {
+    const got = await ask('files', board.write());
+    if (got.files) board.download(got.files[ending], board.state.file.replace(/\.\w+$/, '') + ending);
+    else say(got.error || (got.findings || []).filter((one) => one.level === 'error').map((one) => words.line(one.line, one.text)).join('; '), true);
   }
 
   /** The largest of what is drawn as arrows, and what counts along the motion. */
@@ -219,10 +241,10 @@ board.engine = (() => {
   // ---- the panel ----------------------------------------------------------------------------------------------------
 
   /** What the engine is doing, or what is wrong. */
-  function say(text = '') {
+  function say(text = '', now = false) {
     const wait = board.state.sketch.joints.length ? words.waiting : words.nothingYet;
-    parts.state.textContent = fresh ? '' : text || wait;
-    parts.state.classList.toggle('wrong', Boolean(text) && !fresh);
+    parts.state.textContent = fresh && !now ? '' : text || wait;
+    parts.state.classList.toggle('wrong', Boolean(text) && (now || !fresh));
     parts.result.classList.toggle('old', !fresh);
     if (!answer) parts.result.hidden = true;
   }
@@ -253,6 +275,7 @@ board.engine = (() => {
       words.range(digits(one.from) + unit, digits(one.to) + unit) + (one.group ? ', ' + one.group : '')));
     rows.push(...extremes.filter((one) => one.least_low !== null && one.greatest_high !== null).map((one) => fact(one.of,
       words.extremes(span(one.least_low, one.least_high), digits(one.least_at) + unit, span(one.greatest_low, one.greatest_high), digits(one.greatest_at) + unit))));
+    if (answer.unproven) rows.push(make('p', {}, answer.unproven));
     parts.proof.replaceChildren(...(rows.length && board.free() === 1 ? [head(words.proven), ...rows] : []));
     marks();
   }

@@ -5,7 +5,7 @@ board.panel = (() => {
   const $ = (id) => document.getElementById(id);
   const TABS = [['panel', board.words.tabs.panel], ['text', board.words.tabs.text], ['engine', board.words.tabs.engine], ['search', board.words.tabs.search]];
   let tab = 'panel';
-  const KIND = { turn: 'crank at ', slide: 'slide ', cylinder: 'cylinder ' };
+  const words = board.words.panel;
 
   /** An element with attributes, listeners (on...) and children. */
   function make(tag, attributes = {}, ...children) {
@@ -34,7 +34,7 @@ board.panel = (() => {
 
   /** A field that takes a text; `take` gives false for one that cannot be. */
   function field(label, value, take, attributes = {}) {
-    const input = make('input', { value, 'aria-label': label, spellcheck: 'false', autocomplete: 'off', ...attributes });
+    const input = make('input', { value, 'aria-label': label, title: label, spellcheck: 'false', autocomplete: 'off', ...attributes });
     input.addEventListener('change', () => {
       if (input.value.trim() === String(value)) return;
       if (take(input.value.trim()) === false) input.classList.add('bad');
@@ -95,7 +95,7 @@ board.panel = (() => {
   function show(rough = false) {
     const { state } = board, { sketch } = state;
     $('title').value = sketch.title;
-    document.title = sketch.title + ' \u2013 drawing board';
+    document.title = words.pageTitle(sketch.title);
     $('undo').disabled = !board.canUndo();
     $('redo').disabled = !board.canRedo();
     showState();
@@ -113,7 +113,7 @@ board.panel = (() => {
     const { state } = board, chip = $('chip'), wrong = state.messages.length > 0;
     chip.className = wrong ? 'wrong' : '';
     const n = state.sketch.drives.length;
-    const text = wrong ? state.messages[0].text : 'Freedom ' + n + ', ' + (n === 1 ? 'one drive' : n + ' drives') + ': it moves';
+    const text = wrong ? state.messages[0].text : board.words.freedom.moves(n);
     if (chip.textContent !== text) chip.textContent = text;
   }
 
@@ -130,20 +130,20 @@ board.panel = (() => {
     const { edit } = board, { name } = joint;
     const move = (key) => (value) => edit((sketch) => { joint = board.jointOf(name); joint[key] = value; board.relax(sketch, [name]); });
     const places = board.places().get(name);
-    return [head('Joint ' + name),
-      row('name', field('name of the joint', name, (text) => board.rename('joint', name, text) && choose({ joint: text }))),
+    return [head(words.joint(name)),
+      row(words.name, field(words.jointName, name, (text) => board.rename('joint', name, text) && choose({ joint: text }))),
       row('x', numberField('x', board.state.live ? places[0] : joint.x, move('x'))), row('y', numberField('y', board.state.live ? places[1] : joint.y, move('y'))),
-      row('frame', check('pinned to the frame', board.inFrame(name), () => board.tools.pivot(name))),
-      row('output', check('its path is an output', board.state.sketch.outputs.some((o) => o.kind === 'point' && o.of[0] === name), () => board.tools.output({ joint: name }))),
-      make('p', {}, 'Links: ' + (board.linksAt(name).map((l) => l.name).join(', ') || 'none')),
-      button('Delete', () => board.remove({ joint: name }))];
+      row(words.frame, check(words.pinned, board.inFrame(name), () => board.tools.pivot(name))),
+      row(words.output, check(words.pathIsOutput, board.state.sketch.outputs.some((o) => o.kind === 'point' && o.of[0] === name), () => board.tools.output({ joint: name }))),
+      make('p', {}, words.linksOf(board.linksAt(name).map((l) => l.name))),
+      button(words.delete, () => board.remove({ joint: name }))];
   }
 
   function linkPart(link) {
     const { edit } = board, { name } = link, frame = link === board.state.sketch.links[0], at = board.places();
-    const parts = [head(frame ? 'Frame' : 'Link ' + name),
-      row('name', field('name of the link', name, (text) => board.rename('link', name, text) && choose({ link: text }))),
-      row('joints', field('joints of the link', link.joints.join(' '), (text) => {
+    const parts = [head(frame ? words.frameHead : words.link(name)),
+      row(words.name, field(words.linkName, name, (text) => board.rename('link', name, text) && choose({ link: text }))),
+      row(words.joints, field(words.linkJoints, link.joints.join(' '), (text) => {
         let joints;
         try {
           joints = board.text.jointsIn(text, board.state.sketch.joints.map((j) => j.name), (words) => new RangeError(words));
@@ -159,11 +159,11 @@ board.panel = (() => {
           if (value > 0) sketch.lengths.push({ joints: [a, b], value });
           board.relax(sketch);
         });
-        parts.push(row(label, numberField('length ' + label, exact ? exact.value : length, (value) => value > 0 ? fix(value) : false),
-          check('exact length ' + label, Boolean(exact), (on) => fix(on ? Number(length.toPrecision(12)) : 0))));
+        parts.push(row(label, numberField(words.length(label), exact ? exact.value : length, (value) => value > 0 ? fix(value) : false),
+          check(words.exactLength(label), Boolean(exact), (on) => fix(on ? Number(length.toPrecision(12)) : 0))));
       }
-      parts.push(make('p', {}, 'A length typed in is kept exactly (tick); the drawing follows.'),
-        button('Delete', () => board.remove({ link: name })));
+      parts.push(make('p', {}, words.lengthHint),
+        button(words.delete, () => board.remove({ link: name })));
     }
     return parts;
   }
@@ -172,35 +172,35 @@ board.panel = (() => {
     const { edit, state } = board, { name } = slide, names = state.sketch.links.map((l) => l.name);
     const set = (key) => (value) => edit((sketch) => { sketch.slides.find((one) => one.name === name)[key] = value; });
     const onto = (i) => (value) => edit((sketch) => { sketch.slides.find((one) => one.name === name).links[i] = value; });
-    return [head('Slide ' + name), row('name', field('name of the slide', name, (text) => board.rename('slide', name, text) && choose({ slide: text }))),
-      row('line on', choice('link that the line is on', names, slide.links[0], onto(0))),
-      row('slides', choice('link that slides', names, slide.links[1], onto(1))),
-      row('angle', numberField('direction of the slide, degrees', slide.angle, set('angle'))),
-      row('through x', numberField('x of a point of the line', slide.x, set('x'))),
-      row('y', numberField('y of a point of the line', slide.y, set('y'))),
-      row('driven', check('the slide is driven', state.sketch.drives.some((d) => d.at[0] === name), () => board.tools.drive({ slide: name }))),
-      button('Delete', () => board.remove({ slide: name }))];
+    return [head(words.slide(name)), row(words.name, field(words.slideName, name, (text) => board.rename('slide', name, text) && choose({ slide: text }))),
+      row(words.lineOn, choice(words.lineOnLabel, names, slide.links[0], onto(0))),
+      row(words.slides, choice(words.slidesLabel, names, slide.links[1], onto(1))),
+      row(words.angle, numberField(words.slideAngle, slide.angle, set('angle'))),
+      row(words.throughX, numberField(words.lineX, slide.x, set('x'))),
+      row('y', numberField(words.lineY, slide.y, set('y'))),
+      row(words.driven, check(words.slideDriven, state.sketch.drives.some((d) => d.at[0] === name), () => board.tools.drive({ slide: name }))),
+      button(words.delete, () => board.remove({ slide: name }))];
   }
 
   function cylinderPart(at) {
-    return [head('Cylinder ' + at), make('p', {}, 'A drive of varying length between joints ' + at.split(' ').join(' and ') + '.'),
-      button('Delete', () => board.remove({ cylinder: at }))];
+    return [head(words.cylinder(at)), make('p', {}, words.cylinderOf(at)),
+      button(words.delete, () => board.remove({ cylinder: at }))];
   }
 
   /** The drives, and between which links they act. */
   function drivePart() {
     const { state, edit } = board, { drives, links } = state.sketch;
     if (!drives.length) return [];
-    const parts = [head(drives.length > 1 ? 'Drives' : 'Drive')];
+    const parts = [head(words.drives(drives.length))];
     drives.forEach((drive, i) => {
-      const at = drive.at.join(' '), label = KIND[drive.kind] + at;
-      parts.push(row(label, ...(drive.kind === 'turn' ? [choice('link driven at ' + at, links.filter((l) => l.joints.includes(drive.at[0])).map((l) => l.name),
+      const at = drive.at.join(' '), label = words.driveKind[drive.kind](at);
+      parts.push(row(label, ...(drive.kind === 'turn' ? [choice(words.drivenAt(at), links.filter((l) => l.joints.includes(drive.at[0])).map((l) => l.name),
         drive.link || (board.state.motion.mech ? links[board.state.motion.mech.drives[i].link].name : ''), (name) => edit((sketch) => {
           const one = sketch.drives[i];
           one.link = name;
           if (!one.base || one.base === name) one.base = (sketch.links.find((l) => l.joints.includes(one.at[0]) && l.name !== name) || { name: '' }).name;
-        }))] : []), button('\u00d7', () => edit((sketch) => { sketch.drives.splice(i, 1); board.tidy(sketch); }), { 'aria-label': 'no drive ' + at })));
-      if (i > 0) parts.push(row('ratio', numberField('ratio of ' + at + ' to the first drive, 0: by itself', drive.ratio, (value) => edit((sketch) => { sketch.drives[i].ratio = value; }))));
+        }))] : []), button(words.cross, () => edit((sketch) => { sketch.drives.splice(i, 1); board.tidy(sketch); }), { 'aria-label': words.noDrive(at) })));
+      if (i > 0) parts.push(row(words.ratio, numberField(words.ratioOf(at), drive.ratio, (value) => edit((sketch) => { sketch.drives[i].ratio = value; }))));
     });
     return parts;
   }
@@ -209,20 +209,20 @@ board.panel = (() => {
   function positionPart() {
     const { state, edit } = board, { sketch } = state;
     if (!sketch.drives.length) return [];
-    if (sketch.drives.some((d) => d.grid)) return [head('Positions'), make('p', {}, 'A grid of strokes (NGRID); edit it in the tab Text.')];
+    if (sketch.drives.some((d) => d.grid)) return [head(words.positions), make('p', {}, words.gridOfStrokes)];
     const list = (label, values, take) => field(label, values.join(' '), (text) => {
       const numbers = text.split(/[\s;]+/).filter(Boolean).map(valueOf);
       return numbers.length && numbers.every(isFinite) ? take(numbers) : false;
     });
-    const parts = [head('Positions'), row('every', numberField('degrees from position to position over a turn; 0: a list', sketch.ikin, (value) => {
+    const parts = [head(words.positions), row(words.every, numberField(words.everyLabel, sketch.ikin, (value) => {
       if (!Number.isInteger(value) || Math.abs(value) > 360) return false;
       edit((s) => { s.ikin = value; if (!value && !s.delt.length) s.delt = [0, 10, 20, 30]; });
-    }), make('span', { style: 'flex:0 0 auto' }, 'degrees'))];
+    }), make('span', { style: 'flex:0 0 auto' }, words.degrees))];
     if (sketch.ikin) return parts;
     sketch.drives.forEach((drive, i) => {
       if (i && drive.ratio) return;
       const at = drive.at.join(' ');
-      parts.push(row(at, list('positions of ' + at + ', from the drawing', i ? drive.delt : sketch.delt, (numbers) => edit((s) => {
+      parts.push(row(at, list(words.positionsOf(at), i ? drive.delt : sketch.delt, (numbers) => edit((s) => {
         const n = numbers.length;
         if (i) s.drives[i].delt = numbers; else s.delt = numbers;
         const fill = (values) => Array.from({ length: n }, (_, k) => values[k] ?? values.at(-1) ?? 0);
@@ -230,22 +230,22 @@ board.panel = (() => {
         s.drives.forEach((d, k) => { if (k && !d.ratio) d.delt = fill(d.delt); });
       }))));
     });
-    parts.push(make('p', {}, 'Counted from the drawing: degrees of a crank, lengths of slides and cylinders.'));
+    parts.push(make('p', {}, words.countedFrom));
     return parts;
   }
 
   function outputPart() {
     const { state, edit } = board, { outputs } = state.sketch;
-    const add = field('output to add, for instance: angle rocker', '', (text) => {
+    const add = field(words.outputToAdd, '', (text) => {
       const words = text.split(/\s+/);
       if (!['point', 'x', 'y', 'angle', 'distance', 'slide', 'between', 'pose', 'ratio'].includes(words[0]) || words.length < 2) return false;
       const known = (word) => board.jointOf(word) || board.linkOf(word) || state.sketch.slides.some((s) => s.name === word) ||
         (words[0] === 'ratio' ? outputs.some((o) => (o.name || [o.kind, ...o.of].join('_')) === word) : [...word].every((letter) => board.jointOf(letter)));
       if (!words.slice(1).every(known)) return false;
       edit((sketch) => { sketch.outputs.push({ kind: words[0], of: words.slice(1), name: '' }); });
-    }, { placeholder: 'angle rocker, distance P Q ...' });
-    return [head('Outputs'), make('div', { class: 'list' }, ...outputs.map((one, i) => button([one.kind, ...one.of].join(' ') + ' \u00d7', () =>
-      edit((sketch) => { sketch.outputs.splice(i, 1); }), { 'aria-label': 'no output ' + [one.kind, ...one.of].join(' ') }))), row('add', add)];
+    }, { placeholder: words.outputExample });
+    return [head(words.outputs), make('div', { class: 'list' }, ...outputs.map((one, i) => button([one.kind, ...one.of].join(' ') + ' \u00d7', () =>
+      edit((sketch) => { sketch.outputs.splice(i, 1); }), { 'aria-label': words.noOutput([one.kind, ...one.of].join(' ')) }))), row(words.add, add)];
   }
 
   /** All joints and links, to be chosen without a mouse. */
@@ -255,14 +255,14 @@ board.panel = (() => {
     const joints = sketch.joints.map((j) => item(j.name, { joint: j.name }, s && s.joint === j.name));
     const links = sketch.links.map((l) => item(l.name, { link: l.name }, s && s.link === l.name));
     const slides = sketch.slides.map((l) => item(l.name, { slide: l.name }, s && s.slide === l.name));
-    const parts = [head('Joints'), make('div', { class: 'list' }, ...joints), head('Links'), make('div', { class: 'list' }, ...links)];
-    if (slides.length) parts.push(head('Slides'), make('div', { class: 'list' }, ...slides));
-    const place = field('new joint at x y', '', (text) => {
+    const parts = [head(words.jointsHead), make('div', { class: 'list' }, ...joints), head(words.links), make('div', { class: 'list' }, ...links)];
+    if (slides.length) parts.push(head(words.slidesHead), make('div', { class: 'list' }, ...slides));
+    const place = field(words.newJointLabel, '', (text) => {
       const at = text.split(/[\s;]+/).map(valueOf);
       if (at.length !== 2 || !at.every(isFinite)) return false;
       board.tools.jointAt(at);
     }, { placeholder: 'x y' });
-    const link = field('new link of joints', '', (text) => {
+    const link = field(words.newLinkLabel, '', (text) => {
       let joints;
       try {
         joints = [...new Set(board.text.jointsIn(text, sketch.joints.map((j) => j.name), (words) => new RangeError(words)))];
@@ -270,7 +270,7 @@ board.panel = (() => {
       if (joints.length < 2) return false;
       board.edit((one) => { one.links.push({ name: board.freeName('link'), joints }); });
     }, { placeholder: 'B C' });
-    return [...parts, row('new joint', place), row('new link', link)];
+    return [...parts, row(words.newJoint, place), row(words.newLink, link)];
   }
 
   function choose(what) {
@@ -291,7 +291,7 @@ board.panel = (() => {
       const size = motion.mech.size, room = several ? (turns ? 90 : 0.15 * size) : 0;
       const low = values.reduce((a, b) => Math.min(a, b)) - room, high = values.reduce((a, b) => Math.max(a, b)) + room;
       const range = make('input', { type: 'range', min: several ? low : 0, max: several ? high : motion.sweep.states.length - 1, step: several ? (high - low) / 1000 : 1,
-        'aria-label': 'drive ' + at, 'data-drive': String(k) });
+        'aria-label': words.driveSlider(at), 'data-drive': String(k) });
       range.addEventListener('input', () => {
         board.pause();
         if (several) board.drive(k, Number(range.value)); else board.go(Number(range.value));
@@ -320,7 +320,7 @@ board.panel = (() => {
   /** How far it goes between its dead points. */
   function range(sweep, sketch) {
     const turns = sketch.drives[0].kind === 'turn', of = (one) => board.view.short(Number((one.inputs[0] / (turns ? board.motion.RADIAN : 1)).toPrecision(4)));
-    return '   (goes from ' + of(sweep.states[0]) + ' to ' + of(sweep.states.at(-1)) + (turns ? '\u00b0' : '') + ')';
+    return words.goes(of(sweep.states[0]), of(sweep.states.at(-1)) + (turns ? '\u00b0' : ''));
   }
 
   /** Shows one of the parts beside the drawing. */
@@ -355,10 +355,21 @@ board.panel = (() => {
     turnTo('panel');
   }
 
+  /** The words of what is on the page from the beginning. */
+  function name() {
+    for (const [id, { text, title, label }] of Object.entries(board.words.page)) {
+      const element = $(id);
+      if (text) element.textContent = text;
+      if (title) element.title = title;
+      if (label) element.setAttribute('aria-label', label);
+    }
+  }
+
   function begin() {
+    name();
     listTabs();
-    $('title').addEventListener('change', () => board.edit((sketch) => { sketch.title = $('title').value.trim().slice(0, 72) || 'A LINKAGE'; }));
-    $('grid').append(...[0.1, 0.5, 1, 2, 5, 10, 20, 50].map((v) => new Option(v, v)));
+    $('title').addEventListener('change', () => board.edit((sketch) => { sketch.title = $('title').value.trim().slice(0, 72) || board.words.title; }));
+    $('grid').append(new Option(words.gridAuto, 'auto'), new Option(words.gridOff, '0'), ...[0.1, 0.5, 1, 2, 5, 10, 20, 50].map((v) => new Option(v, v)));
   }
 
   return { begin, show, follow, choose, valueOf, make, svg, row, head, button, check, numberField, turnTo, get tab() { return tab; } };

@@ -9,6 +9,7 @@ board.search = (() => {
   const $ = (id) => document.getElementById(id);
   const parts = {}, chosen = new Set(['pins4', 'slide4', 'pins6']);
   let cards = [], running = '', round = 0, angle = 0, count = POINTS, stopping = false;
+  let low = 0, high = 0;                 // bounds of lengths; 0: the usual ones
   let text = '';                         // the data set of the last search, as psalm reads it
 
   // ---- the curve ----------------------------------------------------------------------------------------------------
@@ -119,6 +120,7 @@ board.search = (() => {
     parts.has = make('p');
     parts.told = make('p', { class: 'wrong', role: 'alert' });
     parts.clear = button(words.wantedClear, () => want(null));
+    parts.closed = check(words.wantedClosed, false, (on) => { const { wanted } = board.state; if (wanted) want({ points: even(wanted.points, wanted.points.length, on), closed: on }); });
     parts.start = button(words.searchStart, start, { class: 'main', id: 'start-search' });
     parts.stop = button(words.searchStop, stop, { id: 'stop-search' });
     parts.save = button(words.searchSave, () => board.download(text, 'wanted.nml'), { hidden: true });
@@ -126,8 +128,8 @@ board.search = (() => {
     parts.sheet = make('div', { class: 'cards' });
     parts.found = make('div', { hidden: true }, head(words.sheet), make('p', {}, words.sheetHint), parts.sheet);
     const kinds = Object.entries(words.kindNames).map(([name, text]) => make('label', { class: 'tick' }, check(text, chosen.has(name), (on) => { if (on) chosen.add(name); else chosen.delete(name); follow(); }), text));
-    $('search').append(head(words.wantedHead), parts.has, make('div', { class: 'list' }, button(words.wantedTool, () => { board.tools.choose('wanted'); board.view.canvas.scrollIntoView({ block: 'nearest' }); }),
-      button(words.wantedFile, () => parts.file.click()), parts.clear, parts.file),
+    $('search').append(head(words.wantedHead), parts.has, make('div', { class: 'list' }, button(words.tools.wanted[0], () => { board.tools.choose('wanted'); board.view.canvas.scrollIntoView({ block: 'nearest' }); }),
+      button(words.wantedFile, () => parts.file.click()), parts.clear, parts.file, make('label', { class: 'tick' }, parts.closed, words.wantedClosed)),
     row(words.wantedPoints, numberField(words.wantedPoints, count, (value) => {
       if (!Number.isInteger(value) || value < 3 || value > MOST_POINTS) return false;
       count = value;
@@ -135,7 +137,8 @@ board.search = (() => {
       if (wanted) want({ points: even(wanted.points, count, wanted.closed), closed: wanted.closed });
       return true;
     })), parts.told, head(words.kinds), make('div', { class: 'list' }, ...kinds),
-    row(words.leastAngle, numberField(words.leastAngleLabel, angle, (value) => { if (value < 0 || value > 60) return false; angle = value; return true; })),
+    parts.mine = make('p'), row(words.lengths, ...[[words.lengthLow, (v) => { low = v; }], [words.lengthHigh, (v) => { high = v; }]].map(([label, take]) =>
+      numberField(label, 0, (value) => { if (value < 0) return false; take(value); return true; }))), row(words.leastAngle, numberField(words.leastAngleLabel, angle, (value) => { if (value < 0 || value > 60) return false; angle = value; return true; })),
     make('div', { class: 'list' }, parts.start, parts.stop, parts.save), parts.doing, parts.found);
     follow();
   }
@@ -144,10 +147,29 @@ board.search = (() => {
     if (!board.engine.served) return;
     const { wanted } = board.state;
     parts.has.textContent = wanted ? words.wantedHas(wanted.points.length, wanted.closed) : words.wantedNone;
-    parts.clear.disabled = !wanted;
-    parts.start.disabled = !wanted || !chosen.size || Boolean(running);
+    parts.clear.disabled = parts.closed.disabled = !wanted;
+    parts.closed.checked = Boolean(wanted && wanted.closed);
+    parts.mine.textContent = !chosen.has('mine') ? '' : !ownPossible() ? words.mineNeeds : own() ? words.mineHint : words.mineSlides;
+    parts.start.disabled = (chosen.has('mine') && !ownPossible()) || !wanted || !chosen.size || Boolean(running);
     parts.stop.disabled = !running || stopping;
     parts.start.textContent = cards.length ? words.searchOn : words.searchStart;
+  }
+
+  /** Whether the sketch that is drawn can be varied. */
+  function ownPossible() {
+    const { sketch, messages } = board.state;
+    return !messages.length && board.free() === 1 && Boolean(sketch.outputs.length) && sketch.outputs[0].kind === 'point';
+  }
+
+  /** Dimensions of the sketch that vary: all but exact lengths, as psalm names them; nothing where they have no names. */
+  function own() {
+    const { links, lengths, slides, gears } = board.state.sketch, exact = (a, b) => lengths.some((l) => l.joints.includes(a) && l.joints.includes(b));
+    if (!lengths.length) return ['all'];
+    if (slides.length || gears.length) return null;
+    // a length across a plate holds the whole plate
+    const across = (joints) => lengths.some((l) => l.joints.every((name) => joints.slice(1).includes(name)));
+    return links.flatMap(({ joints: [a, b, ...more] }, i) => i === 0 ? [a, b, ...more].filter(Boolean).map((name) => 'place ' + name) : across([a, b, ...more]) ? [] :
+      [...(exact(a, b) ? [] : [a + ' ' + b]), ...more.flatMap((c) => [...(exact(a, c) ? [] : [a + ' ' + c]), ...(exact(b, c) ? [] : ['angle ' + a + ' ' + b + ' ' + a + ' ' + c])])]);
   }
 
   /** Of another curve nothing has been found yet. */
@@ -164,7 +186,8 @@ board.search = (() => {
   async function start() {
     const { wanted } = board.state;
     parts.told.textContent = '';
-    const got = await board.engine.ask('search', JSON.stringify({ points: wanted.points, closed: wanted.closed, kinds: [...chosen], round, angle }));
+    const got = await board.engine.ask('search', JSON.stringify({ points: wanted.points, closed: wanted.closed, kinds: [...chosen], round, angle, low, high,
+      ...(chosen.has('mine') ? { case: board.write(), output: board.state.sketch.outputs[0].of[0], vary: own() || ['all'] } : {}) }));
     if (got.error) { parts.told.textContent = got.error; return; }
     running = got.search;
     stopping = false;
@@ -217,7 +240,7 @@ board.search = (() => {
       if (made.has(key)) return made.get(key);
       const path = card.path[0].map((x, i) => [x, card.path[1][i]]).filter(([x, y]) => x !== null && y !== null);
       return make('button', { type: 'button', class: 'card', 'data-key': key, 'data-kind': card.kind, onclick: () => choose(card) }, board.store.picture(board.text.parse(card.text), path),
-        make('span', {}, card.kind), make('small', {}, words.error((100 * card.part).toPrecision(2) + ' %') + (card.angle === null ? '' : ', ' + words.angle(card.angle.toFixed(0)))));
+        make('span', {}, words.kindNames[card.kind] || card.kind), make('small', {}, words.error((100 * card.part).toPrecision(2) + ' %') + (card.angle === null ? '' : ', ' + words.angle(card.angle.toFixed(0)))));
     }));
   }
 

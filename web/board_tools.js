@@ -8,15 +8,14 @@ board.tools = (() => {
   const BAR_STEPS = 20;                  // places on a bar where a joint may be put
   const ANGLE = 15;                      // degrees between directions of a slide that is drawn
   const TOOLS = [
-    ['select', 'Select', 'v', 'M6 3l13 9-6 1.5-2.5 6z', 'Drag joints and links; drag the paper to move the view. Drop a joint on another to join them.'],
-    ['link', 'Link', 'l', 'M6 18L18 6M6 18m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0M18 6m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0',
-      'Pull from joint to joint, or click both ends. A click on a link adds a joint to it; pulled off its line it makes a plate.'],
-    ['pivot', 'Pivot', 'p', 'M12 8L5 19h14zM12 8m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0', 'Click a joint to pin it to the frame, or to free it; click the paper for a new frame joint.'],
-    ['slider', 'Slider', 's', 'M2 18h20M7 8h10v7H7zM2 5h20', 'Press on a joint and pull along the line that it is to slide on.'],
-    ['drive', 'Drive', 'd', 'M5 14a7 7 0 1 1 3 4M5 14l-3-3M5 14l4-2', 'Click a crank\u2019s joint or a slider to drive it; pull from joint to joint for a cylinder.'],
-    ['output', 'Output', 'o', 'M12 3l2.6 6 6.4.5-4.900 4.200 1.500 6.300-5.600-3.400-5.600 3.400 1.500-6.300L3 9.500l6.400-.5z', 'Click a joint for its path, a link for its angle.'],
-    ...(board.engine.served ? [['wanted', board.words.wantedTool, 'w', 'M4 15c2-9 8-12 11-8s-1 6-3 5 1-6 8-7', board.words.wantedHint]] : []),
-    ['delete', 'Delete', 'x', 'M6 6l12 12M18 6L6 18', 'Click what is to go.'],
+    ['select', 'v', 'M6 3l13 9-6 1.5-2.5 6z'],
+    ['link', 'l', 'M6 18L18 6M6 18m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0M18 6m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0'],
+    ['pivot', 'p', 'M12 8L5 19h14zM12 8m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0'],
+    ['slider', 's', 'M2 18h20M7 8h10v7H7zM2 5h20'],
+    ['drive', 'd', 'M5 14a7 7 0 1 1 3 4M5 14l-3-3M5 14l4-2'],
+    ['output', 'o', 'M12 3l2.6 6 6.4.5-4.900 4.200 1.500 6.300-5.600-3.400-5.600 3.400 1.500-6.300L3 9.500l6.400-.5z'],
+    ...(board.engine.served ? [['wanted', 'w', 'M4 15c2-9 8-12 11-8s-1 6-3 5 1-6 8-7']] : []),
+    ['delete', 'x', 'M6 6l12 12M18 6L6 18'],
   ];
   const pointers = new Map();
   let press = null;                      // what the pointer that is down does
@@ -353,7 +352,7 @@ board.tools = (() => {
     board.state.tool = tool;
     board.state.pending = null;
     for (const button of $('tools').children) button.setAttribute('aria-pressed', String(button.dataset.tool === tool));
-    $('hint').textContent = TOOLS.find(([name]) => name === tool)[4];
+    $('hint').textContent = board.words.tools[tool][1];
     view.canvas.style.cursor = cursor(null);
     view.draw();
   }
@@ -381,7 +380,7 @@ board.tools = (() => {
       F1: () => board.help(), f: board.fit, '+': () => zoom(1.25), '=': () => zoom(1.25), '-': () => zoom(0.8),
     };
     const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
-    const tool = TOOLS.find(([, , shortcut]) => shortcut === letter);
+    const tool = TOOLS.find(([, shortcut]) => shortcut === letter);
     if (event.key === ' ' && (own === 'BUTTON' || own === 'INPUT')) return;
     if (arrows[event.key] && own === 'CANVAS') { event.preventDefault(); nudge(...arrows[event.key].map((v) => v * (event.shiftKey ? 5 : 1))); return; }
     if (keys[event.key]) { event.preventDefault(); keys[event.key](); } else if (keys[letter] && letter === 'f') keys.f(); else if (tool) choose(tool[0]);
@@ -393,7 +392,8 @@ board.tools = (() => {
   }
 
   function begin() {
-    for (const [name, label, shortcut, path] of TOOLS) {
+    for (const [name, shortcut, path] of TOOLS) {
+      const [label] = board.words.tools[name];
       const button = document.createElement('button');
       button.type = 'button';
       button.dataset.tool = name;

@@ -394,19 +394,16 @@ board.motion = (() => {
     return [...moving].sort((a, b) => a - b);
   }
 
-  const listed = (names) => names.length < 2 ? names.join('') : names.slice(0, -1).join(', ') + ' and ' + names.at(-1);
-
   /** What is wrong with a sketch, in words, and the remedy; empty if it is a mechanism. Each has the names it is about. */
   function assess(sketch) {
-    const say = (text, joints = [], links = []) => [{ text, joints, links }];
-    if (!sketch.joints.length) return say('The board is empty: with the tool Link press where a joint is to be and pull to the next.');
+    const words = board.words.freedom, say = (text, joints = [], links = []) => [{ text, joints, links }];
+    if (!sketch.joints.length) return say(words.empty);
     const home = sketch.joints.filter((j) => !sketch.links.some((l) => l.joints.includes(j.name)));
-    if (home.length) return say('Joint ' + home[0].name + ' belongs to no link: pull a link from it, pin it to the frame, or delete it.', [home[0].name]);
-    if (sketch.links.length < 2) return say('Only the frame is there: with the tool Link pull a link from joint to joint.');
+    if (home.length) return say(words.noLink(home[0].name), [home[0].name]);
+    if (sketch.links.length < 2) return say(words.frameOnly);
     for (const link of sketch.links) for (const [i, a] of link.joints.entries()) for (const b of link.joints.slice(0, i)) {
       const [p, q] = [a, b].map((name) => sketch.joints.find((j) => j.name === name));
-      if (Math.hypot(p.x - q.x, p.y - q.y) <= 1e-9) return say('Joints ' + b + ' and ' + a + ' of link ' + link.name +
-        ' are at the same place: move one, or join them (drop one on the other).', [a, b]);
+      if (Math.hypot(p.x - q.x, p.y - q.y) <= 1e-9) return say(words.samePlace(b, a, link.name), [a, b]);
     }
     const reached = new Set([0]), touch = sketch.links.map((link) => (other) => link.joints.some((j) => other.joints.includes(j)) ||
       sketch.slides.some((s) => s.links.includes(link.name) && s.links.includes(other.name)) ||
@@ -420,29 +417,24 @@ board.motion = (() => {
       });
     }
     const apart = sketch.links.filter((_, i) => !reached.has(i)).map((l) => l.name);
-    if (apart.length) return say('Nothing joins ' + (apart.length > 1 ? 'links ' : 'link ') + listed(apart) +
-      ' to the frame: drop a joint on one of another link, or pin one to the frame with the tool Pivot.', [], apart);
+    if (apart.length) return say(words.apart(apart), [], apart);
     const { left, twice, free, count } = freedom(sketch), names = free.map((i) => sketch.links[i].name);
     const held = sketch.drives.map((d) => d.at.join(' '));
     if (twice.length && !(sketch.kover && !twice.some((row) => 'drive' in row))) {
       const row = twice.find((one) => 'drive' in one) || twice[0];
-      if ('drive' in row) return say('Drive ' + held[row.drive] + ' moves nothing: the links there are held without it. Freedom ' + count +
-        ', driven ' + held.length + ': take this drive away.', sketch.drives[row.drive].kind === 'slide' ? [] : sketch.drives[row.drive].at);
+      if ('drive' in row) return say(words.idle(held[row.drive], count, held.length), sketch.drives[row.drive].kind === 'slide' ? [] : sketch.drives[row.drive].at);
       const [a, b] = [row.a, row.b].map((i) => sketch.links[i].name);
-      if (row.kind === 'pin') return say('Overconstrained: joint ' + sketch.joints[row.j].name + ' of links ' + a + ' and ' + b +
-        ' holds what is held already. Take a joint or a link away, or allow it if they move thanks to special lengths.', [sketch.joints[row.j].name], [a, b]);
-      return say('Overconstrained: the ' + (row.kind === 'gear' ? 'gear pair' : 'slide') + ' between links ' + a + ' and ' + b + ' holds what is held already: take it away.', [], [a, b]);
+      if (row.kind === 'pin') return say(words.heldTwice(sketch.joints[row.j].name, a, b), [sketch.joints[row.j].name], [a, b]);
+      return say(words.pairTwice(row.kind === 'gear', a, b), [], [a, b]);
     }
     if (left) {
       const tail = sketch.joints.find((j) => sketch.links.filter((l) => l.joints.includes(j.name)).length === 1 &&
         names.some((name) => sketch.links.find((l) => l.name === name).joints.includes(j.name)) && !sketch.outputs.some((o) => o.of.includes(j.name)));
-      if (!sketch.drives.length && left === 1) return say('Freedom 1 and no drive: with the tool Drive click a frame joint, a slide, or pull a cylinder.', [], names);
-      return say('Underconstrained: ' + (names.length > 1 ? 'links ' : 'link ') + listed(names) + ' can still move' + (held.length ? ' with ' +
-        listed(held) + ' held' : '') + '. ' + left + ' drive' + (left > 1 ? 's' : '') + ' more, or join them.' + (tail ? ' Joint ' + tail.name +
-        ' belongs to one link only: is it a frame joint? Then use the tool Pivot on it.' : ''), tail ? [tail.name] : [], names);
+      if (!sketch.drives.length && left === 1) return say(words.noDrive, [], names);
+      return say(words.loose(names, held, left, tail ? tail.name : ''), tail ? [tail.name] : [], names);
     }
     return [];
   }
 
-  return { compile, assemble, advance, correct, joints, travel, positions, inputsAt, follow, output, freedom, assess, eliminate, listed, RADIAN };
+  return { compile, assemble, advance, correct, joints, travel, positions, inputsAt, follow, output, freedom, assess, eliminate, RADIAN };
 })();

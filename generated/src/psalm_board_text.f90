@@ -423,9 +423,19 @@ module psalm_board_text
    '  font-variant-numeric: tabular-nums;'//nl// &
    '}'//nl// &
    ''//nl// &
-   '.result.old {'//nl
+   '.listing {'//nl
 
    character(*), parameter :: part_6 = &
+   '  max-height: 300px;'//nl// &
+   '  overflow: auto;'//nl// &
+   '  padding: 6px;'//nl// &
+   '  border: 1px solid var(--line);'//nl// &
+   '  border-radius: 5px;'//nl// &
+   '  font: 11px/1.35 ui-monospace, "DejaVu Sans Mono", monospace;'//nl// &
+   '}'//nl// &
+   ''//nl// &
+   '.listing.old,'//nl// &
+   '.result.old {'//nl// &
    '  opacity: .45;'//nl// &
    '}'//nl// &
    ''//nl// &
@@ -515,7 +525,9 @@ module psalm_board_text
    '  stroke-width: 1.6;'//nl// &
    '  vector-effect: non-scaling-stroke;'//nl// &
    '}'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_7 = &
    '.card svg circle {'//nl// &
    '  fill: var(--paper);'//nl// &
    '  stroke: var(--ink);'//nl// &
@@ -525,9 +537,7 @@ module psalm_board_text
    ''//nl// &
    '.card svg circle.frame {'//nl// &
    '  fill: var(--ink);'//nl// &
-   '}'//nl
-
-   character(*), parameter :: part_7 = &
+   '}'//nl// &
    ''//nl// &
    'dialog {'//nl// &
    '  width: min(860px, calc(100vw - 24px));'//nl// &
@@ -617,7 +627,9 @@ module psalm_board_text
    '  border: 0;'//nl// &
    '}'//nl// &
    ''//nl// &
-   ':focus-visible {'//nl// &
+   ':focus-visible {'//nl
+
+   character(*), parameter :: part_8 = &
    '  outline: 3px solid var(--accent);'//nl// &
    '  outline-offset: 1px;'//nl// &
    '}'//nl// &
@@ -627,9 +639,7 @@ module psalm_board_text
    '  outline-offset: -2px;'//nl// &
    '}'//nl// &
    ''//nl// &
-   'footer label {'//nl
-
-   character(*), parameter :: part_8 = &
+   'footer label {'//nl// &
    '  display: flex;'//nl// &
    '  align-items: center;'//nl// &
    '  gap: 6px;'//nl// &
@@ -719,7 +729,9 @@ module psalm_board_text
    '    border-right: 0;'//nl// &
    '    border-bottom: 1px solid var(--line);'//nl// &
    '    overflow-x: auto;'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_9 = &
    '  #tools button {'//nl// &
    '    flex: 0 0 58px;'//nl// &
    '  }'//nl// &
@@ -729,9 +741,7 @@ module psalm_board_text
    '  main,'//nl// &
    '  main:has(#side[data-tab]) {'//nl// &
    '    grid-template-columns: minmax(0, 1fr);'//nl// &
-   '    grid-template-rows: none;'//nl
-
-   character(*), parameter :: part_9 = &
+   '    grid-template-rows: none;'//nl// &
    '  }'//nl// &
    '  #side {'//nl// &
    '    border-left: 0;'//nl// &
@@ -754,50 +764,45 @@ module psalm_board_text
    '</head>'//nl// &
    '<body>'//nl// &
    '<header>'//nl// &
-   '  <input id="title" aria-label="title" maxlength="72" spellcheck="false" value="">'//nl// &
+   '  <input id="title" maxlength="72" spellcheck="false" value="">'//nl// &
    '  <div class="bar">'//nl// &
-   '    <button id="new" type="button" title="empty board">New</button>'//nl// &
-   '    <button id="open" type="button" title="open a data set (Ctrl+O); a file can also be dropped on the board">Open</but'// &
-   'ton>'//nl// &
-   '    <input id="file" type="file" accept=".nml,.dev7,.txt,text/plain" aria-label="data set to open" hidden>'//nl// &
-   '    <button id="save" type="button" class="main" title="save the data set (Ctrl+S)">Save</button>'//nl// &
-   '    <button id="share" type="button" title="a link that holds this sketch">Link</button>'//nl// &
-   '    <button id="gallery" type="button" title="mechanisms to begin with">Gallery</button>'//nl// &
-   '    <button id="undo" type="button" aria-label="undo" title="undo (Ctrl+Z)">&#8630;</button>'//nl// &
-   '    <button id="redo" type="button" aria-label="redo" title="redo (Ctrl+Y)">&#8631;</button>'//nl// &
-   '    <button id="help" type="button" aria-label="help" title="the page of the book for what you are doing (F1)">?</butto'// &
-   'n>'//nl// &
+   '    <button id="new" type="button"></button>'//nl// &
+   '    <button id="open" type="button"></button>'//nl// &
+   '    <input id="file" type="file" accept=".nml,.dev7,.txt,text/plain" hidden>'//nl// &
+   '    <button id="save" type="button" class="main"></button>'//nl// &
+   '    <button id="share" type="button"></button>'//nl// &
+   '    <button id="gallery" type="button"></button>'//nl// &
+   '    <button id="undo" type="button"></button>'//nl// &
+   '    <button id="redo" type="button"></button>'//nl// &
+   '    <button id="help" type="button"></button>'//nl// &
    '  </div>'//nl// &
    '</header>'//nl// &
    '<main>'//nl// &
-   '  <div id="tools" role="toolbar" aria-label="tools" aria-orientation="vertical"></div>'//nl// &
+   '  <div id="tools" role="toolbar" aria-orientation="vertical"></div>'//nl// &
    '  <figure>'//nl// &
    '    <div id="state">'//nl// &
    '    <div id="chip" role="status" aria-live="polite"></div>'//nl// &
    '    <div id="zoom">'//nl// &
-   '      <button id="larger" type="button" aria-label="larger" title="larger (+)">+</button>'//nl// &
-   '      <button id="smaller" type="button" aria-label="smaller" title="smaller (-)">&minus;</button>'//nl// &
-   '      <button id="fit" type="button" aria-label="show all" title="show all (F)">Fit</button>'//nl// &
-   '      <label>grid <select id="grid" aria-label="grid">'//nl// &
-   '        <option value="auto" selected>auto</option><option value="0">off</option>'//nl// &
-   '      </select></label>'//nl// &
+   '      <button id="larger" type="button"></button>'//nl// &
+   '      <button id="smaller" type="button"></button>'//nl// &
+   '      <button id="fit" type="button"></button>'//nl// &
+   '      <label><span id="grid-word"></span> <select id="grid"></select></label>'//nl// &
    '    </div>'//nl// &
    '    </div>'//nl// &
-   '    <canvas id="board" tabindex="0" role="application" aria-describedby="hint" aria-label="drawing board"></canvas>'//nl// &
+   '    <canvas id="board" tabindex="0" role="application" aria-describedby="hint"></canvas>'//nl// &
    '    <div id="hint"></div>'//nl// &
    '  </figure>'//nl// &
    '  <aside id="side">'//nl// &
-   '    <div id="tabs" role="tablist" aria-label="beside the drawing"></div>'//nl// &
-   '    <section id="panel" role="tabpanel" aria-label="properties"></section>'//nl// &
-   '    <section id="text" role="tabpanel" aria-label="text of the data set" hidden></section>'//nl// &
-   '    <section id="engine" role="tabpanel" aria-label="results" hidden></section>'//nl// &
-   '    <section id="search" role="tabpanel" aria-label="search" hidden></section>'//nl// &
+   '    <div id="tabs" role="tablist"></div>'//nl// &
+   '    <section id="panel" role="tabpanel"></section>'//nl// &
+   '    <section id="text" role="tabpanel" hidden></section>'//nl// &
+   '    <section id="engine" role="tabpanel" hidden></section>'//nl// &
+   '    <section id="search" role="tabpanel" hidden></section>'//nl// &
    '  </aside>'//nl// &
    '</main>'//nl// &
    '<footer>'//nl// &
-   '  <button id="play" type="button" class="main" aria-label="play" aria-pressed="false" title="play (space)">Play</button'// &
-   '>'//nl// &
-   '  <label>speed <input id="speed" type="range" min="-2" max="2" step="0.5" value="0" aria-label="speed"></label>'//nl// &
+   '  <button id="play" type="button" class="main" aria-pressed="false"></button>'//nl// &
+   '  <label><span id="speed-word"></span> <input id="speed" type="range" min="-2" max="2" step="0.5" value="0"></label>'//nl// &
    '  <div id="drives"></div>'//nl// &
    '  <output id="facts"></output>'//nl// &
    '</footer>'//nl// &
@@ -923,7 +928,9 @@ module psalm_board_text
    " Output: height of the needle and path of the take-up. Lengths in mm.\nSEWING MACHINE, NEEDLE BAR AND TAKE-UP\n &CHAIN "// &
    "JNT='O','K','N','L','T','P', JX=0.0,10.0,5.0,25.0,30.0,-30.0, JY=0.0,8.0,-60.0,30.0,5.0,50.0,\n  LNAME='arm','crank','r"// &
    "od','needle','take-up','guide', LNK='O T','O K','K N','N','K L P','T L',\n  SLNK='arm', SLNK2='needle', SLX=0.0, SLY=-6"// &
-   "0.0, SLANG=90.0 &END\n &DRIVES DRIVE='O' &END\n &OUTPUTS OUTPUT='y N','point P' &END\n &METHOD IKIN=10 &END\n""},"//nl// &
+   "0.0, SLANG=90.0 &END\n &DRIVES DRIVE='O' &END\n &OUTPUTS OUTPUT='y N','point P' &END\n &METHOD IKIN=10 &END\n""},"//nl
+
+   character(*), parameter :: part_10 = &
    "  {""name"": ""wiper"", ""title"": ""WIPER WITH TWO BLADES"", ""text"": ""! Windscreen wiper with two blades: a motor c"// &
    "rank swings the left blade's arm, a tie carries the motion on to the right one.\n! Both pivots are on the bulkhead.\n! "// &
    "Output: angle of the right blade's arm.\nWIPER WITH TWO BLADES\n &CHAIN JNT='M','B','C','D','E','F', JX=0.0,40.0,300.0,"// &
@@ -984,9 +991,7 @@ module psalm_board_text
    "140.0,0.0,30.0,60.0,140.0,\n  JY=10.0,25.0,15.0,20.0,-10.0,-25.0,-15.0,-20.0,\n  LNAME='body','rod','link1','finger1','"// &
    "link2','finger2', LNK='b b2','a a2','a c','b c f','a2 c2','b2 c2 f2',\n  SLNK='body', SLNK2='rod', SLX=0.0, SLY=0.0, SL"// &
    "ANG=0.0 &END\n &DRIVES DRIVE='S1' &END\n &OUTPUTS OUTPUT='distance f f2','angle b f' &END\n &METHOD NDES=9, DELT=-4.0,-"// &
-   "3.0,-2.0,-1.0,0.0,1.0,2.0,3.0,4.0 &END\n""},"//nl
-
-   character(*), parameter :: part_10 = &
+   "3.0,-2.0,-1.0,0.0,1.0,2.0,3.0,4.0 &END\n""},"//nl// &
    "  {""name"": ""umbrella"", ""title"": ""UMBRELLA, ONE RIB"", ""text"": ""! Half of an umbrella: the runner slides down "// &
    "the pole, the stretcher opens the rib, and the pull rod folds the outer rib out.\n! Output: tip of the outer rib Q and "// &
    "its direction. Lengths in mm; the runner falls by 100 and rises by 100.\nUMBRELLA, ONE RIB\n &CHAIN JNT='T','R','S','U'"// &
@@ -1020,17 +1025,160 @@ module psalm_board_text
    '];'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
-   '// The words of the drawing board beside its properties: what a translation would change. Nothing here knows the docume'// &
-   'nt.'//nl// &
+   '// All words of the drawing board: what a translation would change. Nothing here knows the document.'//nl// &
    "'use strict';"//nl// &
    'globalThis.board = globalThis.board || {};'//nl// &
    ''//nl// &
-   'board.words = {'//nl// &
+   'board.words = ((listed) => ({'//nl// &
    "  title: 'A LINKAGE',"//nl// &
+   "  play: 'Play',"//nl// &
+   "  pause: 'Pause',"//nl// &
+   "  playLabel: 'play',"//nl// &
+   "  pauseLabel: 'pause',"//nl// &
    "  apart: 'The links do not meet: with the exact lengths they cannot be put together near the drawing.',"//nl// &
    "  dead: 'The linkage stands at a dead point in the drawing, where two assemblies meet: draw it in another position.',"//nl// &
    "  explained: (page) => 'The book explains this on its page guide/' + page + ' (doc/guide/' + page + '.md).',"//nl// &
    "  tabs: { panel: 'Properties', text: 'Text', engine: 'Results', search: 'Search' },"//nl// &
+   ''//nl// &
+   '  // what is on the page from the beginning'//nl// &
+   '  page: {'//nl// &
+   "    new: { text: 'New', title: 'empty board' },"//nl// &
+   "    open: { text: 'Open', title: 'open a data set (Ctrl+O); a file can also be dropped on the board' },"//nl// &
+   "    save: { text: 'Save', title: 'save the data set (Ctrl+S)' },"//nl// &
+   "    share: { text: 'Link', title: 'a link that holds this sketch' },"//nl// &
+   "    gallery: { text: 'Gallery', title: 'mechanisms to begin with' },"//nl// &
+   "    undo: { text: '\u21b6', title: 'undo (Ctrl+Z)', label: 'undo' },"//nl// &
+   "    redo: { text: '\u21b7', title: 'redo (Ctrl+Y)', label: 'redo' },"//nl// &
+   "    help: { text: '?', title: 'the page of the book for what you are doing (F1)', label: 'help' },"//nl// &
+   "    larger: { text: '+', title: 'larger (+)', label: 'larger' },"//nl// &
+   "    smaller: { text: '\u2212', title: 'smaller (-)', label: 'smaller' },"//nl// &
+   "    fit: { text: 'Fit', title: 'show all (F)', label: 'show all' },"//nl// &
+   "    play: { text: 'Play', title: 'play (space)', label: 'play' },"//nl// &
+   "    tools: { label: 'tools' },"//nl// &
+   "    board: { label: 'drawing board' },"//nl// &
+   "    tabs: { label: 'beside the drawing' },"//nl// &
+   "    panel: { label: 'properties' },"//nl// &
+   "    text: { label: 'text of the data set' },"//nl// &
+   "    engine: { label: 'results' },"//nl// &
+   "    search: { label: 'search' },"//nl// &
+   "    title: { label: 'title' },"//nl// &
+   "    file: { label: 'data set to open' },"//nl// &
+   "    speed: { label: 'speed' },"//nl// &
+   "    'speed-word': { text: 'speed' },"//nl// &
+   "    grid: { label: 'grid' },"//nl// &
+   "    'grid-word': { text: 'grid' },"//nl// &
+   '  },'//nl// &
+   ''//nl// &
+   '  // tools: name, what to do'//nl// &
+   '  tools: {'//nl// &
+   "    select: ['Select', 'Drag joints and links; drag the paper to move the view. Drop a joint on another to join them.']"// &
+   ","//nl// &
+   "    link: ['Link', 'Pull from joint to joint, or click both ends. A click on a link adds a joint to it; pulled off its "// &
+   "line it makes a plate.'],"//nl// &
+   "    pivot: ['Pivot', 'Click a joint to pin it to the frame, or to free it; click the paper for a new frame joint.'],"//nl// &
+   "    slider: ['Slider', 'Press on a joint and pull along the line that it is to slide on.'],"//nl// &
+   "    drive: ['Drive', 'Click a crank\u2019s joint or a slider to drive it; pull from joint to joint for a cylinder.'],"//nl// &
+   "    output: ['Output', 'Click a joint for its path, a link for its angle.'],"//nl// &
+   "    delete: ['Delete', 'Click what is to go.'],"//nl// &
+   "    wanted: ['Wanted', 'Draw the curve that a point of a linkage is to trace; end near its beginning for a closed one.'"// &
+   "],"//nl// &
+   '  },'//nl// &
+   ''//nl// &
+   '  // what is wrong with a sketch, and the remedy'//nl// &
+   '  freedom: {'//nl// &
+   "    empty: 'The board is empty: with the tool Link press where a joint is to be and pull to the next.',"//nl// &
+   "    noLink: (joint) => 'Joint ' + joint + ' belongs to no link: pull a link from it, pin it to the frame, or delete it."// &
+   "',"//nl// &
+   "    frameOnly: 'Only the frame is there: with the tool Link pull a link from joint to joint.',"//nl// &
+   "    samePlace: (a, b, link) => 'Joints ' + a + ' and ' + b + ' of link ' + link + ' are at the same place: move one, or"// &
+   " join them (drop one on the other).',"//nl// &
+   "    apart: (links) => 'Nothing joins ' + (links.length > 1 ? 'links ' : 'link ') + listed(links) +"//nl// &
+   "      ' to the frame: drop a joint on one of another link, or pin one to the frame with the tool Pivot.',"//nl// &
+   "    idle: (drive, freedom, driven) => 'Drive ' + drive + ' moves nothing: the links there are held without it. Freedom "// &
+   "' + freedom +"//nl// &
+   "      ', driven ' + driven + ': take this drive away.',"//nl// &
+   "    heldTwice: (joint, a, b) => 'Overconstrained: joint ' + joint + ' of links ' + a + ' and ' + b +"//nl// &
+   "      ' holds what is held already. Take a joint or a link away, or allow it if they move thanks to special lengths.',"//nl// &
+   "    pairTwice: (gear, a, b) => 'Overconstrained: the ' + (gear ? 'gear pair' : 'slide') + ' between links ' + a + ' and"// &
+   " ' + b + ' holds what is held already: take it away.',"//nl// &
+   "    noDrive: 'Freedom 1 and no drive: with the tool Drive click a frame joint, a slide, or pull a cylinder.',"//nl// &
+   "    loose: (links, held, more, joint) => 'Underconstrained: ' + (links.length > 1 ? 'links ' : 'link ') + listed(links)"// &
+   " + ' can still move' +"//nl// &
+   "      (held.length ? ' with ' + listed(held) + ' held' : '') + '. ' + more + ' drive' + (more > 1 ? 's' : '') + ' more,"// &
+   " or join them.' +"//nl// &
+   "      (joint ? ' Joint ' + joint + ' belongs to one link only: is it a frame joint? Then use the tool Pivot on it.' : '"// &
+   "'),"//nl// &
+   "    moves: (drives) => 'Freedom ' + drives + ', ' + (drives === 1 ? 'one drive' : drives + ' drives') + ': it moves',"//nl// &
+   '  },'//nl// &
+   ''//nl// &
+   '  // properties'//nl// &
+   '  panel: {'//nl// &
+   "    name: 'name',"//nl// &
+   "    jointName: 'name of the joint',"//nl// &
+   "    frame: 'frame',"//nl// &
+   "    pinned: 'pinned to the frame',"//nl// &
+   "    output: 'output',"//nl// &
+   "    pathIsOutput: 'its path is an output',"//nl// &
+   "    delete: 'Delete',"//nl
+
+   character(*), parameter :: part_11 = &
+   "    linkName: 'name of the link',"//nl// &
+   "    joints: 'joints',"//nl// &
+   "    linkJoints: 'joints of the link',"//nl// &
+   "    slideName: 'name of the slide',"//nl// &
+   "    lineOn: 'line on',"//nl// &
+   "    lineOnLabel: 'link that the line is on',"//nl// &
+   "    slides: 'slides',"//nl// &
+   "    slidesLabel: 'link that slides',"//nl// &
+   "    angle: 'angle',"//nl// &
+   "    slideAngle: 'direction of the slide, degrees',"//nl// &
+   "    throughX: 'through x',"//nl// &
+   "    lineX: 'x of a point of the line',"//nl// &
+   "    lineY: 'y of a point of the line',"//nl// &
+   "    driven: 'driven',"//nl// &
+   "    slideDriven: 'the slide is driven',"//nl// &
+   "    cross: '\u00d7',"//nl// &
+   "    ratio: 'ratio',"//nl// &
+   "    positions: 'Positions',"//nl// &
+   "    every: 'every',"//nl// &
+   "    everyLabel: 'degrees from position to position over a turn; 0: a list',"//nl// &
+   "    outputToAdd: 'output to add, for instance: angle rocker',"//nl// &
+   "    outputs: 'Outputs',"//nl// &
+   "    add: 'add',"//nl// &
+   "    jointsHead: 'Joints',"//nl// &
+   "    links: 'Links',"//nl// &
+   "    slidesHead: 'Slides',"//nl// &
+   "    newJointLabel: 'new joint at x y',"//nl// &
+   "    newLinkLabel: 'new link of joints',"//nl// &
+   "    newJoint: 'new joint',"//nl// &
+   "    newLink: 'new link',"//nl// &
+   "    lengthHint: 'A length typed in is kept exactly (tick); the drawing follows.',"//nl// &
+   "    gridOfStrokes: 'A grid of strokes (NGRID); edit it in the tab Text.',"//nl// &
+   "    countedFrom: 'Counted from the drawing: degrees of a crank, lengths of slides and cylinders.',"//nl// &
+   "    outputExample: 'angle rocker, distance P Q ...',"//nl// &
+   "    frameHead: 'Frame',"//nl// &
+   "    degrees: 'degrees',"//nl// &
+   "    joint: (name) => 'Joint ' + name,"//nl// &
+   "    link: (name) => 'Link ' + name,"//nl// &
+   "    slide: (name) => 'Slide ' + name,"//nl// &
+   "    cylinder: (at) => 'Cylinder ' + at,"//nl// &
+   "    cylinderOf: (at) => 'A drive of varying length between joints ' + at.split(' ').join(' and ') + '.',"//nl// &
+   "    linksOf: (names) => 'Links: ' + (names.join(', ') || 'none'),"//nl// &
+   "    exactLength: (pair) => 'exact length ' + pair,"//nl// &
+   "    length: (pair) => 'length ' + pair,"//nl// &
+   "    drives: (count) => count > 1 ? 'Drives' : 'Drive',"//nl// &
+   "    drivenAt: (at) => 'link driven at ' + at,"//nl// &
+   "    noDrive: (at) => 'no drive ' + at,"//nl// &
+   "    ratioOf: (at) => 'ratio of ' + at + ' to the first drive, 0: by itself',"//nl// &
+   "    positionsOf: (at) => 'positions of ' + at + ', from the drawing',"//nl// &
+   "    noOutput: (name) => 'no output ' + name,"//nl// &
+   "    driveKind: { turn: (at) => 'crank at ' + at, slide: (at) => 'slide ' + at, cylinder: (at) => 'cylinder ' + at },"//nl// &
+   "    driveSlider: (at) => 'drive ' + at,"//nl// &
+   "    gridAuto: 'auto',"//nl// &
+   "    gridOff: 'off',"//nl// &
+   "    pageTitle: (title) => title + ' \u2013 drawing board',"//nl// &
+   "    goes: (from, to) => '   (goes from ' + from + ' to ' + to + ')',"//nl// &
+   '  },'//nl// &
    ''//nl// &
    '  // the text of the case'//nl// &
    "  dataSet: 'data set',"//nl// &
@@ -1073,7 +1221,9 @@ module psalm_board_text
    "  assumptions: 'Speed, load, tolerance',"//nl// &
    "  speed: 'speed',"//nl// &
    "  speedLabel: 'speed of the input, radians or lengths a second',"//nl// &
-   "  load: 'load at',"//nl// &
+   "  load: 'load at',"//nl
+
+   character(*), parameter :: part_12 = &
    "  loadAt: 'joint that the load is at',"//nl// &
    "  loadX: 'load along x, N',"//nl// &
    "  loadY: 'load along y, N',"//nl// &
@@ -1095,9 +1245,27 @@ module psalm_board_text
    "  assembly: (number) => 'assembly ' + number,"//nl// &
    "  assemblyDrawn: 'as drawn',"//nl// &
    ''//nl// &
+   "  exports: 'Files',"//nl// &
+   "  exportNames: { '.dxf': 'DXF', '.svg': 'SVG', '.move.svg': 'moving SVG', '.html': 'page' },"//nl// &
+   ''//nl// &
+   '  // studies'//nl// &
+   "  studies: 'Studies',"//nl// &
+   "  studyHint: 'What the groups of the text ask for. A linkage that is found becomes the sketch by a click.',"//nl// &
+   "  studyNames: { rates: ['rates', ''], forces: ['forces', ''], proof: ['proof', ''], tolerances: ['tolerances', '&TOLER'"// &
+   "], allocation: ['cheapest tolerances', '&ALLOC'],"//nl// &
+   "    sweep: ['adjustable dimension', '&SWEEP'], synthesis: ['search', '&SEARCH'], exact: ['exact synthesis', '&EXACT'], "// &
+   "balance: ['counterweights', '&BALANC'],"//nl// &
+   "    springs: ['springs', '&SPRNGS'], machine: ['motion from torque', '&MOTOR'], time: ['motion in time', '&TIME'], vibr"// &
+   "ation: ['vibration', '&VIBR, &ESTIM'],"//nl// &
+   "    clearance: ['clearance of a joint', '&CLEAR'], cams: ['cam', '&CAM'] },"//nl// &
+   "  run: 'Run',"//nl// &
+   "  studyStop: 'stop the study',"//nl// &
+   "  listing: 'listing of the study',"//nl// &
+   "  studying: (name) => name + ' ...',"//nl// &
+   "  progress: (made, most, best) => made + ' of ' + most + (best === null ? '' : ', best ' + Number(best.toPrecision(4)))"// &
+   ","//nl// &
+   ''//nl// &
    '  // searches'//nl// &
-   "  wantedTool: 'Wanted',"//nl// &
-   "  wantedHint: 'Draw the curve that a point of a linkage is to trace; end near its beginning for a closed one.',"//nl// &
    "  wantedHead: 'Wanted curve',"//nl// &
    "  wantedNone: 'Draw it with the tool Wanted (W), or open a CSV file with x and y in each line, or an SVG picture.',"//nl// &
    "  wantedHas: (count, closed) => (closed ? 'Closed' : 'Open') + ' curve of ' + count + ' points.',"//nl// &
@@ -1108,22 +1276,27 @@ module psalm_board_text
    "  noCurve: (name) => name + ': no curve was found; a CSV file has x and y in each line, a picture a path, polygon or po"// &
    "lyline.',"//nl// &
    "  kinds: 'Kinds',"//nl// &
-   "  kindNames: { pins4: 'four-bars', slide4: 'with a slide', pins6: 'six-bars', geared5: 'geared five-bars' },"//nl// &
+   "  kindNames: { mine: 'this linkage', pins4: 'four-bars', slide4: 'with a slide', pins6: 'six-bars', geared5: 'geared fi"// &
+   "ve-bars' },"//nl// &
    "  leastAngle: 'least angle',"//nl// &
    "  leastAngleLabel: 'least transmission angle, degrees; 0: any',"//nl// &
+   "  lengths: 'lengths',"//nl// &
+   "  lengthLow: 'least length; 0: a fiftieth of the curve',"//nl// &
+   "  lengthHigh: 'greatest length; 0: five times the curve',"//nl// &
+   "  mineHint: 'Of this linkage all dimensions vary but the lengths that are exact (ticked in Properties).',"//nl// &
+   "  mineNeeds: 'Only a linkage that moves, with one drive and a point as its first output, can be varied.',"//nl// &
+   "  mineSlides: 'With slides or gears all dimensions vary: exact lengths cannot be kept.',"//nl// &
    "  searchStart: 'Search',"//nl// &
    "  searchOn: 'Go on',"//nl// &
    "  searchStop: 'Stop',"//nl// &
-   "  searchSave: 'Save as data set',"//nl
-
-   character(*), parameter :: part_11 = &
+   "  searchSave: 'Save as data set',"//nl// &
    "  searching: (kind, round) => 'Round ' + (round + 1) + ': ' + kind + ' ...',"//nl// &
    "  searchOver: (count) => count ? 'Stopped; ' + count + ' kinds of linkages found.' : 'Stopped; nothing was found.',"//nl// &
    "  sheet: 'Found',"//nl// &
    "  sheetHint: 'Click one: it becomes the sketch; undo brings back what was there.',"//nl// &
    "  error: (part) => 'error ' + part + ' of the size',"//nl// &
    "  angle: (value) => 'angle ' + value + '\u00b0',"//nl// &
-   '};'//nl// &
+   "}))((names) => names.length < 2 ? names.join('') : names.slice(0, -1).join(', ') + ' and ' + names.at(-1));"//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
    '// A sketch as text: the NAMELIST notation is read and written. Nothing here knows the document.'//nl// &
@@ -1158,7 +1331,9 @@ module psalm_board_text
    "      super((line ? 'line ' + line + ': ' : '') + text);"//nl// &
    '      this.line = line;'//nl// &
    '    }'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_13 = &
    ''//nl// &
    '  // ---- reading -----------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
@@ -1222,9 +1397,7 @@ module psalm_board_text
    '      at += word.length;'//nl// &
    '      if (/^(\s|!)/.test(word)) continue;'//nl// &
    '      if (/^([&$]END|\/)$/i.test(word)) return at;'//nl// &
-   '      if (found[1] !== undefined) {'//nl
-
-   character(*), parameter :: part_12 = &
+   '      if (found[1] !== undefined) {'//nl// &
    "        item = { name: found[1].toUpperCase(), place: found[2] || '', values: [], line: lineOf(at), from: at - word.len"// &
    "gth, to: at };"//nl// &
    '        group.items.push(item);'//nl// &
@@ -1268,7 +1441,9 @@ module psalm_board_text
    '  function parse(text) {'//nl// &
    '    const whole = split(text);'//nl// &
    '    const groupOf = (name) => whole.groups.find((group) => group.name === name);'//nl// &
-   "    if (!groupOf('CHAIN')) {"//nl// &
+   "    if (!groupOf('CHAIN')) {"//nl
+
+   character(*), parameter :: part_14 = &
    "      throw new Mistake(groupOf('LINKS') ? 'this data set describes its linkage by loops (&LINKS); the drawing board ta"// &
    "kes sketches (&CHAIN)' :"//nl// &
    "        'there is no group &CHAIN');"//nl// &
@@ -1333,9 +1508,7 @@ module psalm_board_text
    "      if (sketch.slides.some((slide) => slide.name === drive.at[0])) drive.kind = 'slide';"//nl// &
    '      else if (!names.includes(drive.at[0])) {'//nl// &
    "        drive.kind = 'cylinder';"//nl// &
-   '        drive.at = jointsIn(text, names, wrong);'//nl
-
-   character(*), parameter :: part_13 = &
+   '        drive.at = jointsIn(text, names, wrong);'//nl// &
    '        if (drive.at.length !== 2) throw wrong("''" + text + "'' is no joint, no slide and no pair of joints");'//nl// &
    '      }'//nl// &
    '      return drive;'//nl// &
@@ -1377,7 +1550,9 @@ module psalm_board_text
    '    for (const [item, values] of items) {'//nl// &
    "      const room = line.length + item.length + values.join(',').length;"//nl// &
    "      if (room > WIDTH && line.trim() !== '&' + name) { lines.push(line); line = ' '; }"//nl// &
-   "      line += ' ' + item + '=';"//nl// &
+   "      line += ' ' + item + '=';"//nl
+
+   character(*), parameter :: part_15 = &
    '      values.forEach((value) => {'//nl// &
    "        if (line.length + value.length + 1 > WIDTH) { lines.push(line); line = '   '; }"//nl// &
    "        line += value + ',';"//nl// &
@@ -1449,9 +1624,7 @@ module psalm_board_text
    "    const word = (one) => one === from ? to : kind === 'joint' && !joints.includes(one) && from.length === 1 && one.inc"// &
    "ludes(from) &&"//nl// &
    "      [...one].every((letter) => joints.includes(letter)) ? [...one].map((letter) => letter === from ? to : letter).joi"// &
-   "n(to.length > 1 ? ' ' : '') : one;"//nl
-
-   character(*), parameter :: part_14 = &
+   "n(to.length > 1 ? ' ' : '') : one;"//nl// &
    "    return text.replace(/'([^']*)'/g, (_, words) => ""'"" + words.split(/([\s-]+)/).map(word).join('') + ""'"");"//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1496,7 +1669,9 @@ module psalm_board_text
    '  function changed(text, name, item, value) {'//nl// &
    '    const place = placeOf(text, name), there = place && place.items.find((one) => one.name === item);'//nl// &
    "    if (there) return text.slice(0, there.from) + item + '=' + value + (/,\s*$/.test(text.slice(there.from, there.to)) "// &
-   "? ',' : '') + text.slice(there.to);"//nl// &
+   "? ',' : '') + text.slice(there.to);"//nl
+
+   character(*), parameter :: part_16 = &
    "    const head = ' &' + name + ' ';"//nl// &
    "    if (place) return text.slice(0, place.start) + head.trimStart() + item + '=' + value + ',' + text.slice(place.start"// &
    " + 1 + name.length);"//nl// &
@@ -1562,9 +1737,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** The same with more equations than unknowns: least squares. */'//nl// &
-   '  function solve(A, b, columns) {'//nl
-
-   character(*), parameter :: part_15 = &
+   '  function solve(A, b, columns) {'//nl// &
    '    if (A.length === columns) return eliminate(A.map((row) => row.slice()), b.slice());'//nl// &
    '    const normal = Array.from({ length: columns }, (_, i) => Array.from({ length: columns }, (_, j) =>'//nl// &
    '      A.reduce((sum, row) => sum + row[i] * row[j], 0)));'//nl// &
@@ -1605,7 +1778,9 @@ module psalm_board_text
    '      }));'//nl// &
    '    }'//nl// &
    '    if (isFrame) {'//nl// &
-   '      const [dx, dy] = [first[0] - at.get(names[0])[0], first[1] - at.get(names[0])[1]];'//nl// &
+   '      const [dx, dy] = [first[0] - at.get(names[0])[0], first[1] - at.get(names[0])[1]];'//nl
+
+   character(*), parameter :: part_17 = &
    '      for (const place of at.values()) { place[0] += dx; place[1] += dy; }'//nl// &
    '    }'//nl// &
    '    return at;'//nl// &
@@ -1671,9 +1846,7 @@ module psalm_board_text
    '    const s = mech.slides[i], [px, py, pdx, pdy] = place(mech, pose, s.a, s.p), [qx, qy, qdx, qdy] = place(mech, pose, '// &
    's.b, s.q);'//nl// &
    '    const [ux, uy] = turn(s.d, pose[3 * s.a + 2]), dx = qx - px, dy = qy - py;'//nl// &
-   '    return { along: dx * ux + dy * uy, across: dy * ux - dx * uy, u: [ux, uy],'//nl
-
-   character(*), parameter :: part_16 = &
+   '    return { along: dx * ux + dy * uy, across: dy * ux - dx * uy, u: [ux, uy],'//nl// &
    '      by: (n) => ({ b: [n[0], n[1], qdx * n[0] + qdy * n[1]], a: [-n[0], -n[1], -(pdx * n[0] + pdy * n[1])] }), dx, dy '// &
    '};'//nl// &
    '  }'//nl// &
@@ -1715,7 +1888,9 @@ module psalm_board_text
    "      if (drive.kind === 'turn') {"//nl// &
    '        add(size * (pose[3 * drive.link + 2] - pose[3 * drive.base + 2] - inputs[k]), [[drive.link, 0, 0, size], [drive'// &
    '.base, 0, 0, -size]]);'//nl// &
-   "      } else if (drive.kind === 'slide') {"//nl// &
+   "      } else if (drive.kind === 'slide') {"//nl
+
+   character(*), parameter :: part_18 = &
    '        const s = mech.slides[drive.slide], z = travel(mech, pose, drive.slide), by = z.by(z.u), sense = s.a === drive.'// &
    'base ? 1 : -1;'//nl// &
    '        by.a[2] += z.across;'//nl// &
@@ -1778,9 +1953,7 @@ module psalm_board_text
    '      const x = velocity(mech, now, rates);'//nl// &
    '      if (!x) return null;'//nl// &
    '      step = Math.min(step, 1 - way);'//nl// &
-   '      for (;;) {'//nl
-
-   character(*), parameter :: part_17 = &
+   '      for (;;) {'//nl// &
    '        const pose = now.pose.slice(), inputs = way + step >= 1 ? target.slice() : from.map((v, k) => v + (way + step) '// &
    '* rates[k]);'//nl// &
    '        for (let i = 0; i < n; i++) pose[i + 3] += step * (i % 3 === 2 ? x[i] / mech.size : x[i]);'//nl// &
@@ -1823,7 +1996,9 @@ module psalm_board_text
    '    if (sketch.ikin) return Array.from({ length: Math.floor(359 / Math.abs(sketch.ikin)) + 1 },'//nl// &
    '      (_, k) => inputsAt(sketch, sketch.crnki + k * sketch.ikin, k));'//nl// &
    '    return sketch.delt.map((value, k) => inputsAt(sketch, sketch.crnki + value, k));'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_19 = &
    ''//nl// &
    '  function gridPositions(sketch, grids) {'//nl// &
    '    const counts = grids.map((grid) => grid ? grid[0] : 1), total = counts.reduce((a, b) => a * b, 1);'//nl// &
@@ -1892,9 +2067,7 @@ module psalm_board_text
    '-'//nl// &
    ''//nl// &
    '  /** The sketch with joints and slides anywhere: what holds there holds for almost all dimensions. Always the same pla'// &
-   'ces. */'//nl
-
-   character(*), parameter :: part_18 = &
+   'ces. */'//nl// &
    '  function anywhere(sketch) {'//nl// &
    '    let seed = 12345;'//nl// &
    '    const random = () => { seed = (seed * 1103515245 + 12345) % 2147483648; return seed / 2147483648; };'//nl// &
@@ -1937,7 +2110,9 @@ module psalm_board_text
    '    }'//nl// &
    '    const bound = new Map(rows.map((row) => [row.column, row])), moving = new Set();'//nl// &
    '    for (let free = 0; free < n; free++) {'//nl// &
-   '      if (bound.has(free)) continue;'//nl// &
+   '      if (bound.has(free)) continue;'//nl
+
+   character(*), parameter :: part_20 = &
    '      moving.add(Math.floor(free / 3) + 1);'//nl// &
    '      for (const [column, { w }] of bound) if (Math.abs(w[free]) > 1e-7 * Math.abs(w[column])) moving.add(Math.floor(co'// &
    'lumn / 3) + 1);'//nl// &
@@ -1945,24 +2120,18 @@ module psalm_board_text
    '    return [...moving].sort((a, b) => a - b);'//nl// &
    '  }'//nl// &
    ''//nl// &
-   "  const listed = (names) => names.length < 2 ? names.join('') : names.slice(0, -1).join(', ') + ' and ' + names.at(-1);"//nl// &
-   ''//nl// &
    '  /** What is wrong with a sketch, in words, and the remedy; empty if it is a mechanism. Each has the names it is about'// &
    '. */'//nl// &
    '  function assess(sketch) {'//nl// &
-   '    const say = (text, joints = [], links = []) => [{ text, joints, links }];'//nl// &
-   "    if (!sketch.joints.length) return say('The board is empty: with the tool Link press where a joint is to be and pull"// &
-   " to the next.');"//nl// &
+   '    const words = board.words.freedom, say = (text, joints = [], links = []) => [{ text, joints, links }];'//nl// &
+   '    if (!sketch.joints.length) return say(words.empty);'//nl// &
    '    const home = sketch.joints.filter((j) => !sketch.links.some((l) => l.joints.includes(j.name)));'//nl// &
-   "    if (home.length) return say('Joint ' + home[0].name + ' belongs to no link: pull a link from it, pin it to the fram"// &
-   "e, or delete it.', [home[0].name]);"//nl// &
-   "    if (sketch.links.length < 2) return say('Only the frame is there: with the tool Link pull a link from joint to join"// &
-   "t.');"//nl// &
+   '    if (home.length) return say(words.noLink(home[0].name), [home[0].name]);'//nl// &
+   '    if (sketch.links.length < 2) return say(words.frameOnly);'//nl// &
    '    for (const link of sketch.links) for (const [i, a] of link.joints.entries()) for (const b of link.joints.slice(0, i'// &
    ')) {'//nl// &
    '      const [p, q] = [a, b].map((name) => sketch.joints.find((j) => j.name === name));'//nl// &
-   "      if (Math.hypot(p.x - q.x, p.y - q.y) <= 1e-9) return say('Joints ' + b + ' and ' + a + ' of link ' + link.name +"//nl// &
-   "        ' are at the same place: move one, or join them (drop one on the other).', [a, b]);"//nl// &
+   '      if (Math.hypot(p.x - q.x, p.y - q.y) <= 1e-9) return say(words.samePlace(b, a, link.name), [a, b]);'//nl// &
    '    }'//nl// &
    '    const reached = new Set([0]), touch = sketch.links.map((link) => (other) => link.joints.some((j) => other.joints.in'// &
    'cludes(j)) ||'//nl// &
@@ -1978,47 +2147,33 @@ module psalm_board_text
    '      });'//nl// &
    '    }'//nl// &
    '    const apart = sketch.links.filter((_, i) => !reached.has(i)).map((l) => l.name);'//nl// &
-   "    if (apart.length) return say('Nothing joins ' + (apart.length > 1 ? 'links ' : 'link ') + listed(apart) +"//nl// &
-   "      ' to the frame: drop a joint on one of another link, or pin one to the frame with the tool Pivot.', [], apart);"//nl// &
+   '    if (apart.length) return say(words.apart(apart), [], apart);'//nl// &
    '    const { left, twice, free, count } = freedom(sketch), names = free.map((i) => sketch.links[i].name);'//nl// &
    "    const held = sketch.drives.map((d) => d.at.join(' '));"//nl// &
    "    if (twice.length && !(sketch.kover && !twice.some((row) => 'drive' in row))) {"//nl// &
    "      const row = twice.find((one) => 'drive' in one) || twice[0];"//nl// &
-   "      if ('drive' in row) return say('Drive ' + held[row.drive] + ' moves nothing: the links there are held without it."// &
-   " Freedom ' + count +"//nl// &
-   "        ', driven ' + held.length + ': take this drive away.', sketch.drives[row.drive].kind === 'slide' ? [] : sketch."// &
-   "drives[row.drive].at);"//nl// &
+   "      if ('drive' in row) return say(words.idle(held[row.drive], count, held.length), sketch.drives[row.drive].kind ==="// &
+   " 'slide' ? [] : sketch.drives[row.drive].at);"//nl// &
    '      const [a, b] = [row.a, row.b].map((i) => sketch.links[i].name);'//nl// &
-   "      if (row.kind === 'pin') return say('Overconstrained: joint ' + sketch.joints[row.j].name + ' of links ' + a + ' a"// &
-   "nd ' + b +"//nl// &
-   "        ' holds what is held already. Take a joint or a link away, or allow it if they move thanks to special lengths.'"// &
-   ", [sketch.joints[row.j].name], [a, b]);"//nl// &
-   "      return say('Overconstrained: the ' + (row.kind === 'gear' ? 'gear pair' : 'slide') + ' between links ' + a + ' an"// &
-   "d ' + b + ' holds what is held already: take it away.', [], [a, b]);"//nl// &
+   "      if (row.kind === 'pin') return say(words.heldTwice(sketch.joints[row.j].name, a, b), [sketch.joints[row.j].name],"// &
+   " [a, b]);"//nl// &
+   "      return say(words.pairTwice(row.kind === 'gear', a, b), [], [a, b]);"//nl// &
    '    }'//nl// &
    '    if (left) {'//nl// &
    '      const tail = sketch.joints.find((j) => sketch.links.filter((l) => l.joints.includes(j.name)).length === 1 &&'//nl// &
    '        names.some((name) => sketch.links.find((l) => l.name === name).joints.includes(j.name)) && !sketch.outputs.some'// &
    '((o) => o.of.includes(j.name)));'//nl// &
-   "      if (!sketch.drives.length && left === 1) return say('Freedom 1 and no drive: with the tool Drive click a frame jo"// &
-   "int, a slide, or pull a cylinder.', [], names);"//nl// &
-   "      return say('Underconstrained: ' + (names.length > 1 ? 'links ' : 'link ') + listed(names) + ' can still move' + ("// &
-   "held.length ? ' with ' +"//nl// &
-   "        listed(held) + ' held' : '') + '. ' + left + ' drive' + (left > 1 ? 's' : '') + ' more, or join them.' + (tail "// &
-   "? ' Joint ' + tail.name +"//nl// &
-   "        ' belongs to one link only: is it a frame joint? Then use the tool Pivot on it.' : ''), tail ? [tail.name] : []"// &
-   ", names);"//nl// &
+   '      if (!sketch.drives.length && left === 1) return say(words.noDrive, [], names);'//nl// &
+   "      return say(words.loose(names, held, left, tail ? tail.name : ''), tail ? [tail.name] : [], names);"//nl// &
    '    }'//nl// &
    '    return [];'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  return { compile, assemble, advance, correct, joints, travel, positions, inputsAt, follow, output, freedom, assess, e'// &
-   'liminate, listed, RADIAN };'//nl// &
+   'liminate, RADIAN };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
-   '<script>'//nl
-
-   character(*), parameter :: part_19 = &
+   '<script>'//nl// &
    "// The drawing board's picture: what is on the canvas, and what is under a point of it."//nl// &
    "'use strict';"//nl// &
    ''//nl// &
@@ -2067,7 +2222,9 @@ module psalm_board_text
    '  function pan(dx, dy) {'//nl// &
    '    eye.x -= dx / eye.k;'//nl// &
    '    eye.y += dy / eye.k;'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_21 = &
    ''//nl// &
    '  /** Lengths between two lines of the grid: round, and wide enough to be seen. */'//nl// &
    '  function gridStep() {'//nl// &
@@ -2121,9 +2278,7 @@ module psalm_board_text
    '    drawPending();'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function drawGrid() {'//nl
-
-   character(*), parameter :: part_20 = &
+   '  function drawGrid() {'//nl// &
    '    const step = gridStep() || 22 / eye.k, [left, top] = world(0, 0), [right, bottom] = world(w, h), shown = gridStep()'// &
    ' > 0;'//nl// &
    '    const lines = (from, to) => Array.from({ length: Math.min(400, Math.floor(to / step) - Math.ceil(from / step) + 1) '// &
@@ -2177,7 +2332,9 @@ module psalm_board_text
    '    g.strokeStyle = g.fillStyle = colourOf(i);'//nl// &
    '    if (i === 0) {'//nl// &
    '      g.setLineDash([7, 6]);'//nl// &
-   '      g.lineWidth = chosen ? 3 : 1.4;'//nl// &
+   '      g.lineWidth = chosen ? 3 : 1.4;'//nl
+
+   character(*), parameter :: part_22 = &
    '      trace(round);'//nl// &
    '      g.stroke();'//nl// &
    '      g.setLineDash([]);'//nl// &
@@ -2229,9 +2386,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** The line of a slide, with the link that it is drawn on. */'//nl// &
-   '  function drawRail(slide, i) {'//nl
-
-   character(*), parameter :: part_21 = &
+   '  function drawRail(slide, i) {'//nl// &
    '    const place = board.slidePlace(i), [ux, uy] = place.u, reach = 1.2 * (w + h);'//nl// &
    '    g.strokeStyle = pens.frame;'//nl// &
    '    g.lineWidth = 1.2;'//nl// &
@@ -2282,7 +2437,9 @@ module psalm_board_text
    '    g.globalAlpha = 1;'//nl// &
    "    g.lineCap = 'round';"//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_23 = &
    '  function drawGear(gear, p) {'//nl// &
    '    const { sketch } = board.state, link = (name) => sketch.links.find((l) => l.name === name);'//nl// &
    '    const centre = (wheel) => link(wheel).joints.find((name) => link(gear.carrier).joints.includes(name));'//nl// &
@@ -2335,9 +2492,7 @@ module psalm_board_text
    '    g.font = ''italic 600 15px system-ui, "DejaVu Sans", sans-serif'';'//nl// &
    '    g.fillText(joint.name, x + 11, y - 10);'//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_22 = &
+   ''//nl// &
    '  /** A crank is driven: an arrow round its joint. */'//nl// &
    '  function drawMotor(x, y) {'//nl// &
    '    g.strokeStyle = g.fillStyle = pens.good;'//nl// &
@@ -2386,7 +2541,9 @@ module psalm_board_text
    '      const nx = (y2 - y1) / d, ny = -(x2 - x1) / d, side = ny > 0 ? -1 : 1;'//nl// &
    '      const x = (x1 + x2) / 2 + 17 * side * nx, y = (y1 + y2) / 2 + 17 * side * ny, wide = g.measureText(text).width;'//nl// &
    '      g.fillStyle = pens.paper;'//nl// &
-   '      g.globalAlpha = 0.85;'//nl// &
+   '      g.globalAlpha = 0.85;'//nl
+
+   character(*), parameter :: part_24 = &
    '      g.fillRect(x - wide / 2 - 3, y - 8, wide + 6, 16);'//nl// &
    '      g.globalAlpha = 1;'//nl// &
    '      g.fillStyle = exact ? pens.accent : pens.soft;'//nl// &
@@ -2443,9 +2600,7 @@ module psalm_board_text
    '    });'//nl// &
    '    if (best) return best;'//nl// &
    '    least = touch ? 16 : 9;'//nl// &
-   '    sketch.links.forEach((link, i) => {'//nl
-
-   character(*), parameter :: part_23 = &
+   '    sketch.links.forEach((link, i) => {'//nl// &
    '      if (i === 0 || link.joints.includes(without)) return;'//nl// &
    '      const round = outline(link.joints.map(p));'//nl// &
    '      round.forEach((a, k) => {'//nl// &
@@ -2476,7 +2631,7 @@ module psalm_board_text
    "  const TABS = [['panel', board.words.tabs.panel], ['text', board.words.tabs.text], ['engine', board.words.tabs.engine]"// &
    ", ['search', board.words.tabs.search]];"//nl// &
    "  let tab = 'panel';"//nl// &
-   "  const KIND = { turn: 'crank at ', slide: 'slide ', cylinder: 'cylinder ' };"//nl// &
+   '  const words = board.words.panel;'//nl// &
    ''//nl// &
    '  /** An element with attributes, listeners (on...) and children. */'//nl// &
    '  function make(tag, attributes = {}, ...children) {'//nl// &
@@ -2495,7 +2650,9 @@ module psalm_board_text
    ''//nl// &
    '  /** An element of a picture. */'//nl// &
    '  function svg(tag, attributes = {}) {'//nl// &
-   '    const element = document.createElementNS(pictures.content.firstChild.namespaceURI, tag);'//nl// &
+   '    const element = document.createElementNS(pictures.content.firstChild.namespaceURI, tag);'//nl
+
+   character(*), parameter :: part_25 = &
    '    for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);'//nl// &
    '    return element;'//nl// &
    '  }'//nl// &
@@ -2505,8 +2662,8 @@ module psalm_board_text
    ''//nl// &
    '  /** A field that takes a text; `take` gives false for one that cannot be. */'//nl// &
    '  function field(label, value, take, attributes = {}) {'//nl// &
-   "    const input = make('input', { value, 'aria-label': label, spellcheck: 'false', autocomplete: 'off', ...attributes }"// &
-   ");"//nl// &
+   "    const input = make('input', { value, 'aria-label': label, title: label, spellcheck: 'false', autocomplete: 'off', ."// &
+   "..attributes });"//nl// &
    "    input.addEventListener('change', () => {"//nl// &
    '      if (input.value.trim() === String(value)) return;'//nl// &
    "      if (take(input.value.trim()) === false) input.classList.add('bad');"//nl// &
@@ -2548,9 +2705,7 @@ module psalm_board_text
    '    return at === s.length ? value : NaN;'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  const check = (label, on, take) => {'//nl
-
-   character(*), parameter :: part_24 = &
+   '  const check = (label, on, take) => {'//nl// &
    "    const box = make('input', { type: 'checkbox', 'aria-label': label, onchange: () => take(box.checked) });"//nl// &
    '    box.checked = on;'//nl// &
    '    return box;'//nl// &
@@ -2571,7 +2726,7 @@ module psalm_board_text
    '  function show(rough = false) {'//nl// &
    '    const { state } = board, { sketch } = state;'//nl// &
    "    $('title').value = sketch.title;"//nl// &
-   "    document.title = sketch.title + ' \u2013 drawing board';"//nl// &
+   '    document.title = words.pageTitle(sketch.title);'//nl// &
    "    $('undo').disabled = !board.canUndo();"//nl// &
    "    $('redo').disabled = !board.canRedo();"//nl// &
    '    showState();'//nl// &
@@ -2589,8 +2744,7 @@ module psalm_board_text
    "    const { state } = board, chip = $('chip'), wrong = state.messages.length > 0;"//nl// &
    "    chip.className = wrong ? 'wrong' : '';"//nl// &
    '    const n = state.sketch.drives.length;'//nl// &
-   "    const text = wrong ? state.messages[0].text : 'Freedom ' + n + ', ' + (n === 1 ? 'one drive' : n + ' drives') + ': "// &
-   "it moves';"//nl// &
+   '    const text = wrong ? state.messages[0].text : board.words.freedom.moves(n);'//nl// &
    '    if (chip.textContent !== text) chip.textContent = text;'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -2601,31 +2755,33 @@ module psalm_board_text
    '    if (s.link) return linkPart(board.linkOf(s.link));'//nl// &
    '    if (s.slide) return slidePart(state.sketch.slides.find((one) => one.name === s.slide));'//nl// &
    '    return cylinderPart(s.cylinder);'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_26 = &
    ''//nl// &
    '  function jointPart(joint) {'//nl// &
    '    const { edit } = board, { name } = joint;'//nl// &
    '    const move = (key) => (value) => edit((sketch) => { joint = board.jointOf(name); joint[key] = value; board.relax(sk'// &
    'etch, [name]); });'//nl// &
    '    const places = board.places().get(name);'//nl// &
-   "    return [head('Joint ' + name),"//nl// &
-   "      row('name', field('name of the joint', name, (text) => board.rename('joint', name, text) && choose({ joint: text "// &
+   '    return [head(words.joint(name)),'//nl// &
+   "      row(words.name, field(words.jointName, name, (text) => board.rename('joint', name, text) && choose({ joint: text "// &
    "}))),"//nl// &
    "      row('x', numberField('x', board.state.live ? places[0] : joint.x, move('x'))), row('y', numberField('y', board.st"// &
    "ate.live ? places[1] : joint.y, move('y'))),"//nl// &
-   "      row('frame', check('pinned to the frame', board.inFrame(name), () => board.tools.pivot(name))),"//nl// &
-   "      row('output', check('its path is an output', board.state.sketch.outputs.some((o) => o.kind === 'point' && o.of[0]"// &
-   " === name), () => board.tools.output({ joint: name }))),"//nl// &
-   "      make('p', {}, 'Links: ' + (board.linksAt(name).map((l) => l.name).join(', ') || 'none')),"//nl// &
-   "      button('Delete', () => board.remove({ joint: name }))];"//nl// &
+   '      row(words.frame, check(words.pinned, board.inFrame(name), () => board.tools.pivot(name))),'//nl// &
+   "      row(words.output, check(words.pathIsOutput, board.state.sketch.outputs.some((o) => o.kind === 'point' && o.of[0] "// &
+   "=== name), () => board.tools.output({ joint: name }))),"//nl// &
+   "      make('p', {}, words.linksOf(board.linksAt(name).map((l) => l.name))),"//nl// &
+   '      button(words.delete, () => board.remove({ joint: name }))];'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function linkPart(link) {'//nl// &
    '    const { edit } = board, { name } = link, frame = link === board.state.sketch.links[0], at = board.places();'//nl// &
-   "    const parts = [head(frame ? 'Frame' : 'Link ' + name),"//nl// &
-   "      row('name', field('name of the link', name, (text) => board.rename('link', name, text) && choose({ link: text }))"// &
+   '    const parts = [head(frame ? words.frameHead : words.link(name)),'//nl// &
+   "      row(words.name, field(words.linkName, name, (text) => board.rename('link', name, text) && choose({ link: text }))"// &
    "),"//nl// &
-   "      row('joints', field('joints of the link', link.joints.join(' '), (text) => {"//nl// &
+   "      row(words.joints, field(words.linkJoints, link.joints.join(' '), (text) => {"//nl// &
    '        let joints;'//nl// &
    '        try {'//nl// &
    '          joints = board.text.jointsIn(text, board.state.sketch.joints.map((j) => j.name), (words) => new RangeError(wo'// &
@@ -2642,12 +2798,12 @@ module psalm_board_text
    '          if (value > 0) sketch.lengths.push({ joints: [a, b], value });'//nl// &
    '          board.relax(sketch);'//nl// &
    '        });'//nl// &
-   "        parts.push(row(label, numberField('length ' + label, exact ? exact.value : length, (value) => value > 0 ? fix(v"// &
-   "alue) : false),"//nl// &
-   "          check('exact length ' + label, Boolean(exact), (on) => fix(on ? Number(length.toPrecision(12)) : 0))));"//nl// &
+   '        parts.push(row(label, numberField(words.length(label), exact ? exact.value : length, (value) => value > 0 ? fix'// &
+   '(value) : false),'//nl// &
+   '          check(words.exactLength(label), Boolean(exact), (on) => fix(on ? Number(length.toPrecision(12)) : 0))));'//nl// &
    '      }'//nl// &
-   "      parts.push(make('p', {}, 'A length typed in is kept exactly (tick); the drawing follows.'),"//nl// &
-   "        button('Delete', () => board.remove({ link: name })));"//nl// &
+   "      parts.push(make('p', {}, words.lengthHint),"//nl// &
+   '        button(words.delete, () => board.remove({ link: name })));'//nl// &
    '    }'//nl// &
    '    return parts;'//nl// &
    '  }'//nl// &
@@ -2657,45 +2813,42 @@ module psalm_board_text
    '    const set = (key) => (value) => edit((sketch) => { sketch.slides.find((one) => one.name === name)[key] = value; });'//nl// &
    '    const onto = (i) => (value) => edit((sketch) => { sketch.slides.find((one) => one.name === name).links[i] = value; '// &
    '});'//nl// &
-   "    return [head('Slide ' + name), row('name', field('name of the slide', name, (text) => board.rename('slide', name, t"// &
-   "ext) && choose({ slide: text }))),"//nl// &
-   "      row('line on', choice('link that the line is on', names, slide.links[0], onto(0))),"//nl// &
-   "      row('slides', choice('link that slides', names, slide.links[1], onto(1))),"//nl// &
-   "      row('angle', numberField('direction of the slide, degrees', slide.angle, set('angle'))),"//nl// &
-   "      row('through x', numberField('x of a point of the line', slide.x, set('x'))),"//nl
-
-   character(*), parameter :: part_25 = &
-   "      row('y', numberField('y of a point of the line', slide.y, set('y'))),"//nl// &
-   "      row('driven', check('the slide is driven', state.sketch.drives.some((d) => d.at[0] === name), () => board.tools.d"// &
-   "rive({ slide: name }))),"//nl// &
-   "      button('Delete', () => board.remove({ slide: name }))];"//nl// &
+   "    return [head(words.slide(name)), row(words.name, field(words.slideName, name, (text) => board.rename('slide', name,"// &
+   " text) && choose({ slide: text }))),"//nl// &
+   '      row(words.lineOn, choice(words.lineOnLabel, names, slide.links[0], onto(0))),'//nl// &
+   '      row(words.slides, choice(words.slidesLabel, names, slide.links[1], onto(1))),'//nl// &
+   "      row(words.angle, numberField(words.slideAngle, slide.angle, set('angle'))),"//nl// &
+   "      row(words.throughX, numberField(words.lineX, slide.x, set('x'))),"//nl// &
+   "      row('y', numberField(words.lineY, slide.y, set('y'))),"//nl// &
+   '      row(words.driven, check(words.slideDriven, state.sketch.drives.some((d) => d.at[0] === name), () => board.tools.d'// &
+   'rive({ slide: name }))),'//nl// &
+   '      button(words.delete, () => board.remove({ slide: name }))];'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function cylinderPart(at) {'//nl// &
-   "    return [head('Cylinder ' + at), make('p', {}, 'A drive of varying length between joints ' + at.split(' ').join(' an"// &
-   "d ') + '.'),"//nl// &
-   "      button('Delete', () => board.remove({ cylinder: at }))];"//nl// &
+   "    return [head(words.cylinder(at)), make('p', {}, words.cylinderOf(at)),"//nl// &
+   '      button(words.delete, () => board.remove({ cylinder: at }))];'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** The drives, and between which links they act. */'//nl// &
    '  function drivePart() {'//nl// &
    '    const { state, edit } = board, { drives, links } = state.sketch;'//nl// &
    '    if (!drives.length) return [];'//nl// &
-   "    const parts = [head(drives.length > 1 ? 'Drives' : 'Drive')];"//nl// &
+   '    const parts = [head(words.drives(drives.length))];'//nl// &
    '    drives.forEach((drive, i) => {'//nl// &
-   "      const at = drive.at.join(' '), label = KIND[drive.kind] + at;"//nl// &
-   "      parts.push(row(label, ...(drive.kind === 'turn' ? [choice('link driven at ' + at, links.filter((l) => l.joints.in"// &
-   "cludes(drive.at[0])).map((l) => l.name),"//nl// &
+   "      const at = drive.at.join(' '), label = words.driveKind[drive.kind](at);"//nl// &
+   "      parts.push(row(label, ...(drive.kind === 'turn' ? [choice(words.drivenAt(at), links.filter((l) => l.joints.includ"// &
+   "es(drive.at[0])).map((l) => l.name),"//nl// &
    "        drive.link || (board.state.motion.mech ? links[board.state.motion.mech.drives[i].link].name : ''), (name) => ed"// &
    "it((sketch) => {"//nl// &
    '          const one = sketch.drives[i];'//nl// &
    '          one.link = name;'//nl// &
    "          if (!one.base || one.base === name) one.base = (sketch.links.find((l) => l.joints.includes(one.at[0]) && l.na"// &
    "me !== name) || { name: '' }).name;"//nl// &
-   "        }))] : []), button('\u00d7', () => edit((sketch) => { sketch.drives.splice(i, 1); board.tidy(sketch); }), { 'ar"// &
-   "ia-label': 'no drive ' + at })));"//nl// &
-   "      if (i > 0) parts.push(row('ratio', numberField('ratio of ' + at + ' to the first drive, 0: by itself', drive.rati"// &
-   "o, (value) => edit((sketch) => { sketch.drives[i].ratio = value; }))));"//nl// &
+   "        }))] : []), button(words.cross, () => edit((sketch) => { sketch.drives.splice(i, 1); board.tidy(sketch); }), { "// &
+   "'aria-label': words.noDrive(at) })));"//nl// &
+   '      if (i > 0) parts.push(row(words.ratio, numberField(words.ratioOf(at), drive.ratio, (value) => edit((sketch) => { '// &
+   'sketch.drives[i].ratio = value; }))));'//nl// &
    '    });'//nl// &
    '    return parts;'//nl// &
    '  }'//nl// &
@@ -2704,37 +2857,36 @@ module psalm_board_text
    '  function positionPart() {'//nl// &
    '    const { state, edit } = board, { sketch } = state;'//nl// &
    '    if (!sketch.drives.length) return [];'//nl// &
-   "    if (sketch.drives.some((d) => d.grid)) return [head('Positions'), make('p', {}, 'A grid of strokes (NGRID); edit it"// &
-   " in the tab Text.')];"//nl// &
+   "    if (sketch.drives.some((d) => d.grid)) return [head(words.positions), make('p', {}, words.gridOfStrokes)];"//nl// &
    "    const list = (label, values, take) => field(label, values.join(' '), (text) => {"//nl// &
    '      const numbers = text.split(/[\s;]+/).filter(Boolean).map(valueOf);'//nl// &
    '      return numbers.length && numbers.every(isFinite) ? take(numbers) : false;'//nl// &
    '    });'//nl// &
-   "    const parts = [head('Positions'), row('every', numberField('degrees from position to position over a turn; 0: a lis"// &
-   "t', sketch.ikin, (value) => {"//nl// &
+   '    const parts = [head(words.positions), row(words.every, numberField(words.everyLabel, sketch.ikin, (value) => {'//nl// &
    '      if (!Number.isInteger(value) || Math.abs(value) > 360) return false;'//nl// &
    '      edit((s) => { s.ikin = value; if (!value && !s.delt.length) s.delt = [0, 10, 20, 30]; });'//nl// &
-   "    }), make('span', { style: 'flex:0 0 auto' }, 'degrees'))];"//nl// &
+   "    }), make('span', { style: 'flex:0 0 auto' }, words.degrees))];"//nl// &
    '    if (sketch.ikin) return parts;'//nl// &
    '    sketch.drives.forEach((drive, i) => {'//nl// &
    '      if (i && drive.ratio) return;'//nl// &
    "      const at = drive.at.join(' ');"//nl// &
-   "      parts.push(row(at, list('positions of ' + at + ', from the drawing', i ? drive.delt : sketch.delt, (numbers) => e"// &
-   "dit((s) => {"//nl// &
+   '      parts.push(row(at, list(words.positionsOf(at), i ? drive.delt : sketch.delt, (numbers) => edit((s) => {'//nl// &
    '        const n = numbers.length;'//nl// &
-   '        if (i) s.drives[i].delt = numbers; else s.delt = numbers;'//nl// &
+   '        if (i) s.drives[i].delt = numbers; else s.delt = numbers;'//nl
+
+   character(*), parameter :: part_27 = &
    '        const fill = (values) => Array.from({ length: n }, (_, k) => values[k] ?? values.at(-1) ?? 0);'//nl// &
    '        s.delt = fill(s.delt);'//nl// &
    '        s.drives.forEach((d, k) => { if (k && !d.ratio) d.delt = fill(d.delt); });'//nl// &
    '      }))));'//nl// &
    '    });'//nl// &
-   "    parts.push(make('p', {}, 'Counted from the drawing: degrees of a crank, lengths of slides and cylinders.'));"//nl// &
+   "    parts.push(make('p', {}, words.countedFrom));"//nl// &
    '    return parts;'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function outputPart() {'//nl// &
    '    const { state, edit } = board, { outputs } = state.sketch;'//nl// &
-   "    const add = field('output to add, for instance: angle rocker', '', (text) => {"//nl// &
+   "    const add = field(words.outputToAdd, '', (text) => {"//nl// &
    '      const words = text.split(/\s+/);'//nl// &
    "      if (!['point', 'x', 'y', 'angle', 'distance', 'slide', 'between', 'pose', 'ratio'].includes(words[0]) || words.le"// &
    "ngth < 2) return false;"//nl// &
@@ -2744,11 +2896,11 @@ module psalm_board_text
    "((letter) => board.jointOf(letter)));"//nl// &
    '      if (!words.slice(1).every(known)) return false;'//nl// &
    "      edit((sketch) => { sketch.outputs.push({ kind: words[0], of: words.slice(1), name: '' }); });"//nl// &
-   "    }, { placeholder: 'angle rocker, distance P Q ...' });"//nl// &
-   "    return [head('Outputs'), make('div', { class: 'list' }, ...outputs.map((one, i) => button([one.kind, ...one.of].joi"// &
-   "n(' ') + ' \u00d7', () =>"//nl// &
-   "      edit((sketch) => { sketch.outputs.splice(i, 1); }), { 'aria-label': 'no output ' + [one.kind, ...one.of].join(' '"// &
-   ") }))), row('add', add)];"//nl// &
+   '    }, { placeholder: words.outputExample });'//nl// &
+   "    return [head(words.outputs), make('div', { class: 'list' }, ...outputs.map((one, i) => button([one.kind, ...one.of]"// &
+   ".join(' ') + ' \u00d7', () =>"//nl// &
+   "      edit((sketch) => { sketch.outputs.splice(i, 1); }), { 'aria-label': words.noOutput([one.kind, ...one.of].join(' '"// &
+   ")) }))), row(words.add, add)];"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** All joints and links, to be chosen without a mouse. */'//nl// &
@@ -2759,15 +2911,15 @@ module psalm_board_text
    '    const joints = sketch.joints.map((j) => item(j.name, { joint: j.name }, s && s.joint === j.name));'//nl// &
    '    const links = sketch.links.map((l) => item(l.name, { link: l.name }, s && s.link === l.name));'//nl// &
    '    const slides = sketch.slides.map((l) => item(l.name, { slide: l.name }, s && s.slide === l.name));'//nl// &
-   "    const parts = [head('Joints'), make('div', { class: 'list' }, ...joints), head('Links'), make('div', { class: 'list"// &
-   "' }, ...links)];"//nl// &
-   "    if (slides.length) parts.push(head('Slides'), make('div', { class: 'list' }, ...slides));"//nl// &
-   "    const place = field('new joint at x y', '', (text) => {"//nl// &
+   "    const parts = [head(words.jointsHead), make('div', { class: 'list' }, ...joints), head(words.links), make('div', { "// &
+   "class: 'list' }, ...links)];"//nl// &
+   "    if (slides.length) parts.push(head(words.slidesHead), make('div', { class: 'list' }, ...slides));"//nl// &
+   "    const place = field(words.newJointLabel, '', (text) => {"//nl// &
    '      const at = text.split(/[\s;]+/).map(valueOf);'//nl// &
    '      if (at.length !== 2 || !at.every(isFinite)) return false;'//nl// &
    '      board.tools.jointAt(at);'//nl// &
    "    }, { placeholder: 'x y' });"//nl// &
-   "    const link = field('new link of joints', '', (text) => {"//nl// &
+   "    const link = field(words.newLinkLabel, '', (text) => {"//nl// &
    '      let joints;'//nl// &
    '      try {'//nl// &
    '        joints = [...new Set(board.text.jointsIn(text, sketch.joints.map((j) => j.name), (words) => new RangeError(word'// &
@@ -2776,15 +2928,13 @@ module psalm_board_text
    '      if (joints.length < 2) return false;'//nl// &
    "      board.edit((one) => { one.links.push({ name: board.freeName('link'), joints }); });"//nl// &
    "    }, { placeholder: 'B C' });"//nl// &
-   "    return [...parts, row('new joint', place), row('new link', link)];"//nl// &
+   '    return [...parts, row(words.newJoint, place), row(words.newLink, link)];'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function choose(what) {'//nl// &
    '    board.state.selection = what;'//nl// &
    '    show();'//nl// &
-   '    board.view.draw();'//nl
-
-   character(*), parameter :: part_26 = &
+   '    board.view.draw();'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  // ---- drives and facts --------------------------------------------------------------------------------------------'// &
@@ -2802,7 +2952,7 @@ module psalm_board_text
    ';'//nl// &
    "      const range = make('input', { type: 'range', min: several ? low : 0, max: several ? high : motion.sweep.states.le"// &
    "ngth - 1, step: several ? (high - low) / 1000 : 1,"//nl// &
-   "        'aria-label': 'drive ' + at, 'data-drive': String(k) });"//nl// &
+   "        'aria-label': words.driveSlider(at), 'data-drive': String(k) });"//nl// &
    "      range.addEventListener('input', () => {"//nl// &
    '        board.pause();'//nl// &
    '        if (several) board.drive(k, Number(range.value)); else board.go(Number(range.value));'//nl// &
@@ -2834,11 +2984,13 @@ module psalm_board_text
    '  function range(sweep, sketch) {'//nl// &
    "    const turns = sketch.drives[0].kind === 'turn', of = (one) => board.view.short(Number((one.inputs[0] / (turns ? boa"// &
    "rd.motion.RADIAN : 1)).toPrecision(4)));"//nl// &
-   "    return '   (goes from ' + of(sweep.states[0]) + ' to ' + of(sweep.states.at(-1)) + (turns ? '\u00b0' : '') + ')';"//nl// &
+   "    return words.goes(of(sweep.states[0]), of(sweep.states.at(-1)) + (turns ? '\u00b0' : ''));"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Shows one of the parts beside the drawing. */'//nl// &
-   '  function turnTo(name) {'//nl// &
+   '  function turnTo(name) {'//nl
+
+   character(*), parameter :: part_28 = &
    '    tab = name;'//nl// &
    '    for (const [id] of TABS) {'//nl// &
    '      $(id).hidden = id !== name;'//nl// &
@@ -2869,11 +3021,23 @@ module psalm_board_text
    "    turnTo('panel');"//nl// &
    '  }'//nl// &
    ''//nl// &
+   '  /** The words of what is on the page from the beginning. */'//nl// &
+   '  function name() {'//nl// &
+   '    for (const [id, { text, title, label }] of Object.entries(board.words.page)) {'//nl// &
+   '      const element = $(id);'//nl// &
+   '      if (text) element.textContent = text;'//nl// &
+   '      if (title) element.title = title;'//nl// &
+   "      if (label) element.setAttribute('aria-label', label);"//nl// &
+   '    }'//nl// &
+   '  }'//nl// &
+   ''//nl// &
    '  function begin() {'//nl// &
+   '    name();'//nl// &
    '    listTabs();'//nl// &
    "    $('title').addEventListener('change', () => board.edit((sketch) => { sketch.title = $('title').value.trim().slice(0"// &
-   ", 72) || 'A LINKAGE'; }));"//nl// &
-   "    $('grid').append(...[0.1, 0.5, 1, 2, 5, 10, 20, 50].map((v) => new Option(v, v)));"//nl// &
+   ", 72) || board.words.title; }));"//nl// &
+   "    $('grid').append(new Option(words.gridAuto, 'auto'), new Option(words.gridOff, '0'), ...[0.1, 0.5, 1, 2, 5, 10, 20,"// &
+   " 50].map((v) => new Option(v, v)));"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  return { begin, show, follow, choose, valueOf, make, svg, row, head, button, check, numberField, turnTo, get tab() { '// &
@@ -2893,9 +3057,7 @@ module psalm_board_text
    '  const $ = (id) => document.getElementById(id);'//nl// &
    '  let box, numbers, marks, list, back;'//nl// &
    '  let timer = 0;'//nl// &
-   "  let written = '';              // what the drawing was when it was written here"//nl
-
-   character(*), parameter :: part_27 = &
+   "  let written = '';              // what the drawing was when it was written here"//nl// &
    '  let mistake = null;            // of the text that is here: it is not on the board'//nl// &
    "  let aside = '';                // a text with a mistake, and the drawing has gone on"//nl// &
    '  let found = [];                // what the engine finds in the text `foundIn`'//nl// &
@@ -2935,7 +3097,9 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** The drawing was changed: the text follows, unless somebody is typing it. */'//nl// &
-   '  function follow(rough) {'//nl// &
+   '  function follow(rough) {'//nl
+
+   character(*), parameter :: part_29 = &
    '    if (rough || timer) return;'//nl// &
    '    const now = board.write();'//nl// &
    '    if (now === box.value) { written = now; show(); return; }'//nl// &
@@ -2999,9 +3163,7 @@ module psalm_board_text
    '    box.scrollTop = Math.max(0, (line - 4) * LINE);'//nl// &
    '    scroll();'//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_28 = &
+   ''//nl// &
    '  /** An item of a group, as text, in the data set. */'//nl// &
    '  function setItem(group, item, value) {'//nl// &
    '    board.take(board.text.changed(board.write(), group, item, value));'//nl// &
@@ -3041,7 +3203,9 @@ module psalm_board_text
    '      works = true;'//nl// &
    '    } catch {'//nl// &
    '      works = false;             // the browser keeps nothing, or is full'//nl// &
-   '    }'//nl// &
+   '    }'//nl
+
+   character(*), parameter :: part_30 = &
    '  }'//nl// &
    ''//nl// &
    '  /** What was drawn last time, if the same was given then as now. */'//nl// &
@@ -3109,9 +3273,7 @@ module psalm_board_text
    ''//nl// &
    '  async function share() {'//nl// &
    "    const { make, button } = board.panel, dialog = $('dialog'), field = make('input', { readonly: true, 'aria-label': w"// &
-   "ords.linkLabel, value: await link() });"//nl
-
-   character(*), parameter :: part_29 = &
+   "ords.linkLabel, value: await link() });"//nl// &
    '    const copy = button(words.copy, () => {'//nl// &
    '      field.select();'//nl// &
    "      navigator.clipboard.writeText(field.value).catch(() => document.execCommand('copy'));"//nl// &
@@ -3153,7 +3315,9 @@ module psalm_board_text
    '      if (start && !start.dead) {'//nl// &
    '        board.motion.joints(mech, start.pose).forEach(([x, y], j) => at.set(sketch.joints[j].name, [x, -y]));'//nl// &
    "        const out = sketch.outputs.find((o) => ['point', 'pose', 'x', 'y'].includes(o.kind)), j = out ? sketch.joints.f"// &
-   "indIndex((one) => one.name === out.of[0]) : -1;"//nl// &
+   "indIndex((one) => one.name === out.of[0]) : -1;"//nl
+
+   character(*), parameter :: part_31 = &
    '        if (j >= 0) curve = board.sweepOf(sketch, mech, start, 3).places.map((places) => [places[j][0], -places[j][1]])'// &
    ';'//nl// &
    '      }'//nl// &
@@ -3209,6 +3373,112 @@ module psalm_board_text
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
+   '// Studies that the groups of a data set ask for, each in a process of its own: the listing as the programs write it, a'// &
+   'nd the linkages found,'//nl// &
+   '// one of which becomes the sketch.'//nl// &
+   "'use strict';"//nl// &
+   ''//nl// &
+   'board.study = (() => {'//nl// &
+   '  const EVERY = 300;                     // milliseconds between two questions'//nl// &
+   '  const { words } = board;'//nl// &
+   '  const parts = {};'//nl// &
+   "  let running = '', about = '', stopping = false;"//nl// &
+   ''//nl// &
+   '  /** The part below the results. */'//nl// &
+   '  function part() {'//nl// &
+   '    const { make, head, button } = board.panel;'//nl// &
+   "    parts.verb = make('select', { 'aria-label': words.studies }, ...Object.entries(words.studyNames).map(([verb, [name,"// &
+   " groups]]) => new Option(groups ? name + ' (' + groups + ')' : name, verb)));"//nl// &
+   "    parts.run = button(words.run, run, { id: 'run-study' });"//nl// &
+   "    parts.stop = button(words.searchStop, stop, { id: 'stop-study', 'aria-label': words.studyStop });"//nl// &
+   "    parts.doing = make('p', { role: 'status' });"//nl// &
+   "    parts.told = make('p', { class: 'wrong', role: 'alert' });"//nl// &
+   "    parts.listing = make('pre', { class: 'listing', tabindex: '0', 'aria-label': words.listing, hidden: true });"//nl// &
+   "    parts.sheet = make('div', { class: 'cards' });"//nl// &
+   '    parts.stop.disabled = true;'//nl// &
+   "    return make('div', { class: 'study' }, head(words.studies), make('p', {}, words.studyHint), make('div', { class: 'r"// &
+   "ow' }, parts.verb), make('div', { class: 'list' }, parts.run, parts.stop),"//nl// &
+   '      parts.doing, parts.told, parts.listing, parts.sheet);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function follow() {'//nl// &
+   '    if (!parts.listing) return;'//nl// &
+   "    parts.listing.classList.toggle('old', Boolean(about) && about !== board.write());"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  async function run() {'//nl// &
+   '    const verb = parts.verb.value;'//nl// &
+   "    parts.told.textContent = '';"//nl// &
+   '    parts.run.disabled = true;'//nl// &
+   '    about = board.write();'//nl// &
+   "    const got = await board.engine.ask('run', JSON.stringify({ verb, case: about }));"//nl// &
+   '    if (got.error) { over(); parts.told.textContent = got.error; return; }'//nl// &
+   '    parts.listing.hidden = true;'//nl// &
+   '    parts.sheet.replaceChildren();'//nl// &
+   '    running = got.search;'//nl// &
+   '    stopping = false;'//nl// &
+   '    parts.stop.disabled = false;'//nl// &
+   '    parts.doing.textContent = words.studying(words.studyNames[verb][0]);'//nl// &
+   '    watch(running, 0);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  async function watch(name, after) {'//nl// &
+   "    const got = await board.engine.ask('search/' + name + '?after=' + after);"//nl// &
+   '    if (running !== name) return;'//nl// &
+   '    for (const one of got.events || []) {'//nl// &
+   '      if (one.made) parts.doing.textContent = words.progress(one.made, one.most, one.best);'//nl// &
+   '      if (one.error) parts.told.textContent = one.error;'//nl// &
+   '      if (one.done) show(one);'//nl// &
+   '    }'//nl
+
+   character(*), parameter :: part_32 = &
+   '    if (got.error) parts.told.textContent = got.error;'//nl// &
+   '    if (got.running) { setTimeout(() => watch(name, after + got.events.length), EVERY); return; }'//nl// &
+   '    over();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function over() {'//nl// &
+   "    running = '';"//nl// &
+   '    parts.run.disabled = false;'//nl// &
+   '    parts.stop.disabled = true;'//nl// &
+   "    parts.doing.textContent = '';"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function stop() {'//nl// &
+   '    if (!running || stopping) return;'//nl// &
+   '    stopping = true;'//nl// &
+   '    parts.stop.disabled = true;'//nl// &
+   "    board.engine.ask('search/' + running + '/stop', '');"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function show({ listing, findings = [], cases = [] }) {'//nl// &
+   '    const { make } = board.panel;'//nl// &
+   "    parts.listing.textContent = [listing || '', ...findings.map((one) => words.line(one.line, one.text))].join('\n').tr"// &
+   "im();"//nl// &
+   '    parts.listing.hidden = !parts.listing.textContent;'//nl// &
+   '    const sketches = cases.map((one) => {'//nl// &
+   '      try { return [one, board.text.parse(one.text)]; } catch (error) {'//nl// &
+   '        if (!(error instanceof board.text.Mistake)) throw error;'//nl// &
+   '        return null;                     // a linkage of loops is not drawn here; it is in the listing'//nl// &
+   '      }'//nl// &
+   '    }).filter(Boolean);'//nl// &
+   "    parts.sheet.replaceChildren(...sketches.map(([one, sketch]) => make('button', { type: 'button', class: 'card', oncl"// &
+   "ick: () => choose(one.text) },"//nl// &
+   "      board.store.picture(sketch), make('span', {}, one.title))));"//nl// &
+   '    follow();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function choose(text) {'//nl// &
+   '    board.load(text, board.state.file);'//nl// &
+   '    board.state.dirty = true;'//nl// &
+   '    board.store.keep();'//nl// &
+   "    board.view.canvas.scrollIntoView({ block: 'nearest' });"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  return { part, follow, get running() { return running; } };'//nl// &
+   '})();'//nl// &
+   '</script>'//nl// &
+   '<script>'//nl// &
    '// Results of the engine on the board, where psalm-workbench serves it: one look at the case after every change, arrows'// &
    ', numbers, curves.'//nl// &
    '// The one file of the pages that asks for something: of the server that the page comes from, with the token that stand'// &
@@ -3225,12 +3495,12 @@ module psalm_board_text
    '  const shown = { velocities: true, forces: true };'//nl// &
    '  const PATIENT = 300;                   // milliseconds: an answer that takes longer is given up for one to a later te'// &
    'xt'//nl// &
-   "  let timer = 0, since = 0, number = 0, asked = '';     // begin and number of the question that is open, its text"//nl// &
+   '  const PROOF = 250;                     // after an answer'//nl// &
+   "  let timer = 0, later = 0, since = 0, number = 0, asked = '';     // begin and number of the question that is open, it"// &
+   "s text"//nl// &
    '  let answer = null, fresh = false, parts = {};'//nl// &
    ''//nl// &
-   '  /** What the server says; an object with `error` if it says no. */'//nl
-
-   character(*), parameter :: part_30 = &
+   '  /** What the server says; an object with `error` if it says no. */'//nl// &
    "  async function ask(path, body, method = body === undefined ? 'GET' : 'POST') {"//nl// &
    '    try {'//nl// &
    "      const reply = await fetch(path, { method, body, headers: { 'X-Psalm-Token': meta.content, 'X-Psalm-Page': page },"// &
@@ -3243,14 +3513,16 @@ module psalm_board_text
    ''//nl// &
    '  function begin() {'//nl// &
    '    if (!served) return;'//nl// &
-   '    const { make, head, check, row } = board.panel;'//nl// &
+   '    const { make, head, check, row, button } = board.panel;'//nl// &
    "    const part = (name, ...inside) => { parts[name] = make('div', { class: name }, ...inside); return parts[name]; };"//nl// &
    "    const arrow = (name) => make('label', { class: 'tick ' + name }, check(words[name], true, (on) => { shown[name] = o"// &
    "n; board.view.draw(); }), words[name]);"//nl// &
    "    $('engine').append(part('state'), part('result', head(words.here), part('here'), row(words.shownArrows, arrow('velo"// &
    "cities'), arrow('forces')),"//nl// &
    "      head(words.assumptions), part('loads'), part('angles'), head(words.summary), part('summary'), part('proof'), part"// &
-   "('ways'), part('found')));"//nl// &
+   "('ways'), part('found'), head(words.exports), part('files', make('div', { class: 'list' }, ...Object.entries(words.expo"// &
+   "rtNames)"//nl// &
+   '      .map(([ending, text]) => button(text, () => save(ending))))), board.study.part()));'//nl// &
    '    parts.result.hidden = true;'//nl// &
    "    parts.state.setAttribute('role', 'status');"//nl// &
    '  }'//nl// &
@@ -3260,6 +3532,7 @@ module psalm_board_text
    '  /** After a change: what was found holds no longer, unless the text is the same. */'//nl// &
    '  function follow(rough) {'//nl// &
    '    if (!served) return;'//nl// &
+   '    if (!rough) board.study.follow();'//nl// &
    '    const text = textNow();'//nl// &
    '    fresh = Boolean(answer) && answer.text === text && !board.source.mistaken;'//nl// &
    '    if (fresh) { if (!rough) report(); return; }'//nl// &
@@ -3269,7 +3542,9 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  async function look() {'//nl// &
-   '    timer = 0;'//nl// &
+   '    timer = 0;'//nl
+
+   character(*), parameter :: part_33 = &
    '    const text = textNow();'//nl// &
    "    if (!board.state.sketch.joints.length && !board.source.mistaken) { answer = null; asked = ''; say(); return; }"//nl// &
    '    if (text === asked) return;'//nl// &
@@ -3288,6 +3563,26 @@ module psalm_board_text
    '    board.source.findings(text, got.findings || []);'//nl// &
    '    report();'//nl// &
    '    board.view.draw();'//nl// &
+   '    clearTimeout(later);'//nl// &
+   '    later = setTimeout(prove, PROOF);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** What takes longer is asked for when the drawing rests. */'//nl// &
+   '  async function prove() {'//nl// &
+   '    if (!fresh || !answer.motion) return;'//nl// &
+   "    const { text } = answer, got = await ask('prove', text);"//nl// &
+   '    if (!fresh || answer.text !== text || got.stale) return;'//nl// &
+   "    Object.assign(answer, { proof: got.proof, assemblies: got.assemblies, unproven: got.error || '' });"//nl// &
+   '    proof();'//nl// &
+   '    ways();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** A picture of the case, for other programs. */'//nl// &
+   '  async function save(ending) {'//nl// &
+   "    const got = await ask('files', board.write());"//nl// &
+   "    if (got.files) board.download(got.files[ending], board.state.file.replace(/\.\w+$/, '') + ending);"//nl// &
+   "    else say(got.error || (got.findings || []).filter((one) => one.level === 'error').map((one) => words.line(one.line,"// &
+   " one.text)).join('; '), true);"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** The largest of what is drawn as arrows, and what counts along the motion. */'//nl// &
@@ -3346,9 +3641,7 @@ module psalm_board_text
    '    if (loaded) for (const [x, y, fx, fy] of motion.forces.loads.map((one) => one.map((v) => mixed(v, loaded))))'//nl// &
    "      list.push({ from: [x, y], x: fx, y: fy, most: answer.strongest, kind: 'load', strong: true });"//nl// &
    '    return list.filter((one) => one.x !== null && one.y !== null && one.most > 0);'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_31 = &
+   '  }'//nl// &
    ''//nl// &
    '  function draw(g, X, Y, pens) {'//nl// &
    '    if (!served) return;'//nl// &
@@ -3365,7 +3658,9 @@ module psalm_board_text
    '      g.beginPath();'//nl// &
    '      g.moveTo(u, v);'//nl// &
    '      g.lineTo(u + dx - head * ux, v + dy - head * uy);'//nl// &
-   '      g.stroke();'//nl// &
+   '      g.stroke();'//nl
+
+   character(*), parameter :: part_34 = &
    '      g.beginPath();'//nl// &
    '      g.moveTo(u + dx, v + dy);'//nl// &
    '      g.lineTo(u + dx - head * ux - 0.45 * head * uy, v + dy - head * uy + 0.45 * head * ux);'//nl// &
@@ -3456,18 +3751,16 @@ module psalm_board_text
    "    while (box.children.length < rows.length) box.append(make('div', { class: 'fact' }, make('span'), make('b')));"//nl// &
    '    rows.forEach(([name, value], i) => [name, value].forEach((text, k) => { const one = box.children[i].children[k]; if'// &
    ' (one.textContent !== text) one.textContent = text; }));'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_32 = &
+   '  }'//nl// &
    ''//nl// &
    '  // ---- the panel ---------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
    ''//nl// &
    '  /** What the engine is doing, or what is wrong. */'//nl// &
-   "  function say(text = '') {"//nl// &
+   "  function say(text = '', now = false) {"//nl// &
    '    const wait = board.state.sketch.joints.length ? words.waiting : words.nothingYet;'//nl// &
-   "    parts.state.textContent = fresh ? '' : text || wait;"//nl// &
-   "    parts.state.classList.toggle('wrong', Boolean(text) && !fresh);"//nl// &
+   "    parts.state.textContent = fresh && !now ? '' : text || wait;"//nl// &
+   "    parts.state.classList.toggle('wrong', Boolean(text) && (now || !fresh));"//nl// &
    "    parts.result.classList.toggle('old', !fresh);"//nl// &
    '    if (!answer) parts.result.hidden = true;'//nl// &
    '  }'//nl// &
@@ -3476,7 +3769,9 @@ module psalm_board_text
    '    say();'//nl// &
    "    const { make, head } = board.panel, { motion, summary, findings } = answer, errors = (findings || []).filter((one) "// &
    "=> one.level === 'error');"//nl// &
-   '    parts.result.hidden = !motion;'//nl// &
+   '    parts.result.hidden = !motion;'//nl
+
+   character(*), parameter :: part_35 = &
    "    if (!motion && errors.length) { parts.state.textContent = words.line(errors[0].line, errors[0].text); parts.state.c"// &
    "lassList.add('wrong'); return; }"//nl// &
    "    const lines = (summary || '').split('\n').slice(1).map((line) => /^ {2}(\S.*?)(?: {2,}(.*))?$/.exec(line)).filter(B"// &
@@ -3508,6 +3803,7 @@ module psalm_board_text
    'f,'//nl// &
    '      words.extremes(span(one.least_low, one.least_high), digits(one.least_at) + unit, span(one.greatest_low, one.great'// &
    'est_high), digits(one.greatest_at) + unit))));'//nl// &
+   "    if (answer.unproven) rows.push(make('p', {}, answer.unproven));"//nl// &
    '    parts.proof.replaceChildren(...(rows.length && board.free() === 1 ? [head(words.proven), ...rows] : []));'//nl// &
    '    marks();'//nl// &
    '  }'//nl// &
@@ -3583,9 +3879,7 @@ module psalm_board_text
    '    });'//nl// &
    "    parts.cursor = svg('line', { y1: 4, y2: high - 4, class: 'cursor' });"//nl// &
    '    parts.cursorAt = X;'//nl// &
-   '    picture.append(parts.cursor);'//nl
-
-   character(*), parameter :: part_33 = &
+   '    picture.append(parts.cursor);'//nl// &
    "    parts.angles.append(head(words.transmission), picture, make('p', {}, angle.map((one) => one.name).join('; ')));"//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -3600,7 +3894,9 @@ module psalm_board_text
    ''//nl// &
    '  /** Fields for the speed of the input and for one load. */'//nl// &
    '  function loads() {'//nl// &
-   '    const { make, row, numberField, button } = board.panel, { sketch } = board.state, text = board.write();'//nl// &
+   '    const { make, row, numberField, button } = board.panel, { sketch } = board.state, text = board.write();'//nl
+
+   character(*), parameter :: part_36 = &
    "    const held = parts.loads.contains(document.activeElement) ? document.activeElement.getAttribute('aria-label') : nul"// &
    "l;"//nl// &
    '    const group = (name) => { try { return board.text.placeOf(text, name); } catch { return undefined; } };'//nl// &
@@ -3661,6 +3957,7 @@ module psalm_board_text
    '  const $ = (id) => document.getElementById(id);'//nl// &
    "  const parts = {}, chosen = new Set(['pins4', 'slide4', 'pins6']);"//nl// &
    "  let cards = [], running = '', round = 0, angle = 0, count = POINTS, stopping = false;"//nl// &
+   '  let low = 0, high = 0;                 // bounds of lengths; 0: the usual ones'//nl// &
    "  let text = '';                         // the data set of the last search, as psalm reads it"//nl// &
    ''//nl// &
    '  // ---- the curve ---------------------------------------------------------------------------------------------------'// &
@@ -3707,9 +4004,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  function want(curve) {'//nl// &
-   '    board.begin();'//nl
-
-   character(*), parameter :: part_34 = &
+   '    board.begin();'//nl// &
    '    board.state.wanted = curve;'//nl// &
    '    board.end();'//nl// &
    '    forget();'//nl// &
@@ -3724,7 +4019,9 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** Points along the longest path of an SVG picture, y upwards. */'//nl// &
-   '  function fromPicture(text) {'//nl// &
+   '  function fromPicture(text) {'//nl
+
+   character(*), parameter :: part_37 = &
    "    const whole = new DOMParser().parseFromString(text, 'image/svg+xml'), mine = board.panel.svg('path');"//nl// &
    "    const pathOf = (one) => one.tagName === 'path' ? one.getAttribute('d') : 'M' + (one.getAttribute('points') || '') +"// &
    " (one.tagName === 'polygon' ? 'z' : '');"//nl// &
@@ -3790,6 +4087,8 @@ module psalm_board_text
    "    parts.has = make('p');"//nl// &
    "    parts.told = make('p', { class: 'wrong', role: 'alert' });"//nl// &
    '    parts.clear = button(words.wantedClear, () => want(null));'//nl// &
+   '    parts.closed = check(words.wantedClosed, false, (on) => { const { wanted } = board.state; if (wanted) want({ points'// &
+   ': even(wanted.points, wanted.points.length, on), closed: on }); });'//nl// &
    "    parts.start = button(words.searchStart, start, { class: 'main', id: 'start-search' });"//nl// &
    "    parts.stop = button(words.searchStop, stop, { id: 'stop-search' });"//nl// &
    "    parts.save = button(words.searchSave, () => board.download(text, 'wanted.nml'), { hidden: true });"//nl// &
@@ -3798,9 +4097,10 @@ module psalm_board_text
    "    parts.found = make('div', { hidden: true }, head(words.sheet), make('p', {}, words.sheetHint), parts.sheet);"//nl// &
    "    const kinds = Object.entries(words.kindNames).map(([name, text]) => make('label', { class: 'tick' }, check(text, ch"// &
    "osen.has(name), (on) => { if (on) chosen.add(name); else chosen.delete(name); follow(); }), text));"//nl// &
-   "    $('search').append(head(words.wantedHead), parts.has, make('div', { class: 'list' }, button(words.wantedTool, () =>"// &
-   " { board.tools.choose('wanted'); board.view.canvas.scrollIntoView({ block: 'nearest' }); }),"//nl// &
-   '      button(words.wantedFile, () => parts.file.click()), parts.clear, parts.file),'//nl// &
+   "    $('search').append(head(words.wantedHead), parts.has, make('div', { class: 'list' }, button(words.tools.wanted[0], "// &
+   "() => { board.tools.choose('wanted'); board.view.canvas.scrollIntoView({ block: 'nearest' }); }),"//nl// &
+   "      button(words.wantedFile, () => parts.file.click()), parts.clear, parts.file, make('label', { class: 'tick' }, par"// &
+   "ts.closed, words.wantedClosed)),"//nl// &
    '    row(words.wantedPoints, numberField(words.wantedPoints, count, (value) => {'//nl// &
    '      if (!Number.isInteger(value) || value < 3 || value > MOST_POINTS) return false;'//nl// &
    '      count = value;'//nl// &
@@ -3808,8 +4108,11 @@ module psalm_board_text
    '      if (wanted) want({ points: even(wanted.points, count, wanted.closed), closed: wanted.closed });'//nl// &
    '      return true;'//nl// &
    "    })), parts.told, head(words.kinds), make('div', { class: 'list' }, ...kinds),"//nl// &
-   '    row(words.leastAngle, numberField(words.leastAngleLabel, angle, (value) => { if (value < 0 || value > 60) return fa'// &
-   'lse; angle = value; return true; })),'//nl// &
+   "    parts.mine = make('p'), row(words.lengths, ...[[words.lengthLow, (v) => { low = v; }], [words.lengthHigh, (v) => { "// &
+   "high = v; }]].map(([label, take]) =>"//nl// &
+   '      numberField(label, 0, (value) => { if (value < 0) return false; take(value); return true; }))), row(words.leastAn'// &
+   'gle, numberField(words.leastAngleLabel, angle, (value) => { if (value < 0 || value > 60) return false; angle = value; r'// &
+   'eturn true; })),'//nl// &
    "    make('div', { class: 'list' }, parts.start, parts.stop, parts.save), parts.doing, parts.found);"//nl// &
    '    follow();'//nl// &
    '  }'//nl// &
@@ -3818,14 +4121,39 @@ module psalm_board_text
    '    if (!board.engine.served) return;'//nl// &
    '    const { wanted } = board.state;'//nl// &
    '    parts.has.textContent = wanted ? words.wantedHas(wanted.points.length, wanted.closed) : words.wantedNone;'//nl// &
-   '    parts.clear.disabled = !wanted;'//nl// &
-   '    parts.start.disabled = !wanted || !chosen.size || Boolean(running);'//nl// &
+   '    parts.clear.disabled = parts.closed.disabled = !wanted;'//nl// &
+   '    parts.closed.checked = Boolean(wanted && wanted.closed);'//nl// &
+   "    parts.mine.textContent = !chosen.has('mine') ? '' : !ownPossible() ? words.mineNeeds : own() ? words.mineHint : wor"// &
+   "ds.mineSlides;"//nl// &
+   "    parts.start.disabled = (chosen.has('mine') && !ownPossible()) || !wanted || !chosen.size || Boolean(running);"//nl// &
    '    parts.stop.disabled = !running || stopping;'//nl// &
    '    parts.start.textContent = cards.length ? words.searchOn : words.searchStart;'//nl// &
    '  }'//nl// &
-   ''//nl
+   ''//nl// &
+   '  /** Whether the sketch that is drawn can be varied. */'//nl// &
+   '  function ownPossible() {'//nl// &
+   '    const { sketch, messages } = board.state;'//nl// &
+   "    return !messages.length && board.free() === 1 && Boolean(sketch.outputs.length) && sketch.outputs[0].kind === 'poin"// &
+   "t';"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Dimensions of the sketch that vary: all but exact lengths, as psalm names them; nothing where they have no names.'// &
+   ' */'//nl// &
+   '  function own() {'//nl// &
+   '    const { links, lengths, slides, gears } = board.state.sketch, exact = (a, b) => lengths.some((l) => l.joints.includ'// &
+   'es(a) && l.joints.includes(b));'//nl// &
+   "    if (!lengths.length) return ['all'];"//nl
 
-   character(*), parameter :: part_35 = &
+   character(*), parameter :: part_38 = &
+   '    if (slides.length || gears.length) return null;'//nl// &
+   '    // a length across a plate holds the whole plate'//nl// &
+   '    const across = (joints) => lengths.some((l) => l.joints.every((name) => joints.slice(1).includes(name)));'//nl// &
+   "    return links.flatMap(({ joints: [a, b, ...more] }, i) => i === 0 ? [a, b, ...more].filter(Boolean).map((name) => 'p"// &
+   "lace ' + name) : across([a, b, ...more]) ? [] :"//nl// &
+   "      [...(exact(a, b) ? [] : [a + ' ' + b]), ...more.flatMap((c) => [...(exact(a, c) ? [] : [a + ' ' + c]), ...(exact("// &
+   "b, c) ? [] : ['angle ' + a + ' ' + b + ' ' + a + ' ' + c])])]);"//nl// &
+   '  }'//nl// &
+   ''//nl// &
    '  /** Of another curve nothing has been found yet. */'//nl// &
    '  function forget() {'//nl// &
    '    stop();'//nl// &
@@ -3841,7 +4169,9 @@ module psalm_board_text
    '    const { wanted } = board.state;'//nl// &
    "    parts.told.textContent = '';"//nl// &
    "    const got = await board.engine.ask('search', JSON.stringify({ points: wanted.points, closed: wanted.closed, kinds: "// &
-   "[...chosen], round, angle }));"//nl// &
+   "[...chosen], round, angle, low, high,"//nl// &
+   "      ...(chosen.has('mine') ? { case: board.write(), output: board.state.sketch.outputs[0].of[0], vary: own() || ['all"// &
+   "'] } : {}) }));"//nl// &
    '    if (got.error) { parts.told.textContent = got.error; return; }'//nl// &
    '    running = got.search;'//nl// &
    '    stopping = false;'//nl// &
@@ -3896,8 +4226,8 @@ module psalm_board_text
    '      const path = card.path[0].map((x, i) => [x, card.path[1][i]]).filter(([x, y]) => x !== null && y !== null);'//nl// &
    "      return make('button', { type: 'button', class: 'card', 'data-key': key, 'data-kind': card.kind, onclick: () => ch"// &
    "oose(card) }, board.store.picture(board.text.parse(card.text), path),"//nl// &
-   "        make('span', {}, card.kind), make('small', {}, words.error((100 * card.part).toPrecision(2) + ' %') + (card.ang"// &
-   "le === null ? '' : ', ' + words.angle(card.angle.toFixed(0)))));"//nl// &
+   "        make('span', {}, words.kindNames[card.kind] || card.kind), make('small', {}, words.error((100 * card.part).toPr"// &
+   "ecision(2) + ' %') + (card.angle === null ? '' : ', ' + words.angle(card.angle.toFixed(0)))));"//nl// &
    '    }));'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -3922,25 +4252,17 @@ module psalm_board_text
    '  const CLICK = 5, TOUCH_CLICK = 12;     // pixels that a pointer may move in a click'//nl// &
    '  const BAR_STEPS = 20;                  // places on a bar where a joint may be put'//nl// &
    '  const ANGLE = 15;                      // degrees between directions of a slide that is drawn'//nl// &
-   '  const TOOLS = ['//nl// &
-   "    ['select', 'Select', 'v', 'M6 3l13 9-6 1.5-2.5 6z', 'Drag joints and links; drag the paper to move the view. Drop a"// &
-   " joint on another to join them.'],"//nl// &
-   "    ['link', 'Link', 'l', 'M6 18L18 6M6 18m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0M18 6m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0',"//nl// &
-   "      'Pull from joint to joint, or click both ends. A click on a link adds a joint to it; pulled off its line it makes"// &
-   " a plate.'],"//nl// &
-   "    ['pivot', 'Pivot', 'p', 'M12 8L5 19h14zM12 8m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0', 'Click a joint to pin it to the fra"// &
-   "me, or to free it; click the paper for a new frame joint.'],"//nl// &
-   "    ['slider', 'Slider', 's', 'M2 18h20M7 8h10v7H7zM2 5h20', 'Press on a joint and pull along the line that it is to sl"// &
-   "ide on.'],"//nl// &
-   "    ['drive', 'Drive', 'd', 'M5 14a7 7 0 1 1 3 4M5 14l-3-3M5 14l4-2', 'Click a crank\u2019s joint or a slider to drive "// &
-   "it; pull from joint to joint for a cylinder.'],"//nl// &
-   "    ['output', 'Output', 'o', 'M12 3l2.6 6 6.4.5-4.900 4.200 1.500 6.300-5.600-3.400-5.600 3.400 1.500-6.300L3 9.500l6."// &
-   "400-.5z', 'Click a joint for its path, a link for its angle.'],"//nl// &
-   "    ...(board.engine.served ? [['wanted', board.words.wantedTool, 'w', 'M4 15c2-9 8-12 11-8s-1 6-3 5 1-6 8-7', board.wo"// &
-   "rds.wantedHint]] : []),"//nl
+   '  const TOOLS = ['//nl
 
-   character(*), parameter :: part_36 = &
-   "    ['delete', 'Delete', 'x', 'M6 6l12 12M18 6L6 18', 'Click what is to go.'],"//nl// &
+   character(*), parameter :: part_39 = &
+   "    ['select', 'v', 'M6 3l13 9-6 1.5-2.5 6z'],"//nl// &
+   "    ['link', 'l', 'M6 18L18 6M6 18m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0M18 6m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0'],"//nl// &
+   "    ['pivot', 'p', 'M12 8L5 19h14zM12 8m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0'],"//nl// &
+   "    ['slider', 's', 'M2 18h20M7 8h10v7H7zM2 5h20'],"//nl// &
+   "    ['drive', 'd', 'M5 14a7 7 0 1 1 3 4M5 14l-3-3M5 14l4-2'],"//nl// &
+   "    ['output', 'o', 'M12 3l2.6 6 6.4.5-4.900 4.200 1.500 6.300-5.600-3.400-5.600 3.400 1.500-6.300L3 9.500l6.400-.5z'],"//nl// &
+   "    ...(board.engine.served ? [['wanted', 'w', 'M4 15c2-9 8-12 11-8s-1 6-3 5 1-6 8-7']] : []),"//nl// &
+   "    ['delete', 'x', 'M6 6l12 12M18 6L6 18'],"//nl// &
    '  ];'//nl// &
    '  const pointers = new Map();'//nl// &
    '  let press = null;                      // what the pointer that is down does'//nl// &
@@ -4039,7 +4361,9 @@ module psalm_board_text
    "    if (only && sketch.drives[0].kind === 'turn') { if (!sketch.delt.length) sketch.ikin = sketch.ikin || 15; return; }"//nl// &
    '    if (sketch.ikin || !sketch.delt.length) {'//nl// &
    '      sketch.ikin = 0;'//nl// &
-   "      sketch.delt = steps(sketch.drives[0].kind === 'turn' ? 5 : stroke);"//nl// &
+   "      sketch.delt = steps(sketch.drives[0].kind === 'turn' ? 5 : stroke);"//nl
+
+   character(*), parameter :: part_40 = &
    '    }'//nl// &
    '    for (const one of sketch.drives.slice(1)) if (!one.ratio && one.delt.length !== sketch.delt.length) one.delt = sket'// &
    'ch.delt.map(() => 0);'//nl// &
@@ -4047,9 +4371,7 @@ module psalm_board_text
    ''//nl// &
    '  function output({ joint, link: name }) {'//nl// &
    "    const kind = joint ? 'point' : 'angle', of = joint || name;"//nl// &
-   '    edit((sketch) => {'//nl
-
-   character(*), parameter :: part_37 = &
+   '    edit((sketch) => {'//nl// &
    '      const there = sketch.outputs.findIndex((o) => o.kind === kind && o.of.join() === of);'//nl// &
    '      if (there >= 0) sketch.outputs.splice(there, 1);'//nl// &
    "      else if (joint || board.linkOf(name).joints.length > 1) sketch.outputs.push({ kind, of: [of], name: '' });"//nl// &
@@ -4149,7 +4471,9 @@ module psalm_board_text
    '    const { state } = board;'//nl// &
    '    if (pointers.has(event.pointerId)) pointers.set(event.pointerId, event);'//nl// &
    '    if (pinch) { pinchTo(); return; }'//nl// &
-   '    if (hand) { trace(event); return; }'//nl// &
+   '    if (hand) { trace(event); return; }'//nl
+
+   character(*), parameter :: part_41 = &
    "    const dragged = press && press.at && press.tool === 'select' && press.at.hit && press.at.hit.joint;"//nl// &
    "    const at = spot(event, dragged || '');"//nl// &
    '    if (state.pending) { state.pending.to = target(state.pending, at); state.hover = at.hit; view.draw(); }'//nl// &
@@ -4157,9 +4481,7 @@ module psalm_board_text
    "      if (event.pointerType !== 'touch') { state.hover = at.hit; view.canvas.style.cursor = cursor(at.hit); view.draw()"// &
    "; }"//nl// &
    '      return;'//nl// &
-   '    }'//nl
-
-   character(*), parameter :: part_38 = &
+   '    }'//nl// &
    '    if (!press.moved && Math.hypot(at.x - press.x, at.y - press.y) < (at.touch ? TOUCH_CLICK : CLICK)) return;'//nl// &
    "    if (!press.moved) { press.moved = true; if (press.tool === 'select' && !press.pan) board.begin(); }"//nl// &
    '    if (press.pan) {'//nl// &
@@ -4260,7 +4582,9 @@ module psalm_board_text
    "});"//nl// &
    "    else if (tool === 'pivot' && hit.joint) pivot(hit.joint);"//nl// &
    "    else if (tool === 'pivot') edit((sketch) => { const name = addJoint(sketch, start.place, hit.link); sketch.links[0]"// &
-   ".joints.push(name); state.selection = { joint: name }; });"//nl// &
+   ".joints.push(name); state.selection = { joint: name }; });"//nl
+
+   character(*), parameter :: part_42 = &
    "    else if (tool === 'slider' && hit.joint) slider(hit.joint, pulled ? slideAngle(at.place[0] - start.place[0], at.pla"// &
    "ce[1] - start.place[1]) : 0);"//nl// &
    "    else if (tool === 'drive') driveAt(hit, at.hit || {}, pulled);"//nl// &
@@ -4268,9 +4592,7 @@ module psalm_board_text
    "    else if (tool === 'delete' && start.hit) board.remove(hit);"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function driveAt(hit, end, pulled) {'//nl
-
-   character(*), parameter :: part_39 = &
+   '  function driveAt(hit, end, pulled) {'//nl// &
    '    const { sketch } = board.state;'//nl// &
    "    if (pulled && hit.joint && end.joint && hit.joint !== end.joint) drive({ cylinder: hit.joint + ' ' + end.joint });"//nl// &
    '    else if (hit.cylinder || hit.slide) drive(hit);'//nl// &
@@ -4311,7 +4633,7 @@ module psalm_board_text
    '    board.state.pending = null;'//nl// &
    "    for (const button of $('tools').children) button.setAttribute('aria-pressed', String(button.dataset.tool === tool))"// &
    ";"//nl// &
-   "    $('hint').textContent = TOOLS.find(([name]) => name === tool)[4];"//nl// &
+   "    $('hint').textContent = board.words.tools[tool][1];"//nl// &
    '    view.canvas.style.cursor = cursor(null);'//nl// &
    '    view.draw();'//nl// &
    '  }'//nl// &
@@ -4345,7 +4667,7 @@ module psalm_board_text
    "      F1: () => board.help(), f: board.fit, '+': () => zoom(1.25), '=': () => zoom(1.25), '-': () => zoom(0.8),"//nl// &
    '    };'//nl// &
    '    const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };'//nl// &
-   '    const tool = TOOLS.find(([, , shortcut]) => shortcut === letter);'//nl// &
+   '    const tool = TOOLS.find(([, shortcut]) => shortcut === letter);'//nl// &
    "    if (event.key === ' ' && (own === 'BUTTON' || own === 'INPUT')) return;"//nl// &
    "    if (arrows[event.key] && own === 'CANVAS') { event.preventDefault(); nudge(...arrows[event.key].map((v) => v * (eve"// &
    "nt.shiftKey ? 5 : 1))); return; }"//nl// &
@@ -4359,7 +4681,8 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  function begin() {'//nl// &
-   '    for (const [name, label, shortcut, path] of TOOLS) {'//nl// &
+   '    for (const [name, shortcut, path] of TOOLS) {'//nl// &
+   '      const [label] = board.words.tools[name];'//nl// &
    "      const button = document.createElement('button');"//nl// &
    "      button.type = 'button';"//nl// &
    '      button.dataset.tool = name;'//nl// &
@@ -4373,7 +4696,9 @@ module psalm_board_text
    "    canvas.addEventListener('pointerdown', down);"//nl// &
    "    canvas.addEventListener('pointermove', move);"//nl// &
    "    canvas.addEventListener('pointerup', up);"//nl// &
-   "    canvas.addEventListener('pointercancel', (event) => { pointers.delete(event.pointerId); pinch = 0; cancel(); });"//nl// &
+   "    canvas.addEventListener('pointercancel', (event) => { pointers.delete(event.pointerId); pinch = 0; cancel(); });"//nl
+
+   character(*), parameter :: part_43 = &
    "    canvas.addEventListener('pointerleave', () => { if (!press && board.state.hover) { board.state.hover = null; view.d"// &
    "raw(); } });"//nl// &
    "    canvas.addEventListener('contextmenu', (event) => event.preventDefault());"//nl// &
@@ -4382,9 +4707,7 @@ module psalm_board_text
    '      const box = canvas.getBoundingClientRect();'//nl// &
    '      view.zoom(1.0015 ** -event.deltaY, event.clientX - box.left, event.clientY - box.top);'//nl// &
    '      view.draw();'//nl// &
-   '    }, { passive: false });'//nl
-
-   character(*), parameter :: part_40 = &
+   '    }, { passive: false });'//nl// &
    "    canvas.addEventListener('dragover', (event) => event.preventDefault());"//nl// &
    "    canvas.addEventListener('drop', (event) => { event.preventDefault(); if (event.dataTransfer.files[0]) board.open(ev"// &
    "ent.dataTransfer.files[0]); });"//nl// &
@@ -4484,7 +4807,9 @@ module psalm_board_text
    '  function undo(from = past, to = future) {'//nl// &
    '    if (!from.length) return;'//nl// &
    '    pause();'//nl// &
-   '    to.push(snapshot());'//nl// &
+   '    to.push(snapshot());'//nl
+
+   character(*), parameter :: part_44 = &
    '    Object.assign(state, JSON.parse(from.pop()));'//nl// &
    '    state.selection = null;'//nl// &
    '    state.dirty = true;'//nl// &
@@ -4492,9 +4817,7 @@ module psalm_board_text
    '    board.store.keep();'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Exact lengths may hold the joints elsewhere than they were drawn: from there on they are drawn where they are. */'//nl
-
-   character(*), parameter :: part_41 = &
+   '  /** Exact lengths may hold the joints elsewhere than they were drawn: from there on they are drawn where they are. */'//nl// &
    '  function settle() {'//nl// &
    '    const { mech, start } = state.motion;'//nl// &
    '    if (!start || !state.sketch.lengths.length) return;'//nl// &
@@ -4591,7 +4914,9 @@ module psalm_board_text
    '    });'//nl// &
    '    state.selection = null;'//nl// &
    '    refresh();'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_45 = &
    ''//nl// &
    '  function tidy(s) {'//nl// &
    '    const slides = (name) => s.slides.some((one) => one.links.includes(name));'//nl// &
@@ -4600,9 +4925,7 @@ module psalm_board_text
    '    const link = (name) => s.links.some((one) => one.name === name), joint = (name) => s.joints.some((one) => one.name '// &
    '=== name);'//nl// &
    '    s.slides = s.slides.filter((one) => one.links.every(link));'//nl// &
-   '    s.links = s.links.filter((one, i) => i === 0 || one.joints.length > 1 || slides(one.name));'//nl
-
-   character(*), parameter :: part_42 = &
+   '    s.links = s.links.filter((one, i) => i === 0 || one.joints.length > 1 || slides(one.name));'//nl// &
    '    s.joints = s.joints.filter((one) => s.links.some((l) => l.joints.includes(one.name)));'//nl// &
    '    for (const one of s.links) one.joints = one.joints.filter(joint);'//nl// &
    '    const shared = (names) => s.links.some((l) => names.every((name) => l.joints.includes(name)));'//nl// &
@@ -4702,7 +5025,9 @@ module psalm_board_text
    '      });'//nl// &
    '      states = [];'//nl// &
    '      for (const inputs of between) {'//nl// &
-   '        const next = solver.advance(mech, states.at(-1) || start, inputs, NEAR);'//nl// &
+   '        const next = solver.advance(mech, states.at(-1) || start, inputs, NEAR);'//nl
+
+   character(*), parameter :: part_46 = &
    '        if (!next) break;'//nl// &
    '        states.push(next);'//nl// &
    '      }'//nl// &
@@ -4710,9 +5035,7 @@ module psalm_board_text
    '    return { states, home, ring, places: states.map((one) => solver.joints(mech, one.pose)) };'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** The last states before a dead point, nearer and nearer. */'//nl
-
-   character(*), parameter :: part_43 = &
+   '  /** The last states before a dead point, nearer and nearer. */'//nl// &
    '  function edge(mech, from, target) {'//nl// &
    '    const list = [];'//nl// &
    '    let now = from, part = 0.5;'//nl// &
@@ -4794,8 +5117,8 @@ module psalm_board_text
    ''//nl// &
    '  function play(on = !state.playing) {'//nl// &
    '    state.playing = on && Boolean(state.motion.sweep) && state.motion.sweep.states.length > 1;'//nl// &
-   "    $('play').textContent = state.playing ? 'Pause' : 'Play';"//nl// &
-   "    $('play').setAttribute('aria-label', state.playing ? 'pause' : 'play');"//nl// &
+   "    $('play').textContent = state.playing ? board.words.pause : board.words.play;"//nl// &
+   "    $('play').setAttribute('aria-label', state.playing ? board.words.pauseLabel : board.words.playLabel);"//nl// &
    "    $('play').setAttribute('aria-pressed', String(state.playing));"//nl// &
    '    if (!state.playing) return;'//nl// &
    '    let last = 0;'//nl// &
@@ -4806,7 +5129,9 @@ module psalm_board_text
    '      let t = state.t + state.forth * 2 ** state.speed * dt * n / (sweep.ring ? TURN_TIME : WAY_TIME);'//nl// &
    '      if (sweep.ring) state.forth = 1;'//nl// &
    '      else if (t >= n - 1) { t = n - 1; state.forth = -1; } else if (t <= 0) { t = 0; state.forth = 1; }'//nl// &
-   '      go(t);'//nl// &
+   '      go(t);'//nl
+
+   character(*), parameter :: part_47 = &
    '      requestAnimationFrame(tick);'//nl// &
    '    };'//nl// &
    '    requestAnimationFrame(tick);'//nl// &
@@ -4814,9 +5139,7 @@ module psalm_board_text
    ''//nl// &
    '  const pause = () => { if (state.playing) play(false); };'//nl// &
    ''//nl// &
-   '  /** Every position of the data set: inputs, whether it closes, joints, outputs; as psalm has it in CASE.csv. */'//nl
-
-   character(*), parameter :: part_44 = &
+   '  /** Every position of the data set: inputs, whether it closes, joints, outputs; as psalm has it in CASE.csv. */'//nl// &
    '  function table() {'//nl// &
    '    const { mech, start } = state.motion;'//nl// &
    '    if (!start) return [];'//nl// &
@@ -4915,7 +5238,9 @@ module psalm_board_text
    ";"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function ready() {'//nl// &
+   '  function ready() {'//nl
+
+   character(*), parameter :: part_48 = &
    '    view.begin();'//nl// &
    '    view.resize();'//nl// &
    '    board.panel.begin();'//nl// &
@@ -4923,9 +5248,7 @@ module psalm_board_text
    '    board.store.begin();'//nl// &
    '    for (const part of parts) part.begin();'//nl// &
    '    new ResizeObserver(() => { view.resize(); view.draw(); }).observe(view.canvas);'//nl// &
-   "    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { view.resize(); view.draw(); });"//nl
-
-   character(*), parameter :: part_45 = &
+   "    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { view.resize(); view.draw(); });"//nl// &
    "    addEventListener('beforeunload', (event) => { if (state.dirty && !board.store.kept()) event.preventDefault(); });"//nl// &
    "    addEventListener('hashchange', () => { const words = asked(); if (words) present(words); });"//nl// &
    "    const given = asked() || JSON.parse($('data').textContent);"//nl// &
@@ -4979,6 +5302,7 @@ contains
              part_16//part_17//part_18//part_19//part_20//part_21//part_22//part_23// &
              part_24//part_25//part_26//part_27//part_28//part_29//part_30//part_31// &
              part_32//part_33//part_34//part_35//part_36//part_37//part_38//part_39// &
-             part_40//part_41//part_42//part_43//part_44//part_45
+             part_40//part_41//part_42//part_43//part_44//part_45//part_46//part_47// &
+             part_48
    end function board_text
 end module psalm_board_text

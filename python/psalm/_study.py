@@ -11,6 +11,7 @@ import re
 import resource
 import sys
 import threading
+import time
 
 import numpy
 
@@ -19,14 +20,21 @@ import psalm
 MEMORY = 4 << 30        # bytes of address space
 SAYS = ("motion", "summary")    # studies whose errors are told: the others are asked of whatever is drawn
 FINE = 5                # degrees between the positions of which velocities are shown
-PREFIX = re.compile(r"^case in memory:\d+: (?:error|warning|remark): ")
+PREFIX = re.compile(r"^case in memory(?::\d+: (?:error|warning|remark))?: ")
 CURVE_FILE = re.compile(r"^[^!'\"]*[&$]\s*CURVE\b", re.I)
 WARM = "WARM\n &CHAIN JNT='A','B','C','D', JX=0.,0.,60.,100., JY=0.,30.,80.,0., LNK='A D','A B','B C','C D' &END\n" \
     " &DRIVES DRIVE='A' &END\n &METHOD IKIN=30 &END\n"
 # what a search goes through in each round: links, slides, gear pairs
 KINDS = {"pins4": (4, 0, 0), "slide4": (4, 1, 0), "pins6": (6, 0, 0), "geared5": (5, 0, 1)}
+OWN = "mine"            # the linkage that is drawn, with other dimensions
+OWN_LOW, OWN_HIGH = 0.02, 5.0           # its lengths, parts of the curve's size, as of other kinds
+OWN_STARTS = 100000
+TURNS = 720.0           # degrees to either side: no bound of an angle
 FIRST_SECONDS, MOST_SECONDS = 0.5, 16.0     # of a kind in the first round; doubled from round to round
 ASSEMBLIES = 24         # that are shown
+TOLD = 0.3              # seconds between two reports of progress
+LISTING = 200000        # characters of a listing that are shown
+FOUND = 24              # linkages found that are shown
 SHOWN = 60              # points of a path on the contact sheet
 
 
@@ -60,10 +68,30 @@ def files_named(text):
              "Search"} for number, line in enumerate(text.split("\n"), 1) if CURVE_FILE.match(line)]
 
 
+def files(request):
+    """Pictures of a case for other programs: ending of the name to content."""
+    refused = files_named(request["case"])
+    if refused:
+        return {"findings": refused}
+    try:
+        return {"files": psalm.Case.from_text(request["case"]).study("picture", listing=False).files}
+    except psalm.Error as error:
+        return {"findings": findings_of(error.findings)}
+
+
 # ---- one look at a case -------------------------------------------------------------------------------------------------
 
 def look(request):
     """What the engine says of a case: findings, summary, positions, transmission angles, velocities, forces."""
+    return parts_of(request, (("motion", motion_of), ("summary", summary_of), ("velocity", velocities_of)))
+
+
+def prove(request):
+    """What may take longer, but changes nothing of the rest: what is proven, all assemblies."""
+    return parts_of(request, (("proof", proof_of), ("assemblies", assemblies_of)))
+
+
+def parts_of(request, parts):
     text = request["case"]
     refused = files_named(text)
     if refused:
@@ -74,8 +102,7 @@ def look(request):
         return {"findings": findings_of(error.findings)}
     answer = {"findings": [], "title": case.title}
     found = {}
-    for part, study in (("motion", motion_of), ("summary", summary_of), ("velocity", velocities_of), ("proof", proof_of),
-                        ("assemblies", assemblies_of)):
+    for part, study in parts:
         try:
             answer[part], findings = study(case)
         except psalm.Error as error:
@@ -156,6 +183,32 @@ def assemblies_of(case):
 
 # ---- a search -----------------------------------------------------------------------------------------------------------
 
+def own_case(request, seconds, seed):
+    """A search that varies the linkage that is drawn, from it and from others of its kind; lengths that are locked stay."""
+    case = psalm.Case.from_text(request["case"])
+    count = len(request["points"])
+    step = 360.0/count if request["closed"] else 180.0/(count - 1)
+    case.set("METHOD", IKIN=0, ISTART=seed, IFREE=1)
+    case.positions([step*k for k in range(count)])
+    case.desire([p[0] for p in request["points"]], [p[1] for p in request["points"]])
+    case.set("CHAIN", "VARY", request["vary"])
+    size = size_of(request)
+    low, high = request["low"] or OWN_LOW*size, request["high"] or OWN_HIGH*size
+    far = high + max(math.hypot(*p) for p in request["points"])     # of a place from the origin, or from the input pivot
+    bounds = [pair for one in request["vary"] for pair in {"angle": [(-TURNS, TURNS)], "place": [(0.0, far), (-TURNS, TURNS)]}.get(one.split(" ")[0], [(low, high)])]
+    case.set("CHAIN", VLOW=[pair[0] for pair in bounds], VHIGH=[pair[1] for pair in bounds])
+    case.set("SEARCH", SOLVER="LSQ", NSTART=OWN_STARTS, ORDER=2, MAXTIME=seconds, NBEST=1)
+    case.set("CONSTR", IRANGE=2)
+    if request["angle"]:
+        case.set("LIMITS", TANGLE=90.0 - request["angle"])
+    return case
+
+
+def size_of(request):
+    """The larger side of the box of the wanted curve."""
+    return max(max(p[k] for p in request["points"]) - min(p[k] for p in request["points"]) for k in (0, 1)) or 1.0
+
+
 def search_text(request, kind, seconds, seed):
     """The data set of a search for a curve among the linkages of a kind."""
     links, slides, gears = KINDS[kind]
@@ -167,10 +220,11 @@ def search_text(request, kind, seconds, seed):
         words = ["%.10g" % v for v in numbers]
         return ",\n  ".join(",".join(w if re.search("[.e]", w) else w + ".0" for w in words[k:k + 8]) for k in range(0, count, 8))
 
-    angle = request.get("angle") or 0
-    return ("WANTED CURVE\n &KINDS LINKS=%d, SLIDES=%d%s, GEARS=%d%s, NKINDS=20 &END\n"
+    angle = request["angle"]
+    bounds = "".join(", %s=%.10g" % (item, value) for item, value in (("LENLOW", request["low"]), ("LENHGH", request["high"])) if value)
+    return ("WANTED CURVE\n &KINDS LINKS=%d, SLIDES=%d%s, GEARS=%d%s, NKINDS=20%s &END\n"
             " &METHOD ISTART=%d, NDES=%d, DELT=%s,\n  DESX=%s,\n  DESY=%s &END\n%s &SEARCH MAXTIME=%.1f &END\n" %
-            (links, slides, ",%d" % slides if slides else "", gears, ",%d" % gears if gears else "", seed, count,
+            (links, slides, ",%d" % slides if slides else "", gears, ",%d" % gears if gears else "", bounds, seed, count,
              values(step*k for k in range(count)), values(p[0] for p in points), values(p[1] for p in points),
              " &LIMITS TANGLE=%.4g &END\n" % (90.0 - angle) if angle else "", seconds))
 
@@ -178,39 +232,65 @@ def search_text(request, kind, seconds, seed):
 def search(request, tell, stopped):
     """Rounds over the kinds that were chosen, each twice as long as the one before: every linkage is reported when it is found."""
     best = {}
-    size = max(max(p[k] for p in request["points"]) - min(p[k] for p in request["points"]) for k in (0, 1)) or 1.0
-    number, seconds = request.get("round", 0), request["seconds"]
+    number, seconds = request["round"], request["seconds"]
     spent = 0.0
     while spent < seconds and not stopped():
         length = min(MOST_SECONDS, FIRST_SECONDS*2**number)
         for kind in request["kinds"]:
             if spent >= seconds or stopped():
                 break
-            text = search_text(request, kind, length, 1 + number)
-            tell({"doing": kind, "round": number, "text": text})
-            case = psalm.Case.from_text(text)
-            result = case.kinds(progress=lambda made, most, least: stopped())
+            try:
+                case = own_case(request, length, 1 + number) if kind == OWN else \
+                    psalm.Case.from_text(search_text(request, kind, length, 1 + number))
+                tell({"doing": kind, "round": number, "text": case.text})
+                result = (case.synthesise if kind == OWN else case.kinds)(progress=lambda made, most, least: stopped())
+            except psalm.Error as error:
+                return {"error": "; ".join(PREFIX.sub("", f.text) for f in error.findings if f.level == "error") or str(error)}
             spent += length
             table = result.tables.get("found")
-            for row, found in enumerate(result.cases):
-                name, error = str(table["kind"][row]), float(table["rms_error"][row])
+            for row, found in enumerate(result.cases[:table.rows] if table is not None else []):
+                name, error = (OWN, math.sqrt(float(table["objective"][row])/len(request["points"]))) if kind == OWN else \
+                    (str(table["kind"][row]), float(table["rms_error"][row]))
                 if not math.isfinite(error) or error >= best.get(name, math.inf)*0.999:
                     continue
                 best[name] = error
-                tell({"found": card_of(found, name, error, float(table["largest_error"][row]), size)})
+                tell({"found": card_of(found, name, error, size_of(request), request["output"] if kind == OWN else "P")})
         number += 1
     return {"done": True, "round": number, "stopped": stopped()}
 
 
-def card_of(case, name, error, largest, size):
+def card_of(case, name, error, size, output):
     """A linkage of the contact sheet: its data set and, to be drawn, its joints, links and path."""
-    card = {"kind": name, "error": error, "largest": largest, "part": error/size, "text": case.text}
+    card = {"kind": name, "error": error, "part": error/size, "text": case.text}
     motion, _ = motion_of(case)
     step = max(1, len(motion["input"])//SHOWN)
-    card["path"] = [axis[::step] for axis in motion["joints"].get("P", [[], []])]
+    card["path"] = [axis[::step] for axis in motion["joints"].get(output, [[], []])]
     angles = [v for one in motion["angle"] for v in one["values"] if v is not None]
     card["angle"] = min((min(v, 180 - v) for v in angles), default=None)
     return card
+
+
+# ---- any other study ----------------------------------------------------------------------------------------------------
+
+def run(request, tell, stopped):
+    """A study that a case asks for: its listing, and the linkages found."""
+    last = [0.0]
+
+    def progress(made, most, best):
+        if time.monotonic() > last[0] + TOLD:
+            last[0] = time.monotonic()
+            tell({"made": made, "most": most, "best": best if math.isfinite(best) and best < sys.float_info.max else None})
+        return stopped()
+
+    refused = files_named(request["case"])
+    if refused:
+        return {"error": refused[0]["text"]}
+    try:
+        result = psalm.Case.from_text(request["case"]).study(request["verb"], progress=progress)
+    except psalm.Error as error:
+        return {"error": "; ".join(PREFIX.sub("", f.text) for f in error.findings if f.level == "error") or str(error)}
+    return {"done": True, "listing": result.listing[:LISTING], "findings": findings_of(result.findings),
+            "cases": [{"title": case.title, "text": case.text} for case in result.cases[:FOUND]]}
 
 
 # ---- the process --------------------------------------------------------------------------------------------------------
@@ -239,7 +319,9 @@ def main():
         sys.stdout.flush()
 
     threading.Thread(target=listen, daemon=True).start()
-    tell(look(request) if request["study"] == "look" else search(request, tell, end.is_set))
+    short = {"look": look, "prove": prove, "files": files}
+    tell(short[request["study"]](request) if request["study"] in short else
+         {"search": search, "run": run}[request["study"]](request, tell, end.is_set))
     os._exit(0)
 
 

@@ -31,7 +31,7 @@ except ImportError as missing:
     raise SystemExit("psalm-workbench needs Starlette and uvicorn: pip install 'psalm[workbench]' (%s)" % missing) from None
 
 import psalm
-from psalm._study import KINDS
+from psalm._study import KINDS, OWN, files_named
 
 HOST = "127.0.0.1"
 PORT = 7756                 # the same each time: the browser keeps drafts by address
@@ -48,6 +48,8 @@ CONNECTIONS = 64            # at once
 KEPT = 8                    # searches that have ended, results of which are still there
 POINTS = 3, 400             # of a wanted curve
 FAR = 1e9                   # its largest coordinate
+MOST_VARY = 200             # dimensions that a search varies
+VERBS = tuple(verb for verb in psalm.verbs if verb not in ("analysis", "summary", "picture", "board", "assemblies", "kinds"))
 EMPTY = "PAGE\n &CHAIN JNT='A','B','C','D', JX=0.,0.,60.,100., JY=0.,30.,80.,0., LNK='A D','A B','B C','C D' &END\n" \
     " &DRIVES DRIVE='A' &END\n &METHOD IKIN=30 &END\n"
 DATA = re.compile(r'<script type="application/json" id="data">.*?</script>', re.S)
@@ -223,7 +225,7 @@ class Studies:
         process.kill()
         self.running.discard(process)
 
-    async def look(self, page, text):
+    async def look(self, page, text, study="look"):
         """What the engine says of a case; a look of the same page that is still going on is ended."""
         before = self.last.pop(page, None)
         if before:
@@ -239,7 +241,7 @@ class Studies:
         self.last[page] = process
         async with contextlib.AsyncExitStack() as stack:
             stack.callback(self.end, process)
-            await process.ask({"study": "look", "case": text, "seconds": self.seconds})
+            await process.ask({"study": study, "case": text, "seconds": self.seconds})
             try:
                 answer = await asyncio.wait_for(process.answer(), self.seconds)
             except asyncio.TimeoutError:
@@ -250,7 +252,7 @@ class Studies:
             return {"stale": True} if process.over else {"error": "the study ended early: it took too long or wanted too much memory"}
         return answer
 
-    async def search(self, request):
+    async def search(self, request, study="search"):
         if sum(one.running for one in self.searches.values()) >= SEARCHES:
             raise Refused(429, "%d searches are running: stop one of them" % SEARCHES)
         name, one = secrets.token_hex(8), Search()
@@ -261,7 +263,7 @@ class Studies:
                 break
             del self.searches[oldest]
         one.process = await self.process()
-        one.task = asyncio.create_task(self.follow(one, request))
+        one.task = asyncio.create_task(self.follow(one, {**request, "study": study}))
         return name
 
     async def follow(self, one, request):
@@ -269,7 +271,7 @@ class Studies:
         loop = asyncio.get_running_loop()
         end = loop.time() + request["seconds"] + END_SECONDS + 20.0
         try:
-            await one.process.ask({**request, "study": "search"})
+            await one.process.ask(request)
             reading = asyncio.ensure_future(one.process.answer())
             while True:
                 done, _ = await asyncio.wait({reading}, timeout=1.0)
@@ -329,11 +331,33 @@ def request_of(body):
         if not (isinstance(point, list) and len(point) == 2 and all(isinstance(v, (int, float)) and not isinstance(v, bool) and math.isfinite(v)
                                                                     and abs(v) <= FAR for v in point)):
             raise Refused(400, "a point of the wanted curve is not two numbers")
-    if not isinstance(kinds, list) or not kinds or not all(isinstance(kind, str) and kind in KINDS for kind in kinds):
-        raise Refused(400, "kinds must be some of " + " ".join(KINDS))
+    if not isinstance(kinds, list) or not kinds or not all(isinstance(kind, str) and (kind in KINDS or kind == OWN) for kind in kinds):
+        raise Refused(400, "kinds must be some of " + " ".join([*KINDS, OWN]))
+    words = {}
+    for name, usual in (("case", ""), ("output", "P")):
+        words[name] = given.get(name, usual)
+        if not isinstance(words[name], str) or "\0" in words[name]:
+            raise Refused(400, "%s must be a text" % name)
+    vary = given.get("vary", ["all"])
+    if not isinstance(vary, list) or not 0 < len(vary) <= MOST_VARY or not all(isinstance(one, str) and 0 < len(one) < 200 and one.isprintable() for one in vary):
+        raise Refused(400, "vary must be names of dimensions")
+    if OWN in kinds and files_named(words["case"]):
+        raise Refused(400, "the case names a file")
     return {"points": [[float(v) for v in point] for point in points], "closed": bool(given.get("closed")), "kinds": list(dict.fromkeys(kinds)),
             "seconds": float(number("seconds", 1, SEARCH_SECONDS, SEARCH_SECONDS)), "round": int(number("round", 0, 1000, 0)),
-            "angle": float(number("angle", 0, 60, 0))}
+            "angle": float(number("angle", 0, 60, 0)),
+            "low": float(number("low", 0, FAR, 0)), "high": float(number("high", 0, FAR, 0)), "vary": vary, **words}
+
+
+def run_of(body):
+    """A study that is asked for by its verb."""
+    try:
+        given = json.loads(body)
+    except (ValueError, RecursionError):
+        raise Refused(400, "the request is not JSON") from None
+    if not isinstance(given, dict) or given.get("verb") not in VERBS or not isinstance(given.get("case"), str) or "\0" in given["case"]:
+        raise Refused(400, "a study has a verb, one of %s, and a case" % " ".join(VERBS))
+    return {"verb": given["verb"], "case": given["case"], "seconds": SEARCH_SECONDS}
 
 
 def application(token, port, case="", file="", seconds=LOOK_SECONDS):
@@ -345,16 +369,28 @@ def application(token, port, case="", file="", seconds=LOOK_SECONDS):
         return HTMLResponse(page, headers={"content-security-policy": policy})
 
     async def look(request):
+        return JSONResponse(await studies.look(request.headers.get("x-psalm-page", "")[:32], await case_of(request)))
+
+    async def prove(request):
+        return JSONResponse(await studies.look(request.headers.get("x-psalm-page", "")[:32] + " prove", await case_of(request), "prove"))
+
+    async def files(request):
+        return JSONResponse(await studies.look(request.headers.get("x-psalm-page", "")[:32] + " files", await case_of(request), "files"))
+
+    async def case_of(request):
         try:
             text = (await request.body()).decode("utf-8")
         except UnicodeDecodeError:
             raise Refused(400, "the case is not UTF-8") from None
         if "\0" in text:
             raise Refused(400, "a case must not have the character 0")
-        return JSONResponse(await studies.look(request.headers.get("x-psalm-page", "")[:32], text))
+        return text
 
     async def search(request):
         return JSONResponse({"search": await studies.search(request_of(await request.body()))})
+
+    async def run(request):
+        return JSONResponse({"search": await studies.search(run_of(await request.body()), "run")})
 
     def one_of(request):
         one = studies.searches.get(request.path_params["name"])
@@ -388,7 +424,7 @@ def application(token, port, case="", file="", seconds=LOOK_SECONDS):
         yield
         await studies.close()
 
-    routes = [Route("/", home), Route("/look", look, methods=["POST"]), Route("/search", search, methods=["POST"]),
+    routes = [Route("/", home), Route("/look", look, methods=["POST"]), Route("/prove", prove, methods=["POST"]), Route("/files", files, methods=["POST"]), Route("/search", search, methods=["POST"]), Route("/run", run, methods=["POST"]),
               Route("/search/{name}", found), Route("/search/{name}/stop", stop, methods=["POST"])]
     app = Starlette(routes=routes, lifespan=alive, exception_handlers={Refused: refused, 404: no_page})
     return Guard(app, token, {"%s:%d" % (name, port) for name in (HOST, "localhost")})

@@ -86,6 +86,8 @@ module psalm_time_motion
       logical :: endless = .false.                    !! and so many would follow that the motion ends there
       integer :: most_events = huge(1)
       logical :: crowded = .false.                    !! there were more events than that
+      integer :: most_steps = huge(1)
+      logical :: tired = .false.                      !! more steps would follow than that
       type(stop_t) :: host                            !! who may ask for the end
       logical :: asked = .false.                      !! it was asked for
       type(event_t), allocatable :: events(:)
@@ -205,10 +207,10 @@ module psalm_time_motion
 contains
 
    !> Put a motion at time 0. Errors: `valid` is false where there are no accelerations; `moving%motion` says why.
-   subroutine begin_motion(speeds, end, tolerance, most_events, moving, valid)
+   subroutine begin_motion(speeds, end, tolerance, most_events, most_steps, moving, valid)
       real(wp), intent(in) :: speeds(:)               !! shape (free drives)
       real(wp), intent(in) :: end, tolerance
-      integer, intent(in) :: most_events
+      integer, intent(in) :: most_events, most_steps
       class(time_motion_t), intent(inout) :: moving   !! with its motion
       logical, intent(out) :: valid
       real(wp) :: length
@@ -216,6 +218,7 @@ contains
       moving%end = end
       moving%tolerance = tolerance
       moving%most_events = most_events
+      moving%most_steps = most_steps
       moving%step = first_part*end
       allocate (moving%events(0))
       moving%begun = moving%motion%start
@@ -440,7 +443,8 @@ contains
          reached = self%motion%wound == 0 .and. self%motion%closed == 0
          if (.not. reached) return
          self%crowded = size(self%events) > self%most_events
-         reached = .not. (self%crowded .or. self%endless)
+         self%tired = self%steps >= self%most_steps .and. self%time < self%end
+         reached = .not. (self%crowded .or. self%endless .or. self%tired)
          if (.not. reached) return
          call self%watch_folds()
          reached = self%folded == 0

@@ -24,6 +24,7 @@ module psalm_time_group
       real(wp), allocatable :: rates(:)           !! VSTART: rad/s or lengths a second at time 0
       real(wp) :: tolerance = 1.0e-13_wp          !! TTOL
       integer :: events = 10000                   !! NEVENT
+      integer :: steps = 1000000                  !! NTSTEP
       logical :: stiff = .false.                  !! ISTIFF
       logical :: equilibria = .false.             !! IEQUIL
       integer :: starts = 100                     !! NSTART
@@ -55,6 +56,8 @@ module psalm_time_group
              'relative error of places and speeds that is allowed in a step'), &
       rule_t('NEVENT', a_whole, '', '', '10000', '[1,1000000]', &
              'the motion ends after so many events: impacts, others of &STOPS, change points'), &
+      rule_t('NTSTEP', a_whole, '', '', '1000000', '[1,2000000000]', &
+             'the motion ends after so many steps of the method'), &
       rule_t('ISTIFF', a_flag, '', '', '0', '0 1', &
              '1: the method for strong dampers, CVODE of SUNDIALS'), &
       rule_t('IEQUIL', a_flag, '', '', '0', '0 1', &
@@ -90,6 +93,7 @@ contains
       call take(group, 'VSTART', own%rates, findings)
       call take(group, 'TTOL', own%tolerance, findings)
       call take(group, 'NEVENT', own%events, findings)
+      call take(group, 'NTSTEP', own%steps, findings)
       call take(group, 'ISTIFF', own%stiff, findings)
       call take(group, 'IEQUIL', own%equilibria, findings)
       call take(group, 'NSTART', own%starts, findings)

@@ -14,7 +14,7 @@ module psalm_time_list
    use psalm_summary_text, only: add_line, plain_number
    use psalm_tables, only: table_t, tables_t, table_of
    use psalm_text, only: text_t, to_text, upper_case
-   use psalm_time_study, only: time_study_t, time_closed, time_collapsed, time_crowded, time_done, time_folded, &
+   use psalm_time_study, only: time_study_t, time_closed, time_collapsed, time_crowded, time_tired, time_done, time_folded, &
                                time_jammed, time_massless, time_on_request, time_open, time_stiff, time_wound
    use psalm_time_motion, only: event_t, event_impact, event_rest, event_lift, event_stick, event_slip, &
                                 event_on, event_off, event_change
@@ -101,6 +101,8 @@ contains
                  ' was found that agrees with the load that it makes'
       case (time_crowded)
          words = 'more events than NEVENT'
+      case (time_tired)
+         words = 'more steps than NTSTEP'
       case (time_stiff)
          words = 'stability keeps the steps so short, as with a very strong damper, that more than 100 000 would follow; '// &
                  'ISTIFF=1 of &TIME takes longer ones'

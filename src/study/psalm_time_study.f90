@@ -29,7 +29,7 @@ module psalm_time_study
    private
    public :: time_study_t, find_time, check_time, increments_of
    public :: time_done, time_open, time_massless, time_collapsed, time_wound, time_crowded, time_on_request, time_jammed, &
-             time_folded, time_stiff, time_closed
+             time_folded, time_stiff, time_closed, time_tired
 
    integer, parameter :: rates_shown = 2          !! orders of rates of drives and outputs
 
@@ -43,6 +43,7 @@ module psalm_time_study
    integer, parameter :: time_stiff = 7           !! a strong damper keeps steps short, too many would follow
    integer, parameter :: time_closed = 10         !! a gas spring has no room left
    integer, parameter :: time_folded = 9          !! this loop passed a change point and folded
+   integer, parameter :: time_tired = 11          !! more steps than NTSTEP
    integer, parameter :: time_jammed = 8          !! friction of a joint has no force that agrees with its load
 
    !> Free drives, some of which took the place of others.
@@ -228,7 +229,7 @@ contains
          deallocate (still)
       end if
       if (time%stiff) allocate (moving%stiff)
-      call begin_motion(speeds, study%end, time%tolerance, time%events, moving, valid)
+      call begin_motion(speeds, study%end, time%tolerance, time%events, time%steps, moving, valid)
       allocate (study%exchanges(0))
       if (set%has_names()) then
          call list_drives(set, chart, moving)
@@ -293,6 +294,7 @@ contains
             study%loop = moving%folded
          end if
          if (moving%crowded) study%ended = time_crowded
+         if (moving%tired) study%ended = time_tired
          if (moving%endless) study%ended = time_stiff
          if (moving%asked) study%ended = time_on_request
       end if

@@ -120,6 +120,7 @@ contains
       self%evaluations = self%evaluations + 1
       feasible = loop == 0 .and. .not. any(x < self%low .or. x > self%high)
       if (loop == 0) call add_rate_errors(self, objective)
+      feasible = feasible .and. objective <= huge(objective)
    end subroutine accept
 
    !> Add the errors of derivatives and of further outputs, where they are wanted, to the objective of the linkage just evaluated.

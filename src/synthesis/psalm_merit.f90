@@ -787,6 +787,7 @@ contains
          call compare_shapes(self)
          objective = sum_of_errors(self)
       end if
+      feasible = feasible .and. objective <= huge(objective)  ! lengths of 1E-310 have no direction
       if (.not. feasible) return
       self%seen = x
       feasible = keeps_limits(self%main, self%limit)

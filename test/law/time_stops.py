@@ -266,6 +266,8 @@ def mistakes():
     check(f"a stop without a limit: {said[:200]}", "has no limit" in said)
     t, said = KALM.time(FOUR_BAR.replace("TEND=1.0", "TEND=1.0, NEVENT=3"), want=1)
     check(f"the motion ends after NEVENT events: {said[-300:]}", "more events than NEVENT" in said and .64 > t["time"][-1] > .59)
+    t, said = KALM.time(FOUR_BAR.replace("TEND=1.0", "TEND=1.0, NTSTEP=20"), want=1)
+    check(f"the motion ends after NTSTEP steps: {said[-300:]}", "more steps than NTSTEP" in said and 1.0 > t["time"][-1] > 0.0)
 
 
 published()
