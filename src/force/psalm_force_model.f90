@@ -172,6 +172,7 @@ contains
             cycle
          end if
          call add_mass(model, model%centres(k), set%masses%mass(k), set%masses%inertia(k))
+         if (.not. model%tilts) cycle
          associate (body => model%tilt(:, model%centres(k)%body))
             body = body + set%masses%mass(k)*set%masses%height(k)*model%metre*[1.0_wp, model%centres(k)%at*model%metre]
          end associate

@@ -7,7 +7,7 @@ module psalm_vibration_group
    use psalm_kinds, only: wp
    use psalm_link_place, only: read_places
    use psalm_place, only: place_t
-   use psalm_rule, only: rule_t, a_number, a_text, a_whole
+   use psalm_rule, only: rule_t, a_flag, a_number, a_text, a_whole
    use psalm_sketch, only: sketch_t
    use psalm_status, only: diagnostics_t
    use psalm_take, only: take, take_count
@@ -26,6 +26,7 @@ module psalm_vibration_group
       real(wp) :: greatest_e = 0.0_wp          !! VEMAX: of the chart; 0: no chart
       integer :: in_chart = 41                 !! NVCHRT: values of e in the chart
       integer :: points = 256                  !! NVPNT: positions in a turn
+      logical :: stresses = .false.            !! ISTRSS: stresses are wanted
    contains
       procedure :: read => read_vibration
       procedure :: visit_places => visit_vibration
@@ -83,6 +84,8 @@ module psalm_vibration_group
              'number of values of e in the chart'), &
       rule_t('VEBASE', a_number, '', '', '1', '(0,)', &
              'the e at which the masses are those given'), &
+      rule_t('ISTRSS', a_flag, '', '', '0', '', &
+             '1: stresses of the link over the turn, of bending by all modes and along it; needs VDEPTH'), &
       rule_t('NVPNT', a_whole, '', '', '256', '[16,4096]', &
              'positions in a turn')]
 
@@ -137,6 +140,14 @@ contains
       call take(group, 'NMODE', vibration%modes, findings)
       call take(group, 'VPMAX', vibration%last, findings)
       call take(group, 'VSPLOW', vibration%slowest, findings)
+      call take(group, 'ISTRSS', vibration%stresses, findings)
+      if (vibration%given .and. vibration%stresses) then
+         if (.not. vibration%beam%depth > 0.0_wp) then
+            call out_of(group, 'ISTRSS', 'stresses need the depth of the section: give VDEPTH and VWIDTH', findings)
+         else if (vibration%beam%shear_ratio > 0.0_wp) then
+            call out_of(group, 'ISTRSS', 'stresses are found of slender links: leave VSHEAR out', findings)
+         end if
+      end if
       call take(group, 'VSPHGH', vibration%fastest, findings)
       call take(group, 'NVSPED', vibration%speeds, findings)
       if (vibration%speeds > 0) then

@@ -93,6 +93,7 @@ contains
          call text%add(' THEIR PRODUCT AGAINST THAT OF THE DAMPING: ERROR'//error_words(named, study%determinant_error))
          if (.not. study%multipliers_found) call text%add(' THE MULTIPLIERS ARE NOT ACCURATE: TOO MUCH GROWTH IN A TURN')
       end if
+      if (allocated(study%stresses)) call list_stresses(set, study, text)
       if (size(study%speeds) > 0) then
          call text%add()
          call text%add(' MODE 1 OVER SPEEDS:      RAD/S            RPM     DEFLECTION')
@@ -146,6 +147,40 @@ contains
          end if
       end function speeds_of
    end subroutine list_vibration
+
+   !> The greatest stresses, and the strain against its limit.
+   subroutine list_stresses(set, study, text)
+      type(data_set_t), intent(in) :: set
+      type(vibration_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      type(vibration_group_t) :: vibration
+      character(*), parameter :: names(3) = [character(32) :: ' BENDING', ' ALONG THE LINK', ' BOTH TOGETHER']
+      character(15) :: columns(3, 3)
+      logical :: named
+      integer :: k
+
+      vibration = vibration_of(set)
+      named = set%has_names()
+      call text%add()
+      call text%add(' STRESSES, PA: GREATEST OVER THE TURN AND ALONG THE LINK, BENDING OF '//to_text(size(study%modes))//' MODES')
+      associate (of => study%stresses)
+         if (.not. of%known) then
+            call text%add(' NOT KNOWN: A MODE HAS NO STEADY STATE')
+            return
+         end if
+         call text%add('                                        STRESS   AT INPUT FROM    AT PART OF')
+         call text%add('                                              THE REFERENCE    THE LENGTH')
+         columns(:, 1) = figures_of(named, [of%bending(of%worst(1)), of%along(of%worst(2)), of%both(of%worst(3))])
+         columns(:, 2) = figures_of(named, of%at)
+         columns(:, 3) = figures_of(named, of%where)
+         do k = 1, size(names)
+            call text%add(names(k)//in_a_row(columns(k, :)))
+         end do
+         if (vibration%beam%strain > 0.0_wp) call text%add(' STRAIN'// &
+            in_sentence(named, of%both(of%worst(3))/vibration%beam%modulus)//', THE MATERIAL BEARS'// &
+            in_sentence(named, vibration%beam%strain))
+      end associate
+   end subroutine list_stresses
 
    !> Speeds between two boundaries of a mode, of the link as it is, at which it grows. Below a boundary of p = 0 lie the speeds
    !> above it.

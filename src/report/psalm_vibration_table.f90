@@ -49,6 +49,20 @@ contains
          call tables%put(table)
       end associate
       call put_response('response', 'm', study%modes(1)%hill, study%cycle%length, study%cycle%sense, 1, tables)
+      if (allocated(study%stresses)) then
+         if (study%stresses%known) then
+            associate (of => study%stresses)
+               table = table_of('stresses', 'a row for each position: the greatest stresses along the link')
+               n = size(of%both)
+               call table%add('input', [(study%cycle%sense*full_turn*real(k - 1, wp)/real(n, wp), k=1, n)], 'deg')
+               call table%add('bending', of%bending, 'Pa')
+               call table%add('along', of%along, 'Pa')
+               call table%add('both', of%both, 'Pa')
+               call table%add('place', of%place)
+               call tables%put(table)
+            end associate
+         end if
+      end if
       if (size(study%speeds) > 0) then
          associate (rows => study%speeds)
             call put_speeds('speeds', 'm', rows%speed, rows%amplitude, rows%known, rows%stable, tables)

@@ -45,6 +45,18 @@ module psalm_vibration_study
       real(wp) :: from = 0.0_wp, to = 0.0_wp     !! rad/s; an end of the range is an end of the band too
    end type speed_band_t
 
+   !> Stresses over the turn. Edges of the link have pull along it plus and minus bending.
+   type :: stresses_t
+      logical :: known = .false.                 !! every mode has a steady response
+      real(wp), allocatable :: bending(:)        !! shape (positions): greatest amount along the link, Pa
+      real(wp), allocatable :: along(:)          !! shape (positions): of pull or push, of the largest amount along the link, Pa
+      real(wp), allocatable :: both(:)           !! shape (positions): greatest amount of pull and bending together, Pa
+      real(wp), allocatable :: place(:)          !! shape (positions): where that is, from the start of the link, of its length
+      integer :: worst(3) = 1                    !! positions of the greatest of the three
+      real(wp) :: at(3) = 0.0_wp                 !! inputs there, from the reference position, degrees
+      real(wp) :: where(3) = 0.0_wp              !! and places along the link, of its length
+   end type stresses_t
+
    type :: chart_row_t
       real(wp) :: e = 0.0_wp
       type(boundaries_t) :: exact
@@ -65,6 +77,7 @@ module psalm_vibration_study
       type(speed_band_t), allocatable :: bands(:)      !! within the range of these speeds
       logical :: bands_known = .false.                 !! all speeds were looked at
       type(chart_row_t), allocatable :: chart(:)
+      type(stresses_t), allocatable :: stresses  !! where they are wanted
       real(wp) :: given_e = 1.0_wp, greatest_e = 0.0_wp !! of the chart: of the masses as given, the last row
       real(wp) :: resolution = 0.0_wp            !! what the positions leave open of the coefficients
       real(wp) :: mixing = 0.0_wp                !! largest coupling of the lowest modes by what acts on the link, over the root

@@ -4,6 +4,7 @@ submodule(psalm_vibration_study) psalm_vibration_study_body
    use psalm_hill, only: solve_hill, greatest_of
    use psalm_kinds, only: pi, full_turn
    use psalm_link_cycle, only: find_link_cycle, moving_link
+   use psalm_link_stress, only: find_curvature, find_pull
    use psalm_link_vibration, only: moving_link_t, mode_stiffness, mode_force, coupling, first_frequency, timoshenko_factor
    use psalm_periodic, only: periodic_t, periodic_constant, periodic_from_samples
    use psalm_sort, only: ascending
@@ -17,6 +18,7 @@ submodule(psalm_vibration_study) psalm_vibration_study_body
    real(wp), parameter :: table_tolerance = 1.0e-7_wp     !! in the table over speeds
    real(wp), parameter :: sharpness = 1.0e-9_wp           !! of the ends of a band of speeds, relative
    integer, parameter :: in_tongue = 3                    !! speeds looked at between two boundaries
+   integer, parameter :: places_along = 101               !! along the link at which stresses are looked at
    integer, parameter :: modes_mixed = 3                  !! that are looked at for what couples them
 
 contains
@@ -65,6 +67,7 @@ contains
          if (allocated(link%acting)) study%mixing = mixing_of(set, vibration, link, w, study%cycle%length)
          if (is_to_end(stop)) return
          call find_multipliers(set, vibration, link, w, study)
+         if (v%stresses) call find_stresses(vibration, link, speed, sign(full_turn, set%rates%speed), study)
          study%found = .true.
          study%given_e = v%given_e
          deallocate (study%speeds)
@@ -142,6 +145,43 @@ contains
          mode%amplitude(n) = length*y%amplitude(n)
       end do
    end subroutine find_mode
+
+   !> Stresses over the turn.
+   subroutine find_stresses(vibration, link, speed, turn, study)
+      type(vibration_group_t), intent(in) :: vibration
+      type(moving_link_t), intent(in) :: link
+      real(wp), intent(in) :: speed              !! rad/s
+      real(wp), intent(in) :: turn               !! of the input, degrees with its sign
+      type(vibration_study_t), intent(inout) :: study
+      type(periodic_t) :: deflection(size(study%modes))
+      real(wp), allocatable :: bending(:, :), along(:, :), both(:, :)   ! shape (positions, places)
+      integer :: j, n
+
+      n = vibration%points
+      allocate (study%stresses)
+      study%stresses%known = all([(study%modes(j)%hill%unique .and. (study%modes(j)%hill%stable .or. &
+                                                                     study%modes(j)%hill%neutral), j=1, size(study%modes))])
+      if (.not. study%stresses%known) return
+      do j = 1, size(deflection)
+         deflection(j) = periodic_from_samples(study%modes(j)%hill%y)
+      end do
+      allocate (bending(n, places_along), along(n, places_along))
+      call find_curvature(deflection, bending)
+      call find_pull(link, along)
+      associate (beam => vibration%beam, of => study%stresses)
+         bending = abs(bending)*(0.5_wp*beam%modulus*beam%depth/study%cycle%length)
+         along = along*(study%cycle%mass*study%cycle%length*speed**2/beam%area)
+         both = abs(along) + bending
+         of%bending = maxval(bending, dim=2)
+         of%along = [(along(j, maxloc(abs(along(j, :)), dim=1)), j=1, n)]
+         of%both = maxval(both, dim=2)
+         of%place = [(part(maxloc(both(j, :), dim=1), places_along), j=1, n)]
+         of%worst = [maxloc(of%bending, dim=1), maxloc(abs(of%along), dim=1), maxloc(of%both, dim=1)]
+         of%at = turn*real(of%worst - 1, wp)/real(n, wp)
+         of%where = [part(maxloc(bending(of%worst(1), :), dim=1), places_along), &
+                     part(maxloc(abs(along(of%worst(2), :)), dim=1), places_along), of%place(of%worst(3))]
+      end associate
+   end subroutine find_stresses
 
    !> How much loads and springs between the pins couple the lowest modes.
    real(wp) function mixing_of(set, vibration, link, w, length) result(mixing)
