@@ -60,7 +60,7 @@ COSTLY = {"five_bar_cams", "needle_cam", "conjugate_cams", "knuckle_press", "mea
           "haines_springs", "four_bar_haines"}
 RARELY = 0.1
 # items that say how much is to be done: a valid large value would be a long run, no fault
-WORK = {"NITER", "NSTART", "NTRIAL", "NBEST", "MAXEVAL", "FIRST", "MAXTIME", "NSWEEP", "NGRID", "NSUB", "NTURN", "NWSTRT",
+WORK = {"NITER", "NVERT", "NSTART", "NTRIAL", "NBEST", "MAXEVAL", "FIRST", "MAXTIME", "NSWEEP", "NGRID", "NSUB", "NTURN", "NWSTRT",
         "NSSTRT", "NPHASE", "NBUDGT", "NFRONT", "NVCHRT", "NVPNT", "NVSPED", "NDPNT", "NDSPED", "NCPNT", "NCSPED", "NCRAD", "NCANG",
         "THREADS"}
 INTEGERS = ["0", "1", "-1", "2", "3", "-2", "7", "12", "99", "100", "1000", "-1000", "32768", "65536", "2147483647", "2147483648",
@@ -257,7 +257,7 @@ class Generator:
     @staticmethod
     def shorten(cases, r):
         """Little work to do: what is looked for does not need a long search."""
-        small = {"NITER": 60, "NSTART": 3, "NTRIAL": 50, "NBEST": 3, "NSWEEP": 5, "NGRID": 5, "NSUB": 5, "NTURN": 5, "NWSTRT": 2,
+        small = {"NITER": 60, "NVERT": 40, "NSTART": 3, "NTRIAL": 50, "NBEST": 3, "NSWEEP": 5, "NGRID": 5, "NSUB": 5, "NTURN": 5, "NWSTRT": 2,
                  "NSSTRT": 2, "NPHASE": 2, "NBUDGT": 3, "NFRONT": 3, "NVCHRT": 5, "NVPNT": 20, "NVSPED": 5, "NDPNT": 20,
                  "NDSPED": 5, "NCPNT": 50, "NCSPED": 5, "NCRAD": 5, "NCANG": 5}
         for _, groups in cases:
