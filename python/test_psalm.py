@@ -526,6 +526,7 @@ def test_report():
             check("report: wrong", written("wrong.nml", case.text.replace("JNT", "JOINTS")) == 2 and "JOINTS" in said.getvalue())
             check("report: nothing there", report.main([os.path.join(folder, "nothing.nml")]) >= 2)
             check("report: no folder", report.main([os.path.join(folder, "good.nml"), "--output-dir", os.path.join(folder, "none")]) == 3)
+            check("report: the file that cannot be written", os.path.join("none", "good.report.html") in said.getvalue())
         check("report: nothing else is left", sorted(os.listdir(folder)) == ["good.nml", "good.report.html", "open.nml", "open.report.html", "wrong.nml"])
 
 

@@ -18,15 +18,23 @@ import typing
 import urllib.parse
 import xml.etree.ElementTree
 import zipfile
+import zlib
 
 SAME = 1e-6           # part of the size: two points so near are one
 NEAR_NAME = 0.06      # part of the size: a text so near to a joint is its name
 LONGEST_NAME = 31     # characters of a name in a case
 MOST_BYTES = 50_000_000  # of a file, and of what is packed in it
+MOST_SHAPES = 2000    # lines, polylines and circles: a drawing with more is no sketch of a linkage
+MOST_NEARLY = 5       # notes of such joints
+NEARLY = 1e-3         # part of the size: two joints so near were perhaps meant to be one
+LARGEST = 1e100       # a coordinate; psalm refuses numbers whose squares overflow
 FRAME_LAYERS = re.compile(r"^(frame|ground|fixed|base)\b", re.I)
 RAIL_LAYERS = re.compile(r"^(slides?|rails?|guides?)\b", re.I)
+DXF_UNITS = {1: "inches", 2: "feet", 4: "millimetres", 5: "centimetres", 6: "metres"}  # $INSUNITS
 PMKS_DIGITS = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_-"
 PMKS_PARTS = 1000.0   # PMKS+ keeps thousandths
+READING_FAILED = (AttributeError, ArithmeticError, EOFError, LookupError, NotImplementedError, RecursionError, TypeError, ValueError, zlib.error)
+LONGEST_SOURCE = 100  # characters of a file's name, or a link, in a message
 
 
 class ImportFailed(ValueError):
@@ -46,8 +54,11 @@ class Drawing:
 
     def check(self):
         """Settle the drive. Errors: no frame, a joint without a link, a drive that is none."""
-        if not self.links:
+        if not self.links or not self.joints:
             raise ImportFailed("there are no links")
+        for name, place in [*self.joints.items(), *((slide[1], slide[2:]) for slide in self.slides)]:
+            if len(place) < 2 or not all(math.isfinite(value) and abs(value) < LARGEST for value in place):
+                raise ImportFailed("the place of %s is no place: %s" % (name, ", ".join("%g" % value for value in place)))
         if not self.fixed and not any(slide[0] == "frame" for slide in self.slides):
             raise ImportFailed("no joint is fixed; name those of the frame (--fixed 'A D'). Joints: " + self.listed())
         for name in self.fixed + ([self.drive] if self.drive else []):
@@ -150,7 +161,12 @@ def read(source: str, kind: typing.Optional[str] = None, *, fixed: typing.Union[
     names = fixed.split() if isinstance(fixed, str) else list(fixed)
     if drive and kind in ("pmks", "pylinkage"):
         raise ImportFailed("a file of this kind says itself what is driven")
-    return KINDS[kind](source, names, drive)
+    try:
+        return KINDS[kind](source, names, drive)
+    except ImportFailed:
+        raise
+    except READING_FAILED as reason:   # what a damaged file, or one of another kind, makes of the readers
+        raise ImportFailed("%s cannot be read as %s (%s: %s)" % (source[:LONGEST_SOURCE], kind, type(reason).__name__, str(reason)[:200])) from None
 
 
 def titled(source):
@@ -159,8 +175,8 @@ def titled(source):
 
 
 def plain(name, taken, fallback):
-    """A name that a case may have, and that is not taken."""
-    own = re.sub(r"[^A-Za-z0-9_]", "_", name.strip())[:LONGEST_NAME - 3].strip("_") or fallback
+    """A name that a case may have, and that is not taken; it leaves room for a number behind it and `block_` before it."""
+    own = re.sub(r"[^A-Za-z0-9_]", "_", name.strip())[:LONGEST_NAME - 9].strip("_") or fallback
     if own.lower() in {word.lower() for word in taken} or re.fullmatch(r"[sS]\d+|frame", own):
         own = next("%s_%d" % (own, k) for k in range(2, 100000) if ("%s_%d" % (own, k)).lower() not in {w.lower() for w in taken})
     return own
@@ -184,13 +200,27 @@ class Points:
         if not self.size > 0.0:
             raise ImportFailed("everything lies at one point")
         self.at = []
+        self.cells = {}     # numbers of the points in each square as wide as points are the same
 
     def number(self, point):
-        for k, known in enumerate(self.at):
-            if math.hypot(point[0] - known[0], point[1] - known[1]) <= SAME * self.size:
-                return k
+        column, row = (math.floor(value / (SAME * self.size)) for value in point)
+        near = [k for i in (-1, 0, 1) for j in (-1, 0, 1) for k in self.cells.get((column + i, row + j), ())
+                if math.dist(point, self.at[k]) <= SAME * self.size]
+        if near:
+            return min(near)
+        self.cells.setdefault((column, row), []).append(len(self.at))
         self.at.append((float(point[0]), float(point[1])))
         return len(self.at) - 1
+
+    def nearly(self, numbers):
+        """Pairs of points that are near to one another, and how far apart they are."""
+        order = sorted((self.at[k], k) for k in numbers)
+        for i, (a, k) in enumerate(order):
+            for b, other in order[i + 1:]:
+                if b[0] - a[0] > NEARLY * self.size:
+                    break
+                if math.dist(a, b) <= NEARLY * self.size:
+                    yield k, other, math.dist(a, b)
 
 
 def distance_from(point, a, b):
@@ -212,29 +242,43 @@ def inside(point, ring):
 
 def merged(bars):
     """Links that share two joints, or close a triangle of single bars, are one rigid link. `bars`: name and set of joints."""
-    links = [(name, set(joints)) for name, joints in bars]
+    links = {number: (name, set(joints)) for number, (name, joints) in enumerate(bars)}
+    at = {}     # joint -> links
+    for number, (_, joints) in links.items():
+        for joint in joints:
+            at.setdefault(joint, set()).add(number)
+
+    def beside(number):
+        return sorted({other for joint in links[number][1] for other in at[joint] if other > number})
+
+    def rigid_with(number):
+        """Links after this one that are rigid with it."""
+        others = beside(number)
+        own = links[number][1]
+        for j in others:
+            if len(own & links[j][1]) >= 2:
+                return [j]
+            for k in beside(j):
+                pins = [own & links[j][1], links[j][1] & links[k][1], own & links[k][1]]
+                if all(len(pin) == 1 for pin in pins) and len(set.union(*pins)) == 3:
+                    return [j, k]
+        return []
+
     again = True
     while again:
         again = False
-        for i in range(len(links)):
-            for j in range(i + 1, len(links)):
-                if len(links[i][1] & links[j][1]) >= 2:
-                    links[i] = (links[i][0] or links[j][0], links[i][1] | links[j][1])
-                    del links[j]
-                    again = True
+        for number in sorted(links):
+            while number in links:
+                others = rigid_with(number)
+                if not others:
                     break
-                for k in range(j + 1, len(links)):
-                    pins = [links[i][1] & links[j][1], links[j][1] & links[k][1], links[i][1] & links[k][1]]
-                    if all(pins) and len(set.union(*pins)) == 3:
-                        links[i] = (links[i][0] or links[j][0] or links[k][0], links[i][1] | links[j][1] | links[k][1])
-                        del links[k], links[j]
-                        again = True
-                        break
-                if again:
-                    break
-            if again:
-                break
-    return links
+                again = True
+                for other in others:
+                    name, joints = links.pop(other)
+                    links[number] = (links[number][0] or name, links[number][1] | joints)
+                    for joint in joints:
+                        at[joint] = at[joint] - {other} | {number}
+    return [links[number] for number in sorted(links)]
 
 
 def from_geometry(title, shapes, circles, words, fixed, drive, notes):
@@ -244,6 +288,9 @@ def from_geometry(title, shapes, circles, words, fixed, drive, notes):
     link between its ends, a closed line one between its corners or, if circles lie within it, between their centres. A circle on a line is a
     joint of it. Layers that are called frame, ground, base or fixed hold the frame; slides, rails or guides the lines that blocks slide on.
     """
+    if len(shapes) + len(circles) > MOST_SHAPES:
+        raise ImportFailed("there are %d lines and circles; a linkage has at most %d: leave in the drawing what belongs to it"
+                           % (len(shapes) + len(circles), MOST_SHAPES))
     every = [p for _, points, *_ in shapes for p in points] + [centre for _, centre in circles]
     points = Points(every)
     near = SAME * points.size
@@ -278,7 +325,7 @@ def from_geometry(title, shapes, circles, words, fixed, drive, notes):
     frame |= {points.number(centre) for layer, centre in circles if FRAME_LAYERS.match(layer)}
     bars += [(layer, joints) for layer, joints in by_layer.items() if len(joints) > 1]
     if not bars:
-        raise ImportFailed("there is no line between two joints")
+        raise ImportFailed("; ".join(["there is no line between two joints"] + notes))
     links = merged(bars)
     used = sorted({k for _, joints in links for k in joints} | frame)
     # names: a short text beside a joint, else letters as they come
@@ -296,6 +343,8 @@ def from_geometry(title, shapes, circles, words, fixed, drive, notes):
         while letters(letter) in names.values():
             letter += 1
         names[k] = letters(letter)
+    notes += ["joints %s and %s are %.2g apart and two joints: draw them at one point if they are one" % (names[k], names[other], away)
+              for k, other, away in points.nearly(used)][:MOST_NEARLY]
     taken, named = ["frame"], []
     for number, (layer, joints) in enumerate(sorted(links, key=lambda link: min(link[1])), 1):
         name = plain(re.sub(r"^LINK_", "", layer or "", flags=re.I), taken, "link%d" % number)
@@ -329,35 +378,81 @@ def from_dxf(source, fixed, drive):
         document = ezdxf.readfile(source)
     except (ezdxf.DXFError, UnicodeDecodeError) as reason:
         raise ImportFailed("%s: %s" % (source, reason)) from None
+    except OSError as reason:
+        if reason.errno is not None:
+            raise
+        raise ImportFailed("%s is no DXF file" % source) from None
     shapes, circles, words, left_out = [], [], [], {}
     # where lines lie on several layers, each layer is a link
-    own_layers = {line.dxf.layer for line in document.modelspace().query("LINE")} - {"0", "Defpoints"}
+    unseen = {layer.dxf.name.lower() for layer in document.layers if layer.is_off() or layer.is_frozen()}
+    own_layers = {line.dxf.layer for line in document.modelspace().query("LINE") if line.dxf.layer.lower() not in unseen} - {"0", "Defpoints"}
     own_layers = {layer for layer in own_layers if not FRAME_LAYERS.match(layer) and not RAIL_LAYERS.match(layer)}
     if len(own_layers) < 2:
         own_layers = set()
+    hidden, risen = 0, False
     for entity in document.modelspace():
         kind, layer = entity.dxftype(), entity.dxf.layer
+        if layer.lower() in unseen:
+            hidden += 1
+            continue
         if kind == "LINE":
+            risen = risen or abs(entity.dxf.start.z - entity.dxf.end.z) > SAME * entity.dxf.start.distance(entity.dxf.end)
             shapes.append((layer, [tuple(entity.dxf.start)[:2], tuple(entity.dxf.end)[:2]], False, None, layer in own_layers))
         elif kind in ("LWPOLYLINE", "POLYLINE"):
             path = ezdxf.path.make_path(entity)
             ring = [tuple(point)[:2] for point in path.flattening(1e-3 * max(path.bbox().size))]
-            corners = [tuple(point)[:2] for point in (entity.vertices() if kind == "LWPOLYLINE" else entity.points())]
+            corners = [tuple(point)[:2] for point in (entity.vertices_in_wcs() if kind == "LWPOLYLINE" else entity.points_in_wcs())]
             closed = bool(entity.closed if kind == "LWPOLYLINE" else entity.is_closed)
             shapes.append((layer, corners, closed, ring if closed else None, False))
         elif kind == "CIRCLE":
-            circles.append((layer, tuple(entity.dxf.center)[:2]))
+            circles.append((layer, tuple(entity.ocs().to_wcs(entity.dxf.center))[:2]))
         elif kind in ("TEXT", "MTEXT"):
             text = entity.dxf.text if kind == "TEXT" else entity.text
-            words.append((text.strip(), tuple(entity.dxf.insert)[:2]))
+            place = entity.ocs().to_wcs(entity.dxf.insert) if kind == "TEXT" else entity.dxf.insert
+            words.append((text.strip(), tuple(place)[:2]))
         else:
             left_out[kind] = left_out.get(kind, 0) + 1
-    notes = ["%d entities %s of the drawing are left out" % (count, kind) for kind, count in sorted(left_out.items())]
+    notes = []
+    if left_out:
+        notes.append("left out of the drawing: %s%s" % (", ".join("%d %s" % (count, kind) for kind, count in sorted(left_out.items())),
+                                                       "; explode the blocks to have what is in them" if "INSERT" in left_out else ""))
+    if hidden:
+        notes.append("what lies on layers that are off or frozen is left out: %d entities" % hidden)
+    if risen:
+        notes.append("lines rise out of the plane of the drawing: their plan is read")
+    unit = DXF_UNITS.get(document.header.get("$INSUNITS", 0))
+    if unit:
+        notes.append("lengths are %s, as the drawing says" % unit)
     # what the drawings of balm have besides links
     beside = {"OUTPUT", "DESIRED", "ENVELOPE", "POINTS", "TOLERANCES", "NAMES"}
     return from_geometry(titled(source), [s for s in shapes if s[0].upper() not in beside],
                          [("0" if c[0].upper() in ("JOINTS", "HOLES") else c[0], c[1]) for c in circles if c[0].upper() not in beside],
                          words, fixed, drive, notes)
+
+
+def placement(entry):
+    """Origin and axes of a sketch in space; of a document without them those of the document."""
+    if entry is None:
+        return (0.0, 0.0, 0.0), ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    x, y, z, w = (float(entry.get("Q%d" % k)) for k in range(4))
+    size = math.sqrt(x * x + y * y + z * z + w * w)
+    x, y, z, w = x / size, y / size, z / size, w / size
+    return tuple(float(entry.get("P" + axis)) for axis in "xyz"), (
+        (1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)), (2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)),
+        (2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)))
+
+
+def to_plane(first, other):
+    """From coordinates of one sketch to those of the first, along the normal; None: the planes are not parallel."""
+    (origin, axes), (away, turned) = first, other
+    if abs(abs(sum(a * b for a, b in zip(axes[2], turned[2]))) - 1.0) > SAME:
+        return None
+
+    def in_plane(x, y):
+        at = [away[k] - origin[k] + x * turned[0][k] + y * turned[1][k] for k in range(3)]
+        return tuple(sum(a * b for a, b in zip(at, axes[k])) for k in range(2))
+
+    return (lambda x, y: (x, y)) if first == other else in_plane
 
 
 def from_freecad(source, fixed, drive):
@@ -379,12 +474,17 @@ def from_freecad(source, fixed, drive):
             for item in entry.iter("Property"):
                 if item.get("name") == "Label" and item.find("String") is not None:
                     label = item.find("String").get("value")
-            sketches.append((label, [item for item in entry.iter("Property") if item.get("name") == "Geometry"]))
+            place = next((item.find("PropertyPlacement") for item in entry.iter("Property") if item.get("name") == "Placement"), None)
+            sketches.append((label, place, [item for item in entry.iter("Property") if item.get("name") == "Geometry"]))
     if not sketches:
         raise ImportFailed("%s has no sketch" % source)
     several = len(sketches) > 1
     left_out = 0
-    for label, lists in sketches:
+    first = placement(sketches[0][1])
+    for label, place, lists in sketches:
+        in_plane = to_plane(first, placement(place))
+        if in_plane is None:
+            raise ImportFailed("%s: the sketches %s and %s do not lie in parallel planes" % (source, sketches[0][0], label))
         for shape in (shape for given in lists for shape in given.iter("Geometry")):
             # before FreeCAD 0.19 an element, then the second of the flags of a sketch's geometry
             flags = "".join(mark.get("geometryModeFlags") or "" for mark in shape.iter("GeoExtension"))
@@ -392,10 +492,10 @@ def from_freecad(source, fixed, drive):
                 continue
             line, circle = shape.find("LineSegment"), shape.find("Circle")
             if line is not None:
-                ends = [(float(line.get(end + "X")), float(line.get(end + "Y"))) for end in ("Start", "End")]
+                ends = [in_plane(float(line.get(end + "X")), float(line.get(end + "Y"))) for end in ("Start", "End")]
                 shapes.append((label, ends, False, None, several))
             elif circle is not None and shape.find("ArcOfCircle") is None:
-                circles.append((label if several else "0", (float(circle.get("CenterX")), float(circle.get("CenterY")))))
+                circles.append((label if several else "0", in_plane(float(circle.get("CenterX")), float(circle.get("CenterY")))))
             else:
                 left_out += 1
     if left_out:
@@ -572,7 +672,8 @@ def from_pmks(source, fixed, drive):
             fields = part.split(",")
             bits = PMKS_DIGITS.index(fields[0][0])
             flags[fields[0][1:]] = bits
-            joints[fields[0][1:]] = (fields[1], *(pmks_number(field) / PMKS_PARTS for field in fields[2:5]))
+            name, x, y, angle = fields[1:4] + ["".join(fields[4:5])]
+            joints[fields[0][1:]] = (name, *(pmks_number(field) / PMKS_PARTS for field in (x, y, angle)))
         links = []
         for part in link_texts:
             fields = part.split(",")

@@ -267,7 +267,7 @@ def main(arguments: typing.Optional[typing.Sequence[str]] = None) -> int:
             if made:
                 with contextlib.suppress(OSError):
                     os.remove(made)
-            print("psalm-report: %s: %s" % (reason.filename or name, reason.strerror), file=sys.stderr)
+            print("psalm-report: %s.report.html: %s" % (place, reason.strerror), file=sys.stderr)
             status = 3
     return status
 

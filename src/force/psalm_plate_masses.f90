@@ -41,7 +41,7 @@ contains
 
    !> All plates of a case.
    !>
-   !> Errors: a link whose points no arcs lead to; a bar without a width; holes that meet.
+   !> Errors: a link whose points no arcs lead to; a bar without a width; holes that meet; a mass that numbers cannot hold.
    subroutine find_plates(set, mechanism, dimensions, reference, metre, found, findings)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
@@ -185,6 +185,12 @@ contains
          one%inertia = scale*metre**2*moments(moment_polar)
          at = moments(moment_x:moment_y)/moments(moment_area)
          one%own_inertia = one%inertia - one%mass*metre**2*(at(1)**2 + at(2)**2)
+         if (.not. (one%mass > tiny(one%mass) .and. one%mass <= huge(one%mass) .and. one%inertia <= huge(one%inertia) .and. &
+                    all(abs(at) <= huge(at)))) then
+            call refuse(plate, 'gives '//mechanism%bodies(body)%name//' a mass that is too small or too large to compute with: '// &
+                        'check PTHICK, PWIDTH and PDENS, and UNITL of &MASSES')
+            return
+         end if
          along = [1.0_wp, 0.0_wp]
          if (plate%link > 0) then
             at = at - points(:, 1)

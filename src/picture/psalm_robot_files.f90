@@ -51,7 +51,7 @@ contains
                   call write_freecad(model, text)
                   call add_picture(models, ending(k, '.freecad.py'), text%content())
                else
-                  call own%error('has no link that is a plate, so there are no solids for FreeCAD; give the group &PLATES', &
+                  call own%error('no link is a plate, so there are no solids for FreeCAD: give the group &PLATES', &
                                  line=sets(k)%title_line)
                end if
             end if

@@ -11,6 +11,7 @@ module psalm_spring_load
    public :: spring_limits_t, found_spring_t, load_with, criterion_of, add_slopes, stiffest_in, criterion_spread
 
    real(wp), parameter :: stiffest_of_all = 1.0e3_wp !! bare loads over squares of reaches: no spring is stiffer without a limit
+   real(wp), parameter :: no_limit = 1.0e6_wp      !! of that stiffness: a limit of the user's beyond it is none, and spoils scales
    integer, parameter :: criterion_spread = -1     !! RMS of the differences from the mean: smooth, on the way to the range
 
    !> How one end of a spring moves, and what a wrench there does to the load.
@@ -63,16 +64,20 @@ contains
       real(wp), intent(in) :: bare(:, :)         !! shape (positions, components): the load without springs
       real(wp) :: length
 
-      stiffness = allowed%stiffest
-      if (stiffness > 0.0_wp) return
       if (allocated(allowed%coordinate)) then
          stiffness = stiffest_of_all*maxval(abs(bare))/max(maxval(abs(allowed%unit))* &
                      (maxval(allowed%coordinate) - minval(allowed%coordinate)), tiny(1.0_wp)/epsilon(1.0_wp))
-         return
+      else
+         length = max(maxval(allowed%reach), allowed%free(2))
+         if (.not. length > 0.0_wp) length = 1.0_wp
+         stiffness = stiffest_of_all*maxval(abs(bare))/length**2
       end if
-      length = max(maxval(allowed%reach), allowed%free(2))
-      if (.not. length > 0.0_wp) length = 1.0_wp
-      stiffness = stiffest_of_all*maxval(abs(bare))/length**2
+      if (.not. allowed%stiffest > 0.0_wp) return
+      if (allowed%stiffest/no_limit < stiffness .or. .not. stiffness > 0.0_wp) then
+         stiffness = allowed%stiffest
+      else
+         stiffness = no_limit*stiffness
+      end if
    end function stiffest_in
 
    !> The load with springs. Shape: (positions, components).

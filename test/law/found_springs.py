@@ -167,6 +167,13 @@ def main():
         spring = rows(place, "limited.muscle.springs.csv")[0]
         check("limits of free angle and stiffness are kept", status == 0 and abs(spring["free"] + 100) < 1e-6
               and spring["stiffness"] <= 0.5 + 1e-9, spring)
+        stiffness = []
+        for most in ("", ", SKMAX=1.0E30", ", SKMAX=1.0E300"):
+            status, listing, _ = run(place, "high", sketch + " &SPRNGS PNAME='frame A', QNAME='rocker C', SKIND=1, SCRIT='RMS'%s &END\n" % most, "muscle",
+                                     "--json")
+            stiffness.append(rows(place, "high.muscle.springs.csv")[0]["stiffness"] if status == 0 else 0.0)
+        check("a limit of stiffness out of reach is none", stiffness[0] > 0.0 and all(abs(k - stiffness[0]) < 1e-6 * stiffness[0] for k in stiffness[1:]),
+              stiffness)
         status, listing, _ = run(place, "two", sketch + " &SPRNGS PNAME='frame A','frame A', QNAME='rocker C','coupler C', SKIND=1,0, "
                                  "PREACH=0,60, QREACH=0,60, SFHIGH=0,30, SCRIT='RMS', NSSTRT=4 &END\n", "muscle", "--json")
         both = rows(place, "two.muscle.springs.csv")

@@ -132,6 +132,7 @@ def drawings():
     wanted = [crank * math.cos(start + math.radians(5 * k)) + math.sqrt(rod**2 - (crank * math.sin(start + math.radians(5 * k)))**2) - 100
               for k in range(len(travel))]
     check("a slider-crank against its closed form", all(abs(a - b) < 1e-9 for a, b in zip(travel, wanted)), "%r %r" % (travel[:3], wanted[:3]))
+    unusual(bars, frame)
     refuses("no frame", "no joint is fixed", dxf("floating.dxf", bars))
     refuses("a joint that is not there", "there is no joint 'Q'", path("plain.dxf"), fixed="A Q")
     refuses("nothing drawn", "no lines", dxf("empty.dxf"))
@@ -142,8 +143,48 @@ def drawings():
     refuses("an unknown kind", "there is no kind", path("plain.dxf"), "step")
 
 
-def freecad(name, sketches):
-    """A document as FreeCAD 0.20 packs it, with what is read of it alone."""
+def unusual(bars, frame):
+    """Mirrored entities, layers that are off, blocks, units, joints that nearly meet, lines out of the plane, too many lines."""
+    document = ezdxf.new()
+    space = document.modelspace()
+    for layer, a, b in bars:
+        space.add_line(a, b, dxfattribs={"layer": layer})
+    for name in "AD":      # seen from behind: x counts the other way
+        space.add_circle((-AT[name][0], AT[name][1]), 2, dxfattribs={"layer": "FRAME", "extrusion": (0, 0, -1)})
+    document.layers.add("dimensions").off()
+    space.add_line((0, 0), (100, 100), dxfattribs={"layer": "DIMENSIONS"})
+    document.blocks.new("SCREW").add_line((0, 0), (1, 0))
+    space.add_blockref("SCREW", (5, 5))
+    document.header["$INSUNITS"] = 1
+    document.saveas(path("unusual.dxf"))
+    drawing = imports.read(path("unusual.dxf"))
+    same("mirrored circles, a layer that is off, a block", drawing)
+    notes = "\n".join(drawing.notes)
+    check("what is left out is said", all(words in notes for words in ("1 INSERT; explode", "off or frozen is left out: 1", "inches")), notes)
+    lines = [("0", AT["A"], AT["B"]), ("0", (0.0, 31.01), AT["C"]), ("0", AT["C"], AT["D"])] + frame
+    notes = "\n".join(imports.read(dxf("gap.dxf", lines)).notes)
+    check("joints that nearly meet are named", "joints B and C are 0.01 apart" in notes, notes)
+    notes = "\n".join(imports.read(dxf("risen.dxf", bars[:-1] + [("0", (*AT["C"], 9.0), AT["D"])] + frame)).notes)
+    check("lines out of the plane are named", "rise out of the plane" in notes, notes)
+    refuses("lines of a whole machine", "a linkage has at most", dxf("many.dxf", [("0", (k, k % 2), (k + 1, (k + 1) % 2)) for k in range(2100)]))
+    refuses("nothing but blocks", "1 INSERT; explode", blocks_only())
+    # two links with three joints in common are one; a third that has one of these turns on it
+    links = imports.merged([(None, {0, 1, 2}), (None, {0, 1, 2, 3}), (None, {0, 4})])
+    check("a link on one joint of a rigid pair", sorted(map(sorted, (joints for _, joints in links))) == [[0, 1, 2, 3], [0, 4]], str(links))
+
+
+def blocks_only():
+    document = ezdxf.new()
+    document.blocks.new("LINKS").add_line((0, 0), (1, 0))
+    document.modelspace().add_blockref("LINKS", (5, 5))
+    document.modelspace().add_circle((0, 0), 1)
+    document.modelspace().add_circle((9, 0), 1)
+    document.saveas(path("blocks.dxf"))
+    return path("blocks.dxf")
+
+
+def freecad(name, sketches, places=()):
+    """A document as FreeCAD 0.20 packs it, with what is read of it alone. places: of the sketches, origin and quaternion."""
     def geometry(kind, a, b, construction):
         flags = "0" * 30 + ("1" if construction else "0") + "0"
         mark = '<GeoExtensions count="1"><GeoExtension type="Sketcher::SketchGeometryExtension" geometryModeFlags="%s"/></GeoExtensions>' % flags
@@ -151,8 +192,9 @@ def freecad(name, sketches):
             return '<Geometry type="Part::GeomCircle">%s<Circle CenterX="%r" CenterY="%r" CenterZ="0" Radius="3"/></Geometry>' % (mark, *a)
         return '<Geometry type="Part::GeomLineSegment">%s<LineSegment StartX="%r" StartY="%r" StartZ="0" EndX="%r" EndY="%r" EndZ="0"/></Geometry>' % (mark, *a, *b)
     objects = "".join('<Object type="Sketcher::SketchObject" name="Sketch%d"/>' % k for k in range(len(sketches)))
-    data = "".join('<Object name="Sketch%d"><Properties><Property name="Geometry"><GeometryList>%s</GeometryList></Property><Property name="Label"><String value="%s"/></Property></Properties></Object>'
-                   % (k, "".join(geometry(*shape) for shape in shapes), label) for k, (label, shapes) in enumerate(sketches))
+    put = ['<Property name="Placement"><PropertyPlacement Px="%r" Py="%r" Pz="%r" Q0="%r" Q1="%r" Q2="%r" Q3="%r"/></Property>' % place for place in places]
+    data = "".join('<Object name="Sketch%d"><Properties><Property name="Geometry"><GeometryList>%s</GeometryList></Property><Property name="Label"><String value="%s"/></Property>%s</Properties></Object>'
+                   % (k, "".join(geometry(*shape) for shape in shapes), label, put[k] if put else "") for k, (label, shapes) in enumerate(sketches))
     with zipfile.ZipFile(path(name), "w") as packed:
         packed.writestr("Document.xml", "<?xml version='1.0'?><Document><Objects>%s</Objects><ObjectData>%s</ObjectData></Document>" % (objects, data))
     return path(name)
@@ -164,6 +206,23 @@ def sketches():
     same("a sketch of FreeCAD", imports.read(single, fixed="A E", drive="A"))
     same("a sketch for each link", imports.read(freecad("four.FCStd", [
         ("crank", bars[:1]), ("coupler", bars[1:3]), ("rocker", bars[4:]), ("frame", [("line", AT["A"], AT["D"], False)])])))
+    # sketches that lie elsewhere in space: the first in the plane XZ, the others turned in it, above it or seen from behind
+    half = math.sqrt(0.5)
+    across = lambda x, y: (x, -y)
+    turned = lambda x, y: (y - 4.0, 3.0 - x)     # of a sketch whose x axis is the y of the first, and its origin at 3, 4
+    lines = lambda change, *ends: [("line", change(*AT[a]), change(*AT[b]), False) for a, b in ends]
+    whole = [("frame", lines(lambda x, y: (x, y), ("A", "D"))), ("crank", lines(lambda x, y: (x, y), ("A", "B"))),
+             ("coupler", lines(turned, ("B", "C"), ("C", "P"))), ("rocker", lines(across, ("C", "D")))]
+    places = [(1.0, 2.0, 3.0, half, 0.0, 0.0, half), (1.0, -7.0, 3.0, half, 0.0, 0.0, half), (4.0, 2.0, 7.0, .5, -.5, .5, .5), (1.0, 2.0, 3.0, -half, 0.0, 0.0, half)]
+    same("sketches with places", imports.read(freecad("placed.FCStd", whole, places)), 1e-8)
+    places[3] = (1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0)
+    refuses("planes that cross", "parallel planes", freecad("crossing.FCStd", whole, places))
+    with zipfile.ZipFile(single) as packed:
+        text = packed.read("Document.xml").decode()
+    for what, new in (("no number", 'StartX="a"'), ("no coordinate", ""), ("an infinite coordinate", 'StartX="inf"')):
+        with zipfile.ZipFile(path("bad.FCStd"), "w") as packed:
+            packed.writestr("Document.xml", text.replace('StartX="0.0"', new))
+        refuses("a sketch with " + what, "", path("bad.FCStd"))
     with open(path("no.FCStd"), "w", encoding="utf-8") as file:
         file.write("no archive")
     refuses("no document", "is no document of FreeCAD", path("no.FCStd"))
@@ -204,6 +263,20 @@ def pylinkage():
     broken = dict(old, joints=[{"type": "Revolute", "name": "C", "x": 1.0, "y": 2.0, "joint0": ref("B"), "joint1": ref("A")}])
     refuses("a joint that hangs on nothing", "does not come before it", saved("broken.json", broken))
     refuses("a joint of an unknown type", "are not known", saved("gear.json", dict(old, joints=old["joints"][:2] + [{"type": "Gear", "name": "G", "joint0": ref("A")}])))
+    for where, value in (("position", [1e200, 0.0]), ("position", ["x", 0.0]), ("position", [10**400, 0.0]), ("position", [1.0]), ("position", 7), ("id", None)):
+        spoilt = json.loads(json.dumps(new))
+        spoilt["joints"][3][where] = value
+        refuses("a joint with %s %.20r" % (where, value), "", saved("spoilt.json", spoilt))
+    for k in range(len(new["joints"])):
+        for value in (3, "x", None, [], [1]):
+            spoilt = json.loads(json.dumps(new))
+            spoilt["joints"][k] = value
+            refuses("a joint that is %r" % value, "", saved("spoilt.json", spoilt))
+    with open(path("deep.json"), "w", encoding="utf-8") as file:
+        file.write('{"joints":' * 100000)
+    refuses("a file without end", "", path("deep.json"))
+    long = json.loads(json.dumps(slide).replace('"s"', '"%s"' % ("s" * 60)))
+    check("a long name", all(len(name) <= 31 for name, _ in imports.read(saved("long.json", long)).links))
     refuses("an infinite place", "no joint", saved("four.json", new), fixed="Q")
 
 
@@ -233,7 +306,13 @@ def pmks():
     wanted = [math.cos(math.radians(5 * k)) + math.sqrt(9 - math.sin(math.radians(5 * k))**2) - 4 for k in range(len(travel))]
     check("a piston of PMKS+", all(abs(a - b) < 1e-9 for a, b in zip(travel, wanted)), "%r %r" % (travel[:3], wanted[:3]))
     refuses("no link of PMKS+", "no link of PMKS+", "https://app.pmksplus.com/?abc")
-    refuses("a truncated link", "", link[:150])
+    whole = 0
+    for text in [link[:k] for k in range(25, len(link))] + [link[:k] + link[k + 1:] for k in range(25, len(link))]:
+        try:
+            whole += bool(imports.read(text).text())
+        except imports.ImportFailed:
+            pass
+    check("damaged links are refused or whole", 0 < whole < 2 * len(link), whole)
 
 
 def command():
