@@ -143,7 +143,7 @@ contains
       set%method%fmin = 0.0_wp
       problem = given_problem
       call make_vertex_problem(set, problem, vertices)
-      call start_simplex(set, vertices, none, simplex, feasible, beginning)
+      call start_simplex(set, vertices, none, set%method%istart, simplex, feasible, beginning)
       objective = -1.0_wp
       evaluations = vertices%evaluations
       if (.not. feasible) return

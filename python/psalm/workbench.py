@@ -14,6 +14,7 @@ import contextlib
 import hashlib
 import hmac
 import json
+import logging
 import math
 import os
 import re
@@ -469,7 +470,10 @@ def main(arguments=None):
     server = uvicorn.Server(uvicorn.Config(application(token, port, case, file, asked.seconds), log_level="error", access_log=False, server_header=False,
                                            limit_concurrency=CONNECTIONS, timeout_keep_alive=5, timeout_graceful_shutdown=1, ws="none",
                                            h11_max_incomplete_event_size=64 << 10, http="h11"))
-    server.run(sockets=[listening])
+    # a study that ends while it is being killed is one that asyncio warns of
+    logging.getLogger("asyncio").setLevel(logging.ERROR)
+    with contextlib.suppress(KeyboardInterrupt):    # which uvicorn passes on when all has ended
+        server.run(sockets=[listening])
 
 
 if __name__ == "__main__":

@@ -427,7 +427,9 @@ contains
       if (set%sketch%given) call refuse_arcs(groups(method), groups(toler), groups(limits), findings)
       call read_limits_group(groups(limits), set%links%nloop, set%links%maxarc, set%limits, findings)
       call read_search_group(groups(search), set%search, findings)
-      if (set%method%ifree /= 0 .and. .not. set%search%solver%many_starts) then
+      if (set%of_kinds .and. .not. set%search%solver%many_starts) then
+         call out_of(groups(search), 'SOLVER', "a search among kinds (&KINDS) needs another SOLVER, as 'LSQ'", findings)
+      else if (set%method%ifree /= 0 .and. .not. set%search%solver%many_starts) then
          call out_of(groups(method), 'IFREE', "IFREE=1 (free timing) needs the group &SEARCH with another SOLVER, as 'LSQ'", &
                      findings)
       end if

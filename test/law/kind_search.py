@@ -232,7 +232,7 @@ for kinds, more, words in (("LINKS=9", "", "kinds of 4, 6 and 8 links"), ("LINKS
                            ("LINKS=4, LENLOW=1", "", "both bounds"), ("LINKS=4, LENLOW=2, LENHGH=1", "", "must be above LENLOW"),
                            ("LINKS=4, WEIGH='ERROR'", "", "two words are weighed"), ("LINKS=4, WEIGH='ERROR','X'", "", "is expected; found 'X'"),
                            ("LINK=4", "", "did you mean LINKS"), ("LINKS=4, OUTPUT='WORD'", "", "is expected"),
-                           ("LINKS=4", "&CHAIN JNT='A' &END", "leave one of both out"), ("LINKS=4", "&SEARCH SOLVER='SIMPLEX' &END", "the simplex makes one search")):
+                           ("LINKS=4", "&CHAIN JNT='A' &END", "leave one of both out"), ("LINKS=4", "&SEARCH SOLVER='SIMPLEX' &END", "needs another SOLVER")):
     code, listing, said, stem = run("wrong", kinds, more)
     check("says " + words, words in said and code == 2, said)
 code, listing, said, stem = run("none", "LINKS=4, ONLY='no such kind'")

@@ -82,9 +82,8 @@ class Server:
     def end(self):
         children = self.studies()
         self.process.send_signal(signal.SIGINT)
-        self.process.wait(PATIENCE)
-        self.process.stdout.close()
-        self.process.stderr.close()
+        _, errors = self.process.communicate(timeout=PATIENCE)
+        check("Ctrl-C ends it in good order", self.process.returncode == 0 and not errors, "%d %s" % (self.process.returncode, errors[-300:]))
         return children
 
 
