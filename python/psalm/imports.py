@@ -158,7 +158,7 @@ def read(source: str, kind: typing.Optional[str] = None, *, fixed: typing.Union[
     if kind != "pmks" or not source.startswith("http"):
         if os.path.getsize(source) > MOST_BYTES:
             raise ImportFailed("%s is larger than %d MB" % (source, MOST_BYTES // 1_000_000))
-    names = fixed.split() if isinstance(fixed, str) else list(fixed)
+    names = list(dict.fromkeys(fixed.split() if isinstance(fixed, str) else fixed))
     if drive and kind in ("pmks", "pylinkage"):
         raise ImportFailed("a file of this kind says itself what is driven")
     try:
@@ -681,8 +681,8 @@ def from_pmks(source, fixed, drive):
                 continue      # welded to others, whose link has all joints
             own = fields[7:fields.index("", 7)] if "" in fields[7:] else fields[7:]
             links.append((fields[0][1] == "P", fields[1], [joint for joint in own if joint]))
-    except (ValueError, IndexError) as reason:
-        raise ImportFailed("this is no link of PMKS+: %s" % reason) from None
+    except (ValueError, IndexError):
+        raise ImportFailed("this is no link of PMKS+, or a part of one: lists of joints and of links follow its question mark") from None
     if not joints or not links:
         raise ImportFailed("this is no link of PMKS+: it has no joints")
     notes, names, named, slides, taken = [], {}, [], [], ["frame"]

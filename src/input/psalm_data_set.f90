@@ -464,7 +464,9 @@ contains
                                                                            findings%failed())) then
          call findings%warning('there is no group &RATES: the input is taken to move at '// &
                                trim(merge('1 unit of length a second', '1 radian a second        ', sliding_input(set))), &
-                               line=max(groups(masses)%line, line_of_plates), group='MASSES', item='NMASS')
+                               line=max(groups(masses)%line, line_of_plates), &
+                               group=merge('MASSES', 'PLATES', groups(masses)%line > 0), &
+                               item=trim(merge('NMASS ', 'PTHICK', groups(masses)%line > 0)))
       end if
       if (.not. findings%failed()) then
          call doubt_units(groups(masses), max(groups(loads)%line, line_of_plates), set, findings)

@@ -273,6 +273,9 @@ def faults():
                          ("PTHICK=1.0E200, PWIDTH=9.0, PDENS=1.0E200", "too small or too large")):
         status, said = run("kalm", text % items)
         check("refused: " + items, status == 2 and words in said and "&PLATES" in said, said)
+    alone = re.sub(" &(RATES|MASSES).*", "", text) % "PTHICK=4.0, PWIDTH=9.0"
+    status, said = run("kalm", alone)
+    check("a missing speed is said of the group that is there", status == 0 and "&PLATES PTHICK: there is no group &RATES" in said, said)
     good = text % "PTHICK=4.0, PWIDTH=9.0"
     for program, more in (("psalm", ""), ("muscle", " &BALANC WREACH=500.0 &END\n"), ("balm", "")):
         status, said = run(program, good + more)
