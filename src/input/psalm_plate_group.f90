@@ -75,6 +75,8 @@ contains
       type(place_t), allocatable :: places(:)
       real(wp), allocatable :: thickness(:), width(:), hole(:), density(:)
       type(plate_t) :: plate
+      type(diagnostics_t) :: again                !! what is wrong with the texts is reported once
+      character(:), allocatable :: names(:)
       logical :: named
       integer :: n, k, l
 
@@ -88,6 +90,14 @@ contains
       allocate (plates%plates(0))
       named = group%given('PNAME') .or. group%given('PLINK') .or. group%given('PLOOP')
       call read_places(group, 'P', ilink, places(:merge(n, 0, named)), findings, ends_only=.true., sketch=sketch, of_links=.true.)
+      if (sketch%given) then
+         call group%get_texts('PNAME', names, again)
+         do k = 1, size(names)
+            if (scan(trim(adjustl(names(k))), ' ') > 0) call out_of(group, 'PNAME', 'entry '//to_text(k)//' names more than a '// &
+                                                                    'link; a plate is a whole link: leave the joints out', &
+                                                                    findings, k)
+         end do
+      end if
       call take(group, 'PTHICK', thickness, findings, repeated=.true.)
       call take(group, 'PWIDTH', width, findings, repeated=.true.)
       call take(group, 'PHOLE', hole, findings, repeated=.true.)

@@ -266,6 +266,7 @@ def faults():
     for items, words in (("PTHICK=0.0, PWIDTH=9.0", "a thickness is above 0"), ("PWIDTH=9.0", "PTHICK"), ("PTHICK=4.0", "give its width"),
                          ("PTHICK=4.0, PWIDTH=9.0, PHOLE=9.0", "smaller than the width"), ("PTHICK=4.0, PWIDTH=-1.0", "not negative"),
                          ("PNAME='frame', PTHICK=4.0, PWIDTH=9.0", "is the frame"), ("PNAME='rod', PTHICK=4.0, PWIDTH=9.0", "no link is called"),
+                         ("PNAME='crank A', PTHICK=4.0, PWIDTH=9.0", "leave the joints out"),
                          ("PNAME='crank','crank', PTHICK=4.0, PWIDTH=9.0", "stands twice"), ("PLINK=2, PLOOP=1, PTHICK=4.0", "names"),
                          ("PTHICK=4.0,5.0, PWIDTH=9.0", "too many"), ("PTHICK=4.0, PWIDTH=90.0, PHOLE=40.0", "meet"),
                          ("NPLATE=2, PTHICK=4.0, PWIDTH=9.0", "need the names"), ("PTHICK=4.0, PWIDTH=1.0E200", "too small or too large"),
