@@ -16,6 +16,7 @@ module psalm_plate_masses
    private
    public :: plate_mass_t, find_plates, plate_of_body
 
+   real(wp), parameter :: largest = 1.0e25_wp     !! of sizes, densities, units: with it moments of inertia are numbers
    real(wp), parameter :: same_place = 1.0e-9_wp !! part of the hole: two joints there have one hole
 
    !> A body that is a plate.
@@ -41,7 +42,7 @@ contains
 
    !> All plates of a case.
    !>
-   !> Errors: a link whose points no arcs lead to; a bar without a width; holes that meet; a mass that numbers cannot hold.
+   !> Errors: a link whose points no arcs lead to; a bar without a width; holes that meet; sizes out of range.
    subroutine find_plates(set, mechanism, dimensions, reference, metre, found, findings)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
@@ -148,10 +149,16 @@ contains
       subroutine add_plate(plate, number, body)
          type(plate_t), intent(in) :: plate
          integer, intent(in) :: number, body
-         real(wp) :: moments(area_moments), at(2), along(2), scale
+         real(wp) :: moments(area_moments), at(2), along(2), scale, sizes(4)
          integer :: k, b
          logical :: known
 
+         sizes = [max(maxval(abs(points)), plate%width), plate%thickness, plate%density, metre]
+         if (any(sizes > largest .or. sizes < 1.0_wp/largest) .or. plate%width > 0.0_wp .and. plate%width < 1.0_wp/largest) then
+            call refuse(plate, 'gives '//mechanism%bodies(body)%name//' a mass that is too small or too large to compute with: '// &
+                        'its size, PTHICK, PWIDTH, PDENS and UNITL of &MASSES may be from 1E-25 to 1E25')
+            return
+         end if
          one = plate_mass_t(body, number, plate%thickness, plate%width)
          one%corners = points(:, spine_of(points(1, :), points(2, :)))
          if (size(one%corners, 2) < 3 .and. .not. plate%width > 0.0_wp) then
@@ -185,12 +192,6 @@ contains
          one%inertia = scale*metre**2*moments(moment_polar)
          at = moments(moment_x:moment_y)/moments(moment_area)
          one%own_inertia = one%inertia - one%mass*metre**2*(at(1)**2 + at(2)**2)
-         if (.not. (one%mass > tiny(one%mass) .and. one%mass <= huge(one%mass) .and. one%inertia <= huge(one%inertia) .and. &
-                    all(abs(at) <= huge(at)))) then
-            call refuse(plate, 'gives '//mechanism%bodies(body)%name//' a mass that is too small or too large to compute with: '// &
-                        'check PTHICK, PWIDTH and PDENS, and UNITL of &MASSES')
-            return
-         end if
          along = [1.0_wp, 0.0_wp]
          if (plate%link > 0) then
             at = at - points(:, 1)

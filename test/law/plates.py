@@ -271,7 +271,7 @@ def faults():
                          ("PTHICK=4.0,5.0, PWIDTH=9.0", "too many"), ("PTHICK=4.0, PWIDTH=90.0, PHOLE=40.0", "meet"),
                          ("NPLATE=2, PTHICK=4.0, PWIDTH=9.0", "need the names"), ("PTHICK=4.0, PWIDTH=1.0E200", "too small or too large"),
                          ("PTHICK=1.0E-200, PWIDTH=9.0, PDENS=1.0E-200", "too small or too large"),
-                         ("PTHICK=1.0E200, PWIDTH=9.0, PDENS=1.0E200", "too small or too large")):
+                         ("PTHICK=4.0, PWIDTH=1.0E-200", "too small or too large"), ("PTHICK=1.0E26, PWIDTH=9.0", "too small or too large")):
         status, said = run("kalm", text % items)
         check("refused: " + items, status == 2 and words in said and "&PLATES" in said, said)
     alone = re.sub(" &(RATES|MASSES).*", "", text) % "PTHICK=4.0, PWIDTH=9.0"
