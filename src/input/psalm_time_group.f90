@@ -24,7 +24,7 @@ module psalm_time_group
       real(wp), allocatable :: rates(:)           !! VSTART: rad/s or lengths a second at time 0
       real(wp) :: tolerance = 1.0e-13_wp          !! TTOL
       integer :: events = 10000                   !! NEVENT
-      integer :: steps = 1000000                  !! NTSTEP
+      integer :: steps = 300000                   !! NTSTEP
       logical :: stiff = .false.                  !! ISTIFF
       logical :: equilibria = .false.             !! IEQUIL
       integer :: starts = 100                     !! NSTART
@@ -56,7 +56,7 @@ module psalm_time_group
              'relative error of places and speeds that is allowed in a step'), &
       rule_t('NEVENT', a_whole, '', '', '10000', '[1,1000000]', &
              'the motion ends after so many events: impacts, others of &STOPS, change points'), &
-      rule_t('NTSTEP', a_whole, '', '', '1000000', '[1,2000000000]', &
+      rule_t('NTSTEP', a_whole, '', '', '300000', '[1,2000000000]', &
              'the motion ends after so many steps of the method'), &
       rule_t('ISTIFF', a_flag, '', '', '0', '0 1', &
              '1: the method for strong dampers, CVODE of SUNDIALS'), &
