@@ -524,10 +524,12 @@ def test_report():
             check("report: written", written("good.nml", case.text) == 0 and os.path.getsize(os.path.join(folder, "good.report.html")) > 10000)
             check("report: violated", written("open.nml", case.text.replace("TANGLE=70.0", "TANGLE=10.0")) == 1)
             check("report: wrong", written("wrong.nml", case.text.replace("JNT", "JOINTS")) == 2 and "JOINTS" in said.getvalue())
+            check("report: a case that is searched", written("exact.nml", open(os.path.join(DATA, "exact", "five_poses.nml"), encoding="utf-8").read()) == 2
+                  and "device 7" in said.getvalue())
             check("report: nothing there", report.main([os.path.join(folder, "nothing.nml")]) >= 2)
             check("report: no folder", report.main([os.path.join(folder, "good.nml"), "--output-dir", os.path.join(folder, "none")]) == 3)
             check("report: the file that cannot be written", os.path.join("none", "good.report.html") in said.getvalue())
-        check("report: nothing else is left", sorted(os.listdir(folder)) == ["good.nml", "good.report.html", "open.nml", "open.report.html", "wrong.nml"])
+        check("report: nothing else is left", sorted(os.listdir(folder)) == ["exact.nml", "good.nml", "good.report.html", "open.nml", "open.report.html", "wrong.nml"])
 
 
 def test_threads():

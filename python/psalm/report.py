@@ -262,6 +262,8 @@ def main(arguments: typing.Optional[typing.Sequence[str]] = None) -> int:
             status = max(status, int(violated))
         except Error as error:
             print("psalm-report: %s: %s" % (name, error), file=sys.stderr)
+            if "the case has no linkage" in str(error):
+                print("psalm-report: a search makes linkages of this case; report those that psalm wrote on device 7", file=sys.stderr)
             status = max(status, 2)
         except OSError as reason:
             if made:

@@ -127,6 +127,7 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       type(place_t) :: joint(1)
       integer, parameter :: method_exact = 2        !! among the words of SMETH
+      character(*), parameter :: turns_anywhere = 'a torsion spring turns two links wherever it is mounted; leave the distance out'
       integer :: n, method
 
       springs%given = group%line > 0
@@ -152,6 +153,10 @@ contains
                          'a torsion spring, or one along a slide, has no other place than that given: 0 is expected', findings)
       call refuse_unless(springs%second_reach <= 0.0_wp .or. springs%acts == acts_between_points, group, 'QREACH', &
                          'a torsion spring, or one along a slide, has no other place than that given: 0 is expected', findings)
+      call refuse_unless(abs(springs%first%distance) <= 0.0_wp .or. springs%acts /= acts_by_turning, group, 'PDIST', &
+                         turns_anywhere, findings)
+      call refuse_unless(abs(springs%second%distance) <= 0.0_wp .or. springs%acts /= acts_by_turning, group, 'QDIST', &
+                         turns_anywhere, findings)
       call take(group, 'SMETH', method, findings)
       springs%exact = method == method_exact
       call take(group, 'SCRIT', springs%criterion, findings)

@@ -124,6 +124,8 @@ contains
       call take(group, 'SPRE', springs%preload, findings)
       call take(group, 'SDAMP', springs%damping, findings)
       springs%torsional = kind == 1
+      call doubt_place('ADIST', springs%first%distance)
+      call doubt_place('BDIST', springs%second%distance)
       allocate (springs%drag(n), springs%side(n), springs%power(n), springs%closed(n), springs%table(n))
       call take(group, 'SQUAD', springs%drag, findings)
       call take(group, 'SSIDE', springs%side, findings)
@@ -152,5 +154,18 @@ contains
       call refuse_unless(springs%free >= 0.0_wp .or. springs%torsional, group, 'SFREE', 'a free length is not negative', findings)
       call take(group, 'SADDED', springs%added, findings)
       call check_range(group, 'SADDED', springs%added, 0, n, findings)
+
+   contains
+
+      !> A torsional spring turns two links wherever it is mounted.
+      subroutine doubt_place(item, distances)
+         character(*), intent(in) :: item
+         real(wp), intent(in) :: distances(:)
+         integer :: k
+
+         k = findloc(springs%torsional .and. abs(distances) > 0.0_wp, .true., dim=1)
+         if (k > 0) call findings%warning('entry '//to_text(k)//': a torsional spring turns its links wherever it is mounted; '// &
+                                          'the distance has no effect', line=group%item_line(item), group='SPRING', item=item)
+      end subroutine doubt_place
    end subroutine read_spring_group
 end module psalm_spring_group

@@ -188,11 +188,13 @@ def main():
         status, listing, _ = run(place, "no", sketch + " &SPRNGS PNAME='frame A', QNAME='coupler C', SKIND=2 &END\n")
         check("a pin on a circle has no spring along a slide", status == 1 and "STRAIGHT LINE" in listing, (status, listing))
         for item, words in (("SKIND=1, PREACH=5", "has no other place than that given"), ("SKIND=2, QREACH=5", "has no other place than that given"),
-                            ("SKIND=1, SMETH='EXACT'", "finds a spring between two points"), ("SKIND=3", "is expected"),
+                            ("SKIND=1, PDIST=5", "wherever it is mounted"), ("SKIND=1, SMETH='EXACT'", "finds a spring between two points"), ("SKIND=3", "is expected"),
                             ("SKIND=1, CWIRE=0.002, CDIAM=0.02, CTURNS=20", "a torsion spring has others"),
                             ("SKIND=0, SFLOW=-1", "a free length is not negative")):
             status, _, said = run(place, "no", sketch + " &SPRNGS PNAME='frame A', QNAME='rocker C', %s &END\n" % item)
             check(item + " is refused", status == 2 and words in said, (status, said))
+        status, _, said = run(place, "no", sketch + " &SPRING ANAME='frame A', BNAME='rocker C', ADIST=5, STORS=1, STIFF=1 &END\n", "kalm")
+        check("a torsional spring has no place", status == 0 and "the distance has no effect" in said, (status, said))
     return report()
 
 
