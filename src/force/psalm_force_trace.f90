@@ -49,7 +49,8 @@ contains
          call analyse_forces(problem, model, speed, accel, closed, input, trace%table)
       end if
       trace%bodies = pack([(b, b=1, size(model%reference))], &
-                          [(abs(model%inertia(parameter_mass, b)) > 0.0_wp .and. b /= body_frame, b=1, size(model%reference))])
+                          [(abs(model%inertia(parameter_mass, b)) >= tiny(1.0_wp) .and. b /= body_frame, b=1, &
+                            size(model%reference))])
       associate (m => problem%positions, joints => size(problem%mechanism%joints))
          allocate (trace%centre(2, m, size(trace%bodies)), trace%load_at(2, m, size(model%loads)), &
                    trace%load(2, m, size(model%loads)), trace%joint_at(2, m, joints), trace%joint(2, m, joints), &

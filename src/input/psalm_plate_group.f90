@@ -74,7 +74,6 @@ contains
       type(diagnostics_t), intent(inout) :: findings
       type(place_t), allocatable :: places(:)
       real(wp), allocatable :: thickness(:), width(:), hole(:), density(:)
-      type(plate_t) :: plate
       type(diagnostics_t) :: again                !! what is wrong with the texts is reported once
       character(:), allocatable :: names(:)
       logical :: named
@@ -125,13 +124,16 @@ contains
          end do
          return
       end if
+      if (.not. sketch%given) then
+         deallocate (plates%plates)
+         allocate (plates%plates(n))
+         do k = 1, n
+            plates%plates(k) = plate_of(k)
+            plates%plates(k)%place = places(k)
+         end do
+         return
+      end if
       do k = 1, n
-         if (.not. sketch%given) then
-            plate = plate_of(k)
-            plate%place = places(k)
-            call append(plate)
-            cycle
-         end if
          l = places(k)%link
          if (l == 0) cycle
          if (l == frame_link) then
