@@ -18,7 +18,7 @@ import numpy
 import psalm
 
 MEMORY = 4 << 30        # bytes of address space
-SAYS = ("motion", "summary")    # studies whose errors are told: the others are asked of whatever is drawn
+SAYS = ("motion", "summary")    # studies whose errors are reported: the others are asked of whatever is drawn
 FINE = 5                # degrees between the positions of which velocities are shown
 PREFIX = re.compile(r"^case in memory(?::\d+: (?:error|warning|remark))?: ")
 CURVE_FILE = re.compile(r"^[^!'\"]*[&$]\s*CURVE\b", re.I)
@@ -32,7 +32,7 @@ OWN_STARTS = 100000
 TURNS = 720.0           # degrees to either side: no bound of an angle
 FIRST_SECONDS, MOST_SECONDS = 0.5, 16.0     # of a kind in the first round; doubled from round to round
 ASSEMBLIES = 24         # that are shown
-TOLD = 0.3              # seconds between two reports of progress
+REPORTED = 0.3          # seconds between two reports of progress
 LISTING = 200000        # characters of a listing that are shown
 FOUND = 24              # linkages found that are shown
 SHOWN = 60              # points of a path on the contact sheet
@@ -277,7 +277,7 @@ def run(request, tell, stopped):
     last = [0.0]
 
     def progress(made, most, best):
-        if time.monotonic() > last[0] + TOLD:
+        if time.monotonic() > last[0] + REPORTED:
             last[0] = time.monotonic()
             tell({"made": made, "most": most, "best": best if math.isfinite(best) and best < sys.float_info.max else None})
         return stopped()

@@ -52,7 +52,7 @@ li.error, li.warning { color: #8a1c14; } pre { font-size: .8rem; white-space: pr
 
 # study, heading, groups that ask for it; of those in a row that ask for one another's place the first counts
 STUDIES = (("rates", "Velocities and accelerations", "RATES"), ("forces", "Forces", "MASSES PLATES LOADS SPRING FRICTN"),
-           ("machine", "Motion from torque", "MOTOR"), ("time", "Motion in time", "TIME"), ("tolerances", "Tolerances", "TOLER"),
+           ("machine", "Motion from torque", "MOTOR"), ("time", "Motion in time", "TIME STOPS"), ("tolerances", "Tolerances", "TOLER"),
            ("allocation", "Cheapest tolerances", "ALLOC"), ("sweep", "Family of linkages", "SWEEP"), ("balance", "Counterweights", "BALANC"),
            ("springs", "Springs", "SPRNGS"), ("vibration", "Vibration and stability", "ESTIM VIBR DRIVEL HILL"), ("cams", "Cams", "CAM CAM2"),
            ("clearance", "Clearance", "CLEAR"), ("proof", "What is proven", ""))

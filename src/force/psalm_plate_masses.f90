@@ -52,31 +52,30 @@ contains
       type(plate_mass_t), allocatable, intent(out) :: found(:)
       type(diagnostics_t), intent(inout) :: findings
       type(plate_group_t) :: plates
-      type(plate_mass_t) :: one
       real(wp), allocatable :: points(:, :)
-      integer :: k, body
+      type(plate_mass_t), allocatable :: every(:)
+      integer :: k, n, body
       logical :: right
 
-      allocate (found(0))
       plates = plates_of(set)
-      if (.not. plates%given) return
+      allocate (every(merge(size(mechanism%bodies), 0, plates%given)))
+      n = 0
       if (plates%all_links) then
          do body = body_frame + 1, size(mechanism%bodies)
-            if (is_cylinder(body)) cycle
+            if (is_cylinder(mechanism, body)) cycle
             call points_on_body(body, points)
             call add_plate(plates%plates(1), 1, body)
          end do
-         return
       end if
-      do k = 1, size(plates%plates)
+      do k = 1, merge(0, size(plates%plates), plates%all_links)
          associate (plate => plates%plates(k))
             if (plate%link > 0) then
                call corners_of_link(plate, points, body, right)
             else
                body = mechanism%arcs(mechanism%seq(plate%place%loop, plate%place%arc))%body
-               right = .not. is_cylinder(body) .and. body /= body_frame
+               right = .not. is_cylinder(mechanism, body) .and. body /= body_frame
                if (right) call points_on_body(body, points)
-               if (any(found%body == body)) then
+               if (any(every(:n)%body == body)) then
                   call refuse(plate, 'is on a link that stands twice')
                   cycle
                end if
@@ -89,14 +88,9 @@ contains
             end if
          end associate
       end do
+      found = every(:n)
 
    contains
-
-      pure logical function is_cylinder(body)
-         integer, intent(in) :: body
-
-         is_cylinder = mechanism%bodies(body)%is_rod .or. any(mechanism%arcs(mechanism%bodies(body)%arcs)%rod > 0)
-      end function is_cylinder
 
       !> Places of all vertices of a body.
       subroutine points_on_body(body, points)
@@ -150,6 +144,7 @@ contains
          type(plate_t), intent(in) :: plate
          integer, intent(in) :: number, body
          real(wp) :: moments(area_moments), at(2), along(2), scale, sizes(4)
+         type(plate_mass_t) :: one
          integer :: k, b
          logical :: known
 
@@ -199,20 +194,9 @@ contains
          end if
          one%distance = hypotenuse(at(1), at(2))
          one%angle = degrees_of(along(1)*at(1) + along(2)*at(2), along(1)*at(2) - along(2)*at(1))
-         call append()
+         n = n + 1
+         every(n) = one
       end subroutine add_plate
-
-      subroutine append()
-         type(plate_mass_t), allocatable :: more(:)
-         integer :: i
-
-         allocate (more(size(found) + 1))
-         do i = 1, size(found)
-            more(i) = found(i)
-         end do
-         more(size(more)) = one
-         call move_alloc(more, found)
-      end subroutine append
 
       subroutine refuse(plate, what)
          type(plate_t), intent(in) :: plate
@@ -221,6 +205,15 @@ contains
          call set%origins%error(findings, 'PLATES', set%link_item('P'), 'entry '//to_text(plate%entry)//' '//what, plate%entry)
       end subroutine refuse
    end subroutine find_plates
+
+   !> True of the rod or the barrel of a cylinder.
+   pure logical function is_cylinder(mechanism, body)
+      type(mechanism_t), intent(in) :: mechanism
+      integer, intent(in) :: body
+
+      is_cylinder = mechanism%bodies(body)%is_rod .or. any(mechanism%arcs(mechanism%bodies(body)%arcs)%rod > 0)
+   end function is_cylinder
+
    !> Number of the plate that a body is; 0: it is none.
    pure integer function plate_of_body(plates, mechanism, body) result(number)
       type(plate_group_t), intent(in) :: plates
@@ -231,7 +224,7 @@ contains
       number = 0
       if (body == body_frame .or. .not. plates%given) return
       if (plates%all_links) then
-         number = merge(0, 1, mechanism%bodies(body)%is_rod .or. any(mechanism%arcs(mechanism%bodies(body)%arcs)%rod > 0))
+         number = merge(0, 1, is_cylinder(mechanism, body))
          return
       end if
       number = plates%plate_of_link(mechanism%arcs(mechanism%bodies(body)%axis)%link)

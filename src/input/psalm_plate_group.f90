@@ -73,6 +73,7 @@ contains
       type(plate_group_t), intent(inout) :: plates
       type(diagnostics_t), intent(inout) :: findings
       type(place_t), allocatable :: places(:)
+      integer, allocatable :: links(:), entries(:) ! by plate
       real(wp), allocatable :: thickness(:), width(:), hole(:), density(:)
       type(diagnostics_t) :: again                !! what is wrong with the texts is reported once
       character(:), allocatable :: names(:)
@@ -110,55 +111,64 @@ contains
          if (hole(k) > 0.0_wp .and. hole(k) >= width(k)) call out_of(group, 'PHOLE', 'entry '//to_text(k)//': a hole must be '// &
                                                                      'smaller than the width of the link, PWIDTH', findings, k)
       end do
-      if (.not. named) then
-         if (n > 1) call out_of(group, 'NPLATE', 'several entries need the names of their links, PNAME (PLINK and PLOOP of '// &
-                                '&LINKS); one without a name is for all links', findings)
-         plates%all_links = .not. sketch%given
-         if (plates%all_links) then
-            call append(plate_of(1))
-            return
-         end if
-         do l = 1, size(sketch%links)
-            if (l == frame_link .or. is_wheel(sketch, l) .or. is_cylinder(sketch, l)) cycle
-            call add_plate(l, 1)
-         end do
-         return
+      if (.not. named .and. n > 1) call out_of(group, 'NPLATE', 'several entries need the names of their links, PNAME (PLINK '// &
+                                               'and PLOOP of &LINKS); one without a name is for all links', findings)
+      plates%all_links = .not. (named .or. sketch%given)
+      if (sketch%given) then
+         call choose_links()
+      else
+         entries = [(k, k=1, merge(n, 1, named))]
+         links = 0*entries
       end if
-      if (.not. sketch%given) then
-         deallocate (plates%plates)
-         allocate (plates%plates(n))
-         do k = 1, n
-            plates%plates(k) = plate_of(k)
-            plates%plates(k)%place = places(k)
-         end do
-         return
-      end if
-      do k = 1, n
-         l = places(k)%link
-         if (l == 0) cycle
-         if (l == frame_link) then
-            call out_of(group, 'PNAME', 'entry '//to_text(k)//' is the frame, whose mass has no effect', findings, k)
-         else if (is_cylinder(sketch, l)) then
-            call out_of(group, 'PNAME', 'entry '//to_text(k)//' is a cylinder, which is no plate; give its mass in &MASSES', &
-                        findings, k)
-         else if (any(plates%plates%link == l)) then
-            call out_of(group, 'PNAME', 'entry '//to_text(k)//': the link '//trim(sketch%links(l)%name)//' stands twice', &
-                        findings, k)
-         else
-            call add_plate(l, k)
-         end if
+      deallocate (plates%plates)
+      allocate (plates%plates(size(entries)))
+      do k = 1, size(entries)
+         plates%plates(k) = plate_of(entries(k), links(k))
       end do
 
    contains
 
-      !> A link of the sketch with its joints for corners.
-      subroutine add_plate(link, entry)
-         integer, intent(in) :: link, entry
-         type(plate_t) :: plate
+      !> The links of a sketch that are plates, and the entries they are plates by.
+      subroutine choose_links()
+
+         if (.not. named) then
+            links = pack([(l, l=1, size(sketch%links))], [(l /= frame_link .and. .not. is_wheel(sketch, l) .and. &
+                                                           .not. is_cylinder(sketch, l), l=1, size(sketch%links))])
+            entries = 0*links + 1
+            return
+         end if
+         allocate (links(0), entries(0))
+         do k = 1, n
+            l = places(k)%link
+            if (l == 0) cycle
+            if (l == frame_link) then
+               call out_of(group, 'PNAME', 'entry '//to_text(k)//' is the frame, whose mass has no effect', findings, k)
+            else if (is_cylinder(sketch, l)) then
+               call out_of(group, 'PNAME', 'entry '//to_text(k)//' is a cylinder, which is no plate; give its mass in &MASSES', &
+                           findings, k)
+            else if (any(links == l)) then
+               call out_of(group, 'PNAME', 'entry '//to_text(k)//': the link '//trim(sketch%links(l)%name)//' stands twice', &
+                           findings, k)
+            else
+               links = [links, l]
+               entries = [entries, k]
+            end if
+         end do
+      end subroutine choose_links
+
+      !> A plate as an entry has it; of a sketch the joints of its link are the corners.
+      type(plate_t) function plate_of(entry, link) result(plate)
+         integer, intent(in) :: entry, link
          integer :: i
 
-         plate = plate_of(entry)
+         plate%entry = entry
+         plate%place = places(entry)
          plate%link = link
+         plate%thickness = thickness(entry)
+         plate%width = width(entry)
+         plate%hole = hole(entry)
+         plate%density = density(entry)
+         if (link == 0) return
          associate (joints => sketch%links(link)%joints)
             allocate (plate%corners(size(joints)))
             do i = 1, size(joints)
@@ -167,32 +177,7 @@ contains
                if (size(joints) > 1) plate%corners(i)%line = joints(:2)
             end do
          end associate
-         call append(plate)
-      end subroutine add_plate
-
-      !> A plate as an entry has it.
-      type(plate_t) function plate_of(entry) result(plate)
-         integer, intent(in) :: entry
-
-         plate%entry = entry
-         plate%thickness = thickness(entry)
-         plate%width = width(entry)
-         plate%hole = hole(entry)
-         plate%density = density(entry)
       end function plate_of
-
-      subroutine append(plate)
-         type(plate_t), intent(in) :: plate
-         type(plate_t), allocatable :: more(:)
-         integer :: i
-
-         allocate (more(size(plates%plates) + 1))
-         do i = 1, size(plates%plates)
-            more(i) = plates%plates(i)
-         end do
-         more(size(more)) = plate
-         call move_alloc(more, plates%plates)
-      end subroutine append
    end subroutine read_plate_group
 
    pure logical function is_wheel(sketch, link)

@@ -1,8 +1,8 @@
 !> Counterweights in the listing.
 module psalm_balance_list
    use psalm_balance_group, only: balance_group_t, balance_of, form_body, measure_names, order_moment, order_torque, order_contact
-   use psalm_balance_study, only: balance_study_t, outcome_t, balance_term_t, channel_force, channel_moment, channel_torque, &
-                                  condition_whole, condition_link
+   use psalm_balance_study, only: balance_study_t, outcome_t, channel_force, channel_moment, channel_torque
+   use psalm_balance_terms, only: balance_term_t, terms_of, condition_link, condition_whole
    use psalm_clearance_study, only: margins_t
    use psalm_columns, only: right_column
    use psalm_data_set, only: data_set_t
@@ -154,7 +154,7 @@ contains
       character(:), allocatable :: line
       integer :: k
 
-      rows = study%conditions_of(design, metre)
+      rows = terms_of(study, design, metre)
       allocate (columns(size(rows), 2))
       columns(:, 1) = figures_of(named, rows%product, all_count=.true.)
       columns(:, 2) = figures_of(named, rows%angle)

@@ -1,6 +1,7 @@
 !> Counterweights as tables.
 module psalm_balance_table
-   use psalm_balance_study, only: balance_study_t, outcome_t, balance_term_t, channel_force, channel_moment, channel_torque
+   use psalm_balance_study, only: balance_study_t, outcome_t, channel_force, channel_moment, channel_torque
+   use psalm_balance_terms, only: balance_term_t, terms_of
    use psalm_clearance_study, only: margins_t
    use psalm_kinds, only: wp
    use psalm_linear_loads, only: measure_t
@@ -103,7 +104,7 @@ contains
       allocate (rows(0), design(0))
       do k = 1, size(study%designs)
          if (.not. allocated(study%designs(k)%conditions)) cycle
-         more = study%conditions_of(k, metre)
+         more = terms_of(study, k, metre)
          rows = [rows, more]
          design = [design, spread(k, 1, size(more))]
       end do

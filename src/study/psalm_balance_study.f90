@@ -34,7 +34,7 @@ module psalm_balance_study
    private
    public :: balance_study_t, outcome_t, assess_balance, find_balance
    public :: channel_force, channel_moment, channel_torque
-   public :: balance_term_t, condition_whole, condition_link, condition_weight
+   public :: within_half_turn
 
    integer, parameter :: channel_force = 1, channel_moment = 2, channel_torque = 3, first_joint_channel = 4
    integer, parameter :: fewest_positions = 36     !! fewer do not tell the rank of a motion
@@ -44,21 +44,7 @@ module psalm_balance_study
    real(wp), parameter :: rounding_of_angles = 1.0e-10_wp !! degrees
    real(wp), parameter :: lightest_shown = 1.0e-9_wp !! masses of the linkage: a lighter weight is none
 
-   ! what asks for a part of mass times distance
-   integer, parameter :: condition_whole = 0       !! all together
-   integer, parameter :: condition_link = 1        !! the mass of a link
-   integer, parameter :: condition_weight = 2      !! each kilogram of another weight
    real(wp), parameter :: steady_part = 1.0e-6_wp  !! of the moment before: less is none
-   real(wp), parameter :: no_term = 1.0e-9_wp      !! of the largest of its kind: less is rounding
-
-   !> One term of the condition that a weight satisfies.
-   type :: balance_term_t
-      integer :: body = 0                          !! that carries it
-      integer :: kind = condition_whole
-      integer :: source = 0                        !! the body that asks for it
-      real(wp) :: product = 0.0_wp                 !! mass times distance from the anchor, kg and user's length
-      real(wp) :: angle = 0.0_wp                   !! from the link's line, degrees
-   end type balance_term_t
 
    !> A weight as it is to be made.
    type :: weight_t
@@ -137,7 +123,6 @@ module psalm_balance_study
       logical :: steady_wanted = .false.           !! IDYNAM
    contains
       procedure :: take_weights
-      procedure :: conditions_of
       procedure :: is_steady
       procedure :: chosen_outcome
    end type balance_study_t
@@ -213,62 +198,6 @@ contains
       is_steady = allocated(self%steady)
       if (is_steady) is_steady = self%steady%loads(channel_moment)%rms <= steady_part*self%before(channel_moment)%rms
    end function is_steady
-
-   !> The terms of the conditions of a design, weight by weight, the whole first; terms of rounding are left out.
-   function conditions_of(self, design, metre) result(rows)
-      class(balance_study_t), intent(in) :: self
-      integer, intent(in) :: design                !! its conditions are there
-      real(wp), intent(in) :: metre                !! metres in a unit of length
-      type(balance_term_t), allocatable :: rows(:)
-      type(balance_term_t) :: row
-      complex(wp) :: whole
-      integer :: i, k, w
-
-      allocate (rows(0))
-      associate (of => self%designs(design), conditions => self%designs(design)%conditions)
-         do i = 1, size(conditions%links)
-            whole = sum(conditions%by_links(i, :))
-            do w = 1, size(of%weights)
-               k = findloc(conditions%links, of%weights(w)%body, dim=1)
-               if (k > 0) whole = whole + of%weights(w)%mass*conditions%by_weights(i, k)
-            end do
-            call put(condition_whole, 0, whole, 0.0_wp)
-            do k = 1, size(conditions%by_links, 2)
-               call put(condition_link, k, conditions%by_links(i, k), size_of(reshape(conditions%by_links, &
-                                                                          [size(conditions%by_links)])))
-            end do
-            do k = 1, size(conditions%links)
-               call put(condition_weight, conditions%links(k), conditions%by_weights(i, k), size_of(reshape( &
-                        conditions%by_weights, [size(conditions%by_weights)])))
-            end do
-         end do
-      end associate
-
-   contains
-
-      pure real(wp) function size_of(values)
-         complex(wp), intent(in) :: values(:)
-
-         size_of = maxval(hypotenuse(real(values, wp), aimag(values)))
-      end function size_of
-
-      subroutine put(kind, source, value, largest)
-         integer, intent(in) :: kind, source
-         complex(wp), intent(in) :: value          !! kg m, axes of the link
-         real(wp), intent(in) :: largest           !! of the values of this kind
-
-         associate (amount => hypotenuse(real(value, wp), aimag(value)))
-            if (kind /= condition_whole .and. amount <= no_term*largest) return
-            row%body = self%designs(design)%conditions%links(i)
-            row%kind = kind
-            row%source = source
-            row%product = amount/metre
-            row%angle = 0.0_wp
-            if (amount > 0.0_wp) row%angle = plain(degrees_of(real(value, wp), aimag(value)) - self%line_angle(row%body))
-         end associate
-         rows = [rows, row]
-      end subroutine put
-   end function conditions_of
 
    !> The weights that device 7 gets: those of the composite, else those of the first design.
    function chosen_outcome(self) result(outcome)
@@ -807,13 +736,13 @@ contains
          if (weight%inertia <= 1.0e-12_wp*added(weight_inertia, b)) weight%inertia = 0.0_wp
          weight%distance = hypotenuse(centre(1), centre(2))/model%metre
          weight%angle = 0.0_wp
-         if (weight%distance > 0.0_wp) weight%angle = plain(degrees_of(centre(1), centre(2)) - study%line_angle(b))
+         if (weight%distance > 0.0_wp) weight%angle = within_half_turn(degrees_of(centre(1), centre(2)) - study%line_angle(b))
          place = centre + anchor(:, b)
          weight%place = place
          place = place - study%line_from(:, b)
          weight%from_end = hypotenuse(place(1), place(2))/model%metre
          weight%angle_end = 0.0_wp
-         if (weight%from_end > 0.0_wp) weight%angle_end = plain(degrees_of(place(1), place(2)) - study%line_angle(b))
+         if (weight%from_end > 0.0_wp) weight%angle_end = within_half_turn(degrees_of(place(1), place(2)) - study%line_angle(b))
          outcome%weights = [outcome%weights, weight]
       end do
       outcome%total = sum(outcome%weights%mass)
@@ -824,14 +753,14 @@ contains
    end subroutine describe
 
    !> A direction within half a turn, without the rounding of one along the link.
-   pure real(wp) function plain(angle)
+   pure real(wp) function within_half_turn(angle) result(plain)
       real(wp), intent(in) :: angle
 
       plain = angle
       if (abs(plain) > half_turn) plain = plain - sign(2.0_wp*half_turn, plain)
       if (abs(plain) <= rounding_of_angles) plain = 0.0_wp
       if (abs(abs(plain) - half_turn) <= rounding_of_angles) plain = half_turn
-   end function plain
+   end function within_half_turn
 
    ! ---- composites --------------------------------------------------------------------------------------------------
 

@@ -236,6 +236,8 @@ def loops():
     one_loop = forces(by_loops + "\n" + plates % "PLINK=3, PLOOP=1, ", name="loops")
     check("a single link", all(abs(a[key] - b[key]) <= 1e-11 * size[key] for a, b in zip(one, one_loop) for key in keys))
     check("and no more", len(table("kalm", "plates")) == 1 and len(table("kalm", "plates", "loops")) == 1)
+    other = forces(text.replace("'angle rocker'", "'point C','angle rocker'") + plates % "")
+    check("outputs do not change the forces", all(a[key] == b[key] for a, b in zip(drawn, other) for key in keys))
     # two plates on one link by two arcs of it, and a mass beside the plate
     status, said = run("kalm", by_loops + "\n" + plates % "PLINK=2,-2, PLOOP=1,1, ", name="loops")
     check("a link that stands twice is refused", status == 2 and "stands twice" in said, said)

@@ -93,6 +93,9 @@ verbs = re.findall(r\"verb_t\('(\w+)', '(\w+)', '([^']*)', '\w*'\)\", text)
 assert [v[0] for v in verbs] == list(psalm.verbs), 'the list of the library'
 assert {v[1] for v in verbs} == {'psalm', 'kalm', 'balm', 'muscle', 'ssics', 'calm', 'bridge'}, 'every program'
 asked = {g for v in verbs for g in v[2].split()}
+from psalm import report
+groups = {v[0]: v[2] for v in verbs}
+assert all(asks in ('', groups[verb]) for verb, _, asks in report.STUDIES), 'studies of a report'
 case = {'LINKS', 'CHAIN', 'DRIVES', 'OUTPUTS', 'METHOD', 'CURVE', 'LIMITS', 'CONSTR'}
 for program in sorted({v[1] for v in verbs}):
     groups = re.findall(r'^ &(\w+)', subprocess.run(['$prefix/bin/' + program, '--items'], capture_output=True, text=True).stdout, re.M)
