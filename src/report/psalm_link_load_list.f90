@@ -119,73 +119,106 @@ contains
    subroutine put_link_loads(study, tables)
       type(force_study_t), intent(in) :: study
       type(tables_t), intent(inout) :: tables
-      type(table_t) :: table
-      real(wp), allocatable :: angle(:, :)
-      logical :: known(size(study%input))
-      integer :: k, i, b
 
-      known = [(study%table%known(k), k=1, size(known))]
-      angle = angles_of(study)
-      associate (n => size(study%input), links => study%loads%links, acting => study%loads%acting)
-         associate (m => size(acting))
-            table = table_of('link_loads', 'a row for each position, link and point of it: what acts there, in axes of the link', &
-                             audience=for_programs)
-            call table%add('position', [((k, i=1, m), k=1, n)])
-            call table%add(input_name(), [((study%input(k), i=1, m), k=1, n)], input_unit(study%drive_slides(1)))
-            call table%add('link', [((link_name(acting(i)%body), i=1, m), k=1, n)])
-            call table%add('at', [((point_name(i), i=1, m), k=1, n)])
-            call table%add('kind', [((words_of_kind(acting(i)%kind), i=1, m), k=1, n)])
-            call add('x', [((acting(i)%place(k, 1), i=1, m), k=1, n)], 'length', m)
-            call add('y', [((acting(i)%place(k, 2), i=1, m), k=1, n)], 'length', m)
-            call add('fx', [((acting(i)%force(k, 1), i=1, m), k=1, n)], 'N', m)
-            call add('fy', [((acting(i)%force(k, 2), i=1, m), k=1, n)], 'N', m)
-            call add('m', [((acting(i)%moment(k), i=1, m), k=1, n)], 'N m', m)
-            call tables%put(table)
-         end associate
-         associate (m => size(links) - 1)
-            table = table_of('link_motion', 'a row for each position and link: axes, centre of mass in them, motion', &
-                             audience=for_programs)
-            call table%add('position', [((k, b=1, m), k=1, n)])
-            call table%add(input_name(), [((study%input(k), b=1, m), k=1, n)], input_unit(study%drive_slides(1)))
-            call table%add('link', [((link_name(b + 1), b=1, m), k=1, n)])
-            call add('x', [((links(b + 1)%at(k, 1), b=1, m), k=1, n)], 'length', m)
-            call add('y', [((links(b + 1)%at(k, 2), b=1, m), k=1, n)], 'length', m)
-            call add('angle', [((angle(k, b + 1), b=1, m), k=1, n)], 'deg', m)
-            call add('mass', [((links(b + 1)%mass, b=1, m), k=1, n)], 'kg', m)
-            call add('centre_x', [((links(b + 1)%centre(1), b=1, m), k=1, n)], 'length', m)
-            call add('centre_y', [((links(b + 1)%centre(2), b=1, m), k=1, n)], 'length', m)
-            call add('inertia', [((links(b + 1)%inertia, b=1, m), k=1, n)], 'kg m2', m)
-            call add('speed', [((links(b + 1)%turning(k, 1), b=1, m), k=1, n)], 'rad/s', m)
-            call add('accel', [((links(b + 1)%turning(k, 2), b=1, m), k=1, n)], 'rad/s^2', m)
-            call add('centre_ax', [((links(b + 1)%accel(k, 1), b=1, m), k=1, n)], 'm/s^2', m)
-            call add('centre_ay', [((links(b + 1)%accel(k, 2), b=1, m), k=1, n)], 'm/s^2', m)
-            call tables%put(table)
-         end associate
-      end associate
-
-   contains
-
-      subroutine add(name, values, unit, times)
-         character(*), intent(in) :: name, unit
-         real(wp), intent(in) :: values(:)
-         integer, intent(in) :: times             !! rows of a position
-         integer :: l
-
-         call table%add(name, values, unit, [((known(k), l=1, times), k=1, size(known))])
-      end subroutine add
-
-      pure function link_name(body) result(name)
-         integer, intent(in) :: body
-         character(longest_name) :: name
-
-         name = study%loads%links(body)%name
-      end function link_name
-
-      pure function point_name(which) result(name)
-         integer, intent(in) :: which
-         character(longest_name) :: name
-
-         name = study%loads%acting(which)%name
-      end function point_name
+      call put_acting(study, tables)
+      call put_motion(study, tables)
    end subroutine put_link_loads
+
+   subroutine put_acting(study, tables)
+      type(force_study_t), intent(in) :: study
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      real(wp), allocatable :: input(:), value(:, :)   ! shapes (rows), (rows, place, force, moment)
+      integer, allocatable :: position(:)
+      logical, allocatable :: known(:)
+      character(longest_name), allocatable :: link(:), point(:)
+      character(len(words_of_kind)), allocatable :: kind(:)
+      integer :: k, i, row
+
+      associate (n => size(study%input), links => study%loads%links, acting => study%loads%acting)
+         associate (rows => n*size(acting))
+            allocate (input(rows), value(rows, 5), position(rows), known(rows), link(rows), point(rows), kind(rows))
+         end associate
+         row = 0
+         do k = 1, n
+            do i = 1, size(acting)
+               row = row + 1
+               position(row) = k
+               input(row) = study%input(k)
+               known(row) = study%table%known(k)
+               link(row) = links(acting(i)%body)%name
+               point(row) = acting(i)%name
+               kind(row) = words_of_kind(acting(i)%kind)
+               value(row, :2) = acting(i)%place(k, :)
+               value(row, 3:4) = acting(i)%force(k, :)
+               value(row, 5) = acting(i)%moment(k)
+            end do
+         end do
+      end associate
+      table = table_of('link_loads', 'a row for each position, link and point of it: what acts there, in axes of the link', &
+                       audience=for_programs)
+      call table%add('position', position)
+      call table%add(input_name(), input, input_unit(study%drive_slides(1)))
+      call table%add('link', link)
+      call table%add('at', point)
+      call table%add('kind', kind)
+      call table%add('x', value(:, 1), 'length', known)
+      call table%add('y', value(:, 2), 'length', known)
+      call table%add('fx', value(:, 3), 'N', known)
+      call table%add('fy', value(:, 4), 'N', known)
+      call table%add('m', value(:, 5), 'N m', known)
+      call tables%put(table)
+   end subroutine put_acting
+
+   subroutine put_motion(study, tables)
+      type(force_study_t), intent(in) :: study
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      real(wp), allocatable :: input(:), value(:, :), angle(:, :)
+      integer, allocatable :: position(:)
+      logical, allocatable :: known(:)
+      character(longest_name), allocatable :: link(:)
+      integer :: k, b, row
+
+      angle = angles_of(study)
+      associate (n => size(study%input), links => study%loads%links)
+         associate (rows => n*(size(links) - body_frame))
+            allocate (input(rows), value(rows, 11), position(rows), known(rows), link(rows))
+         end associate
+         row = 0
+         do k = 1, n
+            do b = body_frame + 1, size(links)
+               row = row + 1
+               position(row) = k
+               input(row) = study%input(k)
+               known(row) = study%table%known(k)
+               link(row) = links(b)%name
+               value(row, 1:2) = links(b)%at(k, :)
+               value(row, 3) = angle(k, b)
+               value(row, 4) = links(b)%mass
+               value(row, 5:6) = links(b)%centre
+               value(row, 7) = links(b)%inertia
+               value(row, 8:9) = links(b)%turning(k, :)
+               value(row, 10:11) = links(b)%accel(k, :)
+            end do
+         end do
+      end associate
+      table = table_of('link_motion', 'a row for each position and link: axes, centre of mass in them, motion', &
+                       audience=for_programs)
+      call table%add('position', position)
+      call table%add(input_name(), input, input_unit(study%drive_slides(1)))
+      call table%add('link', link)
+      call table%add('x', value(:, 1), 'length', known)
+      call table%add('y', value(:, 2), 'length', known)
+      call table%add('angle', value(:, 3), 'deg', known)
+      call table%add('mass', value(:, 4), 'kg')
+      call table%add('centre_x', value(:, 5), 'length')
+      call table%add('centre_y', value(:, 6), 'length')
+      call table%add('inertia', value(:, 7), 'kg m2')
+      call table%add('speed', value(:, 8), 'rad/s', known)
+      call table%add('accel', value(:, 9), 'rad/s^2', known)
+      call table%add('centre_ax', value(:, 10), 'm/s^2', known)
+      call table%add('centre_ay', value(:, 11), 'm/s^2', known)
+      call tables%put(table)
+   end subroutine put_motion
 end module psalm_link_load_list
