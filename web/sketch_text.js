@@ -354,6 +354,9 @@ board.text = (() => {
   /** Where a group of the first case stands in a text, with its items; nothing if there is none. */
   const placeOf = (text, name) => split(text).groups.find((one) => one.name === name);
 
+  /** Where the last group of the first case ends. */
+  const endOf = (text) => { const { groups: all } = split(text); return all.length ? all.at(-1).end : text.length; };
+
   /** A text in which a group, or one item of it, is another; a group that is not there comes last of its case. */
   function changed(text, name, item, value) {
     const place = placeOf(text, name), there = place && place.items.find((one) => one.name === item);
@@ -364,5 +367,5 @@ board.text = (() => {
     return text.slice(0, last) + '\n' + head + item + '=' + value + ' &END' + text.slice(last);
   }
 
-  return { Mistake, parse, write, renameIn, groups, number, jointsIn, placeOf, changed };
+  return { Mistake, parse, write, renameIn, groups, number, jointsIn, placeOf, endOf, changed };
 })();

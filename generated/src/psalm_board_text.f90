@@ -1321,22 +1321,30 @@ module psalm_board_text
    "    springs: ['springs', '&SPRNGS'], machine: ['motion from torque', '&MOTOR'], time: ['motion in time', '&TIME'], vibr"// &
    "ation: ['vibration', '&VIBR, &ESTIM'],"//nl// &
    "    clearance: ['clearance of a joint', '&CLEAR'], cams: ['cam', '&CAM'] },"//nl// &
+   "  proposal: 'The text has no such group; this one was proposed and used:',"//nl// &
+   "  proposalLabel: 'group that is proposed',"//nl// &
+   "  proposalTake: 'Put it into the text',"//nl// &
+   "  proposalMoves: 'Draw a linkage with one drive that moves first.',"//nl// &
+   "  proposalCrank: 'A cam needs a crank on the frame, which it swings: drive one with the tool Drive.',"//nl// &
+   "  proposalMasses: 'Weights and springs act against masses and loads: give &MASSES (with GRAVY), &PLATES or &LOADS in th"// &
+   "e text first.',"//nl// &
+   "  proposalMounted: 'No link turns on the frame: write the group in the text.',"//nl// &
    "  run: 'Run',"//nl// &
    "  studyStop: 'stop the study',"//nl// &
    "  listing: 'listing of the study',"//nl// &
    "  studying: (name) => name + ' ...',"//nl// &
    "  progress: (made, most, best) => made + ' of ' + most + (best === null ? '' : ', best ' + Number(best.toPrecision(4)))"// &
    ","//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_13 = &
    '  // searches'//nl// &
    "  wantedHead: 'Wanted curve',"//nl// &
    "  wantedNone: 'Draw it with the tool Wanted (W), or open a CSV file with x and y in each line, or an SVG picture.',"//nl// &
    "  wantedHas: (count, closed) => (closed ? 'Closed' : 'Open') + ' curve of ' + count + ' points.',"//nl// &
    "  wantedFile: 'Open a curve',"//nl// &
    "  wantedClear: 'Clear',"//nl// &
-   "  wantedClosed: 'closed',"//nl
-
-   character(*), parameter :: part_13 = &
+   "  wantedClosed: 'closed',"//nl// &
    "  wantedPoints: 'points',"//nl// &
    "  noCurve: (name) => name + ': no curve was found; a CSV file has x and y in each line, a picture a path, polygon or po"// &
    "lyline.',"//nl// &
@@ -1437,16 +1445,16 @@ module psalm_board_text
    "/, '').length,"//nl// &
    '      groups, end };'//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_14 = &
    '  /** The place after blanks, line ends and comments. */'//nl// &
    '  function afterBlanks(text, at) {'//nl// &
    '    const part = /\s+|![^\n]*/y;'//nl// &
    '    for (;;) {'//nl// &
    '      part.lastIndex = at;'//nl// &
    '      const found = part.exec(text);'//nl// &
-   '      if (!found) return at;'//nl
-
-   character(*), parameter :: part_14 = &
+   '      if (!found) return at;'//nl// &
    '      at += found[0].length;'//nl// &
    '    }'//nl// &
    '  }'//nl// &
@@ -1547,7 +1555,9 @@ module psalm_board_text
    "    const links = texts('LNK').map((words, i) => ({ name: (texts('LNAME')[i] || String(i + 1)).trim(),"//nl// &
    "      joints: jointsIn(words, names, wrong('LNK')) }));"//nl// &
    "    const count = texts('NSLIDE').length ? numbers('NSLIDE')[0] : texts('SLNK').length;"//nl// &
-   '    const known = (name, item) => {'//nl// &
+   '    const known = (name, item) => {'//nl
+
+   character(*), parameter :: part_15 = &
    '      if (!links.some((link) => link.name === name.trim())) throw wrong(item)("no link is called ''" + name + "''");'//nl// &
    '      return name.trim();'//nl// &
    '    };'//nl// &
@@ -1555,9 +1565,7 @@ module psalm_board_text
    "      links: [known(texts('SLNK')[i] || '', 'SLNK'), known(texts('SLNK2')[i] || '', 'SLNK2')],"//nl// &
    "      x: numbers('SLX')[i], y: numbers('SLY')[i], angle: numbers('SLANG')[i] }));"//nl// &
    "    const gears = texts('GEARA').map((first, i) => ({ wheels: [known(first, 'GEARA'), known(texts('GEARB')[i] || '', 'G"// &
-   "EARB')],"//nl
-
-   character(*), parameter :: part_15 = &
+   "EARB')],"//nl// &
    "      carrier: known(texts('GCARR')[i] || '', 'GCARR'), teeth: [numbers('GTA')[i], numbers('GTB')[i]] }));"//nl// &
    "    const lengths = texts('LENP').map((words, i) => ({ joints: jointsIn(words, names, wrong('LENP')), value: numbers('L"// &
    "ENV')[i] }));"//nl// &
@@ -1658,7 +1666,9 @@ module psalm_board_text
    '    return [text.slice(0, at).trim(), [text.slice(at + 1).trim()]];'//nl// &
    '  });'//nl// &
    ''//nl// &
-   '  /** The groups of a sketch, each as text. */'//nl// &
+   '  /** The groups of a sketch, each as text. */'//nl
+
+   character(*), parameter :: part_16 = &
    '  function groups(sketch) {'//nl// &
    '    const { joints, links, slides, gears, lengths, drives, outputs } = sketch;'//nl// &
    "    const chain = [['JNT', joints.map((j) => quoted(j.name))], ['JX', joints.map((j) => number(j.x))], ['JY', joints.ma"// &
@@ -1666,9 +1676,7 @@ module psalm_board_text
    "    if (sketch.named !== false) chain.push(['LNAME', links.map((l) => quoted(l.name))]);"//nl// &
    "    chain.push(['LNK', links.map((l) => quoted(l.joints.join(' ')))]);"//nl// &
    '    if (slides.length) {'//nl// &
-   "      chain.push(['NSLIDE', [String(slides.length)]]);"//nl
-
-   character(*), parameter :: part_16 = &
+   "      chain.push(['NSLIDE', [String(slides.length)]]);"//nl// &
    "      if (slides.some((s, i) => s.name !== 'S' + (i + 1))) chain.push(['SNAME', slides.map((s) => quoted(s.name))]);"//nl// &
    "      chain.push(['SLNK', slides.map((s) => quoted(s.links[0]))], ['SLNK2', slides.map((s) => quoted(s.links[1]))],"//nl// &
    "        ['SLX', slides.map((s) => number(s.x))], ['SLY', slides.map((s) => number(s.y))], ['SLANG', slides.map((s) => n"// &
@@ -1766,6 +1774,9 @@ module psalm_board_text
    '  /** Where a group of the first case stands in a text, with its items; nothing if there is none. */'//nl// &
    '  const placeOf = (text, name) => split(text).groups.find((one) => one.name === name);'//nl// &
    ''//nl// &
+   '  /** Where the last group of the first case ends. */'//nl// &
+   '  const endOf = (text) => { const { groups: all } = split(text); return all.length ? all.at(-1).end : text.length; };'//nl// &
+   ''//nl// &
    '  /** A text in which a group, or one item of it, is another; a group that is not there comes last of its case. */'//nl// &
    '  function changed(text, name, item, value) {'//nl// &
    '    const place = placeOf(text, name), there = place && place.items.find((one) => one.name === item);'//nl// &
@@ -1776,9 +1787,11 @@ module psalm_board_text
    " + 1 + name.length);"//nl// &
    '    const { groups: all } = split(text), last = all.length ? all.at(-1).end : text.length;'//nl// &
    "    return text.slice(0, last) + '\n' + head + item + '=' + value + ' &END' + text.slice(last);"//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_17 = &
    ''//nl// &
-   '  return { Mistake, parse, write, renameIn, groups, number, jointsIn, placeOf, changed };'//nl// &
+   '  return { Mistake, parse, write, renameIn, groups, number, jointsIn, placeOf, endOf, changed };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
@@ -1789,9 +1802,7 @@ module psalm_board_text
    'a slide keeps'//nl// &
    '// both directions and lets nothing move across its line; a cylinder gives a distance; gears and drives give angles or '// &
    'travels.'//nl// &
-   "// The same equations as psalm's, for the whole sketch at once. Nothing here knows the document."//nl
-
-   character(*), parameter :: part_17 = &
+   "// The same equations as psalm's, for the whole sketch at once. Nothing here knows the document."//nl// &
    "'use strict';"//nl// &
    'globalThis.board = globalThis.board || {};'//nl// &
    ''//nl// &
@@ -1884,7 +1895,9 @@ module psalm_board_text
    '    }'//nl// &
    '    return at;'//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_18 = &
    '  /** A sketch made ready: points of links in their own axes, rows of equations. */'//nl// &
    '  function compile(sketch) {'//nl// &
    '    const index = new Map(sketch.links.map((link, i) => [link.name, i]));'//nl// &
@@ -1894,9 +1907,7 @@ module psalm_board_text
    '    const origin = [], point = [];'//nl// &
    '    sketch.links.forEach((link, i) => {'//nl// &
    '      const at = shape(sketch, link, i === 0);'//nl// &
-   '      const slide = sketch.slides.find((s) => s.links.includes(link.name));'//nl
-
-   character(*), parameter :: part_18 = &
+   '      const slide = sketch.slides.find((s) => s.links.includes(link.name));'//nl// &
    '      origin[i] = i === 0 ? [0, 0] : link.joints.length ? at.get(link.joints[0]).slice() : slide ? [slide.x, slide.y] :'// &
    ' [0, 0];'//nl// &
    '      point[i] = new Map([...at].map(([name, p]) => [joint.get(name), [p[0] - origin[i][0], p[1] - origin[i][1]]]));'//nl// &
@@ -1995,7 +2006,9 @@ module psalm_board_text
    '        by.a[2] += z.across;'//nl// &
    '        const times = (v) => v.map((f) => sense * f);'//nl// &
    '        add(sense * z.along - inputs[k], [[s.b, ...times(by.b)], [s.a, ...times(by.a)]]);'//nl// &
-   '      } else {'//nl// &
+   '      } else {'//nl
+
+   character(*), parameter :: part_19 = &
    '        const i = mech.of[drive.i][0], j = mech.of[drive.j][0];'//nl// &
    '        const p = place(mech, pose, i, mech.point[i].get(drive.i)), q = place(mech, pose, j, mech.point[j].get(drive.j)'// &
    ');'//nl// &
@@ -2006,9 +2019,7 @@ module psalm_board_text
    '    return { A, r, n };'//nl// &
    '  }'//nl// &
    ''//nl// &
-   "  /** Newton's method from where `pose` stands; it is changed. */"//nl
-
-   character(*), parameter :: part_19 = &
+   "  /** Newton's method from where `pose` stands; it is changed. */"//nl// &
    '  function correct(mech, pose, inputs) {'//nl// &
    '    let first = 0, before = Infinity, sign = 0, full = true;'//nl// &
    '    for (let round = 1; round <= ROUNDS; round++) {'//nl// &
@@ -2102,7 +2113,9 @@ module psalm_board_text
    '  function gridPositions(sketch, grids) {'//nl// &
    '    const counts = grids.map((grid) => grid ? grid[0] : 1), total = counts.reduce((a, b) => a * b, 1);'//nl// &
    '    return Array.from({ length: total }, (_, k) => {'//nl// &
-   '      let rest = k;'//nl// &
+   '      let rest = k;'//nl
+
+   character(*), parameter :: part_20 = &
    '      const values = counts.map((count, d) => {'//nl// &
    '        let digit = rest % count;'//nl// &
    '        rest = Math.floor(rest / count);'//nl// &
@@ -2113,9 +2126,7 @@ module psalm_board_text
    '      return values.map((value, d) => sketch.drives[d].ratio ? sketch.drives[d].ratio * values[0] + sketch.drives[d].ph'// &
    'ase : value)'//nl// &
    "        .map((value, d) => sketch.drives[d].kind === 'turn' ? value * RADIAN : value);"//nl// &
-   '    });'//nl
-
-   character(*), parameter :: part_20 = &
+   '    });'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** States at rows of inputs, each from the nearest one known; null where it does not close. */'//nl// &
@@ -2217,7 +2228,9 @@ module psalm_board_text
    'lumn / 3) + 1);'//nl// &
    '    }'//nl// &
    '    return [...moving].sort((a, b) => a - b);'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_21 = &
    ''//nl// &
    '  /** What is wrong with a sketch, in words, and the remedy; empty if it is a mechanism. Each has the names it is about'// &
    '. */'//nl// &
@@ -2229,9 +2242,7 @@ module psalm_board_text
    '    if (sketch.links.length < 2) return say(words.frameOnly);'//nl// &
    '    for (const link of sketch.links) for (const [i, a] of link.joints.entries()) for (const b of link.joints.slice(0, i'// &
    ')) {'//nl// &
-   '      const [p, q] = [a, b].map((name) => sketch.joints.find((j) => j.name === name));'//nl
-
-   character(*), parameter :: part_21 = &
+   '      const [p, q] = [a, b].map((name) => sketch.joints.find((j) => j.name === name));'//nl// &
    '      if (Math.hypot(p.x - q.x, p.y - q.y) <= 1e-9) return say(words.samePlace(b, a, link.name), [a, b]);'//nl// &
    '    }'//nl// &
    '    const reached = new Set([0]), touch = sketch.links.map((link) => (other) => link.joints.some((j) => other.joints.in'// &
@@ -2328,7 +2339,9 @@ module psalm_board_text
    '  /** Lengths between two lines of the grid: round, and wide enough to be seen. */'//nl// &
    '  function gridStep() {'//nl// &
    '    const chosen = board.state.grid;'//nl// &
-   "    if (chosen === 'auto') {"//nl// &
+   "    if (chosen === 'auto') {"//nl
+
+   character(*), parameter :: part_22 = &
    '      const least = 22 / eye.k, power = 10 ** Math.floor(Math.log10(least));'//nl// &
    '      return [1, 2, 5, 10].map((s) => s * power).find((s) => s >= least * 0.999);'//nl// &
    '    }'//nl// &
@@ -2338,9 +2351,7 @@ module psalm_board_text
    '  /** A place on the grid, as round a number as it can be. */'//nl// &
    '  function snap([x, y]) {'//nl// &
    '    const step = gridStep();'//nl// &
-   '    if (!step) return [Number(x.toPrecision(12)), Number(y.toPrecision(12))];'//nl
-
-   character(*), parameter :: part_22 = &
+   '    if (!step) return [Number(x.toPrecision(12)), Number(y.toPrecision(12))];'//nl// &
    '    const digits = Math.max(0, 2 - Math.floor(Math.log10(step)));'//nl// &
    '    return [x, y].map((v) => { const r = Number((Math.round(v / step) * step).toFixed(Math.min(20, digits))); return r '// &
    '=== 0 ? 0 : r; });'//nl// &
@@ -2438,7 +2449,9 @@ module psalm_board_text
    '      trace(round);'//nl// &
    '      g.stroke();'//nl// &
    '      g.setLineDash([]);'//nl// &
-   '      return;'//nl// &
+   '      return;'//nl
+
+   character(*), parameter :: part_23 = &
    '    }'//nl// &
    '    if (link.joints.length === 1) return;'//nl// &
    '    if (chosen || (hover && hover.link === link.name)) {'//nl// &
@@ -2448,9 +2461,7 @@ module psalm_board_text
    '      trace(round);'//nl// &
    '      g.stroke();'//nl// &
    '      g.strokeStyle = colourOf(i);'//nl// &
-   '    }'//nl
-
-   character(*), parameter :: part_23 = &
+   '    }'//nl// &
    '    g.globalAlpha = 0.2;'//nl// &
    '    g.lineWidth = wide;'//nl// &
    '    trace(round);'//nl// &
@@ -2543,7 +2554,9 @@ module psalm_board_text
    '  function drawGear(gear, p) {'//nl// &
    '    const { sketch } = board.state, link = (name) => sketch.links.find((l) => l.name === name);'//nl// &
    '    const centre = (wheel) => link(wheel).joints.find((name) => link(gear.carrier).joints.includes(name));'//nl// &
-   '    const [a, b] = gear.wheels.map(centre);'//nl// &
+   '    const [a, b] = gear.wheels.map(centre);'//nl
+
+   character(*), parameter :: part_24 = &
    '    if (!a || !b) return;'//nl// &
    '    const [pa, pb] = [p(a), p(b)], d = Math.hypot(pb[0] - pa[0], pb[1] - pa[1]), ratio = -gear.teeth[0] / gear.teeth[1]'// &
    ';'//nl// &
@@ -2554,9 +2567,7 @@ module psalm_board_text
    '      g.arc(c[0], c[1], Math.abs(f) * d, 0, ROUND);'//nl// &
    '      g.stroke();'//nl// &
    '    });'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_24 = &
+   '  }'//nl// &
    ''//nl// &
    '  function drawJoint(joint, [x, y]) {'//nl// &
    "    const { hover, wrong } = board.state, chosen = board.isChosen('joint', joint.name);"//nl// &
@@ -2647,7 +2658,9 @@ module psalm_board_text
    '      g.fillRect(x - wide / 2 - 3, y - 8, wide + 6, 16);'//nl// &
    '      g.globalAlpha = 1;'//nl// &
    '      g.fillStyle = exact ? pens.accent : pens.soft;'//nl// &
-   '      g.fillText(text, x, y + 4);'//nl// &
+   '      g.fillText(text, x, y + 4);'//nl
+
+   character(*), parameter :: part_25 = &
    '    }'//nl// &
    "    g.textAlign = 'left';"//nl// &
    '  }'//nl// &
@@ -2657,9 +2670,7 @@ module psalm_board_text
    '    const { pending } = board.state, { box } = board.tools;'//nl// &
    '    if (box) {'//nl// &
    '      const [x1, x2, y1, y2] = [...sorted(box.from[0], box.to[0]), ...sorted(box.from[1], box.to[1])];'//nl// &
-   '      g.strokeStyle = g.fillStyle = pens.accent;'//nl
-
-   character(*), parameter :: part_25 = &
+   '      g.strokeStyle = g.fillStyle = pens.accent;'//nl// &
    '      g.lineWidth = 1.4;'//nl// &
    '      g.setLineDash([5, 4]);'//nl// &
    '      g.strokeRect(x1, y1, x2 - x1, y2 - y1);'//nl// &
@@ -2759,7 +2770,9 @@ module psalm_board_text
    "  let tab = 'panel';"//nl// &
    '  const words = board.words.panel;'//nl// &
    ''//nl// &
-   '  /** An element with attributes, listeners (on...) and children. */'//nl// &
+   '  /** An element with attributes, listeners (on...) and children. */'//nl
+
+   character(*), parameter :: part_26 = &
    '  function make(tag, attributes = {}, ...children) {'//nl// &
    '    const element = document.createElement(tag);'//nl// &
    '    for (const [name, value] of Object.entries(attributes)) {'//nl// &
@@ -2769,9 +2782,7 @@ module psalm_board_text
    '    }'//nl// &
    '    element.append(...children);'//nl// &
    '    return element;'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_26 = &
+   '  }'//nl// &
    ''//nl// &
    "  const pictures = make('template');"//nl// &
    "  pictures.innerHTML = '<svg></svg>';"//nl// &
@@ -2865,7 +2876,9 @@ module psalm_board_text
    '    showDrives();'//nl// &
    '    follow();'//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_27 = &
    '  /** Freedom, or what is wrong, in words. */'//nl// &
    '  function showState() {'//nl// &
    "    const { state } = board, chip = $('chip'), wrong = state.messages.length > 0;"//nl// &
@@ -2875,9 +2888,7 @@ module psalm_board_text
    '    if (chip.textContent !== text) chip.textContent = text;'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function chosen() {'//nl
-
-   character(*), parameter :: part_27 = &
+   '  function chosen() {'//nl// &
    '    const { state } = board, s = state.selection;'//nl// &
    '    if (!s) return [];'//nl// &
    '    if (s.many) return manyPart(s);'//nl// &
@@ -2978,7 +2989,9 @@ module psalm_board_text
    "      return row(of, bound('low', words.leastOf), bound('high', words.mostOf), ...(one ? [button(words.cross, () => cle"// &
    "ar(of), { 'aria-label': words.noRange(of) })] : []));"//nl// &
    '    })];'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_28 = &
    ''//nl// &
    '  const size = () => { const { joints } = board.state.sketch, xs = joints.map((j) => j.x), ys = joints.map((j) => j.y);'// &
    ' return Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys)) || 1; };'//nl// &
@@ -2991,9 +3004,7 @@ module psalm_board_text
    "    return [head(words.slide(name)), row(words.name, field(words.slideName, name, (text) => board.rename('slide', name,"// &
    " text) && choose({ slide: text }))),"//nl// &
    '      row(words.lineOn, choice(words.lineOnLabel, names, slide.links[0], onto(0))),'//nl// &
-   '      row(words.slides, choice(words.slidesLabel, names, slide.links[1], onto(1))),'//nl
-
-   character(*), parameter :: part_28 = &
+   '      row(words.slides, choice(words.slidesLabel, names, slide.links[1], onto(1))),'//nl// &
    "      row(words.angle, numberField(words.slideAngle, slide.angle, set('angle'))),"//nl// &
    "      row(words.throughX, numberField(words.lineX, slide.x, set('x'))),"//nl// &
    "      row('y', numberField(words.lineY, slide.y, set('y'))),"//nl// &
@@ -3097,7 +3108,9 @@ module psalm_board_text
    "    }, { placeholder: 'x y' });"//nl// &
    "    const link = field(words.newLinkLabel, '', (text) => {"//nl// &
    '      let joints;'//nl// &
-   '      try {'//nl// &
+   '      try {'//nl
+
+   character(*), parameter :: part_29 = &
    '        joints = [...new Set(board.text.jointsIn(text, sketch.joints.map((j) => j.name), (words) => new RangeError(word'// &
    's)))];'//nl// &
    '      } catch { return false; }'//nl// &
@@ -3108,9 +3121,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  function choose(what) {'//nl// &
-   '    board.state.selection = what;'//nl
-
-   character(*), parameter :: part_29 = &
+   '    board.state.selection = what;'//nl// &
    '    show();'//nl// &
    '    board.view.draw();'//nl// &
    '  }'//nl// &
@@ -3206,7 +3217,9 @@ module psalm_board_text
    "      if (label) element.setAttribute('aria-label', label);"//nl// &
    '    }'//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_30 = &
    '  function begin() {'//nl// &
    '    name();'//nl// &
    '    listTabs();'//nl// &
@@ -3219,9 +3232,7 @@ module psalm_board_text
    '  return { begin, show, follow, choose, valueOf, make, svg, row, head, button, check, numberField, turnTo, get tab() { '// &
    'return tab; } };'//nl// &
    '})();'//nl// &
-   '</script>'//nl
-
-   character(*), parameter :: part_30 = &
+   '</script>'//nl// &
    '<script>'//nl// &
    '// The text of the data set beside the drawing: what changes in one of them changes in the other; mistakes stand at the'// &
    'ir line.'//nl// &
@@ -3316,7 +3327,9 @@ module psalm_board_text
    ''//nl// &
    "  /** The board's own mistake first, then what the engine says of the same text. */"//nl// &
    "  const faults = () => [...(mistake ? [mistake] : []), ...(foundIn === box.value ? found.filter((one) => one.level !== "// &
-   "'remark') : [])];"//nl// &
+   "'remark') : [])];"//nl
+
+   character(*), parameter :: part_31 = &
    ''//nl// &
    '  function number() {'//nl// &
    "    const count = box.value.split('\n').length;"//nl// &
@@ -3326,9 +3339,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  function scroll() {'//nl// &
-   '    numbers.scrollTop = box.scrollTop;'//nl
-
-   character(*), parameter :: part_31 = &
+   '    numbers.scrollTop = box.scrollTop;'//nl// &
    "    marks.style.transform = 'translateY(' + -box.scrollTop + 'px)';"//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -3424,7 +3435,9 @@ module psalm_board_text
    "  const KEY = 'psalm.board', DELAY = 250, MOST_TEXT = 1 << 20;   // characters of a data set in a link"//nl// &
    '  const { words } = board;'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
-   "  let timer = 0, given = '', works = true;"//nl// &
+   "  let timer = 0, given = '', works = true;"//nl
+
+   character(*), parameter :: part_32 = &
    ''//nl// &
    '  // ---- drafts ------------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
@@ -3435,9 +3448,7 @@ module psalm_board_text
    '    timer = setTimeout(put, DELAY);'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function put() {'//nl
-
-   character(*), parameter :: part_32 = &
+   '  function put() {'//nl// &
    '    clearTimeout(timer);'//nl// &
    '    timer = 0;'//nl// &
    '    const { sketch, file, wanted } = board.state;'//nl// &
@@ -3535,7 +3546,9 @@ module psalm_board_text
    '    if (/^(INPUT|TEXTAREA|SELECT)$/.test(event.target.tagName)) return;'//nl// &
    "    const text = event.clipboardData.getData('text/plain'), packed = /#z=([\w-]+)(?:&file=([\w.%-]+))?/.exec(text);"//nl// &
    "    if (packed) unpacked(packed[1]).then((case_) => board.attempt(case_, decoded(packed[2] || 'sketch.nml')), () => boa"// &
-   "rd.wrong(words.badLink));"//nl// &
+   "rd.wrong(words.badLink));"//nl
+
+   character(*), parameter :: part_33 = &
    "    else if (/[&$]CHAIN\b/i.test(text)) board.attempt(text, 'sketch.nml');"//nl// &
    '    else if (/^https?:\/\/\S*pmks\S*\?\S+$/i.test(text.trim())) board.bring.link(text.trim());'//nl// &
    '    else return;'//nl// &
@@ -3545,9 +3558,7 @@ module psalm_board_text
    '  function decoded(name) {'//nl// &
    "    try { return decodeURIComponent(name); } catch { return 'sketch.nml'; }"//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_33 = &
+   ''//nl// &
    '  // ---- gallery -----------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
    ''//nl// &
@@ -3652,7 +3663,9 @@ module psalm_board_text
    "    board.panel.turnTo('text');"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** The joints of the frame and the drive, where the file does not say which they are. */'//nl// &
+   '  /** The joints of the frame and the drive, where the file does not say which they are. */'//nl
+
+   character(*), parameter :: part_34 = &
    '  function missing(given, error) {'//nl// &
    "    const { make, row, button } = board.panel, dialog = $('dialog');"//nl// &
    "    const field = (label, value) => make('input', { 'aria-label': label, value, spellcheck: 'false', autocomplete: 'off"// &
@@ -3666,9 +3679,7 @@ module psalm_board_text
    "p', {}, words.bringHint),"//nl// &
    '      row(words.bringFixed, fixed), row(words.bringDrive, drive),'//nl// &
    "      make('div', { class: 'row' }, button(words.bringAgain, again, { class: 'main' }), button(words.close, () => dialo"// &
-   "g.close())));"//nl
-
-   character(*), parameter :: part_34 = &
+   "g.close())));"//nl// &
    '    if (!dialog.open) dialog.showModal();'//nl// &
    '    fixed.focus();'//nl// &
    '  }'//nl// &
@@ -3699,10 +3710,12 @@ module psalm_board_text
    "    parts.told = make('p', { class: 'wrong', role: 'alert' });"//nl// &
    "    parts.listing = make('pre', { class: 'listing', tabindex: '0', 'aria-label': words.listing, hidden: true });"//nl// &
    "    parts.sheet = make('div', { class: 'cards' });"//nl// &
+   "    parts.proposal = make('div');"//nl// &
+   "    parts.verb.addEventListener('change', () => showProposal());"//nl// &
    '    parts.stop.disabled = true;'//nl// &
    "    return make('div', { class: 'study' }, head(words.studies), make('p', {}, words.studyHint), make('div', { class: 'r"// &
    "ow' }, parts.verb), make('div', { class: 'list' }, parts.run, parts.stop),"//nl// &
-   '      parts.doing, parts.told, parts.listing, parts.sheet);'//nl// &
+   '      parts.doing, parts.told, parts.proposal, parts.listing, parts.sheet);'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function follow() {'//nl// &
@@ -3710,12 +3723,81 @@ module psalm_board_text
    "    parts.listing.classList.toggle('old', Boolean(about) && about !== board.write());"//nl// &
    '  }'//nl// &
    ''//nl// &
+   '  // ---- groups that are proposed ------------------------------------------------------------------------------------'// &
+   '---'//nl// &
+   ''//nl// &
+   '  const CAM_SWING = 30, CAM_RISE = 120, CAM_DWELL = 60;  // degrees: of the crank, of the cam for each way, of the cam '// &
+   'at rest'//nl// &
+   '  const WAY = 0.8;                       // of the way to a dead point'//nl// &
+   '  const PARTS = { roller: 0.2, centre: 1.2, reach: 0.4, longest: 1, shortest: 0.1 };   // of the crank, of the size'//nl// &
+   ''//nl// &
+   '  const round = (value) => board.text.number(Number(value.toPrecision(3)));'//nl// &
+   '  const nameOf = (...words) => "''" + words.join('' '') + "''";'//nl// &
+   ''//nl// &
+   '  /** What stands in place of a group that the text has not: a sensible beginning from the sketch; `why` where there is'// &
+   ' none. */'//nl// &
+   '  function proposed(verb, text) {'//nl// &
+   "    const { sketch, motion } = board.state, group = { springs: 'SPRNGS', balance: 'BALANC', cams: 'CAM' }[verb];"//nl// &
+   '    if (!group || board.text.placeOf(text, group)) return {};'//nl// &
+   '    if (!motion.sweep || board.free() !== 1) return { why: words.proposalMoves };'//nl// &
+   '    const frame = sketch.links[0], xs = sketch.joints.map((j) => j.x), ys = sketch.joints.map((j) => j.y);'//nl// &
+   '    const size = Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys)) || 1;'//nl// &
+   '    const mounted = sketch.links.slice(1).flatMap((link) => { const at = link.joints.find(board.inFrame); return at && '// &
+   'link.joints.length > 1 ? [{ link, at }] : []; });'//nl// &
+   "    const drive = sketch.drives[0], driven = mounted.find(({ link, at }) => drive.kind === 'turn' && drive.at[0] === at"// &
+   " && (!drive.link || drive.link === link.name));"//nl// &
+   "    if (verb === 'cams') {"//nl// &
+   '      if (!driven) return { why: words.proposalCrank };'//nl// &
+   '      const end = board.jointOf(driven.link.joints.find((name) => name !== driven.at)), pivot = board.jointOf(driven.at'// &
+   '), dx = end.x - pivot.x, dy = end.y - pivot.y;'//nl// &
+   '      // as far as it goes; the cam stands square to the crank in the middle of its swing'//nl// &
+   '      const { ring, states } = motion.sweep, [back, forth] = ring ? [-360, 360] : [states[0], states.at(-1)].map((one) '// &
+   '=> one.inputs[0] * 180 / Math.PI);'//nl// &
+   '      const swing = Number((forth >= -back || forth >= CAM_SWING ? Math.min(CAM_SWING, WAY * forth) : Math.max(-CAM_SWI'// &
+   'NG, WAY * back)).toPrecision(3));'//nl// &
+   '      const half = swing / 2 * Math.PI / 180, [mx, my] = [dx * Math.cos(half) - dy * Math.sin(half), dy * Math.cos(half'// &
+   ') + dx * Math.sin(half)], long = Math.hypot(dx, dy);'//nl// &
+   "      return { text: ' &CAM KOUT=0, SEGEND=' + [CAM_RISE, CAM_RISE + CAM_DWELL, 2 * CAM_RISE + CAM_DWELL, 360].map(boar"// &
+   "d.text.number).join(',') + ', SEGOUT=' +"//nl// &
+   "        [swing, swing, 0, 0].map(board.text.number).join(',') + "", LAW='MODSINE','DWELL','MODSINE','DWELL',\n  FOLJNT="// &
+   """ + nameOf(end.name) + ', RROLL=' + round(PARTS.roller * long) +"//nl// &
+   "        ', XCAM=' + round(pivot.x + mx + PARTS.centre * my) + ', YCAM=' + round(pivot.y + my - PARTS.centre * mx) + ' &"// &
+   "END' };"//nl// &
+   '    }'//nl// &
+   "    if (!['MASSES', 'PLATES', 'LOADS'].some((name) => board.text.placeOf(text, name))) return { why: words.proposalMass"// &
+   "es };"//nl// &
+   '    if (!mounted.length) return { why: words.proposalMounted };'//nl// &
+   "    if (verb === 'balance') return { text: ' &BALANC NWEIGH=' + mounted.length + ', WNAME=' + mounted.map(({ link, at }"// &
+   ") => nameOf(link.name, at)).join(',') + ', WREACH=' + round(PARTS.reach * size) + ' &END' };"//nl// &
+   '    const { link, at } = driven || mounted[0];'//nl// &
+   "    return { text: ' &SPRNGS NSFIND=1, PNAME=' + nameOf(frame.name, at) + ', QNAME=' + nameOf(link.name, at) + ', PREAC"// &
+   "H=' + round(PARTS.reach * size) + ', QREACH=' + round(PARTS.reach * size) +"//nl// &
+   "      ',\n  SFLOW=' + round(PARTS.shortest * size) + ', SFHIGH=' + round(PARTS.longest * size) + "", SCRIT='RMS' &END"""// &
+   " };"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** A text with one group more, the last of its first case. */'//nl// &
+   "  const withGroup = (text, group) => { const end = board.text.endOf(text); return text.slice(0, end) + '\n' + group + t"// &
+   "ext.slice(end); };"//nl// &
+   ''//nl// &
+   "  function showProposal(text, why = '') {"//nl// &
+   '    const { make, button } = board.panel;'//nl// &
+   "    parts.proposal.replaceChildren(...(why ? [make('p', { class: 'wrong', role: 'alert' }, why)] : text ? [make('p', {}"// &
+   ", words.proposal), make('pre', { class: 'listing', tabindex: '0', 'aria-label': words.proposalLabel }, text),"//nl// &
+   "      button(words.proposalTake, () => { board.take(withGroup(board.write(), text)); parts.proposal.replaceChildren(); "// &
+   "board.panel.turnTo('text'); })] : []));"//nl// &
+   '  }'//nl// &
+   ''//nl// &
    '  async function run() {'//nl// &
-   '    const verb = parts.verb.value;'//nl// &
+   '    const verb = parts.verb.value, now = board.write(), { text, why } = proposed(verb, now);'//nl// &
    "    parts.told.textContent = '';"//nl// &
+   '    showProposal(text, why);'//nl
+
+   character(*), parameter :: part_35 = &
+   '    if (why) return;'//nl// &
    '    parts.run.disabled = true;'//nl// &
-   '    about = board.write();'//nl// &
-   "    const got = await board.engine.ask('run', JSON.stringify({ verb, case: about }));"//nl// &
+   '    about = now;'//nl// &
+   "    const got = await board.engine.ask('run', JSON.stringify({ verb, case: text ? withGroup(now, text) : now }));"//nl// &
    '    if (got.error) { over(); parts.told.textContent = got.error; return; }'//nl// &
    '    parts.listing.hidden = true;'//nl// &
    '    parts.sheet.replaceChildren();'//nl// &
@@ -3773,13 +3855,11 @@ module psalm_board_text
    '  function choose(text) {'//nl// &
    '    board.load(text, board.state.file);'//nl// &
    '    board.state.dirty = true;'//nl// &
-   '    board.store.keep();'//nl
-
-   character(*), parameter :: part_35 = &
+   '    board.store.keep();'//nl// &
    "    board.view.canvas.scrollIntoView({ block: 'nearest' });"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  return { part, follow, get running() { return running; } };'//nl// &
+   '  return { part, follow, proposed, get running() { return running; } };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
@@ -3822,7 +3902,9 @@ module psalm_board_text
    "    const arrow = (name) => make('label', { class: 'tick ' + name }, check(words[name], true, (on) => { shown[name] = o"// &
    "n; board.view.draw(); }), words[name]);"//nl// &
    "    $('engine').append(part('state'), part('result', head(words.here), part('here'), row(words.shownArrows, arrow('velo"// &
-   "cities'), arrow('forces')),"//nl// &
+   "cities'), arrow('forces')),"//nl
+
+   character(*), parameter :: part_36 = &
    "      head(words.assumptions), part('loads'), part('angles'), head(words.summary), part('summary'), part('proof'), part"// &
    "('ways'), part('found'), head(words.exports), part('files', make('div', { class: 'list' }, ...Object.entries(words.expo"// &
    "rtNames)"//nl// &
@@ -3885,9 +3967,7 @@ module psalm_board_text
    "    if (got.files) board.download(got.files[ending], board.state.file.replace(/\.\w+$/, '') + ending);"//nl// &
    "    else say(got.error || (got.findings || []).filter((one) => one.level === 'error').map((one) => words.line(one.line,"// &
    " one.text)).join('; '), true);"//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_36 = &
+   '  }'//nl// &
    ''//nl// &
    '  /** The largest of what is drawn as arrows, and what counts along the motion. */'//nl// &
    '  function prepare() {'//nl// &
@@ -3938,7 +4018,9 @@ module psalm_board_text
    '    if (moving) for (const [name, [x, y]] of Object.entries(velocity.joints)) if (places.has(name) && !board.inFrame(na'// &
    'me))'//nl// &
    "      list.push({ from: places.get(name), x: mixed(x, moving), y: mixed(y, moving), most: answer.fastest, kind: 'veloci"// &
-   "ty', strong: outputs.has(name) });"//nl// &
+   "ty', strong: outputs.has(name) });"//nl
+
+   character(*), parameter :: part_37 = &
    '    if (loaded) for (const [name, [x, y]] of Object.entries(motion.forces.joints)) if (places.has(name))'//nl// &
    "      list.push({ from: places.get(name), x: mixed(x, loaded), y: mixed(y, loaded), most: answer.strongest, kind: 'forc"// &
    "e', strong: true });"//nl// &
@@ -4003,9 +4085,7 @@ module psalm_board_text
    '      g.fillStyle = pens.accent;'//nl// &
    '      g.globalAlpha = alpha;'//nl// &
    '      const shape = new Path2D();'//nl// &
-   '      for (let i = 0; i + 1 < n + (ring ? 1 : 0); i++) {'//nl
-
-   character(*), parameter :: part_37 = &
+   '      for (let i = 0; i + 1 < n + (ring ? 1 : 0); i++) {'//nl// &
    '        const k = (i + 1) % n, corners = [];'//nl// &
    '        for (const m of [i, k]) for (const [u, v] of [[1, 1], [1, -1], [-1, -1], [-1, 1]])'//nl// &
    '          corners.push([X(at[0][m] + u * band[0][kind][m]), Y(at[1][m] + v * band[1][kind][m])]);'//nl// &
@@ -4048,7 +4128,9 @@ module psalm_board_text
    '    list(parts.here, rows);'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** A list of names and values, without making what is there anew. */'//nl// &
+   '  /** A list of names and values, without making what is there anew. */'//nl
+
+   character(*), parameter :: part_38 = &
    '  function list(box, rows) {'//nl// &
    '    const { make } = board.panel;'//nl// &
    '    while (box.children.length > rows.length) box.lastChild.remove();'//nl// &
@@ -4124,9 +4206,7 @@ module psalm_board_text
    '1)), high = Math.max(value(0), value(n - 1));'//nl// &
    '    if (!(high > low)) return;'//nl// &
    "    const strip = make('div', { class: 'proven', title: words.strip }), x = (v) => 100 * Math.min(1, Math.max(0, (v - l"// &
-   "ow) / (high - low)));"//nl
-
-   character(*), parameter :: part_38 = &
+   "ow) / (high - low)));"//nl// &
    '    const shifts = turning() ? [-360, 0, 360] : [0], put = (from, to, kind, title) => {'//nl// &
    '      for (const shift of shifts) {'//nl// &
    '        const [a, b] = [from, to].map((v) => v + shift).sort((p, q) => p - q);'//nl// &
@@ -4175,7 +4255,9 @@ module psalm_board_text
    "));"//nl// &
    "    for (const v of limits || []) if (v > 0 && v < 180) picture.append(svg('line', { x1: 4, x2: wide - 4, y1: Y(v), y2:"// &
    " Y(v), class: 'limit' }));"//nl// &
-   '    angle.forEach((one, k) => {'//nl// &
+   '    angle.forEach((one, k) => {'//nl
+
+   character(*), parameter :: part_39 = &
    "      let d = '', on = false;"//nl// &
    "      one.values.forEach((v, i) => { if (v === null) { on = false; return; } d += (on ? 'L' : 'M') + X(i).toFixed(1) + "// &
    "' ' + Y(v).toFixed(1); on = true; });"//nl// &
@@ -4252,9 +4334,7 @@ module psalm_board_text
    "'use strict';"//nl// &
    ''//nl// &
    'board.search = (() => {'//nl// &
-   '  const POINTS = 24, MOST_POINTS = 200;  // of a curve that is drawn'//nl
-
-   character(*), parameter :: part_39 = &
+   '  const POINTS = 24, MOST_POINTS = 200;  // of a curve that is drawn'//nl// &
    '  const NEAR = 0.12;                     // of its size: how far apart the ends of a closed one may be'//nl// &
    '  const EVERY = 400;                     // milliseconds between two questions'//nl// &
    '  const { words } = board;'//nl// &
@@ -4299,7 +4379,9 @@ module psalm_board_text
    '  /** What was drawn by hand becomes the wanted curve. */'//nl// &
    '  function drawn(points) {'//nl// &
    '    const xs = points.map((p) => p[0]), ys = points.map((p) => p[1]), size = Math.max(Math.max(...xs) - Math.min(...xs)'// &
-   ', Math.max(...ys) - Math.min(...ys));'//nl// &
+   ', Math.max(...ys) - Math.min(...ys));'//nl
+
+   character(*), parameter :: part_40 = &
    '    if (points.length < 4 || !(size > 0)) return;'//nl// &
    '    const ends = Math.hypot(points[0][0] - points.at(-1)[0], points[0][1] - points.at(-1)[1]), closed = ends < NEAR * l'// &
    'ength(points);'//nl// &
@@ -4367,9 +4449,7 @@ module psalm_board_text
    '      g.lineWidth = 2;'//nl// &
    '      g.setLineDash([7, 5]);'//nl// &
    '      g.beginPath();'//nl// &
-   '      for (const [x, y] of points) g.lineTo(X(x), Y(y));'//nl
-
-   character(*), parameter :: part_40 = &
+   '      for (const [x, y] of points) g.lineTo(X(x), Y(y));'//nl// &
    '      if (closed) g.closePath();'//nl// &
    '      g.stroke();'//nl// &
    '      g.setLineDash([]);'//nl// &
@@ -4420,7 +4500,9 @@ module psalm_board_text
    "    make('div', { class: 'list' }, parts.start, parts.stop, parts.save), parts.doing, parts.found);"//nl// &
    '    follow();'//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_41 = &
    '  function follow() {'//nl// &
    '    if (!board.engine.served) return;'//nl// &
    '    const { wanted } = board.state;'//nl// &
@@ -4486,9 +4568,7 @@ module psalm_board_text
    '    if (got.error) { parts.told.textContent = got.error; return; }'//nl// &
    '    running = got.search;'//nl// &
    '    stopping = false;'//nl// &
-   '    follow();'//nl
-
-   character(*), parameter :: part_41 = &
+   '    follow();'//nl// &
    '    watch(running, 0);'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -4528,7 +4608,9 @@ module psalm_board_text
    '    cards = [...cards.filter((card) => card !== there), one].sort((a, b) => a.error - b.error);'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function show() {'//nl// &
+   '  function show() {'//nl
+
+   character(*), parameter :: part_42 = &
    '    if (!parts.sheet) return;'//nl// &
    '    const { make } = board.panel, made = new Map([...parts.sheet.children].map((element) => [element.dataset.key, eleme'// &
    'nt]));'//nl// &
@@ -4594,9 +4676,7 @@ module psalm_board_text
    '    sketch.joints.push({ name, x, y });'//nl// &
    '    if (on) sketch.links.find((l) => l.name === on).joints.push(name);'//nl// &
    '    return name;'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_42 = &
+   '  }'//nl// &
    ''//nl// &
    '  /** A frame joint at a place that is typed in: it can be freed, or have links pulled from it. A joint that is there i'// &
    's pinned. */'//nl// &
@@ -4640,7 +4720,9 @@ module psalm_board_text
    'me === name).joints.join() === joint));'//nl// &
    '      if (has) Object.assign(has, { x, y, angle });'//nl// &
    '      else {'//nl// &
-   '        frame.joints = frame.joints.filter((one) => one !== joint);'//nl// &
+   '        frame.joints = frame.joints.filter((one) => one !== joint);'//nl
+
+   character(*), parameter :: part_43 = &
    "        const name = board.freeName('block');"//nl// &
    '        sketch.links.push({ name, joints: [joint] });'//nl// &
    "        sketch.slides.push({ name: board.freeName('slide'), links: [frame.name, name], x, y, angle });"//nl// &
@@ -4703,9 +4785,7 @@ module psalm_board_text
    "      sketch.drives = sketch.drives.filter((one) => one.kind !== 'cylinder' || one.at[0] !== one.at[1]);"//nl// &
    '      for (const one of sketch.outputs) one.of = one.of.map((name) => name === from ? to : name);'//nl// &
    '      sketch.joints = sketch.joints.filter((one) => one.name !== from);'//nl// &
-   '      board.tidy(sketch);'//nl
-
-   character(*), parameter :: part_43 = &
+   '      board.tidy(sketch);'//nl// &
    '    });'//nl// &
    '    board.state.selection = { joint: to };'//nl// &
    '  }'//nl// &
@@ -4751,7 +4831,9 @@ module psalm_board_text
    ''//nl// &
    '  /** In the middle of a motion nothing is drawn: back to the drawing, where the same things stand elsewhere. */'//nl// &
    '  function atHome() {'//nl// &
-   '    const { state } = board, { sweep } = state.motion;'//nl// &
+   '    const { state } = board, { sweep } = state.motion;'//nl
+
+   character(*), parameter :: part_44 = &
    '    board.pause();'//nl// &
    '    if (!sweep || state.live === sweep.states[sweep.home]) return true;'//nl// &
    '    board.go(sweep.home);'//nl// &
@@ -4813,9 +4895,7 @@ module psalm_board_text
    '    if (!press.moved && Math.hypot(at.x - press.x, at.y - press.y) < (at.touch ? TOUCH_CLICK : CLICK)) return;'//nl// &
    "    if (!press.moved) { press.moved = true; if (press.tool === 'select' && !press.pan) board.begin(); }"//nl// &
    '    if (press.pan) {'//nl// &
-   '      view.pan(at.x - press.x, at.y - press.y);'//nl
-
-   character(*), parameter :: part_44 = &
+   '      view.pan(at.x - press.x, at.y - press.y);'//nl// &
    '      [press.x, press.y] = [at.x, at.y];'//nl// &
    '      view.draw();'//nl// &
    "    } else if (press.tool === 'select') {"//nl// &
@@ -4858,7 +4938,9 @@ module psalm_board_text
    '        for (const slide of sketch.slides) if (slide.links.some((name) => board.linkOf(name).joints.join() === hit.join'// &
    't)) { slide.x += dx; slide.y += dy; }'//nl// &
    '        board.relax(sketch, [hit.joint]);'//nl// &
-   '      });'//nl// &
+   '      });'//nl
+
+   character(*), parameter :: part_45 = &
    '    } else {'//nl// &
    '      const step = [at.x - press.x, at.y - press.y], [ox, oy] = view.world(0, 0), [x, y] = view.world(...step);'//nl// &
    '      const grid = view.gridStep(), whole = (v) => grid ? grid * Math.round(v / grid) : v, by = [whole(x - ox), whole(y'// &
@@ -4923,9 +5005,7 @@ module psalm_board_text
    "    else if (tool === 'pivot') edit((sketch) => { const name = addJoint(sketch, start.place, hit.link); sketch.links[0]"// &
    ".joints.push(name); state.selection = { joint: name }; });"//nl// &
    "    else if (tool === 'slider' && hit.joint) slider(hit.joint, pulled ? slideAngle(at.place[0] - start.place[0], at.pla"// &
-   "ce[1] - start.place[1]) : 0);"//nl
-
-   character(*), parameter :: part_45 = &
+   "ce[1] - start.place[1]) : 0);"//nl// &
    "    else if (tool === 'drive') driveAt(hit, at.hit || {}, pulled);"//nl// &
    "    else if (tool === 'output' && (hit.joint || hit.link)) output(hit);"//nl// &
    "    else if (tool === 'delete' && start.hit) board.remove(hit);"//nl// &
@@ -4967,7 +5047,9 @@ module psalm_board_text
    '  // ---- buttons and keys --------------------------------------------------------------------------------------------'// &
    '-'//nl// &
    ''//nl// &
-   '  function choose(tool) {'//nl// &
+   '  function choose(tool) {'//nl
+
+   character(*), parameter :: part_46 = &
    '    board.state.tool = tool;'//nl// &
    '    board.state.pending = null;'//nl// &
    "    for (const button of $('tools').children) button.setAttribute('aria-pressed', String(button.dataset.tool === tool))"// &
@@ -5037,9 +5119,7 @@ module psalm_board_text
    '    }'//nl// &
    '    const { canvas } = view;'//nl// &
    "    canvas.addEventListener('pointerdown', down);"//nl// &
-   "    canvas.addEventListener('pointermove', move);"//nl
-
-   character(*), parameter :: part_46 = &
+   "    canvas.addEventListener('pointermove', move);"//nl// &
    "    canvas.addEventListener('pointerup', up);"//nl// &
    "    canvas.addEventListener('pointercancel', (event) => { pointers.delete(event.pointerId); pinch = 0; cancel(); });"//nl// &
    "    canvas.addEventListener('pointerleave', () => { if (!press && board.state.hover) { board.state.hover = null; view.d"// &
@@ -5087,7 +5167,9 @@ module psalm_board_text
    "s: [], lengths: [], vary: [], kover: false,"//nl// &
    '    drives: [], outputs: [], ikin: 15, crnki: 0, delt: [], keep: {} });'//nl// &
    ''//nl// &
-   '  const state = {'//nl// &
+   '  const state = {'//nl
+
+   character(*), parameter :: part_47 = &
    "    sketch: blank(), source: '', file: 'sketch.nml', dirty: false,"//nl// &
    "    book: '',                   // where the book is, seen from this page; empty: not known"//nl// &
    '    wanted: null,               // points that a search is to come near: { points, closed }'//nl// &
@@ -5149,9 +5231,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  function undo(from = past, to = future) {'//nl// &
-   '    if (!from.length) return;'//nl
-
-   character(*), parameter :: part_47 = &
+   '    if (!from.length) return;'//nl// &
    '    pause();'//nl// &
    '    to.push(snapshot());'//nl// &
    '    Object.assign(state, JSON.parse(from.pop()));'//nl// &
@@ -5194,7 +5274,9 @@ module psalm_board_text
    '    const largest = Math.max(...lengths.map((l) => l.value));'//nl// &
    '    for (let round = 0; round < 60; round++) {'//nl// &
    '      const rows = [], right = [];'//nl// &
-   '      for (const { joints: [a, b], value } of lengths) {'//nl// &
+   '      for (const { joints: [a, b], value } of lengths) {'//nl
+
+   character(*), parameter :: part_48 = &
    '        const i = joints.findIndex((j) => j.name === a), k = joints.findIndex((j) => j.name === b);'//nl// &
    '        const dx = joints[k].x - joints[i].x, dy = joints[k].y - joints[i].y, d = Math.hypot(dx, dy) || 1e-9;'//nl// &
    '        rows.push({ i, k, u: [dx / d, dy / d] });'//nl// &
@@ -5257,9 +5339,7 @@ module psalm_board_text
    '    state.selection = all.length > 1 ? { many: all } : all[0] || null;'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Joints that move with what is chosen. */'//nl
-
-   character(*), parameter :: part_48 = &
+   '  /** Joints that move with what is chosen. */'//nl// &
    '  const movedBy = (selection) => [...new Set(each(selection).flatMap((one) => one.joint ? [one.joint] : one.link ? link'// &
    'Of(one.link).joints : []))];'//nl// &
    ''//nl// &
@@ -5304,7 +5384,9 @@ module psalm_board_text
    '    for (const one of s.links) one.joints = one.joints.filter(joint);'//nl// &
    '    const shared = (names) => s.links.some((l) => names.every((name) => l.joints.includes(name)));'//nl// &
    '    s.gears = s.gears.filter((one) => [...one.wheels, one.carrier].every(link));'//nl// &
-   '    s.lengths = s.lengths.filter((one) => one.joints.every(joint) && shared(one.joints));'//nl// &
+   '    s.lengths = s.lengths.filter((one) => one.joints.every(joint) && shared(one.joints));'//nl
+
+   character(*), parameter :: part_49 = &
    "    s.drives = s.drives.filter((one) => one.kind === 'slide' ? s.slides.some((slide) => slide.name === one.at[0]) : one"// &
    ".at.every(joint) &&"//nl// &
    "      (one.kind !== 'cylinder' || !shared(one.at)) && (one.kind !== 'turn' || s.links.filter((l) => l.joints.includes(o"// &
@@ -5371,9 +5453,7 @@ module psalm_board_text
    '  /** States along the motion: a whole turn, or as far as the linkage goes both ways; of several drives the way through'// &
    ' all positions. */'//nl// &
    '  function sweepOf(sketch, mech, start, step) {'//nl// &
-   '    let states = [start], home = 0, ring = false;'//nl
-
-   character(*), parameter :: part_49 = &
+   '    let states = [start], home = 0, ring = false;'//nl// &
    '    if (free(sketch) === 1) {'//nl// &
    "      const turns = sketch.drives[0].kind === 'turn', each = turns ? step : mech.size * step / 120, most = turns ? 360 "// &
    ": mech.size;"//nl// &
@@ -5415,7 +5495,9 @@ module psalm_board_text
    '  /** The last states before a dead point, nearer and nearer. */'//nl// &
    '  function edge(mech, from, target) {'//nl// &
    '    const list = [];'//nl// &
-   '    let now = from, part = 0.5;'//nl// &
+   '    let now = from, part = 0.5;'//nl
+
+   character(*), parameter :: part_50 = &
    '    for (let i = 0; i < 6; i++, part /= 2) {'//nl// &
    '      const next = solver.advance(mech, now, from.inputs.map((v, k) => now.inputs[k] + part * (target[k] - v)), NEAR);'//nl// &
    '      if (next) list.push(now = next);'//nl// &
@@ -5477,9 +5559,7 @@ module psalm_board_text
    '    const { live, motion: m } = state, target = live.inputs.slice();'//nl// &
    "    target[k] = state.sketch.drives[k].kind === 'turn' ? value * solver.RADIAN : value;"//nl// &
    '    state.sketch.drives.forEach((d, i) => {'//nl// &
-   '      if (!d.ratio) return;'//nl
-
-   character(*), parameter :: part_50 = &
+   '      if (!d.ratio) return;'//nl// &
    "      const first = state.sketch.drives[0].kind === 'turn' ? target[0] / solver.RADIAN : target[0];"//nl// &
    "      target[i] = (d.ratio * first + d.phase) * (d.kind === 'turn' ? solver.RADIAN : 1);"//nl// &
    '    });'//nl// &
@@ -5519,7 +5599,9 @@ module psalm_board_text
    '  /** Every position of the data set: inputs, whether it closes, joints, outputs; as psalm has it in CASE.csv. */'//nl// &
    '  function table() {'//nl// &
    '    const { mech, start } = state.motion;'//nl// &
-   '    if (!start) return [];'//nl// &
+   '    if (!start) return [];'//nl
+
+   character(*), parameter :: part_51 = &
    '    return solver.follow(mech, start, solver.positions(state.sketch)).map((one) => one ? { closed: 1,'//nl// &
    "      ...Object.fromEntries(solver.joints(mech, one.pose).flatMap(([x, y], j) => [[state.sketch.joints[j].name + '.x', "// &
    "x], [state.sketch.joints[j].name + '.y', y]])),"//nl// &
@@ -5582,9 +5664,7 @@ module psalm_board_text
    '  function fit() {'//nl// &
    '    const { motion: m, wanted } = state, all = [...places().values(), ...(m.sweep ? m.sweep.places.flat() : []), ...(wa'// &
    'nted ? wanted.points : [])];'//nl// &
-   '    if (!all.length) { view.look([-20, -20, 180, 120]); view.draw(); return; }'//nl
-
-   character(*), parameter :: part_51 = &
+   '    if (!all.length) { view.look([-20, -20, 180, 120]); view.draw(); return; }'//nl// &
    '    const xs = all.map((p) => p[0]), ys = all.map((p) => p[1]), least = (l) => l.reduce((a, b) => Math.min(a, b)), most'// &
    ' = (l) => l.reduce((a, b) => Math.max(a, b));'//nl// &
    '    view.look([least(xs), least(ys), most(xs), most(ys)]);'//nl// &
@@ -5628,7 +5708,9 @@ module psalm_board_text
    '    for (const part of parts) part.begin();'//nl// &
    '    new ResizeObserver(() => { view.resize(); view.draw(); }).observe(view.canvas);'//nl// &
    "    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { view.resize(); view.draw(); });"//nl// &
-   "    addEventListener('beforeunload', (event) => { if (state.dirty && !board.store.kept()) event.preventDefault(); });"//nl// &
+   "    addEventListener('beforeunload', (event) => { if (state.dirty && !board.store.kept()) event.preventDefault(); });"//nl
+
+   character(*), parameter :: part_52 = &
    "    addEventListener('hashchange', () => { const words = asked(); if (words) present(words); });"//nl// &
    "    const given = asked() || JSON.parse($('data').textContent);"//nl// &
    '    start();'//nl// &
@@ -5682,6 +5764,6 @@ contains
              part_24//part_25//part_26//part_27//part_28//part_29//part_30//part_31// &
              part_32//part_33//part_34//part_35//part_36//part_37//part_38//part_39// &
              part_40//part_41//part_42//part_43//part_44//part_45//part_46//part_47// &
-             part_48//part_49//part_50//part_51
+             part_48//part_49//part_50//part_51//part_52
    end function board_text
 end module psalm_board_text

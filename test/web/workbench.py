@@ -767,6 +767,43 @@ def test_ranges(server, browser, shots):
         check("ranges: refused: %s" % ranges, server.ask("/search", json.dumps({**good, "ranges": ranges}).encode())[0] == 400)
 
 
+def test_proposals(server, browser, shots):
+    """Counterweights, springs and a cam without their groups in the text: one is proposed, used, shown, and taken by a click."""
+    bench = Bench(browser, server.url)
+    page = bench.page
+    bench.until("board.state.motion.sweep")
+    page.click("#tab-engine")
+    page.select_option('#engine [aria-label="Studies"]', "springs")
+    page.click("#run-study")
+    check("proposals: without masses there is none, and why", "give &MASSES" in page.text_content("#engine .study"), page.text_content("#engine .study"))
+    text = bench.ask("board.write()")
+    bench.ask("board.take(%s)" % json.dumps(text.rstrip("\n") + "\n &RATES SPEED=20.0 &END\n &MASSES MNAME='crank','coupler','rocker', MASS=1.0,2.0,1.0, "
+                                            "MDIST=15.0,30.0,40.0, UNITL=0.001, GRAVY=-9.81 &END\n"))
+    for verb, group, words in (("springs", "&SPRNGS", "SPRING"), ("balance", "&BALANC", "COUNTERWEIGHT"), ("cams", "&CAM", "BASE RADIUS")):
+        page.select_option('#engine [aria-label="Studies"]', verb)
+        check("proposals: nothing is left of another one", not page.query_selector("#engine [aria-label='group that is proposed']"))
+        page.click("#run-study")
+        bench.until("document.querySelector('#run-study').disabled === false && document.querySelector('#engine .study > pre').hidden === false")
+        listing = page.text_content("#engine [aria-label='listing of the study']")
+        check("proposals: %s has a result" % verb, words in listing.upper() and "error" not in page.text_content("#engine .study .wrong"), listing[:400] + page.text_content("#engine .study .wrong"))
+        shown = page.text_content("#engine [aria-label='group that is proposed']")
+        check("proposals: %s shows its group" % verb, group in shown and group not in bench.ask("board.write()"), shown)
+        if shots and verb == "cams":
+            page.evaluate("document.querySelector('#run-study').scrollIntoView()")
+            page.screenshot(path=os.path.join(shots, "bench_proposal.png"))
+        page.click("#engine >> text=Put it into the text")
+        check("proposals: %s goes into the text" % verb, shown in bench.ask("board.write()"), bench.ask("board.write()")[-400:])
+        bench.save("proposed.nml")
+        program = {"springs": "muscle", "balance": "muscle", "cams": "calm"}[verb]
+        code, _, errors = run(os.path.join(picture_tools.programs, program), "--quiet", "proposed.nml", cwd=os.getcwd())
+        check("proposals: %s reads the file" % program, code in (0, 1), errors)
+        page.click("#undo")
+        check("proposals: undo takes it out", group not in bench.ask("board.write()"))
+        page.click("#tab-engine")
+    check("proposals: no complaint", not bench.complaints, str(bench.complaints))
+    bench.context.close()
+
+
 def test_phone(server, browser, shots):
     """On a phone the drawing stays in sight while results are read."""
     bench = Bench(browser, server.url, 390, 844)
@@ -926,6 +963,7 @@ def main(arguments):
                 timed(test_brought, server, browser, shots)
                 timed(test_phone, server, browser, shots)
                 timed(test_ranges, server, browser, shots)
+                timed(test_proposals, server, browser, shots)
                 timed(test_file, browser)
                 timed(test_frames, server, browser)
                 browser.close()
