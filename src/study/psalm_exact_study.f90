@@ -490,20 +490,16 @@ contains
       complex(wp), intent(in) :: p(:), d(:), g(:)    !! shapes (poses), (poses - 1), (poses - 1)
       type(dyad_condition_t), allocatable :: conditions(:)
       complex(wp), parameter :: i = (0.0_wp, 1.0_wp)
-      complex(wp) :: place, turn
+      complex(wp) :: place(size(p)), turn(size(p))
       integer :: k
 
+      place = [(0.0_wp, 0.0_wp), d]
+      turn = [(0.0_wp, 0.0_wp), g]
       allocate (conditions(0))
       do k = 1, size(p)
          if (is_missing(exact%pole_x(k))) cycle
-         place = (0.0_wp, 0.0_wp)
-         turn = place
-         if (k > 1) then
-            place = d(k - 1)
-            turn = g(k - 1)
-         end if
-         conditions = [conditions, derivative_of([place, i*(p(k) - cmplx(exact%pole_x(k), exact%pole_y(k), wp))], &
-                                                 [turn, i*(1.0_wp + turn)], .false.)]
+         conditions = [conditions, derivative_of([place(k), i*(p(k) - cmplx(exact%pole_x(k), exact%pole_y(k), wp))], &
+                                                 [turn(k), i*(1.0_wp + turn(k))], .false.)]
       end do
    end function turns_about_poles
 
