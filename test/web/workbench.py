@@ -533,10 +533,10 @@ def test_studies(server, browser, shots):
     bench.until("!board.study.running")
     check("studies: a search that is stopped has what it found", len(page.query_selector_all(".study .card")) == 1 and "best objective" in page.text_content(".listing"),
           page.text_content(".study"))
-    page.select_option('[aria-label="Studies"]', "cams")
+    page.select_option('[aria-label="Studies"]', "time")
     page.click("#run-study")
     bench.until("document.querySelector('.study .wrong').textContent")
-    check("studies: what is missing is said", "&CAM" in page.text_content(".study .wrong"), page.text_content(".study .wrong"))
+    check("studies: what is missing is said", "&TIME" in page.text_content(".study .wrong"), page.text_content(".study .wrong"))
     for verb in ("board", "picture", "x", None):
         check("studies: the verb %s is refused" % verb, server.ask("/run", json.dumps({"verb": verb, "case": search}).encode())[0] == 400)
     check("studies: no complaint", not bench.complaints, str(bench.complaints))
