@@ -29,7 +29,7 @@ program ssics
    outputs = outputs_t(suffix='.ssics', endings=['.dev8', '.dev9'], of_search=[character(5) ::])
    call begin('ssics', &
       'usage: ssics [options] [CASE.nml ...]'//nl// &
-      nl//'Steady state and stability: bending of links (&ESTIM, &VIBR), flexible drives (&DRIVEL), and any forced'//nl// &
+      nl//'Steady state and stability: bending of links (&ESTIM, &VIBR, &FLEX), flexible drives (&DRIVEL), and any forced'//nl// &
       'Hill equation given by tables (&HILL). Masses and loads come from &MASSES, &LOADS, &SPRING, the speed from &RATES.'//nl// &
       nl//'The listing goes to standard output; CASE.ssics.dev8 (input) and CASE.ssics.dev9 (blocks) in the '// &
       'folder of the case.'//nl// &

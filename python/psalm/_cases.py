@@ -481,7 +481,7 @@ class Case:
         return self.study("springs", progress=progress)
 
     def vibration(self, progress: Progress = None) -> Result:
-        """Vibration and stability of links and drives: &ESTIM, &VIBR, &DRIVEL, &HILL."""
+        """Vibration and stability of links and drives: &ESTIM, &VIBR, &FLEX, &DRIVEL, &HILL."""
         return self.study("vibration", progress=progress)
 
     def cams(self) -> Result:

@@ -54,7 +54,7 @@ li.error, li.warning { color: #8a1c14; } pre { font-size: .8rem; white-space: pr
 STUDIES = (("rates", "Velocities and accelerations", "RATES"), ("forces", "Forces", "MASSES PLATES LOADS SPRING FRICTN"),
            ("machine", "Motion from torque", "MOTOR"), ("time", "Motion in time", "TIME STOPS"), ("tolerances", "Tolerances", "TOLER"),
            ("allocation", "Cheapest tolerances", "ALLOC"), ("sweep", "Family of linkages", "SWEEP"), ("balance", "Counterweights", "BALANC"),
-           ("springs", "Springs", "SPRNGS"), ("vibration", "Vibration and stability", "ESTIM VIBR DRIVEL HILL"), ("cams", "Cams", "CAM CAM2"),
+           ("springs", "Springs", "SPRNGS"), ("vibration", "Vibration and stability", "ESTIM VIBR FLEX DRIVEL HILL"), ("cams", "Cams", "CAM CAM2"),
            ("clearance", "Clearance", "CLEAR"), ("proof", "What is proven", ""))
 SEARCHES = ("SEARCH", "KINDS", "EXACT")
 PREFIX = re.compile(r"^case in memory(?::\d+: (?:error|warning|remark))?: ")

@@ -11,7 +11,7 @@ module psalm_link_cycle
    use psalm_kinds, only: wp, full_turn
    use psalm_kinetostatics, only: forces_t, prepare_forces, move_bodies, clear_wrenches, add_source, sweep, joint_rows, &
                                   first_spring, source_inertia, sources_of
-   use psalm_link_loads, only: acting_cycle_t, find_foot, list_acting, follow_acting
+   use psalm_link_loads, only: acting_cycle_t, find_foot, list_acting, direction_of_arc, follow_acting
    use psalm_link_vibration, only: moving_link_t
    use psalm_locations, only: location_t
    use psalm_mechanism, only: mechanism_t, at_start, at_finish, body_frame, joint_gear, joint_prismatic
@@ -23,7 +23,8 @@ module psalm_link_cycle
    use psalm_beam, only: beam_t
    implicit none (type, external)
    private
-   public :: link_cycle_t, find_link_cycle, check_link, moving_link, inertia_at_crank, add_uniform_link
+   public :: link_cycle_t, find_link_cycle, check_link, moving_link, inertia_at_crank, add_uniform_link, prepare_turn, note_dead, &
+             is_turned_by_drive
 
    real(wp), parameter :: beyond_pin = 1.0e-9_wp !! of the length: a place so far beyond a pin is at the pin
 
@@ -252,7 +253,8 @@ contains
          call move_bodies(problem, rates, n, 1.0_wp, 0.0_wp, forces)
          call follow_motion()
          if (block == 1) call make_own()
-         call follow_acting(problem, steady, arc, input(offset + 1:offset + n), offset, n, forces, cycle_of%acting)
+         call follow_acting(problem, steady, direction_of_arc(problem, arc, n), input(offset + 1:offset + n), offset, n, forces, &
+                            cycle_of%acting)
          call clear_wrenches(n, forces)
          call add_source(problem, own, source_inertia, input(offset + 1:offset + n), n, forces)
          call sweep(problem, n, forces)
@@ -432,7 +434,7 @@ contains
       end do
    end subroutine inertia_at_crank
 
-   !> A problem that solves everything at equal steps of a turn.
+   !> A problem that solves everything at equal steps of a turn; `failure` of the cycle is set where it does not close.
    subroutine prepare_turn(given, dimensions, points, problem, input, cycle_of)
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
@@ -452,6 +454,7 @@ contains
       if (cycle_of%failure > 0) cycle_of%closes = .false.
    end subroutine prepare_turn
 
+   !> The first dead point of the block just solved, which `failure` and `loop` of the cycle say.
    subroutine note_dead(problem, rates, offset, n, cycle_of)
       type(problem_t), intent(in) :: problem
       type(rates_t), intent(in) :: rates

@@ -11,7 +11,7 @@ module psalm_link_loads
    use psalm_mechanism, only: mechanism_t, at_start, at_finish
    implicit none (type, external)
    private
-   public :: acting_cycle_t, find_foot, list_acting, follow_acting
+   public :: acting_cycle_t, find_foot, list_acting, direction_of_arc, follow_acting
 
    !> A load, or the end of a spring. Arrays have the shape (positions), forces and stiffnesses are in the axes of the link.
    type :: acting_cycle_t
@@ -89,18 +89,12 @@ contains
       acting = list(:many)
    end subroutine list_acting
 
-   !> Forces, couples and stiffnesses at the first `n` positions of the block just solved, whose bodies are moved. The wrenches of
-   !> `forces` are lost.
-   subroutine follow_acting(problem, model, arc, input, offset, n, forces, acting)
+   !> Direction of an arc of a link at the first `n` positions of the block just solved. Shape of the result: (2, n).
+   pure function direction_of_arc(problem, arc, n) result(unit)
       type(problem_t), intent(in) :: problem
-      type(force_model_t), intent(in) :: model   !! without dampers
-      integer, intent(in) :: arc
-      real(wp), intent(in) :: input(:)           !! shape (n): degrees
-      integer, intent(in) :: offset, n           !! positions before the block, and in it
-      type(forces_t), intent(inout) :: forces
-      type(acting_cycle_t), intent(inout) :: acting(:)
-      real(wp) :: unit(2, n), zx(padded(n)), zy(padded(n))
-      integer :: k, i
+      integer, intent(in) :: arc, n
+      real(wp) :: unit(2, n)
+      integer :: i
 
       associate (link => problem%linkage, points_of => problem%plan%joint_points, ends => problem%mechanism%arcs(arc)%ends)
          do i = 1, n
@@ -111,6 +105,21 @@ contains
             unit(:, i) = unit(:, i)/norm2(unit(:, i))
          end do
       end associate
+   end function direction_of_arc
+
+   !> Forces, couples and stiffnesses at the first `n` positions of the block just solved, whose bodies are moved. The wrenches of
+   !> `forces` are lost.
+   subroutine follow_acting(problem, model, unit, input, offset, n, forces, acting)
+      type(problem_t), intent(in) :: problem
+      type(force_model_t), intent(in) :: model   !! without dampers
+      real(wp), intent(in) :: unit(:, :)         !! shape (2, n): the x axis of the link
+      real(wp), intent(in) :: input(:)           !! shape (n): degrees
+      integer, intent(in) :: offset, n           !! positions before the block, and in it
+      type(forces_t), intent(inout) :: forces
+      type(acting_cycle_t), intent(inout) :: acting(:)
+      real(wp) :: zx(padded(n)), zy(padded(n))
+      integer :: k, i
+
       do k = 1, size(acting)
          associate (a => acting(k), row => forces%bodies(acting(k)%location%body)%wrench, w => forces%w%v)
             call clear_wrenches(n, forces)

@@ -4,12 +4,15 @@
 !> g = exp(i angle) - 1. A dyad is its fixed pivot a and its pin x, both from the reference point in the first pose; it is good
 !> for a pose when  2 Re((conj(a) - conj(d)) x g) + 2 Re(conj(d) (a - x)) = |d|**2. With u = conj(a) x that is linear, and
 !> u = conj(a) x are two conics in what is left free. Source: Burmester (1888); Bottema and Roth (1979), chapter 8.
+!>
+!> A condition is that equation or a derivative of it while the body moves (multiply separated poses: Tesar (1968)): its numbers
+!> g, k = conj(d) (1 + g), d and |d|**2, or their derivatives, in  Re(conj(a) x g - k x + conj(d) a) = |d|**2/2.
 module psalm_burmester
    use psalm_kinds, only: wp, pi
    implicit none (type, external)
    private
-   public :: pin_pair_t, dyads_t, curve_point_t, five_poses, four_poses_curve, centres_on_line, pin_for_pivot, slider_pin, &
-             slider_circle, guide_of, inverted, polynomial_roots
+   public :: pin_pair_t, dyads_t, curve_point_t, dyad_condition_t, of_poses, derivative_of, five_conditions, five_poses, &
+             four_poses_curve, centres_on_line, pin_for_pivot, slider_pin, slider_circle, guide_of, inverted, polynomial_roots
    public :: dyad_turns, dyad_slides, dyad_swings
 
    integer, parameter :: dyad_turns = 1              !! a link from a fixed pivot to a pin of the body
@@ -31,6 +34,14 @@ module psalm_burmester
       integer :: kind = dyad_turns                   !! one of `dyad_...`
       complex(wp) :: guide = (1.0_wp, 0.0_wp)        !! direction of the line, of modulus 1; of the body's in the first pose
    end type pin_pair_t
+
+   !> What a pose, or a motion at one, asks of a dyad.
+   type :: dyad_condition_t
+      complex(wp) :: g = (0.0_wp, 0.0_wp), k = (0.0_wp, 0.0_wp), d = (0.0_wp, 0.0_wp)
+      real(wp) :: square = 0.0_wp                    !! |d|**2
+      complex(wp) :: rest = (0.0_wp, 0.0_wp)         !! k - conj(d) g, of a pose conj(d)
+      logical :: is_pose = .true.
+   end type dyad_condition_t
 
    !> All dyads for five poses.
    type :: dyads_t
@@ -54,25 +65,73 @@ module psalm_burmester
 
 contains
 
+   !> Conditions of poses.
+   elemental type(dyad_condition_t) function of_poses(d, g) result(condition)
+      complex(wp), intent(in) :: d, g
+
+      condition = dyad_condition_t(g, conjg(d)*(1.0_wp + g), d, abs(d)**2, conjg(d))
+   end function of_poses
+
+   !> Condition of a motion at a pose: the first derivative, or with `second` the second, by what drives it.
+   pure type(dyad_condition_t) function derivative_of(d, g, second) result(condition)
+      complex(wp), intent(in) :: d(0:), g(0:)        !! shape (0:1) or (0:2): the pose and its derivatives
+      logical, intent(in) :: second
+
+      if (second) then
+         condition%g = g(2)
+         condition%d = d(2)
+         condition%k = conjg(d(2))*(1.0_wp + g(0)) + 2.0_wp*conjg(d(1))*g(1) + conjg(d(0))*g(2)
+         condition%square = 2.0_wp*(abs(d(1))**2 + real(conjg(d(0))*d(2), wp))
+      else
+         condition%g = g(1)
+         condition%d = d(1)
+         condition%k = conjg(d(1))*(1.0_wp + g(0)) + conjg(d(0))*g(1)
+         condition%square = 2.0_wp*real(conjg(d(0))*d(1), wp)
+      end if
+      condition%rest = condition%k - conjg(condition%d)*condition%g
+      condition%is_pose = .false.
+   end function derivative_of
+
+   !> The same with lengths over a size.
+   elemental type(dyad_condition_t) function over(given, size) result(condition)
+      type(dyad_condition_t), intent(in) :: given
+      real(wp), intent(in) :: size
+
+      if (given%is_pose) then
+         condition = of_poses(given%d/size, given%g)
+      else
+         condition = dyad_condition_t(given%g, given%k/size, given%d/size, given%square/size**2, given%rest/size, .false.)
+      end if
+   end function over
+
    !> All dyads for five poses, the first of which is (0, 0). At most four.
    pure subroutine five_poses(d, g, dyads)
       complex(wp), intent(in) :: d(4), g(4)
       type(dyads_t), intent(out) :: dyads
+
+      call five_conditions(of_poses(d, g), dyads)
+   end subroutine five_poses
+
+   !> All dyads for four conditions beyond the first pose. At most four.
+   pure subroutine five_conditions(given, dyads)
+      type(dyad_condition_t), intent(in) :: given(4)
+      type(dyads_t), intent(out) :: dyads
       ! a fixed rotation, so that no solution lies at infinity of the chart but by chance
       real(wp), parameter :: c1 = 0.6_wp, s1 = 0.8_wp, c2 = 5.0_wp/13.0_wp, s2 = 12.0_wp/13.0_wp
       real(wp) :: basis(unknowns, 3), turned(unknowns, 3), conic(6, 2), size, along(3), h
-      complex(wp) :: scaled(4), p(4), q(4), quartic(0:4), imaginary(4, most_dyads)
+      complex(wp) :: p(4), q(4), quartic(0:4), imaginary(4, most_dyads)
+      type(dyad_condition_t) :: scaled(4)
       type(pin_pair_t) :: dyad
       integer :: i, k
       logical :: full
 
-      size = maxval(abs(d))
+      size = maxval(abs(given%d))
       if (.not. size > 0.0_wp) then
          ! the body turns about its reference point: any pose scale will do
          size = 1.0_wp
       end if
-      scaled = d/size
-      call null_space(scaled, g, basis, full)
+      scaled = over(given, size)
+      call null_space(scaled, basis, full)
       if (.not. full) then
          dyads%degenerate = .true.
          return
@@ -103,8 +162,8 @@ contains
          end if
          dyad%pin = cmplx(sum(turned(3, :)*along), sum(turned(4, :)*along), wp)/h
          dyad%pivot = cmplx(sum(turned(5, :)*along), sum(turned(6, :)*along), wp)/h
-         call polish_dyad(scaled, g, dyad)
-         dyads%residual = max(dyads%residual, worst_residual(scaled, g, dyad))
+         call polish_dyad(scaled, dyad)
+         dyads%residual = max(dyads%residual, worst_residual(scaled, dyad))
          do k = 1, dyads%count
             if (abs(dyad%pin*size - dyads%list(k)%pin) + abs(dyad%pivot*size - dyads%list(k)%pivot) < &
                 same*size*(abs(dyad%pin) + abs(dyad%pivot))) exit
@@ -117,7 +176,7 @@ contains
          end associate
       end do
       dyads%ends(:, dyads%count + 1:dyads%count + dyads%imaginary) = imaginary(:, :dyads%imaginary)
-   end subroutine five_poses
+   end subroutine five_conditions
 
    !> Add what a dyad is whose homogenising number vanishes, and with it pin or pivot: conj(a) x = 0.
    pure subroutine add_line(basis, along, size, dyads)
@@ -159,19 +218,19 @@ contains
 
    !> The vectors (u, x, a, h) that are good for all poses: the last columns of Q of the transposed equations, by Householder's
    !> reflections with column pivoting. `full` false: the equations depend on each other.
-   pure subroutine null_space(d, g, basis, full)
-      complex(wp), intent(in) :: d(:), g(:)          !! shape (n): displacements about 1
+   pure subroutine null_space(given, basis, full)
+      type(dyad_condition_t), intent(in) :: given(:)      !! shape (n): displacements about 1
       real(wp), intent(out) :: basis(:, :)            !! shape (7, 7 - n)
       logical, intent(out) :: full
-      real(wp) :: m(unknowns, size(d)), column(unknowns), tau(size(d)), norm, s, largest
-      complex(wp) :: k
+      real(wp) :: m(unknowns, size(given)), column(unknowns), tau(size(given)), norm, s, largest
       integer :: n, i, j, p
 
-      n = size(d)
+      n = size(given)
       do i = 1, n
-         k = conjg(d(i))*(1.0_wp + g(i))
-         m(:, i) = [2.0_wp*real(g(i), wp), -2.0_wp*aimag(g(i)), -2.0_wp*real(k, wp), 2.0_wp*aimag(k), &
-                    2.0_wp*real(d(i), wp), 2.0_wp*aimag(d(i)), -abs(d(i))**2]
+         associate (g => given(i)%g, k => given(i)%k, d => given(i)%d)
+            m(:, i) = [2.0_wp*real(g, wp), -2.0_wp*aimag(g), -2.0_wp*real(k, wp), 2.0_wp*aimag(k), &
+                       2.0_wp*real(d, wp), 2.0_wp*aimag(d), -given(i)%square]
+         end associate
          norm = sqrt(sum(m(:, i)**2))
          if (norm > 0.0_wp) m(:, i) = m(:, i)/norm
       end do
@@ -342,32 +401,34 @@ contains
    end subroutine polish_on_conics
 
    !> The four equations in (x, a) and, asked for, their matrix.
-   pure subroutine dyad_equations(d, g, dyad, f, jacobian)
-      complex(wp), intent(in) :: d(:), g(:)
+   pure subroutine dyad_equations(given, dyad, f, jacobian)
+      type(dyad_condition_t), intent(in) :: given(:)
       type(pin_pair_t), intent(in) :: dyad
       real(wp), intent(out) :: f(:)                  !! shape (n)
       real(wp), intent(out), optional :: jacobian(:, :) !! shape (n, 4): by x and by a
       complex(wp) :: by_x, by_a
       integer :: j
 
-      do j = 1, size(d)
-         by_x = conjg(dyad%pivot - d(j))*g(j) - conjg(d(j))
-         by_a = conjg(dyad%pin*g(j) + d(j))
-         f(j) = 2.0_wp*real(by_x*dyad%pin + conjg(d(j))*dyad%pivot, wp) - abs(d(j))**2
-         if (present(jacobian)) jacobian(j, :) = 2.0_wp*[real(by_x, wp), -aimag(by_x), real(by_a, wp), -aimag(by_a)]
+      do j = 1, size(given)
+         associate (g => given(j)%g, d => given(j)%d)
+            by_x = conjg(dyad%pivot - d)*g - given(j)%rest
+            by_a = conjg(dyad%pin*g + d)
+            f(j) = 2.0_wp*real(by_x*dyad%pin + conjg(d)*dyad%pivot, wp) - given(j)%square
+            if (present(jacobian)) jacobian(j, :) = 2.0_wp*[real(by_x, wp), -aimag(by_x), real(by_a, wp), -aimag(by_a)]
+         end associate
       end do
    end subroutine dyad_equations
 
    !> Newton's method on the four equations.
-   pure subroutine polish_dyad(d, g, dyad)
-      complex(wp), intent(in) :: d(4), g(4)
+   pure subroutine polish_dyad(given, dyad)
+      type(dyad_condition_t), intent(in) :: given(4)
       type(pin_pair_t), intent(inout) :: dyad
       integer, parameter :: steps = 2
       real(wp) :: f(4), m(4, 5), row(5)
       integer :: k, i, p
 
       do k = 1, steps
-         call dyad_equations(d, g, dyad, f, m(:, :4))
+         call dyad_equations(given, dyad, f, m(:, :4))
          m(:, 5) = f
          do i = 1, 4
             p = i - 1 + maxloc(abs(m(i:, i)), dim=1)
@@ -386,12 +447,12 @@ contains
    end subroutine polish_dyad
 
    !> Largest of the equations over the sizes that meet in them.
-   pure real(wp) function worst_residual(d, g, dyad)
-      complex(wp), intent(in) :: d(4), g(4)
+   pure real(wp) function worst_residual(given, dyad)
+      type(dyad_condition_t), intent(in) :: given(4)
       type(pin_pair_t), intent(in) :: dyad
       real(wp) :: f(4)
 
-      call dyad_equations(d, g, dyad, f)
+      call dyad_equations(given, dyad, f)
       worst_residual = maxval(abs(f))/(1.0_wp + abs(dyad%pin) + abs(dyad%pivot))**2
    end function worst_residual
 
@@ -411,7 +472,7 @@ contains
       j = maxloc(abs(g), dim=1)
       if (.not. abs(g(j)) > 0.0_wp) return
       pole = -d(j)/g(j)
-      call centre_cubic(d, g, pole, direction, cubic)
+      call centre_cubic(of_poses(d, g), pole, direction, cubic)
       c = cubic(1:)
       half = 0.5_wp*c(2)
       root = half**2 - c(1)*c(3)
@@ -438,20 +499,20 @@ contains
    end subroutine four_poses_curve
 
    !> The cubic whose real zeros are the places, along a line, of the centre points of four poses.
-   pure subroutine centre_cubic(d, g, base_point, direction, cubic)
-      complex(wp), intent(in) :: d(3), g(3)
+   pure subroutine centre_cubic(given, base_point, direction, cubic)
+      type(dyad_condition_t), intent(in) :: given(3)
       complex(wp), intent(in) :: base_point, direction !! of the line
       real(wp), intent(out) :: cubic(0:3)            !! by rising powers
       complex(wp) :: base(3, 3), along(3, 3), determinant(0:3)
       integer :: j, k
 
       do j = 1, 3
-         base(j, 1) = g(j)*conjg(base_point) - conjg(d(j))*(1.0_wp + g(j))
+         base(j, 1) = given(j)%g*conjg(base_point) - given(j)%k
          base(j, 2) = conjg(base(j, 1))
-         base(j, 3) = 2.0_wp*real(conjg(d(j))*base_point, wp) - abs(d(j))**2
-         along(j, 1) = g(j)*conjg(direction)
+         base(j, 3) = 2.0_wp*real(conjg(given(j)%d)*base_point, wp) - given(j)%square
+         along(j, 1) = given(j)%g*conjg(direction)
          along(j, 2) = conjg(along(j, 1))
-         along(j, 3) = 2.0_wp*real(conjg(d(j))*direction, wp)
+         along(j, 3) = 2.0_wp*real(conjg(given(j)%d)*direction, wp)
       end do
       cubic = 0.0_wp
       do k = 1, 3
@@ -462,8 +523,8 @@ contains
    end subroutine centre_cubic
 
    !> Dyads for four poses whose fixed pivot lies on a line, at most three; `degenerate`: the whole line is good.
-   pure subroutine centres_on_line(d, g, base_point, direction, dyads)
-      complex(wp), intent(in) :: d(3), g(3)
+   pure subroutine centres_on_line(given, base_point, direction, dyads)
+      type(dyad_condition_t), intent(in) :: given(3)
       complex(wp), intent(in) :: base_point, direction !! of the line
       type(dyads_t), intent(out) :: dyads
       real(wp) :: cubic(0:3), place
@@ -472,7 +533,7 @@ contains
       integer :: degree, k
       logical :: exists
 
-      call centre_cubic(d, g, base_point, direction, cubic)
+      call centre_cubic(given, base_point, direction, cubic)
       degree = 3
       do while (degree > 0)
          if (abs(cubic(degree)) > dependent*maxval(abs(cubic))) exit
@@ -489,7 +550,7 @@ contains
          end if
          place = real(roots(k), wp)
          dyad%pivot = base_point + place*direction
-         call pin_for_pivot(d, g, dyad, exists)
+         call pin_for_conditions(given, dyad, exists)
          if (.not. exists) cycle
          dyads%count = dyads%count + 1
          dyads%list(dyads%count) = dyad
@@ -521,17 +582,26 @@ contains
       complex(wp), intent(in) :: d(:), g(:)
       type(pin_pair_t), intent(inout) :: dyad
       logical, intent(out) :: exists
+
+      call pin_for_conditions(of_poses(d, g), dyad, exists)
+   end subroutine pin_for_pivot
+
+   !> The same of any conditions.
+   pure subroutine pin_for_conditions(given, dyad, exists)
+      type(dyad_condition_t), intent(in) :: given(:)
+      type(pin_pair_t), intent(inout) :: dyad
+      logical, intent(out) :: exists
       complex(wp) :: k
-      real(wp) :: rows(size(d), 2), right(size(d))
+      real(wp) :: rows(size(given), 2), right(size(given))
       integer :: j
 
-      do j = 1, size(d)
-         k = conjg(dyad%pivot)*g(j) - conjg(d(j))*(1.0_wp + g(j))
+      do j = 1, size(given)
+         k = conjg(dyad%pivot)*given(j)%g - given(j)%k
          rows(j, :) = [real(k, wp), -aimag(k)]
-         right(j) = 0.5_wp*abs(d(j))**2 - real(conjg(d(j))*dyad%pivot, wp)
+         right(j) = 0.5_wp*given(j)%square - real(conjg(given(j)%d)*dyad%pivot, wp)
       end do
       call two_unknowns(rows, right, dyad%pin, exists)
-   end subroutine pin_for_pivot
+   end subroutine pin_for_conditions
 
    !> Two real unknowns as one complex number, by orthogonal columns.
    pure subroutine two_unknowns(rows, right, z, exists)

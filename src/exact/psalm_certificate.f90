@@ -4,6 +4,7 @@
 !> turns and pivots are formed from them in quadruple precision. Solutions are apart if in one number their discs are; of nine
 !> points, where a solution stands for its cognates too, in the sum of the three pivots.
 module psalm_certificate
+   use psalm_function_points, only: function_point_t
    use psalm_kinds, only: wp
    use psalm_krawczyk, only: examine
    use psalm_krawczyk_extended, only: examine_extended => examine
@@ -15,9 +16,11 @@ module psalm_certificate
    private
    public :: certificate_t, certify_legs, certify_poses, certify_generators, examine_all
 
-   !> Places of the numbers behind those of the legs; point j is j places on. f is the crank's turn less 1.
+   !> Places of the numbers behind those of the legs; point j is j places on. f is the crank's turn less 1, k and square are
+   !> the numbers of a condition (psalm_burmester).
    integer, parameter :: at_g = variables, at_gh = at_g + most_points, at_d = at_gh + most_points, at_dh = at_d + most_points, &
-                         at_f = at_dh + most_points, at_fh = at_f + most_points, places = at_fh + most_points
+                         at_f = at_dh + most_points, at_fh = at_f + most_points, at_k = at_fh + most_points, &
+               at_kh = at_k + most_points, at_square = at_kh + most_points, places = at_square + most_points
    integer, parameter :: leg = 4                      !! numbers of a leg
    integer, parameter :: corrections = 2              !! steps of Newton's method before the test
    integer, parameter :: more_corrections = 4         !! in extended precision
@@ -111,66 +114,115 @@ contains
                        orbits, 0, certificate)
    end subroutine certify_legs
 
-   !> Examine the dyads of five poses.
-   subroutine certify_poses(points, degrees, dyads, likely_real, certificate)
-      complex(wp), intent(in) :: points(0:)          !! shape (0:4), as given
+   !> Examine the dyads of five poses, or of fewer with points about which the body turns.
+   subroutine certify_poses(points, degrees, poles, of_pose, dyads, likely_real, certificate)
+      complex(wp), intent(in) :: points(0:)          !! as given
       real(wp), intent(in) :: degrees(0:)
+      complex(wp), intent(in) :: poles(:)            !! as given
+      integer, intent(in) :: of_pose(:)              !! shape (poles): counted from 0
       complex(wp), intent(in) :: dyads(:, :)         !! x, xh, a, ah from the first point, shape (4, count)
       logical, intent(in) :: likely_real(:)          !! shape (count)
       type(certificate_t), intent(out) :: certificate
-      complex(qp) :: numbers(places)
-      integer :: j
+      complex(qp), parameter :: i = (0.0_qp, 1.0_qp)
+      complex(qp) :: numbers(places), d, g, gh
+      integer :: j, n
 
       numbers = (0.0_qp, 0.0_qp)
-      do j = 1, ubound(points, 1)
-         numbers(at_d + j) = cmplx(points(j), kind=qp) - cmplx(points(0), kind=qp)
-         call set_turn(real(degrees(j), qp) - real(degrees(0), qp), numbers(at_g + j), numbers(at_gh + j))
+      n = ubound(points, 1)
+      do j = 1, n
+         call set_turn(real(degrees(j), qp) - real(degrees(0), qp), g, gh)
+         call set_condition(j, [cmplx(points(j), kind=qp) - cmplx(points(0), kind=qp)], [g], numbers)
       end do
-      call examine_dyads(ubound(points, 1), numbers, dyads, likely_real, 0, certificate)
+      do j = 1, size(poles)
+         d = cmplx(points(of_pose(j)), kind=qp) - cmplx(points(0), kind=qp)
+         call set_turn(real(degrees(of_pose(j)), qp) - real(degrees(0), qp), g, gh)
+         call set_condition(n + j, [d, i*(cmplx(points(of_pose(j)), kind=qp) - cmplx(poles(j), kind=qp))], [g, i*(1.0_qp + g)], &
+                            numbers)
+      end do
+      call examine_dyads(n + size(poles), numbers, dyads, likely_real, 0, certificate)
    end subroutine certify_poses
 
-   !> Examine the dyads of the output link seen from the crank, for five points of a function: one of a four-bar is the frame, which
-   !> is not counted.
-   subroutine certify_generators(phi, psi, slides, dyads, likely_real, frame, certificate)
-      real(wp), intent(in) :: phi(0:), psi(0:)       !! radians; of a slider-crank psi is the travel
+   !> Examine the dyads of the output link seen from the crank, for five points and derivatives of a function: one of a four-bar is
+   !> the frame, which is not counted.
+   subroutine certify_generators(points, slides, dyads, likely_real, frame, certificate)
+      type(function_point_t), intent(in) :: points(0:)
       logical, intent(in) :: slides
       complex(wp), intent(in) :: dyads(:, :)         !! x, xh, a, ah from the first point, shape (4, count)
       logical, intent(in) :: likely_real(:)          !! shape (count)
       integer, intent(in) :: frame                   !! which of them is the frame; 0: none
       type(certificate_t), intent(out) :: certificate
-      complex(qp) :: numbers(places), input(0:ubound(phi, 1)), turned(0:ubound(phi, 1))
-      integer :: j
+      complex(qp), parameter :: i = (0.0_qp, 1.0_qp)
+      complex(qp) :: numbers(places), place(0:2), turned(0:2), first(2)
+      real(qp) :: rate(0:2), w(2)
+      integer :: j, n, order
 
       numbers = (0.0_qp, 0.0_qp)
-      input = exp(cmplx(0.0_wp, -phi, qp))
-      turned = input
-      if (.not. slides) turned = input*exp(cmplx(0.0_wp, psi, qp))
-      if (slides) input = real(psi, qp)*input
-      do j = 1, ubound(phi, 1)
-         numbers(at_d + j) = input(j) - input(0)
-         numbers(at_g + j) = turned(j)*conjg(turned(0)) - 1.0_qp
-         numbers(at_gh + j) = conjg(numbers(at_g + j))
+      n = 0
+      do j = 0, ubound(points, 1)
+         rate = [real(points(j)%psi, qp), real(points(j)%rate, qp)]
+         ! exp(-i phi), whose derivatives are by phi, and the turn of the output link
+         place(0) = exp(cmplx(0.0_qp, -real(points(j)%phi, qp), qp))
+         place(1:) = [-i, (-1.0_qp, 0.0_qp)]*place(0)
+         turned = place
+         if (slides) then
+            place = [rate(0)*turned(0), rate(1)*turned(0) + rate(0)*turned(1), &
+                     rate(2)*turned(0) + 2.0_qp*rate(1)*turned(1) + rate(0)*turned(2)]
+         else
+            turned(0) = turned(0)*exp(cmplx(0.0_qp, rate(0), qp))
+            w = rate(1:) - [1.0_qp, 0.0_qp]
+            turned(1) = i*w(1)*turned(0)
+            turned(2) = (i*w(2) - w(1)**2)*turned(0)
+         end if
+         if (j == 0) first = [place(0), turned(0)]
+         place(0) = place(0) - first(1)
+         turned = turned*conjg(first(2))
+         turned(0) = turned(0) - 1.0_qp
+         do order = merge(1, 0, j == 0), points(j)%order
+            n = n + 1
+            call set_condition(n, place(:order), turned(:order), numbers)
+         end do
       end do
-      call examine_dyads(ubound(phi, 1), numbers, dyads, likely_real, frame, certificate)
+      call examine_dyads(n, numbers, dyads, likely_real, frame, certificate)
    end subroutine certify_generators
 
-   subroutine examine_dyads(poses, given, dyads, likely_real, frame, certificate)
-      integer, intent(in) :: poses                   !! beyond the first
-      complex(qp), intent(in) :: given(places)
+   !> The numbers of a condition: of a pose, or of its first or second derivative, as many as there are beyond the pose itself.
+   subroutine set_condition(n, d, g, numbers)
+      integer, intent(in) :: n                       !! which condition
+      complex(qp), intent(in) :: d(0:), g(0:)        !! the pose and its derivatives
+      complex(qp), intent(inout) :: numbers(:)
+      integer :: last
+
+      last = ubound(d, 1)
+      numbers(at_d + n) = d(last)
+      numbers(at_g + n) = g(last)
+      select case (last)
+      case (0)
+         numbers(at_k + n) = conjg(d(0))*(1.0_qp + g(0))
+         numbers(at_square + n) = d(0)*conjg(d(0))
+      case (1)
+         numbers(at_k + n) = conjg(d(1))*(1.0_qp + g(0)) + conjg(d(0))*g(1)
+         numbers(at_square + n) = cmplx(2.0_qp*real(conjg(d(0))*d(1), qp), kind=qp)
+      case default
+         numbers(at_k + n) = conjg(d(2))*(1.0_qp + g(0)) + 2.0_qp*conjg(d(1))*g(1) + conjg(d(0))*g(2)
+         numbers(at_square + n) = cmplx(2.0_qp*(real(d(1)*conjg(d(1)), qp) + real(conjg(d(0))*d(2), qp)), kind=qp)
+      end select
+      numbers([at_gh, at_dh, at_kh] + n) = conjg(numbers([at_g, at_d, at_k] + n))
+   end subroutine set_condition
+
+   subroutine examine_dyads(conditions, numbers, dyads, likely_real, frame, certificate)
+      integer, intent(in) :: conditions              !! beyond the first pose
+      complex(qp), intent(in) :: numbers(places)
       complex(wp), intent(in) :: dyads(:, :)
       logical, intent(in) :: likely_real(:)
       integer, intent(in) :: frame
       type(certificate_t), intent(out) :: certificate
-      complex(qp) :: numbers(places)
       type(product_sums_t) :: sums
       integer, parameter :: unknown(leg) = [at_x, at_xh, at_a, at_ah]
       integer :: j
 
-      numbers = given
       call sums%begin(places, unknown)
-      do j = 1, poses
-         numbers(at_dh + j) = conjg(numbers(at_d + j))
-         call add_leg(at_x, j, sums)
+      do j = 1, conditions
+         call add_condition(j, sums)
       end do
       call examine_all(sums, numbers, partners_of(sums, unknown, .false.), dyads, likely_real, unknown, .false., frame, certificate)
    end subroutine examine_dyads
@@ -207,6 +259,21 @@ contains
          call sums%add(-1, [d, dh])
       end associate
    end subroutine add_leg
+
+   !> ah x g - k x + a xh gh - kh xh + ah d + a dh - square: a dyad's condition, whatever its numbers are derived from.
+   subroutine add_condition(j, sums)
+      integer, intent(in) :: j                       !! condition
+      type(product_sums_t), intent(inout) :: sums
+
+      call sums%next_equation()
+      call sums%add(1, [at_ah, at_x, at_g + j])
+      call sums%add(-1, [at_k + j, at_x])
+      call sums%add(1, [at_a, at_xh, at_gh + j])
+      call sums%add(-1, [at_kh + j, at_xh])
+      call sums%add(1, [at_ah, at_d + j])
+      call sums%add(1, [at_a, at_dh + j])
+      call sums%add(-1, [at_square + j])
+   end subroutine add_condition
 
    !> The equation of leg b less that of leg a, in the differences of their numbers.
    subroutine add_difference(j, sums)

@@ -5,12 +5,15 @@
 !> is an RR dyad of these: five points have at most three linkages, the frame itself being the fourth. Of a slider-crank the
 !> slider takes up the poses s exp(-i phi) with the orientation -phi. Sources: Freudenstein (1954); Hartenberg and Denavit (1964),
 !> chapter 10.
+!>
+!> A point may have derivatives of the output by the input, which are met exactly too (Oldham (1977), 9.1.1): each is a condition as
+!> a point is, and takes the place of one.
 module psalm_function_points
-   use psalm_burmester, only: centres_on_line, dyads_t, five_poses
+   use psalm_burmester, only: centres_on_line, dyad_condition_t, derivative_of, dyad_swings, dyads_t, five_conditions, of_poses
    use psalm_kinds, only: wp, pi
    implicit none (type, external)
    private
-   public :: generator_t, generators_t, five_points, four_points, three_points, output_of
+   public :: generator_t, generators_t, function_point_t, five_points, four_points, three_points, output_of
 
    integer, parameter :: most_generators = 3
    real(wp), parameter :: no_length = 1.0e-7_wp      !! of a link, over the frame
@@ -26,6 +29,13 @@ module psalm_function_points
       integer :: assembly = 0                        !! +1 or -1; 0: the points lie on different ones
    end type generator_t
 
+   !> A point of a function, and what the output does there.
+   type :: function_point_t
+      real(wp) :: phi = 0.0_wp, psi = 0.0_wp         !! radians; of a slider-crank psi is the travel
+      integer :: order = 0                           !! derivatives that are wanted
+      real(wp) :: rate(2) = 0.0_wp                   !! of psi by phi: first and second, of those wanted
+   end type function_point_t
+
    type :: generators_t
       integer :: count = 0
       type(generator_t) :: list(most_generators)
@@ -39,44 +49,51 @@ module psalm_function_points
 contains
 
    !> All linkages through five points. Of a slider-crank psi is the travel.
-   pure subroutine five_points(phi, psi, slides, found)
-      real(wp), intent(in) :: phi(5), psi(5)         !! radians
+   pure subroutine five_points(phi, psi, slides, found, points)
+      real(wp), intent(in) :: phi(:), psi(:)         !! shape (5), or fewer with derivatives: radians
       logical, intent(in) :: slides
       type(generators_t), intent(out) :: found
-      complex(wp) :: p(5), turned(5)
+      type(function_point_t), intent(in), optional :: points(:) !! the same with derivatives: points and these are five
+      complex(wp) :: p, turned
+      type(dyad_condition_t) :: conditions(4)
       type(dyads_t) :: dyads
 
-      call poses_of(phi, psi, slides, p, turned)
-      call five_poses(p(2:) - p(1), turned(2:)/turned(1) - 1.0_wp, dyads)
-      call generators_of(phi, psi, slides, p(1), turned(1), dyads, found)
+      if (present(points)) then
+         call conditions_of(points, slides, .false., p, turned, conditions)
+      else
+         call conditions_of(plain_point(phi, psi), slides, .false., p, turned, conditions)
+      end if
+      call five_conditions(conditions, dyads)
+      call generators_of(phi, psi, slides, p, turned, dyads, found)
    end subroutine five_points
 
    !> All linkages through four points whose crank, or with `of_output` whose output link, has a given zero line: at most two, of a
    !> slider-crank at most three. The centre points of the output link seen from the crank lie on the line through the crank's
    !> pivot, which of a four-bar is one of them. Of a slider-crank psi is the travel and `of_output` must be false.
-   pure subroutine four_points(phi, psi, slides, of_output, zero, found)
-      real(wp), intent(in) :: phi(4), psi(4)         !! radians
+   pure subroutine four_points(points, slides, of_output, zero, found)
+      type(function_point_t), intent(in) :: points(:) !! four, or fewer with derivatives: points and these are four
       logical, intent(in) :: slides, of_output
       real(wp), intent(in) :: zero                   !! direction at 0, from the frame
       type(generators_t), intent(out) :: found
-      complex(wp) :: p(4), turned(4)
-      real(wp) :: input(4), output(4), line
+      complex(wp) :: p, turned
+      type(dyad_condition_t) :: conditions(3)
+      real(wp) :: input(size(points)), output(size(points)), line
       type(dyads_t) :: dyads
       type(generator_t) :: own
       integer :: k
 
-      input = phi
-      output = psi
+      input = points%phi
+      output = points%psi
       line = zero
       if (of_output) then
          ! the linkage seen from the other side: mirrored, so that the frame lies as before
-         input = -psi
-         output = -phi
+         input = -points%psi
+         output = -points%phi
          line = pi - zero
       end if
-      call poses_of(input, output, slides, p, turned)
-      call centres_on_line(p(2:) - p(1), turned(2:)/turned(1) - 1.0_wp, -p(1), cmplx(cos(line), sin(line), wp), dyads)
-      call generators_of(input, output, slides, p(1), turned(1), dyads, found)
+      call conditions_of(points, slides, of_output, p, turned, conditions)
+      call centres_on_line(conditions, -p, cmplx(cos(line), sin(line), wp), dyads)
+      call generators_of(input, output, slides, p, turned, dyads, found)
       if (.not. of_output) return
       do k = 1, found%count
          own = found%list(k)
@@ -84,24 +101,80 @@ contains
          found%list(k)%r4 = own%r2
          found%list(k)%phi0 = pi - own%psi0
          found%list(k)%psi0 = pi - own%phi0
-         found%list(k)%assembly = assembly_of(found%list(k), phi, psi)
+         found%list(k)%assembly = assembly_of(found%list(k), points%phi, points%psi)
       end do
    end subroutine four_points
 
-   !> Poses of the output link seen from the crank: places, and turns as complex numbers.
-   pure subroutine poses_of(phi, psi, slides, p, turned)
-      real(wp), intent(in) :: phi(:), psi(:)
-      logical, intent(in) :: slides
-      complex(wp), intent(out) :: p(:), turned(:)
+   !> A point without derivatives.
+   elemental type(function_point_t) function plain_point(phi, psi)
+      real(wp), intent(in) :: phi, psi
 
-      turned = cmplx(cos(phi), -sin(phi), wp)
-      p = turned
+      plain_point%phi = phi
+      plain_point%psi = psi
+   end function plain_point
+
+   !> What points ask of the dyads of the output link seen from the crank, beyond the first pose, which is the first point.
+   pure subroutine conditions_of(points, slides, of_output, p, turned, conditions)
+      type(function_point_t), intent(in) :: points(:)
+      logical, intent(in) :: slides
+      logical, intent(in) :: of_output               !! the crank seen from the output link, mirrored
+      complex(wp), intent(out) :: p, turned          !! the first pose: place, and turn as a complex number
+      type(dyad_condition_t), intent(out) :: conditions(:)
+      complex(wp) :: place(0:2), turn(0:2)
+      integer :: i, n, order
+
+      n = 0
+      do i = 1, size(points)
+         if (of_output) then
+            call pose_of(-[points(i)%psi, points(i)%rate], -[points(i)%phi, 1.0_wp, 0.0_wp], slides, place, turn)
+         else
+            call pose_of([points(i)%phi, 1.0_wp, 0.0_wp], [points(i)%psi, points(i)%rate], slides, place, turn)
+         end if
+         if (i == 1) then
+            p = place(0)
+            turned = turn(0)
+         end if
+         place(0) = place(0) - p
+         turn = turn/turned
+         turn(0) = turn(0) - 1.0_wp
+         if (i > 1) then
+            n = n + 1
+            conditions(n) = of_poses(place(0), turn(0))
+         end if
+         do order = 1, points(i)%order
+            n = n + 1
+            conditions(n) = derivative_of(place, turn, order > 1)
+         end do
+      end do
+   end subroutine conditions_of
+
+   !> Pose of the output link seen from the crank and its derivatives, from input and output and theirs by any parameter.
+   pure subroutine pose_of(input, output, slides, place, turn)
+      real(wp), intent(in) :: input(0:2), output(0:2)
+      logical, intent(in) :: slides
+      complex(wp), intent(out) :: place(0:2), turn(0:2)
+
+      place = turning(-input)
+      turn = place
       if (slides) then
-         p = psi*turned
+         place = [output(0)*turn(0), output(1)*turn(0) + output(0)*turn(1), &
+                  output(2)*turn(0) + 2.0_wp*output(1)*turn(1) + output(0)*turn(2)]
       else
-         turned = turned*cmplx(cos(psi), sin(psi), wp)
+         turn = turning(output - input)
+         turn(0) = place(0)*cmplx(cos(output(0)), sin(output(0)), wp)
       end if
-   end subroutine poses_of
+   end subroutine pose_of
+
+   !> exp(i angle) and its derivatives.
+   pure function turning(angle)
+      real(wp), intent(in) :: angle(0:2)             !! and its derivatives
+      complex(wp) :: turning(0:2)
+      complex(wp), parameter :: i = (0.0_wp, 1.0_wp)
+
+      turning(0) = cmplx(cos(angle(0)), sin(angle(0)), wp)
+      turning(1) = i*angle(1)*turning(0)
+      turning(2) = (i*angle(2) - angle(1)**2)*turning(0)
+   end function turning
 
    !> Linkages of the dyads that lead the output link.
    pure subroutine generators_of(phi, psi, slides, p, turned, dyads, found)
@@ -121,6 +194,11 @@ contains
       found%imaginary = dyads%imaginary
       found%infinite = dyads%infinite
       found%dyads = dyads
+      ! of a slider-crank the frame is a line of the slider, the one of its travel, through the crank's pivot
+      do k = 1, merge(dyads%sliding, 0, slides)
+         if (dyads%lines(k)%kind == dyad_swings .and. abs(dyads%lines(k)%pivot + p) < no_length*length) &
+            found%infinite = found%infinite - 1
+      end do
       do k = 1, dyads%count
          crank = dyads%list(k)%pivot + p
          output = dyads%list(k)%pin/turned
@@ -149,17 +227,29 @@ contains
    !> The four-bar through three points whose zero lines are given, by Freudenstein's equation
    !> cos(phi - psi) = k1 cos(psi) - k2 cos(phi) + k3, k1 = 1/r2, k2 = 1/r4. Negative lengths are those of the opposite direction.
    !> `exists` false: the equations depend on each other or ask for an infinite length.
-   pure subroutine three_points(phi, psi, one, exists)
-      real(wp), intent(in) :: phi(3), psi(3)         !! radians, from the frame
+   pure subroutine three_points(points, one, exists)
+      type(function_point_t), intent(in) :: points(:) !! three, or fewer with derivatives; from the frame
       type(generator_t), intent(out) :: one
       logical, intent(out) :: exists
       real(wp) :: m(3, 3), right(3), k(3), determinant, column(3), third
-      integer :: i
+      integer :: i, n
 
-      m(:, 1) = cos(psi)
-      m(:, 2) = -cos(phi)
-      m(:, 3) = 1.0_wp
-      right = cos(phi - psi)
+      n = 0
+      do i = 1, size(points)
+         associate (phi => points(i)%phi, psi => points(i)%psi, v => points(i)%rate(1), a => points(i)%rate(2))
+            n = n + 1
+            m(n, :) = [cos(psi), -cos(phi), 1.0_wp]
+            right(n) = cos(phi - psi)
+            if (points(i)%order == 0) cycle
+            n = n + 1
+            m(n, :) = [-sin(psi)*v, sin(phi), 0.0_wp]
+            right(n) = -sin(phi - psi)*(1.0_wp - v)
+            if (points(i)%order == 1) cycle
+            n = n + 1
+            m(n, :) = [-cos(psi)*v**2 - sin(psi)*a, cos(phi), 0.0_wp]
+            right(n) = sin(phi - psi)*a - cos(phi - psi)*(1.0_wp - v)**2
+         end associate
+      end do
       determinant = determinant_of(m)
       exists = abs(determinant) > epsilon(1.0_wp)
       if (.not. exists) return
@@ -181,7 +271,7 @@ contains
       if (one%r4 < 0.0_wp) one%psi0 = pi
       one%r2 = abs(one%r2)
       one%r4 = abs(one%r4)
-      one%assembly = assembly_of(one, phi, psi)
+      one%assembly = assembly_of(one, points%phi, points%psi)
    end subroutine three_points
 
    pure real(wp) function determinant_of(m)

@@ -270,7 +270,7 @@ contains
       call frame%conclude(report, findings)
    end subroutine find_what_balances
 
-   !> Vibration and stability: the groups ESTIM, VIBR, DRIVEL and HILL; what a case asks for is allocated.
+   !> Vibration and stability: the groups ESTIM, VIBR, FLEX, DRIVEL and HILL; what a case asks for is allocated.
    subroutine find_vibration(case, steady, findings, report, stop)
       type(case_t), intent(in) :: case
       type(steady_study_t), intent(out) :: steady         !! empty if the case has errors

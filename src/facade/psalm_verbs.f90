@@ -65,7 +65,7 @@ module psalm_verbs
       verb_t('time', 'kalm', 'TIME STOPS', 'time'), &
       verb_t('balance', 'muscle', 'BALANC', ''), &
       verb_t('springs', 'muscle', 'SPRNGS', ''), &
-      verb_t('vibration', 'ssics', 'ESTIM VIBR DRIVEL HILL', ''), &
+      verb_t('vibration', 'ssics', 'ESTIM VIBR FLEX DRIVEL HILL', ''), &
       verb_t('cams', 'calm', 'CAM CAM2', ''), &
       verb_t('clearance', 'bridge', 'CLEAR', ''), &
       verb_t('picture', 'balm', 'DXF', ''), &

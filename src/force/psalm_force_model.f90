@@ -155,6 +155,8 @@ contains
       allocate (model%tilt(parameter_my, size(mechanism%bodies)), source=0.0_wp)
       if (model%tilts .and. set%gives('TIME')) call set%origins%warning(findings, 'MASSES', 'MZ', &
          'has no effect on a motion in time: moments out of the plane are found where the drive has its speed')
+      if (set%masses%link_loads .and. set%gives('TIME')) call set%origins%warning(findings, 'MASSES', 'ILOADS', &
+         'has no effect on a motion in time: the loads of the links are those where the drive has its speed')
       masses = size(set%masses%places)
       springs = size(set%springs%first)
       if (present(without_added)) then

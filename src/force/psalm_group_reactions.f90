@@ -9,7 +9,7 @@ module psalm_group_reactions
    use psalm_rows, only: rows_t
    implicit none (type, external)
    private
-   public :: group_joint_t, group_couple_t, react_group, effects_of_couple
+   public :: group_joint_t, group_couple_t, react_group, effects_of_couple, find_pitch_point
 
    real(wp), parameter :: concentric = 64.0_wp*epsilon(1.0_wp) !! part of the size: wheels whose centres are nearer are on one pin
 
@@ -35,6 +35,7 @@ module psalm_group_reactions
       integer :: centres(4) = 0             !! wheels: rows of x and y of the first and of the second centre, 0: couples alone
       real(wp) :: ratio = 0.0_wp            !! wheels: turns of the second for one of the first, against the carrier
       integer :: force = 0                  !! wheels: first row of what the first does to the second
+      integer :: couple = 0                 !! wheels: row of the couple itself, 0: it is not kept
    end type group_couple_t
 
 contains
@@ -118,6 +119,7 @@ contains
             end do
             if (couples(j)%drive > 0) w%v(i, couples(j)%drive) = right(at, 1)*size_of
             if (couples(j)%force > 0) w%v(i, couples(j)%force:couples(j)%force + 1) = on(:2, 2)
+            if (couples(j)%couple > 0) w%v(i, couples(j)%couple) = right(at, 1)*size_of
          end do
       end do
 
@@ -168,17 +170,34 @@ contains
       real(wp), intent(in) :: size_of
       real(wp), intent(out) :: on(:, :)            !! shape (3, 3): force x and y, moment about the origin
       real(wp) :: arm(2), pitch(2), force(2)
+      logical :: found
 
       on = 0.0_wp
       on(3, :) = couple%factors
-      if (couple%centres(1) == 0 .or. couple%force == 0 .or. abs(1.0_wp - couple%ratio) <= concentric) return
-      arm = (store%v(position, couple%centres(:2)) - store%v(position, couple%centres(3:)))/(1.0_wp - couple%ratio)/size_of
-      if (maxval(abs(arm)) <= concentric) return
-      pitch = store%v(position, couple%centres(3:))/size_of + arm
+      call find_pitch_point(couple, store, position, size_of, pitch, arm, found)
+      if (.not. found) return
       ! the couple on the second wheel is factors(2)
       force = couple%factors(2)*[-arm(2), arm(1)]/sum(arm**2)
       on(:, 2) = [force, pitch(1)*force(2) - pitch(2)*force(1)]
       on(:, 1) = -on(:, 2)
       on(:, 3) = 0.0_wp
    end subroutine effects_of_couple
+
+   !> Where two wheels touch, and from the second centre to there. `found` is false of wheels on one centre and of other couples.
+   pure subroutine find_pitch_point(couple, store, position, size_of, pitch, arm, found)
+      type(group_couple_t), intent(in) :: couple
+      type(rows_t), intent(in) :: store
+      integer, intent(in) :: position
+      real(wp), intent(in) :: size_of              !! the places are parts of it
+      real(wp), intent(out) :: pitch(:), arm(:)    !! shape (2)
+      logical, intent(out) :: found
+
+      pitch = 0.0_wp
+      arm = 0.0_wp
+      found = .false.
+      if (couple%centres(1) == 0 .or. couple%force == 0 .or. abs(1.0_wp - couple%ratio) <= concentric) return
+      arm = (store%v(position, couple%centres(:2)) - store%v(position, couple%centres(3:)))/(1.0_wp - couple%ratio)/size_of
+      found = maxval(abs(arm)) > concentric
+      pitch = store%v(position, couple%centres(3:))/size_of + arm
+   end subroutine find_pitch_point
 end module psalm_group_reactions

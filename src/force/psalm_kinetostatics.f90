@@ -26,7 +26,7 @@ module psalm_kinetostatics
    private
    public :: forces_t, prepare_forces, load_bodies, move_bodies, clear_wrenches, add_source, sweep, rub, external_power, &
              find_location, grip_joint, friction_parts
-   public :: couples_of_group
+   public :: couples_of_group, find_shoe
    public :: joint_rows, listed_rows, table_factors, sources_of, source_inertia, source_weight, first_load, first_spring
 
    integer, parameter :: source_inertia = 1, source_weight = 2 !! sources; loads and springs follow
@@ -51,6 +51,7 @@ module psalm_kinetostatics
       real(wp) :: speed = 1.0_wp                     !! of the input: rad/s, or user's length/s
       type(body_rows_t), allocatable :: bodies(:)    !! the frame first
       integer, allocatable :: joints(:)              !! by joint: first of its rows
+      integer, allocatable :: couples(:)             !! by joint: row of the couple of wheels in mesh, N times a store unit
       integer, allocatable :: shared(:, :)           !! shape (2, pairs): joints on one pin; the later link of the first is the
                                                      !! earlier of the second
       type(rows_t) :: w                              !! (position, row)
@@ -79,7 +80,8 @@ contains
       associate (link => problem%linkage, mechanism => problem%mechanism)
          forces%unit = link%scale
          forces%metre = model%metre/link%scale
-         allocate (forces%bodies(size(mechanism%bodies)), forces%joints(size(mechanism%joints)))
+         allocate (forces%bodies(size(mechanism%bodies)), forces%joints(size(mechanism%joints)), &
+                   forces%couples(size(mechanism%joints)))
          next = 1
          do b = 1, size(forces%bodies)
             associate (body => forces%bodies(b))
@@ -105,7 +107,8 @@ contains
          end do
          do j = 1, size(forces%joints)
             forces%joints(j) = next
-            next = next + rows_of_joint
+            forces%couples(j) = next + rows_of_joint
+            next = next + rows_of_joint + 1
          end do
          forces%drives = [(next + j, j=0, size(mechanism%actuators) - 1)]
          forces%drive = next
@@ -666,6 +669,7 @@ contains
                end do
                if (tie%joint == 0) cycle
                own%force = forces%joints(tie%joint)
+               own%couple = forces%couples(tie%joint)
                own%ratio = tie%factors(1)
                if (any(tie%centre == 0)) cycle
                do k = 1, 2
@@ -829,12 +833,14 @@ contains
    !>
    !> The wrenches are those of all other sources. A position that has settled is not touched again, so that its digits do not
    !> depend on those beside it. `sweeps` is 0 where friction does not settle: the mechanism locks itself.
-   subroutine rub(problem, model, rates, n, forces)
+   subroutine rub(problem, model, rates, n, forces, grips)
       type(problem_t), intent(in) :: problem
       type(force_model_t), intent(in) :: model
       type(rates_t), intent(in) :: rates
       integer, intent(in) :: n
       type(forces_t), intent(inout) :: forces
+      real(wp), allocatable, intent(out), optional :: grips(:, :) !! (position, entry): friction force N or couple N m on the second
+                                              !! body
       real(wp), allocatable :: grip(:, :)     !! (position, entry): friction force N or couple N m that acts now
       real(wp), allocatable :: fresh(:, :)    !! (position, entry)
       real(wp), allocatable :: slip(:, :)     !! (position, entry): speed of the second body in the first, m/s or rad/s
@@ -903,6 +909,7 @@ contains
             forces%w%v(i, forces%loss) = forces%w%v(i, forces%loss) + abs(grip(i, k)*slip(i, k))
          end do
       end do
+      if (present(grips)) call move_alloc(grip, grips)
 
    contains
 

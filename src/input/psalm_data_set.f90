@@ -38,6 +38,7 @@ module psalm_data_set
    use psalm_number_format, only: number_words
    use psalm_text, only: text_t, to_text
    use psalm_tolerance_group, only: tolerance_group_t, read_tolerance_group
+   use psalm_equal_items, only: read_equalities
    use psalm_target_items, only: read_targets, values_of
    implicit none (type, external)
    private
@@ -420,9 +421,11 @@ contains
       call fill_grid(groups(method), groups(drives), set, findings)
       if (groups(outputs)%line > 0 .and. set%method%ikin == 0) then
          call read_targets(groups(outputs), set%method%ndes, set%sketch, findings)
+         call read_equalities(groups(outputs), set%method%ndes, set%sketch, findings)
          call refuse_twice(groups(outputs), set, findings)
       else
          call read_targets(groups(outputs), 0, set%sketch, unused)
+         call read_equalities(groups(outputs), 0, set%sketch, unused)
       end if
       if (set%sketch%given) call refuse_arcs(groups(method), groups(toler), groups(limits), findings)
       call read_limits_group(groups(limits), set%links%nloop, set%links%maxarc, set%limits, findings)
@@ -437,6 +440,7 @@ contains
          call out_of(groups(method), 'IFREE', 'free timing is a part of a search, but no dimension may vary', findings)
       end if
       call check_ways(groups(search), set, findings)
+      call check_equalities(groups(outputs), set, findings)
       call report_idle_items(groups(method), groups(limits), groups(search), program == searching_program, set, findings)
       call read_constraint_group(groups(constr), set%links%nloop, set%links%maxarc, set%sketch, set%constr, findings)
       call settle_angle_limit(groups(limits), groups(constr), set, findings)
@@ -572,6 +576,19 @@ contains
                      'to their errors', findings)
       end if
    end subroutine check_similarity
+
+   !> Outputs that are to be equal are compared at inputs that are known, of all positions.
+   subroutine check_equalities(group, set, findings)
+      type(group_t), intent(in) :: group             !! OUTPUTS
+      type(data_set_t), intent(in) :: set
+      type(diagnostics_t), intent(inout) :: findings
+
+      if (.not. allocated(set%sketch%equalities)) return
+      if (set%method%ifree /= 0) call out_of(group, 'EQUAL', &
+         'compares outputs at prescribed positions, but with IFREE=1 of &METHOD the inputs are unknown', findings, 1)
+      if (set%search%few > 0) call out_of(group, 'EQUAL', 'names positions, and NFEW of &SEARCH leaves most of them out', &
+                                          findings, 1)
+   end subroutine check_equalities
 
    !> Ways of searching that need other items.
    subroutine check_ways(group, set, findings)

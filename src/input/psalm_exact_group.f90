@@ -18,7 +18,7 @@ module psalm_exact_group
    character(*), parameter :: exact_kinds(3) = [character(8) :: 'PATH', 'MOTION', 'FUNCTION']
    !> Items that only KIND='FUNCTION' has.
    character(*), parameter :: of_functions(*) = [character(6) :: 'FUNC', 'FXLOW', 'FXHIGH', 'FPOWER', 'DPHI', 'DPSI', 'PSI', &
-                                                 'PHI0', 'PSI0', 'SIXBAR', 'NPOINT', 'CRANK', 'OUTPIN', &
+                                                 'PHI0', 'PSI0', 'SLOPE', 'CURV', 'SIXBAR', 'NPOINT', 'CRANK', 'OUTPIN', &
                                                  'ARMLEN', 'START']
    character(*), parameter :: functions(*) = [character(7) :: 'LOG10', 'LN', 'EXP', 'SIN', 'COS', 'TAN', 'POWER']
    integer, parameter :: most_points = 60, most_exact_points = 9, most_in_table = 200, fewest_in_table = 3
@@ -46,6 +46,8 @@ module psalm_exact_group
       real(wp) :: swing_in = 90.0_wp                 !! DPHI, degrees
       real(wp) :: swing_out = 90.0_wp                !! DPSI, degrees; of a slider its travel
       real(wp), allocatable :: phi(:), psi(:)        !! PHI, PSI, degrees; of a slider PSI is its travel
+      real(wp), allocatable :: slope(:), curvature(:) !! SLOPE, CURV, shape (entries): derivatives of PSI by PHI
+      real(wp), allocatable :: pole_x(:), pole_y(:)  !! XPOLE, YPOLE, shape (points): about what the body turns in a pose
       real(wp) :: zero_in = not_given, zero_out = not_given !! PHI0, PSI0, degrees
       real(wp) :: frame = 1.0_wp                     !! FRAME: length of a four-bar's frame
       real(wp) :: longest = 100.0_wp                 !! RLONG: longest link over the frame, of a slider over the travel
@@ -82,6 +84,11 @@ module psalm_exact_group
       rule_t('ANGP', a_number, 'n', 'degrees', '', '', &
              'orientation of the coupler at each point, whole turns do not count; with ''PATH'' a point without '// &
              'one (`,,`) is a point only'), &
+      rule_t('XPOLE', a_number, 'n', 'length', '', '', &
+             '''MOTION'': x of the point about which the body is to turn while it passes a pose (instant centre); it '// &
+             'counts as a pose. Poses without one are left out (`,,`)'), &
+      rule_t('YPOLE', a_number, 'n', 'length', '', '', &
+             'its y'), &
       rule_t('TIMP', a_number, 'n', 'degrees', '', '', &
              'angle of the crank at each point; a point without one is untimed'), &
       rule_t('PIVOTS', a_number, '4', 'length', 'free', '', &
@@ -110,6 +117,11 @@ module psalm_exact_group
              'of PHI0 and PSI0, three with both) to be met, seven to eleven by a six-bar (SIXBAR), more with MINIMAX=1'), &
       rule_t('PSI', a_number, 'n', 'degrees, length', '', '', &
              'the angles of the follower, or the travel of the slider'), &
+      rule_t('SLOPE', a_number, 'n', '', '', '', &
+             'derivative of PSI by PHI at a point of the table, met exactly too; it counts as a point. Of a slider '// &
+             'length per radian; points without one are left out (`,,`)'), &
+      rule_t('CURV', a_number, 'n', 'by radians', '', '', &
+             'second derivative there, of a point with SLOPE; it counts as one more'), &
       rule_t('PHI0', a_number, '', 'degrees', '', '', &
              'zero line of PHI of three or four points, from the frame'), &
       rule_t('PSI0', a_number, '', 'degrees, length', '', '', &
@@ -210,7 +222,8 @@ contains
       type(exact_group_t), intent(inout) :: exact
       type(diagnostics_t), intent(inout) :: findings
       real(wp) :: x(most_points), y(most_points), angle(most_points), time(most_points)
-      integer :: n, last(4), i
+      real(wp) :: pole_x(most_points), pole_y(most_points)
+      integer :: n, last(4), of_poles(2), i
 
       x = not_given
       y = not_given
@@ -220,12 +233,21 @@ contains
       call take(group, 'YP', y, findings, last=last(2))
       call take(group, 'ANGP', angle, findings, last=last(3))
       call take(group, 'TIMP', time, findings, last=last(4))
+      pole_x = not_given
+      pole_y = not_given
+      call take(group, 'XPOLE', pole_x, findings, last=of_poles(1))
+      call take(group, 'YPOLE', pole_y, findings, last=of_poles(2))
       n = last(1)
+      exact%pole_x = pole_x(:n)
+      exact%pole_y = pole_y(:n)
       exact%x = x(:n)
       exact%y = y(:n)
       exact%angle = angle(:n)
       exact%time = time(:n)
-      if (.not. exact%given .or. exact%kind == kind_function) return
+      if (.not. exact%given) return
+      if (maxval(of_poles) > 0 .and. exact%kind /= kind_motion) call out_of(group, trim(merge('XPOLE', 'YPOLE', &
+         of_poles(1) > 0)), "is for poses of a body: KIND='MOTION'", findings)
+      if (exact%kind == kind_function) return
       if (.not. group%given('XP')) then
          call required(group, 'XP')
          return
@@ -241,6 +263,11 @@ contains
          if (i > 0) call out_of(group, 'ANGP', "KIND='MOTION' needs an orientation for every point; point "//to_text(i)// &
                                 " has none (KIND='PATH' has points with and without)", findings)
       end if
+      if (maxval(of_poles) > n) call out_of(group, merge('XPOLE', 'YPOLE', of_poles(1) > n), 'XP has '//to_text(n)// &
+                                            ' values only', findings, n + 1)
+      i = findloc(is_missing(exact%pole_x) .neqv. is_missing(exact%pole_y), .true., dim=1)
+      if (i > 0) call out_of(group, merge('XPOLE', 'YPOLE', is_missing(exact%pole_x(i))), 'the pole of pose '//to_text(i)// &
+                             ' needs x and y', findings, i)
       ! the first point has the zero of both
       i = 1 + findloc(.not. (is_missing(exact%angle(2:)) .or. is_missing(exact%time(2:))), .true., dim=1)
       if (i > 1) call out_of(group, 'TIMP', 'point '//to_text(i)//' has an orientation and a crank angle; one of both is '// &
@@ -268,7 +295,7 @@ contains
       if (last < size(exact%arm) .or. any(is_missing(exact%arm))) call out_of(group, 'ARM', &
          'is x and y of three joints in the first pose: fixed pivot, elbow, joint with the body', findings)
       if (exact%kind /= kind_motion .or. size(exact%x) /= exact_in_table .or. exact%slider .or. exact%block .or. &
-          exact%crank_pivot .or. exact%follower_pivot) call out_of(group, 'ARM', &
+          exact%crank_pivot .or. exact%follower_pivot .or. any(.not. is_missing(exact%pole_x))) call out_of(group, 'ARM', &
          "carries a body through five poses: KIND='MOTION', no SLIDER, no PIVOTS", findings)
    end subroutine read_arm
 
@@ -276,8 +303,8 @@ contains
       type(group_t), intent(inout) :: group
       type(exact_group_t), intent(inout) :: exact
       type(diagnostics_t), intent(inout) :: findings
-      real(wp) :: phi(most_in_table), psi(most_in_table)
-      integer :: n, last, i
+      real(wp) :: phi(most_in_table), psi(most_in_table), slope(most_in_table), curvature(most_in_table)
+      integer :: n, last, i, of_rates(2), conditions
 
       call group%get_word('FUNC', exact%function_name, findings)
       call take(group, 'FXLOW', exact%low, findings)
@@ -304,6 +331,12 @@ contains
       call take(group, 'PSI', psi, findings, last=last)
       exact%phi = phi(:n)
       exact%psi = psi(:n)
+      slope = not_given
+      curvature = not_given
+      call take(group, 'SLOPE', slope, findings, last=of_rates(1))
+      call take(group, 'CURV', curvature, findings, last=of_rates(2))
+      exact%slope = slope(:n)
+      exact%curvature = curvature(:n)
       if (.not. exact%given) return
       if (exact%kind /= kind_function) then
          do i = 1, size(of_functions)
@@ -319,6 +352,8 @@ contains
       end if
       call check_six_bar(group, exact, n, findings)
       if (allocated(exact%function_name)) then
+         if (maxval(of_rates) > 0) call out_of(group, trim(merge('SLOPE', 'CURV ', of_rates(1) > 0)), &
+            'is for a table, PHI and PSI; of FUNC points are met', findings)
          if (.not. any(functions == exact%function_name)) call out_of(group, 'FUNC', "there is no function '"// &
             exact%function_name//"'; there are LOG10, LN, EXP, SIN, COS, TAN, POWER", findings)
          if (.not. exact%high > exact%low) call out_of(group, 'FXHIGH', 'the range of x is empty: FXHIGH must be above FXLOW', &
@@ -334,27 +369,51 @@ contains
       if (last /= n) call out_of(group, 'PSI', 'PHI has '//to_text(n)//' values, but PSI has '//to_text(last), findings)
       if (any(is_missing(exact%phi)) .or. (last == n .and. any(is_missing(exact%psi)))) call out_of(group, &
          merge('PHI', 'PSI', any(is_missing(exact%phi))), 'a value of the table is missing', findings)
-      if (n < fewest_in_table) call out_of(group, 'PHI', 'a function is given by at least 3 points', findings)
-      if (n > exact_in_table .and. .not. exact%minimax .and. exact%six_bar == six_bar_none) call out_of(group, 'PHI', &
-         to_text(n)//' points cannot be met exactly; give 3 or 5, or MINIMAX=1, or a six-bar (SIXBAR)', findings, n)
+      call check_rates(of_rates)
+      conditions = n + count(.not. is_missing(exact%slope)) + count(.not. is_missing(exact%curvature))
+      if (conditions > n) then
+         if (conditions < fewest_in_table .or. conditions > exact_in_table .or. n < 2) call out_of(group, 'SLOPE', to_text(n)// &
+            ' points and '//to_text(conditions - n)//' derivatives are '//to_text(conditions)//' conditions; with at least two '// &
+            'points five can be met, four with one of PHI0 and PSI0, three with both', findings)
+      else
+         if (n < fewest_in_table) call out_of(group, 'PHI', 'a function is given by at least 3 points', findings)
+         if (n > exact_in_table .and. .not. exact%minimax .and. exact%six_bar == six_bar_none) call out_of(group, 'PHI', &
+            to_text(n)//' points cannot be met exactly; give 3 or 5, or MINIMAX=1, or a six-bar (SIXBAR)', findings, n)
+      end if
       do i = 2, n
          if (exact%phi(i) > exact%phi(i - 1)) cycle
          call out_of(group, 'PHI', 'entry '//to_text(i)//': the inputs must rise', findings, i)
          return
       end do
-      if (n < exact_in_table .and. exact%minimax) call out_of(group, 'MINIMAX', &
+      if (conditions < exact_in_table .and. exact%minimax) call out_of(group, 'MINIMAX', &
          'needs FUNC or a table of more than 5 points', findings)
-      if (n == 3 .and. (is_missing(exact%zero_in) .or. is_missing(exact%zero_out))) call out_of(group, 'PHI', &
+      if (conditions == 3 .and. (is_missing(exact%zero_in) .or. is_missing(exact%zero_out))) call out_of(group, 'PHI', &
          'three points need both zero lines, PHI0 and PSI0', findings)
       if (exact%six_bar /= six_bar_none) return
-      if (n == 4) then
+      if (conditions == 4) then
          if (is_missing(exact%zero_in) .eqv. is_missing(exact%zero_out)) call out_of(group, 'PHI', &
             'four points leave infinitely many linkages; give one of both zero lines, PHI0 or PSI0, or 5 points', findings, n)
          if (exact%slider .and. .not. is_missing(exact%zero_out)) call out_of(group, 'PSI0', &
             'four points of a slider-crank need the zero line of the crank, PHI0', findings)
       end if
-      if (n == 3 .and. exact%slider) call out_of(group, 'PHI', 'three points with zero lines are for four-bars; give 5', &
-                                                findings, n)
+      if (conditions == 3 .and. exact%slider) call out_of(group, 'PHI', &
+         'three points with zero lines are for four-bars; give 5', findings, n)
+
+   contains
+
+      !> Derivatives of a table: as many as its entries at most, second ones with first ones.
+      subroutine check_rates(last)
+         integer, intent(in) :: last(2)
+
+         if (maxval(last) == 0) return
+         if (maxval(last) > n) call out_of(group, trim(merge('SLOPE', 'CURV ', last(1) > n)), 'PHI has '//to_text(n)// &
+                                           ' values only', findings, n + 1)
+         i = findloc(is_missing(exact%slope) .and. .not. is_missing(exact%curvature), .true., dim=1)
+         if (i > 0) call out_of(group, 'CURV', 'point '//to_text(i)//' has a second derivative, but no first one (SLOPE)', &
+                                findings, i)
+         if (exact%minimax .or. exact%six_bar /= six_bar_none) call out_of(group, 'SLOPE', &
+            'derivatives are met by four-bars and slider-cranks, without SIXBAR and MINIMAX', findings)
+      end subroutine check_rates
    end subroutine read_function
 
    !> A six-bar: how many points it meets and what is given with them.

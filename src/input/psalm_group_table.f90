@@ -37,6 +37,7 @@ module psalm_group_table
       known_group_t('STOPS', 'kalm balm'), &
       known_group_t('VIBR', 'balm ssics'), &
       known_group_t('ESTIM', 'ssics'), &
+      known_group_t('FLEX', 'ssics'), &
       known_group_t('DRIVEL', 'ssics'), &
       known_group_t('HILL', 'ssics'), &
       known_group_t('BALANC', 'muscle'), &

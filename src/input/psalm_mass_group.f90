@@ -26,6 +26,7 @@ module psalm_mass_group
       logical :: about_given = .false.
       logical :: motor_on_frame = .true.          !! the frame moment contains the drive's reaction
       integer :: shares = 0                       !! 1: list the share of every source
+      logical :: link_loads = .false.             !! what acts on each link is wanted
       integer :: harmonics = 6    !! harmonics listed
       integer :: added = 0                        !! MADDED: so many of the last entries are counterweights
    end type mass_group_t
@@ -70,6 +71,9 @@ module psalm_mass_group
              'holds the speed'), &
       rule_t('ISHARE', a_flag, '', '', '0', '', &
              '1: device 8 lists the share of every source in drive and frame force'), &
+      rule_t('ILOADS', a_flag, '', '', '0', '', &
+             '1: what acts on each link, point by point in axes of the link, and how it moves, for stress analysis: device 8, '// &
+             'tables `link_loads` and `link_motion`'), &
       rule_t('NHARM', a_whole, '', '', '6', '[0,1000]', &
              'harmonics listed of drive and frame force, if the positions divide a turn of the crank evenly '// &
              '(IKIN)'), &
@@ -106,6 +110,7 @@ contains
       masses%about_given = group%given('MOMX') .or. group%given('MOMY')
       call take(group, 'IMOTOR', masses%motor_on_frame, findings)
       call take(group, 'ISHARE', masses%shares, findings)
+      call take(group, 'ILOADS', masses%link_loads, findings)
       call take(group, 'NHARM', masses%harmonics, findings)
       call take(group, 'MADDED', masses%added, findings)
       call check_range(group, 'MADDED', masses%added, 0, n, findings)

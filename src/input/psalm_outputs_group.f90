@@ -1,7 +1,7 @@
 !> The group &OUTPUTS of a sketch: what is wanted of it.
 module psalm_outputs_group
    use psalm_group, only: group_t, out_of, required
-   use psalm_rule, only: rule_t, a_number, a_text
+   use psalm_rule, only: rule_t, a_number, a_text, a_whole
    use psalm_sketch, only: sketch_t, sketch_output_t, position_of, sketch_name, output_point, output_angle, output_distance, &
                            output_slide, output_between, output_pose, output_ratio, output_x, output_y, columns_of
    use psalm_sketch_names, only: word_length, take_name, find_joints, meant, link_names, words_of, joined
@@ -31,7 +31,17 @@ module psalm_outputs_group
       rule_t('WVEL#', a_number, '1 or NDES', '', '1', '', &
              'weights of those of DVEL'), &
       rule_t('WACC#', a_number, '1 or NDES', '', '1', '', &
-             'weights of those of DACC')]
+             'weights of those of DACC'), &
+      rule_t('EQUAL', a_text, 'n', '', '', '', &
+             'which outputs are to be equal: ''left right'' at every position, ''left 1 left 9'' one of them at two'), &
+      rule_t('EQORD', a_whole, 'as EQUAL', '', '0', '0, 1, 2', &
+             'of what: 0 values, 1 first, 2 second derivatives by the first drive'), &
+      rule_t('EQMULT', a_number, 'as EQUAL', '', '1', '', &
+             'the first is to be so many times the second'), &
+      rule_t('EQADD', a_number, 'as EQUAL', '', '0', '', &
+             'plus this'), &
+      rule_t('EQWGT', a_number, '1 or as EQUAL', '', '1', '> 0', &
+             'weights of the squares of their differences')]
 
 contains
 

@@ -7,6 +7,7 @@ submodule(psalm_study_groups) psalm_study_groups_listed
    use psalm_drive_group, only: drive_group_t, hill_group_t
    use psalm_dxf_group, only: dxf_group_t
    use psalm_exact_group, only: exact_group_t
+   use psalm_flex_group, only: flex_group_t
    use psalm_kinds_group, only: kinds_group_t
    use psalm_motor_group, only: motor_group_t
    use psalm_plate_group, only: plate_group_t
@@ -20,10 +21,10 @@ submodule(psalm_study_groups) psalm_study_groups_listed
 contains
 
    module procedure study_groups
-      allocate (sections(18))
+      allocate (sections(19))
       sections%name = [character(len(sections%name)) :: 'MOTOR', 'VIBR', 'ESTIM', 'DRIVEL', 'HILL', 'BALANC', 'CAM', 'SPRNGS', &
                        'CLEAR', 'CAM2', 'EXACT', 'DXF', 'SWEEP', 'KINDS', 'ALLOC', 'TIME', 'STOPS', &
-                       'PLATES']
+                       'PLATES', 'FLEX']
       allocate (motor_group_t :: sections(1)%group)
       allocate (vibration_group_t :: sections(2)%group)
       allocate (estimate_group_t :: sections(3)%group)
@@ -42,5 +43,6 @@ contains
       allocate (time_group_t :: sections(16)%group)
       allocate (stops_group_t :: sections(17)%group)
       allocate (plate_group_t :: sections(18)%group)
+      allocate (flex_group_t :: sections(19)%group)
    end procedure study_groups
 end submodule psalm_study_groups_listed

@@ -10,7 +10,7 @@ module psalm_sketch
    implicit none (type, external)
    private
    public :: sketch_t, link_t, slide_t, drive_t, sketch_output_t, variation_t
-   public :: target_t, target_column_t
+   public :: target_t, target_column_t, equality_t
    public :: sketch_name, frame_link, position_of, grid_digits, columns_of, first_number, most_targets
    public :: drive_turns, drive_slides, drive_stretches
    public :: output_point, output_angle, output_distance, output_slide, output_between, output_pose, output_ratio
@@ -96,6 +96,16 @@ module psalm_sketch
       integer :: order = 0
    end type target_column_t
 
+   !> Two outputs, or one at two positions, that are to be equal: first = factor*second + constant.
+   type :: equality_t
+      integer :: outputs(2) = 0
+      integer :: positions(2) = 0           !! 0: each position, of both
+      integer :: order = 0                  !! derivative by the first drive's input
+      real(wp) :: factor = 1.0_wp
+      real(wp) :: constant = 0.0_wp         !! degrees of angles, in derivatives radians
+      real(wp) :: weight = 1.0_wp
+   end type equality_t
+
    !> A dimension that a search may change.
    type :: variation_t
       integer :: kind = 0                   !! one of `vary_...`
@@ -115,6 +125,7 @@ module psalm_sketch
       type(drive_t), allocatable :: drives(:)
       type(gear_t), allocatable :: gears(:)
       type(sketch_output_t), allocatable :: outputs(:)
+      type(equality_t), allocatable :: equalities(:) !! not allocated: none
       type(variation_t), allocatable :: variations(:)
       integer, allocatable :: length_of(:, :) !! shape (2, lengths): joints whose distance is given exactly
       real(wp), allocatable :: length(:)
@@ -213,7 +224,7 @@ contains
       class(sketch_t), intent(in) :: self
       integer :: k, order
 
-      has_targets = .false.
+      has_targets = allocated(self%equalities)
       do k = 1, size(self%outputs)
          do order = 0, most_targets
             has_targets = has_targets .or. allocated(self%outputs(k)%targets(order)%values)

@@ -10,6 +10,7 @@ module psalm_error
                          violation_toggle, violation_angle_large
    use psalm_dyad_kind, only: form_of, form_t
    use psalm_kinds, only: wp, right_angle
+   use psalm_equalities, only: compared_columns
    use psalm_linkage, only: linkage_t, padded
    use psalm_observable, only: observable_t
    use psalm_output_kind, only: output_kind_t, output_kind, motion_point, motion_angle
@@ -191,7 +192,7 @@ contains
       problem%rate_weight = set%method%rate_weight
    end subroutine make_problem
 
-   !> Desired values and derivatives of a sketch's further outputs, in the order of `target_columns`.
+   !> Desired values and derivatives of a sketch's further outputs, in the order of `compared_columns`.
    subroutine take_targets(set, problem)
       type(data_set_t), intent(in) :: set
       type(problem_t), intent(inout) :: problem
@@ -199,10 +200,12 @@ contains
       integer :: k
 
       if (.not. set%sketch%has_targets()) return
-      columns = set%sketch%target_columns()
-      allocate (problem%target_values(problem%positions, size(columns)), problem%target_weights(problem%positions, size(columns)))
+      columns = compared_columns(set%sketch)
+      allocate (problem%target_values(problem%positions, size(columns)), problem%target_weights(problem%positions, size(columns)), &
+                source=0.0_wp)
       do k = 1, size(columns)
          associate (target => set%sketch%outputs(columns(k)%output)%targets(columns(k)%order), component => columns(k)%component)
+            if (.not. allocated(target%values)) cycle      ! compared with another, not with a number
             problem%target_values(:, k) = target%values(component, :)
             problem%target_weights(:, k) = target%weights(component, :)
          end associate

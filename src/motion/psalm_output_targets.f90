@@ -8,6 +8,7 @@ module psalm_output_targets
    use psalm_angles, only: unit_vector
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
+   use psalm_equalities, only: equal_numbers_t, relations_of, compared_columns, miss_of
    use psalm_error, only: problem_t
    use psalm_joint_location, only: locate_sketch
    use psalm_kinds, only: wp, full_turn
@@ -26,7 +27,7 @@ module psalm_output_targets
    implicit none (type, external)
    private
    public :: output_targets_t, prepare_output_targets, find_output_targets, differentiate_output_targets, sum_of_desired_errors, &
-             compare_with_targets, target_group_t, target_groups, first_target
+             compare_with_targets, both_exist, target_group_t, target_groups, first_target
 
    integer, parameter :: of_one_joint(*) = [variable_outlk, variable_outang, variable_aside, variable_aside_angle] !! kinds
    character(*), parameter :: of_order(0:most_targets) = [character(6) :: '', ' (VEL)', ' (ACC)'] !! after the items that want them
@@ -39,7 +40,8 @@ module psalm_output_targets
       character(name_length) :: name = ''             !! of the output, or of the number
    end type target_group_t
 
-   !> Room to work in, and the linkage looked at last. Columns are the numbers that are wanted, as `target_columns` has them.
+   !> Room to work in, and the linkage looked at last. Columns are the numbers that are wanted, as
+   !> `compared_columns` has them; those of equalities alone weigh nothing there.
    type :: output_targets_t
       class(problem_t), allocatable :: problem      !! finds every joint
       type(sensitivity_t) :: work
@@ -56,6 +58,9 @@ module psalm_output_targets
       real(wp), allocatable :: actual(:, :)         !! shape (positions, columns)
       real(wp), allocatable :: miss(:, :)           !! the same shape: actual - desired
       real(wp), allocatable :: by(:, :, :)          !! shape (positions, variables, columns): derivatives of `miss`
+      type(equal_numbers_t), allocatable :: relations(:) !! numbers that are to be equal
+      real(wp), allocatable :: difference(:)        !! shape (relations): by how much they are not; 0 where one does not exist
+      real(wp), allocatable :: difference_by(:, :)  !! shape (relations, variables): its derivatives
    end type output_targets_t
 
 contains
@@ -78,7 +83,9 @@ contains
       end if
       associate (wanted => targets%wanted, n => problem%positions)
          call locate_sketch(set, wanted%sketch, problem%given)
-         call list_columns(set%sketch%outputs, set%sketch%target_columns(), targets)
+         call list_columns(set%sketch%outputs, compared_columns(set%sketch), targets)
+         targets%relations = relations_of(set%sketch, n)
+         allocate (targets%difference(size(targets%relations)), source=0.0_wp)
          do k = 1, size(wanted%sketch%moving)
             if (wanted%sketch%moving(k)%joint == set%traced%output_joint .and. problem%given%outlk > 0.0_wp) targets%shown = k
          end do
@@ -91,6 +98,7 @@ contains
          return
       end if
       allocate (targets%by(problem%positions, size(targets%problem%parameters%variables), size(targets%number)), source=0.0_wp)
+      allocate (targets%difference_by(size(targets%relations), size(targets%by, 2)), source=0.0_wp)
       call prepare_sensitivity(targets%problem, targets%work)
       if (.not. targets%moving) return
       associate (link => targets%problem%linkage)
@@ -173,8 +181,39 @@ contains
       end if
       do v = 1, size(targets%by, 2)
          where (.not. targets%exists) targets%by(:, v, :) = 0.0_wp
+         do k = 1, size(targets%relations)
+            associate (of => targets%relations(k))
+               targets%difference_by(k, v) = targets%by(of%positions(1), v, of%columns(1)) &
+                                             - of%factor*targets%by(of%positions(2), v, of%columns(2))
+            end associate
+            if (.not. both_exist(targets, k)) targets%difference_by(k, v) = 0.0_wp
+         end do
       end do
    end subroutine differentiate_output_targets
+
+   !> True if both numbers of a relation are there.
+   pure logical function both_exist(targets, k)
+      type(output_targets_t), intent(in) :: targets
+      integer, intent(in) :: k                      !! relation
+
+      associate (of => targets%relations(k))
+         both_exist = targets%exists(of%positions(1), of%columns(1)) .and. targets%exists(of%positions(2), of%columns(2))
+      end associate
+   end function both_exist
+
+   !> By how much numbers that are to be equal are not.
+   pure subroutine compare_equals(targets)
+      type(output_targets_t), intent(inout) :: targets
+      integer :: k
+
+      do k = 1, size(targets%relations)
+         associate (of => targets%relations(k))
+            targets%difference(k) = 0.0_wp
+            if (both_exist(targets, k)) targets%difference(k) = miss_of(of, targets%actual(of%positions(1), of%columns(1)), &
+                                                                        targets%actual(of%positions(2), of%columns(2)))
+         end associate
+      end do
+   end subroutine compare_equals
 
    !> Which of the joints that move off the arcs has the distance or angle that a variable of one joint is; 0: none.
    pure integer function moved_by(targets, v) result(moving)
@@ -203,6 +242,7 @@ contains
          targets%exists(:, k) = targets%exists(:, k) .and. closed
       end do
       where (.not. targets%exists) targets%miss = 0.0_wp
+      call compare_equals(targets)
    end subroutine compare_with_targets
 
    !> What errors are given of, in the order of the columns. The angle of a pose is given by itself.
@@ -284,6 +324,7 @@ contains
             end do
          end do
       end associate
+      call compare_equals(targets)
    end subroutine look
 
    !> The numbers that are wanted at the block just solved, and by how much they miss.
@@ -412,10 +453,11 @@ contains
       targets%wanted%sketch%moving(targets%shown)%offset = dimensions%outlk*cmplx(c, s, wp)
    end subroutine place_first_output
 
-   !> Sum of weight * miss**2 of the linkage looked at last.
+   !> Sum of weight * miss**2 of the linkage looked at last, those of numbers that are to be equal too.
    pure real(wp) function sum_of_desired_errors(targets) result(total)
       type(output_targets_t), intent(in) :: targets
 
       total = sum(targets%problem%target_weights*targets%miss**2)
+      if (size(targets%relations) > 0) total = total + sum(targets%relations%weight*targets%difference**2)
    end function sum_of_desired_errors
 end module psalm_output_targets

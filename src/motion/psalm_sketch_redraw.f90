@@ -9,6 +9,7 @@ module psalm_sketch_redraw
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t, new_problem, own_inputs_of
    use psalm_joint_location, only: locate_sketch
+   use psalm_equalities, only: move_constants
    use psalm_kinds, only: wp, full_turn
    use psalm_mechanism, only: mechanism_t
    use psalm_moving_joints, only: sketch_motion_t
@@ -115,7 +116,9 @@ contains
       end do
       do k = 1, size(new%outputs)
          associate (output => new%outputs(k))
-            if (output%kind /= output_slide .or. .not. output%has_target()) cycle
+            if (output%kind /= output_slide) cycle
+            call move_constants(new, k, travel(output%slide, at))
+            if (.not. output%has_target()) cycle
             output%targets(0)%values = output%targets(0)%values - travel(output%slide, at)
          end associate
       end do

@@ -2,6 +2,7 @@
 !> the chart of stability (Oldham, figure 14.2).
 module psalm_steady_curves
    use psalm_drive_study, only: drive_study_t
+   use psalm_flex_study, only: flex_study_t, stress_kinds
    use psalm_hill, only: hill_t
    use psalm_kinds, only: wp, pi, full_turn
    use psalm_periodic, only: periodic_t, periodic_from_samples
@@ -18,6 +19,7 @@ module psalm_steady_curves
    integer, parameter :: most_shown_modes = 4 !! curves of modes in one panel
    integer, parameter :: poses = 12           !! angles of the crank at which the link is drawn bent
    integer, parameter :: stations = 48        !! along the link
+   real(wp), parameter :: shown_bend = 0.3_wp !! of its size a link is drawn bent at most
    integer, parameter :: red = 0              !! the colour of limits
    real(wp), parameter :: rule(2) = [1.4_wp, 0.85_wp] !! Oldham (1977), equation 14.15: frequency/speed from which a link is safe
 
@@ -27,9 +29,15 @@ contains
    subroutine make_steady_curves(study, plots)
       type(steady_study_t), intent(in) :: study
       type(plot_t), allocatable, intent(out) :: plots(:)
+      integer :: k
 
       allocate (plots(0))
       if (allocated(study%vibration)) call add_vibration(study%vibration, plots)
+      if (allocated(study%flexible)) then
+         do k = 1, size(study%flexible)
+            if (study%flexible(k)%steady) call add_flexible(k, study%flexible(k), plots)
+         end do
+      end if
       if (allocated(study%drive)) then
          if (study%drive%found) call add_drive(study%drive, plots)
       end if
@@ -38,6 +46,52 @@ contains
       call begin_turn("y of Hill's equation", full_turn, plots)
       call add_response('', 1, study%hill%hill, 1.0_wp, 1.0_wp, 1, plots(size(plots)))
    end subroutine make_steady_curves
+
+   !> A link of beam elements: its greatest stresses over the turn, and where it bends most.
+   subroutine add_flexible(number, study, plots)
+      integer, intent(in) :: number              !! of the link
+      type(flex_study_t), intent(in) :: study
+      type(plot_t), allocatable, intent(inout) :: plots(:)
+      character(*), parameter :: kinds(stress_kinds) = [character(14) :: 'bending', 'along the link', 'both together']
+      type(plot_t) :: axis
+      real(wp) :: turn, factor, extent, moved(2, size(study%link%frame%x, 2))
+      character(:), allocatable :: link
+      integer :: i, k, n, worst(2)
+
+      link = 'link '//to_text(number)//' of elements'
+      n = size(study%displacement, 3)
+      turn = study%cycle%turn%sense*full_turn
+      if (study%stressed) then
+         call begin_turn('greatest stress of '//link//', Pa', turn, plots)
+         do k = 1, stress_kinds
+            call add_line(plots(size(plots)), trim(kinds(k)), look_line, k, [(turn*real(i, wp)/real(n, wp), i=0, n)], &
+                          [study%stress(:, k), study%stress(1, k)])
+         end do
+      end if
+      worst = maxloc(study%displacement(1, :, :)**2 + study%displacement(2, :, :)**2)
+      associate (x => study%link%frame%x)
+         moved = study%displacement(:, :, worst(2))
+         extent = max(maxval(x(1, :)) - minval(x(1, :)), maxval(x(2, :)) - minval(x(2, :)))
+         if (.not. maxval(abs(moved)) > 0.0_wp) return
+         factor = max(1.0_wp, 10.0_wp**floor(log10(shown_bend*extent/maxval(abs(moved)))))
+         moved = x + factor*moved
+         axis%from = min(minval(x(1, :)), minval(moved(1, :)))
+         axis%to = max(maxval(x(1, :)), maxval(moved(1, :)))
+         axis%below = 'along the line that holds the link, m'
+         call begin_plot(link//' where it bends most, '//to_text(nint(factor))//' times, m', axis, plots)
+         do i = 1, size(study%link%frame%elements)
+            associate (nodes => study%link%frame%elements(i)%nodes)
+               call add_line(plots(size(plots)), trim(merge('at rest', '       ', i == 1)), look_thin, 2, x(1, nodes), x(2, nodes))
+            end associate
+         end do
+         do i = 1, size(study%link%frame%elements)
+            associate (nodes => study%link%frame%elements(i)%nodes)
+               call add_line(plots(size(plots)), trim(merge('bent   ', '       ', i == 1)), look_line, 1, moved(1, nodes), &
+                             moved(2, nodes))
+            end associate
+         end do
+      end associate
+   end subroutine add_flexible
 
    subroutine add_vibration(study, plots)
       type(vibration_study_t), intent(in) :: study

@@ -4,6 +4,7 @@ module psalm_chain_search_list
    use psalm_chain_synthesis, only: chain_synthesis_t
    use psalm_data_set, only: data_set_t
    use psalm_devices, only: devices_t
+   use psalm_equal_items, only: equality_words
    use psalm_kinds, only: wp
    use psalm_number_format, only: figures_of, in_sentence
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
@@ -59,10 +60,36 @@ contains
             name = unknown_name(set%sketch, v)
             call devices%six%add('  '//name//values(v, 1)//values(v, 2))
          end do
+         call list_equals(set, search, k, devices)
       end do
       call devices%six%add()
       call put_found(set, search, devices%cases(devices%last_case()))
    end subroutine report_chain_search
+
+   !> Outputs that are to be equal of the linkage of rank k.
+   subroutine list_equals(set, search, k, devices)
+      type(data_set_t), intent(in) :: set
+      type(chain_synthesis_t), intent(in) :: search
+      integer, intent(in) :: k
+      type(devices_t), intent(inout) :: devices
+      real(wp), allocatable :: compared(:, :)     !! shape (2, relations)
+      character(15) :: figures(2)
+      character(name_length) :: name
+      integer :: q
+
+      if (.not. allocated(set%sketch%equalities)) return
+      call search%problem%find_equals(search%best(k)%x, compared)
+      if (size(compared) == 0) return             ! a position is not reached
+      call devices%six%add('  OUTPUTS THAT ARE TO BE EQUAL                     FIRST         SECOND')
+      do q = 1, size(compared, 2)
+         associate (of => search%problem%relations(q))
+            name = equality_words(set%sketch, of%equality)
+            if (any(set%sketch%equalities(of%equality)%positions == 0)) name = trim(name)//', POSITION '//to_text(of%positions(1))
+            figures = figures_of(.true., compared(:, q))
+            call devices%six%add('  '//name//figures(1)//figures(2))
+         end associate
+      end do
+   end subroutine list_equals
 
    !> Table search: how it went. The objective of a drawing that does not obey the constraints is not known.
    pure subroutine put_run(search, tables)

@@ -4,6 +4,7 @@ module psalm_force_report
    use psalm_devices, only: devices_t, most_reported
    use psalm_force_list, only: list_forces, list_joint_forces, list_shares, put_forces, failure_at
    use psalm_force_study, only: force_study_t
+   use psalm_link_load_list, only: list_link_loads, put_link_loads
    use psalm_input_text, only: position_words
    use psalm_text, only: to_text
    implicit none (type, external)
@@ -24,6 +25,10 @@ contains
       call put_forces(set, forces, devices%cases(devices%last_case()))
       if (set%limits%ktheta /= 0) call list_joint_forces(forces, devices%eight)
       if (set%masses%shares /= 0) call list_shares(forces, devices%eight)
+      if (allocated(forces%loads)) then
+         call list_link_loads(forces, devices%eight)
+         call put_link_loads(forces, devices%cases(devices%last_case()))
+      end if
       if (.not. forces%all_known()) call devices%note_violation()
       resting = pack([(k, k=1, size(forces%input))], [(forces%table%at_rest(k) .and. forces%table%known(k), &
                                                        k=1, size(forces%input))])

@@ -11,6 +11,7 @@ submodule(psalm_item_list) psalm_item_list_body
    use psalm_curve_group, only: curve_items
    use psalm_dxf_group, only: dxf_items
    use psalm_exact_group, only: exact_items
+   use psalm_flex_group, only: flex_items
    use psalm_friction_group, only: friction_items
    use psalm_group_table, only: known_groups, nearest_group, program_of, program_reads
    use psalm_kinds, only: wp
@@ -85,6 +86,8 @@ contains
          rules = vibration_items
       case ('ESTIM')
          rules = estimate_items
+      case ('FLEX')
+         rules = flex_items
       case ('DRIVEL')
          rules = shaft_items
       case ('HILL')

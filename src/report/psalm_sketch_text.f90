@@ -9,6 +9,7 @@ module psalm_sketch_text
    use psalm_sketch, only: sketch_t, drive_stretches, output_angle, output_between, output_distance, output_point, &
                            output_pose, output_ratio, output_slide, output_x, output_y, most_targets, target_t
    use psalm_text, only: quoted, text_t, full_precision, to_text
+   use psalm_equal_items, only: equality_words
    use psalm_target_items, only: values_of, weights_of
    implicit none (type, external)
    private
@@ -124,6 +125,7 @@ contains
                   end associate
                end do
             end do
+            call write_equalities()
             if (sketch%has_targets()) call text%add(' &END')
          end if
       end associate
@@ -232,6 +234,28 @@ contains
          end do
          call text%add(line)
       end subroutine sides_of_drives
+
+      !> What outputs are to be equal to.
+      subroutine write_equalities()
+         integer :: e
+
+         if (.not. allocated(own%sketch%equalities)) return
+         associate (equalities => own%sketch%equalities)
+            line = '  EQUAL='
+            do e = 1, size(equalities)
+               call word(quoted(equality_words(own%sketch, e)))
+            end do
+            call text%add(line)
+            line = '  EQORD='
+            do e = 1, size(equalities)
+               call word(to_text(equalities(e)%order))
+            end do
+            call text%add(line)
+            call numbers('EQMULT=', equalities%factor)
+            call numbers('EQADD=', equalities%constant)
+            call numbers('EQWGT=', equalities%weight)
+         end associate
+      end subroutine write_equalities
 
       subroutine write_drives()
          associate (drives => own%sketch%drives)

@@ -4,6 +4,10 @@ module psalm_steady_report
    use psalm_devices, only: devices_t
    use psalm_drive_group, only: hill_group_t, hill_of, drive_group_t, drive_of
    use psalm_estimate_study, only: verdict_redesign
+   use psalm_flex_group, only: flex_group_t, flex_of
+   use psalm_flex_list, only: list_flexible, coupled_words, flexible_words
+   use psalm_flex_study, only: flex_study_t
+   use psalm_flex_table, only: put_flexible
    use psalm_hill, only: hill_t
    use psalm_group_words, only: the_group
    use psalm_kinds, only: wp, full_turn
@@ -34,12 +38,14 @@ contains
       type(drive_group_t) :: drive
       type(estimate_group_t) :: estimates
       type(vibration_group_t) :: vibration
+      type(flex_group_t) :: flex
       integer :: k
 
       hill = hill_of(set)
       drive = drive_of(set)
       estimates = estimates_of(set)
       vibration = vibration_of(set)
+      flex = flex_of(set)
       call devices%six%add(' '//set%title)
       if (allocated(study%estimates)) then
          do k = 1, size(study%estimates)
@@ -73,6 +79,15 @@ contains
          end if
          if (study%vibration%resolution > enough) call coarse('NVPNT', vibration%points)
       end if
+      if (allocated(study%flexible)) then
+         do k = 1, size(study%flexible)
+            if (stuck(set, mechanism, study%flexible(k)%cycle%turn, flex%points, devices)) return
+            call remark_flexible(set, study%flexible(k), devices)
+         end do
+         call list_flexible(set, mechanism, study%flexible, devices%six)
+         call put_flexible(set, mechanism, study%flexible, devices%cases(devices%last_case()))
+         if (any(study%flexible%resolution > enough)) call coarse('NXPNT', flex%points)
+      end if
       if (allocated(study%drive)) then
          if (stuck(set, mechanism, study%drive%turn, drive%points, devices)) return
          call list_drive(set, study%drive, devices%six)
@@ -105,6 +120,30 @@ contains
          call devices%remark(set, to_text(points)//' positions do not show all of the coefficients; give '//item//' twice that')
       end subroutine coarse
    end subroutine report_steady
+
+   !> What is wrong with a link of beam elements.
+   subroutine remark_flexible(set, study, devices)
+      type(data_set_t), intent(in) :: set
+      type(flex_study_t), intent(in) :: study
+      type(devices_t), intent(inout) :: devices
+      character(:), allocatable :: name
+
+      name = 'the link '//flexible_words(set, study)
+      if (.not. set%has_names()) name = lower_case(name)
+      if (.not. study%solved) then
+         call devices%note_violation()
+         call devices%remark(set, name//': its natural modes could not be found')
+         return
+      end if
+      if (study%least_stiffness < 0.0_wp) then
+         call devices%note_violation()
+         call devices%remark(set, name//' buckles for a part of the turn, most at '// &
+                             number_words(set%has_names(), study%least_at)//' degrees after the reference')
+      end if
+      if (study%coupled%stable .or. study%steady) return
+      call devices%note_violation()
+      call devices%remark(set, name//': '//lower_case(coupled_words(study%coupled)))
+   end subroutine remark_flexible
 
    subroutine remark_stability(set, what, hill, devices)
       type(data_set_t), intent(in) :: set

@@ -128,6 +128,16 @@ contains
             end if
          end associate
       end do
+      if (.not. allocated(summary%equals)) return
+      do k = 1, size(summary%equals)
+         associate (errors => summary%equals(k))
+            if (errors%known) then
+               call add_line('To be equal', errors%words//': off by at most '//plain_number(errors%largest), text)
+            else
+               call add_line('To be equal', errors%words//': one of them does not exist', text)
+            end if
+         end associate
+      end do
    end subroutine write_desired_errors
 
    !> What a derivative by the input is measured in.

@@ -52,6 +52,7 @@ contains
          if (masses%about_given) then
             call text%add('  MOMX='//full_precision(masses%about(1))//', MOMY='//full_precision(masses%about(2))//',')
          end if
+         if (masses%link_loads) call text%add('  ILOADS=1,')
          call text%add('  IMOTOR='//to_text(merge(1, 0, masses%motor_on_frame))//', ISHARE='//to_text(masses%shares)//', NHARM='// &
                        to_text(masses%harmonics)//' &END')
       end associate

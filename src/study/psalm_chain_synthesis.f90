@@ -8,6 +8,7 @@ module psalm_chain_synthesis
    use psalm_constraint_group, only: range_positions
    use psalm_data_set, only: data_set_t
    use psalm_few_positions, only: positions_far_apart, stage_sizes
+   use psalm_equalities, only: move_constants
    use psalm_kinds, only: wp, degrees_per_radian, full_turn, right_angle
    use psalm_method_group, only: method_group_t
    use psalm_multistart, only: multistart_t, starter_t, candidate_t
@@ -550,6 +551,7 @@ contains
                if (output%kind /= output_slide) cycle
                moved = real(travel(closure, state, output%slide, 0), wp)
                if (output%has_target()) output%targets(0)%values = output%targets(0)%values - moved
+               call move_constants(sketch, s, moved)
                if (s == 1 .and. set%method%desired) method%desang = set%method%desang - moved
             end associate
          end do

@@ -1,6 +1,6 @@
 !> All linkages that meet points, poses, timed points or a function exactly. Data in, results out.
 module psalm_exact_study
-   use psalm_burmester, only: pin_pair_t, dyads_t, five_poses, pin_for_pivot
+   use psalm_burmester, only: dyad_condition_t, pin_pair_t, dyads_t, derivative_of, five_conditions, of_poses, pin_for_pivot
    use psalm_careful_tracking, only: ends_t, take_ends, track_carefully
    use psalm_certificate, only: certificate_t, certify_generators, certify_legs, certify_poses
    use psalm_data_set, only: data_set_t
@@ -11,7 +11,7 @@ module psalm_exact_study
                                six_bar_stephenson_2, six_bar_watt
    use psalm_exact_results, only: exact_proof_t, exact_result_t, add_result, is_better, assessed, pair_of, rank, span_of
    use psalm_exact_subsets, only: find_by_subsets, subset_study_t
-   use psalm_function_points, only: generators_t, five_points, four_points, three_points
+   use psalm_function_points, only: function_point_t, generators_t, five_points, four_points, three_points
    use psalm_generic, only: generic_solutions
    use psalm_guided_six_bars, only: arm_t, guided_study_t, find_guided, place_arm, poses_guided
    use psalm_kinds, only: wp, full_turn, pi, radians_per_degree
@@ -45,6 +45,7 @@ module psalm_exact_study
    !> How the linkages are found.
    integer, parameter :: way_burmester = 1, way_curves = 2, way_legs = 3, way_nine = 4, way_generators = 5, way_minimax = 6, &
                          way_six_bars = 7, way_subsets = 8, way_guided = 9, way_every_six_bar = 10
+   integer, parameter :: dyad_conditions = 4         !! that determine a dyad, beyond the first pose
    integer, parameter :: seed = 1                    !! of the phases
    integer, parameter :: most_passes = 4
    integer, parameter :: tries = 5                   !! results looked at for each that is to be proven
@@ -174,6 +175,16 @@ contains
                                   'elbow less straight')
          return
       end if
+      if (has_poles(exact)) then
+         conditions = size(p) - 1 + count(.not. is_missing(exact%pole_x))
+         if (exact%slider .or. exact%block .or. exact%crank_pivot .or. exact%follower_pivot) then
+            call complain('XPOLE', 'poses with poles are met by free four-bars: leave SLIDER and PIVOTS out')
+         else if (conditions /= dyad_conditions) then
+            call complain('XPOLE', to_text(size(p))//' poses and '//to_text(conditions - size(p) + 1)//' poles are '// &
+                          to_text(conditions)//' conditions beyond the first pose; a four-bar meets four')
+         end if
+         return
+      end if
       if (leaves_curves(exact)) return
       if (exact%block) then
          call complain('SLIDER', "a line of the coupler through a fixed pivot (SLIDER=2) is found for four poses, or for "// &
@@ -237,11 +248,19 @@ contains
       pose = arm%out_of_reach
    end subroutine check_arm
 
+   !> True if the body is to turn about given points in some poses.
+   pure logical function has_poles(exact)
+      type(exact_group_t), intent(in) :: exact
+
+      has_poles = exact%kind == kind_motion
+      if (has_poles) has_poles = any(.not. is_missing(exact%pole_x))
+   end function has_poles
+
    !> True if the poses leave curves of pivots: four, or three for a given crank's pivot and a slide.
    pure logical function leaves_curves(exact)
       type(exact_group_t), intent(in) :: exact
 
-      leaves_curves = exact%kind == kind_motion .and. .not. exact%follower_pivot
+      leaves_curves = exact%kind == kind_motion .and. .not. exact%follower_pivot .and. .not. has_poles(exact)
       if (.not. leaves_curves) return
       leaves_curves = size(exact%x) == 4 .and. .not. exact%crank_pivot
       if (exact%slider .or. exact%block) leaves_curves = leaves_curves .or. (size(exact%x) == 3 .and. exact%crank_pivot)
@@ -356,8 +375,8 @@ contains
          call find_generators(exact, team, limited, study)
       else if (exact%has_arm) then
          call find_six_bars_of_arm(exact, study)
-      else if (exact%kind == kind_motion .and. size(exact%x) == 5 .and. .not. (exact%slider .or. exact%crank_pivot .or. &
-                                                                              exact%follower_pivot)) then
+      else if (has_poles(exact) .or. (exact%kind == kind_motion .and. size(exact%x) == 5 .and. &
+                                      .not. (exact%slider .or. exact%crank_pivot .or. exact%follower_pivot))) then
          call find_by_dyads(exact, study)
       else if (leaves_curves(exact)) then
          call find_on_curves(exact, study)
@@ -427,18 +446,20 @@ contains
       end do
    end subroutine poses_of
 
-   !> Five poses: pairs of dyads.
+   !> Five poses, or fewer with poles: pairs of dyads.
    subroutine find_by_dyads(exact, study)
       type(exact_group_t), intent(in) :: exact
       type(exact_study_t), intent(inout) :: study
-      complex(wp) :: p(5), d(4), g(4)
+      complex(wp) :: p(size(exact%x)), d(size(exact%x) - 1), g(size(exact%x) - 1)
+      type(dyad_condition_t) :: conditions(dyad_conditions)
       type(dyads_t) :: dyads
       integer :: i, k
 
       study%way = way_burmester
       study%expected = size(dyads%list)
       call poses_of(exact, p, d, g)
-      call five_poses(d, g, dyads)
+      conditions = [of_poses(d, g), turns_about_poles(exact, p, d, g)]
+      call five_conditions(conditions, dyads)
       study%degenerate = dyads%degenerate
       study%imaginary = dyads%imaginary
       study%infinite = dyads%infinite
@@ -458,8 +479,29 @@ contains
       i = dyads%count + dyads%imaginary
       if (.not. exact%certify .or. dyads%degenerate) return
       study%examined = .true.
-      call certify_poses(p, exact%angle, dyads%ends(:, :i), [(k <= dyads%count, k=1, i)], study%certificate)
+      call certify_poses(p, exact%angle, pack(cmplx(exact%pole_x, exact%pole_y, wp), .not. is_missing(exact%pole_x)), &
+                         pack([(k, k=0, size(p) - 1)], .not. is_missing(exact%pole_x)), dyads%ends(:, :i), &
+                         [(k <= dyads%count, k=1, i)], study%certificate)
    end subroutine find_by_dyads
+
+   !> Conditions of the poles: while the body turns, its reference point moves at right angles to the line from the pole.
+   pure function turns_about_poles(exact, p, d, g) result(conditions)
+      type(exact_group_t), intent(in) :: exact
+      complex(wp), intent(in) :: p(:), d(:), g(:)    !! shapes (poses), (poses - 1), (poses - 1)
+      type(dyad_condition_t), allocatable :: conditions(:)
+      complex(wp), parameter :: i = (0.0_wp, 1.0_wp)
+      complex(wp) :: place(size(p)), turn(size(p))
+      integer :: k
+
+      place = [(0.0_wp, 0.0_wp), d]
+      turn = [(0.0_wp, 0.0_wp), g]
+      allocate (conditions(0))
+      do k = 1, size(p)
+         if (is_missing(exact%pole_x(k))) cycle
+         conditions = [conditions, derivative_of([place(k), i*(p(k) - cmplx(exact%pole_x(k), exact%pole_y(k), wp))], &
+                                                 [turn(k), i*(1.0_wp + turn(k))], .false.)]
+      end do
+   end function turns_about_poles
 
    !> Poses that leave curves: pairs of their points, or of one and of a line.
    subroutine find_on_curves(exact, study)
@@ -891,6 +933,7 @@ contains
       type(exact_study_t), intent(inout) :: study
       integer :: node
       real(wp), allocatable :: phi(:), psi(:)
+      type(function_point_t), allocatable :: points(:)
       real(wp) :: unit
       logical :: exists
 
@@ -919,24 +962,27 @@ contains
          study%stopped = study%six_bars%stopped
          return
       end if
-      select case (size(phi))
+      points = points_of(exact, phi, psi)
+      select case (size(phi) + sum(points%order))
       case (5)
-         call five_points(phi, psi, exact%slider, study%generators)
+         call five_points(phi, psi, exact%slider, study%generators, points)
          study%expected = 3
          if (exact%certify .and. .not. study%generators%degenerate) then
             study%examined = .true.
             associate (dyads => study%generators%dyads)
-               call certify_generators(phi, psi, exact%slider, dyads%ends(:, :dyads%count + dyads%imaginary), &
+               call certify_generators(points, exact%slider, dyads%ends(:, :dyads%count + dyads%imaginary), &
                                        [(node <= dyads%count, node=1, dyads%count + dyads%imaginary)], study%generators%frame, &
                                        study%certificate)
             end associate
          end if
       case (4)
-         call four_points(phi, psi, exact%slider, is_missing(exact%zero_in), &
+         call four_points(points, exact%slider, is_missing(exact%zero_in), &
                           radians_per_degree*merge(exact%zero_out, exact%zero_in, is_missing(exact%zero_in)), study%generators)
          study%expected = merge(3, 2, exact%slider)
       case default
-         call three_points(phi + exact%zero_in*radians_per_degree, psi + exact%zero_out*unit, study%generators%list(1), exists)
+         points%phi = phi + exact%zero_in*radians_per_degree
+         points%psi = psi + exact%zero_out*unit
+         call three_points(points, study%generators%list(1), exists)
          study%generators%list(1)%phi0 = study%generators%list(1)%phi0 + exact%zero_in*radians_per_degree
          study%generators%list(1)%psi0 = study%generators%list(1)%psi0 + exact%zero_out*unit
          study%generators%count = merge(1, 0, exists)
@@ -946,6 +992,23 @@ contains
       study%complete = .not. study%generators%degenerate .and. study%ends == study%expected
       study%real_ends = study%generators%count
    end subroutine find_generators
+
+   !> Points of a function with the derivatives that are wanted there.
+   pure function points_of(exact, phi, psi) result(points)
+      type(exact_group_t), intent(in) :: exact
+      real(wp), intent(in) :: phi(:), psi(:)
+      type(function_point_t) :: points(size(phi))
+      integer :: i
+
+      do i = 1, size(points)
+         points(i)%phi = phi(i)
+         points(i)%psi = psi(i)
+         if (allocated(exact%function_name)) cycle
+         points(i)%order = merge(0, merge(1, 2, is_missing(exact%curvature(i))), is_missing(exact%slope(i)))
+         if (points(i)%order > 0) points(i)%rate(1) = exact%slope(i)
+         if (points(i)%order > 1) points(i)%rate(2) = exact%curvature(i)
+      end do
+   end function points_of
 
    !> Chebyshev's points of a range from 0 to 1.
    pure function chebyshev(points) result(places)

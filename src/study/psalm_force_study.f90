@@ -12,6 +12,7 @@ module psalm_force_study
    use psalm_force_model, only: force_model_t, make_force_model, vertices_of
    use psalm_kinds, only: wp, full_turn
    use psalm_kinetostatics, only: source_inertia, source_weight
+   use psalm_link_wrenches, only: link_loads_t, find_link_loads
    use psalm_mechanism, only: mechanism_t, joint_prismatic
    use psalm_status, only: diagnostics_t
    use psalm_stop, only: stop_t, is_to_end
@@ -63,6 +64,7 @@ module psalm_force_study
       type(harmonic_t), allocatable :: harmonics(:)   !! empty where the positions do not divide a turn evenly
       real(wp), allocatable :: shares(:, :, :) !! shape (positions, columns, sources): ISHARE
       character(name_width), allocatable :: sources(:) !! their names
+      type(link_loads_t), allocatable :: loads !! ILOADS: what acts on each link
    contains
       procedure :: all_known
    end type force_study_t
@@ -141,6 +143,10 @@ contains
       if (set%masses%shares /= 0) then
          call share_of_sources(problem, study%model, set%pace(), set%change_of_pace(), motion%input, study%shares)
          call name_sources(size(study%model%loads), study)
+      end if
+      if (set%masses%link_loads) then
+         allocate (study%loads)
+         call find_link_loads(set, problem, dimensions, study%model, motion%input, study%loads)
       end if
       if (present(by_unit_mass)) then
          call loads_of_unit_masses(problem, study%model, set%pace(), set%change_of_pace(), by_unit_mass)

@@ -5,6 +5,7 @@ module psalm_steady_study
    use psalm_drive_study, only: drive_study_t, hill_study_t
    use psalm_error, only: problem_t
    use psalm_estimate_study, only: estimate_t
+   use psalm_flex_study, only: flex_study_t
    use psalm_force_model, only: force_model_t
    use psalm_mechanism, only: mechanism_t
    use psalm_preparation, only: prepared_t
@@ -19,6 +20,7 @@ module psalm_steady_study
    type :: steady_study_t
       type(estimate_t), allocatable :: estimates(:)
       type(vibration_study_t), allocatable :: vibration
+      type(flex_study_t), allocatable :: flexible(:)
       type(drive_study_t), allocatable :: drive
       type(hill_study_t), allocatable :: hill
       logical :: stopped = .false.                   !! the host asked for the end: what was found so far
@@ -46,8 +48,8 @@ module psalm_steady_study
          type(stop_t), intent(in), optional :: stop !! asked now and then
       end subroutine find_steady
 
-      !> The force model with the masses of the uniform links of all groups, but for the link of an arc, which is studied.
-      module pure function model_with_links(set, mechanism, dimensions, arc, model) result(all)
+      !> The force model with the masses of the links of ESTIM, VIBR and FLEX, but for the link of an arc, which is studied.
+      module function model_with_links(set, mechanism, dimensions, arc, model) result(all)
          implicit none (type, external)
          type(data_set_t), intent(in) :: set
          type(mechanism_t), intent(in) :: mechanism
@@ -64,7 +66,7 @@ contains
    pure logical function is_empty(self)
       class(steady_study_t), intent(in) :: self
 
-      is_empty = .not. (allocated(self%estimates) .or. allocated(self%vibration) .or. allocated(self%drive) .or. &
-                        allocated(self%hill))
+      is_empty = .not. (allocated(self%estimates) .or. allocated(self%vibration) .or. allocated(self%flexible) .or. &
+                        allocated(self%drive) .or. allocated(self%hill))
    end function is_empty
 end module psalm_steady_study

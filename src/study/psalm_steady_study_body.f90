@@ -1,8 +1,11 @@
-!> Which study is made for which of the groups ESTIM, VIBR, DRIVEL and HILL.
+!> Which study is made for which of the groups ESTIM, VIBR, FLEX, DRIVEL and HILL.
 submodule(psalm_steady_study) psalm_steady_study_body
    use psalm_drive_group, only: drive_group_t, hill_group_t, drive_of, hill_of
    use psalm_drive_study, only: find_drive, find_hill
    use psalm_estimate_study, only: find_estimate, assess_estimates
+   use psalm_flex_group, only: flex_group_t, flex_of
+   use psalm_flex_study, only: find_flex
+   use psalm_flexible_link, only: flexible_link_t, make_flexible_links, add_flexible_links
    use psalm_force_model, only: make_force_model
    use psalm_kinds, only: wp
    use psalm_link_cycle, only: check_link, add_uniform_link
@@ -15,6 +18,7 @@ submodule(psalm_steady_study) psalm_steady_study_body
    type :: steady_groups_t
       type(estimate_group_t) :: estimates
       type(vibration_group_t) :: vibration
+      type(flex_group_t) :: flex
       type(drive_group_t) :: drive
       type(hill_group_t) :: hill
    end type steady_groups_t
@@ -28,6 +32,7 @@ contains
 
       asked%estimates = estimates_of(set)
       asked%vibration = vibration_of(set)
+      asked%flex = flex_of(set)
       asked%drive = drive_of(set)
       asked%hill = hill_of(set)
    end function steady_groups_of
@@ -35,6 +40,7 @@ contains
    module procedure check_steady
       type(steady_groups_t) :: asked
       type(force_model_t) :: model
+      type(flexible_link_t), allocatable :: links(:)
       integer :: k
 
       asked = steady_groups_of(set)
@@ -42,17 +48,19 @@ contains
          if (vibration_alone) then
             asked%estimates%given = .false.
             asked%estimates%beams = asked%estimates%beams(:0)
+            asked%flex%given = .false.
             asked%drive%given = .false.
             asked%hill%given = .false.
          end if
       end if
       if (set%loops() > 0) call make_force_model(set, prepared%mechanism, prepared%given, model, findings)
-      if (.not. (asked%vibration%given .or. asked%estimates%given .or. asked%drive%given .or. asked%hill%given)) then
-         call findings%error('the case asks for nothing: give &ESTIM, &VIBR, &DRIVEL or &HILL', line=set%title_line)
+      if (.not. (asked%vibration%given .or. asked%estimates%given .or. asked%flex%given .or. asked%drive%given .or. &
+                 asked%hill%given)) then
+         call findings%error('the case asks for nothing: give &ESTIM, &VIBR, &FLEX, &DRIVEL or &HILL', line=set%title_line)
          return
       end if
       if (findings%failed()) return
-      if (asked%vibration%given .or. asked%estimates%given .or. asked%drive%given) then
+      if (asked%vibration%given .or. asked%estimates%given .or. asked%flex%given .or. asked%drive%given) then
          if (.not. set%rates%given) then
             call findings%error('the group is missing: ssics needs the SPEED of the input', line=set%title_line, group='RATES')
          else if (.not. abs(set%rates%speed) > 0.0_wp) then
@@ -62,9 +70,10 @@ contains
          end if
       end if
       if (set%loops() == 0) then
-         if (asked%vibration%given .or. asked%estimates%given .or. (asked%drive%given .and. .not. asked%drive%ripple > 0.0_wp)) &
-            call findings%error('the group is missing; &VIBR, &ESTIM and &DRIVEL without DRIPPL need a linkage, &CHAIN or '// &
-                                '&LINKS', line=set%title_line, group='LINKS')
+         if (asked%vibration%given .or. asked%estimates%given .or. asked%flex%given .or. &
+             (asked%drive%given .and. .not. asked%drive%ripple > 0.0_wp)) &
+            call findings%error('the group is missing; &VIBR, &ESTIM, &FLEX and &DRIVEL without DRIPPL need a linkage, '// &
+                                '&CHAIN or &LINKS', line=set%title_line, group='LINKS')
          return   ! Hill's equation alone
       end if
       if (asked%vibration%given) then
@@ -75,6 +84,7 @@ contains
          call check_link(set, prepared%mechanism, prepared%given, model, asked%estimates%beams(k), 'ESTIM', set%link_item('E'), k, &
                          findings)
       end do
+      if (asked%flex%given) call make_flexible_links(set, prepared%mechanism, prepared%given, model, asked%flex, links, findings)
       if (asked%drive%given .and. prepared%mechanism%sliding_input) then
          call set%origins%error(findings, 'DRIVEL', '', 'a flexible drive needs a crank that turns; the input of this linkage '// &
                                 'slides')
@@ -138,6 +148,10 @@ contains
             return
          end if
       end if
+      if (asked%flex%given) then
+         call find_links()
+         if (study%stopped) return
+      end if
       if (asked%drive%given) then
          allocate (study%drive)
          with_links = model_with_links(set, prepared%mechanism, prepared%given, 0, model)
@@ -154,18 +168,48 @@ contains
          allocate (study%hill)
          call find_hill(set, study%hill)
       end if
+
+   contains
+
+      !> The links of beam elements.
+      subroutine find_links()
+         type(flexible_link_t), allocatable :: links(:)
+         integer :: l
+
+         call make_flexible_links(set, prepared%mechanism, prepared%given, model, asked%flex, links, unused)
+         allocate (study%flexible(size(links)))
+         do l = 1, size(links)
+            with_links = model_with_links(set, prepared%mechanism, prepared%given, &
+                                          prepared%mechanism%bodies(links(l)%body)%axis, model)
+            call add_flexible_links(links(l:l), 0, with_links)
+            call find_flex(set, problem, prepared%given, with_links, links(l), study%flexible(l), stop)
+            study%stopped = is_to_end(stop)
+            if (study%stopped) then
+               deallocate (study%flexible)
+               return
+            end if
+         end do
+      end subroutine find_links
    end procedure find_steady
 
    module procedure model_with_links
       type(estimate_group_t) :: estimates
       type(vibration_group_t) :: vibration
+      type(flex_group_t) :: flex
+      type(flexible_link_t), allocatable :: links(:)
+      type(diagnostics_t) :: unused
       integer :: beyond, n
 
       estimates = estimates_of(set)
       vibration = vibration_of(set)
+      flex = flex_of(set)
       all = model
       beyond = 0
       if (arc > 0) beyond = mechanism%arcs(arc)%body
+      if (flex%given) then
+         call make_flexible_links(set, mechanism, dimensions, model, flex, links, unused)
+         call add_flexible_links(links, beyond, all)
+      end if
       do n = 1, size(estimates%beams)
          call add_uniform_link(mechanism, dimensions, estimates%beams(n), beyond, all)
       end do

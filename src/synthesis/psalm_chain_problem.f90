@@ -16,6 +16,7 @@ module psalm_chain_problem
    use psalm_constraint_group, only: range_positions, range_turn
    use psalm_data_set, only: data_set_t
    use psalm_dense, only: factors_t, factorise
+   use psalm_equalities, only: equal_numbers_t, relations_of, miss_of
    use psalm_error, only: desired_of
    use psalm_kinds, only: wp, full_turn, half_turn, right_angle, radians_per_degree, degrees_per_radian
    use psalm_merit, only: extra_positions, least_margin, put_in_order
@@ -69,6 +70,7 @@ module psalm_chain_problem
       logical, allocatable :: angle(:)        !! shape (numbers): it is one
       logical, allocatable :: ratio(:)        !! shape (numbers): it is a ratio of rates
       integer, allocatable :: ratio_of(:, :)  !! shape (2, numbers): the numbers whose rates it is of
+      type(equal_numbers_t), allocatable :: relations(:) !! numbers that are to be equal
       integer :: highest = 0                  !! derivative that is prescribed
       type(clearance_t), allocatable :: clearances(:) !! their points are joints of the sketch
       real(wp), allocatable :: margin(:)      !! shape (groups): how far from a dead point each must keep
@@ -92,6 +94,7 @@ module psalm_chain_problem
       procedure :: find_path
       procedure :: residuals_at
       procedure :: find_similarity
+      procedure :: find_equals
       procedure :: constraints_at
       procedure :: find_motion
       procedure :: find_values
@@ -388,6 +391,7 @@ contains
             end do
          end if
       end associate
+      problem%relations = relations_of(set%sketch, size(problem%inputs, 2))
       call count_targets(problem)
    end subroutine take_targets
 
@@ -395,10 +399,11 @@ contains
       type(chain_problem_t), intent(inout) :: problem
       integer :: order
 
-      problem%residuals = count(problem%weight > 0.0_wp)
+      problem%residuals = count(problem%weight > 0.0_wp) + size(problem%relations)
       problem%highest = 0
+      if (size(problem%relations) > 0) problem%highest = maxval(problem%relations%order)
       do order = 1, most_targets
-         if (any(problem%weight(:, order, :) > 0.0_wp)) problem%highest = order
+         if (any(problem%weight(:, order, :) > 0.0_wp)) problem%highest = max(problem%highest, order)
       end do
    end subroutine count_targets
 
@@ -912,7 +917,7 @@ contains
 
    ! ---- the problem -------------------------------------------------------------------------------------------------
 
-   !> Weighted deviations from what is wanted, position after position.
+   !> Weighted deviations from what is wanted, position after position, then of numbers that are to be equal.
    subroutine residuals_at(self, x, r, jacobian)
       class(chain_problem_t), intent(in) :: self
       real(wp), intent(in) :: x(:)                   !! shape (core)
@@ -921,6 +926,7 @@ contains
       type(closure_t) :: closure
       type(chain_motion_t) :: motion
       real(wp) :: values(size(self%wanted, 1), 0:most_orders), by(size(self%wanted, 1), 0:most_targets, size(x)), root, miss
+      real(wp) :: compared(2, size(self%relations))
       integer :: k, n, order, m
       logical :: reached
 
@@ -948,8 +954,33 @@ contains
                if (self%free) jacobian(m, self%variables + k) = root*by_input(self, values, n, order)
             end do
          end do
+         call note_equals()
+      end do
+      do k = 1, size(self%relations)
+         r(m + k) = sqrt(self%relations(k)%weight)*miss_of(self%relations(k), compared(1, k), compared(2, k))
       end do
       if (self%similar) call compare_shapes(self, r, jacobian)
+
+   contains
+
+      !> What position k gives to the numbers that are to be equal. Their rows of the Jacobian are the last ones.
+      subroutine note_equals()
+         real(wp) :: sign_of(2)
+         integer :: q, side, row
+
+         do q = 1, size(self%relations)
+            associate (of => self%relations(q))
+               row = self%residuals - size(self%relations) + q
+               sign_of = [1.0_wp, -of%factor]
+               do side = 1, 2
+                  if (of%positions(side) /= k) cycle
+                  compared(side, q) = values(of%numbers(side), of%order)
+                  if (present(jacobian)) jacobian(row, :) = jacobian(row, :) &
+                                                            + sqrt(of%weight)*sign_of(side)*by(of%numbers(side), of%order, :)
+               end do
+            end associate
+         end do
+      end subroutine note_equals
    end subroutine residuals_at
 
    !> The same against desired points of any place, size and direction. All residuals are of x and y of the first output, at the
@@ -988,6 +1019,31 @@ contains
       weight = pack(self%weight(1, 0, :), weighs)
       desired = pack(cmplx(self%wanted(1, 0, :), self%wanted(2, 0, :), wp), weighs)
    end subroutine weighing_points
+
+   !> The numbers that are to be equal of a linkage, first and second; none where a position is not reached.
+   subroutine find_equals(self, x, compared)
+      class(chain_problem_t), intent(in) :: self
+      real(wp), intent(in) :: x(:)                   !! shape (core)
+      real(wp), allocatable, intent(out) :: compared(:, :) !! shape (2, relations)
+      type(closure_t) :: closure
+      type(chain_motion_t) :: motion
+      real(wp) :: values(size(self%wanted, 1), 0:most_orders)
+      integer :: k, q, side
+      logical :: reached
+
+      call self%find_motion(x, closure, motion, reached)
+      allocate (compared(2, merge(size(self%relations), 0, reached)), source=0.0_wp)
+      if (.not. reached) return
+      do k = 1, size(self%inputs, 2)
+         call self%find_values(x, closure, motion%states(k), values)
+         do q = 1, size(self%relations)
+            do side = 1, 2
+               if (self%relations(q)%positions(side) == k) compared(side, q) = values(self%relations(q)%numbers(side), &
+                                                                                      self%relations(q)%order)
+            end do
+         end do
+      end do
+   end subroutine find_equals
 
    !> Where the desired points lie for a linkage; `reached` is false where it does not come to all positions.
    subroutine find_similarity(self, x, similarity, reached)

@@ -250,6 +250,14 @@ contains
             merit%small = max(merit%small, 1.0e-2_wp*weight*unit**2)
          end associate
       end do
+      do k = 1, size(merit%targets%relations)
+         associate (of => merit%targets%relations(k))
+            unit = merge(merit%size, 1.0_wp, merit%targets%is_length(of%columns(1)))
+            if (problem%mechanism%sliding_input) unit = unit/product(spread(merit%size, 1, of%order))
+            merit%floor = merit%floor + of%weight*(epsilon(1.0_wp)*unit)**2
+            merit%small = max(merit%small, 1.0e-2_wp*of%weight*unit**2)
+         end associate
+      end do
    end subroutine want_outputs
 
    !> Largest difference of desired values that are lengths; 0 if they are angles.
@@ -546,6 +554,14 @@ contains
                do r = 1, size(targets%miss, 2)
                   call add_errors(nvar, targets%problem%target_weights(:, r), targets%miss(:, r), targets%by(:, :, r), equations)
                end do
+               if (size(targets%relations) > 0) then
+                  if (allocated(main%held)) then
+                     do a = 1, nvar
+                        if (main%held(a)) targets%difference_by(:, a) = 0.0_wp
+                     end do
+                  end if
+                  call add_errors(nvar, [targets%relations%weight], targets%difference, targets%difference_by, equations)
+               end if
             end associate
          end if
          if (allocated(self%tolerances)) then

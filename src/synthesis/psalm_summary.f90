@@ -11,9 +11,10 @@ module psalm_summary
    use psalm_elementary, only: hypotenuse
    use psalm_exact_sum, only: sign_of_sum
    use psalm_error, only: problem_t, motion_t
+   use psalm_equal_items, only: equality_words
    use psalm_kinds, only: wp, full_turn, right_angle
    use psalm_output_kind, only: motion_point, motion_angle, motion_pose, most_rates
-   use psalm_output_targets, only: output_targets_t, compare_with_targets, target_group_t, target_groups, first_target
+   use psalm_output_targets, only: both_exist, output_targets_t, compare_with_targets, target_group_t, target_groups, first_target
    use psalm_plan, only: root_crank, root_frame
    use psalm_samples, only: sample_set_t, prepare_samples, evaluate_samples
    use psalm_sketch_outputs, only: name_length
@@ -80,6 +81,13 @@ module psalm_summary
       real(wp) :: worst_input = 0.0_wp
    end type target_errors_t
 
+   !> How far outputs are from what they are to be equal to.
+   type :: equal_errors_t
+      character(:), allocatable :: words              !! of EQUAL
+      logical :: known = .false.                      !! both exist, at every position
+      real(wp) :: largest = 0.0_wp                    !! degrees of angles, their derivatives in radians
+   end type equal_errors_t
+
    type :: summary_t
       logical :: sliding_input = .false.
       integer :: motion = motion_point                !! MOTION: what the output is
@@ -111,6 +119,7 @@ module psalm_summary
       integer :: worst = 0                            !! position of the largest
       real(wp) :: worst_input = 0.0_wp
       type(target_errors_t), allocatable :: targets(:)   !! by output; not allocated: there are no desired values of such
+      type(equal_errors_t), allocatable :: equals(:)   !! not allocated: no outputs are to be equal
       logical :: of_targets = .false.                  !! the errors above are those of the first of these
       type(rate_errors_t) :: rates(most_rates)        !! of first and second derivatives by the input
    end type summary_t
@@ -408,6 +417,15 @@ contains
             deallocate (miss, counts)
          end associate
       end do
+      if (allocated(set%sketch%equalities)) then
+         allocate (summary%equals(size(set%sketch%equalities)))
+         do k = 1, size(summary%equals)
+            summary%equals(k)%words = equality_words(set%sketch, k)
+            summary%equals(k)%known = all([(both_exist(targets, c) .or. targets%relations(c)%equality /= k, &
+                                                 c=1, size(targets%relations))])
+            summary%equals(k)%largest = maxval(abs(targets%difference), mask=targets%relations%equality == k)
+         end do
+      end if
       if (.not. targets%problem%blank .or. size(groups) == 0) return
       summary%of_targets = .true.
       associate (first => summary%targets(first_target(groups)))

@@ -939,6 +939,18 @@ def vibration(k):
 vibration.figures = lambda k, run: run.block("response", ".ssics.dev9")
 
 
+@study("a link of beam elements (&FLEX)", "ssics")
+def elements(k):
+    role = k.roles["follower"]
+    end = "YLINK=%d, YLOOP=1" % role[0] if k.arcs else "YNAME='%s %s'" % (role[0], role[2])
+    return (rated(k) + item("MASSES", "NMASS=1", k.place("M", "coupler"), "MASS=0.5", "UNITL=%g" % k.unit) +
+            item("FLEX", k.place("X", "follower"), end, "XMOD=207E9", "XRHO=7850.0", "XDEPTH=0.004", "XWIDTH=0.01", "XZETA=0.01",
+                 "NXPNT=64"))
+
+
+elements.figures = lambda k, run: run.block("flexible_stresses", ".ssics.dev9")
+
+
 @study("a flexible drive (&DRIVEL)", "ssics")
 def drive(k):
     return rated(k) + masses(k) + item("DRIVEL", "DSTIF=500.0", "DDAMP=0.1")

@@ -18,7 +18,7 @@ WORDS = re.compile(r"\b(loops?|arcs?)\s+\d+", re.I)
 RAW = re.compile(r"(?<![\d.])0?\.\d+[ED][-+]?\d+")   # as Fortran writes a number, 0.1000000D-01: fixed or engineering notation instead
 SLOW = {"door_five_poses", "dwell", "line6"}   # searches that take long
 ALWAYS = ("psalm", "kalm", "balm")
-WHERE = {"ssics": r"&(VIBR|ESTIM|DRIVEL|HILL)\b", "bridge": r"&CLEAR\b", "muscle": r"&BALANC\b", "calm": r"&CAM\b"}
+WHERE = {"ssics": r"&(VIBR|ESTIM|FLEX|DRIVEL|HILL)\b", "bridge": r"&CLEAR\b", "muscle": r"&BALANC\b", "calm": r"&CAM\b"}
 
 
 def without_program(page):

@@ -6,7 +6,7 @@ program test_exact
                               polynomial_roots, slider_pin
    use psalm_certificate, only: certificate_t, certify_poses
    use psalm_defects, only: exact_linkage_t, verdict_t, cognates_of, assess, place_pins
-   use psalm_function_points, only: generators_t, generator_t, five_points, four_points, output_of, three_points
+   use psalm_function_points, only: generators_t, generator_t, function_point_t, five_points, four_points, output_of, three_points
    use psalm_generic, only: generic_solutions
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_leg_problem, only: kind_point, kind_pose, leg_problem_t, make_problem, variables
@@ -145,19 +145,27 @@ contains
       call five_points(phi, psi, .false., found)
       one = found%list(1)
       do i = 1, 2
-         call four_points(phi(:4), psi(:4), .false., i == 2, merge(one%psi0, one%phi0, i == 2), found)
+         call four_points(points_at(phi(:4), psi(:4)), .false., i == 2, merge(one%psi0, one%phi0, i == 2), found)
          worst = huge(1.0_wp)
          do k = 1, found%count
             worst = min(worst, abs(found%list(k)%r2 - one%r2) + abs(found%list(k)%r3 - one%r3) + abs(found%list(k)%r4 - one%r4))
          end do
          call t%close_to(worst, 0.0_wp, 1.0e-9_wp, 'functions: four points and a zero line')
       end do
-      call three_points(phi(:3) + 1.0_wp, psi(:3) + 0.7_wp, one, exists)
+      call three_points(points_at(phi(:3) + 1.0_wp, psi(:3) + 0.7_wp), one, exists)
       call t%is_true(exists, 'functions: three points')
       worst = 0.0_wp
       if (one%assembly /= 0) worst = error_at_points(one, phi(:3) + 1.0_wp, psi(:3) + 0.7_wp)
       call t%close_to(worst, 0.0_wp, 1.0e-10_wp, 'functions: three points are met')
    end subroutine functions
+
+   pure function points_at(phi, psi) result(points)
+      real(wp), intent(in) :: phi(:), psi(:)
+      type(function_point_t) :: points(size(phi))
+
+      points%phi = phi
+      points%psi = psi
+   end function points_at
 
    !> A driver whose two closing links are known from elsewhere, and searches over a coarse grid.
    subroutine six_bars()
@@ -242,6 +250,8 @@ contains
    subroutine certificates()
       real(wp), parameter :: angle(0:4) = [0.0_wp, -95.0_wp, 3.0_wp, -88.0_wp, 37.0_wp]
       complex(wp) :: d(4), g(4), ends(4, 6), p(0:4)
+      complex(wp) :: no_poles(0)
+      integer :: no_pose(0)
       type(dyads_t) :: dyads
       type(certificate_t) :: certificate
 
@@ -249,12 +259,12 @@ contains
       p = [(0.0_wp, 0.0_wp), d]
       call five_poses(d, g, dyads)
       ends(:, :4) = dyads%ends
-      call certify_poses(p, angle, ends(:, :4), spread(.true., 1, 4), certificate)
+      call certify_poses(p, angle, no_poles, no_pose, ends(:, :4), spread(.true., 1, 4), certificate)
       call t%is_true(certificate%holds(), 'certificate: four dyads')
       call t%equal_integer(certificate%real_ones, 4, 'certificate: all of them real')
       ends(:, 5) = ends(:, 2)
       ends(:, 6) = [(3.0_wp, 1.0_wp), (3.0_wp, -1.0_wp), (-7.0_wp, 5.0_wp), (-7.0_wp, -5.0_wp)]
-      call certify_poses(p, angle, ends, spread(.true., 1, 6), certificate)
+      call certify_poses(p, angle, no_poles, no_pose, ends, spread(.true., 1, 6), certificate)
       call t%equal_integer(certificate%proven, 5, 'certificate: not of what is no solution')
       call t%equal_integer(certificate%apart, 3, 'certificate: the same twice is not apart')
       ! poses whose orientations are mirrored have two real dyads and two that are not
@@ -263,14 +273,15 @@ contains
       p = [(0.0_wp, 0.0_wp), d]
       call five_poses(d, g, dyads)
       call t%is_true(dyads%imaginary > 0, 'five poses with dyads that are not real')
-      call certify_poses(p, angle, dyads%ends, spread(.false., 1, 4), certificate)
+      call certify_poses(p, angle, no_poles, no_pose, dyads%ends, spread(.false., 1, 4), certificate)
       call t%equal_integer(certificate%proven, 4, 'certificate: of those that are not real too')
       call t%equal_integer(certificate%not_real, dyads%imaginary, 'certificate: they are not real')
       ! two poses that are one leave a curve of dyads
       d(2) = d(1)
       g(2) = g(1)
       p = [(0.0_wp, 0.0_wp), d]
-      call certify_poses(p, [angle(0), angle(1), angle(1), angle(3), angle(4)], dyads%ends, spread(.false., 1, 4), certificate)
+      call certify_poses(p, [angle(0), angle(1), angle(1), angle(3), angle(4)], no_poles, no_pose, dyads%ends, &
+                         spread(.false., 1, 4), certificate)
       call t%equal_integer(certificate%proven, 0, 'certificate: nothing where a whole curve is good')
    end subroutine certificates
 

@@ -1,0 +1,160 @@
+!> What a linkage does to a link of beam elements in a turn of the crank at constant speed: its motion, the forces of its joints,
+!> loads and springs on it; in the axes of its frame.
+module psalm_flexible_cycle
+   use psalm_dimensions, only: dimensions_t
+   use psalm_error, only: problem_t
+   use psalm_flexible_link, only: flexible_link_t, attached_t
+   use psalm_force_model, only: force_model_t, load_t
+   use psalm_kinds, only: wp
+   use psalm_kinetostatics, only: forces_t, prepare_forces, move_bodies, clear_wrenches, add_source, sweep, joint_rows, &
+                                  first_spring, source_inertia, sources_of
+   use psalm_link_cycle, only: link_cycle_t, prepare_turn, note_dead
+   use psalm_link_loads, only: acting_cycle_t, follow_acting
+   use psalm_rates, only: rates_t, prepare_rates, differentiate
+   use psalm_spring_law, only: part_elastic, part_viscous
+   implicit none (type, external)
+   private
+   public :: flexible_cycle_t, find_flexible_cycle
+
+   integer, parameter, public :: part_inertia = 1, part_fixed = 2, part_damped = 3 !! of the joints' forces
+
+   !> At equal steps of the crank from its reference position, at 1 rad/s.
+   type :: flexible_cycle_t
+      type(link_cycle_t) :: turn                 !! where the crank cannot turn, and its sense
+      real(wp), allocatable :: acceleration(:, :) !! shape (2, positions): of the origin of the frame's axes, m
+      real(wp), allocatable :: turning(:), speed(:) !! shape (positions): angular acceleration and speed
+      real(wp), allocatable :: weight(:, :)      !! shape (2, positions): gravity, m/s2
+      real(wp), allocatable :: forces(:, :, :, :) !! shape (2, joints, 3, positions): of the joints on the link, by
+                                                 !! `part_...`: of inertia, N; of weight, loads and springs, N; of dampers
+      type(acting_cycle_t), allocatable :: acting(:) !! loads, then springs on the link
+   end type flexible_cycle_t
+
+contains
+
+   !> Follow a link. `model` has the masses of its segments.
+   subroutine find_flexible_cycle(given, dimensions, model, link, points, sense, cycle_of)
+      type(problem_t), intent(in) :: given
+      type(dimensions_t), intent(in) :: dimensions
+      type(force_model_t), intent(in) :: model
+      type(flexible_link_t), intent(in) :: link
+      integer, intent(in) :: points             !! positions in a turn
+      real(wp), intent(in) :: sense             !! 1 or -1: of the turning of the crank
+      type(flexible_cycle_t), intent(out) :: cycle_of
+      class(problem_t), allocatable :: problem   ! large: it would fill a small stack
+      type(force_model_t) :: bare, steady, dampers
+      type(rates_t) :: rates
+      type(forces_t) :: forces
+      real(wp) :: input(points)
+      real(wp), allocatable :: unit(:, :)
+      integer :: block, offset, n, source, k
+
+      cycle_of%turn%sense = sense
+      call prepare_turn(given, dimensions, points, problem, input, cycle_of%turn)
+      if (cycle_of%turn%failure > 0) return
+      allocate (cycle_of%acceleration(2, points), cycle_of%turning(points), cycle_of%speed(points), cycle_of%weight(2, points))
+      allocate (cycle_of%forces(2, size(link%joints), 3, points), source=0.0_wp)
+      call prepare_rates(problem, rates)
+      call prepare_forces(problem, model, forces)
+      bare = model
+      bare%gravity = 0.0_wp
+      steady = model
+      steady%springs%part = part_elastic
+      dampers = bare
+      dampers%loads = [load_t ::]
+      dampers%springs%part = part_viscous
+      allocate (cycle_of%acting(size(link%loads) + size(link%springs)))
+      do k = 1, size(cycle_of%acting)
+         call begin_acting(cycle_of%acting(k), k)
+      end do
+      do block = 1, problem%blocks()
+         call problem%solve_block(block, offset, n)
+         call differentiate(problem, rates, n, 2)
+         call note_dead(problem, rates, offset, n, cycle_of%turn)
+         if (cycle_of%turn%failure > 0) return
+         call move_bodies(problem, rates, n, 1.0_wp, 0.0_wp, forces)
+         call follow_motion()
+         call follow_acting(problem, steady, unit, input(offset + 1:offset + n), offset, n, forces, cycle_of%acting)
+         call clear_wrenches(n, forces)
+         call add_source(problem, bare, source_inertia, input(offset + 1:offset + n), n, forces)
+         call sweep(problem, n, forces)
+         call take_forces(part_inertia)
+         call clear_wrenches(n, forces)
+         do source = source_inertia + 1, sources_of(steady)
+            call add_source(problem, steady, source, input(offset + 1:offset + n), n, forces)
+         end do
+         call sweep(problem, n, forces)
+         call take_forces(part_fixed)
+         if (.not. any(dampers%springs%damps())) cycle
+         call move_bodies(problem, rates, n, cycle_of%turn%sense, 0.0_wp, forces)
+         call clear_wrenches(n, forces)
+         do source = first_spring(dampers), sources_of(dampers)
+            call add_source(problem, dampers, source, input(offset + 1:offset + n), n, forces)
+         end do
+         call sweep(problem, n, forces)
+         call take_forces(part_damped)
+      end do
+
+   contains
+
+      subroutine begin_acting(acting, k)
+         type(acting_cycle_t), intent(inout) :: acting
+         integer, intent(in) :: k
+         type(attached_t) :: attached
+
+         if (k <= size(link%loads)) then
+            attached = link%loads(k)
+            acting%load = attached%entry
+            acting%location = model%loads(attached%entry)%location
+         else
+            attached = link%springs(k - size(link%loads))
+            acting%spring = attached%entry
+            acting%end = attached%end
+            associate (spring => model%springs(attached%entry))
+               acting%location = spring%ends(attached%end)
+               if (spring%torsional) acting%torsion = spring%stiffness
+            end associate
+         end if
+         allocate (acting%along(points), acting%across(points), acting%moment(points), acting%held(points, 3), source=0.0_wp)
+      end subroutine begin_acting
+
+      !> The frame's axes, and the acceleration of their origin.
+      subroutine follow_motion()
+         real(wp) :: ux, uy, x, y, ax, ay
+         integer :: i
+
+         unit = reshape([(0.0_wp, i=1, 2*n)], [2, n])
+         associate (w => forces%w%v, rows => forces%bodies(link%body), at => link%origin)
+            do i = 1, n
+               ux = link%axis(1)*w(i, rows%ex) - link%axis(2)*w(i, rows%ey)
+               uy = link%axis(1)*w(i, rows%ey) + link%axis(2)*w(i, rows%ex)
+               unit(:, i) = [ux, uy]
+               x = at(1)*w(i, rows%ex) - at(2)*w(i, rows%ey)
+               y = at(1)*w(i, rows%ey) + at(2)*w(i, rows%ex)
+               ax = forces%metre*w(i, rows%ax) - w(i, rows%al)*y - w(i, rows%w)**2*x
+               ay = forces%metre*w(i, rows%ay) + w(i, rows%al)*x - w(i, rows%w)**2*y
+               cycle_of%acceleration(:, offset + i) = [ax*ux + ay*uy, ay*ux - ax*uy]
+               cycle_of%turning(offset + i) = w(i, rows%al)
+               cycle_of%speed(offset + i) = w(i, rows%w)
+               cycle_of%weight(:, offset + i) = [model%gravity(1)*ux + model%gravity(2)*uy, &
+                                                 model%gravity(2)*ux - model%gravity(1)*uy]
+            end do
+         end associate
+      end subroutine follow_motion
+
+      !> Forces of the joints on the link, in the frame's axes.
+      subroutine take_forces(part)
+         integer, intent(in) :: part
+         real(wp) :: rows(n, 2), sense
+         integer :: j, i
+
+         do j = 1, size(link%joints)
+            rows = joint_rows(problem, forces, link%joints(j), n)
+            sense = merge(1.0_wp, -1.0_wp, problem%mechanism%joints(link%joints(j))%bodies(2) == link%body)
+            do i = 1, n
+               cycle_of%forces(:, j, part, offset + i) = sense*[rows(i, 1)*unit(1, i) + rows(i, 2)*unit(2, i), &
+                                                                rows(i, 2)*unit(1, i) - rows(i, 1)*unit(2, i)]
+            end do
+         end do
+      end subroutine take_forces
+   end subroutine find_flexible_cycle
+end module psalm_flexible_cycle

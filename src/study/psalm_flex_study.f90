@@ -1,0 +1,73 @@
+!> Vibration, deflections and stresses of a link of beam elements in a moving linkage (group FLEX). Data in, results out.
+!>
+!> The link bends in axes between two of its joints (or is clamped at one) that move as in the rigid linkage; inertia, weight, loads
+!> and the forces of its joints are those of the rigid motion (kalm's). Its natural modes obey coupled Hill equations: tension and
+!> compression, turning and its changes, and springs couple them. What higher modes add is taken from statics. Sources: Oldham,
+!> chapter 13 and 15.3; Haines, 2F; Przemieniecki (1968).
+module psalm_flex_study
+   use psalm_coupled_hill, only: coupled_t
+   use psalm_data_set, only: data_set_t
+   use psalm_dimensions, only: dimensions_t
+   use psalm_error, only: problem_t
+   use psalm_flexible_cycle, only: flexible_cycle_t
+   use psalm_flexible_link, only: flexible_link_t
+   use psalm_force_model, only: force_model_t
+   use psalm_kinds, only: wp
+   use psalm_stop, only: stop_t
+   implicit none (type, external)
+   private
+   public :: flex_study_t, find_flex
+
+   integer, parameter, public :: stress_kinds = 3 !! of bending, along the link, both together
+
+   !> The greatest of something over the turn.
+   type :: greatest_t
+      real(wp) :: value = 0.0_wp
+      real(wp) :: at = 0.0_wp                    !! input, from the reference position, degrees
+      real(wp) :: part = 0.0_wp                  !! of the segment, from its start
+   end type greatest_t
+
+   !> One segment of the link over the turn.
+   type :: stressed_segment_t
+      integer :: entry = 0                       !! of the group
+      type(greatest_t) :: stress(stress_kinds)   !! Pa; along: with its sign, positive for a pull
+      type(greatest_t) :: deflection             !! m
+   end type stressed_segment_t
+
+   type :: flex_study_t
+      logical :: found = .false.                 !! or the crank cannot turn
+      type(flexible_link_t) :: link
+      type(flexible_cycle_t) :: cycle
+      real(wp), allocatable :: frequency(:)      !! shape (modes): of the link at rest, rad/s
+      real(wp), allocatable :: damping(:)        !! shape (modes): part of the critical one
+      logical :: solved = .false.                !! the modes were found
+      integer :: solved_modes = 0                !! the first modes, which are solved together; 0: the speed is far below all
+      type(coupled_t) :: coupled                 !! what becomes of these
+      real(wp) :: resolution = 0.0_wp            !! what the positions leave open of the coefficients
+      real(wp) :: equilibrium = 0.0_wp           !! sum of all forces on the link, over the greatest force of a joint
+      real(wp) :: least_stiffness = 0.0_wp       !! least squared frequency with all that acts over that at rest: below 0 the
+                                                 !! link buckles for a part of the turn
+      real(wp) :: least_at = 0.0_wp              !! input there, degrees
+      logical :: steady = .false.                !! there is a steady state
+      logical :: stressed = .false.              !! and stresses are known
+      real(wp), allocatable :: displacement(:, :, :) !! shape (2, nodes, positions): in the axes of the link, m
+      real(wp), allocatable :: joints(:, :)      !! shape (joints, positions): amount of the displacement, m
+      real(wp), allocatable :: stress(:, :)      !! shape (positions, stress_kinds): greatest of the link, Pa
+      type(stressed_segment_t), allocatable :: segments(:)
+   end type flex_study_t
+
+   interface
+      !> Study a link that was made without a mistake. `study%cycle%turn%failure` says where the crank cannot turn: then there is
+      !> nothing else.
+      module subroutine find_flex(set, given, dimensions, model, link, study, stop)
+         implicit none (type, external)
+         type(data_set_t), intent(in) :: set
+         type(problem_t), intent(in) :: given
+         type(dimensions_t), intent(in) :: dimensions
+         type(force_model_t), intent(in) :: model   !! with the masses of all segments
+         type(flexible_link_t), intent(in) :: link
+         type(flex_study_t), intent(out) :: study
+         type(stop_t), intent(in), optional :: stop !! asked now and then
+      end subroutine find_flex
+   end interface
+end module psalm_flex_study
