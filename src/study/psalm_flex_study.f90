@@ -13,6 +13,7 @@ module psalm_flex_study
    use psalm_flexible_link, only: flexible_link_t
    use psalm_force_model, only: force_model_t
    use psalm_kinds, only: wp
+   use psalm_periodic, only: periodic_t
    use psalm_stop, only: stop_t
    implicit none (type, external)
    private
@@ -43,6 +44,11 @@ module psalm_flex_study
       logical :: solved = .false.                !! the modes were found
       integer :: solved_modes = 0                !! the first modes, which are solved together; 0: the speed is far below all
       type(coupled_t) :: coupled                 !! what becomes of these
+      type(periodic_t), allocatable :: c(:, :), k(:, :) !! shape (solved modes, the same): their damping and stiffness over the
+                                                 !! speed and its square, against the input in radians
+      real(wp), allocatable :: forces(:, :, :)   !! shape (positions, solved modes, parts): what loads them, by `part_...` of the
+                                                 !! cycle, at unit speed or push
+      real(wp), allocatable :: widest(:)         !! shape (solved modes): greatest displacement in the shape of a mode
       real(wp) :: resolution = 0.0_wp            !! what the positions leave open of the coefficients
       real(wp) :: equilibrium = 0.0_wp           !! sum of all forces on the link, over the greatest force of a joint
       real(wp) :: least_stiffness = 0.0_wp       !! least squared frequency with all that acts over that at rest: below 0 the

@@ -5,7 +5,7 @@ submodule(psalm_flex_study) psalm_flex_study_body
    use psalm_dense, only: factors_t, factorise, solve
    use psalm_flex_group, only: flex_group_t, flex_of
    use psalm_flexible_link, only: attached_t
-   use psalm_flexible_cycle, only: find_flexible_cycle, part_inertia, part_fixed, part_damped
+   use psalm_flexible_cycle, only: find_flexible_cycle, parts, part_inertia, part_fixed, part_damped, part_pushed
    use psalm_kinds, only: full_turn
    use psalm_lapack, only: natural_modes, hermitian_eigenvalues, solve_general
    use psalm_linear, only: along_columns, product_of
@@ -19,7 +19,8 @@ submodule(psalm_flex_study) psalm_flex_study_body
    !> What loads the link: each load by a signal over the turn.
    type :: link_loading_t
       real(wp), allocatable :: loads(:, :)       !! shape (freedoms of the frame, signals)
-      real(wp), allocatable :: signals(:, :)     !! shape (signals, positions): m/s2, rad/s2, 1/s2; N; N m
+      real(wp), allocatable :: by_part(:, :, :)  !! shape (signals, positions, parts): by `part_...` of the cycle
+      real(wp), allocatable :: signals(:, :)     !! shape (signals, positions): together; m/s2, rad/s2, 1/s2; N; N m
       real(wp), allocatable :: statics(:, :)     !! displacements by each load: shape as loads
       real(wp), allocatable :: end_forces(:, :, :) !! of the elements, by each load: shape (ends, elements, signals)
    end type link_loading_t
@@ -141,19 +142,21 @@ contains
          many = motions + 2*size(link%joints) + freedoms*size(turn%acting)
          n = size(turn%turning)
          allocate (loading%loads(size(free), many), loading%statics(size(free), many), &
-                   loading%end_forces(ends, size(frame%elements), many), loading%signals(many, n), source=0.0_wp)
+                   loading%end_forces(ends, size(frame%elements), many), source=0.0_wp)
          loading%loads(:, :motions) = frame%motion
-         do k = 1, 2
-            loading%signals(k, :) = speed**2*turn%acceleration(k, :) - turn%weight(k, :)
-         end do
-         loading%signals(3, :) = speed**2*turn%turning
-         loading%signals(4, :) = (speed*turn%speed)**2
+         allocate (loading%by_part(many, n, parts), source=0.0_wp)
+         loading%by_part(1:2, :, part_inertia) = turn%acceleration
+         loading%by_part(3, :, part_inertia) = turn%turning
+         loading%by_part(4, :, part_inertia) = turn%speed**2
+         loading%by_part(1:2, :, part_fixed) = -turn%weight
+         loading%by_part(1:3, :, part_pushed) = turn%pushed
          b = motions
          do j = 1, size(link%joints)
             do k = 1, 2
                loading%loads(freedoms*(link%nodes(j) - 1) + k, b + k) = 1.0_wp
-               loading%signals(b + k, :) = speed**2*turn%forces(k, j, part_inertia, :) + turn%forces(k, j, part_fixed, :) + &
-                                           speed*turn%forces(k, j, part_damped, :)
+               do e = 1, parts
+                  loading%by_part(b + k, :, e) = turn%forces(k, j, e, :)
+               end do
             end do
             b = b + 2
          end do
@@ -161,6 +164,8 @@ contains
             call add_acting(j, b)
             b = b + freedoms
          end do
+         loading%signals = speed**2*loading%by_part(:, :, part_inertia) + loading%by_part(:, :, part_fixed) + &
+                           speed*loading%by_part(:, :, part_damped)
          study%equilibrium = unbalanced(frame, loading)
          places = pack([(k, k=1, size(free))], free)
          call factorise(frame%stiffness(places, places), factors)
@@ -194,9 +199,9 @@ contains
                   loading%loads(freedoms*(at(j)%node - 1) + i, before + 1:before + 2) = arms(:, i)
                end do
                loading%loads(freedoms*at(j)%node, before + 3) = 1.0_wp
-               loading%signals(before + 1, :) = acting%along
-               loading%signals(before + 2, :) = acting%across
-               loading%signals(before + 3, :) = acting%moment
+               loading%by_part(before + 1, :, part_fixed) = acting%along
+               loading%by_part(before + 2, :, part_fixed) = acting%across
+               loading%by_part(before + 3, :, part_fixed) = acting%moment
             end associate
          end associate
       end subroutine add_acting
@@ -233,7 +238,6 @@ contains
       real(wp), dimension(size(shapes, 2), size(shapes, 2), size(loading%signals, 2)) :: stiffness
       real(wp), dimension(size(shapes, 2), size(shapes, 2)) :: spin
       real(wp), dimension(size(loading%signals, 2), size(shapes, 2)) :: force
-      type(periodic_t), dimension(size(shapes, 2), size(shapes, 2)) :: c, k
       type(periodic_t) :: p(size(shapes, 2))
       integer :: i, j, n, modes, positions
 
@@ -249,20 +253,25 @@ contains
             stiffness(i, i, n) = stiffness(i, i, n) + (study%frequency(i)/speed)**2 - study%cycle%speed(n)**2
          end do
       end do
+      allocate (study%forces(positions, modes, parts), study%c(modes, modes), study%k(modes, modes))
+      do i = 1, parts
+         study%forces(:, :, i) = product_of(transpose(loading%by_part(:, :, i)), product_of(transpose(loading%loads), shapes))
+      end do
+      study%widest = [(sqrt(maxval(shapes(1::freedoms, j)**2 + shapes(2::freedoms, j)**2)), j=1, modes)]
       force = product_of(transpose(loading%signals), product_of(transpose(loading%loads), shapes))/speed**2
       do j = 1, modes
          p(j) = periodic_from_samples(force(:, j))
          study%resolution = max(study%resolution, p(j)%resolution())
          do i = 1, modes
-            k(i, j) = periodic_from_samples(stiffness(i, j, :))
-            c(i, j) = periodic_from_samples(2.0_wp*study%cycle%turn%sense*study%cycle%speed*spin(i, j))
+            study%k(i, j) = periodic_from_samples(stiffness(i, j, :))
+            study%c(i, j) = periodic_from_samples(2.0_wp*study%cycle%turn%sense*study%cycle%speed*spin(i, j))
          end do
-         c(j, j) = c(j, j)%plus(periodic_constant(2.0_wp*study%damping(j)*study%frequency(j)/speed))
+         study%c(j, j) = study%c(j, j)%plus(periodic_constant(2.0_wp*study%damping(j)*study%frequency(j)/speed))
       end do
-      study%resolution = max(study%resolution, k(1, 1)%resolution())
+      study%resolution = max(study%resolution, study%k(1, 1)%resolution())
       call find_least(stiffness, speed, study)
       if (study%solved_modes > 0) then
-         call solve_coupled(c, k, p, tolerance, flex%points, study%coupled)
+         call solve_coupled(study%c, study%k, p, tolerance, flex%points, study%coupled)
       else
          call follow_statics(stiffness, force, study)
       end if
