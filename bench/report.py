@@ -71,6 +71,10 @@ for row in read("objective").split():
                  "%.2f ns per dyad and position |" % (n, float(us), float(ns)))
     if n == "20":
         lines.append("| the same / yardstick at 180 positions, per dyad and position | %.2f |" % (float(ns) / limit[180]))
+for row in read("lanes").split():
+    count, us = row.split("|")
+    lines.append("| the same for the variables of the data set, %s a call | %s us |"
+                 % ("one linkage" if count == "1" else "%s linkages side by side" % count, us))
 chain, pair = (float(x) for x in read("pruning").split("|"))
 for row in read("derivatives").splitlines():
     cells = row.split("|")

@@ -12,10 +12,12 @@
 !>        bench groups FOLDER [short]  linkage | groups | positions | ns per position: larger groups, gears, cylinders; FOLDER: data
 !>        bench evaluate20, evaluate10240   ten evaluations of the needle linkage, for counting instructions
 !>        bench objective              positions | microseconds per evaluation | ns per dyad and position
+!>        bench lanes                  linkages a call | microseconds a linkage: objective of the needle, 20 positions
 program bench
    use bench_forces, only: measure_forces
    use bench_groups, only: measure_groups
-   use bench_measure, only: write_reference, measure_all, measure_objective, measure_pruning, evaluate_needle, measure_derivatives
+   use bench_measure, only: write_reference, measure_all, measure_objective, measure_lanes, measure_pruning, evaluate_needle, &
+                            measure_derivatives
    implicit none (type, external)
    character(200) :: task, file, label, out
 
@@ -30,6 +32,8 @@ program bench
       call measure_all(trim(file), trim(label), trim(out))
    case ('objective')
       call measure_objective()
+   case ('lanes')
+      call measure_lanes()
    case ('pruning')
       call measure_pruning()
    case ('derivatives')

@@ -6,6 +6,8 @@ module bench_measure
    use psalm_data_set, only: data_set_t, read_data_sets
    use psalm_error, only: problem_t, make_problem
    use psalm_kinds, only: wp, dp, radians_per_degree
+   use psalm_lanes, only: lanes
+   use psalm_linkage_lanes, only: linkage_lanes_t
    use psalm_output_kind, only: motion_point
    use psalm_rates, only: rates_t, prepare_rates, differentiate
    use psalm_sensitivity, only: sensitivity_t, prepare_sensitivity, find_jacobian
@@ -17,7 +19,7 @@ module bench_measure
    implicit none (type, external)
    private
    public :: load, names, titles
-   public :: write_reference, measure_all, measure_objective, measure_pruning, evaluate_needle, measure_derivatives
+   public :: write_reference, measure_all, measure_objective, measure_lanes, measure_pruning, evaluate_needle, measure_derivatives
 
    character(*), parameter :: names(*) = [character(24) :: 'dyad1_crank_rocker', 'hard/pruned64', 'needle', 'textile', &
                                           'hard/chain64']
@@ -275,6 +277,57 @@ contains
          print '(i0,a,f0.4,a,f0.4)', n, '|', best*1.0e6_dp, '|', best*1.0e9_dp/real(4*n, dp)
       end do
    end subroutine measure_objective
+
+   !> The objective of the needle linkage as it is written, 20 positions, whose variables change all: one by one, then several
+   !> linkages a call.
+   subroutine measure_lanes()
+      type(problem_t) :: problem
+      type(data_set_t), allocatable :: sets(:)
+      type(diagnostics_t) :: findings
+      type(mechanism_t) :: mechanism
+      type(parameters_t) :: parameters
+      type(dimensions_t) :: dimensions
+      type(linkage_lanes_t), allocatable :: side_by_side
+      real(wp), allocatable :: first(:), values(:, :)
+      real(wp) :: objective(lanes), total
+      real(dp) :: from, to, best
+      integer :: loop(lanes), count, sample, i, l
+      integer, parameter :: calls = 20000
+
+      call read_data_sets('../data/needle.nml', sets, findings)
+      call set_up(sets(1), mechanism, dimensions, parameters, findings)
+      call make_problem(sets(1), mechanism, dimensions, parameters, problem)
+      first = parameters%first_values(dimensions)
+      values = spread(first, 1, lanes)
+      allocate (side_by_side)
+      call side_by_side%prepare(problem)
+      total = 0.0_wp
+      count = 1
+      do while (count <= lanes)
+         best = huge(best)
+         do sample = 1, samples
+            call cpu_time(from)
+            do i = 1, calls
+               do l = 1, count
+                  values(l, :) = first*(1.0_wp + 1.0e-9_wp*real(i + l, wp))
+               end do
+               if (count == 1) then
+                  call parameters%apply(values(1, :), dimensions)
+                  call problem%evaluate(dimensions, objective(1), loop(1))
+               else
+                  call side_by_side%put_values(parameters, values)
+                  call side_by_side%evaluate(problem, objective(:count), loop(:count))
+               end if
+               total = total + sum(objective(:count))
+            end do
+            call cpu_time(to)
+            best = min(best, (to - from)/real(calls*count, dp))
+         end do
+         print '(i0,a,f0.4)', count, '|', best*1.0e6_dp
+         count = 2*count
+      end do
+      if (total <= 0.0_wp) error stop 'no objective'
+   end subroutine measure_lanes
 
    !> Positions of the chain of 64 loops whose output hangs on the second, and of its two loops alone: ns per position.
    subroutine measure_pruning()

@@ -7,19 +7,21 @@ module psalm_assur
    use psalm_dyad, only: dyad_t, dyad_violation_t, violation_group, violation_none
    use psalm_dyad_kind, only: assur_ppr, assur_prp, assur_prr, assur_rpp, assur_rpr, assur_rpr_guide_first, assur_rrp, assur_rrr, &
                               assur_higher, direction_known, form_of, form_t
+   use psalm_dyad_lanes, only: dyad_lanes_t
    use psalm_elementary, only: hypotenuse
    use psalm_frames, only: frames_t, form_arc, dyad_rate, rows_of_arc, sine_row
    use psalm_higher_group, only: closure_of_higher, dead_measure, is_dead_higher
    use psalm_kinds, only: wp
-   use psalm_prp, only: bind_prp, solve_prp, form_prp, measure_prp, change_of_measure_prp, bounds_prp, violation_prp, react_prp
+   use psalm_prp, only: bind_prp, solve_prp, form_prp, measure_prp, change_of_measure_prp, bounds_prp, violation_prp, react_prp, &
+                        bind_prp_lanes, solve_prp_lanes
    use psalm_rows, only: rows_t
-   use psalm_rpp, only: bind_rpp, solve_rpp, form_rpp, rates_twice_rpp, bounds_rpp, react_rpp
+   use psalm_rpp, only: bind_rpp, solve_rpp, form_rpp, rates_twice_rpp, bounds_rpp, react_rpp, bind_rpp_lanes, solve_rpp_lanes
    use psalm_rpr, only: bind_rpr, solve_rpr, form_rpr, measure_rpr, change_of_measure_rpr, bounds_rpr, violation_rpr, repair_rpr, &
-                        coincidence_rpr, react_rpr
+                        coincidence_rpr, react_rpr, bind_rpr_lanes, solve_rpr_lanes
    use psalm_rrp, only: bind_rrp, solve_rrp, form_rrp, measure_rrp, change_of_measure_rrp, bounds_rrp, violation_rrp, repair_rrp, &
-                        react_rrp
+                        react_rrp, bind_rrp_lanes, solve_rrp_lanes
    use psalm_rrr, only: bind_rrr, solve_rrr, form_rrr, rates_rrr, measure_rrr, change_of_measure_rrr, bounds_rrr, violation_rrr, &
-                        repair_rrr, coincidence_rrr, react_rrr
+                        repair_rrr, coincidence_rrr, react_rrr, bind_rrr_lanes, solve_rrr_lanes
    use psalm_wrench_kernels, only: moment_about, force_along, pass_force, pass_across, opposite_force, opposite_across
    implicit none (type, external)
    private
@@ -27,6 +29,7 @@ module psalm_assur
    public :: mark_unknowns, bind_dyad, solve_dyad, form_dyad, differentiate_dyad, react_dyad, is_dead_dyad
    public :: closure_of, change_of_closure, bounds_of_dyad, violation_of, coincidence_of, repair_dyad, is_orthogonal, is_signed
    public :: makes_tip
+   public :: bind_dyad_lanes, solve_dyad_lanes
 
    integer, parameter :: rows_to_react = 2*rows_of_arc + 2 !! scratch of `react_dyad`: both arcs, two free components
 
@@ -102,6 +105,48 @@ contains
          call solve_prp(n, dyad, store)
       end select
    end subroutine solve_dyad
+
+   !> Limits of what is accepted, for the lengths of linkages side by side; not of larger groups.
+   pure subroutine bind_dyad_lanes(dyad, cosine_lowest, sine_lowest, toggle, numbers)
+      type(dyad_t), intent(in) :: dyad             !! of any of them
+      real(wp), intent(in) :: cosine_lowest, sine_lowest, toggle !! as `bind_dyad` has them; of unscaled lengths
+      type(dyad_lanes_t), intent(inout) :: numbers
+
+      select case (dyad%kind)
+      case (assur_rrr)
+         call bind_rrr_lanes(numbers, cosine_lowest)
+      case (assur_rpr, assur_rpr_guide_first)
+         call bind_rpr_lanes(dyad%kind, numbers, toggle)
+      case (assur_rrp, assur_prr)
+         call bind_rrp_lanes(dyad%kind, numbers, toggle)
+      case (assur_rpp, assur_ppr)
+         call bind_rpp_lanes(numbers)
+      case default
+         call bind_prp_lanes(numbers, sine_lowest)
+      end select
+   end subroutine bind_dyad_lanes
+
+   !> Unknowns and closure measure at `n` positions of linkages side by side: the bits of `solve_dyad`. The rows of the store have
+   !> the shape (lanes, positions).
+   pure subroutine solve_dyad_lanes(n, dyad, numbers, store)
+      integer, intent(in) :: n
+      type(dyad_t), intent(in) :: dyad             !! of any of them: kind, rows, assembly
+      type(dyad_lanes_t), intent(in) :: numbers
+      type(rows_t), intent(inout) :: store
+
+      select case (dyad%kind)
+      case (assur_rrr)
+         call solve_rrr_lanes(n, dyad, numbers, store)
+      case (assur_rpr, assur_rpr_guide_first)
+         call solve_rpr_lanes(n, dyad, numbers, store)
+      case (assur_rrp, assur_prr)
+         call solve_rrp_lanes(n, dyad, numbers, store)
+      case (assur_rpp, assur_ppr)
+         call solve_rpp_lanes(n, dyad, numbers, store)
+      case default
+         call solve_prp_lanes(n, dyad, numbers, store)
+      end select
+   end subroutine solve_dyad_lanes
 
    !> Vectors of both arcs and the inverse matrix, into `rows_of_dyad` rows from `at` on.
    subroutine form_dyad(n, dyad, angle_x, angle_y, store, at, frames)

@@ -5,16 +5,21 @@
 module psalm_prp
    use psalm_angles, only: arc_sine
    use psalm_dyad, only: dyad_t, dyad_violation_t, violation_parallel, violation_slides, rounding
+   use psalm_dyad_lanes, only: dyad_lanes_t
    use psalm_frames, only: frames_t, invert, rows_of_arc
    use psalm_kinds, only: wp
+   use psalm_lanes, only: lanes
    use psalm_rows, only: rows_t
    implicit none (type, external)
    private
    public :: react_prp
    public :: bind_prp, solve_prp, form_prp, measure_prp, change_of_measure_prp, bounds_prp, violation_prp
+   public :: bind_prp_lanes, solve_prp_lanes
    public :: solve_two_slides
 
    real(wp), parameter :: least_sine = 16.0_wp*epsilon(1.0_wp) !! two slides at a smaller angle are parallel
+
+   real(wp), parameter :: high = 2.0_wp                        !! limit of the measure that is never reached
 
 contains
 
@@ -24,10 +29,19 @@ contains
       real(wp), intent(in) :: sine_lowest     !! sine of the smallest angle between two slides allowed
 
       dyad%closes_low = least_sine
-      dyad%closes_high = 2.0_wp
+      dyad%closes_high = high
       dyad%accepts_low = max(sine_lowest - rounding, least_sine)
-      dyad%accepts_high = 2.0_wp
+      dyad%accepts_high = high
    end subroutine bind_prp
+
+   !> The same of linkages side by side: limits of what is accepted.
+   pure subroutine bind_prp_lanes(numbers, sine_lowest)
+      type(dyad_lanes_t), intent(inout) :: numbers
+      real(wp), intent(in) :: sine_lowest
+
+      numbers%accepts_low = max(sine_lowest - rounding, least_sine)
+      numbers%accepts_high = high
+   end subroutine bind_prp_lanes
 
    !> Lengths of both slides.
    pure subroutine solve_prp(n, dyad, store)
@@ -41,6 +55,20 @@ contains
                                v(1, dyad%slide_p), v(1, dyad%slide_q), v(1, dyad%measure))
       end associate
    end subroutine solve_prp
+
+   !> `solve_prp` for linkages side by side.
+   pure subroutine solve_prp_lanes(n, dyad, numbers, store)
+      integer, intent(in) :: n
+      type(dyad_t), intent(in) :: dyad
+      type(dyad_lanes_t), intent(in) :: numbers
+      type(rows_t), intent(inout) :: store
+
+      associate (v => store%v)
+         call solve_two_slides_lanes(n, v(1, dyad%s_x), v(1, dyad%s_y), v(1, dyad%e_x), v(1, dyad%e_y), v(1, dyad%p_x), &
+                                     v(1, dyad%p_y), numbers%px, numbers%py, v(1, dyad%q_x), v(1, dyad%q_y), numbers%qx, &
+                                     numbers%qy, v(1, dyad%slide_p), v(1, dyad%slide_q), v(1, dyad%measure))
+      end associate
+   end subroutine solve_prp_lanes
 
    !> Inverse matrix of the slides' directions.
    subroutine form_prp(n, limit, at, frames)
@@ -135,21 +163,43 @@ contains
       real(wp), intent(in) :: rx(n), ry(n), cp, dp !! root of p, and the fixed angle from it to p
       real(wp), intent(in) :: tx(n), ty(n), cq, dq !! likewise for q
       real(wp), intent(out) :: slide_p(n), slide_q(n), reach(n) !! signed lengths; signed sine
-      real(wp) :: hx, hy, ux, uy, vx, vy, det
       integer :: i
 
       do i = 1, n
-         hx = ex(i) - sx(i)
-         hy = ey(i) - sy(i)
-         ux = cp*rx(i) - dp*ry(i)
-         uy = cp*ry(i) + dp*rx(i)
-         vx = cq*tx(i) - dq*ty(i)
-         vy = cq*ty(i) + dq*tx(i)
-         det = ux*vy - uy*vx
-         reach(i) = det
-         det = 1.0_wp/sign(max(abs(det), epsilon(1.0_wp)**2), det)
-         slide_p(i) = (hx*vy - hy*vx)*det
-         slide_q(i) = (ux*hy - uy*hx)*det
+         call place_two_slides(ex(i) - sx(i), ey(i) - sy(i), cp*rx(i) - dp*ry(i), cp*ry(i) + dp*rx(i), cq*tx(i) - dq*ty(i), &
+                               cq*ty(i) + dq*tx(i), slide_p(i), slide_q(i), reach(i))
       end do
    end subroutine solve_two_slides
+
+   !> `solve_two_slides` for linkages side by side.
+   pure subroutine solve_two_slides_lanes(n, sx, sy, ex, ey, rx, ry, cp, dp, tx, ty, cq, dq, slide_p, slide_q, reach)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: sx(lanes, n), sy(lanes, n), ex(lanes, n), ey(lanes, n)
+      real(wp), intent(in) :: rx(lanes, n), ry(lanes, n), cp(lanes), dp(lanes)
+      real(wp), intent(in) :: tx(lanes, n), ty(lanes, n), cq(lanes), dq(lanes)
+      real(wp), intent(out) :: slide_p(lanes, n), slide_q(lanes, n), reach(lanes, n)
+      integer :: i, l
+
+      do i = 1, n
+         !$omp simd
+         do l = 1, lanes
+            call place_two_slides(ex(l, i) - sx(l, i), ey(l, i) - sy(l, i), cp(l)*rx(l, i) - dp(l)*ry(l, i), &
+                                  cp(l)*ry(l, i) + dp(l)*rx(l, i), cq(l)*tx(l, i) - dq(l)*ty(l, i), &
+                                  cq(l)*ty(l, i) + dq(l)*tx(l, i), slide_p(l, i), slide_q(l, i), reach(l, i))
+         end do
+      end do
+   end subroutine solve_two_slides_lanes
+
+   !> Lengths along the directions u and v at one position.
+   elemental subroutine place_two_slides(hx, hy, ux, uy, vx, vy, slide_p, slide_q, reach)
+      real(wp), intent(in) :: hx, hy, ux, uy, vx, vy
+      real(wp), intent(out) :: slide_p, slide_q, reach
+      real(wp) :: det
+
+      det = ux*vy - uy*vx
+      reach = det
+      det = 1.0_wp/sign(max(abs(det), epsilon(1.0_wp)**2), det)
+      slide_p = (hx*vy - hy*vx)*det
+      slide_q = (ux*hy - uy*hx)*det
+   end subroutine place_two_slides
 end module psalm_prp

@@ -1,14 +1,19 @@
 !> Dyads RPP and PPR: two slides at right angles, one of them along a known direction. They can always be assembled.
 module psalm_rpp
    use psalm_dyad, only: dyad_t
+   use psalm_dyad_lanes, only: dyad_lanes_t
    use psalm_frames, only: frames_t, invert, rows_of_arc
    use psalm_kinds, only: wp
+   use psalm_lanes, only: lanes
    use psalm_rows, only: rows_t
    implicit none (type, external)
    private
    public :: react_rpp
    public :: bind_rpp, solve_rpp, form_rpp, rates_twice_rpp, bounds_rpp
+   public :: bind_rpp_lanes, solve_rpp_lanes
    public :: project_on_slides
+
+   real(wp), parameter :: low = 0.0_wp, high = 2.0_wp !! limits of the measure
 
 contains
 
@@ -16,9 +21,17 @@ contains
    pure subroutine bind_rpp(dyad)
       type(dyad_t), intent(inout) :: dyad
 
-      dyad%closes_low = 0.0_wp
-      dyad%closes_high = 2.0_wp
+      dyad%closes_low = low
+      dyad%closes_high = high
    end subroutine bind_rpp
+
+   !> The same of linkages side by side.
+   pure subroutine bind_rpp_lanes(numbers)
+      type(dyad_lanes_t), intent(inout) :: numbers
+
+      numbers%accepts_low = low
+      numbers%accepts_high = high
+   end subroutine bind_rpp_lanes
 
    !> Lengths of both slides.
    pure subroutine solve_rpp(n, dyad, store)
@@ -32,6 +45,20 @@ contains
                                 v(1, dyad%measure))
       end associate
    end subroutine solve_rpp
+
+   !> `solve_rpp` for linkages side by side.
+   pure subroutine solve_rpp_lanes(n, dyad, numbers, store)
+      integer, intent(in) :: n
+      type(dyad_t), intent(in) :: dyad
+      type(dyad_lanes_t), intent(in) :: numbers
+      type(rows_t), intent(inout) :: store
+
+      associate (v => store%v)
+         call project_lanes(n, v(1, dyad%s_x), v(1, dyad%s_y), v(1, dyad%e_x), v(1, dyad%e_y), v(1, dyad%p_x), v(1, dyad%p_y), &
+                            numbers%px, numbers%py, numbers%qx, numbers%qy, v(1, dyad%slide_p), v(1, dyad%slide_q), &
+                            v(1, dyad%measure))
+      end associate
+   end subroutine solve_rpp_lanes
 
    !> Inverse matrix of the slides' directions.
    subroutine form_rpp(n, limit, at, frames)
@@ -92,19 +119,42 @@ contains
       real(wp), intent(in) :: rx(n), ry(n)       !! unit vector of the root both slides are fixed to
       real(wp), intent(in) :: cp, dp, cq, dq     !! cosine, sine of the fixed angles from it to p and to q
       real(wp), intent(out) :: slide_p(n), slide_q(n), reach(n) !! signed lengths; 1
-      real(wp) :: hx, hy, along, across
       integer :: i
 
       do i = 1, n
-         hx = ex(i) - sx(i)
-         hy = ey(i) - sy(i)
-         along = hx*rx(i) + hy*ry(i)
-         across = hy*rx(i) - hx*ry(i)
-         slide_p(i) = along*cp + across*dp
-         slide_q(i) = along*cq + across*dq
-         reach(i) = 1.0_wp
+         call project(ex(i) - sx(i), ey(i) - sy(i), rx(i), ry(i), cp, dp, cq, dq, slide_p(i), slide_q(i), reach(i))
       end do
    end subroutine project_on_slides
+
+   !> `project_on_slides` for linkages side by side.
+   pure subroutine project_lanes(n, sx, sy, ex, ey, rx, ry, cp, dp, cq, dq, slide_p, slide_q, reach)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: sx(lanes, n), sy(lanes, n), ex(lanes, n), ey(lanes, n), rx(lanes, n), ry(lanes, n)
+      real(wp), intent(in) :: cp(lanes), dp(lanes), cq(lanes), dq(lanes)
+      real(wp), intent(out) :: slide_p(lanes, n), slide_q(lanes, n), reach(lanes, n)
+      integer :: i, l
+
+      do i = 1, n
+         !$omp simd
+         do l = 1, lanes
+            call project(ex(l, i) - sx(l, i), ey(l, i) - sy(l, i), rx(l, i), ry(l, i), cp(l), dp(l), cq(l), dq(l), slide_p(l, i), &
+                         slide_q(l, i), reach(l, i))
+         end do
+      end do
+   end subroutine project_lanes
+
+   !> Projections of h at one position.
+   elemental subroutine project(hx, hy, rx, ry, cp, dp, cq, dq, slide_p, slide_q, reach)
+      real(wp), intent(in) :: hx, hy, rx, ry, cp, dp, cq, dq
+      real(wp), intent(out) :: slide_p, slide_q, reach
+      real(wp) :: along, across
+
+      along = hx*rx + hy*ry
+      across = hy*rx - hx*ry
+      slide_p = along*cp + across*dp
+      slide_q = along*cq + across*dq
+      reach = 1.0_wp
+   end subroutine project
 
    !> First and second order: both slides are projections of h on directions that turn together.
    !>

@@ -6,14 +6,17 @@ module psalm_rpr
    use psalm_arc_kernels, only: least
    use psalm_dyad, only: dyad_t, dyad_violation_t, violation_too_long, violation_toggle, least_square, no_distance, rounding
    use psalm_dyad_kind, only: assur_rpr
+   use psalm_dyad_lanes, only: dyad_lanes_t
    use psalm_frames, only: frames_t, turned_column, invert, rows_of_arc
    use psalm_kinds, only: wp
+   use psalm_lanes, only: lanes
    use psalm_rows, only: rows_t
    implicit none (type, external)
    private
    public :: react_rpr
    public :: bind_rpr, solve_rpr, form_rpr, measure_rpr, change_of_measure_rpr, bounds_rpr, violation_rpr, repair_rpr, &
              coincidence_rpr, guide_of
+   public :: bind_rpr_lanes, solve_rpr_lanes
    public :: solve_slide_on_q, solve_slide_on_p
 
 contains
@@ -34,9 +37,30 @@ contains
       guide = guide_of(dyad)
       dyad%closes_low = max(guide*guide*(1.0_wp - rounding), least_square)
       dyad%closes_high = huge(guide)
-      dyad%accepts_low = max((guide + toggle)**2*(1.0_wp - rounding), least_square)
+      dyad%accepts_low = least_accepted(guide, toggle)
       dyad%accepts_high = dyad%closes_high
    end subroutine bind_rpr
+
+   !> The same of linkages side by side: limits of what is accepted.
+   pure subroutine bind_rpr_lanes(kind, numbers, toggle)
+      integer, intent(in) :: kind
+      type(dyad_lanes_t), intent(inout) :: numbers
+      real(wp), intent(in) :: toggle
+
+      if (kind == assur_rpr) then
+         numbers%accepts_low = least_accepted(numbers%q, toggle)
+      else
+         numbers%accepts_low = least_accepted(numbers%p, toggle)
+      end if
+      numbers%accepts_high = huge(toggle)
+   end subroutine bind_rpr_lanes
+
+   !> The least squared distance of the outer joints that is accepted.
+   elemental real(wp) function least_accepted(guide, toggle)
+      real(wp), intent(in) :: guide, toggle
+
+      least_accepted = max((guide + toggle)**2*(1.0_wp - rounding), least_square)
+   end function least_accepted
 
    !> Direction and length of the slide.
    pure subroutine solve_rpr(n, dyad, store)
@@ -54,6 +78,24 @@ contains
          end if
       end associate
    end subroutine solve_rpr
+
+   !> `solve_rpr` for linkages side by side.
+   pure subroutine solve_rpr_lanes(n, dyad, numbers, store)
+      integer, intent(in) :: n
+      type(dyad_t), intent(in) :: dyad
+      type(dyad_lanes_t), intent(in) :: numbers
+      type(rows_t), intent(inout) :: store
+
+      associate (v => store%v, sx => dyad%s_x, sy => dyad%s_y, ex => dyad%e_x, ey => dyad%e_y, px => dyad%p_x, py => dyad%p_y)
+         if (dyad%kind == assur_rpr) then
+            call solve_slide_on_q_lanes(n, v(1, sx), v(1, sy), v(1, ex), v(1, ey), numbers%q, dyad%sign, v(1, px), v(1, py), &
+                                        v(1, dyad%slide_p), v(1, dyad%measure))
+         else
+            call solve_slide_on_p_lanes(n, v(1, sx), v(1, sy), v(1, ex), v(1, ey), numbers%p, dyad%sign, v(1, px), v(1, py), &
+                                        v(1, dyad%slide_q), v(1, dyad%measure))
+         end if
+      end associate
+   end subroutine solve_rpr_lanes
 
    !> Inverse matrix: an angle that turns both arcs, and the slide.
    subroutine form_rpr(n, limit, dyad, at, frames)
@@ -186,22 +228,45 @@ contains
       real(wp), intent(in) :: s                  !! +1: the guide's direction is 90 degrees anticlockwise from the slide's
       real(wp), intent(out) :: px(n), py(n)      !! unit vector of the slide
       real(wp), intent(out) :: slide(n), reach(n) !! length of the slide; h**2
-      real(wp) :: hx, hy, d, length, side
+      real(wp) :: side
       integer :: i
 
       side = s*q
       do i = 1, n
-         hx = ex(i) - sx(i)
-         hy = ey(i) - sy(i)
-         d = hx*hx + hy*hy
-         reach(i) = d
-         length = sqrt(max(d - q*q, 0.0_wp))
-         slide(i) = length
-         d = 1.0_wp/max(d, least_square)
-         px(i) = (hx*length + hy*side)*d
-         py(i) = (hy*length - hx*side)*d
+         call place_slide_on_q(ex(i) - sx(i), ey(i) - sy(i), q, side, px(i), py(i), slide(i), reach(i))
       end do
    end subroutine solve_slide_on_q
+
+   !> `solve_slide_on_q` for linkages side by side.
+   pure subroutine solve_slide_on_q_lanes(n, sx, sy, ex, ey, q, s, px, py, slide, reach)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: sx(lanes, n), sy(lanes, n), ex(lanes, n), ey(lanes, n), q(lanes), s
+      real(wp), intent(out) :: px(lanes, n), py(lanes, n), slide(lanes, n), reach(lanes, n)
+      real(wp) :: side(lanes)
+      integer :: i, l
+
+      side = s*q
+      do i = 1, n
+         !$omp simd
+         do l = 1, lanes
+            call place_slide_on_q(ex(l, i) - sx(l, i), ey(l, i) - sy(l, i), q(l), side(l), px(l, i), py(l, i), slide(l, i), &
+                                  reach(l, i))
+         end do
+      end do
+   end subroutine solve_slide_on_q_lanes
+
+   elemental subroutine place_slide_on_q(hx, hy, q, side, px, py, slide, reach)
+      real(wp), intent(in) :: hx, hy, q, side
+      real(wp), intent(out) :: px, py, slide, reach
+      real(wp) :: d
+
+      d = hx*hx + hy*hy
+      reach = d
+      slide = sqrt(max(d - q*q, 0.0_wp))
+      d = 1.0_wp/max(d, least_square)
+      px = (hx*slide + hy*side)*d
+      py = (hy*slide - hx*side)*d
+   end subroutine place_slide_on_q
 
    !> Slide q guided by p: p is the guide.
    !>
@@ -213,20 +278,39 @@ contains
       real(wp), intent(in) :: t                  !! +1: the slide's direction is 90 degrees anticlockwise from the guide's
       real(wp), intent(out) :: px(n), py(n)      !! unit vector of the guide
       real(wp), intent(out) :: slide(n), reach(n) !! length of the slide; h**2
-      real(wp) :: hx, hy, d, length, side
       integer :: i
 
       do i = 1, n
-         hx = ex(i) - sx(i)
-         hy = ey(i) - sy(i)
-         d = hx*hx + hy*hy
-         reach(i) = d
-         length = sqrt(max(d - p*p, 0.0_wp))
-         slide(i) = length
-         side = t*length
-         d = 1.0_wp/max(d, least_square)
-         px(i) = (hx*p + hy*side)*d
-         py(i) = (hy*p - hx*side)*d
+         call place_slide_on_p(ex(i) - sx(i), ey(i) - sy(i), p, t, px(i), py(i), slide(i), reach(i))
       end do
    end subroutine solve_slide_on_p
+
+   !> `solve_slide_on_p` for linkages side by side.
+   pure subroutine solve_slide_on_p_lanes(n, sx, sy, ex, ey, p, t, px, py, slide, reach)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: sx(lanes, n), sy(lanes, n), ex(lanes, n), ey(lanes, n), p(lanes), t
+      real(wp), intent(out) :: px(lanes, n), py(lanes, n), slide(lanes, n), reach(lanes, n)
+      integer :: i, l
+
+      do i = 1, n
+         !$omp simd
+         do l = 1, lanes
+            call place_slide_on_p(ex(l, i) - sx(l, i), ey(l, i) - sy(l, i), p(l), t, px(l, i), py(l, i), slide(l, i), reach(l, i))
+         end do
+      end do
+   end subroutine solve_slide_on_p_lanes
+
+   elemental subroutine place_slide_on_p(hx, hy, p, t, px, py, slide, reach)
+      real(wp), intent(in) :: hx, hy, p, t
+      real(wp), intent(out) :: px, py, slide, reach
+      real(wp) :: d, side
+
+      d = hx*hx + hy*hy
+      reach = d
+      slide = sqrt(max(d - p*p, 0.0_wp))
+      side = t*slide
+      d = 1.0_wp/max(d, least_square)
+      px = (hx*p + hy*side)*d
+      py = (hy*p - hx*side)*d
+   end subroutine place_slide_on_p
 end module psalm_rpr

@@ -6,13 +6,16 @@ module psalm_rrp
    use psalm_arc_kernels, only: least
    use psalm_dyad, only: dyad_t, dyad_violation_t, violation_too_short, violation_toggle, rounding
    use psalm_dyad_kind, only: assur_rrp
+   use psalm_dyad_lanes, only: dyad_lanes_t
    use psalm_frames, only: frames_t, turned_column, invert, rows_of_arc
    use psalm_kinds, only: wp
+   use psalm_lanes, only: lanes
    use psalm_rows, only: rows_t
    implicit none (type, external)
    private
    public :: react_rrp
    public :: bind_rrp, solve_rrp, form_rrp, measure_rrp, change_of_measure_rrp, bounds_rrp, violation_rrp, repair_rrp, link_of
+   public :: bind_rrp_lanes, solve_rrp_lanes
    public :: solve_link_slide
 
    real(wp), parameter :: least_length = tiny(1.0_wp)**0.4_wp !! of a link, guards a division
@@ -33,9 +36,30 @@ contains
 
       dyad%closes_high = link_of(dyad)*(1.0_wp + rounding)
       dyad%closes_low = -dyad%closes_high
-      dyad%accepts_high = link_of(dyad)*(1.0_wp + rounding) - toggle
+      dyad%accepts_high = most_accepted(link_of(dyad), toggle)
       dyad%accepts_low = -dyad%accepts_high
    end subroutine bind_rrp
+
+   !> The same of linkages side by side: limits of what is accepted.
+   pure subroutine bind_rrp_lanes(kind, numbers, toggle)
+      integer, intent(in) :: kind
+      type(dyad_lanes_t), intent(inout) :: numbers
+      real(wp), intent(in) :: toggle
+
+      if (kind == assur_rrp) then
+         numbers%accepts_high = most_accepted(numbers%p, toggle)
+      else
+         numbers%accepts_high = most_accepted(numbers%q, toggle)
+      end if
+      numbers%accepts_low = -numbers%accepts_high
+   end subroutine bind_rrp_lanes
+
+   !> The largest offset of the outer joint that is accepted.
+   elemental real(wp) function most_accepted(link, toggle)
+      real(wp), intent(in) :: link, toggle
+
+      most_accepted = link*(1.0_wp + rounding) - toggle
+   end function most_accepted
 
    !> Direction of the link and length of the slide.
    pure subroutine solve_rrp(n, dyad, store)
@@ -54,6 +78,25 @@ contains
          end if
       end associate
    end subroutine solve_rrp
+
+   !> `solve_rrp` for linkages side by side.
+   pure subroutine solve_rrp_lanes(n, dyad, numbers, store)
+      integer, intent(in) :: n
+      type(dyad_t), intent(in) :: dyad
+      type(dyad_lanes_t), intent(in) :: numbers
+      type(rows_t), intent(inout) :: store
+
+      associate (v => store%v, sx => dyad%s_x, sy => dyad%s_y, ex => dyad%e_x, ey => dyad%e_y, px => dyad%p_x, py => dyad%p_y, &
+                 qx => dyad%q_x, qy => dyad%q_y)
+         if (dyad%kind == assur_rrp) then
+            call solve_link_slide_lanes(n, v(1, sx), v(1, sy), v(1, ex), v(1, ey), numbers%p, dyad%sign, v(1, qx), v(1, qy), &
+                                        numbers%qx, numbers%qy, v(1, px), v(1, py), v(1, dyad%slide_q), v(1, dyad%measure))
+         else
+            call solve_link_slide_lanes(n, v(1, sx), v(1, sy), v(1, ex), v(1, ey), numbers%q, -dyad%sign, v(1, px), v(1, py), &
+                                        numbers%px, numbers%py, v(1, qx), v(1, qy), v(1, dyad%slide_p), v(1, dyad%measure))
+         end if
+      end associate
+   end subroutine solve_rrp_lanes
 
    !> Inverse matrix: the link's angle and the slide, in the order of p and q.
    subroutine form_rrp(n, limit, dyad, at, frames)
@@ -206,21 +249,46 @@ contains
       real(wp), intent(in) :: c, d               !! cosine, sine of the fixed angle from the root to u
       real(wp), intent(out) :: px(n), py(n)      !! unit vector of the link
       real(wp), intent(out) :: slide(n), reach(n) !! signed length of the slide; offset
-      real(wp) :: hx, hy, ux, uy, offset, root, length
+      real(wp) :: length
       integer :: i
 
       length = max(p, least_length)
       do i = 1, n
-         hx = ex(i) - sx(i)
-         hy = ey(i) - sy(i)
-         ux = c*rx(i) - d*ry(i)
-         uy = c*ry(i) + d*rx(i)
-         offset = ux*hy - uy*hx
-         reach(i) = offset
-         root = s*sqrt(max((p - offset)*(p + offset), 0.0_wp))
-         slide(i) = hx*ux + hy*uy - root
-         px(i) = (root*ux - offset*uy)/length
-         py(i) = (root*uy + offset*ux)/length
+         call place_link_slide(ex(i) - sx(i), ey(i) - sy(i), p, length, s, c*rx(i) - d*ry(i), c*ry(i) + d*rx(i), px(i), py(i), &
+                               slide(i), reach(i))
       end do
    end subroutine solve_link_slide
+
+   !> `solve_link_slide` for linkages side by side.
+   pure subroutine solve_link_slide_lanes(n, sx, sy, ex, ey, p, s, rx, ry, c, d, px, py, slide, reach)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: sx(lanes, n), sy(lanes, n), ex(lanes, n), ey(lanes, n), p(lanes), s
+      real(wp), intent(in) :: rx(lanes, n), ry(lanes, n), c(lanes), d(lanes)
+      real(wp), intent(out) :: px(lanes, n), py(lanes, n), slide(lanes, n), reach(lanes, n)
+      real(wp) :: length(lanes)
+      integer :: i, l
+
+      length = max(p, least_length)
+      do i = 1, n
+         !$omp simd
+         do l = 1, lanes
+            call place_link_slide(ex(l, i) - sx(l, i), ey(l, i) - sy(l, i), p(l), length(l), s, c(l)*rx(l, i) - d(l)*ry(l, i), &
+                                  c(l)*ry(l, i) + d(l)*rx(l, i), px(l, i), py(l, i), slide(l, i), reach(l, i))
+         end do
+      end do
+   end subroutine solve_link_slide_lanes
+
+   !> Unit vector of the link and length of the slide at one position; u is the slide's direction.
+   elemental subroutine place_link_slide(hx, hy, p, length, s, ux, uy, px, py, slide, reach)
+      real(wp), intent(in) :: hx, hy, p, length, s, ux, uy
+      real(wp), intent(out) :: px, py, slide, reach
+      real(wp) :: offset, root
+
+      offset = ux*hy - uy*hx
+      reach = offset
+      root = s*sqrt(max((p - offset)*(p + offset), 0.0_wp))
+      slide = hx*ux + hy*uy - root
+      px = (root*ux - offset*uy)/length
+      py = (root*uy + offset*ux)/length
+   end subroutine place_link_slide
 end module psalm_rrp

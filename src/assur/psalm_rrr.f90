@@ -8,14 +8,17 @@ module psalm_rrr
    use psalm_arc_kernels, only: least
    use psalm_dyad, only: dyad_t, dyad_violation_t, violation_too_short, violation_too_long, violation_angle_small, &
                          violation_angle_large, least_square, no_distance, rounding
+   use psalm_dyad_lanes, only: dyad_lanes_t
    use psalm_frames, only: frames_t, turned_column, invert, rows_of_arc, matrix_row, sine_row
    use psalm_kinds, only: wp, degrees_per_radian, half_turn, right_angle
+   use psalm_lanes, only: lanes
    use psalm_rows, only: rows_t
    implicit none (type, external)
    private
    public :: react_rrr
    public :: bind_rrr, solve_rrr, form_rrr, rates_rrr, measure_rrr, change_of_measure_rrr, bounds_rrr, violation_rrr, repair_rrr, &
              coincidence_rrr
+   public :: bind_rrr_lanes, solve_rrr_lanes
    public :: solve_two_links, solve_one_link, repair_link_pair
 
    real(wp), parameter :: largest_half = 0.25_wp*huge(1.0_wp)*least_square !! so that 1/least_square times it is finite
@@ -33,10 +36,28 @@ contains
          slack = rounding*(p + q)**2
          dyad%closes_low = max((p - q)**2 - slack, least_square)
          dyad%closes_high = (p + q)**2 + slack
-         dyad%accepts_low = max(p*p + q*q - 2.0_wp*p*q*cosine_lowest - slack, least_square)
-         dyad%accepts_high = p*p + q*q + 2.0_wp*p*q*cosine_lowest + slack
+         call find_accepted(p, q, cosine_lowest, dyad%accepts_low, dyad%accepts_high)
       end associate
    end subroutine bind_rrr
+
+   !> The same of linkages side by side: limits of what is accepted.
+   pure subroutine bind_rrr_lanes(numbers, cosine_lowest)
+      type(dyad_lanes_t), intent(inout) :: numbers
+      real(wp), intent(in) :: cosine_lowest
+
+      call find_accepted(numbers%p, numbers%q, cosine_lowest, numbers%accepts_low, numbers%accepts_high)
+   end subroutine bind_rrr_lanes
+
+   !> Limits of the squared distance of the outer joints for transmission angles within limits.
+   elemental subroutine find_accepted(p, q, cosine_lowest, low, high)
+      real(wp), intent(in) :: p, q, cosine_lowest
+      real(wp), intent(out) :: low, high
+      real(wp) :: slack
+
+      slack = rounding*(p + q)**2
+      low = max(p*p + q*q - 2.0_wp*p*q*cosine_lowest - slack, least_square)
+      high = p*p + q*q + 2.0_wp*p*q*cosine_lowest + slack
+   end subroutine find_accepted
 
    !> Directions of both links, or of the one that something hangs on.
    pure subroutine solve_rrr(n, dyad, store)
@@ -74,6 +95,45 @@ contains
          end if
       end associate
    end subroutine solve_link
+
+   !> `solve_rrr` for linkages side by side.
+   pure subroutine solve_rrr_lanes(n, dyad, numbers, store)
+      integer, intent(in) :: n
+      type(dyad_t), intent(in) :: dyad
+      type(dyad_lanes_t), intent(in) :: numbers
+      type(rows_t), intent(inout) :: store
+
+      associate (v => store%v, sx => dyad%s_x, sy => dyad%s_y, ex => dyad%e_x, ey => dyad%e_y, measure => dyad%measure)
+         if (dyad%wants_p .and. dyad%wants_q) then
+            call solve_two_links_lanes(n, v(1, sx), v(1, sy), v(1, ex), v(1, ey), numbers%p, numbers%q, dyad%sign, &
+                                       v(1, dyad%p_x), v(1, dyad%p_y), v(1, dyad%q_x), v(1, dyad%q_y), v(1, measure))
+         else if (dyad%wants_q) then
+            call solve_link_lanes(n, numbers%q, numbers%p, -dyad%sign, dyad%q_x, dyad%q_y, dyad, numbers, store)
+         else
+            call solve_link_lanes(n, numbers%p, numbers%q, dyad%sign, dyad%p_x, dyad%p_y, dyad, numbers, store)
+         end if
+      end associate
+   end subroutine solve_rrr_lanes
+
+   pure subroutine solve_link_lanes(n, a, b, t, x, y, dyad, numbers, store)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: a(lanes), b(lanes), t
+      integer, intent(in) :: x, y
+      type(dyad_t), intent(in) :: dyad
+      type(dyad_lanes_t), intent(in) :: numbers
+      type(rows_t), intent(inout) :: store
+
+      associate (v => store%v, sx => dyad%s_x, sy => dyad%s_y, ex => dyad%e_x, ey => dyad%e_y, measure => dyad%measure, &
+                 tip => dyad%tip)
+         if (tip%to_x > 0) then
+            call solve_link_and_tip_lanes(n, v(1, sx), v(1, sy), v(1, ex), v(1, ey), a, b, t, v(1, tip%from_x), &
+                                          v(1, tip%from_y), numbers%tip_x, numbers%tip_y, v(1, x), v(1, y), v(1, measure), &
+                                          v(1, tip%to_x), v(1, tip%to_y))
+         else
+            call solve_one_link_lanes(n, v(1, sx), v(1, sy), v(1, ex), v(1, ey), a, b, t, v(1, x), v(1, y), v(1, measure))
+         end if
+      end associate
+   end subroutine solve_link_lanes
 
    !> Inverse matrix; the arcs' vectors are formed.
    subroutine form_rrr(n, limit, at, frames)
@@ -220,7 +280,7 @@ contains
       real(wp), intent(in) :: s                         !! assembly, +1 or -1
       real(wp), intent(out) :: px(n), py(n), qx(n), qy(n) !! unit vectors of p and q
       real(wp), intent(out) :: reach(n)                 !! h**2, [length**2]
-      real(wp) :: hx, hy, d, root, along_p, along_q, sum2, diff2, product, half_p, half_q
+      real(wp) :: sum2, diff2, product, half_p, half_q
       integer :: i
 
       sum2 = (p + q)**2
@@ -229,20 +289,50 @@ contains
       half_p = half_of(p)
       half_q = half_of(q)
       do i = 1, n
-         hx = ex(i) - sx(i)
-         hy = ey(i) - sy(i)
-         d = hx*hx + hy*hy
-         reach(i) = d
-         root = s*sqrt(max((sum2 - d)*(d - diff2), 0.0_wp))
-         along_p = d + product
-         along_q = d - product
-         d = 1.0_wp/max(d, least_square)
-         px(i) = (along_p*hx + root*hy)*(d*half_p)
-         py(i) = (along_p*hy - root*hx)*(d*half_p)
-         qx(i) = (along_q*hx - root*hy)*(d*half_q)
-         qy(i) = (along_q*hy + root*hx)*(d*half_q)
+         call place_two_links(ex(i) - sx(i), ey(i) - sy(i), sum2, diff2, product, half_p, half_q, s, px(i), py(i), qx(i), qy(i), &
+                              reach(i))
       end do
    end subroutine solve_two_links
+
+   !> `solve_two_links` for linkages side by side.
+   pure subroutine solve_two_links_lanes(n, sx, sy, ex, ey, p, q, s, px, py, qx, qy, reach)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: sx(lanes, n), sy(lanes, n), ex(lanes, n), ey(lanes, n), p(lanes), q(lanes), s
+      real(wp), intent(out) :: px(lanes, n), py(lanes, n), qx(lanes, n), qy(lanes, n), reach(lanes, n)
+      real(wp), dimension(lanes) :: sum2, diff2, product, half_p, half_q
+      integer :: i, l
+
+      sum2 = (p + q)**2
+      diff2 = (p - q)**2
+      product = (p - q)*(p + q)
+      half_p = half_of(p)
+      half_q = half_of(q)
+      do i = 1, n
+         !$omp simd
+         do l = 1, lanes
+            call place_two_links(ex(l, i) - sx(l, i), ey(l, i) - sy(l, i), sum2(l), diff2(l), product(l), half_p(l), half_q(l), s, &
+                                 px(l, i), py(l, i), qx(l, i), qy(l, i), reach(l, i))
+         end do
+      end do
+   end subroutine solve_two_links_lanes
+
+   !> Unit vectors of both links of the triangle on h at one position.
+   elemental subroutine place_two_links(hx, hy, sum2, diff2, product, half_p, half_q, s, px, py, qx, qy, reach)
+      real(wp), intent(in) :: hx, hy, sum2, diff2, product, half_p, half_q, s
+      real(wp), intent(out) :: px, py, qx, qy, reach
+      real(wp) :: root, along_p, along_q, d
+
+      d = hx*hx + hy*hy
+      reach = d
+      root = s*sqrt(max((sum2 - d)*(d - diff2), 0.0_wp))
+      along_p = d + product
+      along_q = d - product
+      d = 1.0_wp/max(d, least_square)
+      px = (along_p*hx + root*hy)*(d*half_p)
+      py = (along_p*hy - root*hx)*(d*half_p)
+      qx = (along_q*hx - root*hy)*(d*half_q)
+      qy = (along_q*hy + root*hx)*(d*half_q)
+   end subroutine place_two_links
 
    !> The same where only one of the two directions is wanted: that of the link `a`; `b` is the other.
    !>
@@ -287,6 +377,53 @@ contains
          ty(i) = fy(i) + (cx*y + cy*x)
       end do
    end subroutine solve_link_and_tip
+
+   !> `solve_one_link` for linkages side by side.
+   pure subroutine solve_one_link_lanes(n, sx, sy, ex, ey, a, b, t, ax, ay, reach)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: sx(lanes, n), sy(lanes, n), ex(lanes, n), ey(lanes, n), a(lanes), b(lanes), t
+      real(wp), intent(out) :: ax(lanes, n), ay(lanes, n), reach(lanes, n)
+      real(wp), dimension(lanes) :: sum2, diff2, product, half
+      integer :: i, l
+
+      sum2 = (a + b)**2
+      diff2 = (a - b)**2
+      product = (a - b)*(a + b)
+      half = half_of(a)
+      do i = 1, n
+         !$omp simd
+         do l = 1, lanes
+            call place_link(ex(l, i) - sx(l, i), ey(l, i) - sy(l, i), sum2(l), diff2(l), product(l), half(l), t, ax(l, i), &
+                            ay(l, i), reach(l, i))
+         end do
+      end do
+   end subroutine solve_one_link_lanes
+
+   !> `solve_link_and_tip` for linkages side by side.
+   pure subroutine solve_link_and_tip_lanes(n, sx, sy, ex, ey, a, b, t, fx, fy, cx, cy, ax, ay, reach, tx, ty)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: sx(lanes, n), sy(lanes, n), ex(lanes, n), ey(lanes, n), a(lanes), b(lanes), t
+      real(wp), intent(in) :: fx(lanes, n), fy(lanes, n), cx(lanes), cy(lanes)
+      real(wp), intent(out) :: ax(lanes, n), ay(lanes, n), reach(lanes, n), tx(lanes, n), ty(lanes, n)
+      real(wp), dimension(lanes) :: sum2, diff2, product, half
+      real(wp) :: x, y
+      integer :: i, l
+
+      sum2 = (a + b)**2
+      diff2 = (a - b)**2
+      product = (a - b)*(a + b)
+      half = half_of(a)
+      do i = 1, n
+         !$omp simd
+         do l = 1, lanes
+            call place_link(ex(l, i) - sx(l, i), ey(l, i) - sy(l, i), sum2(l), diff2(l), product(l), half(l), t, x, y, reach(l, i))
+            ax(l, i) = x
+            ay(l, i) = y
+            tx(l, i) = fx(l, i) + (cx(l)*x - cy(l)*y)
+            ty(l, i) = fy(l, i) + (cx(l)*y + cy(l)*x)
+         end do
+      end do
+   end subroutine solve_link_and_tip_lanes
 
    !> Unit vector of a link of the triangle on h at one position; the compiler puts it into the loops over positions.
    elemental subroutine place_link(hx, hy, sum2, diff2, product, half, t, x, y, reach)

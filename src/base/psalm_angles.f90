@@ -3,12 +3,14 @@
 !> Kept in a file of its own: a compiler that sees sine or cosine inside a loop over an array may replace it by a vector
 !> version whose last digit depends on the place in the array.
 module psalm_angles
-   use psalm_elementary, only: sine_cosine, refined_direction, digits_of_pair
+   use psalm_elementary, only: sine_cosine, sines_cosines, refined_direction, digits_of_pair
    use psalm_kinds, only: wp, dp, degrees_per_radian, full_turn, radians_per_degree, right_angle
+   use psalm_lanes, only: lanes
    use psalm_quad, only: qp, unit_vector_quad
    implicit none (type, external)
    private
-   public :: unit_vector, degrees_of, arc_sine, within_turn, nearest_difference, angles_between, angles_of, unit_vectors
+   public :: unit_vector, degrees_of, arc_sine, within_turn, nearest_difference, angles_between, angles_between_lanes, angles_of, &
+             unit_vectors, exact_unit_vectors
 
    !> atan(t)/t as a polynomial in t**2, for abs(t) <= tan(pi/8): Chebyshev fit, relative error 1.3e-18.
    real(wp), parameter :: arc_tangent(0:11) = [ &
@@ -23,6 +25,7 @@ module psalm_angles
       1.0_wp, -1.0_wp/2.0_wp, 1.0_wp/24.0_wp, -1.0_wp/720.0_wp, 1.0_wp/40320.0_wp, -1.0_wp/3628800.0_wp, &
       1.0_wp/479001600.0_wp, -1.0_wp/87178291200.0_wp, 1.0_wp/20922789888000.0_wp]
    integer, parameter :: digits_of_fit = 17 !! decimal digits the polynomial is good for
+   integer, parameter :: strip = 128        !! angles or positions at a time
    logical, parameter :: by_library = precision(1.0_wp) > digits_of_pair !! real128, the yardstick: the library's functions
 
 contains
@@ -45,6 +48,29 @@ contains
          y = real(sine, wp)
       end if
    end subroutine unit_vector
+
+   !> The same of many angles at once: the bits of `unit_vector`.
+   pure subroutine exact_unit_vectors(n, degrees, x, y)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: degrees(n)
+      real(wp), intent(out) :: x(n), y(n)
+      real(dp) :: angle(strip), cosine(strip), sine(strip)
+      integer :: first, m, i
+
+      if (by_library) then
+         do i = 1, n
+            call unit_vector(degrees(i), x(i), y(i))
+         end do
+         return
+      end if
+      do first = 0, n - 1, strip
+         m = min(strip, n - first)
+         angle(:m) = real(degrees(first + 1:first + m), dp)
+         call sines_cosines(m, angle, sine, cosine)
+         x(first + 1:first + m) = real(cosine(:m), wp)
+         y(first + 1:first + m) = real(sine(:m), wp)
+      end do
+   end subroutine exact_unit_vectors
 
    !> Direction of a vector in degrees, -180 to 180, correctly rounded; 0 for the zero vector.
    elemental real(wp) function degrees_of(x, y)
@@ -94,7 +120,6 @@ contains
       integer, intent(in) :: n
       real(wp), intent(in) :: x(n), y(n)
       real(wp), intent(out) :: degrees(n)
-      integer, parameter :: strip = 128         ! positions at a time
       real(wp), parameter :: one(strip) = 1.0_wp, zero(strip) = 0.0_wp
       integer :: first, last
 
@@ -114,28 +139,68 @@ contains
       real(wp), intent(in) :: rx(n), ry(n), wx(n), wy(n)
       real(wp), intent(in) :: turn_x, turn_y  !! cosine, sine of the fixed angle
       real(wp), intent(out) :: degrees(n)
+      real(wp) :: s(strip), c(strip), x, y
+      integer :: first, m, i
+
+      do first = 0, n - 1, strip
+         m = min(strip, n - first)
+         do i = 1, m
+            x = turn_x*rx(first + i) - turn_y*ry(first + i)
+            y = turn_x*ry(first + i) + turn_y*rx(first + i)
+            s(i) = wy(first + i)*x - wx(first + i)*y
+            c(i) = wx(first + i)*x + wy(first + i)*y
+         end do
+         call degrees_of_legs(m, s, c, degrees(first + 1))
+      end do
+   end subroutine angles_between
+
+   !> The same for linkages side by side, each with a fixed angle of its own: the same bits.
+   pure subroutine angles_between_lanes(n, rx, ry, turn_x, turn_y, wx, wy, degrees)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: rx(lanes, n), ry(lanes, n)
+      real(wp), intent(in) :: turn_x(lanes), turn_y(lanes) !! cosine, sine of the fixed angle of each
+      real(wp), intent(in) :: wx(n), wy(n)                 !! unit vectors at every position, the same for all
+      real(wp), intent(out) :: degrees(lanes, n)
+      integer, parameter :: places = strip/lanes           ! positions at a time
+      real(wp) :: s(lanes, places), c(lanes, places), x, y
+      integer :: first, m, i, l
+
+      do first = 0, n - 1, places
+         m = min(places, n - first)
+         do i = 1, m
+            !$omp simd
+            do l = 1, lanes
+               x = turn_x(l)*rx(l, first + i) - turn_y(l)*ry(l, first + i)
+               y = turn_x(l)*ry(l, first + i) + turn_y(l)*rx(l, first + i)
+               s(l, i) = wy(first + i)*x - wx(first + i)*y
+               c(l, i) = wx(first + i)*x + wy(first + i)*y
+            end do
+         end do
+         call degrees_of_legs(lanes*m, s, c, degrees(1, first + 1))
+      end do
+   end subroutine angles_between_lanes
+
+   !> Directions of the vectors (c, s), degrees.
+   pure subroutine degrees_of_legs(n, s, c, degrees)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: s(n), c(n)
+      real(wp), intent(out) :: degrees(n)
       real(wp), parameter :: quarter_pi = 45.0_wp*radians_per_degree
       real(wp), parameter :: tan_eighth = 0.41421356237309504880168872420969808_wp !! tan(pi/8)
-      real(wp) :: x, y, s, c, steep, wide, back, small, large, t, z, z2, z4, angle
+      real(wp) :: steep, wide, back, small, large, t, z, z2, z4, angle
       integer :: i
 
       if (precision(1.0_wp) > digits_of_fit) then
          do i = 1, n
-            x = turn_x*rx(i) - turn_y*ry(i)
-            y = turn_x*ry(i) + turn_y*rx(i)
-            degrees(i) = atan2(wy(i)*x - wx(i)*y, wx(i)*x + wy(i)*y)*degrees_per_radian
+            degrees(i) = atan2(s(i), c(i))*degrees_per_radian
          end do
          return
       end if
       do i = 1, n
-         x = turn_x*rx(i) - turn_y*ry(i)
-         y = turn_x*ry(i) + turn_y*rx(i)
-         s = wy(i)*x - wx(i)*y
-         c = wx(i)*x + wy(i)*y
          ! choices are factors 0 and 1, which lose no digit: a condition would keep the loop out of vector registers
-         steep = 0.5_wp - sign(0.5_wp, abs(c) - abs(s))
-         small = steep*abs(c) + (1.0_wp - steep)*abs(s)
-         large = steep*abs(s) + (1.0_wp - steep)*abs(c)
+         steep = 0.5_wp - sign(0.5_wp, abs(c(i)) - abs(s(i)))
+         small = steep*abs(c(i)) + (1.0_wp - steep)*abs(s(i))
+         large = steep*abs(s(i)) + (1.0_wp - steep)*abs(c(i))
          ! beyond 22.5 degrees the legs are turned by 45
          wide = 0.5_wp - sign(0.5_wp, tan_eighth*large - small)
          ! a dyad that is open may have no direction
@@ -150,11 +215,11 @@ contains
          angle = t*angle + wide*quarter_pi
          angle = steep*(2.0_wp*quarter_pi) + (1.0_wp - 2.0_wp*steep)*angle
          ! 0 is added so that -0 counts as +0
-         back = 0.5_wp - sign(0.5_wp, c + 0.0_wp)
+         back = 0.5_wp - sign(0.5_wp, c(i) + 0.0_wp)
          angle = back*(4.0_wp*quarter_pi) + (1.0_wp - 2.0_wp*back)*angle
-         degrees(i) = sign(angle, s)*degrees_per_radian
+         degrees(i) = sign(angle, s(i))*degrees_per_radian
       end do
-   end subroutine angles_between
+   end subroutine degrees_of_legs
 
    !> Cosines and sines of angles in degrees, for many positions at once.
    !>

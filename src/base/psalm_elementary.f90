@@ -6,10 +6,11 @@
 !> some hundred times) it is evaluated again with twice the digits. All is done in real64: real32 rounds the result, and real128,
 !> the yardstick of the tests, takes the library's functions.
 module psalm_elementary
+   use, intrinsic :: iso_fortran_env, only: int64
    use psalm_kinds, only: wp, dp
    implicit none (type, external)
    private
-   public :: sine_cosine, refined_direction, hypotenuse, fractional_power, digits_of_pair
+   public :: sine_cosine, sines_cosines, refined_direction, hypotenuse, fractional_power, digits_of_pair
 
    integer, parameter :: digits_of_pair = precision(1.0_dp) !! decimal digits of a kind that these functions serve
 
@@ -19,6 +20,7 @@ module psalm_elementary
    real(dp), parameter :: most_degrees = 2.0_dp**30        !! larger angles are reduced to a turn first
    integer, parameter :: terms = 15                        !! of the series on 0 to 45 degrees: the next is below 2**-110
    integer, parameter :: quarter = 90, turn = 360          !! degrees
+   integer, parameter :: strip = 64                        !! angles looked at together
 
    ! pi/180: 26 bits and the rest; 53 bits and the rest
    real(dp), parameter :: degree_head = 1.7453292384743690E-02_dp, degree_tail = 1.3519960527851425E-10_dp
@@ -125,6 +127,85 @@ contains
       if (any(doubtful)) call sine_cosine_again(k, away, s, c)
    end subroutine sine_cosine
 
+   !> Sines and cosines of many angles: the bits of `sine_cosine`, whose operations run in vector lanes here.
+   pure subroutine sines_cosines(n, degrees, s, c)
+      integer, intent(in) :: n
+      real(dp), intent(in) :: degrees(n)
+      real(dp), intent(out) :: s(n), c(n)
+      real(dp) :: away(strip), near(strip, 4, 2)    ! degrees from the nearest whole one; what the table has there
+      integer :: k(strip)
+      integer(int64) :: again(strip)                ! 1: one at a time
+      integer :: first, m, i, j
+
+      do first = 0, n - 1, strip
+         m = min(strip, n - first)
+         if (.not. all(abs(degrees(first + 1:first + m)) < most_degrees)) then
+            do i = first + 1, first + m
+               call sine_cosine(degrees(i), s(i), c(i))
+            end do
+            cycle
+         end if
+         call reduce(m, degrees(first + 1), k, away)
+         ! one line of the cache after the other is quicker than vectors that are gathered
+         !GCC$ novector
+         do i = 1, m
+            do j = 1, 4
+               near(i, j, 1) = table(1, j, k(i))
+               near(i, j, 2) = table(2, j, k(i))
+            end do
+         end do
+         again(:m) = 0_int64
+         call add_to_degree(m, away, near(1, 1, 1), s(first + 1), again)
+         call add_to_degree(m, away, near(1, 1, 2), c(first + 1), again)
+         if (all(again(:m) == 0_int64)) cycle
+         do i = 1, m
+            if (again(i) > 0_int64) call sine_cosine(degrees(first + i), s(first + i), c(first + i))
+         end do
+      end do
+   end subroutine sines_cosines
+
+   !> The nearest whole degree, 0 to 359, and what is left of angles below `most_degrees`.
+   pure subroutine reduce(n, degrees, k, away)
+      integer, intent(in) :: n
+      real(dp), intent(in) :: degrees(n)
+      integer, intent(out) :: k(n)
+      real(dp), intent(out) :: away(n)
+      real(dp), parameter :: whole_turn = real(turn, dp)
+      real(dp) :: whole
+      integer :: i
+
+      do i = 1, n
+         k(i) = int(degrees(i) + sign(0.5_dp, degrees(i)))
+      end do
+      do i = 1, n
+         whole = real(k(i), dp)
+         away(i) = degrees(i) - whole
+         ! less whole turns, of which division may find one too few or too many
+         whole = whole - whole_turn*real(int(whole/whole_turn), dp)
+         whole = merge(whole + whole_turn, whole, whole < 0.0_dp)
+         k(i) = int(merge(whole - whole_turn, whole, whole >= whole_turn))
+      end do
+   end subroutine reduce
+
+   !> Sines, or cosines, as `near_degree` has them; where that is in doubt, or the angle is whole, `again` is not 0.
+   pure subroutine add_to_degree(n, away, near, values, again)
+      integer, intent(in) :: n
+      real(dp), intent(in) :: away(n), near(strip, 4)
+      real(dp), intent(out) :: values(n)
+      integer(int64), intent(inout) :: again(n)
+      real(dp) :: head, tail, turned, shrunk, low
+      logical :: doubtful
+      integer :: i
+
+      do i = 1, n
+         call split(away(i), head, tail)
+         call of_rest(away(i), turned, shrunk)
+         call from_degree(near(i, 1), near(i, 2), near(i, 3), near(i, 4), away(i), head, tail, turned, shrunk, values(i), low)
+         call add(values(i), low, doubtful)
+         again(i) = again(i) + merge(1_int64, 0_int64, doubtful) + merge(1_int64, 0_int64, abs(away(i)) < least_angle)
+      end do
+   end subroutine add_to_degree
+
    !> The same by the series, slower, with twice the digits.
    pure subroutine sine_cosine_again(k, away, s, c)
       integer, intent(in) :: k             !! whole degrees, 0 to 359
@@ -218,19 +299,37 @@ contains
       integer, intent(in) :: k             !! whole degrees, 0 to 359
       real(dp), intent(in) :: away         !! degrees from there, -0.5 to 0.5, not 0
       real(dp), intent(out) :: high(2), low(2)
-      real(dp) :: head, tail, square, turned, shrunk, product(2)
+      real(dp) :: head, tail, turned, shrunk
 
       call split(away, head, tail)
+      call of_rest(away, turned, shrunk)
+      call from_degree(table(:, 1, k), table(:, 2, k), table(:, 3, k), table(:, 4, k), away, head, tail, turned, shrunk, high, low)
+   end subroutine near_degree
+
+   !> What sine and cosine of a rest, degrees, have beside itself and one.
+   elemental subroutine of_rest(away, turned, shrunk)
+      real(dp), intent(in) :: away
+      real(dp), intent(out) :: turned, shrunk
+      real(dp) :: square
+
       square = away*away
       turned = away*(square*(sine_series(1) + square*(sine_series(2) + square*sine_series(3))))
       shrunk = square*(cosine_series(1) + square*(cosine_series(2) + square*cosine_series(3)))
-      associate (value => table(:, 1, k), value_low => table(:, 2, k), rate => table(:, 3, k), rate_low => table(:, 4, k))
-         product = rate*head
-         high = value + product
-         low = ((value - high) + product) + (value_low + ((rate*tail + rate_low*away) &
-                                                          + ((rate + rate_low)*turned + (value + value_low)*shrunk)))
-      end associate
-   end subroutine near_degree
+   end subroutine of_rest
+
+   !> Sine or cosine from the table's numbers at the nearest whole degree; the sum of `high` and `low`.
+   elemental subroutine from_degree(value, value_low, rate, rate_low, away, head, tail, turned, shrunk, high, low)
+      real(dp), intent(in) :: value, value_low, rate, rate_low
+      real(dp), intent(in) :: away, head, tail        !! degrees from there, and its halves
+      real(dp), intent(in) :: turned, shrunk          !! as `of_rest` has them
+      real(dp), intent(out) :: high, low
+      real(dp) :: product
+
+      product = rate*head
+      high = value + product
+      low = ((value - high) + product) + (value_low + ((rate*tail + rate_low*away) &
+                                                       + ((rate + rate_low)*turned + (value + value_low)*shrunk)))
+   end subroutine from_degree
 
    !> Sine and cosine by their series with twice the digits.
    pure subroutine by_series(degrees, high, low)
@@ -255,7 +354,7 @@ contains
    end subroutine by_series
 
    !> Halves of a number: 26 bits each.
-   pure subroutine split(value, head, tail)
+   elemental subroutine split(value, head, tail)
       real(dp), intent(in) :: value
       real(dp), intent(out) :: head, tail
 

@@ -20,6 +20,8 @@ module psalm_xoshiro
    integer, parameter :: purpose_sample = 1    !! a sample of deviations
 
    integer, parameter :: words = 4, word_bits = 64, half_bits = 32
+   integer(int64), parameter :: factors(2) = [5_int64, 9_int64] !! of what is shown, before and after it is rotated ...
+   integer, parameter :: rotation = 7                        !! ... by so many bits
    integer, parameter :: bits_used = 53                      !! of a number: the digits of real64
    integer(int64), parameter :: half_mask = int(z'FFFFFFFF', int64)
    integer(int64), parameter :: golden = int(z'9E3779B97F4A7C15', int64) !! step of splitmix64: 2**64 over the golden ratio, odd
@@ -43,6 +45,7 @@ module psalm_xoshiro
       procedure :: long_jump
       procedure :: next_bits
       procedure :: next
+      procedure :: next_many
    end type xoshiro_t
 
 contains
@@ -120,19 +123,24 @@ contains
    pure subroutine next_bits(self, bits)
       class(xoshiro_t), intent(inout) :: self
       integer(int64), intent(out) :: bits
+
+      bits = times_small(ishftc(times_small(self%state(2), factors(1)), rotation), factors(2))
+      call step(self%state)
+   end subroutine next_bits
+
+   !> One number further.
+   pure subroutine step(s)
+      integer(int64), intent(inout) :: s(words)
       integer(int64) :: shifted
 
-      associate (s => self%state)
-         bits = times_small(ishftc(times_small(s(2), 5_int64), 7), 9_int64)
-         shifted = shiftl(s(2), 17)
-         s(3) = ieor(s(3), s(1))
-         s(4) = ieor(s(4), s(2))
-         s(2) = ieor(s(2), s(3))
-         s(1) = ieor(s(1), s(4))
-         s(3) = ieor(s(3), shifted)
-         s(4) = ishftc(s(4), 45)
-      end associate
-   end subroutine next_bits
+      shifted = shiftl(s(2), 17)
+      s(3) = ieor(s(3), s(1))
+      s(4) = ieor(s(4), s(2))
+      s(2) = ieor(s(2), s(3))
+      s(1) = ieor(s(1), s(4))
+      s(3) = ieor(s(3), shifted)
+      s(4) = ishftc(s(4), 45)
+   end subroutine step
 
    !> Next deviate, uniform in (0, 1): the middle of one of 2**53 equal parts.
    pure subroutine next(self, deviate)
@@ -141,9 +149,44 @@ contains
       integer(int64) :: bits
 
       call self%next_bits(bits)
-      ! in real32 the largest rounds to 1
-      deviate = min((real(shiftr(bits, word_bits - bits_used), wp) + 0.5_wp)*0.5_wp**bits_used, 1.0_wp - 0.5_wp*epsilon(1.0_wp))
+      deviate = deviate_of(bits)
    end subroutine next
+
+   !> The next deviates: those that `next` gives one by one.
+   pure subroutine next_many(self, n, deviates)
+      class(xoshiro_t), intent(inout) :: self
+      integer, intent(in) :: n
+      real(wp), intent(out) :: deviates(n)
+      integer, parameter :: strip = 64            ! at a time: the states follow each other, what is shown of them does not
+      integer(int64) :: seen(strip), turned(strip), state(words)
+      integer :: first, m, i
+
+      state = self%state
+      do first = 0, n - 1, strip
+         m = min(strip, n - first)
+         do i = 1, m
+            seen(i) = state(2)
+            call step(state)
+         end do
+         ! by both of its parts: gfortran 12 has no vector of words that are rotated
+         do i = 1, m
+            seen(i) = times_small(seen(i), factors(1))
+            turned(i) = shiftl(seen(i), rotation)
+         end do
+         do i = 1, m
+            deviates(first + i) = deviate_of(times_small(ior(turned(i), shiftr(seen(i), word_bits - rotation)), factors(2)))
+         end do
+      end do
+      self%state = state
+   end subroutine next_many
+
+   !> The middle of one of 2**53 equal parts of (0, 1).
+   elemental real(wp) function deviate_of(bits)
+      integer(int64), intent(in) :: bits
+
+      ! in real32 the largest rounds to 1
+      deviate_of = min((real(shiftr(bits, word_bits - bits_used), wp) + 0.5_wp)*0.5_wp**bits_used, 1.0_wp - 0.5_wp*epsilon(1.0_wp))
+   end function deviate_of
 
    !> Next number of splitmix64.
    pure subroutine splitmix(state, bits)

@@ -17,6 +17,7 @@ module psalm_linkage
    implicit none (type, external)
    private
    public :: linkage_t, bound_step_t, block_length, padded, solve_point, put_seconds, put_driven_lengths, all_between
+   public :: largest_direction, largest_slide
 
    integer, parameter :: block_length = 128 !! positions solved together: all arrays stay in first-level cache
    integer, parameter :: lane = 4           !! positions are padded to a multiple of this: no remainder loops
@@ -110,6 +111,7 @@ module psalm_linkage
       procedure :: rows_of_drive
       procedure :: arc_at
       procedure :: follow_from
+      procedure :: is_plain
    end type linkage_t
 
    interface
@@ -625,6 +627,16 @@ contains
       if (self%sliding_input) e = max(e, exponent(dimensions%crnki), exponent(self%largest_input))
       if (abs(e) > plain_exponent) self%scale = scale(1.0_wp, -e)
    end subroutine choose_scale
+
+   !> True if `choose_scale` scales no length of a linkage.
+   elemental logical function is_plain(self, largest, crnki)
+      class(linkage_t), intent(in) :: self
+      real(wp), intent(in) :: largest            !! length of its longest arc
+      real(wp), intent(in) :: crnki
+
+      is_plain = largest < longest .and. largest > 1.0_wp/longest
+      if (self%sliding_input) is_plain = is_plain .and. max(abs(crnki), self%largest_input) < longest
+   end function is_plain
 
    pure subroutine bind_angles(self, plan, dimensions)
       type(linkage_t), intent(inout) :: self

@@ -3,9 +3,10 @@
 !> The one place that knows what an output is computed from. Lengths are in the user's unit, angles in degrees, rates and
 !> derivatives of angles per radian where nothing else is said. Source: Oldham (1977), chapter 5 and appendix B.
 module psalm_observable
-   use psalm_angles, only: unit_vector, angles_between, degrees_of, within_turn
+   use psalm_angles, only: unit_vector, angles_between, angles_between_lanes, degrees_of, within_turn
    use psalm_elementary, only: hypotenuse
    use psalm_kinds, only: wp, degrees_per_radian, radians_per_degree
+   use psalm_lanes, only: lanes
    use psalm_linkage, only: linkage_t
    use psalm_output_kind, only: output_kind_t, output_kind, motion_point, motion_distance, motion_slide
    use psalm_plan, only: plan_t
@@ -15,7 +16,7 @@ module psalm_observable
    use psalm_parameters, only: variable_outlk, variable_outang, variable_origlk, variable_origng
    implicit none (type, external)
    private
-   public :: observable_t, at_origin
+   public :: observable_t, output_lanes_t, at_origin
 
    real(wp), parameter :: at_origin = 64.0_wp*epsilon(1.0_wp) !! relative distance below which a point lies on the origin
 
@@ -35,6 +36,8 @@ module psalm_observable
       procedure :: bind => bind_observable
       procedure :: observe
       procedure :: miss
+      procedure :: observe_lanes
+      procedure :: miss_lanes
       procedure :: actual
       procedure :: rates => rates_of_output
       procedure :: change => change_of_output
@@ -42,6 +45,12 @@ module psalm_observable
       procedure :: change_of_origin
       procedure :: bound => bound_of_output
    end type observable_t
+
+   !> Numbers of an output in linkages side by side: as the components of the same names.
+   type :: output_lanes_t
+      real(wp) :: c(lanes) = 1.0_wp, s(lanes) = 0.0_wp, length(lanes) = 0.0_wp
+      real(wp) :: origin_x(lanes) = 0.0_wp, origin_y(lanes) = 0.0_wp
+   end type output_lanes_t
 
 contains
 
@@ -118,6 +127,46 @@ contains
          end if
       end associate
    end subroutine miss
+
+   !> `observe` for linkages side by side whose lengths are not scaled: the lengths of the output, into the rows `out`. Rows of the
+   !> store have the shape (lanes, positions).
+   pure subroutine observe_lanes(self, n, numbers, link, store)
+      class(observable_t), intent(in) :: self
+      integer, intent(in) :: n
+      type(output_lanes_t), intent(in) :: numbers
+      type(linkage_t), intent(in) :: link            !! any of them: where the rows are
+      type(rows_t), intent(inout) :: store
+
+      associate (v => store%v, out => link%out)
+         if (self%kind%has_point) then
+            call output_points_lanes(n, v(1, self%base_x), v(1, self%base_y), v(1, self%root_x), v(1, self%root_y), &
+                                     numbers%c*numbers%length, numbers%s*numbers%length, numbers%origin_x, numbers%origin_y, &
+                                     v(1, out(1)), v(1, out(2)))
+            if (self%motion == motion_distance) call distances(lanes*n, v(1, out(1)), v(1, out(2)))
+         else if (self%slide > 0) then
+            call scaled(lanes*n, v(1, self%slide), 1.0_wp, v(1, out(1)))
+         end if
+      end associate
+   end subroutine observe_lanes
+
+   !> `miss` for linkages side by side.
+   pure subroutine miss_lanes(self, component, n, numbers, wanted, toward_x, toward_y, link, store)
+      class(observable_t), intent(in) :: self
+      integer, intent(in) :: component, n
+      type(output_lanes_t), intent(in) :: numbers
+      real(wp), intent(in) :: wanted(n), toward_x(n), toward_y(n) !! the same for all of them
+      type(linkage_t), intent(in) :: link
+      type(rows_t), intent(inout) :: store
+
+      associate (v => store%v)
+         if (component == self%kind%angle) then
+            call angles_between_lanes(n, v(1, self%root_x), v(1, self%root_y), numbers%c, numbers%s, toward_x, toward_y, &
+                                      v(1, link%miss))
+         else
+            call find_deviations_lanes(n, wanted, v(1, link%out(component)), v(1, link%miss))
+         end if
+      end associate
+   end subroutine miss_lanes
 
    !> Value of a component at position i of the block: an angle within a turn.
    pure real(wp) function actual(self, component, i, link)
@@ -401,6 +450,20 @@ contains
       miss = wanted - actual
    end subroutine find_deviations
 
+   pure subroutine find_deviations_lanes(n, wanted, actual, miss)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: wanted(n), actual(lanes, n)
+      real(wp), intent(out) :: miss(lanes, n)
+      integer :: i, l
+
+      do i = 1, n
+         !$omp simd
+         do l = 1, lanes
+            miss(l, i) = wanted(i) - actual(l, i)
+         end do
+      end do
+   end subroutine find_deviations_lanes
+
    pure subroutine scaled(n, from, factor, to)
       integer, intent(in) :: n
       real(wp), intent(in) :: from(n), factor
@@ -432,6 +495,22 @@ contains
          y(i) = py(i)*back + (c*ry(i) + s*rx(i)) + origin_y
       end do
    end subroutine output_points
+
+   pure subroutine output_points_lanes(n, px, py, rx, ry, c, s, origin_x, origin_y, x, y)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: px(lanes, n), py(lanes, n), rx(lanes, n), ry(lanes, n)
+      real(wp), intent(in) :: c(lanes), s(lanes), origin_x(lanes), origin_y(lanes)
+      real(wp), intent(out) :: x(lanes, n), y(lanes, n)
+      integer :: i, l
+
+      do i = 1, n
+         !$omp simd
+         do l = 1, lanes
+            x(l, i) = px(l, i) + (c(l)*rx(l, i) - s(l)*ry(l, i)) + origin_x(l)
+            y(l, i) = py(l, i) + (c(l)*ry(l, i) + s(l)*rx(l, i)) + origin_y(l)
+         end do
+      end do
+   end subroutine output_points_lanes
 
    !> Distance from the machine origin, in place of x.
    pure subroutine distances(n, x, y)

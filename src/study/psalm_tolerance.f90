@@ -16,11 +16,14 @@ module psalm_tolerance
    use psalm_joint_location, only: locate_sketch
    use psalm_joint_play, only: play_t, play_anywhere, play_loaded
    use psalm_kinds, only: wp, full_turn
+   use psalm_lanes, only: lanes
    use psalm_linkage, only: padded
+   use psalm_linkage_lanes, only: linkage_lanes_t
    use psalm_moving_joints, only: sketch_motion_t
    use psalm_output_kind, only: output_kind_t
    use psalm_proof_deviation, only: deviation_model_t, enclosure_t, make_deviation_model, enclose_number, enclose_unknowns
    use psalm_rates, only: form_frames, is_dead
+   use psalm_sample_sums, only: enter_sample
    use psalm_sensitivity, only: sensitivity_t, wanted_outputs_t, prepare_sensitivity, find_jacobian
    use psalm_sketch, only: sketch_t, sketch_output_t, output_angle, output_pose, output_ratio, columns_of
    use psalm_sketch_motion, only: find_places
@@ -405,6 +408,24 @@ contains
          deviation = 2.0_wp*deviate - 1.0_wp
       end select
    end subroutine next_deviation
+
+   !> The next deviations: those that `next_deviation` gives one by one.
+   pure subroutine next_deviations(random, law, n, deviations)
+      type(xoshiro_t), intent(inout) :: random
+      integer, intent(in) :: law                   !! one of `law_...`
+      integer, intent(in) :: n
+      real(wp), intent(out) :: deviations(n)
+      integer :: v
+
+      if (law == law_uniform) then
+         call random%next_many(n, deviations)
+         deviations = 2.0_wp*deviations - 1.0_wp
+         return
+      end if
+      do v = 1, n
+         call next_deviation(random, law, deviations(v))
+      end do
+   end subroutine next_deviations
 
    !> A place in a disc of the radius 1, uniformly; with normal deviations both coordinates have the variance of that.
    pure subroutine next_gap(random, law, gap)
@@ -997,16 +1018,17 @@ contains
       type(xoshiro_t), intent(inout) :: random
       integer, intent(in) :: from, to             !! `from` begins a stream
       type(stop_t), intent(in) :: ending
-      real(wp), intent(in) :: band(:, :)          !! shape (positions, columns): largest amounts
-      real(wp), intent(out) :: low(:, :), high(:, :), total(:, :), squares(:, :), beyond(:, :) !! shape (positions, columns)
+      real(wp), intent(in), contiguous :: band(:, :) !! shape (positions, columns): largest amounts
+      real(wp), intent(out), contiguous :: low(:, :), high(:, :), total(:, :), squares(:, :), beyond(:, :) !! the same shape
       integer, intent(out) :: made, open, kept, named(:), loop(:)
+      type(linkage_lanes_t), allocatable :: side_by_side ! large: it would fill a small stack
       type(dimensions_t) :: dimensions
       type(sketch_motion_t), allocatable :: sketch
       complex(wp), allocatable :: joint(:, :)
-      real(wp), allocatable :: nominal(:), values(:), miss(:, :), moved(:, :), of_group(:)
+      real(wp), allocatable :: nominal(:), values(:, :), deviations(:, :), miss(:, :, :), moved(:, :), of_group(:)
       real(wp) :: deviation
       logical :: within
-      integer :: t, v, failed, i, k, unasked, first
+      integer :: t, l, failed(lanes), most, together, unasked, first
 
       low = huge(low)
       high = -huge(high)
@@ -1019,8 +1041,9 @@ contains
       loop = 0
       dimensions = linear%dimensions
       nominal = problem%parameters%first_values(linear%dimensions)
-      values = nominal
-      allocate (miss(problem%positions, size(low, 2)), source=0.0_wp)
+      values = spread(nominal, 1, lanes)
+      allocate (deviations(size(nominal), lanes))
+      allocate (miss(problem%positions, size(low, 2), lanes), source=0.0_wp)
       first = size(linear%effect, 3)
       if (allocated(deviating%outputs)) then
          sketch = deviating%outputs%sketch
@@ -1028,53 +1051,71 @@ contains
       end if
       unasked = max(1, solved_unasked/max(1, problem%positions))
       if (allocated(linear%group)) allocate (of_group(maxval(linear%group)))
+      allocate (side_by_side)
+      call side_by_side%prepare(problem)
+      ! gaps are drawn of linkages that close, outputs found where the linkage has just been solved
+      most = 1
+      if (side_by_side%fits .and. .not. (allocated(sketch) .or. allocated(linear%plays))) most = lanes
       made = 0
-      do t = from, to
+      t = from
+      do while (t <= to)
          if (mod(t - from, unasked) == 0) then
             if (ending%waiting()) return
          end if
-         made = made + 1
+         together = min(most, to - t + 1, unasked - mod(t - from, unasked), linkages_of_stream - mod(t - 1, linkages_of_stream))
          if (mod(t - 1, linkages_of_stream) == 0) call random%use_stream((t - 1)/linkages_of_stream)
-         if (allocated(linear%group)) call next_of_groups()
-         do v = 1, size(values)
-            call next_deviation(random, linear%law, deviation)
-            if (allocated(linear%group)) then
-               deviation = linear%own(v)*deviation
-               if (linear%group(v) > 0) deviation = deviation + linear%common(v)*of_group(linear%group(v))
-            end if
-            values(v) = nominal(v) + linear%tolerance(v)*deviation
-         end do
-         call problem%parameters%apply(values, dimensions)
-         if (allocated(sketch)) call move_apart(deviating%outputs, dimensions, linear%law, random, sketch)
-         call problem%deviations(dimensions, miss(:, :first), failed)
-         if (failed > 0) then
-            open = open + 1
-            beyond = beyond + 1.0_wp
-            if (open <= most_named) then
-               named(open) = t
-               loop(open) = failed
-            end if
-            cycle
+         call draw(together)
+         if (most > 1) then
+            call side_by_side%put_values(problem%parameters, values)
+            call side_by_side%deviations(problem, miss, failed(:together))
+         else
+            call problem%parameters%apply(values(1, :), dimensions)
+            if (allocated(sketch)) call move_apart(deviating%outputs, dimensions, linear%law, random, sketch)
+            call problem%deviations(dimensions, miss(:, :first, 1), failed(1))
          end if
-         if (allocated(sketch)) call miss_of_outputs()
-         if (allocated(linear%plays)) call add_gaps()
-         within = .true.
-         do k = 1, size(low, 2)
-            do i = 1, size(miss, 1)
-               if (abs(miss(i, k)) > band(i, k)) then
-                  within = .false.
-                  beyond(i, k) = beyond(i, k) + 1.0_wp
+         do l = 1, together
+            made = made + 1
+            if (failed(l) > 0) then
+               open = open + 1
+               beyond = beyond + 1.0_wp
+               if (open <= most_named) then
+                  named(open) = t + l - 1
+                  loop(open) = failed(l)
                end if
-               low(i, k) = merge(miss(i, k), low(i, k), miss(i, k) < low(i, k))
-               high(i, k) = merge(miss(i, k), high(i, k), miss(i, k) > high(i, k))
-               total(i, k) = total(i, k) + miss(i, k)
-               squares(i, k) = squares(i, k) + miss(i, k)**2
-            end do
+               cycle
+            end if
+            if (allocated(sketch)) call miss_of_outputs()
+            if (allocated(linear%plays)) call add_gaps()
+            call enter_sample(size(low), miss(1, 1, l), band, low, high, total, squares, beyond, within)
+            if (within) kept = kept + 1
          end do
-         if (within) kept = kept + 1
+         t = t + together
       end do
 
    contains
+
+      !> Dimensions of the next linkages, into the first lanes.
+      subroutine draw(count)
+         integer, intent(in) :: count
+         integer :: lane, v
+
+         if (allocated(linear%group)) then
+            do lane = 1, count
+               call next_of_groups()
+               call next_deviations(random, linear%law, size(nominal), deviations(:, lane))
+               deviations(:, lane) = linear%own*deviations(:, lane)
+               do v = 1, size(nominal)
+                  if (linear%group(v) > 0) &
+                     deviations(v, lane) = deviations(v, lane) + linear%common(v)*of_group(linear%group(v))
+               end do
+            end do
+         else
+            call next_deviations(random, linear%law, size(nominal)*count, deviations)
+         end if
+         do v = 1, size(nominal)
+            values(:count, v) = nominal(v) + linear%tolerance(v)*deviations(v, :count)
+         end do
+      end subroutine draw
 
       !> What the groups have in common.
       subroutine next_of_groups()
@@ -1091,7 +1132,7 @@ contains
          integer :: p
 
          do p = 1, size(linear%plays)
-            associate (play => linear%plays(p), columns => miss(:, size(miss, 2) - size(linear%plays(p)%change, 2) + 1:))
+            associate (play => linear%plays(p), columns => miss(:, size(miss, 2) - size(linear%plays(p)%change, 2) + 1:, 1))
                if (play%kind == play_loaded) then
                   call next_deviation(random, linear%law, deviation)
                   columns = columns + 0.5_wp*(1.0_wp + deviation)*linear%clearance(p)*play%change
@@ -1114,12 +1155,12 @@ contains
          integer :: number
 
          associate (all => deviating%outputs)
-            call find_numbers(all, sketch, joint, moved, problem, .true., miss(:, first + 1:))
+            call find_numbers(all, sketch, joint, moved, problem, .true., miss(:, first + 1:, 1))
             do number = 1, size(all%known)
                if (all%angle(number)) then
-                  miss(:, first + number) = nearest_difference(miss(:, first + number), all%nominal(:, number))
+                  miss(:, first + number, 1) = nearest_difference(miss(:, first + number, 1), all%nominal(:, number))
                else
-                  miss(:, first + number) = miss(:, first + number) - all%nominal(:, number)
+                  miss(:, first + number, 1) = miss(:, first + number, 1) - all%nominal(:, number)
                end if
             end do
          end associate

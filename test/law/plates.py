@@ -260,6 +260,7 @@ def drawing():
     check("&DXF comes first", plain != without_mark(content(".dxf")))
     status, said = run("balm", sketch(random.Random(5))[2], "--freecad")
     check("without plates there are no solids", status == 2 and "&PLATES" in said, said)
+    check("nor words about masses", "mass" not in said and "UNITL" not in said, said)
 
 
 def faults():

@@ -158,7 +158,7 @@ def runs(work, programs):
     """Each benchmark on its smallest task: it ends well and says something with a number in it."""
     data = os.path.join(top, "data")
     dump = os.path.join(work, "dump")
-    tasks = [[programs["bench"], "objective"], [programs["bench"], "pruning"], [programs["bench"], "forces", "short"],
+    tasks = [[programs["bench"], "objective"], [programs["bench"], "lanes"], [programs["bench"], "pruning"], [programs["bench"], "forces", "short"],
              [programs["bench"], "groups", data, "short"],
              [programs["bench"], "evaluate20"], [programs["account"], "scaling", data, "short"], [programs["account"], "first", data],
              [programs["cams"], "cost", os.path.join(data, "calm", "translating_roller.nml")],
