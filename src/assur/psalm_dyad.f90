@@ -47,7 +47,7 @@ module psalm_dyad
       integer :: unknown(2) = 0                     !! rows of what it finds; an angle stands at the row of its cosine
       integer :: arc_p = 0, arc_q = 0               !! sequential numbers of its arcs
       logical :: wants_p = .true., wants_q = .true. !! something hangs on the direction found
-      type(tip_t) :: tip                            !! point to be made with the one direction found
+      type(tip_t) :: tip = tip_t()                  !! point to be made with the one direction found
       real(wp) :: p = 0.0_wp, q = 0.0_wp            !! lengths
       real(wp) :: sign = 1.0_wp                     !! assembly mode
       real(wp) :: px = 1.0_wp, py = 0.0_wp          !! cosine, sine of the fixed angle from the unit vector to p

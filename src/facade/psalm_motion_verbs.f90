@@ -101,7 +101,7 @@ contains
       call frame%conclude(report)
    end subroutine analyse
 
-   pure subroutine no_analysis(analysis)
+   subroutine no_analysis(analysis)
       type(analysis_t), intent(out) :: analysis
 
       call empty_motion(analysis%motion)

@@ -316,7 +316,7 @@ contains
       type(rosenbrock_t) :: problem
       type(ending_t) :: ending
       type(stop_t) :: never
-      type(watcher_t) :: watcher
+      type(watcher_t) :: watcher, fresh
       class(solver_t), allocatable :: solver
       real(wp) :: x(2)
       integer :: i
@@ -325,7 +325,7 @@ contains
       do i = 1, size(some)
          problem = rosenbrock()
          x = [-1.2_wp, 1.0_wp]
-         watcher = watcher_t()
+         watcher = fresh
          call new_solver(find_solver(trim(some(i))), solver)
          call solver%minimise(problem, x, never, ending, watcher)
          call t%is_true(watcher%reports > 0 .and. watcher%in_order, trim(some(i))//': reports in order')

@@ -1047,11 +1047,11 @@ contains
       type(force_table_t) :: table
       type(force_model_t) :: model
       real(wp), parameter :: offset(5) = [10.0_wp, 1.0e-1_wp, 1.0e-3_wp, 1.0e-5_wp, 1.0e-7_wp], load = 100.0_wp
-      real(real128), parameter :: degree = acos(-1.0_real128)/180.0_real128
-      real(real128) :: sine, cosine, want, got
+      real(real128) :: degree, sine, cosine, want, got
       real(wp) :: condition
       integer :: k
 
+      degree = acos(-1.0_real128)/180.0_real128
       call load_case('dyad4_slider_crank', problem, set)
       associate (arcl => problem%given%arcl)
          arcl(1) = 60.0_wp
