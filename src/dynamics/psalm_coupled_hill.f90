@@ -22,6 +22,7 @@ module psalm_coupled_hill
       logical :: neutral = .false.          !! the largest lies on the unit circle within the error
       logical :: unique = .false.           !! no multiplier is 1 within the error: there is one periodic solution
       logical :: converged = .false.        !! the tolerance was reached
+      logical :: too_fast = .false.         !! an equation is too stiff to be followed through a period; then, too,
       logical :: grows_too_much = .false.   !! in a period by more than numbers can hold: there are no results
       integer :: steps = 0
       real(wp), allocatable :: y(:, :), y1(:, :), y2(:, :) !! shape (places, n): periodic solution and derivatives at
@@ -32,6 +33,7 @@ module psalm_coupled_hill
    integer, parameter :: most_steps = 2**14
    real(wp), parameter :: most_growth = sqrt(huge(1.0_wp))/1.0e30_wp !! squares of it are formed
    real(wp), parameter :: steepest = 300.0_wp !! norm of the exponent of a step
+   real(wp), parameter :: fastest = 1.0e6_wp !! frequency of the stiffest equation, by the period of 2 pi
    real(wp), parameter :: first_exponent = 100.0_wp !! of the longest steps that are tried
    real(wp), parameter :: gauss_offset = 0.387298334620741688517926539978239961_wp !! sqrt(15)/10
    real(wp), parameter :: beside = 1.0e-5_wp !! the tolerance: coefficients so small are left out
@@ -66,6 +68,9 @@ contains
          end do
       end do
       m = 2*n
+      coupled%too_fast = .not. maxval(units) < fastest
+      coupled%grows_too_much = coupled%too_fast
+      if (coupled%too_fast) return
       sub = 1 + int(2.0_wp*pi*maxval(units)/(real(places, wp)*first_exponent))
       first = sub
       call integrate(c_used, k_used, p_used, units, sub, maps, before, steep, coupled%grows_too_much)

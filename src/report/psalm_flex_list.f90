@@ -57,7 +57,7 @@ contains
                           node_name(mechanism, study, link%held(2)))
          end if
          if (.not. study%solved) then
-            call text%add(' THE NATURAL MODES COULD NOT BE FOUND: SECTIONS OF ONE LINK DIFFER TOO MUCH')
+            call text%add(' THE NATURAL MODES COULD NOT BE FOUND: STIFFNESS AND MASS OF ITS SEGMENTS GIVE NO FREQUENCY')
             return
          end if
          call text%add(' NATURAL FREQUENCIES AT REST')

@@ -349,7 +349,9 @@ contains
       type(coupled_t), intent(in) :: coupled
       character(:), allocatable :: words
 
-      if (coupled%grows_too_much) then
+      if (coupled%too_fast) then
+         words = 'TOO STIFF TO BE FOLLOWED: MORE THAN 100000 WAVES IN A TURN'
+      else if (coupled%grows_too_much) then
          words = 'UNSTABLE: IT GROWS TOO MUCH IN A TURN TO BE FOLLOWED'
       else if (.not. coupled%unique) then
          words = 'NO UNIQUE PERIODIC SOLUTION: A MULTIPLIER IS 1'

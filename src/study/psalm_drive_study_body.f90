@@ -275,7 +275,7 @@ contains
       study%amplitudes = 0.0_wp
       study%peaks = 0.0_wp
       places = fewest_places
-      do while (places < 4*size(hill%load, 1))
+      do while (places < 2*size(hill%load, 1))
          places = 2*places
       end do
       call solve_coupled(c, k, p, hill%tolerance, places, study%coupled)

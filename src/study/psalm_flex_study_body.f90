@@ -16,6 +16,7 @@ submodule(psalm_flex_study) psalm_flex_study_body
 
    real(wp), parameter :: tolerance = 1.0e-8_wp  !! of a period's matrix
    integer, parameter :: finer = 2               !! positions in a turn where masses vary, times those of the link
+   real(wp), parameter :: shortest = 1.0e-15_wp  !! s/rad, of a mode that has a meaning
    real(wp), parameter :: far_above = 1000.0_wp  !! times the speed: modes so fast follow their loads at once
 
    !> What loads the link: each load by a signal over the turn.
@@ -123,7 +124,7 @@ contains
       associate (frame => study%link%frame)
          ! for the inverse squares, whose largest do not suffer from the fastest modes
          call natural_modes(frame%mass(places, places), frame%stiffness(places, places), squares, all_shapes, study%solved)
-         if (study%solved) study%solved = squares(n - modes + 1) > 0.0_wp
+         if (study%solved) study%solved = squares(n - modes + 1) > shortest**2
          if (.not. study%solved) return
          allocate (shapes(size(free), modes), source=0.0_wp)
          do j = 1, modes
