@@ -22,7 +22,7 @@ program balm
    character(*), parameter :: nl = new_line('a')
    character(*), parameter :: endings(*) = [character(15) :: '.svg', '.html', '.dxf', '.flat.dxf', '.curves.svg', &
                                            '.edit.html', '.move.svg', '.sheet.html', '.mjcf.xml', '.sdf', '.urdf', &
-                                           '.tolerances.svg', '.phase.svg', '.freecad.py']
+                                           '.tolerances.svg', '.phase.svg', '.freecad.py', '.urdf.json']
    type(arguments_t) :: arguments
    logical :: finished
    integer :: code, i
@@ -43,7 +43,8 @@ program balm
       '  --sheet           CASE.sheet.html too: all cases of the file moving on one page (with --animate)'//nl// &
       '  --mjcf            CASE.mjcf.xml too: the links as bodies with their masses and joints, for MuJoCo'//nl// &
       '  --sdf             CASE.sdf too: the same for Gazebo'//nl// &
-      '  --urdf            CASE.urdf too: the same for ROS; joints that close loops stand in a tag for Gazebo'//nl// &
+      '  --urdf            CASE.urdf too: the same for ROS; joints that close loops stand in a tag for Gazebo;'//nl// &
+      '                    CASE.urdf.json: the joints as polynomials of the drive, over the range that is proven'//nl// &
       '  --freecad         CASE.freecad.py too: a script with which FreeCAD makes solids of the links (&PLATES)'//nl// &
       common_options// &
       nl//'Exit status: 0 done; 1 done, but the linkage violates closure or transmission limits; 2 the input is wrong'//nl// &

@@ -8,7 +8,7 @@
   const NEAR = 1e-3;                                       // part of a step of the sweep that is followed to a dead point
   const FINE = 1, COARSE = 5;                              // degrees between positions of a sweep; while dragging
   const clone = (value) => JSON.parse(JSON.stringify(value));
-  const blank = () => ({ title: board.words.title, joints: [], links: [{ name: 'frame', joints: [] }], slides: [], gears: [], lengths: [], kover: false,
+  const blank = () => ({ title: board.words.title, joints: [], links: [{ name: 'frame', joints: [] }], slides: [], gears: [], lengths: [], vary: [], kover: false,
     drives: [], outputs: [], ikin: 15, crnki: 0, delt: [], keep: {} });
 
   const state = {
@@ -155,19 +155,44 @@
         for (const drive of s.drives) drive.at = drive.at.map(swap);
       }
       for (const output of s.outputs) if (output.kind !== 'ratio') output.of = output.of.map(swap);
+      for (const each of s.vary) each.of = notation.renameIn('VARY', "'" + each.of + "'", one).slice(1, -1);
     });
     return true;
   }
 
+  /** What is chosen, one by one. */
+  const each = (selection = state.selection) => selection ? selection.many || [selection] : [];
+
+  const isChosen = (kind, name) => each().some((one) => one[kind] === name);
+
+  /** Chooses one thing more, or no longer; several are `{ many }`. */
+  function chooseMore(what) {
+    const [kind, name] = Object.entries(what)[0], rest = each().filter((one) => one[kind] !== name), all = isChosen(kind, name) ? rest : [...rest, what];
+    state.selection = all.length > 1 ? { many: all } : all[0] || null;
+  }
+
+  /** Joints that move with what is chosen. */
+  const movedBy = (selection) => [...new Set(each(selection).flatMap((one) => one.joint ? [one.joint] : one.link ? linkOf(one.link).joints : []))];
+
+  /** Moves what is chosen, and the lines of blocks whose joints go with it; exact lengths hold. */
+  function shift(sketch, selection, [dx, dy]) {
+    const names = movedBy(selection), slides = each(selection).map((one) => one.slide), more = (v, by) => Number((v + by).toPrecision(14));
+    const carried = (slide) => slides.includes(slide.name) || slide.links.some((name) => linkOf(name).joints.length === 1 && names.includes(linkOf(name).joints[0]));
+    for (const one of [...sketch.joints.filter((j) => names.includes(j.name)), ...sketch.slides.filter(carried)]) [one.x, one.y] = [more(one.x, dx), more(one.y, dy)];
+    relax(sketch, names);
+  }
+
   /** Takes joints, links or slides away, and what cannot be without them. */
-  function remove({ joint, link, slide, cylinder }) {
+  function remove(selection) {
     edit((s) => {
-      if (cylinder) s.drives = s.drives.filter((d) => d.at.join(' ') !== cylinder);
-      if (slide) s.slides = s.slides.filter((one) => one.name !== slide);
-      if (link && link !== s.links[0].name) s.links = s.links.filter((one) => one.name !== link);
-      if (joint) {
-        s.joints = s.joints.filter((one) => one.name !== joint);
-        for (const one of s.links) one.joints = one.joints.filter((name) => name !== joint);
+      for (const { joint, link, slide, cylinder } of each(selection)) {
+        if (cylinder) s.drives = s.drives.filter((d) => d.at.join(' ') !== cylinder);
+        if (slide) s.slides = s.slides.filter((one) => one.name !== slide);
+        if (link && link !== s.links[0].name) s.links = s.links.filter((one) => one.name !== link);
+        if (joint) {
+          s.joints = s.joints.filter((one) => one.name !== joint);
+          for (const one of s.links) one.joints = one.joints.filter((name) => name !== joint);
+        }
       }
       tidy(s);
     });
@@ -193,6 +218,8 @@
     for (const one of s.drives) if (one.kind === 'turn') for (const key of ['base', 'link'])
       if (one[key] && !s.links.find((l) => l.name === one[key]).joints.includes(one.at[0])) one[key] = '';
     if (s.drives.length && s.drives[0].ratio) Object.assign(s.drives[0], { ratio: 0, phase: 0 });
+    // what runs together are joints of one letter each
+    s.vary = s.vary.filter(({ of }) => of.split(/\s+/).every((word, i) => (i === 0 && ['angle', 'place', 'input', 'all'].includes(word)) || joint(word) || [...word].every(joint)));
     s.outputs = s.outputs.filter((one) => one.kind === 'ratio' || one.of.every((word) => joint(word) || link(word) ||
       s.slides.some((slide) => slide.name === word) || [...word].every(joint)));
   }
@@ -237,7 +264,7 @@
   }
 
   const tell = (text) => state.messages.push({ text, joints: [], links: [] });
-  const exists = (s) => s.joint ? jointOf(s.joint) : s.link ? linkOf(s.link) : s.slide ? state.sketch.slides.some((one) => one.name === s.slide) :
+  const exists = (s) => s.many ? s.many.every(exists) : s.joint ? jointOf(s.joint) : s.link ? linkOf(s.link) : s.slide ? state.sketch.slides.some((one) => one.name === s.slide) :
     state.sketch.drives.some((d) => d.at.join(' ') === s.cylinder);
 
   const free = (sketch = state.sketch) => sketch.drives.filter((d) => !d.ratio).length;
@@ -437,6 +464,7 @@
   }
 
   function open(file) {
+    if (/\.(dxf|fcstd|json|pmks)$/i.test(file.name)) { board.bring.file(file); return; }
     file.text().then((source) => attempt(source, file.name));
   }
 
@@ -514,7 +542,7 @@
     board.panel.show();
   }
 
-  Object.assign(board, { state, edit, begin, touch, end, undo: () => undo(), redo: () => undo(future, past), relax, rename, remove, freeName, tidy, take, attempt, wrong, sweepOf, download,
+  Object.assign(board, { state, edit, begin, touch, end, undo: () => undo(), redo: () => undo(future, past), relax, rename, remove, each, isChosen, chooseMore, movedBy, shift, freeName, tidy, take, attempt, wrong, sweepOf, download,
     refresh, places, slidePlace, sides, jointOf, linkOf, linksAt, inFrame, go, drive, play, pause, table, load, start, write, save, open, fit, free, clone, help,
     canUndo: () => past.length > 0, canRedo: () => future.length > 0 });
   ready();

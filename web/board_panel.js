@@ -120,10 +120,24 @@ board.panel = (() => {
   function chosen() {
     const { state } = board, s = state.selection;
     if (!s) return [];
+    if (s.many) return manyPart(s);
     if (s.joint) return jointPart(board.jointOf(s.joint));
     if (s.link) return linkPart(board.linkOf(s.link));
     if (s.slide) return slidePart(state.sketch.slides.find((one) => one.name === s.slide));
     return cylinderPart(s.cylinder);
+  }
+
+  /** Several things: which, a step for all, Delete. */
+  function manyPart(s) {
+    const by = [0, 0], step = (axis) => (value) => { by[axis] = value; };
+    return [head(words.several(s.many.length)), make('p', {}, words.severalHint),
+      make('div', { class: 'list' }, ...s.many.map((one) => {
+        const [kind, name] = Object.entries(one)[0];
+        return button(name + ' \u00d7', () => { board.chooseMore(one); show(); board.view.draw(); }, { 'aria-label': words.chosenNoMore[kind](name) });
+      })),
+      row(words.moveBy, numberField(words.moveX, 0, step(0)), numberField(words.moveY, 0, step(1)),
+        button(words.move, () => { if (by[0] || by[1]) board.edit((sketch) => board.shift(sketch, s, by)); })),
+      button(words.delete, () => board.remove(s))];
   }
 
   function jointPart(joint) {
@@ -162,11 +176,40 @@ board.panel = (() => {
         parts.push(row(label, numberField(words.length(label), exact ? exact.value : length, (value) => value > 0 ? fix(value) : false),
           check(words.exactLength(label), Boolean(exact), (on) => fix(on ? Number(length.toPrecision(12)) : 0))));
       }
-      parts.push(make('p', {}, words.lengthHint),
+      parts.push(make('p', {}, words.lengthHint), ...rangePart(link),
         button(words.delete, () => board.remove({ link: name })));
     }
     return parts;
   }
+
+  /** Least and most of the dimensions of a link, which searches honour. */
+  function rangePart(link) {
+    const { sketch } = board.state, list = board.search.dimensionsOf(link).filter((of) => !/^place/.test(of));
+    if (!list.length) return [];
+    const set = (of, side) => (value) => {
+      const angle = /^angle/.test(of), { vary } = sketch, there = vary.find((one) => one.of === of);
+      const range = { low: there && there.low.length ? there.low[0] : NaN, high: there && there.high.length ? there.high[0] : NaN, [side]: value };
+      // one bound alone: the other is far
+      const far = angle ? { low: -720, high: 720 } : { low: 0, high: Number((10 * size()).toPrecision(3)) };
+      for (const key of ['low', 'high']) if (Number.isNaN(range[key])) range[key] = far[key];
+      if (range.low > range.high || (!angle && range.low < 0)) return false;
+      return board.edit((s) => {
+        const one = { of, low: [range.low], high: [range.high] };
+        s.vary = s.vary.some((each) => each.of === of) ? s.vary.map((each) => each.of === of ? one : each) : [...s.vary, one];
+      });
+    };
+    const clear = (of) => board.edit((s) => { s.vary = s.vary.filter((one) => one.of !== of); });
+    return [head(words.ranges), make('p', {}, words.rangeHint), ...list.map((of) => {
+      const one = sketch.vary.find((each) => each.of === of && each.low.length);
+      const bound = (side, label) => field(label(of), one ? String(one[side][0]) : '', (text) => {
+        const number = valueOf(text);
+        return isFinite(number) ? set(of, side)(number) : false;
+      }, { inputmode: 'decimal', placeholder: side === 'low' ? words.least : words.most });
+      return row(of, bound('low', words.leastOf), bound('high', words.mostOf), ...(one ? [button(words.cross, () => clear(of), { 'aria-label': words.noRange(of) })] : []));
+    })];
+  }
+
+  const size = () => { const { joints } = board.state.sketch, xs = joints.map((j) => j.x), ys = joints.map((j) => j.y); return Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys)) || 1; };
 
   function slidePart(slide) {
     const { edit, state } = board, { name } = slide, names = state.sketch.links.map((l) => l.name);
@@ -250,11 +293,11 @@ board.panel = (() => {
 
   /** All joints and links, to be chosen without a mouse. */
   function listPart() {
-    const { state } = board, { sketch, selection: s } = state;
-    const item = (name, what, on) => button(name, () => choose(what), { class: on ? 'on' : '', 'aria-label': Object.keys(what)[0] + ' ' + name });
-    const joints = sketch.joints.map((j) => item(j.name, { joint: j.name }, s && s.joint === j.name));
-    const links = sketch.links.map((l) => item(l.name, { link: l.name }, s && s.link === l.name));
-    const slides = sketch.slides.map((l) => item(l.name, { slide: l.name }, s && s.slide === l.name));
+    const { sketch } = board.state;
+    const item = (kind) => ({ name }) => button(name, (event) => {
+      if (event.shiftKey) { board.chooseMore({ [kind]: name }); choose(board.state.selection); } else choose({ [kind]: name });
+    }, { class: board.isChosen(kind, name) ? 'on' : '', 'aria-label': kind + ' ' + name });
+    const [joints, links, slides] = [['joint', sketch.joints], ['link', sketch.links], ['slide', sketch.slides]].map(([kind, all]) => all.map(item(kind)));
     const parts = [head(words.jointsHead), make('div', { class: 'list' }, ...joints), head(words.links), make('div', { class: 'list' }, ...links)];
     if (slides.length) parts.push(head(words.slidesHead), make('div', { class: 'list' }, ...slides));
     const place = field(words.newJointLabel, '', (text) => {

@@ -161,16 +161,27 @@ board.search = (() => {
     return !messages.length && board.free() === 1 && Boolean(sketch.outputs.length) && sketch.outputs[0].kind === 'point';
   }
 
-  /** Dimensions of the sketch that vary: all but exact lengths, as psalm names them; nothing where they have no names. */
-  function own() {
-    const { links, lengths, slides, gears } = board.state.sketch, exact = (a, b) => lengths.some((l) => l.joints.includes(a) && l.joints.includes(b));
-    if (!lengths.length) return ['all'];
-    if (slides.length || gears.length) return null;
+  const exact = (a, b) => board.state.sketch.lengths.some((l) => l.joints.includes(a) && l.joints.includes(b));
+
+  /** Dimensions of a link that may vary: all but exact lengths, as psalm names them. */
+  function dimensionsOf(link) {
+    const { links, lengths } = board.state.sketch, [a, b, ...more] = link.joints;
+    if (link === links[0]) return link.joints.map((name) => 'place ' + name);
     // a length across a plate holds the whole plate
-    const across = (joints) => lengths.some((l) => l.joints.every((name) => joints.slice(1).includes(name)));
-    return links.flatMap(({ joints: [a, b, ...more] }, i) => i === 0 ? [a, b, ...more].filter(Boolean).map((name) => 'place ' + name) : across([a, b, ...more]) ? [] :
-      [...(exact(a, b) ? [] : [a + ' ' + b]), ...more.flatMap((c) => [...(exact(a, c) ? [] : [a + ' ' + c]), ...(exact(b, c) ? [] : ['angle ' + a + ' ' + b + ' ' + a + ' ' + c])])]);
+    if (!b || lengths.some((l) => l.joints.every((name) => [b, ...more].includes(name)))) return [];
+    return [...(exact(a, b) ? [] : [a + ' ' + b]), ...more.flatMap((c) => [...(exact(a, c) ? [] : [a + ' ' + c]), ...(exact(b, c) ? [] : ['angle ' + a + ' ' + b + ' ' + a + ' ' + c])])];
   }
+
+  /** Dimensions of the sketch that vary; nothing where they have no names. */
+  function own() {
+    const { links, lengths, slides, gears, vary } = board.state.sketch, bounded = vary.filter((one) => one.low.length);
+    if (!lengths.length && !bounded.length) return ['all'];
+    if (slides.length || gears.length) return null;
+    return links.flatMap(dimensionsOf);
+  }
+
+  /** Bounds of single dimensions. */
+  const ranges = (list) => Object.fromEntries(board.state.sketch.vary.filter((one) => one.low.length && list.includes(one.of)).map((one) => [one.of, one.low.map((low, i) => [low, one.high[i]])]));
 
   /** Of another curve nothing has been found yet. */
   function forget() {
@@ -187,7 +198,7 @@ board.search = (() => {
     const { wanted } = board.state;
     parts.told.textContent = '';
     const got = await board.engine.ask('search', JSON.stringify({ points: wanted.points, closed: wanted.closed, kinds: [...chosen], round, angle, low, high,
-      ...(chosen.has('mine') ? { case: board.write(), output: board.state.sketch.outputs[0].of[0], vary: own() || ['all'] } : {}) }));
+      ...(chosen.has('mine') ? { case: board.write(), output: board.state.sketch.outputs[0].of[0], vary: own() || ['all'], ranges: ranges(own() || []) } : {}) }));
     if (got.error) { parts.told.textContent = got.error; return; }
     running = got.search;
     stopping = false;
@@ -251,5 +262,5 @@ board.search = (() => {
     board.view.canvas.scrollIntoView({ block: 'nearest' });
   }
 
-  return { begin, follow, draw, drawn, even, fromTable, fromPicture, get cards() { return cards; }, get running() { return running; } };
+  return { begin, follow, draw, drawn, even, dimensionsOf, fromTable, fromPicture, get cards() { return cards; }, get running() { return running; } };
 })();

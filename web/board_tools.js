@@ -9,6 +9,7 @@ board.tools = (() => {
   const ANGLE = 15;                      // degrees between directions of a slide that is drawn
   const TOOLS = [
     ['select', 'v', 'M6 3l13 9-6 1.5-2.5 6z'],
+    ['several', 'm', 'M4 4h3M10 4h4M17 4h3v3M20 10v4M20 17v3h-3M14 20h-4M7 20H4v-3M4 14v-4M4 7V4M9 9l7 5-3.500 1-1.500 3.500z'],
     ['link', 'l', 'M6 18L18 6M6 18m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0M18 6m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0'],
     ['pivot', 'p', 'M12 8L5 19h14zM12 8m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0'],
     ['slider', 's', 'M2 18h20M7 8h10v7H7zM2 5h20'],
@@ -21,6 +22,7 @@ board.tools = (() => {
   let press = null;                      // what the pointer that is down does
   let pinch = 0;                         // distance of two fingers
   let hand = null;                       // points of a curve that is being drawn
+  let box = null;                        // corners of the box that is pulled round what is to be chosen, pixels
 
   // ---- what tools do ------------------------------------------------------------------------------------------------
 
@@ -190,9 +192,16 @@ board.tools = (() => {
     if (state.tool === 'wanted') { press = { tool: 'wanted', x: first.x, y: first.y }; hand = [view.world(first.x, first.y)]; return; }
     if (!atHome() && first.hit) return;
     const at = spot(event);
-    press = { at, tool: state.tool, moved: false, x: at.x, y: at.y };
-    if (state.tool === 'select') {
-      state.selection = at.hit;
+    const several = state.tool === 'several' || (state.tool === 'select' && event.shiftKey);
+    press = { at, tool: several ? 'select' : state.tool, moved: false, x: at.x, y: at.y, several };
+    if (several && !at.hit) box = { from: [at.x, at.y], to: [at.x, at.y] };
+    else if (press.tool === 'select') {
+      // of several that are chosen one is taken hold of for all
+      const held = at.hit && board.isChosen(...Object.entries(at.hit)[0]);
+      if (!several && !(held && state.selection.many)) state.selection = at.hit;
+      if (several && !held) board.chooseMore(at.hit);
+      press.drop = several && held;
+      press.alone = !several && held;
       if (!at.hit || at.hit.cylinder) press.pan = true;
       board.panel.show();
     } else if (state.pending && state.pending.tool === state.tool) {
@@ -208,8 +217,15 @@ board.tools = (() => {
     if (pointers.has(event.pointerId)) pointers.set(event.pointerId, event);
     if (pinch) { pinchTo(); return; }
     if (hand) { trace(event); return; }
-    const dragged = press && press.at && press.tool === 'select' && press.at.hit && press.at.hit.joint;
-    const at = spot(event, dragged || '');
+    if (box) {
+      const frame = view.canvas.getBoundingClientRect();
+      box.to = [event.clientX - frame.left, event.clientY - frame.top];
+      press.moved = true;
+      view.draw();
+      return;
+    }
+    const dragged = draggedJoint();
+    const at = spot(event, dragged);
     if (state.pending) { state.pending.to = target(state.pending, at); state.hover = at.hit; view.draw(); }
     if (!press) {
       if (event.pointerType !== 'touch') { state.hover = at.hit; view.canvas.style.cursor = cursor(at.hit); view.draw(); }
@@ -225,6 +241,9 @@ board.tools = (() => {
       drag(at);
     }
   }
+
+  /** The joint that is dragged by itself. */
+  const draggedJoint = () => press && press.at && press.tool === 'select' && press.at.hit && !(board.state.selection && board.state.selection.many) && press.at.hit.joint || '';
 
   /** The curve that is being drawn goes on, with all places that the browser has kept between two frames. */
   function trace(event) {
@@ -246,8 +265,8 @@ board.tools = (() => {
   };
 
   function drag(at) {
-    const { hit } = press.at;
-    if (hit.joint) {
+    const { hit } = press.at, { selection } = board.state;
+    if (draggedJoint()) {
       board.state.hover = at.hit;
       board.touch((sketch) => {
         const joint = board.jointOf(hit.joint), [dx, dy] = [at.place[0] - joint.x, at.place[1] - joint.y];
@@ -262,17 +281,9 @@ board.tools = (() => {
       if (!by[0] && !by[1]) return;
       const k = view.eye.k;
       [press.x, press.y] = [press.x + by[0] * k, press.y - by[1] * k];
-      board.touch((sketch) => {
-        const names = hit.link ? board.linkOf(hit.link).joints : [];
-        for (const joint of sketch.joints) if (names.includes(joint.name)) { joint.x = tidyNumber(joint.x + by[0]); joint.y = tidyNumber(joint.y + by[1]); }
-        if (hit.slide) for (const slide of sketch.slides) if (slide.name === hit.slide) { slide.x = tidyNumber(slide.x + by[0]); slide.y = tidyNumber(slide.y + by[1]); }
-        board.relax(sketch, names);
-      });
+      board.touch((sketch) => board.shift(sketch, selection && selection.many ? selection : hit, by));
     }
   }
-
-  /** Without the rounding of sums of steps. */
-  const tidyNumber = (v) => Number(v.toPrecision(14));
 
   function up(event) {
     pointers.delete(event.pointerId);
@@ -285,12 +296,27 @@ board.tools = (() => {
       view.draw();
       return;
     }
-    const { state } = board, one = press, dragged = one.tool === 'select' && one.at && one.at.hit && one.at.hit.joint;
-    const at = spot(event, dragged || '');
+    if (box) {
+      const { from, to } = box, added = press.moved ? view.within(from, to) : [];
+      box = press = null;
+      for (const what of added) if (!board.isChosen(...Object.entries(what)[0])) board.chooseMore(what);
+      if (!added.length) board.state.selection = null;
+      board.panel.show();
+      view.draw();
+      return;
+    }
+    const { state } = board, one = press, dragged = draggedJoint();
+    const at = spot(event, dragged);
     press = null;
     if (one.pan) { view.draw(); return; }
     if (one.tool === 'select') {
-      if (!one.moved) return;
+      if (!one.moved) {
+        if (one.drop) board.chooseMore(one.at.hit);
+        else if (one.alone) state.selection = one.at.hit;
+        board.panel.show();
+        view.draw();
+        return;
+      }
       if (dragged && at.hit && at.hit.joint) join(dragged, at.hit.joint);
       board.end();
       return;
@@ -330,7 +356,7 @@ board.tools = (() => {
 
   function cancel() {
     if (press && press.moved && press.tool === 'select' && !press.pan) board.end();
-    press = hand = null;
+    press = hand = box = null;
     board.state.pending = null;
     view.draw();
   }
@@ -344,7 +370,7 @@ board.tools = (() => {
     view.draw();
   }
 
-  const cursor = (hit) => board.state.tool !== 'select' ? 'crosshair' : hit ? 'grab' : 'default';
+  const cursor = (hit) => !['select', 'several'].includes(board.state.tool) ? 'crosshair' : hit ? 'grab' : 'default';
 
   // ---- buttons and keys ---------------------------------------------------------------------------------------------
 
@@ -360,19 +386,15 @@ board.tools = (() => {
   /** Moves what is chosen by steps of the grid. */
   function nudge(dx, dy) {
     const { selection } = board.state, step = view.gridStep() || 1 / view.eye.k;
-    if (!selection || !(selection.joint || selection.link)) { view.pan(-40 * dx, 40 * dy); view.draw(); return; }
-    const names = selection.joint ? [selection.joint] : board.linkOf(selection.link).joints;
-    edit((sketch) => {
-      for (const joint of sketch.joints) if (names.includes(joint.name)) { joint.x = tidyNumber(joint.x + dx * step); joint.y = tidyNumber(joint.y + dy * step); }
-      board.relax(sketch, names);
-    });
+    if (!selection || !(selection.many || selection.joint || selection.link)) { view.pan(-40 * dx, 40 * dy); view.draw(); return; }
+    edit((sketch) => board.shift(sketch, selection, [dx * step, dy * step]));
   }
 
   function key(event) {
     const own = event.target.tagName, typing = own === 'TEXTAREA' || own === 'SELECT' || (own === 'INPUT' && event.target.type !== 'range' && event.target.type !== 'checkbox');
     const control = event.ctrlKey || event.metaKey, letter = event.key.toLowerCase();
-    const commands = { s: board.save, o: () => $('file').click(), z: () => event.shiftKey ? board.redo() : board.undo(), y: board.redo };
-    if (control && commands[letter] && !(typing && 'zy'.includes(letter))) { event.preventDefault(); commands[letter](); return; }
+    const commands = { s: board.save, o: () => $('file').click(), z: () => event.shiftKey ? board.redo() : board.undo(), y: board.redo, a: chooseAll };
+    if (control && commands[letter] && !(typing && 'zya'.includes(letter))) { event.preventDefault(); commands[letter](); return; }
     if (control || event.altKey || typing) return;
     const keys = {
       ' ': () => board.play(), Escape: () => { cancel(); board.state.selection = null; board.panel.show(); choose('select'); },
@@ -384,6 +406,13 @@ board.tools = (() => {
     if (event.key === ' ' && (own === 'BUTTON' || own === 'INPUT')) return;
     if (arrows[event.key] && own === 'CANVAS') { event.preventDefault(); nudge(...arrows[event.key].map((v) => v * (event.shiftKey ? 5 : 1))); return; }
     if (keys[event.key]) { event.preventDefault(); keys[event.key](); } else if (keys[letter] && letter === 'f') keys.f(); else if (tool) choose(tool[0]);
+  }
+
+  function chooseAll() {
+    const { joints, slides } = board.state.sketch, all = [...joints.map((one) => ({ joint: one.name })), ...slides.map((one) => ({ slide: one.name }))];
+    board.state.selection = all.length > 1 ? { many: all } : all[0] || null;
+    board.panel.show();
+    view.draw();
   }
 
   function zoom(factor) {
@@ -428,5 +457,5 @@ board.tools = (() => {
     $('speed').addEventListener('input', () => { board.state.speed = Number($('speed').value); });
   }
 
-  return { begin, choose, pivot, output, drive, slider, jointAt, link, get hand() { return hand; } };
+  return { begin, choose, pivot, output, drive, slider, jointAt, link, get hand() { return hand; }, get box() { return box; } };
 })();

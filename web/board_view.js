@@ -31,7 +31,7 @@ board.view = (() => {
     const across = Math.max(x2 - x1, 1e-9), down = Math.max(y2 - y1, 1e-9), room = Math.max(across, down);
     eye.x = (x1 + x2) / 2;
     eye.y = (y1 + y2) / 2;
-    eye.k = Math.min(Math.max(60, w - 150) / Math.max(across, room / 8), Math.max(60, h - 170) / Math.max(down, room / 8));
+    eye.k = Math.min(Math.max(60, w - 150) / Math.max(across, room / 8), Math.max(60, h - Math.min(170, 0.4 * h)) / Math.max(down, room / 8));
   }
 
   function zoom(factor, px = w / 2, py = h / 2) {
@@ -139,7 +139,7 @@ board.view = (() => {
 
   /** A link: a rounded bar from joint to joint, a plate where it has more than two. */
   function drawLink(link, i, p) {
-    const { selection, hover } = board.state, chosen = selection && selection.link === link.name;
+    const { hover } = board.state, chosen = board.isChosen('link', link.name);
     if (!link.joints.length) return;
     const round = outline(link.joints.map(p));
     const wide = i === 0 ? 6 : 15;
@@ -212,13 +212,13 @@ board.view = (() => {
   }
 
   function drawBlock(slide, i) {
-    const { selection, sketch } = board.state, place = board.slidePlace(i);
+    const { sketch } = board.state, place = board.slidePlace(i);
     const driven = sketch.drives.some((d) => d.kind === 'slide' && d.at[0] === slide.name);
     g.save();
     g.translate(X(place.bx), Y(place.by));
     g.rotate(-Math.atan2(place.u[1], place.u[0]));
     g.fillStyle = pens.paper;
-    g.strokeStyle = selection && selection.slide === slide.name ? pens.accent : pens.ink;
+    g.strokeStyle = board.isChosen('slide', slide.name) ? pens.accent : pens.ink;
     g.lineWidth = 2;
     g.beginPath();
     g.rect(-15, -9.5, 30, 19);
@@ -263,7 +263,7 @@ board.view = (() => {
   }
 
   function drawJoint(joint, [x, y]) {
-    const { selection, hover, wrong } = board.state, chosen = selection && selection.joint === joint.name;
+    const { hover, wrong } = board.state, chosen = board.isChosen('joint', joint.name);
     if (board.inFrame(joint.name)) {
       g.strokeStyle = pens.ink;
       g.fillStyle = pens.paper;
@@ -355,9 +355,20 @@ board.view = (() => {
     g.textAlign = 'left';
   }
 
-  /** What a tool is about to make. */
+  /** What a tool is about to make, or the box that is pulled round what is to be chosen. */
   function drawPending() {
-    const { pending } = board.state;
+    const { pending } = board.state, { box } = board.tools;
+    if (box) {
+      const [x1, x2, y1, y2] = [...sorted(box.from[0], box.to[0]), ...sorted(box.from[1], box.to[1])];
+      g.strokeStyle = g.fillStyle = pens.accent;
+      g.lineWidth = 1.4;
+      g.setLineDash([5, 4]);
+      g.strokeRect(x1, y1, x2 - x1, y2 - y1);
+      g.setLineDash([]);
+      g.globalAlpha = 0.1;
+      g.fillRect(x1, y1, x2 - x1, y2 - y1);
+      g.globalAlpha = 1;
+    }
     if (!pending) return;
     const [x1, y1] = [X(pending.from[0]), Y(pending.from[1])], [x2, y2] = [X(pending.to[0]), Y(pending.to[1])];
     g.strokeStyle = pens.accent;
@@ -374,6 +385,16 @@ board.view = (() => {
     g.font = '12px system-ui, sans-serif';
     const dx = pending.to[0] - pending.from[0], dy = pending.to[1] - pending.from[1];
     g.fillText(short(Math.hypot(dx, dy)) + '  ' + short(Number((Math.atan2(dy, dx) * 180 / Math.PI).toFixed(2))) + '\u00b0', x2 + 12, y2 + 20);
+  }
+
+  const sorted = (a, b) => [Math.min(a, b), Math.max(a, b)];
+
+  /** Joints and slides in a box of the canvas. */
+  function within(from, to) {
+    const { sketch } = board.state, at = board.places(), [x1, x2] = sorted(from[0], to[0]), [y1, y2] = sorted(from[1], to[1]);
+    const inside = (x, y) => x >= x1 && x <= x2 && y >= y1 && y <= y2;
+    return [...sketch.joints.filter((joint) => inside(X(at.get(joint.name)[0]), Y(at.get(joint.name)[1]))).map((joint) => ({ joint: joint.name })),
+      ...sketch.slides.filter((slide, i) => { const place = board.slidePlace(i); return inside(X(place.bx), Y(place.by)); }).map((slide) => ({ slide: slide.name }))];
   }
 
   // ---- what is under a point ----------------------------------------------------------------------------------------
@@ -414,7 +435,7 @@ board.view = (() => {
     return best;
   }
 
-  return { begin, resize, look, zoom, pan, draw, world, snap, gridStep, under, short, outline,
+  return { begin, resize, look, zoom, pan, draw, world, snap, gridStep, under, within, short, outline,
     screen: (x, y) => { const box = canvas.getBoundingClientRect(); return [box.left + X(x), box.top + Y(y)]; },
     get canvas() { return canvas; }, get eye() { return eye; } };
 })();

@@ -3,6 +3,7 @@
 // A sketch is plain data; joints, links, slides and outputs are referred to by their names:
 //   title; joints [{name, x, y}]; links [{name, joints}], the first is the frame; slides [{name, links, x, y, angle}];
 //   gears [{wheels, carrier, teeth}]; lengths [{joints, value}]; kover;
+//   vary [{of: a dimension as VARY has it, low, high: its bounds, lists of as many numbers as it has; empty: none are given}];
 //   drives [{kind: 'turn' | 'slide' | 'cylinder', at (a joint, a slide, or two joints), base, link, ratio, phase, delt}];
 //   outputs [{kind, of: words after the kind, name}]; ikin, delt: the positions; crnki
 // What the board does not edit stays in `keep`: items by group, as they were written.
@@ -16,7 +17,7 @@ board.text = (() => {
   const NAMING = /^(?!ONAME)\w*NAME$|JNT$|^VARY$|^FREE$|^FOTHER$|^(TOL|AL)NAM$/; // items that name joints or links
   const OWN = {                  // items that a sketch has places for; others are kept
     CHAIN: ['JNT', 'JX', 'JY', 'LNAME', 'LNK', 'NSLIDE', 'SNAME', 'SLNK', 'SLNK2', 'SLX', 'SLY', 'SLANG', 'GEARA', 'GEARB', 'GCARR',
-      'GTA', 'GTB', 'LENP', 'LENV', 'KOVER'],
+      'GTA', 'GTB', 'LENP', 'LENV', 'KOVER', 'VARY', 'VLOW', 'VHIGH'],
     DRIVES: ['DRIVE', 'DBASE', 'DLINK', 'NDRIVE', 'RATIO', 'PHASE', 'NGRID', 'DLOW', 'DHIGH'],
     OUTPUTS: ['OUTPUT', 'ONAME'],
     METHOD: ['NDES', 'DELT', 'IKIN', 'CRNKI'],
@@ -174,8 +175,30 @@ board.text = (() => {
     const gears = texts('GEARA').map((first, i) => ({ wheels: [known(first, 'GEARA'), known(texts('GEARB')[i] || '', 'GEARB')],
       carrier: known(texts('GCARR')[i] || '', 'GCARR'), teeth: [numbers('GTA')[i], numbers('GTB')[i]] }));
     const lengths = texts('LENP').map((words, i) => ({ joints: jointsIn(words, names, wrong('LENP')), value: numbers('LENV')[i] }));
-    return { joints: names.map((name, i) => ({ name, x: x[i], y: y[i] })), links, slides, gears, lengths,
+    const vary = readVary({ texts, numbers }, wrong);
+    return { joints: names.map((name, i) => ({ name, x: x[i], y: y[i] })), links, slides, gears, lengths, vary,
       kover: numbers('KOVER')[0] === 1, named: texts('LNAME').length > 0, drives: [], outputs: [] };
+  }
+
+  /** How many numbers a dimension is. */
+  const numbersOf = (of) => /^place\b/.test(of) ? 2 : 1;
+
+  function readVary({ texts, numbers }, wrong) {
+    const all = texts('VARY').map((of) => of.trim()), low = numbers('VLOW'), high = numbers('VHIGH');
+    const count = all.reduce((sum, of) => sum + numbersOf(of), 0);
+    for (const [item, values] of [['VLOW', low], ['VHIGH', high]]) if ((low.length || high.length) && values.length !== count)
+      throw wrong(item)('bounds of ' + count + ' numbers are expected, in the order of VARY');
+    let at = 0;
+    return all.map((of) => { const from = at; at += numbersOf(of); return { of, low: low.slice(from, at), high: high.slice(from, at) }; });
+  }
+
+  /** A dimension that has no bounds has wide ones where others have some: lengths by the size of the drawing, angles by two turns. */
+  function boundsOf({ of, low, high }, { joints }) {
+    if (low.length) return [low, high];
+    const xs = joints.map((j) => j.x), ys = joints.map((j) => j.y), size = Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys)) || 1;
+    const round = (v) => Number(v.toPrecision(3)), length = [round(size / 50), round(5 * size)], turns = [-720, 720];
+    const pairs = /^place\b/.test(of) ? [[0, length[1]], turns] : /^(angle|input)\b/.test(of) ? [turns] : [length];
+    return [pairs.map((p) => p[0]), pairs.map((p) => p[1])];
   }
 
   function readDrives({ texts, numbers, line }, sketch) {
@@ -258,6 +281,12 @@ board.text = (() => {
       ['GCARR', gears.map((g) => quoted(g.carrier))], ['GTA', gears.map((g) => number(g.teeth[0]))], ['GTB', gears.map((g) => number(g.teeth[1]))]);
     if (lengths.length) chain.push(['LENP', lengths.map((l) => quoted(l.joints.join(' ')))], ['LENV', lengths.map((l) => number(l.value))]);
     if (sketch.kover) chain.push(['KOVER', ['1']]);
+    const vary = sketch.vary || [];
+    if (vary.length) chain.push(['VARY', vary.map((one) => quoted(one.of))]);
+    if (vary.some((one) => one.low.length)) {
+      const bounds = vary.map((one) => boundsOf(one, sketch));
+      chain.push(['VLOW', bounds.flatMap((pair) => pair[0].map(number))], ['VHIGH', bounds.flatMap((pair) => pair[1].map(number))]);
+    }
     const list = { CHAIN: group('CHAIN', chain.concat(kept(sketch, 'CHAIN'))) };
     list.DRIVES = drives.length ? group('DRIVES', driveItems(sketch).concat(kept(sketch, 'DRIVES'))) : '';
     const wanted = [['OUTPUT', outputs.map((o) => quoted([o.kind, ...o.of].join(' ')))]];
@@ -325,6 +354,9 @@ board.text = (() => {
   /** Where a group of the first case stands in a text, with its items; nothing if there is none. */
   const placeOf = (text, name) => split(text).groups.find((one) => one.name === name);
 
+  /** Where the last group of the first case ends. */
+  const endOf = (text) => { const { groups: all } = split(text); return all.length ? all.at(-1).end : text.length; };
+
   /** A text in which a group, or one item of it, is another; a group that is not there comes last of its case. */
   function changed(text, name, item, value) {
     const place = placeOf(text, name), there = place && place.items.find((one) => one.name === item);
@@ -335,5 +367,5 @@ board.text = (() => {
     return text.slice(0, last) + '\n' + head + item + '=' + value + ' &END' + text.slice(last);
   }
 
-  return { Mistake, parse, write, renameIn, groups, number, jointsIn, placeOf, changed };
+  return { Mistake, parse, write, renameIn, groups, number, jointsIn, placeOf, endOf, changed };
 })();

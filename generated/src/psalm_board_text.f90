@@ -735,13 +735,12 @@ module psalm_board_text
    '  #tools button {'//nl// &
    '    flex: 0 0 58px;'//nl// &
    '  }'//nl// &
+   '  main {'//nl// &
+   '    display: block;'//nl// &
+   '  }'//nl// &
    '  figure {'//nl// &
    '    height: 58vh;'//nl// &
-   '  }'//nl// &
-   '  main,'//nl// &
-   '  main:has(#side[data-tab]) {'//nl// &
-   '    grid-template-columns: minmax(0, 1fr);'//nl// &
-   '    grid-template-rows: none;'//nl// &
+   '    background: var(--paper);'//nl// &
    '  }'//nl// &
    '  #side {'//nl// &
    '    border-left: 0;'//nl// &
@@ -760,6 +759,23 @@ module psalm_board_text
    '    bottom: 0;'//nl// &
    '  }'//nl// &
    '}'//nl// &
+   ''//nl// &
+   '/* what is beside the drawing scrolls below it, and what has the focus is never behind it */'//nl// &
+   '@media (max-width: 900px) and (min-height: 560px) {'//nl// &
+   '  html {'//nl// &
+   '    scroll-padding: calc(45vh + 46px) 0 136px;'//nl// &
+   '  }'//nl// &
+   '  figure {'//nl// &
+   '    position: sticky;'//nl// &
+   '    top: 0;'//nl// &
+   '    z-index: 2;'//nl// &
+   '    height: 45vh;'//nl// &
+   '    border-bottom: 1px solid var(--line);'//nl// &
+   '  }'//nl// &
+   '  #tabs {'//nl// &
+   '    top: 45vh;'//nl// &
+   '  }'//nl// &
+   '}'//nl// &
    '</style>'//nl// &
    '</head>'//nl// &
    '<body>'//nl// &
@@ -768,7 +784,7 @@ module psalm_board_text
    '  <div class="bar">'//nl// &
    '    <button id="new" type="button"></button>'//nl// &
    '    <button id="open" type="button"></button>'//nl// &
-   '    <input id="file" type="file" accept=".nml,.dev7,.txt,text/plain" hidden>'//nl// &
+   '    <input id="file" type="file" accept=".nml,.dev7,.txt,.dxf,.FCStd,.json,.pmks,text/plain" hidden>'//nl// &
    '    <button id="save" type="button" class="main"></button>'//nl// &
    '    <button id="share" type="button"></button>'//nl// &
    '    <button id="gallery" type="button"></button>'//nl// &
@@ -815,7 +831,9 @@ module psalm_board_text
    '// Data sets to begin with. Written by tools/embed_page from those of data/.'//nl// &
    "'use strict';"//nl// &
    'globalThis.board = globalThis.board || {};'//nl// &
-   'board.examples = ['//nl// &
+   'board.examples = ['//nl
+
+   character(*), parameter :: part_10 = &
    "  {""name"": ""sketch_four_bar"", ""title"": ""FOUR-BAR FROM A SKETCH"", ""text"": ""! A four-bar as it is sketched: fi"// &
    "ve joints with coordinates, four links by their joints; P is a point of the coupler.\n! No loop, no sign and no length "// &
    "is worked out by hand: psalm reads them off the drawing and device 8 shows its choice.\n! Output: path of P.\nFOUR-BAR "// &
@@ -918,9 +936,7 @@ module psalm_board_text
    " of cutting takes longer than the return.\n! Output: place of the ram.\nQUICK RETURN WITH RAM\n &CHAIN JNT='O','A','L',"// &
    "'B','C', JX=0.0,0.0,0.0,0.0,-110.0, JY=0.0,50.0,-130.0,150.0,165.0,\n  LNAME='frame','crank','block','lever','rod','ram"// &
    "', LNK='O L','O A','A','L B','B C','C',\n  SLNK='lever','frame', SLNK2='block','ram', SLX=0.0,-110.0, SLY=50.0,165.0, S"// &
-   "LANG=90.0,0.0 &END\n &DRIVES DRIVE='O' &END\n &OUTPUTS OUTPUT='point C' &END\n &METHOD IKIN=15 &END\n""},"//nl
-
-   character(*), parameter :: part_10 = &
+   "LANG=90.0,0.0 &END\n &DRIVES DRIVE='O' &END\n &OUTPUTS OUTPUT='point C' &END\n &METHOD IKIN=15 &END\n""},"//nl// &
    "  {""name"": ""toggle_press"", ""title"": ""TOGGLE PRESS FROM A SKETCH"", ""text"": ""! A toggle press: the crank pulls"// &
    " at the knee T of two links, which press the ram S down its guide as they straighten.\n! The ram is a link with one joi"// &
    "nt and a slide on the frame.\n! Output: place of the ram.\nTOGGLE PRESS FROM A SKETCH\n &CHAIN JNT='O','M','T','G','S',"// &
@@ -1045,7 +1061,8 @@ module psalm_board_text
    '  // what is on the page from the beginning'//nl// &
    '  page: {'//nl// &
    "    new: { text: 'New', title: 'empty board' },"//nl// &
-   "    open: { text: 'Open', title: 'open a data set (Ctrl+O); a file can also be dropped on the board' },"//nl// &
+   "    open: { text: 'Open', title: 'open a data set, or a DXF drawing, a FreeCAD sketch, a linkage of pylinkage or PMKS+ "// &
+   "(Ctrl+O); a file can also be dropped on the board' },"//nl// &
    "    save: { text: 'Save', title: 'save the data set (Ctrl+S)' },"//nl// &
    "    share: { text: 'Link', title: 'a link that holds this sketch' },"//nl// &
    "    gallery: { text: 'Gallery', title: 'mechanisms to begin with' },"//nl// &
@@ -1066,7 +1083,9 @@ module psalm_board_text
    "    engine: { label: 'results' },"//nl// &
    "    search: { label: 'search' },"//nl// &
    "    title: { label: 'title' },"//nl// &
-   "    file: { label: 'data set to open' },"//nl// &
+   "    file: { label: 'data set to open' },"//nl
+
+   character(*), parameter :: part_11 = &
    "    speed: { label: 'speed' },"//nl// &
    "    'speed-word': { text: 'speed' },"//nl// &
    "    grid: { label: 'grid' },"//nl// &
@@ -1075,8 +1094,10 @@ module psalm_board_text
    ''//nl// &
    '  // tools: name, what to do'//nl// &
    '  tools: {'//nl// &
-   "    select: ['Select', 'Drag joints and links; drag the paper to move the view. Drop a joint on another to join them.']"// &
-   ","//nl// &
+   "    select: ['Select', 'Drag joints and links; drag the paper to move the view. Drop a joint on another to join them. W"// &
+   "ith Shift several are chosen.'],"//nl// &
+   "    several: ['Several', 'Pull a box round what is to be chosen, or click one after the other; drag one of them to move"// &
+   " all.'],"//nl// &
    "    link: ['Link', 'Pull from joint to joint, or click both ends. A click on a link adds a joint to it; pulled off its "// &
    "line it makes a plate.'],"//nl// &
    "    pivot: ['Pivot', 'Click a joint to pin it to the frame, or to free it; click the paper for a new frame joint.'],"//nl// &
@@ -1119,9 +1140,7 @@ module psalm_board_text
    '  panel: {'//nl// &
    "    name: 'name',"//nl// &
    "    jointName: 'name of the joint',"//nl// &
-   "    frame: 'frame',"//nl
-
-   character(*), parameter :: part_11 = &
+   "    frame: 'frame',"//nl// &
    "    pinned: 'pinned to the frame',"//nl// &
    "    output: 'output',"//nl// &
    "    pathIsOutput: 'its path is an output',"//nl// &
@@ -1156,13 +1175,32 @@ module psalm_board_text
    "    newLinkLabel: 'new link of joints',"//nl// &
    "    newJoint: 'new joint',"//nl// &
    "    newLink: 'new link',"//nl// &
+   "    ranges: 'Ranges in a search',"//nl// &
+   "    rangeHint: 'Between least and most a search may choose; the text has them as VARY, VLOW, VHIGH.',"//nl// &
+   "    least: 'least',"//nl// &
+   "    most: 'most',"//nl// &
+   "    leastOf: (of) => 'least ' + of,"//nl// &
+   "    mostOf: (of) => 'most ' + of,"//nl// &
+   "    noRange: (of) => 'no range of ' + of,"//nl// &
    "    lengthHint: 'A length typed in is kept exactly (tick); the drawing follows.',"//nl// &
    "    gridOfStrokes: 'A grid of strokes (NGRID); edit it in the tab Text.',"//nl// &
    "    countedFrom: 'Counted from the drawing: degrees of a crank, lengths of slides and cylinders.',"//nl// &
    "    outputExample: 'angle rocker, distance P Q ...',"//nl// &
    "    frameHead: 'Frame',"//nl// &
    "    degrees: 'degrees',"//nl// &
-   "    joint: (name) => 'Joint ' + name,"//nl// &
+   "    several: (count) => count + ' chosen',"//nl// &
+   "    severalHint: 'Shift and a click adds one, on the board or in the lists below; Ctrl+A takes all. Arrow keys move the"// &
+   "m by the grid, Delete takes them away.',"//nl// &
+   "    chosenNoMore: { joint: (name) => 'joint ' + name + ' no longer', link: (name) => 'link ' + name + ' no longer', sli"// &
+   "de: (name) => 'slide ' + name + ' no longer',"//nl// &
+   "      cylinder: (name) => 'cylinder ' + name + ' no longer' },"//nl// &
+   "    moveBy: 'move by',"//nl// &
+   "    moveX: 'step along x',"//nl// &
+   "    moveY: 'step along y',"//nl// &
+   "    move: 'Move',"//nl// &
+   "    joint: (name) => 'Joint ' + name,"//nl
+
+   character(*), parameter :: part_12 = &
    "    link: (name) => 'Link ' + name,"//nl// &
    "    slide: (name) => 'Slide ' + name,"//nl// &
    "    cylinder: (at) => 'Cylinder ' + at,"//nl// &
@@ -1194,6 +1232,19 @@ module psalm_board_text
    "dth of the picture, lengths',"//nl// &
    "    fade: 'how strongly the picture shows, 0 to 100' },"//nl// &
    ''//nl// &
+   '  // files of other programs'//nl// &
+   "  bringHead: 'A file of another program',"//nl// &
+   "  bringHint: 'The file does not say it all. Name the joints that stand still, and which of them is driven; the message "// &
+   "lists the joints with their places.',"//nl// &
+   "  bringFixed: 'joints of the frame',"//nl// &
+   "  bringDrive: 'driven joint',"//nl// &
+   "  bringAgain: 'Open',"//nl// &
+   "  bringLink: 'a link of PMKS+',"//nl// &
+   "  bringServed: (name) => name + ': drawings and files of other programs are opened by psalm-workbench, or made a data s"// &
+   "et by psalm-import.',"//nl// &
+   "  bringLarge: (name, most) => name + ': the file is larger than ' + most + ' MB; make it a data set by psalm-import.',"//nl// &
+   "  bringUnread: (name) => name + ': the file could not be read.',"//nl// &
+   ''//nl// &
    '  // the text of the case'//nl// &
    "  dataSet: 'data set',"//nl// &
    "  textHint: 'What is saved. Changes here are on the board at once, and the other way round.',"//nl// &
@@ -1222,9 +1273,7 @@ module psalm_board_text
    "  summary: 'Summary',"//nl// &
    "  messages: 'Messages',"//nl// &
    "  here: 'At this position',"//nl// &
-   "  shownArrows: 'Arrows',"//nl
-
-   character(*), parameter :: part_12 = &
+   "  shownArrows: 'Arrows',"//nl// &
    "  velocities: 'velocities',"//nl// &
    "  forces: 'forces',"//nl// &
    "  transmission: 'Transmission angle',"//nl// &
@@ -1254,7 +1303,9 @@ module psalm_board_text
    "  range: (from, to) => 'from ' + from + ' to ' + to,"//nl// &
    "  extremes: (least, at, greatest, where) => 'least ' + least + ' at ' + at + ', greatest ' + greatest + ' at ' + where,"//nl// &
    "  deadPoint: (of) => 'dead point: ' + of,"//nl// &
-   "  assemblies: 'Assemblies',"//nl// &
+   "  assemblies: 'Assemblies',"//nl
+
+   character(*), parameter :: part_13 = &
    "  assembliesHint: 'All ways to put the links together here; click one to draw it.',"//nl// &
    "  assembly: (number) => 'assembly ' + number,"//nl// &
    "  assemblyDrawn: 'as drawn',"//nl// &
@@ -1272,6 +1323,14 @@ module psalm_board_text
    "    springs: ['springs', '&SPRNGS'], machine: ['motion from torque', '&MOTOR'], time: ['motion in time', '&TIME'], vibr"// &
    "ation: ['vibration', '&VIBR, &ESTIM'],"//nl// &
    "    clearance: ['clearance of a joint', '&CLEAR'], cams: ['cam', '&CAM'] },"//nl// &
+   "  proposal: 'The text has no such group; this one was proposed and used:',"//nl// &
+   "  proposalLabel: 'group that is proposed',"//nl// &
+   "  proposalTake: 'Put it into the text',"//nl// &
+   "  proposalMoves: 'Draw a linkage with one drive that moves first.',"//nl// &
+   "  proposalCrank: 'A cam needs a crank on the frame, which it swings: drive one with the tool Drive.',"//nl// &
+   "  proposalMasses: 'Weights and springs act against masses and loads: give &MASSES (with GRAVY), &PLATES or &LOADS in th"// &
+   "e text first.',"//nl// &
+   "  proposalMounted: 'No link turns on the frame: write the group in the text.',"//nl// &
    "  run: 'Run',"//nl// &
    "  studyStop: 'stop the study',"//nl// &
    "  listing: 'listing of the study',"//nl// &
@@ -1297,9 +1356,10 @@ module psalm_board_text
    "  lengths: 'lengths',"//nl// &
    "  lengthLow: 'least length; 0: a fiftieth of the curve',"//nl// &
    "  lengthHigh: 'greatest length; 0: five times the curve',"//nl// &
-   "  mineHint: 'Of this linkage all dimensions vary but the lengths that are exact (ticked in Properties).',"//nl// &
+   "  mineHint: 'Of this linkage all dimensions vary but the lengths that are exact (ticked in Properties), within their ra"// &
+   "nges (there, too).',"//nl// &
    "  mineNeeds: 'Only a linkage that moves, with one drive and a point as its first output, can be varied.',"//nl// &
-   "  mineSlides: 'With slides or gears all dimensions vary: exact lengths cannot be kept.',"//nl// &
+   "  mineSlides: 'With slides or gears all dimensions vary: exact lengths and ranges cannot be kept.',"//nl// &
    "  searchStart: 'Search',"//nl// &
    "  searchOn: 'Go on',"//nl// &
    "  searchStop: 'Stop',"//nl// &
@@ -1318,6 +1378,8 @@ module psalm_board_text
    '// A sketch is plain data; joints, links, slides and outputs are referred to by their names:'//nl// &
    '//   title; joints [{name, x, y}]; links [{name, joints}], the first is the frame; slides [{name, links, x, y, angle}];'//nl// &
    '//   gears [{wheels, carrier, teeth}]; lengths [{joints, value}]; kover;'//nl// &
+   '//   vary [{of: a dimension as VARY has it, low, high: its bounds, lists of as many numbers as it has; empty: none are '// &
+   'given}];'//nl// &
    "//   drives [{kind: 'turn' | 'slide' | 'cylinder', at (a joint, a slide, or two joints), base, link, ratio, phase, delt"// &
    "}];"//nl// &
    '//   outputs [{kind, of: words after the kind, name}]; ikin, delt: the positions; crnki'//nl// &
@@ -1332,10 +1394,8 @@ module psalm_board_text
    '  const NAMING = /^(?!ONAME)\w*NAME$|JNT$|^VARY$|^FREE$|^FOTHER$|^(TOL|AL)NAM$/; // items that name joints or links'//nl// &
    '  const OWN = {                  // items that a sketch has places for; others are kept'//nl// &
    "    CHAIN: ['JNT', 'JX', 'JY', 'LNAME', 'LNK', 'NSLIDE', 'SNAME', 'SLNK', 'SLNK2', 'SLX', 'SLY', 'SLANG', 'GEARA', 'GEA"// &
-   "RB', 'GCARR',"//nl
-
-   character(*), parameter :: part_13 = &
-   "      'GTA', 'GTB', 'LENP', 'LENV', 'KOVER'],"//nl// &
+   "RB', 'GCARR',"//nl// &
+   "      'GTA', 'GTB', 'LENP', 'LENV', 'KOVER', 'VARY', 'VLOW', 'VHIGH'],"//nl// &
    "    DRIVES: ['DRIVE', 'DBASE', 'DLINK', 'NDRIVE', 'RATIO', 'PHASE', 'NGRID', 'DLOW', 'DHIGH'],"//nl// &
    "    OUTPUTS: ['OUTPUT', 'ONAME'],"//nl// &
    "    METHOD: ['NDES', 'DELT', 'IKIN', 'CRNKI'],"//nl// &
@@ -1357,7 +1417,9 @@ module psalm_board_text
    "    const lines = text.split('\n'), starts = [];"//nl// &
    '    lines.reduce((at, line) => { starts.push(at); return at + line.length + 1; }, 0);'//nl// &
    '    const plain = (line) => /^\s*[^\s!]/.test(line);'//nl// &
-   '    const first = lines.findIndex(plain);'//nl// &
+   '    const first = lines.findIndex(plain);'//nl
+
+   character(*), parameter :: part_14 = &
    "    if (first < 0) throw new Mistake('there is no title');"//nl// &
    '    const groups = [];'//nl// &
    '    let at = starts[first] + lines[first].length, end = text.length;'//nl// &
@@ -1441,9 +1503,7 @@ module psalm_board_text
    '  function reader(group) {'//nl// &
    '    const find = (name) => group && group.items.find((item) => item.name === name);'//nl// &
    '    const texts = (name) => (find(name) || { values: [] }).values;'//nl// &
-   '    const numbers = (name) => texts(name).map((value) => {'//nl
-
-   character(*), parameter :: part_14 = &
+   '    const numbers = (name) => texts(name).map((value) => {'//nl// &
    "      const number = Number(value.replace(/^([-+.\d]*)[dq]/i, '$1e'));"//nl// &
    "      if (value === '' || !isFinite(number))"//nl// &
    "        throw new Mistake('&' + group.name + ' ' + name + "": a number is expected; found '"" + value + ""'"", find(nam"// &
@@ -1467,7 +1527,9 @@ module psalm_board_text
    "        ': the drawing board reads lists, not single elements', item.line);"//nl// &
    "    const sketch = { title: whole.title, ...readChain(reader(groupOf('CHAIN'))), keep: {} };"//nl// &
    "    readDrives(reader(groupOf('DRIVES')), sketch);"//nl// &
-   "    readOutputs(reader(groupOf('OUTPUTS')), sketch);"//nl// &
+   "    readOutputs(reader(groupOf('OUTPUTS')), sketch);"//nl
+
+   character(*), parameter :: part_15 = &
    "    readMethod(reader(groupOf('METHOD')), sketch);"//nl// &
    '    for (const name of Object.keys(OWN)) sketch.keep[name] = (groupOf(name) || { items: [] }).items'//nl// &
    "      .filter((item) => !OWN[name].includes(item.name) && !(name === 'DRIVES' && /^DELT\d+$/.test(item.name)))"//nl// &
@@ -1507,8 +1569,34 @@ module psalm_board_text
    "      carrier: known(texts('GCARR')[i] || '', 'GCARR'), teeth: [numbers('GTA')[i], numbers('GTB')[i]] }));"//nl// &
    "    const lengths = texts('LENP').map((words, i) => ({ joints: jointsIn(words, names, wrong('LENP')), value: numbers('L"// &
    "ENV')[i] }));"//nl// &
-   '    return { joints: names.map((name, i) => ({ name, x: x[i], y: y[i] })), links, slides, gears, lengths,'//nl// &
+   '    const vary = readVary({ texts, numbers }, wrong);'//nl// &
+   '    return { joints: names.map((name, i) => ({ name, x: x[i], y: y[i] })), links, slides, gears, lengths, vary,'//nl// &
    "      kover: numbers('KOVER')[0] === 1, named: texts('LNAME').length > 0, drives: [], outputs: [] };"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** How many numbers a dimension is. */'//nl// &
+   '  const numbersOf = (of) => /^place\b/.test(of) ? 2 : 1;'//nl// &
+   ''//nl// &
+   '  function readVary({ texts, numbers }, wrong) {'//nl// &
+   "    const all = texts('VARY').map((of) => of.trim()), low = numbers('VLOW'), high = numbers('VHIGH');"//nl// &
+   '    const count = all.reduce((sum, of) => sum + numbersOf(of), 0);'//nl// &
+   "    for (const [item, values] of [['VLOW', low], ['VHIGH', high]]) if ((low.length || high.length) && values.length !=="// &
+   " count)"//nl// &
+   "      throw wrong(item)('bounds of ' + count + ' numbers are expected, in the order of VARY');"//nl// &
+   '    let at = 0;'//nl// &
+   '    return all.map((of) => { const from = at; at += numbersOf(of); return { of, low: low.slice(from, at), high: high.sl'// &
+   'ice(from, at) }; });'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** A dimension that has no bounds has wide ones where others have some: lengths by the size of the drawing, angles b'// &
+   'y two turns. */'//nl// &
+   '  function boundsOf({ of, low, high }, { joints }) {'//nl// &
+   '    if (low.length) return [low, high];'//nl// &
+   '    const xs = joints.map((j) => j.x), ys = joints.map((j) => j.y), size = Math.max(Math.max(...xs) - Math.min(...xs), '// &
+   'Math.max(...ys) - Math.min(...ys)) || 1;'//nl// &
+   '    const round = (v) => Number(v.toPrecision(3)), length = [round(size / 50), round(5 * size)], turns = [-720, 720];'//nl// &
+   '    const pairs = /^place\b/.test(of) ? [[0, length[1]], turns] : /^(angle|input)\b/.test(of) ? [turns] : [length];'//nl// &
+   '    return [pairs.map((p) => p[0]), pairs.map((p) => p[1])];'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function readDrives({ texts, numbers, line }, sketch) {'//nl// &
@@ -1553,7 +1641,7 @@ module psalm_board_text
    '  function number(value) {'//nl// &
    "    const text = String(value).replace('e', 'E').replace('E+', 'E');"//nl
 
-   character(*), parameter :: part_15 = &
+   character(*), parameter :: part_16 = &
    "    return /[.E]/.test(text) ? text.replace(/^(-?\d+)E/, '$1.0E') : text + '.0';"//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1601,6 +1689,13 @@ module psalm_board_text
    "    if (lengths.length) chain.push(['LENP', lengths.map((l) => quoted(l.joints.join(' ')))], ['LENV', lengths.map((l) ="// &
    "> number(l.value))]);"//nl// &
    "    if (sketch.kover) chain.push(['KOVER', ['1']]);"//nl// &
+   '    const vary = sketch.vary || [];'//nl// &
+   "    if (vary.length) chain.push(['VARY', vary.map((one) => quoted(one.of))]);"//nl// &
+   '    if (vary.some((one) => one.low.length)) {'//nl// &
+   '      const bounds = vary.map((one) => boundsOf(one, sketch));'//nl// &
+   "      chain.push(['VLOW', bounds.flatMap((pair) => pair[0].map(number))], ['VHIGH', bounds.flatMap((pair) => pair[1].ma"// &
+   "p(number))]);"//nl// &
+   '    }'//nl// &
    "    const list = { CHAIN: group('CHAIN', chain.concat(kept(sketch, 'CHAIN'))) };"//nl// &
    "    list.DRIVES = drives.length ? group('DRIVES', driveItems(sketch).concat(kept(sketch, 'DRIVES'))) : '';"//nl// &
    "    const wanted = [['OUTPUT', outputs.map((o) => quoted([o.kind, ...o.of].join(' ')))]];"//nl// &
@@ -1661,16 +1756,16 @@ module psalm_board_text
    "      if (one.name === 'CHAIN') for (const name of missing) text += '\n' + now[name];"//nl// &
    '      at = one.end;'//nl// &
    '    }'//nl// &
-   '    return text + source.slice(at);'//nl// &
+   '    return text + source.slice(at);'//nl
+
+   character(*), parameter :: part_17 = &
    '  }'//nl// &
    ''//nl// &
    '  /** A group that the board does not edit, with what stands before it, and with the names that joints and links have n'// &
    'ow. */'//nl// &
    '  function renamed(source, at, group, renames) {'//nl// &
    "    let text = '';"//nl// &
-   '    for (const item of group.items) {'//nl
-
-   character(*), parameter :: part_16 = &
+   '    for (const item of group.items) {'//nl// &
    '      text += source.slice(at, item.from) + renames.reduce((part, one) => renameIn(item.name, part, one), source.slice('// &
    'item.from, item.to));'//nl// &
    '      at = item.to;'//nl// &
@@ -1680,6 +1775,9 @@ module psalm_board_text
    ''//nl// &
    '  /** Where a group of the first case stands in a text, with its items; nothing if there is none. */'//nl// &
    '  const placeOf = (text, name) => split(text).groups.find((one) => one.name === name);'//nl// &
+   ''//nl// &
+   '  /** Where the last group of the first case ends. */'//nl// &
+   '  const endOf = (text) => { const { groups: all } = split(text); return all.length ? all.at(-1).end : text.length; };'//nl// &
    ''//nl// &
    '  /** A text in which a group, or one item of it, is another; a group that is not there comes last of its case. */'//nl// &
    '  function changed(text, name, item, value) {'//nl// &
@@ -1693,7 +1791,7 @@ module psalm_board_text
    "    return text.slice(0, last) + '\n' + head + item + '=' + value + ' &END' + text.slice(last);"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  return { Mistake, parse, write, renameIn, groups, number, jointsIn, placeOf, changed };'//nl// &
+   '  return { Mistake, parse, write, renameIn, groups, number, jointsIn, placeOf, endOf, changed };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
@@ -1770,7 +1868,9 @@ module psalm_board_text
    '    }));'//nl// &
    '    const held = sketch.lengths.filter((l) => l.joints.every((name) => at.has(name)));'//nl// &
    '    if (!held.length) return at;'//nl// &
-   '    const names = link.joints, first = at.get(names[0]).slice();'//nl// &
+   '    const names = link.joints, first = at.get(names[0]).slice();'//nl
+
+   character(*), parameter :: part_18 = &
    '    for (let round = 0; round < ROUNDS; round++) {'//nl// &
    '      const rows = [], right = [];'//nl// &
    '      for (const { joints: [a, b], value } of held) {'//nl// &
@@ -1779,9 +1879,7 @@ module psalm_board_text
    '        [row[i], row[i + 1], row[k], row[k + 1]] = [-dx / d, -dy / d, dx / d, dy / d];'//nl// &
    '        rows.push(row);'//nl// &
    '        right.push(value - d);'//nl// &
-   '      }'//nl
-
-   character(*), parameter :: part_17 = &
+   '      }'//nl// &
    '      const worst = Math.max(...right.map(Math.abs));'//nl// &
    '      if (worst <= 4e-16 * Math.max(...held.map((l) => l.value))) break;'//nl// &
    '      // the shortest step: a combination of the rows'//nl// &
@@ -1879,7 +1977,9 @@ module psalm_board_text
    '      }'//nl// &
    '      A.push(row);'//nl// &
    '      r.push(value);'//nl// &
-   '    };'//nl// &
+   '    };'//nl
+
+   character(*), parameter :: part_19 = &
    '    for (const row of mech.rows) {'//nl// &
    '      const { a, b } = row;'//nl// &
    "      if (row.kind === 'pin') {"//nl// &
@@ -1888,9 +1988,7 @@ module psalm_board_text
    '        add(q[1] - p[1], [[b, 0, 1, q[3]], [a, 0, -1, -p[3]]]);'//nl// &
    "      } else if (row.kind === 'same') {"//nl// &
    '        add(size * (pose[3 * b + 2] - pose[3 * a + 2]), [[b, 0, 0, size], [a, 0, 0, -size]]);'//nl// &
-   "      } else if (row.kind === 'line') {"//nl
-
-   character(*), parameter :: part_18 = &
+   "      } else if (row.kind === 'line') {"//nl// &
    '        const z = travel(mech, pose, row.i), by = z.by([-z.u[1], z.u[0]]);'//nl// &
    '        by.a[2] -= z.along;'//nl// &
    '        add(z.across, [[b, ...by.b], [a, ...by.a]]);'//nl// &
@@ -1986,7 +2084,9 @@ module psalm_board_text
    '    return now;'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Places of all joints, [x, y] each. */'//nl// &
+   '  /** Places of all joints, [x, y] each. */'//nl
+
+   character(*), parameter :: part_20 = &
    '  const joints = (mech, pose) => mech.of.map((links, j) => links.length ? place(mech, pose, links[0], mech.point[links['// &
    '0]].get(j)).slice(0, 2) :'//nl// &
    '    [mech.sketch.joints[j].x, mech.sketch.joints[j].y]);'//nl// &
@@ -1997,9 +2097,7 @@ module psalm_board_text
    '  /** Inputs (radians or lengths) of all drives where the first free one has a value in its own unit; `k`: position. */'//nl// &
    '  function inputsAt(sketch, first, k = -1) {'//nl// &
    '    return sketch.drives.map((drive, i) => {'//nl// &
-   '      let value = i === 0 ? first : drive.ratio ? drive.ratio * first + drive.phase : k >= 0 ? drive.delt[k] || 0 : 0;'//nl
-
-   character(*), parameter :: part_19 = &
+   '      let value = i === 0 ? first : drive.ratio ? drive.ratio * first + drive.phase : k >= 0 ? drive.delt[k] || 0 : 0;'//nl// &
    "      if (drive.kind === 'turn') value *= RADIAN;"//nl// &
    '      return value;'//nl// &
    '    });'//nl// &
@@ -2101,7 +2199,9 @@ module psalm_board_text
    '    const basis = [], twice = [], order = A.map((_, k) => k);'//nl// &
    "    if (sketch.kover) order.sort((a, b) => ('drive' in tags[b]) - ('drive' in tags[a]));"//nl// &
    '    order.forEach((k) => {'//nl// &
-   '      const row = A[k], v = row.slice(), scale = Math.max(1e-12, ...row.map(Math.abs));'//nl// &
+   '      const row = A[k], v = row.slice(), scale = Math.max(1e-12, ...row.map(Math.abs));'//nl
+
+   character(*), parameter :: part_21 = &
    '      for (const { column, w } of basis) {'//nl// &
    '        const f = v[column] / w[column];'//nl// &
    '        if (f) for (let j = 0; j < n; j++) v[j] -= f * w[j];'//nl// &
@@ -2110,9 +2210,7 @@ module psalm_board_text
    '      for (let j = 1; j < n; j++) if (Math.abs(v[j]) > Math.abs(v[column])) column = j;'//nl// &
    '      if (n && Math.abs(v[column]) > 1e-9 * scale) basis.push({ column, w: v }); else twice.push(tags[k]);'//nl// &
    '    });'//nl// &
-   '    const left = n - basis.length;'//nl
-
-   character(*), parameter :: part_20 = &
+   '    const left = n - basis.length;'//nl// &
    '    return { left, twice, free: left ? freeLinks(basis, n) : [], count: n - (mech.count - mech.drives.length), driven: '// &
    'mech.drives.length };'//nl// &
    '  }'//nl// &
@@ -2213,7 +2311,9 @@ module psalm_board_text
    '    [w, h] = [Math.max(1, canvas.clientWidth), Math.max(1, canvas.clientHeight)];'//nl// &
    '    canvas.width = Math.round(w * dpr);'//nl// &
    '    canvas.height = Math.round(h * dpr);'//nl// &
-   '    g.setTransform(dpr, 0, 0, dpr, 0, 0);'//nl// &
+   '    g.setTransform(dpr, 0, 0, dpr, 0, 0);'//nl
+
+   character(*), parameter :: part_22 = &
    '  }'//nl// &
    ''//nl// &
    '  /** The eye on a box of lengths. */'//nl// &
@@ -2221,11 +2321,9 @@ module psalm_board_text
    '    const across = Math.max(x2 - x1, 1e-9), down = Math.max(y2 - y1, 1e-9), room = Math.max(across, down);'//nl// &
    '    eye.x = (x1 + x2) / 2;'//nl// &
    '    eye.y = (y1 + y2) / 2;'//nl// &
-   '    eye.k = Math.min(Math.max(60, w - 150) / Math.max(across, room / 8), Math.max(60, h - 170) / Math.max(down, room / '// &
-   '8));'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_21 = &
+   '    eye.k = Math.min(Math.max(60, w - 150) / Math.max(across, room / 8), Math.max(60, h - Math.min(170, 0.4 * h)) / Mat'// &
+   'h.max(down, room / 8));'//nl// &
+   '  }'//nl// &
    ''//nl// &
    '  function zoom(factor, px = w / 2, py = h / 2) {'//nl// &
    '    const [x, y] = world(px, py);'//nl// &
@@ -2324,7 +2422,9 @@ module psalm_board_text
    '    if (!motion.sweep) return;'//nl// &
    "    const wanted = new Set(sketch.outputs.filter((o) => ['point', 'pose', 'x', 'y'].includes(o.kind)).map((o) => o.of[0"// &
    "]));"//nl// &
-   '    sketch.joints.forEach((joint, j) => {'//nl// &
+   '    sketch.joints.forEach((joint, j) => {'//nl
+
+   character(*), parameter :: part_23 = &
    '      if (board.inFrame(joint.name)) return;'//nl// &
    '      const strong = wanted.has(joint.name);'//nl// &
    '      g.strokeStyle = strong ? pens.actual : pens.ghost;'//nl// &
@@ -2333,16 +2433,14 @@ module psalm_board_text
    '      g.beginPath();'//nl// &
    '      for (const places of motion.sweep.places) g.lineTo(X(places[j][0]), Y(places[j][1]));'//nl// &
    '      if (motion.sweep.ring) g.closePath();'//nl// &
-   '      g.stroke();'//nl
-
-   character(*), parameter :: part_22 = &
+   '      g.stroke();'//nl// &
    '    });'//nl// &
    '    g.globalAlpha = 1;'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** A link: a rounded bar from joint to joint, a plate where it has more than two. */'//nl// &
    '  function drawLink(link, i, p) {'//nl// &
-   '    const { selection, hover } = board.state, chosen = selection && selection.link === link.name;'//nl// &
+   "    const { hover } = board.state, chosen = board.isChosen('link', link.name);"//nl// &
    '    if (!link.joints.length) return;'//nl// &
    '    const round = outline(link.joints.map(p));'//nl// &
    '    const wide = i === 0 ? 6 : 15;'//nl// &
@@ -2417,18 +2515,20 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  function drawBlock(slide, i) {'//nl// &
-   '    const { selection, sketch } = board.state, place = board.slidePlace(i);'//nl// &
+   '    const { sketch } = board.state, place = board.slidePlace(i);'//nl// &
    "    const driven = sketch.drives.some((d) => d.kind === 'slide' && d.at[0] === slide.name);"//nl// &
    '    g.save();'//nl// &
    '    g.translate(X(place.bx), Y(place.by));'//nl// &
    '    g.rotate(-Math.atan2(place.u[1], place.u[0]));'//nl// &
    '    g.fillStyle = pens.paper;'//nl// &
-   '    g.strokeStyle = selection && selection.slide === slide.name ? pens.accent : pens.ink;'//nl// &
+   "    g.strokeStyle = board.isChosen('slide', slide.name) ? pens.accent : pens.ink;"//nl// &
    '    g.lineWidth = 2;'//nl// &
    '    g.beginPath();'//nl// &
    '    g.rect(-15, -9.5, 30, 19);'//nl// &
    '    g.fill();'//nl// &
-   '    g.stroke();'//nl// &
+   '    g.stroke();'//nl
+
+   character(*), parameter :: part_24 = &
    '    if (driven) {'//nl// &
    '      g.strokeStyle = pens.good;'//nl// &
    '      g.lineWidth = 2.4;'//nl// &
@@ -2437,9 +2537,7 @@ module psalm_board_text
    '      line(24, -17, 18, -13);'//nl// &
    '    }'//nl// &
    '    g.restore();'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_23 = &
+   '  }'//nl// &
    ''//nl// &
    '  function drawCylinder(drive, p) {'//nl// &
    '    const [a, b] = drive.at.map(p), d = Math.hypot(b[0] - a[0], b[1] - a[1]) || 1, f = 0.6;'//nl// &
@@ -2472,7 +2570,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  function drawJoint(joint, [x, y]) {'//nl// &
-   '    const { selection, hover, wrong } = board.state, chosen = selection && selection.joint === joint.name;'//nl// &
+   "    const { hover, wrong } = board.state, chosen = board.isChosen('joint', joint.name);"//nl// &
    '    if (board.inFrame(joint.name)) {'//nl// &
    '      g.strokeStyle = pens.ink;'//nl// &
    '      g.fillStyle = pens.paper;'//nl// &
@@ -2532,7 +2630,9 @@ module psalm_board_text
    '      g.beginPath();'//nl// &
    '      for (let i = 0; i < 10; i++) {'//nl// &
    '        const a = -Math.PI / 2 + i * Math.PI / 5, d = i % 2 ? 4 : 10;'//nl// &
-   '        g.lineTo(x + d * Math.cos(a), y + d * Math.sin(a));'//nl// &
+   '        g.lineTo(x + d * Math.cos(a), y + d * Math.sin(a));'//nl
+
+   character(*), parameter :: part_25 = &
    '      }'//nl// &
    '      g.fill();'//nl// &
    '    }'//nl// &
@@ -2541,9 +2641,7 @@ module psalm_board_text
    '  /** Exact lengths, and those of the link chosen. */'//nl// &
    '  function drawDimensions(p) {'//nl// &
    '    const { sketch, selection } = board.state, at = board.places();'//nl// &
-   "    const pairs = new Map(sketch.lengths.map((l) => [l.joints.join('\n'), { joints: l.joints, exact: true }]));"//nl
-
-   character(*), parameter :: part_24 = &
+   "    const pairs = new Map(sketch.lengths.map((l) => [l.joints.join('\n'), { joints: l.joints, exact: true }]));"//nl// &
    '    const link = selection && sketch.links.find((l) => l.name === selection.link);'//nl// &
    '    if (link && link !== sketch.links[0]) board.sides(link).forEach((joints) => {'//nl// &
    "      if (!pairs.has(joints.join('\n')) && !pairs.has(joints.slice().reverse().join('\n'))) pairs.set(joints.join('\n')"// &
@@ -2567,9 +2665,20 @@ module psalm_board_text
    "    g.textAlign = 'left';"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** What a tool is about to make. */'//nl// &
+   '  /** What a tool is about to make, or the box that is pulled round what is to be chosen. */'//nl// &
    '  function drawPending() {'//nl// &
-   '    const { pending } = board.state;'//nl// &
+   '    const { pending } = board.state, { box } = board.tools;'//nl// &
+   '    if (box) {'//nl// &
+   '      const [x1, x2, y1, y2] = [...sorted(box.from[0], box.to[0]), ...sorted(box.from[1], box.to[1])];'//nl// &
+   '      g.strokeStyle = g.fillStyle = pens.accent;'//nl// &
+   '      g.lineWidth = 1.4;'//nl// &
+   '      g.setLineDash([5, 4]);'//nl// &
+   '      g.strokeRect(x1, y1, x2 - x1, y2 - y1);'//nl// &
+   '      g.setLineDash([]);'//nl// &
+   '      g.globalAlpha = 0.1;'//nl// &
+   '      g.fillRect(x1, y1, x2 - x1, y2 - y1);'//nl// &
+   '      g.globalAlpha = 1;'//nl// &
+   '    }'//nl// &
    '    if (!pending) return;'//nl// &
    '    const [x1, y1] = [X(pending.from[0]), Y(pending.from[1])], [x2, y2] = [X(pending.to[0]), Y(pending.to[1])];'//nl// &
    '    g.strokeStyle = pens.accent;'//nl// &
@@ -2587,6 +2696,19 @@ module psalm_board_text
    '    const dx = pending.to[0] - pending.from[0], dy = pending.to[1] - pending.from[1];'//nl// &
    "    g.fillText(short(Math.hypot(dx, dy)) + '  ' + short(Number((Math.atan2(dy, dx) * 180 / Math.PI).toFixed(2))) + '\u0"// &
    "0b0', x2 + 12, y2 + 20);"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  const sorted = (a, b) => [Math.min(a, b), Math.max(a, b)];'//nl// &
+   ''//nl// &
+   '  /** Joints and slides in a box of the canvas. */'//nl// &
+   '  function within(from, to) {'//nl// &
+   '    const { sketch } = board.state, at = board.places(), [x1, x2] = sorted(from[0], to[0]), [y1, y2] = sorted(from[1], '// &
+   'to[1]);'//nl// &
+   '    const inside = (x, y) => x >= x1 && x <= x2 && y >= y1 && y <= y2;'//nl// &
+   '    return [...sketch.joints.filter((joint) => inside(X(at.get(joint.name)[0]), Y(at.get(joint.name)[1]))).map((joint) '// &
+   '=> ({ joint: joint.name })),'//nl// &
+   '      ...sketch.slides.filter((slide, i) => { const place = board.slidePlace(i); return inside(X(place.bx), Y(place.by)'// &
+   '); }).map((slide) => ({ slide: slide.name }))];'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  // ---- what is under a point ---------------------------------------------------------------------------------------'// &
@@ -2619,7 +2741,9 @@ module psalm_board_text
    '      if (i === 0 || link.joints.includes(without)) return;'//nl// &
    '      const round = outline(link.joints.map(p));'//nl// &
    '      round.forEach((a, k) => {'//nl// &
-   '        const away = round.length > 1 ? distance(px, py, a, round[(k + 1) % round.length]) : Infinity;'//nl// &
+   '        const away = round.length > 1 ? distance(px, py, a, round[(k + 1) % round.length]) : Infinity;'//nl
+
+   character(*), parameter :: part_26 = &
    '        if (away < least) { best = { link: link.name }; least = away; }'//nl// &
    '      });'//nl// &
    '      if (!best && round.length > 2 && round.every((a, k) => {'//nl// &
@@ -2632,7 +2756,7 @@ module psalm_board_text
    '    return best;'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  return { begin, resize, look, zoom, pan, draw, world, snap, gridStep, under, short, outline,'//nl// &
+   '  return { begin, resize, look, zoom, pan, draw, world, snap, gridStep, under, within, short, outline,'//nl// &
    '    screen: (x, y) => { const box = canvas.getBoundingClientRect(); return [box.left + X(x), box.top + Y(y)]; },'//nl// &
    '    get canvas() { return canvas; }, get eye() { return eye; } };'//nl// &
    '})();'//nl// &
@@ -2651,9 +2775,7 @@ module psalm_board_text
    '  /** An element with attributes, listeners (on...) and children. */'//nl// &
    '  function make(tag, attributes = {}, ...children) {'//nl// &
    '    const element = document.createElement(tag);'//nl// &
-   '    for (const [name, value] of Object.entries(attributes)) {'//nl
-
-   character(*), parameter :: part_25 = &
+   '    for (const [name, value] of Object.entries(attributes)) {'//nl// &
    "      if (name.startsWith('on')) element.addEventListener(name.slice(2), value);"//nl// &
    "      else if (value === true) element.setAttribute(name, '');"//nl// &
    '      else if (value !== false && value !== undefined) element.setAttribute(name, value);'//nl// &
@@ -2724,7 +2846,9 @@ module psalm_board_text
    "    const box = make('input', { type: 'checkbox', 'aria-label': label, onchange: () => take(box.checked) });"//nl// &
    '    box.checked = on;'//nl// &
    '    return box;'//nl// &
-   '  };'//nl// &
+   '  };'//nl
+
+   character(*), parameter :: part_27 = &
    ''//nl// &
    '  function choice(label, options, value, take) {'//nl// &
    "    const select = make('select', { 'aria-label': label, onchange: () => take(select.value) }, ...options.map((name) =>"// &
@@ -2757,9 +2881,7 @@ module psalm_board_text
    ''//nl// &
    '  /** Freedom, or what is wrong, in words. */'//nl// &
    '  function showState() {'//nl// &
-   "    const { state } = board, chip = $('chip'), wrong = state.messages.length > 0;"//nl
-
-   character(*), parameter :: part_26 = &
+   "    const { state } = board, chip = $('chip'), wrong = state.messages.length > 0;"//nl// &
    "    chip.className = wrong ? 'wrong' : '';"//nl// &
    '    const n = state.sketch.drives.length;'//nl// &
    '    const text = wrong ? state.messages[0].text : board.words.freedom.moves(n);'//nl// &
@@ -2769,10 +2891,25 @@ module psalm_board_text
    '  function chosen() {'//nl// &
    '    const { state } = board, s = state.selection;'//nl// &
    '    if (!s) return [];'//nl// &
+   '    if (s.many) return manyPart(s);'//nl// &
    '    if (s.joint) return jointPart(board.jointOf(s.joint));'//nl// &
    '    if (s.link) return linkPart(board.linkOf(s.link));'//nl// &
    '    if (s.slide) return slidePart(state.sketch.slides.find((one) => one.name === s.slide));'//nl// &
    '    return cylinderPart(s.cylinder);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Several things: which, a step for all, Delete. */'//nl// &
+   '  function manyPart(s) {'//nl// &
+   '    const by = [0, 0], step = (axis) => (value) => { by[axis] = value; };'//nl// &
+   "    return [head(words.several(s.many.length)), make('p', {}, words.severalHint),"//nl// &
+   "      make('div', { class: 'list' }, ...s.many.map((one) => {"//nl// &
+   '        const [kind, name] = Object.entries(one)[0];'//nl// &
+   "        return button(name + ' \u00d7', () => { board.chooseMore(one); show(); board.view.draw(); }, { 'aria-label': wo"// &
+   "rds.chosenNoMore[kind](name) });"//nl// &
+   '      })),'//nl// &
+   '      row(words.moveBy, numberField(words.moveX, 0, step(0)), numberField(words.moveY, 0, step(1)),'//nl// &
+   '        button(words.move, () => { if (by[0] || by[1]) board.edit((sketch) => board.shift(sketch, s, by)); })),'//nl// &
+   '      button(words.delete, () => board.remove(s))];'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function jointPart(joint) {'//nl// &
@@ -2818,11 +2955,46 @@ module psalm_board_text
    '(value) : false),'//nl// &
    '          check(words.exactLength(label), Boolean(exact), (on) => fix(on ? Number(length.toPrecision(12)) : 0))));'//nl// &
    '      }'//nl// &
-   "      parts.push(make('p', {}, words.lengthHint),"//nl// &
+   "      parts.push(make('p', {}, words.lengthHint), ...rangePart(link),"//nl// &
    '        button(words.delete, () => board.remove({ link: name })));'//nl// &
    '    }'//nl// &
    '    return parts;'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_28 = &
+   ''//nl// &
+   '  /** Least and most of the dimensions of a link, which searches honour. */'//nl// &
+   '  function rangePart(link) {'//nl// &
+   '    const { sketch } = board.state, list = board.search.dimensionsOf(link).filter((of) => !/^place/.test(of));'//nl// &
+   '    if (!list.length) return [];'//nl// &
+   '    const set = (of, side) => (value) => {'//nl// &
+   '      const angle = /^angle/.test(of), { vary } = sketch, there = vary.find((one) => one.of === of);'//nl// &
+   '      const range = { low: there && there.low.length ? there.low[0] : NaN, high: there && there.high.length ? there.hig'// &
+   'h[0] : NaN, [side]: value };'//nl// &
+   '      // one bound alone: the other is far'//nl// &
+   '      const far = angle ? { low: -720, high: 720 } : { low: 0, high: Number((10 * size()).toPrecision(3)) };'//nl// &
+   "      for (const key of ['low', 'high']) if (Number.isNaN(range[key])) range[key] = far[key];"//nl// &
+   '      if (range.low > range.high || (!angle && range.low < 0)) return false;'//nl// &
+   '      return board.edit((s) => {'//nl// &
+   '        const one = { of, low: [range.low], high: [range.high] };'//nl// &
+   '        s.vary = s.vary.some((each) => each.of === of) ? s.vary.map((each) => each.of === of ? one : each) : [...s.vary'// &
+   ', one];'//nl// &
+   '      });'//nl// &
+   '    };'//nl// &
+   '    const clear = (of) => board.edit((s) => { s.vary = s.vary.filter((one) => one.of !== of); });'//nl// &
+   "    return [head(words.ranges), make('p', {}, words.rangeHint), ...list.map((of) => {"//nl// &
+   '      const one = sketch.vary.find((each) => each.of === of && each.low.length);'//nl// &
+   "      const bound = (side, label) => field(label(of), one ? String(one[side][0]) : '', (text) => {"//nl// &
+   '        const number = valueOf(text);'//nl// &
+   '        return isFinite(number) ? set(of, side)(number) : false;'//nl// &
+   "      }, { inputmode: 'decimal', placeholder: side === 'low' ? words.least : words.most });"//nl// &
+   "      return row(of, bound('low', words.leastOf), bound('high', words.mostOf), ...(one ? [button(words.cross, () => cle"// &
+   "ar(of), { 'aria-label': words.noRange(of) })] : []));"//nl// &
+   '    })];'//nl// &
    '  }'//nl// &
+   ''//nl// &
+   '  const size = () => { const { joints } = board.state.sketch, xs = joints.map((j) => j.x), ys = joints.map((j) => j.y);'// &
+   ' return Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys)) || 1; };'//nl// &
    ''//nl// &
    '  function slidePart(slide) {'//nl// &
    '    const { edit, state } = board, { name } = slide, names = state.sketch.links.map((l) => l.name);'//nl// &
@@ -2874,9 +3046,7 @@ module psalm_board_text
    '    const { state, edit } = board, { sketch } = state;'//nl// &
    '    if (!sketch.drives.length) return [];'//nl// &
    "    if (sketch.drives.some((d) => d.grid)) return [head(words.positions), make('p', {}, words.gridOfStrokes)];"//nl// &
-   "    const list = (label, values, take) => field(label, values.join(' '), (text) => {"//nl
-
-   character(*), parameter :: part_27 = &
+   "    const list = (label, values, take) => field(label, values.join(' '), (text) => {"//nl// &
    '      const numbers = text.split(/[\s;]+/).filter(Boolean).map(valueOf);'//nl// &
    '      return numbers.length && numbers.every(isFinite) ? take(numbers) : false;'//nl// &
    '    });'//nl// &
@@ -2903,7 +3073,9 @@ module psalm_board_text
    '  function outputPart() {'//nl// &
    '    const { state, edit } = board, { outputs } = state.sketch;'//nl// &
    "    const add = field(words.outputToAdd, '', (text) => {"//nl// &
-   '      const words = text.split(/\s+/);'//nl// &
+   '      const words = text.split(/\s+/);'//nl
+
+   character(*), parameter :: part_29 = &
    "      if (!['point', 'x', 'y', 'angle', 'distance', 'slide', 'between', 'pose', 'ratio'].includes(words[0]) || words.le"// &
    "ngth < 2) return false;"//nl// &
    '      const known = (word) => board.jointOf(word) || board.linkOf(word) || state.sketch.slides.some((s) => s.name === w'// &
@@ -2921,12 +3093,13 @@ module psalm_board_text
    ''//nl// &
    '  /** All joints and links, to be chosen without a mouse. */'//nl// &
    '  function listPart() {'//nl// &
-   '    const { state } = board, { sketch, selection: s } = state;'//nl// &
-   "    const item = (name, what, on) => button(name, () => choose(what), { class: on ? 'on' : '', 'aria-label': Object.key"// &
-   "s(what)[0] + ' ' + name });"//nl// &
-   '    const joints = sketch.joints.map((j) => item(j.name, { joint: j.name }, s && s.joint === j.name));'//nl// &
-   '    const links = sketch.links.map((l) => item(l.name, { link: l.name }, s && s.link === l.name));'//nl// &
-   '    const slides = sketch.slides.map((l) => item(l.name, { slide: l.name }, s && s.slide === l.name));'//nl// &
+   '    const { sketch } = board.state;'//nl// &
+   '    const item = (kind) => ({ name }) => button(name, (event) => {'//nl// &
+   '      if (event.shiftKey) { board.chooseMore({ [kind]: name }); choose(board.state.selection); } else choose({ [kind]: '// &
+   'name });'//nl// &
+   "    }, { class: board.isChosen(kind, name) ? 'on' : '', 'aria-label': kind + ' ' + name });"//nl// &
+   "    const [joints, links, slides] = [['joint', sketch.joints], ['link', sketch.links], ['slide', sketch.slides]].map((["// &
+   "kind, all]) => all.map(item(kind)));"//nl// &
    "    const parts = [head(words.jointsHead), make('div', { class: 'list' }, ...joints), head(words.links), make('div', { "// &
    "class: 'list' }, ...links)];"//nl// &
    "    if (slides.length) parts.push(head(words.slidesHead), make('div', { class: 'list' }, ...slides));"//nl// &
@@ -2988,9 +3161,7 @@ module psalm_board_text
    " board.motion.RADIAN : 1);"//nl// &
    "      if (part.tagName === 'INPUT') part.value = several ? value : Math.round(state.t);"//nl// &
    "      else part.textContent = board.view.short(Number(value.toPrecision(5))) + (turns ? '\u00b0' : '');"//nl// &
-   '    }'//nl
-
-   character(*), parameter :: part_28 = &
+   '    }'//nl// &
    '    const facts = sketch.outputs.slice(0, 4).flatMap((one) => Object.entries(board.motion.output(motion.mech, live, one'// &
    ')))'//nl// &
    "      .map(([name, value]) => name.replace(/_/g, ' ') + ' ' + board.view.short(Number(value.toPrecision(6))));"//nl// &
@@ -3019,7 +3190,9 @@ module psalm_board_text
    '    for (const part of [board.source, board.engine, board.search]) if (part.shown) part.shown(name);'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function listTabs() {'//nl// &
+   '  function listTabs() {'//nl
+
+   character(*), parameter :: part_30 = &
    '    for (const [id, words] of TABS) {'//nl// &
    "      if (!board.engine.served && (id === 'engine' || id === 'search')) continue;"//nl// &
    "      const tabButton = button(words, () => turnTo(id), { id: 'tab-' + id, role: 'tab', 'aria-controls': id });"//nl// &
@@ -3099,9 +3272,7 @@ module psalm_board_text
    '  function changed() {'//nl// &
    '    clearTimeout(timer);'//nl// &
    '    timer = 0;'//nl// &
-   '    const text = box.value;'//nl
-
-   character(*), parameter :: part_29 = &
+   '    const text = box.value;'//nl// &
    '    mistake = null;'//nl// &
    '    if (text !== board.write()) {'//nl// &
    '      try {'//nl// &
@@ -3128,7 +3299,9 @@ module psalm_board_text
    '    box.setSelectionRange(selectionStart, selectionStart);'//nl// &
    '    box.scrollTop = scrollTop;'//nl// &
    '    show();'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_31 = &
    ''//nl// &
    '  /** What the engine says of a text. */'//nl// &
    '  function findings(text, all) {'//nl// &
@@ -3203,9 +3376,7 @@ module psalm_board_text
    '    const one = new Image(), address = URL.createObjectURL(file);'//nl// &
    '    one.onload = () => {'//nl// &
    '      URL.revokeObjectURL(address);'//nl// &
-   "      if (!(one.width > 0 && one.height > 0)) { $('hint').textContent = words.noPicture(file.name); return; }"//nl
-
-   character(*), parameter :: part_30 = &
+   "      if (!(one.width > 0 && one.height > 0)) { $('hint').textContent = words.noPicture(file.name); return; }"//nl// &
    '      const { view } = board, [left, top] = view.world(0, 0), [right, bottom] = view.world(view.canvas.clientWidth, vie'// &
    'w.canvas.clientHeight);'//nl// &
    '      const width = Number((PART * Math.min(right - left, (top - bottom) * one.width / one.height)).toPrecision(3)), he'// &
@@ -3235,7 +3406,9 @@ module psalm_board_text
    '  /** Its place and strength among the properties. */'//nl// &
    '  function part() {'//nl// &
    '    const { head, row, numberField, button, make } = board.panel;'//nl// &
-   '    if (!image) return [];'//nl// &
+   '    if (!image) return [];'//nl
+
+   character(*), parameter :: part_32 = &
    '    const field = (key, least = -Infinity, most = Infinity) => numberField(words.picture[key], place[key], (value) => {'//nl// &
    '      if (!(value >= least && value <= most)) return false;'//nl// &
    '      place[key] = value;'//nl// &
@@ -3313,9 +3486,7 @@ module psalm_board_text
    '  /** Whether all changes are kept. */'//nl// &
    '  function kept() {'//nl// &
    '    if (timer) put();'//nl// &
-   '    return works;'//nl
-
-   character(*), parameter :: part_31 = &
+   '    return works;'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  // ---- links -------------------------------------------------------------------------------------------------------'// &
@@ -3345,7 +3516,9 @@ module psalm_board_text
    "      if (size > MOST_TEXT) { await reader.cancel(); throw new RangeError('too long'); }"//nl// &
    '      parts.push(value);'//nl// &
    '    }'//nl// &
-   "    return new TextDecoder('utf-8', { fatal: true }).decode(await new Blob(parts).arrayBuffer());"//nl// &
+   "    return new TextDecoder('utf-8', { fatal: true }).decode(await new Blob(parts).arrayBuffer());"//nl
+
+   character(*), parameter :: part_33 = &
    '  }'//nl// &
    ''//nl// &
    '  /** A link that holds the data set; of a served board, whose address has a token, the part that holds it alone. */'//nl// &
@@ -3377,6 +3550,7 @@ module psalm_board_text
    "    if (packed) unpacked(packed[1]).then((case_) => board.attempt(case_, decoded(packed[2] || 'sketch.nml')), () => boa"// &
    "rd.wrong(words.badLink));"//nl// &
    "    else if (/[&$]CHAIN\b/i.test(text)) board.attempt(text, 'sketch.nml');"//nl// &
+   '    else if (/^https?:\/\/\S*pmks\S*\?\S+$/i.test(text.trim())) board.bring.link(text.trim());'//nl// &
    '    else return;'//nl// &
    '    event.preventDefault();'//nl// &
    '  }'//nl// &
@@ -3430,9 +3604,7 @@ module psalm_board_text
    "(); board.load(one.text, one.name + '.nml'); board.store.keep(); } },"//nl// &
    "        picture(sketch), make('span', {}, one.title));"//nl// &
    '      return card;'//nl// &
-   '    });'//nl
-
-   character(*), parameter :: part_32 = &
+   '    });'//nl// &
    "    const find = make('input', { type: 'search', 'aria-label': words.galleryFilter, placeholder: words.galleryFilter, o"// &
    "ninput: () => {"//nl// &
    "      for (const card of cards) card.hidden = !(card.dataset.name + ' ' + card.textContent).toLowerCase().includes(find"// &
@@ -3453,6 +3625,66 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  return { begin, keep, kept, restore, packed, unpacked, link, picture };'//nl// &
+   '})();'//nl// &
+   '</script>'//nl// &
+   '<script>'//nl// &
+   '// Files of other programs - drawings, sketches of FreeCAD, linkages of pylinkage and PMKS+ - as sketches; the server r'// &
+   'eads them.'//nl// &
+   "'use strict';"//nl// &
+   ''//nl// &
+   'board.bring = (() => {'//nl// &
+   '  const { words } = board;'//nl// &
+   '  const $ = (id) => document.getElementById(id);'//nl
+
+   character(*), parameter :: part_34 = &
+   '  const MOST = 5 << 20;                  // bytes of a file; in a request they are a third more'//nl// &
+   ''//nl// &
+   '  function file(one) {'//nl// &
+   '    if (!board.engine.served) { board.wrong(words.bringServed(one.name)); return; }'//nl// &
+   '    if (one.size > MOST) { board.wrong(words.bringLarge(one.name, MOST >> 20)); return; }'//nl// &
+   '    const reader = new FileReader();'//nl// &
+   "    reader.addEventListener('load', () => ask({ name: one.name, content: reader.result.replace(/^[^,]*,?/, '') }));"//nl// &
+   "    reader.addEventListener('error', () => board.wrong(words.bringUnread(one.name)));"//nl// &
+   '    reader.readAsDataURL(one);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** A link of PMKS+ that is pasted. */'//nl// &
+   '  const link = (text) => { if (board.engine.served) ask({ name: text }); else board.wrong(words.bringServed(words.bring'// &
+   'Link)); };'//nl// &
+   ''//nl// &
+   '  /** What the server makes of it: the sketch, with what was assumed; or what is missing is asked for. */'//nl// &
+   '  async function ask(given) {'//nl// &
+   "    const got = await board.engine.ask('import', JSON.stringify(given));"//nl// &
+   '    if (got.stale) return;'//nl// &
+   '    if (got.text === undefined) { missing(given, got.error); return; }'//nl// &
+   "    $('dialog').close();"//nl// &
+   "    if (!board.attempt(got.text, given.name.startsWith('http') ? 'sketch.nml' : given.name.replace(/\.[^.]*$/, '') + '."// &
+   "nml')) return;"//nl// &
+   '    board.state.dirty = true;'//nl// &
+   '    board.store.keep();'//nl// &
+   "    board.panel.turnTo('text');"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** The joints of the frame and the drive, where the file does not say which they are. */'//nl// &
+   '  function missing(given, error) {'//nl// &
+   "    const { make, row, button } = board.panel, dialog = $('dialog');"//nl// &
+   "    const field = (label, value) => make('input', { 'aria-label': label, value, spellcheck: 'false', autocomplete: 'off"// &
+   "' });"//nl// &
+   "    const fixed = field(words.bringFixed, given.fixed || ''), drive = field(words.bringDrive, given.drive || '');"//nl// &
+   '    const again = () => ask({ ...given, fixed: fixed.value.trim(), drive: drive.value.trim() });'//nl// &
+   "    for (const one of [fixed, drive]) one.addEventListener('keydown', (event) => { if (event.key === 'Enter') again(); "// &
+   "});"//nl// &
+   "    dialog.className = 'link';"//nl// &
+   "    dialog.replaceChildren(make('h2', {}, words.bringHead), make('p', { class: 'wrong', role: 'alert' }, error), make('"// &
+   "p', {}, words.bringHint),"//nl// &
+   '      row(words.bringFixed, fixed), row(words.bringDrive, drive),'//nl// &
+   "      make('div', { class: 'row' }, button(words.bringAgain, again, { class: 'main' }), button(words.close, () => dialo"// &
+   "g.close())));"//nl// &
+   '    if (!dialog.open) dialog.showModal();'//nl// &
+   '    fixed.focus();'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  return { file, link };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
@@ -3478,10 +3710,12 @@ module psalm_board_text
    "    parts.told = make('p', { class: 'wrong', role: 'alert' });"//nl// &
    "    parts.listing = make('pre', { class: 'listing', tabindex: '0', 'aria-label': words.listing, hidden: true });"//nl// &
    "    parts.sheet = make('div', { class: 'cards' });"//nl// &
+   "    parts.proposal = make('div');"//nl// &
+   "    parts.verb.addEventListener('change', () => showProposal());"//nl// &
    '    parts.stop.disabled = true;'//nl// &
    "    return make('div', { class: 'study' }, head(words.studies), make('p', {}, words.studyHint), make('div', { class: 'r"// &
    "ow' }, parts.verb), make('div', { class: 'list' }, parts.run, parts.stop),"//nl// &
-   '      parts.doing, parts.told, parts.listing, parts.sheet);'//nl// &
+   '      parts.doing, parts.told, parts.proposal, parts.listing, parts.sheet);'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function follow() {'//nl// &
@@ -3489,12 +3723,81 @@ module psalm_board_text
    "    parts.listing.classList.toggle('old', Boolean(about) && about !== board.write());"//nl// &
    '  }'//nl// &
    ''//nl// &
+   '  // ---- groups that are proposed ------------------------------------------------------------------------------------'// &
+   '---'//nl// &
+   ''//nl// &
+   '  const CAM_SWING = 30, CAM_RISE = 120, CAM_DWELL = 60;  // degrees: of the crank, of the cam for each way, of the cam '// &
+   'at rest'//nl// &
+   '  const WAY = 0.8;                       // of the way to a dead point'//nl// &
+   '  const PARTS = { roller: 0.2, centre: 1.2, reach: 0.4, longest: 1, shortest: 0.1 };   // of the crank, of the size'//nl// &
+   ''//nl// &
+   '  const round = (value) => board.text.number(Number(value.toPrecision(3)));'//nl// &
+   '  const nameOf = (...words) => "''" + words.join('' '') + "''";'//nl// &
+   ''//nl// &
+   '  /** What stands in place of a group that the text has not: a sensible beginning from the sketch; `why` where there is'// &
+   ' none. */'//nl// &
+   '  function proposed(verb, text) {'//nl// &
+   "    const { sketch, motion } = board.state, group = { springs: 'SPRNGS', balance: 'BALANC', cams: 'CAM' }[verb];"//nl// &
+   '    if (!group || board.text.placeOf(text, group)) return {};'//nl// &
+   '    if (!motion.sweep || board.free() !== 1) return { why: words.proposalMoves };'//nl// &
+   '    const frame = sketch.links[0], xs = sketch.joints.map((j) => j.x), ys = sketch.joints.map((j) => j.y);'//nl// &
+   '    const size = Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys)) || 1;'//nl// &
+   '    const mounted = sketch.links.slice(1).flatMap((link) => { const at = link.joints.find(board.inFrame); return at && '// &
+   'link.joints.length > 1 ? [{ link, at }] : []; });'//nl// &
+   "    const drive = sketch.drives[0], driven = mounted.find(({ link, at }) => drive.kind === 'turn' && drive.at[0] === at"// &
+   " && (!drive.link || drive.link === link.name));"//nl// &
+   "    if (verb === 'cams') {"//nl// &
+   '      if (!driven) return { why: words.proposalCrank };'//nl// &
+   '      const end = board.jointOf(driven.link.joints.find((name) => name !== driven.at)), pivot = board.jointOf(driven.at'// &
+   '), dx = end.x - pivot.x, dy = end.y - pivot.y;'//nl// &
+   '      // as far as it goes; the cam stands square to the crank in the middle of its swing'//nl// &
+   '      const { ring, states } = motion.sweep, [back, forth] = ring ? [-360, 360] : [states[0], states.at(-1)].map((one) '// &
+   '=> one.inputs[0] * 180 / Math.PI);'//nl
+
+   character(*), parameter :: part_35 = &
+   '      const swing = Number((forth >= -back || forth >= CAM_SWING ? Math.min(CAM_SWING, WAY * forth) : Math.max(-CAM_SWI'// &
+   'NG, WAY * back)).toPrecision(3));'//nl// &
+   '      const half = swing / 2 * Math.PI / 180, [mx, my] = [dx * Math.cos(half) - dy * Math.sin(half), dy * Math.cos(half'// &
+   ') + dx * Math.sin(half)], long = Math.hypot(dx, dy);'//nl// &
+   "      return { text: ' &CAM KOUT=0, SEGEND=' + [CAM_RISE, CAM_RISE + CAM_DWELL, 2 * CAM_RISE + CAM_DWELL, 360].map(boar"// &
+   "d.text.number).join(',') + ', SEGOUT=' +"//nl// &
+   "        [swing, swing, 0, 0].map(board.text.number).join(',') + "", LAW='MODSINE','DWELL','MODSINE','DWELL',\n  FOLJNT="// &
+   """ + nameOf(end.name) + ', RROLL=' + round(PARTS.roller * long) +"//nl// &
+   "        ', XCAM=' + round(pivot.x + mx + PARTS.centre * my) + ', YCAM=' + round(pivot.y + my - PARTS.centre * mx) + ' &"// &
+   "END' };"//nl// &
+   '    }'//nl// &
+   "    if (!['MASSES', 'PLATES', 'LOADS'].some((name) => board.text.placeOf(text, name))) return { why: words.proposalMass"// &
+   "es };"//nl// &
+   '    if (!mounted.length) return { why: words.proposalMounted };'//nl// &
+   "    if (verb === 'balance') return { text: ' &BALANC NWEIGH=' + mounted.length + ', WNAME=' + mounted.map(({ link, at }"// &
+   ") => nameOf(link.name, at)).join(',') + ', WREACH=' + round(PARTS.reach * size) + ' &END' };"//nl// &
+   '    const { link, at } = driven || mounted[0];'//nl// &
+   "    return { text: ' &SPRNGS NSFIND=1, PNAME=' + nameOf(frame.name, at) + ', QNAME=' + nameOf(link.name, at) + ', PREAC"// &
+   "H=' + round(PARTS.reach * size) + ', QREACH=' + round(PARTS.reach * size) +"//nl// &
+   "      ',\n  SFLOW=' + round(PARTS.shortest * size) + ', SFHIGH=' + round(PARTS.longest * size) + "", SCRIT='RMS' &END"""// &
+   " };"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** A text with one group more, the last of its first case. */'//nl// &
+   "  const withGroup = (text, group) => { const end = board.text.endOf(text); return text.slice(0, end) + '\n' + group + t"// &
+   "ext.slice(end); };"//nl// &
+   ''//nl// &
+   "  function showProposal(text, why = '') {"//nl// &
+   '    const { make, button } = board.panel;'//nl// &
+   "    parts.proposal.replaceChildren(...(why ? [make('p', { class: 'wrong', role: 'alert' }, why)] : text ? [make('p', {}"// &
+   ", words.proposal), make('pre', { class: 'listing', tabindex: '0', 'aria-label': words.proposalLabel }, text),"//nl// &
+   "      button(words.proposalTake, () => { board.take(withGroup(board.write(), text)); parts.proposal.replaceChildren(); "// &
+   "board.panel.turnTo('text'); })] : []));"//nl// &
+   '  }'//nl// &
+   ''//nl// &
    '  async function run() {'//nl// &
-   '    const verb = parts.verb.value;'//nl// &
+   '    const verb = parts.verb.value, now = board.write(), { text, why } = proposed(verb, now);'//nl// &
    "    parts.told.textContent = '';"//nl// &
+   '    showProposal(text, why);'//nl// &
+   '    if (why) return;'//nl// &
    '    parts.run.disabled = true;'//nl// &
-   '    about = board.write();'//nl// &
-   "    const got = await board.engine.ask('run', JSON.stringify({ verb, case: about }));"//nl// &
+   '    about = now;'//nl// &
+   "    const got = await board.engine.ask('run', JSON.stringify({ verb, case: text ? withGroup(now, text) : now }));"//nl// &
    '    if (got.error) { over(); parts.told.textContent = got.error; return; }'//nl// &
    '    parts.listing.hidden = true;'//nl// &
    '    parts.sheet.replaceChildren();'//nl// &
@@ -3539,9 +3842,7 @@ module psalm_board_text
    '    parts.listing.hidden = !parts.listing.textContent;'//nl// &
    '    const sketches = cases.map((one) => {'//nl// &
    '      try { return [one, board.text.parse(one.text)]; } catch (error) {'//nl// &
-   '        if (!(error instanceof board.text.Mistake)) throw error;'//nl
-
-   character(*), parameter :: part_33 = &
+   '        if (!(error instanceof board.text.Mistake)) throw error;'//nl// &
    '        return null;                     // a linkage of loops is not drawn here; it is in the listing'//nl// &
    '      }'//nl// &
    '    }).filter(Boolean);'//nl// &
@@ -3558,7 +3859,7 @@ module psalm_board_text
    "    board.view.canvas.scrollIntoView({ block: 'nearest' });"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  return { part, follow, get running() { return running; } };'//nl// &
+   '  return { part, follow, proposed, get running() { return running; } };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
@@ -3569,7 +3870,9 @@ module psalm_board_text
    "'use strict';"//nl// &
    ''//nl// &
    'board.engine = (() => {'//nl// &
-   '  const DELAY = 200, DRAGGING = 40;      // milliseconds after a change'//nl// &
+   '  const DELAY = 200, DRAGGING = 40;      // milliseconds after a change'//nl
+
+   character(*), parameter :: part_36 = &
    '  const ARROW = 0.2;                     // longest arrow, part of the picture'//nl// &
    '  const { words } = board;'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
@@ -3651,9 +3954,7 @@ module psalm_board_text
    '  /** What takes longer is asked for when the drawing rests. */'//nl// &
    '  async function prove() {'//nl// &
    '    if (!fresh || !answer.motion) return;'//nl// &
-   "    const { text } = answer, got = await ask('prove', text);"//nl
-
-   character(*), parameter :: part_34 = &
+   "    const { text } = answer, got = await ask('prove', text);"//nl// &
    '    if (!fresh || answer.text !== text || got.stale) return;'//nl// &
    "    Object.assign(answer, { proof: got.proof, assemblies: got.assemblies, unproven: got.error || '' });"//nl// &
    '    proof();'//nl// &
@@ -3683,7 +3984,9 @@ module psalm_board_text
    ''//nl// &
    '  /** Where the position shown is on a list of inputs: number and part of the way to the next; nothing if it is not on '// &
    'it. */'//nl// &
-   '  function placeOn(inputs) {'//nl// &
+   '  function placeOn(inputs) {'//nl
+
+   character(*), parameter :: part_37 = &
    '    const { live, sketch } = board.state;'//nl// &
    '    if (!live || !inputs || inputs.length < 1 || board.free() !== 1) return null;'//nl// &
    "    const turns = sketch.drives[0].kind === 'turn', value = live.inputs[0] / (turns ? board.motion.RADIAN : 1), round ="// &
@@ -3767,9 +4070,7 @@ module psalm_board_text
    '        g.arc(X(at[0][i]), Y(y), 2.2, 0, 2 * Math.PI);'//nl// &
    '        g.fill();'//nl// &
    '      }'//nl// &
-   '    }'//nl
-
-   character(*), parameter :: part_35 = &
+   '    }'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** The band of the tolerances round the path of the first output. */'//nl// &
@@ -3797,7 +4098,9 @@ module psalm_board_text
    '    }'//nl// &
    '    g.globalAlpha = 1;'//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_38 = &
    '  const digits = (v) => board.view.short(Number(v.toPrecision(4)));'//nl// &
    ''//nl// &
    '  /** Numbers at the position shown. */'//nl// &
@@ -3887,9 +4190,7 @@ module psalm_board_text
    "    if (answer.unproven) rows.push(make('p', {}, answer.unproven));"//nl// &
    '    parts.proof.replaceChildren(...(rows.length && board.free() === 1 ? [head(words.proven), ...rows] : []));'//nl// &
    '    marks();'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_36 = &
+   '  }'//nl// &
    ''//nl// &
    "  const turning = () => Boolean(board.state.sketch.drives.length) && board.state.sketch.drives[0].kind === 'turn';"//nl// &
    ''//nl// &
@@ -3919,7 +4220,9 @@ module psalm_board_text
    "    for (const one of answer.proof.limits || []) if (one.kind === 'closes') put(one.from, one.to, 'closes', words.closi"// &
    "ng.closes);"//nl// &
    "    for (const one of answer.proof.dead_points || []) put(one.low, one.high, 'dead', words.deadPoint(one.of));"//nl// &
-   '    track.append(strip);'//nl// &
+   '    track.append(strip);'//nl
+
+   character(*), parameter :: part_39 = &
    '  }'//nl// &
    ''//nl// &
    '  /** Every way in which the links can be put together; a click on one draws it. */'//nl// &
@@ -4017,9 +4320,7 @@ module psalm_board_text
    '      board.take(changed);'//nl// &
    '    };'//nl// &
    "    put(speed, row(words.load, at, x, y), button(words.setLoad, set, { 'aria-label': words.setLoad }), make('p', {}, an"// &
-   "swer.motion.forces ? words.loadHint : words.noForces + ' ' + words.loadHint), tolerance);"//nl
-
-   character(*), parameter :: part_37 = &
+   "swer.motion.forces ? words.loadHint : words.noForces + ' ' + words.loadHint), tolerance);"//nl// &
    '  }'//nl// &
    ''//nl// &
    "  return { begin, follow, draw, ask, served, marks, shown: (tab) => { if (tab === 'engine') board.view.draw(); }, arrow"// &
@@ -4048,7 +4349,9 @@ module psalm_board_text
    ''//nl// &
    '  const length = (points) => points.slice(1).reduce((sum, p, i) => sum + Math.hypot(p[0] - points[i][0], p[1] - points['// &
    'i][1]), 0);'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_40 = &
    '  /** Points evenly along a line; a closed one does not have its first point again. */'//nl// &
    '  function even(points, n, closed) {'//nl// &
    '    const line = closed ? [...points, points[0]] : points, whole = length(line), list = [];'//nl// &
@@ -4133,9 +4436,7 @@ module psalm_board_text
    '      if (closed && gap < 1e-9 * length(points)) points.pop();'//nl// &
    "      parts.told.textContent = '';"//nl// &
    '      want({ points: picture || points.length > MOST_POINTS ? even(points, count, closed) : points, closed });'//nl// &
-   '      board.fit();'//nl
-
-   character(*), parameter :: part_38 = &
+   '      board.fit();'//nl// &
    '    });'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -4164,7 +4465,9 @@ module psalm_board_text
    '    if (!board.engine.served) return;'//nl// &
    '    const { make, head, check, button, row, numberField } = board.panel;'//nl// &
    "    parts.file = make('input', { type: 'file', accept: '.csv,.txt,.svg', 'aria-label': words.wantedFile, hidden: true }"// &
-   ");"//nl// &
+   ");"//nl
+
+   character(*), parameter :: part_41 = &
    "    parts.file.addEventListener('change', () => { if (parts.file.files[0]) openCurve(parts.file.files[0]); parts.file.v"// &
    "alue = ''; });"//nl// &
    "    parts.has = make('p');"//nl// &
@@ -4220,20 +4523,29 @@ module psalm_board_text
    "t';"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Dimensions of the sketch that vary: all but exact lengths, as psalm names them; nothing where they have no names.'// &
-   ' */'//nl// &
-   '  function own() {'//nl// &
-   '    const { links, lengths, slides, gears } = board.state.sketch, exact = (a, b) => lengths.some((l) => l.joints.includ'// &
-   'es(a) && l.joints.includes(b));'//nl// &
-   "    if (!lengths.length) return ['all'];"//nl// &
-   '    if (slides.length || gears.length) return null;'//nl// &
+   '  const exact = (a, b) => board.state.sketch.lengths.some((l) => l.joints.includes(a) && l.joints.includes(b));'//nl// &
+   ''//nl// &
+   '  /** Dimensions of a link that may vary: all but exact lengths, as psalm names them. */'//nl// &
+   '  function dimensionsOf(link) {'//nl// &
+   '    const { links, lengths } = board.state.sketch, [a, b, ...more] = link.joints;'//nl// &
+   "    if (link === links[0]) return link.joints.map((name) => 'place ' + name);"//nl// &
    '    // a length across a plate holds the whole plate'//nl// &
-   '    const across = (joints) => lengths.some((l) => l.joints.every((name) => joints.slice(1).includes(name)));'//nl// &
-   "    return links.flatMap(({ joints: [a, b, ...more] }, i) => i === 0 ? [a, b, ...more].filter(Boolean).map((name) => 'p"// &
-   "lace ' + name) : across([a, b, ...more]) ? [] :"//nl// &
-   "      [...(exact(a, b) ? [] : [a + ' ' + b]), ...more.flatMap((c) => [...(exact(a, c) ? [] : [a + ' ' + c]), ...(exact("// &
-   "b, c) ? [] : ['angle ' + a + ' ' + b + ' ' + a + ' ' + c])])]);"//nl// &
+   '    if (!b || lengths.some((l) => l.joints.every((name) => [b, ...more].includes(name)))) return [];'//nl// &
+   "    return [...(exact(a, b) ? [] : [a + ' ' + b]), ...more.flatMap((c) => [...(exact(a, c) ? [] : [a + ' ' + c]), ...(e"// &
+   "xact(b, c) ? [] : ['angle ' + a + ' ' + b + ' ' + a + ' ' + c])])];"//nl// &
    '  }'//nl// &
+   ''//nl// &
+   '  /** Dimensions of the sketch that vary; nothing where they have no names. */'//nl// &
+   '  function own() {'//nl// &
+   '    const { links, lengths, slides, gears, vary } = board.state.sketch, bounded = vary.filter((one) => one.low.length);'//nl// &
+   "    if (!lengths.length && !bounded.length) return ['all'];"//nl// &
+   '    if (slides.length || gears.length) return null;'//nl// &
+   '    return links.flatMap(dimensionsOf);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Bounds of single dimensions. */'//nl// &
+   '  const ranges = (list) => Object.fromEntries(board.state.sketch.vary.filter((one) => one.low.length && list.includes(o'// &
+   'ne.of)).map((one) => [one.of, one.low.map((low, i) => [low, one.high[i]])]));'//nl// &
    ''//nl// &
    '  /** Of another curve nothing has been found yet. */'//nl// &
    '  function forget() {'//nl// &
@@ -4252,12 +4564,10 @@ module psalm_board_text
    "    const got = await board.engine.ask('search', JSON.stringify({ points: wanted.points, closed: wanted.closed, kinds: "// &
    "[...chosen], round, angle, low, high,"//nl// &
    "      ...(chosen.has('mine') ? { case: board.write(), output: board.state.sketch.outputs[0].of[0], vary: own() || ['all"// &
-   "'] } : {}) }));"//nl// &
+   "'], ranges: ranges(own() || []) } : {}) }));"//nl// &
    '    if (got.error) { parts.told.textContent = got.error; return; }'//nl// &
    '    running = got.search;'//nl// &
-   '    stopping = false;'//nl
-
-   character(*), parameter :: part_39 = &
+   '    stopping = false;'//nl// &
    '    follow();'//nl// &
    '    watch(running, 0);'//nl// &
    '  }'//nl// &
@@ -4271,7 +4581,9 @@ module psalm_board_text
    '      if (one.doing) {'//nl// &
    '        parts.doing.textContent = words.searching(words.kindNames[one.doing], one.round);'//nl// &
    '        text = one.text;'//nl// &
-   '        parts.save.hidden = false;'//nl// &
+   '        parts.save.hidden = false;'//nl
+
+   character(*), parameter :: part_42 = &
    '      }'//nl// &
    '      if (one.found) add(one.found);'//nl// &
    '      if (one.error) parts.told.textContent = one.error;'//nl// &
@@ -4321,8 +4633,8 @@ module psalm_board_text
    "    board.view.canvas.scrollIntoView({ block: 'nearest' });"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  return { begin, follow, draw, drawn, even, fromTable, fromPicture, get cards() { return cards; }, get running() { ret'// &
-   'urn running; } };'//nl// &
+   '  return { begin, follow, draw, drawn, even, dimensionsOf, fromTable, fromPicture, get cards() { return cards; }, get r'// &
+   'unning() { return running; } };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
@@ -4337,6 +4649,8 @@ module psalm_board_text
    '  const ANGLE = 15;                      // degrees between directions of a slide that is drawn'//nl// &
    '  const TOOLS = ['//nl// &
    "    ['select', 'v', 'M6 3l13 9-6 1.5-2.5 6z'],"//nl// &
+   "    ['several', 'm', 'M4 4h3M10 4h4M17 4h3v3M20 10v4M20 17v3h-3M14 20h-4M7 20H4v-3M4 14v-4M4 7V4M9 9l7 5-3.500 1-1.500 "// &
+   "3.500z'],"//nl// &
    "    ['link', 'l', 'M6 18L18 6M6 18m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0M18 6m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0'],"//nl// &
    "    ['pivot', 'p', 'M12 8L5 19h14zM12 8m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0'],"//nl// &
    "    ['slider', 's', 'M2 18h20M7 8h10v7H7zM2 5h20'],"//nl// &
@@ -4349,6 +4663,7 @@ module psalm_board_text
    '  let press = null;                      // what the pointer that is down does'//nl// &
    '  let pinch = 0;                         // distance of two fingers'//nl// &
    '  let hand = null;                       // points of a curve that is being drawn'//nl// &
+   '  let box = null;                        // corners of the box that is pulled round what is to be chosen, pixels'//nl// &
    ''//nl// &
    '  // ---- what tools do -----------------------------------------------------------------------------------------------'// &
    '-'//nl// &
@@ -4362,9 +4677,7 @@ module psalm_board_text
    '    if (on) sketch.links.find((l) => l.name === on).joints.push(name);'//nl// &
    '    return name;'//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_40 = &
+   ''//nl// &
    '  /** A frame joint at a place that is typed in: it can be freed, or have links pulled from it. A joint that is there i'// &
    's pinned. */'//nl// &
    '  function jointAt(place) {'//nl// &
@@ -4377,7 +4690,9 @@ module psalm_board_text
    ''//nl// &
    '  /** Pins a joint to the frame or frees it. */'//nl// &
    '  function pivot(name) {'//nl// &
-   '    edit((sketch) => {'//nl// &
+   '    edit((sketch) => {'//nl
+
+   character(*), parameter :: part_43 = &
    '      const frame = sketch.links[0];'//nl// &
    '      if (frame.joints.includes(name)) frame.joints = frame.joints.filter((one) => one !== name);'//nl// &
    '      else frame.joints.push(name);'//nl// &
@@ -4471,9 +4786,7 @@ module psalm_board_text
    '      for (const one of sketch.outputs) one.of = one.of.map((name) => name === from ? to : name);'//nl// &
    '      sketch.joints = sketch.joints.filter((one) => one.name !== from);'//nl// &
    '      board.tidy(sketch);'//nl// &
-   '    });'//nl
-
-   character(*), parameter :: part_41 = &
+   '    });'//nl// &
    '    board.state.selection = { joint: to };'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -4488,7 +4801,9 @@ module psalm_board_text
    "link, view.world(x, y)) : event.altKey ? view.world(x, y) : view.snap(view.world(x, y));"//nl// &
    '    const there = jointAtPlace(place, without, at);'//nl// &
    "    return { x, y, hit: there && !(hit && hit.joint) ? { joint: there } : hit, place, touch: event.pointerType === 'tou"// &
-   "ch' };"//nl// &
+   "ch' };"//nl
+
+   character(*), parameter :: part_44 = &
    '  }'//nl// &
    ''//nl// &
    '  /** The joint that is where a link ends, a joint is dropped or pinned: on the grid it may be farther from the pointer'// &
@@ -4537,9 +4852,16 @@ module psalm_board_text
    "t.y)]; return; }"//nl// &
    '    if (!atHome() && first.hit) return;'//nl// &
    '    const at = spot(event);'//nl// &
-   '    press = { at, tool: state.tool, moved: false, x: at.x, y: at.y };'//nl// &
-   "    if (state.tool === 'select') {"//nl// &
-   '      state.selection = at.hit;'//nl// &
+   "    const several = state.tool === 'several' || (state.tool === 'select' && event.shiftKey);"//nl// &
+   "    press = { at, tool: several ? 'select' : state.tool, moved: false, x: at.x, y: at.y, several };"//nl// &
+   '    if (several && !at.hit) box = { from: [at.x, at.y], to: [at.x, at.y] };'//nl// &
+   "    else if (press.tool === 'select') {"//nl// &
+   '      // of several that are chosen one is taken hold of for all'//nl// &
+   '      const held = at.hit && board.isChosen(...Object.entries(at.hit)[0]);'//nl// &
+   '      if (!several && !(held && state.selection.many)) state.selection = at.hit;'//nl// &
+   '      if (several && !held) board.chooseMore(at.hit);'//nl// &
+   '      press.drop = several && held;'//nl// &
+   '      press.alone = !several && held;'//nl// &
    '      if (!at.hit || at.hit.cylinder) press.pan = true;'//nl// &
    '      board.panel.show();'//nl// &
    '    } else if (state.pending && state.pending.tool === state.tool) {'//nl// &
@@ -4555,8 +4877,15 @@ module psalm_board_text
    '    if (pointers.has(event.pointerId)) pointers.set(event.pointerId, event);'//nl// &
    '    if (pinch) { pinchTo(); return; }'//nl// &
    '    if (hand) { trace(event); return; }'//nl// &
-   "    const dragged = press && press.at && press.tool === 'select' && press.at.hit && press.at.hit.joint;"//nl// &
-   "    const at = spot(event, dragged || '');"//nl// &
+   '    if (box) {'//nl// &
+   '      const frame = view.canvas.getBoundingClientRect();'//nl// &
+   '      box.to = [event.clientX - frame.left, event.clientY - frame.top];'//nl// &
+   '      press.moved = true;'//nl// &
+   '      view.draw();'//nl// &
+   '      return;'//nl// &
+   '    }'//nl// &
+   '    const dragged = draggedJoint();'//nl// &
+   '    const at = spot(event, dragged);'//nl// &
    '    if (state.pending) { state.pending.to = target(state.pending, at); state.hover = at.hit; view.draw(); }'//nl// &
    '    if (!press) {'//nl// &
    "      if (event.pointerType !== 'touch') { state.hover = at.hit; view.canvas.style.cursor = cursor(at.hit); view.draw()"// &
@@ -4574,16 +4903,20 @@ module psalm_board_text
    '    }'//nl// &
    '  }'//nl// &
    ''//nl// &
+   '  /** The joint that is dragged by itself. */'//nl// &
+   "  const draggedJoint = () => press && press.at && press.tool === 'select' && press.at.hit && !(board.state.selection &&"// &
+   " board.state.selection.many) && press.at.hit.joint || '';"//nl// &
+   ''//nl// &
    '  /** The curve that is being drawn goes on, with all places that the browser has kept between two frames. */'//nl// &
    '  function trace(event) {'//nl// &
-   '    const box = view.canvas.getBoundingClientRect(), all = event.getCoalescedEvents ? event.getCoalescedEvents() : [];'//nl// &
+   '    const box = view.canvas.getBoundingClientRect(), all = event.getCoalescedEvents ? event.getCoalescedEvents() : [];'//nl
+
+   character(*), parameter :: part_45 = &
    '    for (const one of all.length ? all : [event]) hand.push(view.world(one.clientX - box.left, one.clientY - box.top));'//nl// &
    '    view.draw();'//nl// &
    '  }'//nl// &
    ''//nl// &
-   "  /** Where the line that is pulled ends: a slide's turns in steps. */"//nl
-
-   character(*), parameter :: part_42 = &
+   "  /** Where the line that is pulled ends: a slide's turns in steps. */"//nl// &
    '  function target({ tool, from }, at) {'//nl// &
    "    if (tool !== 'slider') return at.place;"//nl// &
    '    const dx = at.place[0] - from[0], dy = at.place[1] - from[1], d = Math.hypot(dx, dy), a = slideAngle(dx, dy) * Math'// &
@@ -4597,8 +4930,8 @@ module psalm_board_text
    '  };'//nl// &
    ''//nl// &
    '  function drag(at) {'//nl// &
-   '    const { hit } = press.at;'//nl// &
-   '    if (hit.joint) {'//nl// &
+   '    const { hit } = press.at, { selection } = board.state;'//nl// &
+   '    if (draggedJoint()) {'//nl// &
    '      board.state.hover = at.hit;'//nl// &
    '      board.touch((sketch) => {'//nl// &
    '        const joint = board.jointOf(hit.joint), [dx, dy] = [at.place[0] - joint.x, at.place[1] - joint.y];'//nl// &
@@ -4615,19 +4948,9 @@ module psalm_board_text
    '      if (!by[0] && !by[1]) return;'//nl// &
    '      const k = view.eye.k;'//nl// &
    '      [press.x, press.y] = [press.x + by[0] * k, press.y - by[1] * k];'//nl// &
-   '      board.touch((sketch) => {'//nl// &
-   '        const names = hit.link ? board.linkOf(hit.link).joints : [];'//nl// &
-   '        for (const joint of sketch.joints) if (names.includes(joint.name)) { joint.x = tidyNumber(joint.x + by[0]); joi'// &
-   'nt.y = tidyNumber(joint.y + by[1]); }'//nl// &
-   '        if (hit.slide) for (const slide of sketch.slides) if (slide.name === hit.slide) { slide.x = tidyNumber(slide.x '// &
-   '+ by[0]); slide.y = tidyNumber(slide.y + by[1]); }'//nl// &
-   '        board.relax(sketch, names);'//nl// &
-   '      });'//nl// &
+   '      board.touch((sketch) => board.shift(sketch, selection && selection.many ? selection : hit, by));'//nl// &
    '    }'//nl// &
    '  }'//nl// &
-   ''//nl// &
-   '  /** Without the rounding of sums of steps. */'//nl// &
-   '  const tidyNumber = (v) => Number(v.toPrecision(14));'//nl// &
    ''//nl// &
    '  function up(event) {'//nl// &
    '    pointers.delete(event.pointerId);'//nl// &
@@ -4640,12 +4963,27 @@ module psalm_board_text
    '      view.draw();'//nl// &
    '      return;'//nl// &
    '    }'//nl// &
-   "    const { state } = board, one = press, dragged = one.tool === 'select' && one.at && one.at.hit && one.at.hit.joint;"//nl// &
-   "    const at = spot(event, dragged || '');"//nl// &
+   '    if (box) {'//nl// &
+   '      const { from, to } = box, added = press.moved ? view.within(from, to) : [];'//nl// &
+   '      box = press = null;'//nl// &
+   '      for (const what of added) if (!board.isChosen(...Object.entries(what)[0])) board.chooseMore(what);'//nl// &
+   '      if (!added.length) board.state.selection = null;'//nl// &
+   '      board.panel.show();'//nl// &
+   '      view.draw();'//nl// &
+   '      return;'//nl// &
+   '    }'//nl// &
+   '    const { state } = board, one = press, dragged = draggedJoint();'//nl// &
+   '    const at = spot(event, dragged);'//nl// &
    '    press = null;'//nl// &
    '    if (one.pan) { view.draw(); return; }'//nl// &
    "    if (one.tool === 'select') {"//nl// &
-   '      if (!one.moved) return;'//nl// &
+   '      if (!one.moved) {'//nl// &
+   '        if (one.drop) board.chooseMore(one.at.hit);'//nl// &
+   '        else if (one.alone) state.selection = one.at.hit;'//nl// &
+   '        board.panel.show();'//nl// &
+   '        view.draw();'//nl// &
+   '        return;'//nl// &
+   '      }'//nl// &
    '      if (dragged && at.hit && at.hit.joint) join(dragged, at.hit.joint);'//nl// &
    '      board.end();'//nl// &
    '      return;'//nl// &
@@ -4680,7 +5018,9 @@ module psalm_board_text
    '    else if (hit.joint) {'//nl// &
    '      // the joint of a block that slides means the slide'//nl// &
    '      const slide = sketch.slides.find((s) => s.links.some((name) => board.linkOf(name).joints.join() === hit.joint));'//nl// &
-   '      drive(slide && !board.inFrame(hit.joint) ? { slide: slide.name } : { joint: hit.joint });'//nl// &
+   '      drive(slide && !board.inFrame(hit.joint) ? { slide: slide.name } : { joint: hit.joint });'//nl
+
+   character(*), parameter :: part_46 = &
    '    } else if (hit.link) {'//nl// &
    '      const joint = board.linkOf(hit.link).joints.find(board.inFrame);'//nl// &
    '      if (joint) drive({ joint });'//nl// &
@@ -4689,12 +5029,10 @@ module psalm_board_text
    ''//nl// &
    '  function cancel() {'//nl// &
    "    if (press && press.moved && press.tool === 'select' && !press.pan) board.end();"//nl// &
-   '    press = hand = null;'//nl// &
+   '    press = hand = box = null;'//nl// &
    '    board.state.pending = null;'//nl// &
    '    view.draw();'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_43 = &
+   '  }'//nl// &
    ''//nl// &
    '  const spread = () => { const [a, b] = [...pointers.values()]; return Math.hypot(a.clientX - b.clientX, a.clientY - b.'// &
    'clientY) || 1; };'//nl// &
@@ -4706,7 +5044,7 @@ module psalm_board_text
    '    view.draw();'//nl// &
    '  }'//nl// &
    ''//nl// &
-   "  const cursor = (hit) => board.state.tool !== 'select' ? 'crosshair' : hit ? 'grab' : 'default';"//nl// &
+   "  const cursor = (hit) => !['select', 'several'].includes(board.state.tool) ? 'crosshair' : hit ? 'grab' : 'default';"//nl// &
    ''//nl// &
    '  // ---- buttons and keys --------------------------------------------------------------------------------------------'// &
    '-'//nl// &
@@ -4724,13 +5062,9 @@ module psalm_board_text
    '  /** Moves what is chosen by steps of the grid. */'//nl// &
    '  function nudge(dx, dy) {'//nl// &
    '    const { selection } = board.state, step = view.gridStep() || 1 / view.eye.k;'//nl// &
-   '    if (!selection || !(selection.joint || selection.link)) { view.pan(-40 * dx, 40 * dy); view.draw(); return; }'//nl// &
-   '    const names = selection.joint ? [selection.joint] : board.linkOf(selection.link).joints;'//nl// &
-   '    edit((sketch) => {'//nl// &
-   '      for (const joint of sketch.joints) if (names.includes(joint.name)) { joint.x = tidyNumber(joint.x + dx * step); j'// &
-   'oint.y = tidyNumber(joint.y + dy * step); }'//nl// &
-   '      board.relax(sketch, names);'//nl// &
-   '    });'//nl// &
+   '    if (!selection || !(selection.many || selection.joint || selection.link)) { view.pan(-40 * dx, 40 * dy); view.draw('// &
+   '); return; }'//nl// &
+   '    edit((sketch) => board.shift(sketch, selection, [dx * step, dy * step]));'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function key(event) {'//nl// &
@@ -4738,9 +5072,9 @@ module psalm_board_text
    "et.type !== 'range' && event.target.type !== 'checkbox');"//nl// &
    '    const control = event.ctrlKey || event.metaKey, letter = event.key.toLowerCase();'//nl// &
    "    const commands = { s: board.save, o: () => $('file').click(), z: () => event.shiftKey ? board.redo() : board.undo()"// &
-   ", y: board.redo };"//nl// &
-   "    if (control && commands[letter] && !(typing && 'zy'.includes(letter))) { event.preventDefault(); commands[letter]()"// &
-   "; return; }"//nl// &
+   ", y: board.redo, a: chooseAll };"//nl// &
+   "    if (control && commands[letter] && !(typing && 'zya'.includes(letter))) { event.preventDefault(); commands[letter]("// &
+   "); return; }"//nl// &
    '    if (control || event.altKey || typing) return;'//nl// &
    '    const keys = {'//nl// &
    "      ' ': () => board.play(), Escape: () => { cancel(); board.state.selection = null; board.panel.show(); choose('sele"// &
@@ -4756,6 +5090,14 @@ module psalm_board_text
    "nt.shiftKey ? 5 : 1))); return; }"//nl// &
    "    if (keys[event.key]) { event.preventDefault(); keys[event.key](); } else if (keys[letter] && letter === 'f') keys.f"// &
    "(); else if (tool) choose(tool[0]);"//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  function chooseAll() {'//nl// &
+   '    const { joints, slides } = board.state.sketch, all = [...joints.map((one) => ({ joint: one.name })), ...slides.map('// &
+   '(one) => ({ slide: one.name }))];'//nl// &
+   '    board.state.selection = all.length > 1 ? { many: all } : all[0] || null;'//nl// &
+   '    board.panel.show();'//nl// &
+   '    view.draw();'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  function zoom(factor) {'//nl// &
@@ -4792,7 +5134,9 @@ module psalm_board_text
    "    canvas.addEventListener('dragover', (event) => event.preventDefault());"//nl// &
    "    canvas.addEventListener('drop', (event) => { event.preventDefault(); const [file] = event.dataTransfer.files; if (f"// &
    "ile) (file.type.startsWith('image/') ? board.picture : board).open(file); });"//nl// &
-   "    document.addEventListener('keydown', key);"//nl// &
+   "    document.addEventListener('keydown', key);"//nl
+
+   character(*), parameter :: part_47 = &
    '    const acts = { play: () => board.play(), undo: () => board.undo(), redo: () => board.redo(), save: () => board.save'// &
    '(), fit: () => board.fit(),'//nl// &
    "      larger: () => zoom(1.25), smaller: () => zoom(0.8), open: () => $('file').click(), new: () => board.start(),"//nl// &
@@ -4804,15 +5148,14 @@ module psalm_board_text
    "    $('speed').addEventListener('input', () => { board.state.speed = Number($('speed').value); });"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  return { begin, choose, pivot, output, drive, slider, jointAt, link, get hand() { return hand; } };'//nl// &
+   '  return { begin, choose, pivot, output, drive, slider, jointAt, link, get hand() { return hand; }, get box() { return '// &
+   'box; } };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
    '// The drawing board: its state, every change with undo, the motion that follows from it, playing, files to open and to'// &
    ' save.'//nl// &
-   "'use strict';"//nl
-
-   character(*), parameter :: part_44 = &
+   "'use strict';"//nl// &
    ''//nl// &
    '(() => {'//nl// &
    '  const { view, motion: solver, text: notation } = board;'//nl// &
@@ -4823,7 +5166,7 @@ module psalm_board_text
    '  const FINE = 1, COARSE = 5;                              // degrees between positions of a sweep; while dragging'//nl// &
    '  const clone = (value) => JSON.parse(JSON.stringify(value));'//nl// &
    "  const blank = () => ({ title: board.words.title, joints: [], links: [{ name: 'frame', joints: [] }], slides: [], gear"// &
-   "s: [], lengths: [], kover: false,"//nl// &
+   "s: [], lengths: [], vary: [], kover: false,"//nl// &
    '    drives: [], outputs: [], ikin: 15, crnki: 0, delt: [], keep: {} });'//nl// &
    ''//nl// &
    '  const state = {'//nl// &
@@ -4901,7 +5244,9 @@ module psalm_board_text
    '  /** Exact lengths may hold the joints elsewhere than they were drawn: from there on they are drawn where they are. */'//nl// &
    '  function settle() {'//nl// &
    '    const { mech, start } = state.motion;'//nl// &
-   '    if (!start || !state.sketch.lengths.length) return;'//nl// &
+   '    if (!start || !state.sketch.lengths.length) return;'//nl
+
+   character(*), parameter :: part_48 = &
    '    solver.joints(mech, start.pose).forEach(([x, y], j) => Object.assign(state.sketch.joints[j], { x, y }));'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -4918,9 +5263,7 @@ module psalm_board_text
    '    const within = lengths.filter((l) => l.joints.every((name) => pinned.has(name))), wrong = within.filter(short);'//nl// &
    '    const rest = lengths.filter((l) => !within.includes(l) || wrong.includes(l)), drawn = joints.map(({ x, y }) => ({ x'// &
    ', y }));'//nl// &
-   '    for (const [rows, give] of [[rest, new Set(wrong.flatMap((l) => l.joints))], [lengths, pinned]]) {'//nl
-
-   character(*), parameter :: part_45 = &
+   '    for (const [rows, give] of [[rest, new Set(wrong.flatMap((l) => l.joints))], [lengths, pinned]]) {'//nl// &
    '      if (meet(joints, rows, joints.map((j) => pinned.has(j.name) ? (give.has(j.name) ? 1e-6 : 0) : held.includes(j.nam'// &
    'e) ? 1e-2 : 1))) return;'//nl// &
    '      if (give !== pinned) joints.forEach((j, i) => Object.assign(j, drawn[i]));'//nl// &
@@ -4979,19 +5322,51 @@ module psalm_board_text
    '        for (const drive of s.drives) drive.at = drive.at.map(swap);'//nl// &
    '      }'//nl// &
    "      for (const output of s.outputs) if (output.kind !== 'ratio') output.of = output.of.map(swap);"//nl// &
+   '      for (const each of s.vary) each.of = notation.renameIn(''VARY'', "''" + each.of + "''", one).slice(1, -1);'//nl// &
    '    });'//nl// &
    '    return true;'//nl// &
    '  }'//nl// &
    ''//nl// &
+   '  /** What is chosen, one by one. */'//nl// &
+   '  const each = (selection = state.selection) => selection ? selection.many || [selection] : [];'//nl// &
+   ''//nl// &
+   '  const isChosen = (kind, name) => each().some((one) => one[kind] === name);'//nl// &
+   ''//nl// &
+   '  /** Chooses one thing more, or no longer; several are `{ many }`. */'//nl// &
+   '  function chooseMore(what) {'//nl// &
+   '    const [kind, name] = Object.entries(what)[0], rest = each().filter((one) => one[kind] !== name), all = isChosen(kin'// &
+   'd, name) ? rest : [...rest, what];'//nl// &
+   '    state.selection = all.length > 1 ? { many: all } : all[0] || null;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Joints that move with what is chosen. */'//nl// &
+   '  const movedBy = (selection) => [...new Set(each(selection).flatMap((one) => one.joint ? [one.joint] : one.link ? link'// &
+   'Of(one.link).joints : []))];'//nl// &
+   ''//nl// &
+   '  /** Moves what is chosen, and the lines of blocks whose joints go with it; exact lengths hold. */'//nl// &
+   '  function shift(sketch, selection, [dx, dy]) {'//nl// &
+   '    const names = movedBy(selection), slides = each(selection).map((one) => one.slide), more = (v, by) => Number((v + b'// &
+   'y).toPrecision(14));'//nl// &
+   '    const carried = (slide) => slides.includes(slide.name) || slide.links.some((name) => linkOf(name).joints.length ==='// &
+   ' 1 && names.includes(linkOf(name).joints[0]));'//nl// &
+   '    for (const one of [...sketch.joints.filter((j) => names.includes(j.name)), ...sketch.slides.filter(carried)]) [one.'// &
+   'x, one.y] = [more(one.x, dx), more(one.y, dy)];'//nl// &
+   '    relax(sketch, names);'//nl// &
+   '  }'//nl// &
+   ''//nl// &
    '  /** Takes joints, links or slides away, and what cannot be without them. */'//nl// &
-   '  function remove({ joint, link, slide, cylinder }) {'//nl// &
-   '    edit((s) => {'//nl// &
-   "      if (cylinder) s.drives = s.drives.filter((d) => d.at.join(' ') !== cylinder);"//nl// &
-   '      if (slide) s.slides = s.slides.filter((one) => one.name !== slide);'//nl// &
-   '      if (link && link !== s.links[0].name) s.links = s.links.filter((one) => one.name !== link);'//nl// &
-   '      if (joint) {'//nl// &
-   '        s.joints = s.joints.filter((one) => one.name !== joint);'//nl// &
-   '        for (const one of s.links) one.joints = one.joints.filter((name) => name !== joint);'//nl// &
+   '  function remove(selection) {'//nl// &
+   '    edit((s) => {'//nl
+
+   character(*), parameter :: part_49 = &
+   '      for (const { joint, link, slide, cylinder } of each(selection)) {'//nl// &
+   "        if (cylinder) s.drives = s.drives.filter((d) => d.at.join(' ') !== cylinder);"//nl// &
+   '        if (slide) s.slides = s.slides.filter((one) => one.name !== slide);'//nl// &
+   '        if (link && link !== s.links[0].name) s.links = s.links.filter((one) => one.name !== link);'//nl// &
+   '        if (joint) {'//nl// &
+   '          s.joints = s.joints.filter((one) => one.name !== joint);'//nl// &
+   '          for (const one of s.links) one.joints = one.joints.filter((name) => name !== joint);'//nl// &
+   '        }'//nl// &
    '      }'//nl// &
    '      tidy(s);'//nl// &
    '    });'//nl// &
@@ -5020,15 +5395,16 @@ module psalm_board_text
    "    for (const one of s.drives) if (one.kind === 'turn') for (const key of ['base', 'link'])"//nl// &
    "      if (one[key] && !s.links.find((l) => l.name === one[key]).joints.includes(one.at[0])) one[key] = '';"//nl// &
    '    if (s.drives.length && s.drives[0].ratio) Object.assign(s.drives[0], { ratio: 0, phase: 0 });'//nl// &
+   '    // what runs together are joints of one letter each'//nl// &
+   "    s.vary = s.vary.filter(({ of }) => of.split(/\s+/).every((word, i) => (i === 0 && ['angle', 'place', 'input', 'all'"// &
+   "].includes(word)) || joint(word) || [...word].every(joint)));"//nl// &
    "    s.outputs = s.outputs.filter((one) => one.kind === 'ratio' || one.of.every((word) => joint(word) || link(word) ||"//nl// &
    '      s.slides.some((slide) => slide.name === word) || [...word].every(joint)));'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** A name that is free: A, B ... for joints, the word with a number for others. */'//nl// &
    '  function freeName(kind) {'//nl// &
-   '    const { sketch } = state;'//nl
-
-   character(*), parameter :: part_46 = &
+   '    const { sketch } = state;'//nl// &
    "    if (kind === 'joint') {"//nl// &
    "      const letters = (n) => (n >= 26 ? letters(Math.floor(n / 26) - 1) : '') + String.fromCharCode(65 + n % 26);"//nl// &
    '      for (let n = 0; ; n++) if (!jointOf(letters(n)) && !sketch.slides.some((s) => s.name === letters(n))) return lett'// &
@@ -5068,8 +5444,8 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  const tell = (text) => state.messages.push({ text, joints: [], links: [] });'//nl// &
-   '  const exists = (s) => s.joint ? jointOf(s.joint) : s.link ? linkOf(s.link) : s.slide ? state.sketch.slides.some((one)'// &
-   ' => one.name === s.slide) :'//nl// &
+   '  const exists = (s) => s.many ? s.many.every(exists) : s.joint ? jointOf(s.joint) : s.link ? linkOf(s.link) : s.slide '// &
+   '? state.sketch.slides.some((one) => one.name === s.slide) :'//nl// &
    "    state.sketch.drives.some((d) => d.at.join(' ') === s.cylinder);"//nl// &
    ''//nl// &
    '  const free = (sketch = state.sketch) => sketch.drives.filter((d) => !d.ratio).length;'//nl// &
@@ -5091,7 +5467,9 @@ module psalm_board_text
    '        }'//nl// &
    '        return list;'//nl// &
    '      };'//nl// &
-   '      const forth = run(1), last = forth.at(-1);'//nl// &
+   '      const forth = run(1), last = forth.at(-1);'//nl
+
+   character(*), parameter :: part_50 = &
    '      ring = turns && forth.length * each >= 360 - 1e-9 && same(mech, start, last);'//nl// &
    '      if (ring) states = [start, ...forth.slice(0, -1)];'//nl// &
    '      else {'//nl// &
@@ -5134,9 +5512,7 @@ module psalm_board_text
    ''//nl// &
    '  /** Where all joints are now. */'//nl// &
    '  function places() {'//nl// &
-   '    const { motion: m, live, sketch } = state;'//nl
-
-   character(*), parameter :: part_47 = &
+   '    const { motion: m, live, sketch } = state;'//nl// &
    '    const list = live ? solver.joints(m.mech, live.pose) : sketch.joints.map((j) => [j.x, j.y]);'//nl// &
    '    return new Map(sketch.joints.map((j, i) => [j.name, list[i]]));'//nl// &
    '  }'//nl// &
@@ -5196,7 +5572,9 @@ module psalm_board_text
    '  function show() {'//nl// &
    '    board.panel.follow();'//nl// &
    '    view.draw();'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_51 = &
    ''//nl// &
    '  function play(on = !state.playing) {'//nl// &
    '    state.playing = on && Boolean(state.motion.sweep) && state.motion.sweep.states.length > 1;'//nl// &
@@ -5240,9 +5618,7 @@ module psalm_board_text
    "    board.tools.choose('select');"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function start(sketch = blank()) {'//nl
-
-   character(*), parameter :: part_48 = &
+   '  function start(sketch = blank()) {'//nl// &
    "    instead({ sketch, source: '', file: 'sketch.nml', wanted: null });"//nl// &
    "    board.tools.choose('link');"//nl// &
    '  }'//nl// &
@@ -5280,6 +5656,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  function open(file) {'//nl// &
+   '    if (/\.(dxf|fcstd|json|pmks)$/i.test(file.name)) { board.bring.file(file); return; }'//nl// &
    '    file.text().then((source) => attempt(source, file.name));'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -5302,7 +5679,9 @@ module psalm_board_text
    "    if (messages.length && sketch.joints.length) page = 'loops#what-psalm-makes-of-it';"//nl// &
    "    else if (chosen.gear !== undefined) page = 'sketch#gears-in-chain';"//nl// &
    "    else if (chosen.slide !== undefined || tool === 'slider') page = 'sketch#chain';"//nl// &
-   "    else if (chosen.drive !== undefined || tool === 'drive') page = 'sketch#drives';"//nl// &
+   "    else if (chosen.drive !== undefined || tool === 'drive') page = 'sketch#drives';"//nl
+
+   character(*), parameter :: part_52 = &
    "    else if (chosen.output !== undefined || tool === 'output') page = 'sketch#outputs-optional';"//nl// &
    "    const [name, place] = page.split('#');"//nl// &
    "    if (book) window.open(book + 'guide/' + name + '.html' + (place ? '#' + place : ''), 'book');"//nl// &
@@ -5347,9 +5726,7 @@ module psalm_board_text
    ''//nl// &
    '  /** Opens a text; a mistake is told. */'//nl// &
    '  function attempt(text, file, draft = false) {'//nl// &
-   '    try {'//nl
-
-   character(*), parameter :: part_49 = &
+   '    try {'//nl// &
    '      load(text, file, draft);'//nl// &
    '      return true;'//nl// &
    '    } catch (error) {'//nl// &
@@ -5365,7 +5742,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  Object.assign(board, { state, edit, begin, touch, end, undo: () => undo(), redo: () => undo(future, past), relax, ren'// &
-   'ame, remove, freeName, tidy, take, attempt, wrong, sweepOf, download,'//nl// &
+   'ame, remove, each, isChosen, chooseMore, movedBy, shift, freeName, tidy, take, attempt, wrong, sweepOf, download,'//nl// &
    '    refresh, places, slidePlace, sides, jointOf, linkOf, linksAt, inFrame, go, drive, play, pause, table, load, start, '// &
    'write, save, open, fit, free, clone, help,'//nl// &
    '    canUndo: () => past.length > 0, canRedo: () => future.length > 0 });'//nl// &
@@ -5387,6 +5764,6 @@ contains
              part_24//part_25//part_26//part_27//part_28//part_29//part_30//part_31// &
              part_32//part_33//part_34//part_35//part_36//part_37//part_38//part_39// &
              part_40//part_41//part_42//part_43//part_44//part_45//part_46//part_47// &
-             part_48//part_49
+             part_48//part_49//part_50//part_51//part_52
    end function board_text
 end module psalm_board_text

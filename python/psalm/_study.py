@@ -4,6 +4,9 @@ The process reads one request, a line of JSON, from standard input and answers i
 ends a search early; the end of standard input ends the process. Before it reads the request it gives up opening files: a case that
 names one finds nothing, whatever the name is.
 """
+import base64
+import contextlib
+import io
 import json
 import math
 import os
@@ -16,6 +19,7 @@ import time
 import numpy
 
 import psalm
+from psalm import imports
 
 MEMORY = 4 << 30        # bytes of address space
 SAYS = ("motion", "summary")    # studies whose errors are reported: the others are asked of whatever is drawn
@@ -34,6 +38,7 @@ FIRST_SECONDS, MOST_SECONDS = 0.5, 16.0     # of a kind in the first round; doub
 ASSEMBLIES = 24         # that are shown
 REPORTED = 0.3          # seconds between two reports of progress
 LISTING = 200000        # characters of a listing that are shown
+EMPTY_DXF = b"  0\nSECTION\n  2\nENTITIES\n  0\nENDSEC\n  0\nEOF\n"
 FOUND = 24              # linkages found that are shown
 SHOWN = 60              # points of a path on the contact sheet
 
@@ -77,6 +82,16 @@ def files(request):
         return {"files": psalm.Case.from_text(request["case"]).study("picture", listing=False).files}
     except psalm.Error as error:
         return {"findings": findings_of(error.findings)}
+
+
+def brought(request):
+    """A case from a file of another program, whose bytes are in the request; the kind is that of its ending."""
+    source = imports.held(request["name"], base64.b64decode(request["content"]))
+    try:
+        drawing = imports.read(source if not request["name"].startswith("http") else request["name"], fixed=request["fixed"], drive=request["drive"])
+        return {"text": drawing.text(), "notes": drawing.notes}
+    except imports.ImportFailed as error:
+        return {"error": str(error)}
 
 
 # ---- one look at a case -------------------------------------------------------------------------------------------------
@@ -195,7 +210,7 @@ def own_case(request, seconds, seed):
     size = size_of(request)
     low, high = request["low"] or OWN_LOW*size, request["high"] or OWN_HIGH*size
     far = high + max(math.hypot(*p) for p in request["points"])     # of a place from the origin, or from the input pivot
-    bounds = [pair for one in request["vary"] for pair in {"angle": [(-TURNS, TURNS)], "place": [(0.0, far), (-TURNS, TURNS)]}.get(one.split(" ")[0], [(low, high)])]
+    bounds = [pair for one in request["vary"] for pair in request["ranges"].get(one) or {"angle": [(-TURNS, TURNS)], "place": [(0.0, far), (-TURNS, TURNS)]}.get(one.split(" ")[0], [(low, high)])]
     case.set("CHAIN", VLOW=[pair[0] for pair in bounds], VHIGH=[pair[1] for pair in bounds])
     case.set("SEARCH", SOLVER="LSQ", NSTART=OWN_STARTS, ORDER=2, MAXTIME=seconds, NBEST=1)
     case.set("CONSTR", IRANGE=2)
@@ -306,6 +321,12 @@ def main():
     if not line:
         return
     request, end = json.loads(line), threading.Event()
+    if request["study"] == "brought" and request["name"].lower().endswith(".dxf"):
+        with contextlib.suppress(ImportError):      # later no file can be opened
+            import ezdxf
+            import ezdxf.path
+            import ezdxf.recover
+            ezdxf.recover.read(io.BytesIO(EMPTY_DXF))
     confine(request["seconds"], os.cpu_count() or 1)
 
     def listen():
@@ -319,7 +340,7 @@ def main():
         sys.stdout.flush()
 
     threading.Thread(target=listen, daemon=True).start()
-    short = {"look": look, "prove": prove, "files": files}
+    short = {"look": look, "prove": prove, "files": files, "brought": brought}
     tell(short[request["study"]](request) if request["study"] in short else
          {"search": search, "run": run}[request["study"]](request, tell, end.is_set))
     os._exit(0)

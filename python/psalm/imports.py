@@ -9,6 +9,7 @@ On the command line: `psalm-import FILE > CASE.nml`; `psalm-import --help`. What
 """
 import argparse
 import dataclasses
+import io
 import json
 import math
 import os
@@ -35,6 +36,27 @@ PMKS_DIGITS = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_-"
 PMKS_PARTS = 1000.0   # PMKS+ keeps thousandths
 READING_FAILED = (AttributeError, ArithmeticError, EOFError, LookupError, NotImplementedError, RecursionError, TypeError, ValueError, zlib.error)
 LONGEST_SOURCE = 100  # characters of a file's name, or a link, in a message
+
+
+class Held(str):
+    """The name of a file whose content is in memory."""
+    content: bytes = b""
+
+
+def held(name: str, content: bytes) -> Held:
+    """A file that another program has read: what `read` takes in place of a path."""
+    source = Held(name)
+    source.content = content
+    return source
+
+
+def opened(source):
+    """The bytes of a file, one that is held in memory too."""
+    return io.BytesIO(source.content) if isinstance(source, Held) else open(source, "rb")
+
+
+def size_of(source):
+    return len(source.content) if isinstance(source, Held) else os.path.getsize(source)
 
 
 class ImportFailed(ValueError):
@@ -76,6 +98,14 @@ class Drawing:
                 raise ImportFailed("no joint of the frame holds a single link; name the drive (--drive)")
             self.drive = driven[0]
             self.notes.append("the drive is taken to be %s" % self.drive)
+        between = self.driven_between()
+        if between:
+            self.notes.append("several links turn at %s: the drive is taken to turn %s against %s (DLINK and DBASE of &DRIVES)" % (self.drive, between[1], between[0]))
+
+    def driven_between(self):
+        """The links that the drive acts between, where its joint pins more than two: the frame, else the first, and the next."""
+        links = (["frame"] if self.drive in self.fixed else []) + self.links_of(self.drive)
+        return (links[0], links[1]) if self.drive in self.joints and len(links) > 2 else None
 
     def listed(self):
         return ", ".join("%s (%g, %g)" % (name, x, y) for name, (x, y) in self.joints.items())
@@ -120,7 +150,8 @@ class Drawing:
             lines += ["  %s=%s" % (item, numbers(slide[k] for slide in self.slides)) for item, k in (("SLX", 2), ("SLY", 3), ("SLANG", 4))]
         lines[-1] = lines[-1].rstrip(",") + " &END"
         turning = self.drive in self.joints
-        lines += [" &DRIVES DRIVE='%s' &END" % self.drive, " &OUTPUTS OUTPUT='%s' &END" % self.output(),
+        between = self.driven_between()
+        lines += [" &DRIVES DRIVE='%s'%s &END" % (self.drive, ", DBASE='%s', DLINK='%s'" % between if between else ""), " &OUTPUTS OUTPUT='%s' &END" % self.output(),
                   " &METHOD IKIN=5 &END" if turning else " &METHOD NDES=1, DELT=0.0 &END"]
         return "\n".join(lines) + "\n"
 
@@ -143,7 +174,7 @@ def wrapped(words):
 def read(source: str, kind: typing.Optional[str] = None, *, fixed: typing.Union[str, typing.Sequence[str]] = (), drive: str = "") -> Drawing:
     """A linkage from a file, or from a link of PMKS+.
 
-    kind: "dxf", "freecad", "pylinkage" or "pmks"; else by the ending. fixed: joints of the frame, where the file does not say it; drive: the
+    source: a path, a link, or what `held` makes of a name and bytes. kind: "dxf", "freecad", "pylinkage" or "pmks"; else by the ending. fixed: joints of the frame, where the file does not say it; drive: the
     joint that is driven. Errors: `ImportFailed`; OSError of the file.
     """
     if kind is None:
@@ -156,7 +187,7 @@ def read(source: str, kind: typing.Optional[str] = None, *, fixed: typing.Union[
     if kind not in KINDS:
         raise ImportFailed("there is no kind %r; there are %s" % (kind, ", ".join(KINDS)))
     if kind != "pmks" or not source.startswith("http"):
-        if os.path.getsize(source) > MOST_BYTES:
+        if size_of(source) > MOST_BYTES:
             raise ImportFailed("%s is larger than %d MB" % (source, MOST_BYTES // 1_000_000))
     names = list(dict.fromkeys(fixed.split() if isinstance(fixed, str) else fixed))
     if drive and kind in ("pmks", "pylinkage"):
@@ -372,10 +403,11 @@ def from_dxf(source, fixed, drive):
     try:
         import ezdxf
         import ezdxf.path
+        import ezdxf.recover
     except ImportError:
         raise ImportFailed("DXF is read by ezdxf, which is not installed (pip install ezdxf)") from None
     try:
-        document = ezdxf.readfile(source)
+        document = ezdxf.readfile(source) if not isinstance(source, Held) else ezdxf.recover.read(opened(source))[0]
     except (ezdxf.DXFError, UnicodeDecodeError) as reason:
         raise ImportFailed("%s: %s" % (source, reason)) from None
     except OSError as reason:
@@ -458,7 +490,7 @@ def to_plane(first, other):
 def from_freecad(source, fixed, drive):
     """Sketches of a document of FreeCAD. Of a single sketch each line is a link; of several each sketch is one."""
     try:
-        with zipfile.ZipFile(source) as packed:
+        with opened(source) as file, zipfile.ZipFile(file) as packed:
             if packed.getinfo("Document.xml").file_size > MOST_BYTES:
                 raise ImportFailed("%s is too large" % source)
             root = xml.etree.ElementTree.fromstring(packed.read("Document.xml"))
@@ -507,8 +539,8 @@ def from_freecad(source, fixed, drive):
 def from_pylinkage(source, fixed, drive):
     """A mechanism or, as before version 1, a linkage that pylinkage saved as JSON."""
     try:
-        with open(source, encoding="utf-8") as file:
-            data = json.load(file)
+        with opened(source) as file:
+            data = json.loads(file.read().decode("utf-8"))
         if "links" in data:
             return from_mechanism(source, data, fixed)
         given = data["joints"]
@@ -659,8 +691,8 @@ def from_pmks(source, fixed, drive):
     """A link of PMKS+, or a file that holds one, or what stands after the question mark of one."""
     text = source
     if not source.startswith("http"):
-        with open(source, encoding="utf-8", errors="replace") as file:
-            text = file.read(MOST_BYTES)
+        with opened(source) as file:
+            text = file.read(MOST_BYTES).decode("utf-8", "replace")
     text = urllib.parse.unquote(text.strip().split("?", 1)[-1])
     # flags, numbers, integers, words; then joints, links, forces and what is chosen, each list with an empty part at its end
     parts = text.split(".")

@@ -37,6 +37,8 @@ from psalm._study import KINDS, OWN, files_named
 HOST = "127.0.0.1"
 PORT = 7756                 # the same each time: the browser keeps drafts by address
 LARGEST = 1 << 20           # bytes of a request
+LARGEST_FILE = 8 << 20      # bytes of a request that brings a file of another program
+MOST_NAME = 1000            # characters of its name, of the joints that are fixed, of a link of PMKS+
 LARGEST_ANSWER = 16 << 20   # bytes of a line that a study prints
 PATIENCE = 10.0             # seconds for the body of a request
 LOOK_SECONDS = 10.0         # a look at a case is over by then, unless another time is given
@@ -137,9 +139,13 @@ class Guard:
             given = dict(part.partition("=")[::2] for part in scope["query_string"].decode("latin-1").split("&")).get("token", "")
         if not hmac.compare_digest(given.encode("latin-1", "replace"), self.token.encode()):
             raise Refused(403, "the token is missing or wrong: open the address that psalm-workbench printed")
-        length = headers.get(b"content-length", "0")
-        if not re.fullmatch("[0-9]{1,18}", length) or int(length) > LARGEST:
-            raise Refused(413, "a request has at most %d bytes" % LARGEST)
+        length, largest = headers.get(b"content-length", "0"), self.largest(scope)
+        if not re.fullmatch("[0-9]{1,18}", length) or int(length) > largest:
+            raise Refused(413, "a request has at most %d bytes" % largest)
+
+    @staticmethod
+    def largest(scope):
+        return LARGEST_FILE if scope["path"] == "/import" else LARGEST
 
     async def body_of(self, scope, receive):
         parts, size = [], 0
@@ -149,8 +155,8 @@ class Guard:
                 raise Refused(400, "the request was not finished")
             parts.append(message.get("body", b""))
             size += len(parts[-1])
-            if size > LARGEST:
-                raise Refused(413, "a request has at most %d bytes" % LARGEST)
+            if size > self.largest(scope):
+                raise Refused(413, "a request has at most %d bytes" % self.largest(scope))
             if not message.get("more_body"):
                 return b"".join(parts)
 
@@ -242,7 +248,7 @@ class Studies:
         self.last[page] = process
         async with contextlib.AsyncExitStack() as stack:
             stack.callback(self.end, process)
-            await process.ask({"study": study, "case": text, "seconds": self.seconds})
+            await process.ask({"study": study, "seconds": self.seconds, **(text if isinstance(text, dict) else {"case": text})})
             try:
                 answer = await asyncio.wait_for(process.answer(), self.seconds)
             except asyncio.TimeoutError:
@@ -342,12 +348,17 @@ def request_of(body):
     vary = given.get("vary", ["all"])
     if not isinstance(vary, list) or not 0 < len(vary) <= MOST_VARY or not all(isinstance(one, str) and 0 < len(one) < 200 and one.isprintable() for one in vary):
         raise Refused(400, "vary must be names of dimensions")
+    ranges = given.get("ranges", {})
+    if not isinstance(ranges, dict) or not all(name in vary and isinstance(pairs, list) and pairs and all(
+            isinstance(pair, list) and len(pair) == 2 and all(isinstance(v, (int, float)) and not isinstance(v, bool) and abs(v) <= FAR for v in pair) and
+            pair[0] <= pair[1] for pair in pairs) for name, pairs in ranges.items()):
+        raise Refused(400, "ranges must be pairs of numbers, least and most, of dimensions that vary")
     if OWN in kinds and files_named(words["case"]):
         raise Refused(400, "the case names a file")
     return {"points": [[float(v) for v in point] for point in points], "closed": bool(given.get("closed")), "kinds": list(dict.fromkeys(kinds)),
             "seconds": float(number("seconds", 1, SEARCH_SECONDS, SEARCH_SECONDS)), "round": int(number("round", 0, 1000, 0)),
             "angle": float(number("angle", 0, 60, 0)),
-            "low": float(number("low", 0, FAR, 0)), "high": float(number("high", 0, FAR, 0)), "vary": vary, **words}
+            "low": float(number("low", 0, FAR, 0)), "high": float(number("high", 0, FAR, 0)), "vary": vary, "ranges": ranges, **words}
 
 
 def run_of(body):
@@ -359,6 +370,20 @@ def run_of(body):
     if not isinstance(given, dict) or given.get("verb") not in VERBS or not isinstance(given.get("case"), str) or "\0" in given["case"]:
         raise Refused(400, "a study has a verb, one of %s, and a case" % " ".join(VERBS))
     return {"verb": given["verb"], "case": given["case"], "seconds": SEARCH_SECONDS}
+
+
+def brought_of(body):
+    """A file of another program: its name, its bytes in base64, joints of the frame, the driven joint."""
+    try:
+        given = json.loads(body)
+        fields = {name: given.get(name, "") for name in ("name", "content", "fixed", "drive")}
+        base64.b64decode(fields["content"], validate=True)
+    except (ValueError, RecursionError, AttributeError, TypeError):
+        raise Refused(400, "the request is no file in JSON") from None
+    if not all(isinstance(value, str) and value.isprintable() for value in fields.values()) or not fields["name"] or \
+            any(len(value) > MOST_NAME for name, value in fields.items() if name != "content" and not value.startswith("http")):
+        raise Refused(400, "a file has a name, and a content in base64")
+    return fields
 
 
 def application(token, port, case="", file="", seconds=LOOK_SECONDS):
@@ -377,6 +402,9 @@ def application(token, port, case="", file="", seconds=LOOK_SECONDS):
 
     async def files(request):
         return JSONResponse(await studies.look(request.headers.get("x-psalm-page", "")[:32] + " files", await case_of(request), "files"))
+
+    async def brought(request):
+        return JSONResponse(await studies.look(request.headers.get("x-psalm-page", "")[:32] + " import", brought_of(await request.body()), "brought"))
 
     async def case_of(request):
         try:
@@ -425,7 +453,8 @@ def application(token, port, case="", file="", seconds=LOOK_SECONDS):
         yield
         await studies.close()
 
-    routes = [Route("/", home), Route("/look", look, methods=["POST"]), Route("/prove", prove, methods=["POST"]), Route("/files", files, methods=["POST"]), Route("/search", search, methods=["POST"]), Route("/run", run, methods=["POST"]),
+    routes = [Route("/", home), Route("/look", look, methods=["POST"]), Route("/prove", prove, methods=["POST"]), Route("/files", files, methods=["POST"]),
+              Route("/import", brought, methods=["POST"]), Route("/search", search, methods=["POST"]), Route("/run", run, methods=["POST"]),
               Route("/search/{name}", found), Route("/search/{name}/stop", stop, methods=["POST"])]
     app = Starlette(routes=routes, lifespan=alive, exception_handlers={Refused: refused, 404: no_page})
     return Guard(app, token, {"%s:%d" % (name, port) for name in (HOST, "localhost")})

@@ -16,16 +16,19 @@ module psalm_flexible_cycle
    private
    public :: flexible_cycle_t, find_flexible_cycle
 
-   integer, parameter, public :: part_inertia = 1, part_fixed = 2, part_damped = 3 !! of the joints' forces
+   integer, parameter, public :: parts = 4
+   integer, parameter, public :: part_inertia = 1, part_fixed = 2, part_damped = 3, part_pushed = 4 !! of the loads
 
-   !> At equal steps of the crank from its reference position, at 1 rad/s.
+   !> At equal steps of the crank from its reference position, at 1 rad/s; `pushed`: at rest, with 1 rad/s2 in its sense.
    type :: flexible_cycle_t
       type(link_cycle_t) :: turn                 !! where the crank cannot turn, and its sense
       real(wp), allocatable :: acceleration(:, :) !! shape (2, positions): of the origin of the frame's axes, m
       real(wp), allocatable :: turning(:), speed(:) !! shape (positions): angular acceleration and speed
+      real(wp), allocatable :: pushed(:, :)      !! shape (3, positions): acceleration of the origin, and turning
       real(wp), allocatable :: weight(:, :)      !! shape (2, positions): gravity, m/s2
-      real(wp), allocatable :: forces(:, :, :, :) !! shape (2, joints, 3, positions): of the joints on the link, by
-                                                 !! `part_...`: of inertia, N; of weight, loads and springs, N; of dampers
+      real(wp), allocatable :: forces(:, :, :, :) !! shape (2, joints, parts, positions): of the joints on the link, by
+                                                 !! `part_...`: of inertia, N; of weight, loads and springs, N; of dampers;
+                                                 !! of inertia where the crank is pushed
       type(acting_cycle_t), allocatable :: acting(:) !! loads, then springs on the link
    end type flexible_cycle_t
 
@@ -52,7 +55,7 @@ contains
       call prepare_turn(given, dimensions, points, problem, input, cycle_of%turn)
       if (cycle_of%turn%failure > 0) return
       allocate (cycle_of%acceleration(2, points), cycle_of%turning(points), cycle_of%speed(points), cycle_of%weight(2, points))
-      allocate (cycle_of%forces(2, size(link%joints), 3, points), source=0.0_wp)
+      allocate (cycle_of%forces(2, size(link%joints), parts, points), cycle_of%pushed(3, points), source=0.0_wp)
       call prepare_rates(problem, rates)
       call prepare_forces(problem, model, forces)
       bare = model
@@ -84,6 +87,12 @@ contains
          end do
          call sweep(problem, n, forces)
          call take_forces(part_fixed)
+         call move_bodies(problem, rates, n, 0.0_wp, cycle_of%turn%sense, forces)
+         call follow_push()
+         call clear_wrenches(n, forces)
+         call add_source(problem, bare, source_inertia, input(offset + 1:offset + n), n, forces)
+         call sweep(problem, n, forces)
+         call take_forces(part_pushed)
          if (.not. any(dampers%springs%damps())) cycle
          call move_bodies(problem, rates, n, cycle_of%turn%sense, 0.0_wp, forces)
          call clear_wrenches(n, forces)
@@ -140,6 +149,22 @@ contains
             end do
          end associate
       end subroutine follow_motion
+
+      !> The same where the crank is pushed; the axes are known.
+      subroutine follow_push()
+         real(wp) :: x, y, ax, ay
+         integer :: i
+
+         associate (w => forces%w%v, rows => forces%bodies(link%body), at => link%origin)
+            do i = 1, n
+               x = at(1)*w(i, rows%ex) - at(2)*w(i, rows%ey)
+               y = at(1)*w(i, rows%ey) + at(2)*w(i, rows%ex)
+               ax = forces%metre*w(i, rows%ax) - w(i, rows%al)*y
+               ay = forces%metre*w(i, rows%ay) + w(i, rows%al)*x
+               cycle_of%pushed(:, offset + i) = [ax*unit(1, i) + ay*unit(2, i), ay*unit(1, i) - ax*unit(2, i), w(i, rows%al)]
+            end do
+         end associate
+      end subroutine follow_push
 
       !> Forces of the joints on the link, in the frame's axes.
       subroutine take_forces(part)

@@ -13,6 +13,8 @@ module psalm_drive_group
    public :: shaft_items, hill_items
    public :: drive_group_t, hill_group_t, drive_of, hill_of
 
+   integer, parameter :: most_equations = 10    !! of HILL
+
    type, extends(case_group_t) :: drive_group_t
       real(wp) :: stiffness = 0.0_wp           !! DSTIF: of the shaft, N m/rad
       real(wp) :: ratio = 0.0_wp               !! DMEAN: mean of frequency/speed, in place of the stiffness; 0: not given
@@ -30,6 +32,10 @@ module psalm_drive_group
 
    type, extends(case_group_t) :: hill_group_t
       real(wp), allocatable :: c1(:), c0(:), p(:) !! HC1, HC0, HP, shape (NHILL): at equal steps of one period of 2 pi
+      integer :: equations = 1                 !! NHEQN
+      real(wp), allocatable :: damping(:, :, :), stiffness(:, :, :) !! HMC1, HMC0 of several equations: shape (NHILL, NHEQN,
+                                               !! NHEQN), positions, equation, unknown
+      real(wp), allocatable :: load(:, :)      !! HMP: shape (NHILL, NHEQN)
       real(wp) :: tolerance = 1.0e-10_wp       !! HTOL
       integer :: harmonics = 12                !! NHHARM: that are listed
    contains
@@ -73,6 +79,14 @@ module psalm_drive_group
              'c0'), &
       rule_t('HP', a_number, 'NHILL', '', '0', '', &
              'p'), &
+      rule_t('NHEQN', a_whole, '', '', '1', '[1,10]', &
+             'number of equations; of several HMC1, HMC0 and HMP take the place of HC1, HC0 and HP, and NHILL is required'), &
+      rule_t('HMC1', a_number, 'n', '', '0', '', &
+             'C1 of several equations: NHILL values of element (1,1), then of (1,2) ..., row by row'), &
+      rule_t('HMC0', a_number, 'n', '', '0', '', &
+             'C0, in the same order'), &
+      rule_t('HMP', a_number, 'n', '', '0', '', &
+             'p: NHILL values of each equation'), &
       rule_t('HTOL', a_number, '', '', '1E-10', '[1E-14,)', &
              'relative error of the matrix of a period', &
              'must be at least 1E-14'), &
@@ -133,6 +147,8 @@ contains
       call take(group, 'HC1', hill%c1, findings, last=last(1))
       call take(group, 'HC0', hill%c0, findings, last=last(2))
       call take(group, 'HP', hill%p, findings, last=last(3))
+      call take(group, 'NHEQN', hill%equations, findings)
+      call read_matrices(group, n, hill, findings)
       call take(group, 'HTOL', hill%tolerance, findings)
       call take(group, 'NHHARM', hill%harmonics, findings)
       if (.not. hill%given) return
@@ -151,6 +167,47 @@ contains
          end if
       end subroutine check_table
    end subroutine read_hill_group
+
+   !> Tables of several equations. Errors: those of one equation beside them, tables that are too short.
+   subroutine read_matrices(group, n, hill, findings)
+      type(group_t), intent(inout) :: group
+      integer, intent(in) :: n                 !! NHILL
+      type(hill_group_t), intent(inout) :: hill
+      type(diagnostics_t), intent(inout) :: findings
+      character(*), parameter :: single(3) = [character(3) :: 'HC1', 'HC0', 'HP'], &
+                                 several(3) = [character(4) :: 'HMC1', 'HMC0', 'HMP']
+      real(wp), allocatable :: values(:)
+      integer :: k, m, last
+
+      m = min(max(hill%equations, 1), most_equations)
+      allocate (hill%damping(n, m, m), hill%stiffness(n, m, m), hill%load(n, m), source=0.0_wp)
+      do k = 1, size(several)
+         if (m == 1) then
+            if (group%given(trim(several(k)))) call out_of(group, trim(several(k)), 'is for several equations; give NHEQN', &
+                                                           findings)
+         end if
+         allocate (values(n*m*merge(1, m, k == 3)), source=0.0_wp)
+         call take(group, trim(several(k)), values, findings, last=last)
+         if (m > 1) then
+            if (group%given(trim(several(k))) .and. last /= size(values)) &
+               call out_of(group, trim(several(k)), to_text(size(values))//' values are expected, NHILL of each '// &
+                           'element; there are '//to_text(last), findings)
+            if (group%given(trim(single(k)))) call out_of(group, trim(single(k)), 'is for one equation; of several give '// &
+                trim(several(k)), findings)
+         end if
+         select case (k)
+         case (1)
+            hill%damping = reshape(values, [n, m, m], order=[1, 3, 2])
+         case (2)
+            hill%stiffness = reshape(values, [n, m, m], order=[1, 3, 2])
+         case default
+            hill%load = reshape(values, [n, m])
+         end select
+         deallocate (values)
+      end do
+      if (m > 1 .and. .not. group%given('NHILL')) call required(group, 'NHILL', 'missing; of several equations it says '// &
+                                                                'how many values each element has')
+   end subroutine read_matrices
 
    !> The group as the case has it.
    subroutine read_drive(self, group, about, findings)

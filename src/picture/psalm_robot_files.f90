@@ -8,7 +8,7 @@ module psalm_robot_files
    use psalm_multibody, only: multibody_t, make_multibody
    use psalm_pictured, only: pictured_t
    use psalm_robot_formats, only: robot_formats_t
-   use psalm_sdf, only: write_sdf, write_urdf
+   use psalm_sdf, only: write_joint_series, write_sdf, write_urdf
    use psalm_status, only: diagnostics_t
    use psalm_text, only: text_t
    implicit none (type, external)
@@ -37,7 +37,8 @@ contains
          allocate (model)
          own = diagnostics_t()
          own%file = sets(k)%file
-         call make_multibody(sets(k), model, own)
+         call make_multibody(sets(k), model, own, formats%urdf, &
+                             shapes_alone=.not. (formats%mjcf .or. formats%sdf .or. formats%urdf))
          if (.not. own%failed()) then
             if (formats%mjcf) then
                call begin()
@@ -64,6 +65,11 @@ contains
                call begin()
                call write_urdf(model, sets(k)%title_line, text, own)
                call add_picture(models, ending(k, '.urdf'), text%content())
+               if (allocated(model%dependence)) then
+                  text = text_t()
+                  call write_joint_series(model, mark, text)
+                  call add_picture(models, ending(k, '.urdf.json'), text%content())
+               end if
             end if
          end if
          call findings%append(own)

@@ -3,6 +3,7 @@
 !> The plane of the linkage stands upright: its y axis is the z axis of the world. Formats: SDFormat 1.11; URDF as ROS reads it.
 module psalm_sdf
    use psalm_angles, only: degrees_of
+   use psalm_json, only: add_numbers, json_number, json_text, truth
    use psalm_kinds, only: wp, radians_per_degree, right_angle
    use psalm_elementary, only: hypotenuse
    use psalm_multibody, only: multibody_t, tree_joint_t
@@ -11,7 +12,7 @@ module psalm_sdf
    use psalm_text, only: text_t, to_text
    implicit none (type, external)
    private
-   public :: write_sdf, write_urdf
+   public :: write_sdf, write_urdf, write_joint_series
 
    real(wp), parameter :: upright(3) = [right_angle*radians_per_degree, 0.0_wp, 0.0_wp] !! roll, pitch, yaw, radians
    real(wp), parameter :: beyond = 2.0_wp   !! sizes of the linkage that a slide may move, where a format asks for a limit
@@ -211,6 +212,8 @@ contains
       names = robot_names(model)
       call find_followers(model, line, 'URDF', followers, findings)
       call text%add('<robot name="'//names%model//'">')
+      if (allocated(model%dependence)) &
+         call text%add('  <!-- coordinates of all joints by the stroke of the drive: in the .urdf.json file beside this one -->')
       call text%add('  <link name="world"/>')
       call text%add('  <joint name="'//names%bodies(1)%text//'_stands" type="fixed">')
       call text%add('    <origin xyz="0 0 0" rpy="'//row_of(upright)//'"/>')
@@ -248,23 +251,49 @@ contains
 
    contains
 
+      !> Limits of a joint: of the drive those that are proven, of a slide such as the linkage does not come to.
+      subroutine find_limits(j, limited, limits)
+         integer, intent(in) :: j
+         logical, intent(out) :: limited           !! proven
+         real(wp), intent(out) :: limits(2)
+
+         limits = [-beyond, beyond]*model%size
+         limited = .false.
+         if (.not. allocated(model%dependence)) return
+         if (model%dependence%whole_turn) return
+         associate (factors => model%relations(1)%factors)
+            limited = abs(factors(j)) > 0.0_wp .and. count(abs(factors) > 0.0_wp) == 1
+            if (limited) limits = [model%dependence%low, model%dependence%high]/factors(j)
+            if (limits(1) > limits(2)) limits = limits([2, 1])
+         end associate
+      end subroutine find_limits
+
       subroutine write_tree_joint(j)
          integer, intent(in) :: j
-         real(wp) :: from(2)
+         character(:), allocatable :: kind
+         real(wp) :: from(2), limits(2)
+         logical :: limited
          integer :: f
 
          associate (joint => model%joints(j))
             from = 0.0_wp
             if (joint%bodies(1) > 1) from = model%bodies(joint%bodies(1))%at
-            call text%add('  <joint name="'//names%joints(j)%text//'" type="'// &
-                          trim(merge('prismatic ', 'continuous', joint%slides))//'">')
+            call find_limits(j, limited, limits)
+            if (joint%slides) then
+               kind = 'prismatic'
+            else if (limited) then
+               kind = 'revolute'
+            else
+               kind = 'continuous'
+            end if
+            call text%add('  <joint name="'//names%joints(j)%text//'" type="'//kind//'">')
             call text%add('    <origin xyz="'//row_of([joint%at - from, 0.0_wp])//'"/>')
             call text%add('    <parent link="'//names%bodies(joint%bodies(1))%text//'"/>')
             call text%add('    <child link="'//names%bodies(joint%bodies(2))%text//'"/>')
             call text%add('    <axis xyz="'//row_of(axis_of(joint))//'"/>')
-            if (joint%slides) call text%add('    <limit lower="'//row_of([-beyond*model%size])//'" upper="'// &
-                                            row_of([beyond*model%size])//'" effort="'//row_of([free])//'" velocity="'// &
-                                            row_of([free])//'"/>')
+            if (joint%slides .or. limited) call text%add('    <limit lower="'//row_of(limits(:1))//'" upper="'// &
+                                                         row_of(limits(2:))//'" effort="'//row_of([free])//'" velocity="'// &
+                                                         row_of([free])//'"/>')
             f = 0
             if (size(followers) > 0) f = findloc(followers%follower, j, dim=1)
             if (f > 0) call text%add('    <mimic joint="'//names%joints(followers(f)%leader)%text//'" multiplier="'// &
@@ -273,4 +302,51 @@ contains
          end associate
       end subroutine write_tree_joint
    end subroutine write_urdf
+
+   !> The coordinates of joints by the stroke of the drive, as JSON.
+   subroutine write_joint_series(model, mark, text)
+      type(multibody_t), intent(in) :: model     !! with `dependence`
+      character(*), intent(in) :: mark           !! of the run
+      type(text_t), intent(inout) :: text
+      type(robot_names_t) :: names
+      character(:), allocatable :: factors
+      integer :: j
+
+      names = robot_names(model)
+      associate (dependence => model%dependence, relation => model%relations(1))
+         factors = ''
+         do j = 1, size(relation%factors)
+            if (.not. abs(relation%factors(j)) > 0.0_wp) cycle
+            if (len(factors) > 0) factors = factors//', '
+            factors = factors//json_text(names%joints(j)%text)//': '//json_number(relation%factors(j), exact=.true.)
+         end do
+         call text%add('{"run": '//json_text(mark)//', "model": '//json_text(names%model)//',')
+         call text%add(' "series": "Chebyshev: coordinate = sum of coefficients[k] T_k(t), '// &
+                       't = (2 stroke - low - high)/(high - low)",')
+         call text%add(' "drive": {"stroke": {'//factors//'}, "unit": "'//unit_of(relation%slides)//'",')
+         call text%add('  "low": '//json_number(dependence%low, exact=.true.)//', "high": '// &
+                       json_number(dependence%high, exact=.true.)//', "whole_turn": '//truth(dependence%whole_turn)//'},')
+         call text%add(' "joints": [')
+         do j = 1, size(dependence%joints)
+            associate (of => dependence%joints(j))
+               call text%add('  {"joint": '//json_text(names%joints(of%joint)%text)//', "unit": "'// &
+                             unit_of(model%joints(of%joint)%slides)//'", "advance": '//json_number(of%advance, exact=.true.)// &
+                             ', "largest_error": '//json_number(of%error, digits=3)//',')
+               call text%add_text('   "coefficients": ')
+               call add_numbers(of%coefficients, text, exact=.true.)
+               call text%add('}'//trim(merge(', ', '  ', j < size(dependence%joints))))
+            end associate
+         end do
+         call text%add(' ]}')
+      end associate
+
+   contains
+
+      pure function unit_of(slides) result(unit)
+         logical, intent(in) :: slides
+         character(:), allocatable :: unit
+
+         unit = trim(merge('m  ', 'rad', slides))
+      end function unit_of
+   end subroutine write_joint_series
 end module psalm_sdf

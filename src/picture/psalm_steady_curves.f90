@@ -42,10 +42,28 @@ contains
          if (study%drive%found) call add_drive(study%drive, plots)
       end if
       if (.not. allocated(study%hill)) return
+      if (allocated(study%hill%coupled)) then
+         if (study%hill%coupled%unique) call add_equations(study%hill%coupled%y, plots)
+         return
+      end if
       if (.not. study%hill%hill%unique) return
       call begin_turn("y of Hill's equation", full_turn, plots)
       call add_response('', 1, study%hill%hill, 1.0_wp, 1.0_wp, 1, plots(size(plots)))
    end subroutine make_steady_curves
+
+   !> The responses of several equations of Hill.
+   subroutine add_equations(y, plots)
+      real(wp), intent(in) :: y(:, :)            !! shape (places, equations)
+      type(plot_t), allocatable, intent(inout) :: plots(:)
+      integer :: i, k, n
+
+      n = size(y, 1)
+      call begin_turn("y of Hill's equations", full_turn, plots)
+      do k = 1, size(y, 2)
+         call add_line(plots(size(plots)), to_text(k), look_line, k, [(full_turn*real(i, wp)/real(n, wp), i=0, n)], &
+                       [y(:, k), y(1, k)])
+      end do
+   end subroutine add_equations
 
    !> A link of beam elements: its greatest stresses over the turn, and where it bends most.
    subroutine add_flexible(number, study, plots)

@@ -1,7 +1,8 @@
 !> Links of beam elements (group FLEX) in the listing.
 module psalm_flex_list
-   use psalm_coupled_hill, only: coupled_t
    use psalm_data_set, only: data_set_t
+   use psalm_drive_links_study, only: drive_links_t
+   use psalm_drive_study, only: small_swing
    use psalm_flex_group, only: flex_group_t, flex_of
    use psalm_flex_study, only: flex_study_t, stress_kinds
    use psalm_kinds, only: wp
@@ -9,10 +10,10 @@ module psalm_flex_list
    use psalm_number_format, only: error_words, figures_of, in_a_row, in_sentence
    use psalm_columns, only: right_column
    use psalm_text, only: text_t, to_text
-   use psalm_vibration_list, only: link_words
+   use psalm_vibration_list, only: coupled_words, link_words, list_harmonics
    implicit none (type, external)
    private
-   public :: list_flexible, coupled_words, flexible_words
+   public :: list_flexible, list_together, flexible_words
 
    character(*), parameter :: stress_names(stress_kinds) = [character(14) :: 'BENDING', 'ALONG THE LINK', 'BOTH TOGETHER']
 
@@ -68,6 +69,12 @@ contains
          do j = 1, size(study%frequency)
             call text%add(right_column(j, 6)//in_a_row(columns(:, j)))
          end do
+         if (study%giving%known .and. size(study%giving%node) > 0) then
+            call text%add(' WITH THE MASSES THAT ITS JOINTS MOVE THE FIRST IS FROM'//in_sentence(named, study%driven(1))//' TO'// &
+                          in_sentence(named, study%driven(2))//' OVER THE TURN')
+         else if (.not. study%giving%known) then
+            call text%add(' THE MASSES THAT ITS JOINTS MOVE ARE LEFT OUT: THE LINKAGE IS TOO NEAR A DEAD POINT TO GIVE WAY')
+         end if
          call text%add(' SUM OF ALL FORCES ON THE LINK, OVER THE LARGEST OF A JOINT'//error_words(named, study%equilibrium))
          call text%add(' LEAST SQUARED FREQUENCY IN THE TURN, OVER THAT AT REST'//in_sentence(named, study%least_stiffness)// &
                        ', AT INPUT'//in_sentence(named, study%least_at)//' AFTER THE REFERENCE')
@@ -135,6 +142,43 @@ contains
       end subroutine list_rows
    end subroutine list_greatest
 
+   !> A flexible drive and the links together.
+   subroutine list_together(set, studies, together, rigid, text)
+      type(data_set_t), intent(in) :: set
+      type(flex_study_t), intent(in) :: studies(:)
+      type(drive_links_t), intent(in) :: together
+      real(wp), intent(in) :: rigid              !! greatest swing with rigid links, rad
+      type(text_t), intent(inout) :: text
+      character(15) :: columns(2, together%modes)
+      logical :: named
+      integer :: n, j
+
+      named = set%has_names()
+      call text%add()
+      call text%add(' DRIVE AND LINKS OF BEAM ELEMENTS TOGETHER: THE SWING AND '//to_text(together%modes)//' MODES')
+      if (.not. together%possible) then
+         call text%add(' NOT SOLVED: THE INERTIA AT THE CRANK IS NOT POSITIVE')
+         return
+      end if
+      call text%add(' '//coupled_words(together%coupled))
+      if (together%coupled%grows_too_much) return
+      call text%add(' LARGEST MULTIPLIER'//in_sentence(named, abs(together%coupled%multipliers(1)), together%coupled%error)// &
+                    '; OF A TURN: ERROR OF ITS MATRIX'//error_words(named, together%coupled%error)//', '// &
+                    to_text(together%coupled%steps)//' STEPS')
+      if (.not. together%coupled%unique) return
+      call text%add(' GREATEST SWING'//in_sentence(named, together%greatest)//', WITH RIGID LINKS'//in_sentence(named, rigid))
+      if (together%greatest > small_swing) call text%add(' THE EQUATIONS ARE LINEAR IN THE SWING: ABOVE 0.1 RAD THEY ARE ROUGH')
+      call text%add(' HARMONICS OF THE SWING')
+      call list_harmonics(named, together%swing, text)
+      call text%add(' GREATEST DISPLACEMENT IN A MODE     TOGETHER    RIGID DRIVE')
+      columns(1, :) = figures_of(named, together%peaks)
+      columns(2, :) = figures_of(named, together%rigid_drive)
+      do n = 1, together%modes
+         j = count(together%links(:n) == together%links(n))
+         call text%add('   '//flexible_words(set, studies(together%links(n)))//', MODE '//to_text(j)//in_a_row(columns(:, n)))
+      end do
+   end subroutine list_together
+
    !> The modes that are solved together.
    pure function modes_solved(study) result(words)
       type(flex_study_t), intent(in) :: study
@@ -167,23 +211,4 @@ contains
 
       name = mechanism%joints(study%link%joints(findloc(study%link%nodes, node, dim=1)))%name
    end function node_name
-
-   !> Is the periodic solution what the link, or the system, does?
-   pure function coupled_words(coupled) result(words)
-      type(coupled_t), intent(in) :: coupled
-      character(:), allocatable :: words
-
-      if (coupled%grows_too_much) then
-         words = 'UNSTABLE: IT GROWS TOO MUCH IN A TURN TO BE FOLLOWED'
-      else if (.not. coupled%unique) then
-         words = 'NO UNIQUE PERIODIC SOLUTION: A MULTIPLIER IS 1'
-      else if (coupled%stable) then
-         words = 'STABLE'
-      else if (coupled%neutral) then
-         words = 'NEITHER GROWS NOR DIES: WITHOUT DAMPING NO STEADY STATE IS REACHED'
-      else
-         words = 'UNSTABLE: THE PERIODIC SOLUTION IS NOT THE RESPONSE'
-      end if
-      if (.not. coupled%converged .and. .not. coupled%grows_too_much) words = words//' (NOT CONVERGED)'
-   end function coupled_words
 end module psalm_flex_list

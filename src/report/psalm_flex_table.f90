@@ -1,15 +1,17 @@
 !> Tables of links of beam elements.
 module psalm_flex_table
    use psalm_data_set, only: data_set_t
-   use psalm_flex_list, only: coupled_words, flexible_words
+   use psalm_drive_links_study, only: drive_links_t
+   use psalm_flex_list, only: flexible_words
    use psalm_flex_study, only: flex_study_t, stress_kinds
    use psalm_kinds, only: wp, full_turn
    use psalm_mechanism, only: mechanism_t
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_text, only: lower_case
+   use psalm_vibration_list, only: coupled_words
    implicit none (type, external)
    private
-   public :: put_flexible
+   public :: put_flexible, put_together
 
    integer, parameter :: name_length = 80              !! characters of a word in a table
 
@@ -43,6 +45,8 @@ contains
          call table%add('matrix_error', [(studies(k)%coupled%error, k=1, size(studies))], known=studies%solved_modes > 0)
          call table%add('least_stiffness', studies%least_stiffness, known=solved)
          call table%add('least_stiffness_at', studies%least_at, 'deg', solved)
+         call table%add('driven_from', [(studies(k)%driven(1), k=1, size(studies))], 'rad/s', solved)
+         call table%add('driven_to', [(studies(k)%driven(2), k=1, size(studies))], 'rad/s', solved)
          call table%add('unbalanced', studies%equilibrium, known=solved)
       end associate
       call tables%put(table)
@@ -78,6 +82,52 @@ contains
          n = n + times(k)
       end do
    end function repeated
+
+   !> Tables drive_links, drive_link_multipliers, drive_link_modes, drive_link_harmonics.
+   subroutine put_together(set, studies, together, rigid, tables)
+      type(data_set_t), intent(in) :: set
+      type(flex_study_t), intent(in) :: studies(:)
+      type(drive_links_t), intent(in) :: together
+      real(wp), intent(in) :: rigid                !! greatest swing with rigid links, rad
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      character(name_length) :: names(together%modes), words(1)
+      integer :: n
+      logical :: unique(1)
+
+      unique = together%coupled%unique
+      words = 'not solved'
+      if (together%possible) words = lower_case(coupled_words(together%coupled))
+      table = table_of('drive_links', 'one row: drive and links together', audience=for_programs)
+      call table%add('verdict', words)
+      call table%add('modes', [together%modes])
+      call table%add('stable', [together%coupled%stable])
+      call table%add('matrix_error', [together%coupled%error], known=[together%possible])
+      call table%add('greatest_swing', [together%greatest], 'rad', unique)
+      call table%add('greatest_swing_of_rigid_links', [rigid], 'rad')
+      call tables%put(table)
+      if (.not. together%possible) return
+      table = table_of('drive_link_multipliers', 'a row for each multiplier of drive and links together', audience=for_programs)
+      call table%add('re', real(together%coupled%multipliers, wp))
+      call table%add('im', aimag(together%coupled%multipliers))
+      call tables%put(table)
+      if (.not. together%coupled%unique) return
+      do n = 1, together%modes
+         names(n) = flexible_words(set, studies(together%links(n)))
+         if (.not. set%has_names()) names(n) = lower_case(names(n))
+      end do
+      table = table_of('drive_link_modes', 'a row for each mode: greatest displacement, together and with a rigid drive', &
+                       audience=for_programs)
+      call table%add('link', names)
+      call table%add('mode', [(count(together%links(:n) == together%links(n)), n=1, together%modes)])
+      call table%add('moved', together%peaks, 'm')
+      call table%add('moved_of_rigid_drive', together%rigid_drive, 'm')
+      call tables%put(table)
+      table = table_of('drive_link_harmonics', 'a row for each harmonic of the swing of the crank', audience=for_programs)
+      call table%add('n', [(n, n=0, ubound(together%swing, 1))])
+      call table%add('swing', together%swing, 'rad')
+      call tables%put(table)
+   end subroutine put_together
 
    !> The greatest deflections and stresses of each segment.
    subroutine put_segments(studies, names, tables)

@@ -5,9 +5,10 @@ module psalm_steady_report
    use psalm_drive_group, only: hill_group_t, hill_of, drive_group_t, drive_of
    use psalm_estimate_study, only: verdict_redesign
    use psalm_flex_group, only: flex_group_t, flex_of
-   use psalm_flex_list, only: list_flexible, coupled_words, flexible_words
+   use psalm_flex_list, only: list_flexible, list_together, flexible_words
    use psalm_flex_study, only: flex_study_t
-   use psalm_flex_table, only: put_flexible
+   use psalm_flex_table, only: put_flexible, put_together
+   use psalm_coupled_hill, only: coupled_t
    use psalm_hill, only: hill_t
    use psalm_group_words, only: the_group
    use psalm_kinds, only: wp, full_turn
@@ -17,7 +18,7 @@ module psalm_steady_report
    use psalm_number_format, only: in_sentence, number_words
    use psalm_text, only: lower_case, to_text
    use psalm_vibration_group, only: estimate_group_t, estimates_of, vibration_group_t, vibration_of
-   use psalm_vibration_list, only: list_vibration, list_estimates, list_drive, list_hill, stability_words, link_words
+   use psalm_vibration_list, only: list_vibration, list_estimates, list_drive, list_hill, stability_words, coupled_words, link_words
    use psalm_vibration_study, only: much_mixed
    use psalm_vibration_table, only: put_vibration, put_estimates, put_drive, put_hill
    implicit none (type, external)
@@ -99,10 +100,24 @@ contains
             call devices%note_violation()
          end if
       end if
+      if (allocated(study%together)) then
+         call list_together(set, study%flexible, study%together, study%drive%greatest, devices%six)
+         call put_together(set, study%flexible, study%together, study%drive%greatest, &
+                           devices%cases(devices%last_case()))
+         if (study%together%possible) then
+            call remark_coupled(set, 'drive and links together', study%together%coupled, devices)
+         else
+            call devices%remark(set, 'drive and links were not solved together: the inertia at the crank is not positive')
+         end if
+      end if
       if (allocated(study%hill)) then
          call list_hill(set, study%hill, devices%six)
          call put_hill(study%hill, devices%cases(devices%last_case()))
-         call remark_stability(set, 'Hill''s equation', study%hill%hill, devices)
+         if (allocated(study%hill%coupled)) then
+            call remark_coupled(set, 'Hill''s equations', study%hill%coupled, devices)
+         else
+            call remark_stability(set, 'Hill''s equation', study%hill%hill, devices)
+         end if
          if (study%hill%resolution > enough) call coarse('NHILL', size(hill%c0))
       end if
 
@@ -140,10 +155,19 @@ contains
          call devices%remark(set, name//' buckles for a part of the turn, most at '// &
                              number_words(set%has_names(), study%least_at)//' degrees after the reference')
       end if
-      if (study%coupled%stable .or. study%steady) return
-      call devices%note_violation()
-      call devices%remark(set, name//': '//lower_case(coupled_words(study%coupled)))
+      call remark_coupled(set, name, study%coupled, devices)
    end subroutine remark_flexible
+
+   subroutine remark_coupled(set, what, coupled, devices)
+      type(data_set_t), intent(in) :: set
+      character(*), intent(in) :: what
+      type(coupled_t), intent(in) :: coupled
+      type(devices_t), intent(inout) :: devices
+
+      if (coupled%stable .or. (coupled%neutral .and. coupled%unique)) return
+      call devices%note_violation()
+      call devices%remark(set, what//': '//lower_case(coupled_words(coupled)))
+   end subroutine remark_coupled
 
    subroutine remark_stability(set, what, hill, devices)
       type(data_set_t), intent(in) :: set

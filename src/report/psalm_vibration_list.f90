@@ -1,6 +1,7 @@
 !> Vibration of links, flexible drives and Hill's equation in the listing.
 module psalm_vibration_list
    use psalm_columns, only: right_column
+   use psalm_coupled_hill, only: coupled_t
    use psalm_data_set, only: data_set_t
    use psalm_drive_group, only: hill_group_t, hill_of, drive_group_t, drive_of
    use psalm_drive_study, only: drive_study_t, hill_study_t, inertia_t, matters, least_drive_ratio, small_swing
@@ -15,7 +16,8 @@ module psalm_vibration_list
    use psalm_vibration_study, only: vibration_study_t, chart_row_t, mode_t
    implicit none (type, external)
    private
-   public :: list_vibration, list_estimates, list_drive, list_hill, stability_words, link_words, verdict_words, &
+   public :: list_vibration, list_estimates, list_drive, list_hill, stability_words, coupled_words, link_words, verdict_words, &
+             list_harmonics, &
              first_good, unstable_speeds, root_of
 
    real(wp), parameter :: close_series = 0.01_wp     !! of a boundary: Oldham's (13.28) is close to it
@@ -342,6 +344,25 @@ contains
       if (.not. hill%converged .and. .not. hill%grows_too_much) words = words//' (NOT CONVERGED)'
    end function stability_words
 
+   !> Is the periodic solution what the link, or the system, does?
+   pure function coupled_words(coupled) result(words)
+      type(coupled_t), intent(in) :: coupled
+      character(:), allocatable :: words
+
+      if (coupled%grows_too_much) then
+         words = 'UNSTABLE: IT GROWS TOO MUCH IN A TURN TO BE FOLLOWED'
+      else if (.not. coupled%unique) then
+         words = 'NO UNIQUE PERIODIC SOLUTION: A MULTIPLIER IS 1'
+      else if (coupled%stable) then
+         words = 'STABLE'
+      else if (coupled%neutral) then
+         words = 'NEITHER GROWS NOR DIES: WITHOUT DAMPING NO STEADY STATE IS REACHED'
+      else
+         words = 'UNSTABLE: THE PERIODIC SOLUTION IS NOT THE RESPONSE'
+      end if
+      if (.not. coupled%converged .and. .not. coupled%grows_too_much) words = words//' (NOT CONVERGED)'
+   end function coupled_words
+
    !> Both multipliers of Hill's equation.
    pure function both_multipliers(named, hill) result(text)
       logical, intent(in) :: named
@@ -539,6 +560,10 @@ contains
       hill = hill_of(set)
       named = set%has_names()
       call text%add()
+      if (allocated(study%coupled)) then
+         call list_coupled_hill(named, size(hill%load, 1), study, text)
+         return
+      end if
       call text%add(' HILL''S EQUATION Y'''' + C1 Y'' + C0 Y = P FROM TABLES OF '//to_text(size(hill%c0))//' VALUES')
       call text%add(' '//stability_words(study%hill))
       call text%add(' MULTIPLIERS'//both_multipliers(named, study%hill))
@@ -554,6 +579,34 @@ contains
                     in_sentence(named, study%greatest))
       call list_harmonics(named, study%amplitude, text)
    end subroutine list_hill
+
+   !> Several equations of Hill.
+   subroutine list_coupled_hill(named, values, study, text)
+      logical, intent(in) :: named
+      integer, intent(in) :: values              !! of each table
+      type(hill_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      integer :: i
+
+      call text%add(' '//to_text(size(study%peaks))//' EQUATIONS OF HILL Y'''' + C1 Y'' + C0 Y = P FROM TABLES OF '// &
+                    to_text(values)//' VALUES')
+      associate (coupled => study%coupled)
+         call text%add(' '//coupled_words(coupled))
+         if (coupled%grows_too_much) return
+         do i = 1, size(coupled%multipliers)
+            call text%add('   MULTIPLIER'//multiplier(named, coupled%multipliers(i), coupled%error))
+         end do
+         call text%add(' OF A PERIOD: ERROR OF ITS MATRIX'//error_words(named, coupled%error)// &
+                       ', OF THE PRODUCT AGAINST EXP(-INTEGRAL TRACE C1)'//error_words(named, coupled%determinant_error)//', '// &
+                       to_text(coupled%steps)//' STEPS')
+         if (.not. coupled%unique) return
+         do i = 1, size(study%peaks)
+            call text%add(' EQUATION '//to_text(i)//': AT 0'//in_sentence(named, coupled%y(1, i))// &
+                          in_sentence(named, coupled%y1(1, i))//', GREATEST'//in_sentence(named, study%peaks(i)))
+            call list_harmonics(named, study%amplitudes(:, i), text)
+         end do
+      end associate
+   end subroutine list_coupled_hill
 
    !> What a link is called: its arc and loop, of a sketch its name.
    pure function link_words(set, place, loop, arc) result(words)

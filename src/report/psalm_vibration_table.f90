@@ -241,18 +241,24 @@ contains
       integer, intent(in) :: waves             !! periods in a turn: y stands for that many times the deflection
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
+      integer, parameter :: most_rows = 16384  !! more steps than these are thinned evenly: a file of 24 MB is of no use
       real(wp), allocatable :: y(:, :)
       character(:), allocatable :: per
       real(wp) :: many
+      integer :: stride
 
       allocate (y(0, 0:2))
       many = real(waves, wp)
       if (hill%unique) then
+         stride = 1 + (size(hill%y) - 1)/most_rows
+         do while (modulo(size(hill%y), stride) > 0)
+            stride = stride + 1
+         end do
          deallocate (y)
-         allocate (y(size(hill%y), 0:2))
-         y(:, 0) = factor*(hill%y/many)
-         y(:, 1) = factor*(sense*hill%y1)
-         y(:, 2) = factor*(hill%y2*many)
+         allocate (y(size(hill%y)/stride, 0:2))
+         y(:, 0) = factor*(hill%y(::stride)/many)
+         y(:, 1) = factor*(sense*hill%y1(::stride))
+         y(:, 2) = factor*(hill%y2(::stride)*many)
       end if
       table = table_of(block, 'a row for each input of a period: the steady response and its derivatives')
       call table%add('input', steps_of_turn(size(y, 1), sense, waves), 'deg')
@@ -447,6 +453,10 @@ contains
       type(table_t) :: table
       integer :: k
 
+      if (allocated(study%coupled)) then
+         call put_coupled_hill(study, tables)
+         return
+      end if
       table = table_of('hill', 'one row: a period of the equation, from (1, 0), from (0, 1) and from rest', audience=for_programs)
       call add_periodic([study%hill], table)
       call table%add('y_from_y', study%hill%transfer(1:1, 1))
@@ -468,4 +478,41 @@ contains
       call tables%put(table)
       call put_response('hill_response', '', study%hill, 1.0_wp, 1.0_wp, 1, tables)
    end subroutine put_hill
+
+   !> Of several equations: tables hill_equations, hill_multipliers, hill_equation_harmonics, hill_equation_response.
+   pure subroutine put_coupled_hill(study, tables)
+      type(hill_study_t), intent(in) :: study
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      integer :: n, i, k, last
+
+      n = size(study%peaks)
+      last = ubound(study%amplitudes, 1)
+      associate (coupled => study%coupled)
+         table = table_of('hill_equations', 'a row for each equation', audience=for_programs)
+         call table%add('equation', [(i, i=1, n)])
+         call table%add('stable', spread(coupled%stable, 1, n))
+         call table%add('unique', spread(coupled%unique, 1, n))
+         call table%add('matrix_error', spread(coupled%error, 1, n))
+         call table%add('greatest', study%peaks, known=spread(coupled%unique, 1, n))
+         call tables%put(table)
+         table = table_of('hill_multipliers', 'a row for each multiplier')
+         call add_complex(coupled%multipliers, table)
+         call tables%put(table)
+         table = table_of('hill_equation_harmonics', 'a row for each equation and harmonic of the steady response')
+         call table%add('equation', [((i, k=0, last), i=1, n)])
+         call table%add('n', [((k, k=0, last), i=1, n)])
+         call table%add('amplitude', reshape(study%amplitudes, [n*(last + 1)]), known=spread(coupled%unique, 1, n*(last + 1)))
+         call tables%put(table)
+         if (.not. coupled%unique) return
+         table = table_of('hill_equation_response', 'a row for each equation and input of a period')
+         last = size(coupled%y, 1)
+         call table%add('equation', [((i, k=1, last), i=1, n)])
+         call table%add('input', [((full_turn*real(k - 1, wp)/real(last, wp), k=1, last), i=1, n)], 'deg')
+         call table%add('y', reshape(coupled%y, [n*last]))
+         call table%add('y1', reshape(coupled%y1, [n*last]), '1/rad')
+         call table%add('y2', reshape(coupled%y2, [n*last]), '1/rad^2')
+         call tables%put(table)
+      end associate
+   end subroutine put_coupled_hill
 end module psalm_vibration_table

@@ -1,6 +1,7 @@
 !> Steady state of a flexible drive (group DRIVEL), and of a Hill equation given by tables (group HILL). Data in, results out.
 !> Source: Haines, chapter 7.
 module psalm_drive_study
+   use psalm_coupled_hill, only: coupled_t
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
@@ -60,6 +61,10 @@ module psalm_drive_study
       real(wp), allocatable :: amplitude(:)      !! shape (0:harmonics)
       real(wp) :: resolution = 0.0_wp            !! what the tables leave open
       real(wp) :: greatest = 0.0_wp              !! of |y|
+      ! in place of these, of several equations
+      type(coupled_t), allocatable :: coupled
+      real(wp), allocatable :: amplitudes(:, :)  !! shape (0:harmonics, equations)
+      real(wp), allocatable :: peaks(:)          !! shape (equations): greatest |y|
    end type hill_study_t
 
    interface

@@ -3,6 +3,7 @@ submodule(psalm_drive_study) psalm_drive_study_body
    use psalm_drive_group, only: hill_group_t, hill_of, drive_group_t, drive_of
    use psalm_flexible_drive, only: drive_response, drive_torque_t, mean_ratio, least_ratio, ratio_for_mean
    use psalm_force_model, only: parameter_mass, parameter_mx, parameter_my, parameter_inertia
+   use psalm_coupled_hill, only: solve_coupled
    use psalm_hill, only: solve_hill, greatest_of
    use psalm_kinds, only: pi, full_turn
    use psalm_link_cycle, only: inertia_at_crank
@@ -14,6 +15,7 @@ submodule(psalm_drive_study) psalm_drive_study_body
    implicit none (type, external)
 
    real(wp), parameter :: tolerance = 1.0e-10_wp
+   integer, parameter :: fewest_places = 256    !! of the solution of several equations
    ! Haines's rule: a harmonic of the crank's acceleration matters above the first size where links may resonate, that is from
    ! ten times the speed of the crank, and above the second below
    integer, parameter :: from_resonance = 10
@@ -235,6 +237,10 @@ contains
       integer :: n
 
       hill = hill_of(set)
+      if (hill%equations > 1) then
+         call find_coupled(hill, study)
+         return
+      end if
       c1 = periodic_from_samples(hill%c1)
       c0 = periodic_from_samples(hill%c0)
       p = periodic_from_samples(hill%p)
@@ -248,4 +254,38 @@ contains
          study%amplitude(n) = y%amplitude(n)
       end do
    end procedure find_hill
+
+   !> Several equations.
+   subroutine find_coupled(hill, study)
+      type(hill_group_t), intent(in) :: hill
+      type(hill_study_t), intent(inout) :: study
+      type(periodic_t) :: c(hill%equations, hill%equations), k(hill%equations, hill%equations), p(hill%equations), y
+      integer :: i, j, n, places
+
+      do i = 1, hill%equations
+         p(i) = periodic_from_samples(hill%load(:, i))
+         study%resolution = max(study%resolution, p(i)%resolution())
+         do j = 1, hill%equations
+            c(i, j) = periodic_from_samples(hill%damping(:, i, j))
+            k(i, j) = periodic_from_samples(hill%stiffness(:, i, j))
+            study%resolution = max(study%resolution, c(i, j)%resolution(), k(i, j)%resolution())
+         end do
+      end do
+      allocate (study%coupled, study%amplitudes(0:hill%harmonics, hill%equations), study%peaks(hill%equations), study%amplitude(0))
+      study%amplitudes = 0.0_wp
+      study%peaks = 0.0_wp
+      places = fewest_places
+      do while (places < 4*size(hill%load, 1))
+         places = 2*places
+      end do
+      call solve_coupled(c, k, p, hill%tolerance, places, study%coupled)
+      if (.not. study%coupled%unique) return
+      do i = 1, hill%equations
+         study%peaks(i) = maxval(abs(study%coupled%y(:, i)))
+         y = periodic_from_samples(study%coupled%y(:, i))
+         do n = 0, hill%harmonics
+            study%amplitudes(n, i) = y%amplitude(n)
+         end do
+      end do
+   end subroutine find_coupled
 end submodule psalm_drive_study_body

@@ -7,15 +7,16 @@
 !> The result is checked before it is given: at all positions of the case the pins of both bodies must meet, slides stay on their
 !> lines, and the relations hold.
 module psalm_multibody
-   use psalm_angles, only: unit_vector
+   use psalm_angles, only: degrees_of, unit_vector
    use psalm_body_motion, only: body_motion_t, follow_bodies
    use psalm_body_points, only: locate_point
    use psalm_data_set, only: data_set_t
+   use psalm_dependent_joints, only: dependence_t, polynomial_t, find_proven_range, chebyshev_points, even_points, fit_series
    use psalm_elementary, only: hypotenuse
    use psalm_error, only: problem_t, motion_t, make_problem
    use psalm_force_model, only: force_model_t, make_force_model, parameter_inertia, parameter_mass, parameter_mx, parameter_my, &
                                 vertices_of
-   use psalm_kinds, only: wp, radians_per_degree
+   use psalm_kinds, only: wp, full_turn, radians_per_degree
    use psalm_locations, only: location_of_place, location_t, place_right
    use psalm_loop_forces, only: loops_carry_forces
    use psalm_mechanism, only: mechanism_t, arc_actuator, at_finish, body_frame, joint_gear, joint_prismatic
@@ -33,6 +34,7 @@ module psalm_multibody
 
    integer, parameter :: most_checked = 720      !! positions at which the result is checked
    real(wp), parameter :: misfit = 1.0e-8_wp     !! part of the size, and radians, by which joints may gape there
+   real(wp), parameter :: turn = full_turn*radians_per_degree
    real(wp), parameter :: largest_machine = 20.0_wp !! metres; a larger one may have been drawn in millimetres
    real(wp), parameter :: most_felt = 2.0_wp     !! times the least inertia
    real(wp), parameter :: bar_mass = 1.0_wp      !! kg for a metre of link, where no link has a mass
@@ -104,6 +106,7 @@ module psalm_multibody
       real(wp) :: inertia = 0.0_wp               !! of all links as the first drive feels it, kg m2 or kg: the mean over the
                                                  !! positions, but not more than some times the least
       real(wp) :: input = 0.0_wp                 !! where it stands, as listed: degrees or user's length
+      type(dependence_t), allocatable :: dependence !! how joints follow the only drive; not allocated: not asked for, or not known
    end type multibody_t
 
 contains
@@ -112,10 +115,12 @@ contains
    !>
    !> Errors: the case itself has mistakes; loops that do not have all joints of a sketch; joints that are no points of both their
    !> links; a linkage that closes nowhere. Warnings: what of the case the result does not have; masses that had to be assumed.
-   subroutine make_multibody(set, model, findings)
+   subroutine make_multibody(set, model, findings, with_dependence, shapes_alone)
       type(data_set_t), intent(in) :: set
       type(multibody_t), intent(out) :: model
       type(diagnostics_t), intent(inout) :: findings
+      logical, intent(in), optional :: with_dependence  !! the joints as polynomials of the drive are asked for; default: not
+      logical, intent(in), optional :: shapes_alone     !! masses and forces do not matter; default: they do
       class(prepared_t), allocatable :: prepared        ! large, as are the next: they would fill a small stack
       class(problem_t), allocatable :: problem, wider
       class(force_model_t), allocatable :: forces
@@ -124,6 +129,7 @@ contains
       type(line_t) :: none(0)
       real(wp) :: origin(2)
       integer, allocatable :: order(:)
+      logical :: shapes
 
       allocate (prepared, forces)
       unused%file = set%file
@@ -167,7 +173,14 @@ contains
       call add_rates(pose, 1, origin, set%pace(), model%joints)
       call add_springs(forces, pose, origin, model)
       call check(set, wider, forces, pose, origin, model, findings)
-      call warn(set, forces, model, findings)
+      if (present(with_dependence)) then
+         if (with_dependence .and. .not. findings%failed()) &
+            call follow_joints(set, prepared, problem, wider, forces, pose, origin, model, findings)
+      end if
+      shapes = .false.
+      if (present(shapes_alone)) shapes = shapes_alone
+      if (.not. shapes .or. any(model%bodies%thickness > 0.0_wp)) call warn_of_size(set, forces, model, findings)
+      if (.not. shapes) call warn(set, forces, model, findings)
       call put_in_order(order, model)
    end subroutine make_multibody
 
@@ -690,7 +703,7 @@ contains
       type(body_motion_t) :: motion
       type(tree_joint_t), allocatable :: joints(:)
       real(wp), allocatable :: felt(:)
-      real(wp) :: ends(2, 2), before(2), after(2), gap, turn, v(2), rate
+      real(wp) :: ends(2, 2), before(2), after(2), gap, askew, v(2), rate
       integer :: i, j, k, b
 
       do b = body_frame + 1, size(model%bodies)
@@ -709,15 +722,15 @@ contains
                end do
                joint%at = ends(:, 2)
                gap = hypotenuse(ends(1, 2) - ends(1, 1), ends(2, 2) - ends(2, 1))
-               turn = 0.0_wp
+               askew = 0.0_wp
                if (joint%slides) then
                   joint%along = carried(one, model%joints(j)%along, .false.)
                   before = carried(other, model%joints(j)%along, .false.)
-                  turn = abs(joint%along(1)*before(2) - joint%along(2)*before(1))
+                  askew = abs(joint%along(1)*before(2) - joint%along(2)*before(1))
                   after = ends(:, 2) - ends(:, 1)
                   gap = abs(joint%along(1)*after(2) - joint%along(2)*after(1))
                end if
-               if (gap > misfit*model%size .or. turn > misfit) then
+               if (gap > misfit*model%size .or. askew > misfit) then
                   call refuse('joint '//joint%name)
                   return
                end if
@@ -775,6 +788,140 @@ contains
       end subroutine refuse
    end subroutine check
 
+   !> The coordinates of the joints as polynomials of the stroke of the drive, over the range that is proven to close.
+   !>
+   !> Warnings: several drives; no range that is proven.
+   subroutine follow_joints(set, prepared, problem, wider, forces, pose, origin, model, findings)
+      type(data_set_t), intent(in) :: set
+      type(prepared_t), intent(in) :: prepared
+      class(problem_t), intent(in) :: problem          !! where the model stands
+      class(problem_t), intent(in) :: wider            !! of the positions
+      type(force_model_t), intent(in) :: forces
+      type(body_motion_t), intent(in) :: pose          !! where the model stands
+      real(wp), intent(in) :: origin(2)
+      type(multibody_t), intent(inout) :: model
+      type(diagnostics_t), intent(inout) :: findings
+      type(dependence_t) :: dependence
+      type(polynomial_t) :: one
+      real(wp), allocatable :: at_nodes(:, :), at_even(:, :), nodes(:), even(:)
+      real(wp) :: low, high, unit
+      logical :: whole, closes
+      integer :: j, n
+
+      associate (actuators => prepared%mechanism%actuators)
+         if (.not. all(actuators(2:)%geared)) then
+            call findings%warning('has several drives: no joint follows one of them alone, and the URDF model has neither '// &
+                                  'limits of drives nor polynomials', line=set%title_line)
+            return
+         end if
+         unit = merge(forces%metre, radians_per_degree, actuators(1)%slides)
+      end associate
+      call find_proven_range(set, wider, prepared%given, problem%delt(1), low, high, whole)
+      closes = high > low .and. low <= problem%delt(1) .and. problem%delt(1) <= high
+      if (closes) then
+         nodes = chebyshev_points(low, high)
+         even = even_points(low, high)
+         call coordinates_at(nodes, at_nodes, closes)
+         if (closes) call coordinates_at(even, at_even, closes)
+      end if
+      if (.not. closes) then
+         call findings%warning('no range of the drive is proven to close: the URDF model has neither limits of the drive nor '// &
+                               'polynomials', line=set%title_line)
+         return
+      end if
+      dependence%whole_turn = whole
+      dependence%low = unit*(low - problem%delt(1))
+      dependence%high = unit*(high - problem%delt(1))
+      allocate (dependence%joints(0))
+      n = size(even)
+      do j = 1, size(model%joints)
+         if (.not. model%joints(j)%in_tree) cycle
+         one%joint = j
+         one%advance = 0.0_wp
+         if (whole) one%advance = at_even(n, j) - at_even(1, j)
+         call fit_series(at_nodes(:, j), at_even(:, j), merge(model%size, 1.0_wp, model%joints(j)%slides), one%coefficients, &
+                         one%error)
+         dependence%joints = [dependence%joints, one]
+      end do
+      model%dependence = dependence
+
+   contains
+
+      !> Coordinates of all joints at inputs in order, turns going on from one to the next. Shape (inputs, joints).
+      subroutine coordinates_at(inputs, coordinates, closes)
+         real(wp), intent(in) :: inputs(:)
+         real(wp), allocatable, intent(out) :: coordinates(:, :)
+         logical, intent(out) :: closes
+         class(problem_t), allocatable :: full
+         type(motion_t) :: found
+         type(body_motion_t) :: motion
+         integer :: i, joint, home
+
+         allocate (full, source=problem)
+         call full%set_inputs(inputs)
+         call full%analyse(prepared%given, found)
+         closes = all(found%closed)
+         if (.not. closes) return
+         call full%bind(prepared%given)
+         call follow_bodies(full, forces, motion)
+         allocate (coordinates(size(inputs), size(model%joints)))
+         home = minloc(abs(inputs - problem%delt(1)), dim=1)
+         do joint = 1, size(model%joints)
+            do i = 1, size(inputs)
+               coordinates(i, joint) = coordinate_of(model%joints(joint), pose, motion, i, origin)
+               if (model%joints(joint)%slides .or. i == 1) cycle
+               associate (step => coordinates(i, joint) - coordinates(i - 1, joint))
+                  coordinates(i, joint) = coordinates(i, joint) - turn*anint(step/turn)
+               end associate
+            end do
+            if (model%joints(joint)%slides) cycle
+            ! where the model stands it is 0
+            coordinates(:, joint) = coordinates(:, joint) - turn*anint(coordinates(home, joint)/turn)
+         end do
+      end subroutine coordinates_at
+   end subroutine follow_joints
+
+   !> The coordinate of a joint at a position: 0 where the model stands, at the first position of `pose`.
+   pure real(wp) function coordinate_of(joint, pose, motion, position, origin) result(coordinate)
+      type(tree_joint_t), intent(in) :: joint
+      type(body_motion_t), intent(in) :: pose, motion
+      integer, intent(in) :: position
+      real(wp), intent(in) :: origin(2)
+      real(wp) :: turned(2, 2), ends(2, 2), along(2), from(2)
+      integer :: k
+
+      do k = 1, 2
+         associate (b => joint%bodies(k))
+            ! how the body has turned, as a unit vector
+            turned(:, k) = [motion%c(position, b)*pose%c(1, b) + motion%s(position, b)*pose%s(1, b), &
+                            motion%s(position, b)*pose%c(1, b) - motion%c(position, b)*pose%s(1, b)]
+            from = joint%at - origin - [pose%x(1, b), pose%y(1, b)]
+            ends(:, k) = [motion%x(position, b) + turned(1, k)*from(1) - turned(2, k)*from(2), &
+                          motion%y(position, b) + turned(2, k)*from(1) + turned(1, k)*from(2)]
+         end associate
+      end do
+      if (joint%slides) then
+         along = [turned(1, 1)*joint%along(1) - turned(2, 1)*joint%along(2), &
+                  turned(2, 1)*joint%along(1) + turned(1, 1)*joint%along(2)]
+         coordinate = (ends(1, 2) - ends(1, 1))*along(1) + (ends(2, 2) - ends(2, 1))*along(2)
+      else
+         coordinate = radians_per_degree*degrees_of(turned(1, 1)*turned(1, 2) + turned(2, 1)*turned(2, 2), &
+                                                    turned(1, 1)*turned(2, 2) - turned(2, 1)*turned(1, 2))
+      end if
+   end function coordinate_of
+
+   !> A linkage that may have been drawn in millimetres.
+   subroutine warn_of_size(set, forces, model, findings)
+      type(data_set_t), intent(in) :: set
+      type(force_model_t), intent(in) :: forces
+      type(multibody_t), intent(in) :: model
+      type(diagnostics_t), intent(inout) :: findings
+
+      if (model%size > largest_machine .and. forces%metre == 1.0_wp) &
+         call findings%warning('lengths are taken as metres, and this linkage is '//to_text(nint(model%size))//' m large; if '// &
+                               'it is drawn in millimetres, set UNITL=0.001 in the group &MASSES', line=set%title_line)
+   end subroutine warn_of_size
+
    !> What the model does not have, and what was assumed.
    subroutine warn(set, forces, model, findings)
       type(data_set_t), intent(in) :: set
@@ -794,9 +941,6 @@ contains
       if (any([(.not. is_carried(forces%springs(k)), k=1, size(forces%springs))])) &
          call findings%warning('the model of its bodies has the linear springs between two points that have a stiffness, no '// &
                                'others', line=set%title_line, group='SPRING')
-      if (model%size > largest_machine .and. forces%metre == 1.0_wp) &
-         call findings%warning('lengths are taken as metres, and this linkage is '//to_text(nint(model%size))//' m large; if '// &
-                               'it is drawn in millimetres, set UNITL=0.001 in the group &MASSES', line=set%title_line)
       if (all(model%bodies(2:)%mass_assumed)) then
          call findings%warning('no link has a mass: in the model of its bodies each is a bar of 1 kg/m', line=set%title_line)
          return

@@ -2,6 +2,7 @@
 module psalm_steady_study
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
+   use psalm_drive_links_study, only: drive_links_t
    use psalm_drive_study, only: drive_study_t, hill_study_t
    use psalm_error, only: problem_t
    use psalm_estimate_study, only: estimate_t
@@ -22,6 +23,7 @@ module psalm_steady_study
       type(vibration_study_t), allocatable :: vibration
       type(flex_study_t), allocatable :: flexible(:)
       type(drive_study_t), allocatable :: drive
+      type(drive_links_t), allocatable :: together   !! drive and links of beam elements
       type(hill_study_t), allocatable :: hill
       logical :: stopped = .false.                   !! the host asked for the end: what was found so far
    contains

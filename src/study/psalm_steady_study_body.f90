@@ -1,6 +1,7 @@
 !> Which study is made for which of the groups ESTIM, VIBR, FLEX, DRIVEL and HILL.
 submodule(psalm_steady_study) psalm_steady_study_body
    use psalm_drive_group, only: drive_group_t, hill_group_t, drive_of, hill_of
+   use psalm_drive_links_study, only: drive_links_fit, find_drive_links
    use psalm_drive_study, only: find_drive, find_hill
    use psalm_estimate_study, only: find_estimate, assess_estimates
    use psalm_flex_group, only: flex_group_t, flex_of
@@ -160,6 +161,12 @@ contains
          if (study%stopped) then
             if (.not. study%drive%found) deallocate (study%drive)
             return
+         end if
+      end if
+      if (allocated(study%drive) .and. allocated(study%flexible)) then
+         if (drive_links_fit(asked%drive, study%drive, study%flexible)) then
+            allocate (study%together)
+            call find_drive_links(set, study%drive, study%flexible, study%together)
          end if
       end if
       if (asked%hill%given) then

@@ -7,6 +7,7 @@ URDF: read by another reader, the tree with MuJoCo's coordinates does the same, 
 
 usage: test/law/robots.py PROGRAM_DIRECTORY [CASE ...]. Last line: N passed, N failed"""
 import csv
+import json
 import math
 import os
 import re
@@ -27,6 +28,16 @@ except ImportError as missing:
     print("SKIPPED: models for other programs: %s is not installed" % missing.name)
     print("0 passed, 0 failed, 1 skipped")
     sys.exit()
+
+try:
+    from pydrake.multibody.parsing import Parser
+    from pydrake.multibody.plant import MultibodyPlant
+except ImportError:         # of 400 MB, so it is not asked for
+    MultibodyPlant = None
+try:
+    import pysdf
+except ImportError:         # asks for numpy and lxml of 2022
+    pysdf = None
 
 TOP = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 BIN = os.path.abspath(sys.argv[1])
@@ -280,6 +291,32 @@ def test_sdf(name, work, model, poses):
     check(name + ": SDF: links where MuJoCo has them", worst < CLOSURE, "%.2e of the size" % worst)
 
 
+def test_sdf_parsers(name, work, model):
+    """The file as parsers of the package index have it: python-sdformat, and libsdformat in Drake where that is installed."""
+    path = os.path.join(work, name + ".sdf")
+    masses = {model.body(b).name: model.body(b).mass[0] for b in range(1, model.nbody)}
+    joints = {joint.get("name"): (joint.get("type"), joint.findtext("parent"), joint.findtext("child"))
+              for joint in ElementTree.parse(path).getroot().find("world/model").findall("joint")}
+    frame = model.body(1).name
+    if pysdf is not None:
+        world = pysdf.SDF.from_file(path, remove_blank_text=True).worlds[0]
+        read = {link.name: float(link.inertial.mass) for link in world.models[0].links if link.name != frame}
+        check(name + ": SDF: links and masses as python-sdformat reads them", set(read) == set(masses) - {frame} and all(
+            abs(read[link] - masses[link]) < 1e-12 * masses[link] for link in read), str(read))
+        check(name + ": SDF: joints as python-sdformat reads them", joints == {
+            joint.name: (joint.type, joint.parent, joint.child) for joint in world.models[0].joints})
+    if MultibodyPlant is None:
+        return
+    plant = MultibodyPlant(0.0)
+    made, = Parser(plant).AddModels(path)       # raises what libsdformat finds wrong
+    read = {plant.get_body(b).name(): plant.get_body(b).default_mass() for b in plant.GetBodyIndices(made)}
+    check(name + ": SDF: links and masses as libsdformat reads them", all(abs(read[link] - masses[link]) < 1e-12 * masses[link]
+                                                                         for link in read if link != frame) and set(read) == set(masses) | {frame}, str(read))
+    kinds = {"RevoluteJoint": "revolute", "PrismaticJoint": "prismatic", "WeldJoint": "fixed"}
+    found = {plant.get_joint(j).name(): kinds[type(plant.get_joint(j)).__name__.split("_")[0]] for j in plant.GetJointIndices(made)}
+    check(name + ": SDF: joints as libsdformat reads them", found == {name: kind for name, (kind, *_) in joints.items()}, str(found))
+
+
 def test_urdf(name, work, model, poses):
     """The tree with MuJoCo's coordinates, and the joints that close its loops."""
     path = os.path.join(work, name + ".urdf")
@@ -309,6 +346,67 @@ def test_urdf(name, work, model, poses):
                 gape = max(gape, np.abs(rest @ own - place).max() / size)
     check(name + ": URDF: links where MuJoCo has them", worst < (1e-6 if not mimics else CLOSURE), "%.2e" % worst)
     check(name + ": URDF: joints for Gazebo meet", gape < CLOSURE, "%.2e of the size" % gape)
+
+
+def test_polynomials(name, work, model, poses):
+    """The coordinates of the tree by the series of the JSON file, against MuJoCo and against the loops, over the whole range."""
+    path = os.path.join(work, name + ".urdf")
+    if name == "excavator_digging":
+        check(name + ": of several drives there are no series", not os.path.exists(path + ".json"))
+        return
+    with open(path + ".json", encoding="utf-8") as file:
+        series = json.load(file)
+    robot = yourdfpy.URDF.load(path, load_meshes=False, build_collision_scene_graph=False)
+    drive, by = series["drive"], {one["joint"]: one for one in series["joints"]}
+    check(name + ": URDF: each joint of the tree has a series", set(by) == {j.name for j in robot.robot.joints if j.type != "fixed"})
+    size = model.stat.extent / 2.0
+    worst = max(one["largest_error"] / (size if one["unit"] == "m" else 1.0) for one in by.values())
+    check(name + ": errors are small", worst < 1e-4, "%.1e" % worst)
+
+    def coordinates(stroke):
+        turns = 0.0
+        if drive["whole_turn"]:
+            turns = math.floor((stroke - drive["low"]) / (2.0 * math.pi))
+        t = (2.0 * (stroke - 2.0 * math.pi * turns) - drive["low"] - drive["high"]) / (drive["high"] - drive["low"])
+        return {joint: np.polynomial.chebyshev.chebval(t, one["coefficients"]) + turns * one["advance"] for joint, one in by.items()}
+
+    def pull(values):
+        return sum(factor * values[joint] for joint, factor in drive["stroke"].items())
+
+    for stroke in np.linspace(drive["low"], drive["high"], 7):
+        check(name + ": the stroke is what it is by its joints", abs(pull(coordinates(stroke)) - stroke) < 1e-7 * max(1.0, abs(stroke)))
+    zero = coordinates(0.0)
+    check(name + ": all are 0 where the model stands", max(abs(v) for v in zero.values()) < 10.0 * max(worst * max(1.0, size), 1e-9))
+    apart = 0.0
+    for qpos, _, _ in poses:
+        real = {joint: qpos[model.joint(joint).qposadr[0]] for joint in by}
+        if not drive["low"] <= pull(real) <= drive["high"] and not drive["whole_turn"]:
+            continue
+        found = coordinates(pull(real))
+        apart = max(apart, *(abs(found[joint] - real[joint]) / (size if by[joint]["unit"] == "m" else 1.0) for joint in by))
+    check(name + ": coordinates by the series are MuJoCo's", apart < 10.0 * CLOSURE, "%.1e" % apart)
+    # the loops close over the whole range: an independent check of every value
+    closing = ElementTree.parse(path).getroot().findall("gazebo/joint")
+    pins, gape = {}, 0.0
+    mimics = {j.name for j in robot.robot.joints if j.mimic is not None}
+    for stroke in [0.0, *np.linspace(drive["low"], drive["high"], 181)]:
+        robot.update_cfg({joint: value for joint, value in coordinates(stroke).items() if joint not in mimics})
+        for joint in closing:
+            if joint.get("type") != "revolute":
+                continue
+            place = robot.get_transform(joint.findtext("parent"), "world") @ (numbers(joint.findtext("pose"))[:3] + [1.0])
+            rest = robot.get_transform(joint.findtext("child"), "world")
+            own = pins.setdefault(joint.get("name"), np.linalg.inv(rest) @ place)
+            gape = max(gape, np.abs(rest @ own - place).max() / size)
+    check(name + ": the series close the loops", gape < max(1e-6, 20.0 * worst), "%.1e of the size" % gape)
+    limits = {j.name: j.limit for j in robot.robot.joints}
+    if len(drive["stroke"]) == 1:
+        (joint, factor), = drive["stroke"].items()
+        wanted = sorted((drive["low"] / factor, drive["high"] / factor))
+        if drive["whole_turn"]:
+            check(name + ": a drive that turns has no limit", next(j for j in robot.robot.joints if j.name == joint).type == "continuous")
+        else:
+            check(name + ": limits of the drive", max(abs(limits[joint].lower - wanted[0]), abs(limits[joint].upper - wanted[1])) < 1e-12 * size)
 
 
 def test_two_ways(name, work):
@@ -343,6 +441,22 @@ def test_two_ways(name, work):
     check(name + ": by loops and by a sketch: the same bodies, joints and drive", same, str(states)[:600])
 
 
+def test_limits(work):
+    """A crank that does not turn fully: limits of the URDF file between its dead points, which follow from the lengths."""
+    text = data("suspension").replace("CRNKI=-7.0", "CRNKI=10.0")      # not beside a dead point
+    with open(os.path.join(work, "limited.nml"), "w", encoding="utf-8") as file:
+        file.write(text)
+    subprocess.run([os.path.join(BIN, "balm"), "--quiet", "--urdf", "limited.nml"], cwd=work, check=False)
+    with open(os.path.join(work, "limited.urdf"), encoding="utf-8") as file:
+        found = re.search(r'type="revolute">(?:(?!</joint>).)*<limit lower="([^"]*)" upper="([^"]*)"', file.read(), re.S)
+    crank, coupler, rocker, base = (float(v) for v in re.search(r"ARCL=([\d.,]+)", text).group(1).strip(",").split(",")[:4])
+    open_at = [math.degrees(math.acos((crank**2 + base**2 - reach**2) / (2.0 * crank * base)))
+               for reach in (coupler + rocker, abs(coupler - rocker)) if abs(crank**2 + base**2 - reach**2) < 2.0 * crank * base]
+    ends = sorted(sign * a for a in open_at for sign in (1, -1))
+    width = math.degrees(float(found.group(2)) - float(found.group(1))) if found else 0.0
+    check("limits lie between dead points, 2 % from each", any(abs(0.96 * (b - a) - width) < 1e-6 for a, b in zip(ends, ends[1:])), "%r %r" % (width, ends))
+
+
 with tempfile.TemporaryDirectory() as folder:
     os.chdir(folder)    # MuJoCo writes a log where it stands
     for case in sys.argv[2:] or CASES:
@@ -352,7 +466,11 @@ with tempfile.TemporaryDirectory() as folder:
             continue
         made, places = test_mjcf(case, folder)
         test_sdf(case, folder, made, places)
+        test_sdf_parsers(case, folder, made)
         test_urdf(case, folder, made, places)
+        test_polynomials(case, folder, made, places)
     for case in [] if sys.argv[2:] else ["hoecken", "watt_six_bar"]:
         test_two_ways(case, folder)
+    if not sys.argv[2:]:
+        test_limits(folder)
 sys.exit(report())

@@ -315,6 +315,39 @@ def pmks():
     check("damaged links are refused or whole", 0 < whole < 2 * len(link), whole)
 
 
+def pins_of_three():
+    """Two cranks on one driven pin: which of them the drive turns is said, in the case and in the notes."""
+    places = {"A": (0, 0), "B": (0, 31), "C": (33, 82), "D": (90, 5), "E": (30, -20), "F": (60, -60), "G": (100, -30)}
+    bars = [("AB", "A", "B"), ("BC", "B", "C"), ("CD", "C", "D"), ("AE", "A", "E"), ("EF", "E", "F"), ("FG", "F", "G")]
+    drawing = imports.read(dxf("three.dxf", [(name, places[a], places[b]) for name, a, b in bars] + [("FRAME", places[a], places[b]) for a, b in ("AD", "DG")],
+                               texts=[(name, (x + 1.5, y + 1.0)) for name, (x, y) in places.items()]), drive="A")
+    check("the drive of a pin of three links is between two of them", "DBASE='frame', DLINK='AB'" in drawing.text() and
+          any("several links turn at A" in note for note in drawing.notes), drawing.text())
+    done = subprocess.run([os.path.join(BIN, "psalm"), "-"], input=drawing.text(), capture_output=True, text=True, timeout=60)
+    check("and psalm takes it as far as its freedom goes", "DBASE" not in done.stderr and "DLINK" not in done.stderr, done.stderr[-400:])
+
+
+def in_memory():
+    """Files that are held in memory are read as those on disk."""
+    for name in ("lines.dxf", "layers.dxf", "one.FCStd", "lines.json"):
+        if not os.path.exists(path(name)):
+            continue
+        with open(path(name), "rb") as file:
+            content = file.read()
+        fixed = {} if name != "one.FCStd" else {"fixed": "A D"}
+        try:
+            wanted = imports.read(path(name), **fixed).text()
+        except imports.ImportFailed as reason:
+            wanted = str(reason).replace(PLACE + os.sep, "")
+        try:
+            found = imports.read(imports.held(name, content), **fixed).text()
+        except imports.ImportFailed as reason:
+            found = str(reason)
+        check("in memory: " + name, found == wanted, found[:300] + wanted[:300])
+    for name, content in (("a.dxf", b"nothing"), ("a.dxf", b""), ("a.FCStd", b"PK"), ("a.json", b"{"), ("a.pmks", b"\x00"), ("a.json", b"[[[[")):
+        refuses("in memory: %s of %d bytes" % (name, len(content)), "", imports.held(name, content))
+
+
 def command():
     """The command: output, remarks, exit status, files that are there."""
     def call(*arguments):
@@ -333,5 +366,7 @@ drawings()
 sketches()
 pylinkage()
 pmks()
+pins_of_three()
+in_memory()
 command()
 sys.exit(report())

@@ -533,10 +533,10 @@ def test_studies(server, browser, shots):
     bench.until("!board.study.running")
     check("studies: a search that is stopped has what it found", len(page.query_selector_all(".study .card")) == 1 and "best objective" in page.text_content(".listing"),
           page.text_content(".study"))
-    page.select_option('[aria-label="Studies"]', "cams")
+    page.select_option('[aria-label="Studies"]', "time")
     page.click("#run-study")
     bench.until("document.querySelector('.study .wrong').textContent")
-    check("studies: what is missing is said", "&CAM" in page.text_content(".study .wrong"), page.text_content(".study .wrong"))
+    check("studies: what is missing is said", "&TIME" in page.text_content(".study .wrong"), page.text_content(".study .wrong"))
     for verb in ("board", "picture", "x", None):
         check("studies: the verb %s is refused" % verb, server.ask("/run", json.dumps({"verb": verb, "case": search}).encode())[0] == 400)
     check("studies: no complaint", not bench.complaints, str(bench.complaints))
@@ -595,6 +595,230 @@ def test_curves(server, browser):
     check("files: a DXF that another program reads", len(drawn.modelspace()) > 5, len(drawn.modelspace()))
     check("files: a picture that moves", "<animate" in read("four.move.svg"))
     check("curves: no complaint, nothing run", not bench.dialogs and not [c for c in bench.complaints if "Content Security" not in c], str(bench.complaints + bench.dialogs))
+    bench.context.close()
+
+
+def test_several(server, browser, shots):
+    """Several things chosen by a box, by Shift and by keys: moved together, taken away together, undone at once."""
+    bench = Bench(browser, server.url)
+    page = bench.page
+    bench.until("board.state.motion.sweep")
+    before = bench.sketch()
+
+    def chosen():
+        return sorted(next(iter(one.values())) for one in bench.ask("board.each()"))
+
+    def places():
+        return {joint["name"]: (joint["x"], joint["y"]) for joint in bench.sketch()["joints"]}
+
+    start = places()
+    bench.ask("document.getElementById('grid').value = '5'; document.getElementById('grid').dispatchEvent(new Event('change'))")
+    names = [joint["name"] for joint in before["joints"]]
+    first, second = names[0], names[1]
+    bench.tool("select")
+    bench.click(*start[first])
+    page.keyboard.down("Shift")
+    bench.click(*start[second])
+    page.keyboard.up("Shift")
+    check("several: Shift and a click adds one", chosen() == sorted([first, second]), str(chosen()))
+    page.keyboard.down("Shift")
+    bench.click(*start[second])
+    page.keyboard.up("Shift")
+    check("several: and takes it away again", chosen() == [first], str(chosen()))
+    page.click("[data-tool=several]")
+    xs, ys = [p[0] for p in start.values()], [p[1] for p in start.values()]
+    edge = 0.12 * max(max(xs) - min(xs), max(ys) - min(ys))
+    bench.pull((min(xs) - edge, min(ys) - edge), (max(xs) + edge, max(ys) + edge))
+    check("several: a box takes all in it", chosen() == sorted(names), str(chosen()))
+    if shots:
+        page.screenshot(path=os.path.join(shots, "bench_several.png"))
+    x, y = start[first]
+    bench.pull((x, y), (x + 10, y + 5))
+    moved = places()
+    check("several: they move together", all(math.dist(moved[n], (start[n][0] + 10, start[n][1] + 5)) < 1e-9 for n in names), str(moved))
+    bench.ask("board.view.canvas.focus()")
+    page.keyboard.press("ArrowLeft")
+    check("several: by keys, too", all(abs(places()[n][0] - moved[n][0] + 5) < 1e-9 for n in names), str(places()))
+    page.click("#undo")
+    page.click("#undo")
+    check("several: one undo for each", places() == start)
+    page.keyboard.press("Control+a")
+    check("several: Ctrl+A", chosen() == sorted(names))
+    page.fill('[aria-label="step along x"]', "2.5")
+    page.click('#panel button:text-is("Move")')
+    check("several: by a number", all(abs(places()[n][0] - start[n][0] - 2.5) < 1e-9 for n in names))
+    page.click("#undo")
+    page.click('#panel [aria-label="joint %s"]' % first)
+    page.click('#panel [aria-label="joint %s"]' % second, modifiers=["Shift"])
+    check("several: from the lists", chosen() == sorted([first, second]), str(chosen()))
+    page.keyboard.press("Delete")
+    check("several: taken away together", not {first, second} & set(places()) and len(bench.sketch()["joints"]) < len(names), str(places()))
+    page.click("#undo")
+    check("several: undo brings them back", bench.sketch()["joints"] == before["joints"] and bench.sketch()["links"] == before["links"])
+    bench.tool("select")
+    bench.click(*start[first])
+    bench.pull(start[first], (start[first][0] - 10, start[first][1]))
+    check("several: one alone is dragged alone", math.dist(places()[second], start[second]) < 1e-9 and places()[first] != start[first])
+    check("several: no complaint", not bench.complaints, str(bench.complaints))
+    bench.context.close()
+
+
+def test_brought(server, browser, shots):
+    """Files of other programs on the board; what is missing is asked for; what cannot be is refused and bounded."""
+    bench = Bench(browser, server.url)
+    page = bench.page
+    document = ezdxf.new()
+    at = {"A": (0, 0), "B": (0, 31), "C": (33, 82), "D": (90, 5)}
+    for pair in ("AB", "BC", "CD"):
+        document.modelspace().add_line(at[pair[0]], at[pair[1]])
+    document.saveas("bare.dxf")
+    page.set_input_files("#file", "bare.dxf")
+    page.wait_for_selector("#dialog[open]")
+    said = page.text_content("#dialog")
+    check("brought: what the file does not say is asked for", "no joint is fixed" in said and "A (0, 0)" in said, said)
+    if shots:
+        page.screenshot(path=os.path.join(shots, "bench_brought.png"))
+    page.fill('[aria-label="joints of the frame"]', "A D")
+    page.fill('[aria-label="driven joint"]', "A")
+    page.keyboard.press("Enter")
+    bench.until("board.state.sketch.title === 'BARE'")
+    check("brought: a drawing is a sketch that moves", "it moves" in bench.chip() and len(bench.sketch()["links"]) == 4, bench.chip())
+    check("brought: what was assumed stands in the text", "!" in bench.ask("board.write()").split("\n")[0] or "BARE" in bench.ask("board.write()"))
+    page.click("#undo")
+    check("brought: undo brings back what was there", bench.ask("board.state.sketch.title") != "BARE")
+    with open("bad.json", "w", encoding="utf-8") as file:
+        file.write("{}")
+    page.set_input_files("#file", "bad.json")
+    page.wait_for_selector("#dialog[open]")
+    check("brought: what is no linkage is refused with the reason", "no linkage of pylinkage" in page.text_content("#dialog"), page.text_content("#dialog"))
+    page.keyboard.press("Escape")
+    with open("large.dxf", "wb") as file:
+        file.write(b"0\n" * (3 << 20))
+    page.set_input_files("#file", "large.dxf")
+    bench.until("board.state.messages.length")
+    check("brought: a large file is refused here", "larger than 5 MB" in bench.chip(), bench.chip())
+    check("brought: no complaint", not bench.complaints, str(bench.complaints))
+    bench.context.close()
+    for body, status in ((b"[]", 400), (b"{}", 400), (b'{"name":"a.dxf","content":"*"}', 400), (b'{"name":"","content":""}', 400), (b"x" * 9000000, 413)):
+        found = server.ask("/import", body)
+        check("brought: bounded: %r" % body[:30], found[0] in (status, 0) if status == 413 else found[0] == status, str(found[:2]))
+    status, answer, _ = server.ask("/import", json.dumps({"name": "/etc/passwd.json", "content": ""}).encode())
+    check("brought: a name is no file on this machine", status == 200 and "root" not in answer and "error" in json.loads(answer), answer)
+    status, answer, _ = server.ask("/import", json.dumps({"name": "http://x/?abc.pmks", "content": ""}).encode())
+    check("brought: a link is read, not followed", status == 200 and "error" in json.loads(answer), answer)
+
+
+def test_ranges(server, browser, shots):
+    """Least and most of a dimension: in Properties, in the text, in the data set of a search, in what the search finds."""
+    bench = Bench(browser, server.url)
+    page = bench.page
+    bench.until("board.state.motion.sweep")
+    links = bench.sketch()["links"]
+    coupler = next(link for link in links if len(link["joints"]) == 3)
+    a, b, c = coupler["joints"]
+    rocker = links[-1]
+    page.click('#panel [aria-label="link %s"]' % rocker["name"])
+    of = " ".join(rocker["joints"])
+    page.fill('[aria-label="least %s"]' % of, "80")
+    page.press('[aria-label="least %s"]' % of, "Enter")
+    page.fill('[aria-label="most %s"]' % of, "70")
+    page.press('[aria-label="most %s"]' % of, "Enter")
+    check("ranges: most below least is refused", bench.ask("board.state.sketch.vary[0].high[0]") > 80)
+    page.fill('[aria-label="most %s"]' % of, "95")
+    page.press('[aria-label="most %s"]' % of, "Enter")
+    text = bench.ask("board.write()")
+    check("ranges: the text has them", "VARY='%s'" % of in text and re.search(r"VLOW=80\.0\b", text) and re.search(r"VHIGH=\s*95\.0\b", text), text)
+    if shots:
+        page.screenshot(path=os.path.join(shots, "bench_ranges.png"))
+    page.click('#panel [aria-label="link %s"]' % coupler["name"])
+    page.fill('[aria-label="most %s %s"]' % (a, b), "75")
+    page.press('[aria-label="most %s %s"]' % (a, b), "Enter")
+    check("ranges: of several", [one["of"] for one in bench.sketch()["vary"]] == [of, a + " " + b])
+    bench.save("ranges.nml")
+    code, _, errors = picture_tools.psalm("--quiet", "ranges.nml")
+    check("ranges: psalm reads the file", code in (0, 1), errors)
+    check("ranges: the board reads it again", bench.ask("board.text.parse(board.write()).vary") == bench.sketch()["vary"])
+    # a search varies the linkage within them
+    bench.tool("wanted")
+    bench.trace([(x - 45, y + 5) for x, y in (heart(k) for k in range(41))])
+    page.click("#tab-search")
+    for kind in ("four-bars", "with a slide", "six-bars"):
+        page.uncheck('[aria-label="%s"]' % kind)
+    page.check('[aria-label="this linkage"]')
+    page.click("#start-search")
+    bench.until("board.search.cards.length")
+    page.click("#stop-search")
+    bench.until("!board.search.running")
+    found = bench.ask("board.text.parse(board.search.cards[0].text)")
+    at = {joint["name"]: (joint["x"], joint["y"]) for joint in found["joints"]}
+    lengths = math.dist(*(at[name] for name in rocker["joints"])), math.dist(at[a], at[b])
+    check("ranges: the search keeps within them", 80 - 1e-6 <= lengths[0] <= 95 + 1e-6 and lengths[1] <= 75 + 1e-6, str(lengths))
+    page.click("#tab-panel")
+    page.click('#panel [aria-label="no range of %s %s"]' % (a, b))
+    check("ranges: one is taken back", [one["of"] for one in bench.sketch()["vary"]] == [of])
+    bench.ask("board.rename('joint', %s, 'X9')" % json.dumps(rocker["joints"][0]))
+    check("ranges: names follow", bench.sketch()["vary"][0]["of"] == " ".join(["X9", rocker["joints"][1]]), str(bench.sketch()["vary"]))
+    bench.ask("board.remove({ joint: 'X9' })")
+    check("ranges: and go with their joints", bench.sketch()["vary"] == [], str(bench.sketch()["vary"]))
+    check("ranges: no complaint", not bench.complaints, str(bench.complaints))
+    bench.context.close()
+    good = {"points": [[0, 0], [1, 0], [0, 1]], "kinds": ["mine"], "vary": ["A B"], "case": "x"}
+    for ranges in ([], {"A B": []}, {"A B": [[2, 1]]}, {"A B": [["1", 2]]}, {"C D": [[1, 2]]}, {"A B": [[1, 1e300]]}):
+        check("ranges: refused: %s" % ranges, server.ask("/search", json.dumps({**good, "ranges": ranges}).encode())[0] == 400)
+
+
+def test_proposals(server, browser, shots):
+    """Counterweights, springs and a cam without their groups in the text: one is proposed, used, shown, and taken by a click."""
+    bench = Bench(browser, server.url)
+    page = bench.page
+    bench.until("board.state.motion.sweep")
+    page.click("#tab-engine")
+    page.select_option('#engine [aria-label="Studies"]', "springs")
+    page.click("#run-study")
+    check("proposals: without masses there is none, and why", "give &MASSES" in page.text_content("#engine .study"), page.text_content("#engine .study"))
+    text = bench.ask("board.write()")
+    bench.ask("board.take(%s)" % json.dumps(text.rstrip("\n") + "\n &RATES SPEED=20.0 &END\n &MASSES MNAME='crank','coupler','rocker', MASS=1.0,2.0,1.0, "
+                                            "MDIST=15.0,30.0,40.0, UNITL=0.001, GRAVY=-9.81 &END\n"))
+    for verb, group, words in (("springs", "&SPRNGS", "SPRING"), ("balance", "&BALANC", "COUNTERWEIGHT"), ("cams", "&CAM", "BASE RADIUS")):
+        page.select_option('#engine [aria-label="Studies"]', verb)
+        check("proposals: nothing is left of another one", not page.query_selector("#engine [aria-label='group that is proposed']"))
+        page.click("#run-study")
+        bench.until("document.querySelector('#run-study').disabled === false && document.querySelector('#engine .study > pre').hidden === false")
+        listing = page.text_content("#engine [aria-label='listing of the study']")
+        check("proposals: %s has a result" % verb, words in listing.upper() and "error" not in page.text_content("#engine .study .wrong"), listing[:400] + page.text_content("#engine .study .wrong"))
+        shown = page.text_content("#engine [aria-label='group that is proposed']")
+        check("proposals: %s shows its group" % verb, group in shown and group not in bench.ask("board.write()"), shown)
+        if shots and verb == "cams":
+            page.evaluate("document.querySelector('#run-study').scrollIntoView()")
+            page.screenshot(path=os.path.join(shots, "bench_proposal.png"))
+        page.click("#engine >> text=Put it into the text")
+        check("proposals: %s goes into the text" % verb, shown in bench.ask("board.write()"), bench.ask("board.write()")[-400:])
+        bench.save("proposed.nml")
+        program = {"springs": "muscle", "balance": "muscle", "cams": "calm"}[verb]
+        code, _, errors = run(os.path.join(picture_tools.programs, program), "--quiet", "proposed.nml", cwd=os.getcwd())
+        check("proposals: %s reads the file" % program, code in (0, 1), errors)
+        page.click("#undo")
+        check("proposals: undo takes it out", group not in bench.ask("board.write()"))
+        page.click("#tab-engine")
+    check("proposals: no complaint", not bench.complaints, str(bench.complaints))
+    bench.context.close()
+
+
+def test_phone(server, browser, shots):
+    """On a phone the drawing stays in sight while results are read."""
+    bench = Bench(browser, server.url, 390, 844)
+    page = bench.page
+    page.click("#tab-engine")
+    bench.until("board.engine.answer")
+    page.evaluate("window.scrollTo(0, document.documentElement.scrollHeight)")
+    page.wait_for_timeout(200)
+    top, bottom = bench.ask("(() => { const box = board.view.canvas.getBoundingClientRect(); return [box.top, box.bottom]; })()")
+    check("phone: the drawing stays", -1 < top < 120 and 200 < bottom < 844 * 0.55, "%g %g" % (top, bottom))
+    tabs = bench.ask("document.getElementById('tabs').getBoundingClientRect().top")
+    check("phone: the tabs below it", bottom - 60 < tabs < 844 * 0.6, "%g %g" % (tabs, bottom))
+    if shots:
+        page.screenshot(path=os.path.join(shots, "bench_phone_scrolled.png"))
+    check("phone: nothing is wider than the screen", bench.ask("document.documentElement.scrollWidth") <= 390)
     bench.context.close()
 
 
@@ -735,6 +959,11 @@ def main(arguments):
                 timed(test_results, server, browser)
                 timed(test_studies, server, browser, shots)
                 timed(test_curves, empty, browser)
+                timed(test_several, server, browser, shots)
+                timed(test_brought, server, browser, shots)
+                timed(test_phone, server, browser, shots)
+                timed(test_ranges, server, browser, shots)
+                timed(test_proposals, server, browser, shots)
                 timed(test_file, browser)
                 timed(test_frames, server, browser)
                 browser.close()
