@@ -11,6 +11,7 @@ module psalm_arc_kernels
    implicit none (type, external)
    private
    public :: arc_vector, add_arc_rate, add_arc_change, add_change_of_rate, difference
+   public :: change_ends, change_ends_and_arcs
    public :: invert_columns, solve_columns, quarter_turn_of_sum
    public :: turn_point_twice, turn_point_third, slide_point_twice
    public :: least
@@ -211,6 +212,51 @@ contains
          ty(i) = fy(i) + along*ey(i) + across*ex(i)
       end do
    end subroutine add_arc_change
+
+   !> Changes of a dyad's unknowns where its outer joints alone move: `difference` and `solve_columns` in one pass.
+   pure subroutine change_ends(n, sx, sy, ex, ey, m11, m12, m21, m22, x1, x2)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: sx(n), sy(n), ex(n), ey(n), m11(n), m12(n), m21(n), m22(n)
+      real(wp), intent(out) :: x1(n), x2(n)
+      real(wp) :: gx, gy
+      integer :: i
+
+      do i = 1, n
+         gx = ex(i) - sx(i)
+         gy = ey(i) - sy(i)
+         x1(i) = m11(i)*gx + m12(i)*gy
+         x2(i) = m21(i)*gx + m22(i)*gy
+      end do
+   end subroutine change_ends
+
+   !> The same where the arcs p and q change, too: `add_arc_change` of both, with the factor -1, before it is solved.
+   pure subroutine change_ends_and_arcs(n, sx, sy, ex, ey, px, py, p, pw, pl, dpw, dpl, qx, qy, q, qw, ql, dqw, dql, &
+                                        m11, m12, m21, m22, x1, x2)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: sx(n), sy(n), ex(n), ey(n)
+      real(wp), intent(in) :: px(n), py(n), p(n), pw(n), pl(n) !! unit vector, length; changes of angle and length of the root
+      real(wp), intent(in) :: dpw, dpl                         !! of the arc's own angle and length
+      real(wp), intent(in) :: qx(n), qy(n), q(n), qw(n), ql(n), dqw, dql
+      real(wp), intent(in) :: m11(n), m12(n), m21(n), m22(n)
+      real(wp), intent(out) :: x1(n), x2(n)
+      real(wp) :: gx, gy, along, across
+      integer :: i
+
+      do i = 1, n
+         gx = ex(i) - sx(i)
+         gy = ey(i) - sy(i)
+         along = -(dpl + pl(i))
+         across = -((dpw + pw(i))*p(i))
+         gx = gx + along*px(i) - across*py(i)
+         gy = gy + along*py(i) + across*px(i)
+         along = -(dql + ql(i))
+         across = -((dqw + qw(i))*q(i))
+         gx = gx + along*qx(i) - across*qy(i)
+         gy = gy + along*qy(i) + across*qx(i)
+         x1(i) = m11(i)*gx + m12(i)*gy
+         x2(i) = m21(i)*gx + m22(i)*gy
+      end do
+   end subroutine change_ends_and_arcs
 
    !> t = f + factor * change of an arc's derivative of order 1 or 2 with one dimension.
    !>

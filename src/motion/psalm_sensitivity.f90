@@ -3,15 +3,14 @@
 !> For each variable the plan is gone through once with the changes that variable makes, with the inverse matrices of
 !> `psalm_rates`. Angles vary in degrees. Derivation: `doc/theory/rates.md`, Sensitivities.
 module psalm_sensitivity
-   use psalm_arc_kernels, only: add_arc_change, difference, solve_columns
+   use psalm_arc_kernels, only: add_arc_change, change_ends, change_ends_and_arcs, difference
    use psalm_assur, only: closure_of, change_of_closure
-   use psalm_dyad, only: dyad_t
    use psalm_error, only: problem_t
    use psalm_frames, only: frames_t, rows_of_arc, matrix_row
    use psalm_group_rings, only: higher_t
    use psalm_higher_group, only: change_of_higher, gaps_of_ties, add_gaps_of_phase, solve_higher
    use psalm_kinds, only: wp, degrees_per_radian, radians_per_degree
-   use psalm_linkage, only: padded, put_driven_lengths
+   use psalm_linkage, only: bound_step_t, padded, put_driven_lengths
    use psalm_moving_joints, only: sketch_motion_t
    use psalm_place, only: beside_t
    use psalm_plan, only: step_point
@@ -28,13 +27,32 @@ module psalm_sensitivity
    public :: sensitivity_t, prepare_sensitivity, find_jacobian, block_constraints, unit_of, clear_changes
    public :: wanted_outputs_t
 
+   integer, parameter :: change_of_point = 1, change_of_dyad = 2, change_of_group = 3 !! kinds of steps
+
+   !> How a step's result changes: its arcs, and where rows begin in the changes and in the frames, as numbers of elements. What a
+   !> dyad finds itself, and fixed lengths, are rows of zeros.
+   type :: change_t
+      integer :: kind = change_of_group
+      integer :: arc(2) = 0                     !! point: the arc; dyad: p and q
+      integer :: from(2) = 0, to(2) = 0         !! point to start from and point made; dyad: S and E
+      integer :: root(2) = 0, slide(2) = 0      !! changes of angle and length of the arcs
+      integer :: unknown(2) = 0                 !! dyad: what it finds
+      integer :: vector(3, 2) = 0               !! frames: unit vector and length of the arcs
+      integer :: matrix(4) = 0                  !! frames: inverse matrix of a dyad
+      logical :: takes_direction = .false.      !! dyad with an arc whose direction it does not find
+   end type change_t
+
    !> Room to work in, and which arcs each variable changes.
    type :: sensitivity_t
       type(rates_t) :: rates
       real(wp), allocatable :: turn(:, :)       !! shape (arcs, nvar): 1 where the arc's fixed angle turns with the variable
       real(wp), allocatable :: stretch(:, :)    !! shape (arcs, nvar): 1 where its length grows with it
       logical, allocatable :: moves(:, :)       !! shape (steps, nvar): the step's result changes with the variable
-      real(wp), allocatable :: gx(:), gy(:), tx(:), ty(:) !! shape (capacity)
+      integer, allocatable :: moved(:, :)       !! shape (0:steps, nvar): how many of these steps, and which
+      integer, allocatable :: written(:, :)     !! shape (0:rows, nvar): how many rows the variable changes, and which
+      logical, allocatable :: overwritten(:, :) !! shape (rows, nvar): whatever stood in the row before does not matter
+      type(change_t), allocatable :: changes(:) !! shape (steps)
+      real(wp), allocatable :: tx(:), ty(:)     !! shape (capacity)
    end type sensitivity_t
 
    !> Outputs of a sketch, and their changes with the variables.
@@ -63,9 +81,17 @@ contains
       call prepare_rates(problem, work%rates)
       allocate (work%turn(arcs, nvar), work%stretch(arcs, nvar), source=0.0_wp)
       allocate (work%moves(size(problem%plan%steps), nvar), source=.false.)
-      associate (capacity => problem%linkage%capacity)
-         allocate (work%gx(capacity), work%gy(capacity), work%tx(capacity), work%ty(capacity), source=0.0_wp)
+      associate (capacity => problem%linkage%capacity, steps => size(problem%plan%steps), &
+                 rows => size(problem%linkage%store%v, 2))
+         allocate (work%tx(capacity), work%ty(capacity), source=0.0_wp)
+         allocate (work%moved(0:steps, nvar), work%written(0:rows, nvar), source=0)
+         allocate (work%overwritten(rows, nvar), source=.false.)
+         allocate (work%changes(steps))
       end associate
+      do k = 1, size(work%changes)
+         call describe(problem%linkage%steps(k), problem%linkage%point_x(0), work%rates%place(k), size(work%rates%d(1)%v, 1), &
+                       size(work%rates%frames%work%v, 1), work%changes(k))
+      end do
       do v = 1, nvar
          where (problem%parameters%length_variable == v) work%stretch(:, v) = 1.0_wp
          do k = 1, size(problem%plan%order)
@@ -76,8 +102,124 @@ contains
                work%turn(n, v) = work%turn(n, v) + 1.0_wp
          end do
          call mark_steps(problem, v, work)
+         call list_steps(problem, v, work)
       end do
    end subroutine prepare_sensitivity
+
+   !> Rows and arcs of a step.
+   pure subroutine describe(step, zeros, at, leading, wide, change)
+      type(bound_step_t), intent(in) :: step
+      integer, intent(in) :: zeros              !! a row of zeros: the input pivot never moves
+      integer, intent(in) :: at                 !! first row of its frames
+      integer, intent(in) :: leading, wide      !! elements between the beginnings of rows of changes and of frames
+      type(change_t), intent(inout) :: change
+      integer :: i
+
+      if (step%kind == step_point) then
+         change%kind = change_of_point
+         change%arc(1) = step%arc
+         change%from = [step%from_x, step%from_y]
+         change%to = [step%to_x, step%to_y]
+         change%root(1) = step%root_x
+         change%slide(1) = merge(step%slide_row, zeros, step%slide_row > 0)
+      else if (.not. allocated(step%dyad%higher)) then
+         associate (dyad => step%dyad)
+            change%kind = change_of_dyad
+            change%arc = [dyad%arc_p, dyad%arc_q]
+            change%from = [dyad%s_x, dyad%s_y]
+            change%to = [dyad%e_x, dyad%e_y]
+            change%unknown = dyad%unknown
+            change%root = [dyad%p_x, dyad%q_x]
+            where (is_found(change%root)) change%root = zeros
+            change%takes_direction = any(change%root /= zeros)
+            change%slide = [dyad%slide_p, dyad%slide_q]
+            where (change%slide == 0 .or. is_found(change%slide)) change%slide = zeros
+         end associate
+      end if
+      change%from = beginning(change%from, leading)
+      change%to = beginning(change%to, leading)
+      change%unknown = beginning(change%unknown, leading)
+      change%root = beginning(change%root, leading)
+      change%slide = beginning(change%slide, leading)
+      do i = 1, 2
+         change%vector(:, i) = beginning(at + rows_of_arc*(i - 1) + [0, 1, 4], wide)
+      end do
+      change%matrix = beginning(at + matrix_row + [0, 1, 2, 3], wide)
+
+   contains
+
+      elemental logical function is_found(row)
+         integer, intent(in) :: row
+
+         is_found = row == step%dyad%unknown(1) .or. row == step%dyad%unknown(2)
+      end function is_found
+
+      !> Number of the element that a row begins with.
+      elemental integer function beginning(row, length)
+         integer, intent(in) :: row, length
+
+         beginning = (row - 1)*length + 1
+      end function beginning
+   end subroutine describe
+
+   !> Steps that a variable moves and rows that it changes, for `change_of` and `clear_others`.
+   subroutine list_steps(problem, v, work)
+      type(problem_t), intent(in) :: problem
+      integer, intent(in) :: v
+      type(sensitivity_t), intent(inout) :: work
+      integer :: k
+
+      associate (link => problem%linkage)
+         if (problem%parameters%variables(v)%kind == variable_crnki) then
+            do k = 1, size(link%input_row)
+               call enter(link%input_row(k), .true.)
+            end do
+         end if
+         do k = 1, size(link%driven_row)
+            call enter(link%driven_row(k), .false.)
+         end do
+         do k = 1, size(link%steps)
+            if (.not. work%moves(k, v)) cycle
+            work%moved(0, v) = work%moved(0, v) + 1
+            work%moved(work%moved(0, v), v) = k
+            associate (step => link%steps(k))
+               if (problem%plan%steps(k)%kind == step_point) then
+                  call enter(step%to_x, .true.)
+                  call enter(step%to_y, .true.)
+               else if (allocated(step%dyad%higher)) then
+                  call enter_all(step%dyad%higher%row)
+               else
+                  call enter(step%dyad%unknown(1), .true.)
+                  call enter(step%dyad%unknown(2), .true.)
+               end if
+            end associate
+         end do
+         ! what is added to must be zero before
+         work%overwritten(link%driven_row, v) = .false.
+      end associate
+
+   contains
+
+      subroutine enter(row, anew)
+         integer, intent(in) :: row
+         logical, intent(in) :: anew            !! it is set, whatever it was
+
+         work%overwritten(row, v) = work%overwritten(row, v) .or. anew
+         if (any(work%written(1:work%written(0, v), v) == row)) return
+         work%written(0, v) = work%written(0, v) + 1
+         work%written(work%written(0, v), v) = row
+      end subroutine enter
+
+      !> Rows of a larger group, which must hold zero before it is solved.
+      subroutine enter_all(rows)
+         integer, intent(in) :: rows(:)
+         integer :: j
+
+         do j = 1, size(rows)
+            call enter(rows(j), .false.)
+         end do
+      end subroutine enter_all
+   end subroutine list_steps
 
    !> Steps whose result a variable changes.
    subroutine mark_steps(problem, v, work)
@@ -147,7 +289,7 @@ contains
       logical, intent(in), optional :: loops(:)     !! shape (nloop): dk of which is wanted; of the others zero is given
       type(wanted_outputs_t), intent(inout), optional :: wanted !! outputs of a sketch, whose changes are to be found
       type(beside_t), intent(in), optional :: beside(:) !! shape (joints): how far from points of the plan those asked for are
-      integer :: block, offset, n, m, v
+      integer :: block, offset, n, m, v, last
       logical :: ready
 
       ready = .false.
@@ -163,6 +305,7 @@ contains
          m = padded(n)
          call form_frames(problem, work%rates, m, fixed_too=.true.)
          call clear_rows(work%rates%d(1))
+         last = 0
          if (present(wanted)) call begin_outputs(problem, offset, n, wanted)
          do v = 1, size(problem%parameters%variables)
             if (present(held)) then
@@ -173,6 +316,8 @@ contains
                   cycle
                end if
             end if
+            if (last > 0) call clear_others(last, v, m, work)
+            last = v
             call change_of(problem, v, m, work)
             call problem%output%change(problem%linkage, work%rates%d(1), n, problem%parameters%variables(v)%kind, &
                                        work%turn(problem%mechanism%outputs(1)%arc, v), unit_of(problem, v), &
@@ -180,7 +325,6 @@ contains
             if (present(dk)) call change_of_constraints(problem, v, n, work, dk(offset + 1:offset + n, :, v), loops)
             if (present(wanted)) call change_of_outputs(problem, v, offset, n, work, wanted)
             if (present(dp)) call change_of_joints(problem, v, n, work, dp(offset + 1:offset + n, :, :, v), beside)
-            call clear_changes(problem, v, m, work%moves(:, v), work%rates%d(1))
          end do
       end do
    end subroutine find_jacobian
@@ -359,7 +503,7 @@ contains
       type(problem_t), intent(in) :: problem
       integer, intent(in) :: v, n
       type(sensitivity_t), intent(inout) :: work
-      integer :: k
+      integer :: j, k
 
       associate (link => problem%linkage, d => work%rates%d(1)%v)
          if (problem%parameters%variables(v)%kind == variable_crnki) then
@@ -368,25 +512,59 @@ contains
             end do
          end if
          call put_driven_lengths(link, n, work%stretch(:, v), work%rates%d(1))
-         do k = 1, size(link%steps)
-            if (.not. work%moves(k, v)) cycle
-            if (problem%plan%steps(k)%kind == step_point) then
-               associate (step => link%steps(k))
-                  call arc_change(work%rates%frames, work%rates%d(1), n, 1.0_wp, work%rates%place(k), step%root_x, &
-                                  step%slide_row, work%turn(step%arc, v), work%stretch(step%arc, v)*link%scale, &
-                                  d(1, step%from_x), d(1, step%from_y), d(1, step%to_x), d(1, step%to_y))
-               end associate
-            else if (allocated(link%steps(k)%dyad%higher)) then
-               associate (variable => problem%parameters%variables(v))
-                  call group_change(link%steps(k)%dyad%higher, work%rates%place(k), v, n, &
-                                    merge(variable%n, 0, variable%kind == variable_gama), link%scale, work)
-               end associate
-            else
-               call dyad_change(link%steps(k)%dyad, work%rates%place(k), v, n, link%scale, work)
-            end if
+         j = 1
+         do
+            call change_steps(n, d(1, 1), work%rates%frames%work%v(1, 1), work%turn(1, v), work%stretch(1, v), link%scale, &
+                              work%changes, work%moved(0, v), work%moved(1, v), j)
+            if (j > work%moved(0, v)) return
+            k = work%moved(j, v)
+            associate (variable => problem%parameters%variables(v))
+               call group_change(link%steps(k)%dyad%higher, work%rates%place(k), v, n, &
+                                 merge(variable%n, 0, variable%kind == variable_gama), link%scale, work)
+            end associate
+            j = j + 1
          end do
       end associate
    end subroutine change_of
+
+   !> Points and unknowns of dyads from entry `next` of a list of steps on, up to a larger group; whatever stood in their rows does
+   !> not matter. Short blocks make it worth while that places of rows are known before.
+   pure subroutine change_steps(n, d, w, turn, stretch, scale, changes, count, list, next)
+      integer, intent(in) :: n
+      real(wp), intent(inout) :: d(*)           !! rows of changes, from position 1 of the first on
+      real(wp), intent(in) :: w(*)              !! rows of frames, the same way
+      real(wp), intent(in) :: turn(*), stretch(*) !! by arc
+      real(wp), intent(in) :: scale
+      type(change_t), intent(in) :: changes(*)  !! by step
+      integer, intent(in) :: count, list(*)
+      integer, intent(inout) :: next            !! afterwards the entry of the group, or past the last
+
+      do next = next, count
+         associate (step => changes(list(next)))
+            associate (from => step%from, to => step%to, root => step%root, slide => step%slide, x => step%unknown, &
+                       p => step%arc(1), q => step%arc(2), e => step%vector, m => step%matrix)
+               select case (step%kind)
+               case (change_of_point)
+                  call add_arc_change(n, 1.0_wp, d(from(1)), d(from(2)), w(e(1, 1)), w(e(2, 1)), w(e(3, 1)), d(root(1)), &
+                                      d(slide(1)), turn(p), stretch(p)*scale, d(to(1)), d(to(2)))
+               case (change_of_dyad)
+                  if (abs(stretch(p)) + abs(stretch(q)) > 0.0_wp .or. step%takes_direction) then
+                     call change_ends_and_arcs(n, d(from(1)), d(from(2)), d(to(1)), d(to(2)), &
+                                               w(e(1, 1)), w(e(2, 1)), w(e(3, 1)), d(root(1)), d(slide(1)), turn(p), &
+                                               stretch(p)*scale, w(e(1, 2)), w(e(2, 2)), w(e(3, 2)), d(root(2)), &
+                                               d(slide(2)), turn(q), stretch(q)*scale, w(m(1)), w(m(2)), w(m(3)), w(m(4)), &
+                                               d(x(1)), d(x(2)))
+                  else
+                     call change_ends(n, d(from(1)), d(from(2)), d(to(1)), d(to(2)), w(m(1)), w(m(2)), w(m(3)), w(m(4)), &
+                                      d(x(1)), d(x(2)))
+                  end if
+               case default
+                  return
+               end select
+            end associate
+         end associate
+      end do
+   end subroutine change_steps
 
    subroutine arc_change(frames, d, n, factor, at, root, slide, turn, stretch, fx, fy, tx, ty)
       type(frames_t), intent(in) :: frames
@@ -407,29 +585,7 @@ contains
       end associate
    end subroutine arc_change
 
-   subroutine dyad_change(dyad, at, v, n, scale, work)
-      type(dyad_t), intent(in) :: dyad
-      integer, intent(in) :: at, v, n     !! first row of the dyad's frame; variable; positions, padded
-      real(wp), intent(in) :: scale
-      type(sensitivity_t), intent(inout) :: work
-      logical :: known
-
-      associate (w => work%rates%frames%work%v, m => at + matrix_row, d => work%rates%d(1)%v, first => dyad%unknown(1), &
-                 second => dyad%unknown(2))
-         call difference(n, d(1, dyad%s_x), d(1, dyad%s_y), d(1, dyad%e_x), d(1, dyad%e_y), work%gx, work%gy)
-         known = abs(work%stretch(dyad%arc_p, v)) + abs(work%stretch(dyad%arc_q, v)) > 0.0_wp
-         if (known .or. takes_direction(dyad)) then
-            ! unknown rows hold zero here
-            call arc_change(work%rates%frames, work%rates%d(1), n, -1.0_wp, at, dyad%p_x, dyad%slide_p, &
-                            work%turn(dyad%arc_p, v), work%stretch(dyad%arc_p, v)*scale, work%gx, work%gy, work%tx, work%ty)
-            call arc_change(work%rates%frames, work%rates%d(1), n, -1.0_wp, at + rows_of_arc, dyad%q_x, dyad%slide_q, &
-                            work%turn(dyad%arc_q, v), work%stretch(dyad%arc_q, v)*scale, work%tx, work%ty, work%gx, work%gy)
-         end if
-         call solve_columns(n, w(1, m), w(1, m + 1), w(1, m + 2), w(1, m + 3), work%gx, work%gy, d(1, first), d(1, second))
-      end associate
-   end subroutine dyad_change
-
-   !> The same for a larger group: unknown rows hold zero here.
+   !> Unknowns of a larger group, whose rows hold zero here.
    subroutine group_change(higher, at, v, n, phase, scale, work)
       type(higher_t), intent(in) :: higher
       integer, intent(in) :: at, v, n
@@ -458,12 +614,18 @@ contains
       end associate
    end subroutine group_change
 
-   !> True for a dyad with an arc whose direction it does not find.
-   pure logical function takes_direction(dyad)
-      type(dyad_t), intent(in) :: dyad
+   !> Put rows that one variable has changed back to zero, but for those that the next one overwrites.
+   subroutine clear_others(last, next, n, work)
+      integer, intent(in) :: last, next, n
+      type(sensitivity_t), intent(inout) :: work
+      integer :: j
 
-      takes_direction = all(dyad%unknown /= dyad%p_x) .or. all(dyad%unknown /= dyad%q_x)
-   end function takes_direction
+      do j = 1, work%written(0, last)
+         associate (row => work%written(j, last))
+            if (.not. work%overwritten(row, next)) work%rates%d(1)%v(1:n, row) = 0.0_wp
+         end associate
+      end do
+   end subroutine clear_others
 
    !> Put the rows a variable has changed back to zero.
    subroutine clear_changes(problem, v, n, moves, d)
