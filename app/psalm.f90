@@ -25,6 +25,7 @@ program psalm
    use psalm_kind_search, only: kind_study_t, search_kinds, kinds_wanted, check_kinds
    use psalm_kinds_report, only: report_kinds, report_choice
    use psalm_linkage_kinds, only: linkage_kind_t
+   use psalm_kept_groups, only: groups_for_loops
    use psalm_mark, only: mark_t
    use psalm_limits_group, only: proof_by_default
    use psalm_mechanism, only: mechanism_t
@@ -246,6 +247,8 @@ contains
       type(allocation_t), allocatable :: allocation
       type(proof_study_t), allocatable :: proof
       type(variant_t), allocatable :: by_loops
+      character(:), allocatable :: left_out
+      logical :: plates
       real(wp), allocatable :: delt(:)    ! of a linkage with free timing; not allocated: absent where it is an argument
       type(dimensions_t) :: dimensions
       type(wanted_t) :: wanted
@@ -303,11 +306,11 @@ contains
       if (arguments%links .and. set%is_drawn() .and. .not. set%is_beyond_arrays()) then
          by_loops = variant_of(set)
          by_loops%by_loops = .true.
-         if (set%constr%given .or. set%masses%given .or. set%loads%given .or. set%springs%given .or. set%gives('SWEEP') .or. &
-             index(set%others, '&PLATES') > 0) then
-            by_loops%with_others = .false.
-            call devices%remark(set, 'device 7 has &LINKS without the groups that call joints by their names')
-         end if
+         call groups_for_loops(set, by_loops%others, left_out, plates)
+         if (len(left_out) > 0) &
+            call devices%remark(set, 'device 7 has &LINKS without the groups that call joints by their names: '//left_out)
+         if (plates) call devices%remark(set, 'device 7 has &LINKS without &PLATES: links by loops have no points beside their '// &
+                                         'joints, or the unit of length is in &MASSES, which is left out')
          call report_found(set, problem, dimensions, search, devices, by_loops)
       else
          call report_found(set, problem, dimensions, search, devices)

@@ -1083,7 +1083,9 @@ module psalm_board_text
    "    engine: { label: 'results' },"//nl// &
    "    search: { label: 'search' },"//nl// &
    "    title: { label: 'title' },"//nl// &
-   "    file: { label: 'data set to open' },"//nl// &
+   "    file: { label: 'data set to open' },"//nl
+
+   character(*), parameter :: part_11 = &
    "    speed: { label: 'speed' },"//nl// &
    "    'speed-word': { text: 'speed' },"//nl// &
    "    grid: { label: 'grid' },"//nl// &
@@ -1116,9 +1118,7 @@ module psalm_board_text
    "    samePlace: (a, b, link) => 'Joints ' + a + ' and ' + b + ' of link ' + link + ' are at the same place: move one, or"// &
    " join them (drop one on the other).',"//nl// &
    "    apart: (links) => 'Nothing joins ' + (links.length > 1 ? 'links ' : 'link ') + listed(links) +"//nl// &
-   "      ' to the frame: drop a joint on one of another link, or pin one to the frame with the tool Pivot.',"//nl
-
-   character(*), parameter :: part_11 = &
+   "      ' to the frame: drop a joint on one of another link, or pin one to the frame with the tool Pivot.',"//nl// &
    "    idle: (drive, freedom, driven) => 'Drive ' + drive + ' moves nothing: the links there are held without it. Freedom "// &
    "' + freedom +"//nl// &
    "      ', driven ' + driven + ': take this drive away.',"//nl// &
@@ -1198,7 +1198,9 @@ module psalm_board_text
    "    moveX: 'step along x',"//nl// &
    "    moveY: 'step along y',"//nl// &
    "    move: 'Move',"//nl// &
-   "    joint: (name) => 'Joint ' + name,"//nl// &
+   "    joint: (name) => 'Joint ' + name,"//nl
+
+   character(*), parameter :: part_12 = &
    "    link: (name) => 'Link ' + name,"//nl// &
    "    slide: (name) => 'Slide ' + name,"//nl// &
    "    cylinder: (at) => 'Cylinder ' + at,"//nl// &
@@ -1225,9 +1227,7 @@ module psalm_board_text
    "  pictureHead: 'Picture underneath',"//nl// &
    "  pictureWidth: 'width',"//nl// &
    "  pictureFade: 'strength',"//nl// &
-   "  pictureAway: 'Take away',"//nl
-
-   character(*), parameter :: part_12 = &
+   "  pictureAway: 'Take away',"//nl// &
    "  picture: { x: 'x of the lower left corner of the picture', y: 'y of the lower left corner of the picture', width: 'wi"// &
    "dth of the picture, lengths',"//nl// &
    "    fade: 'how strongly the picture shows, 0 to 100' },"//nl// &
@@ -1303,7 +1303,9 @@ module psalm_board_text
    "  range: (from, to) => 'from ' + from + ' to ' + to,"//nl// &
    "  extremes: (least, at, greatest, where) => 'least ' + least + ' at ' + at + ', greatest ' + greatest + ' at ' + where,"//nl// &
    "  deadPoint: (of) => 'dead point: ' + of,"//nl// &
-   "  assemblies: 'Assemblies',"//nl// &
+   "  assemblies: 'Assemblies',"//nl
+
+   character(*), parameter :: part_13 = &
    "  assembliesHint: 'All ways to put the links together here; click one to draw it.',"//nl// &
    "  assembly: (number) => 'assembly ' + number,"//nl// &
    "  assemblyDrawn: 'as drawn',"//nl// &
@@ -1335,9 +1337,7 @@ module psalm_board_text
    "  studying: (name) => name + ' ...',"//nl// &
    "  progress: (made, most, best) => made + ' of ' + most + (best === null ? '' : ', best ' + Number(best.toPrecision(4)))"// &
    ","//nl// &
-   ''//nl
-
-   character(*), parameter :: part_13 = &
+   ''//nl// &
    '  // searches'//nl// &
    "  wantedHead: 'Wanted curve',"//nl// &
    "  wantedNone: 'Draw it with the tool Wanted (W), or open a CSV file with x and y in each line, or an SVG picture.',"//nl// &
@@ -1417,7 +1417,9 @@ module psalm_board_text
    "    const lines = text.split('\n'), starts = [];"//nl// &
    '    lines.reduce((at, line) => { starts.push(at); return at + line.length + 1; }, 0);'//nl// &
    '    const plain = (line) => /^\s*[^\s!]/.test(line);'//nl// &
-   '    const first = lines.findIndex(plain);'//nl// &
+   '    const first = lines.findIndex(plain);'//nl
+
+   character(*), parameter :: part_14 = &
    "    if (first < 0) throw new Mistake('there is no title');"//nl// &
    '    const groups = [];'//nl// &
    '    let at = starts[first] + lines[first].length, end = text.length;'//nl// &
@@ -1445,9 +1447,7 @@ module psalm_board_text
    "/, '').length,"//nl// &
    '      groups, end };'//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_14 = &
+   ''//nl// &
    '  /** The place after blanks, line ends and comments. */'//nl// &
    '  function afterBlanks(text, at) {'//nl// &
    '    const part = /\s+|![^\n]*/y;'//nl// &
@@ -1527,7 +1527,9 @@ module psalm_board_text
    "        ': the drawing board reads lists, not single elements', item.line);"//nl// &
    "    const sketch = { title: whole.title, ...readChain(reader(groupOf('CHAIN'))), keep: {} };"//nl// &
    "    readDrives(reader(groupOf('DRIVES')), sketch);"//nl// &
-   "    readOutputs(reader(groupOf('OUTPUTS')), sketch);"//nl// &
+   "    readOutputs(reader(groupOf('OUTPUTS')), sketch);"//nl
+
+   character(*), parameter :: part_15 = &
    "    readMethod(reader(groupOf('METHOD')), sketch);"//nl// &
    '    for (const name of Object.keys(OWN)) sketch.keep[name] = (groupOf(name) || { items: [] }).items'//nl// &
    "      .filter((item) => !OWN[name].includes(item.name) && !(name === 'DRIVES' && /^DELT\d+$/.test(item.name)))"//nl// &
@@ -1555,9 +1557,7 @@ module psalm_board_text
    "    const links = texts('LNK').map((words, i) => ({ name: (texts('LNAME')[i] || String(i + 1)).trim(),"//nl// &
    "      joints: jointsIn(words, names, wrong('LNK')) }));"//nl// &
    "    const count = texts('NSLIDE').length ? numbers('NSLIDE')[0] : texts('SLNK').length;"//nl// &
-   '    const known = (name, item) => {'//nl
-
-   character(*), parameter :: part_15 = &
+   '    const known = (name, item) => {'//nl// &
    '      if (!links.some((link) => link.name === name.trim())) throw wrong(item)("no link is called ''" + name + "''");'//nl// &
    '      return name.trim();'//nl// &
    '    };'//nl// &
@@ -1639,7 +1639,9 @@ module psalm_board_text
    ''//nl// &
    '  /** The shortest text that is read as the same number, with a decimal point. */'//nl// &
    '  function number(value) {'//nl// &
-   "    const text = String(value).replace('e', 'E').replace('E+', 'E');"//nl// &
+   "    const text = String(value).replace('e', 'E').replace('E+', 'E');"//nl
+
+   character(*), parameter :: part_16 = &
    "    return /[.E]/.test(text) ? text.replace(/^(-?\d+)E/, '$1.0E') : text + '.0';"//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1666,9 +1668,7 @@ module psalm_board_text
    '    return [text.slice(0, at).trim(), [text.slice(at + 1).trim()]];'//nl// &
    '  });'//nl// &
    ''//nl// &
-   '  /** The groups of a sketch, each as text. */'//nl
-
-   character(*), parameter :: part_16 = &
+   '  /** The groups of a sketch, each as text. */'//nl// &
    '  function groups(sketch) {'//nl// &
    '    const { joints, links, slides, gears, lengths, drives, outputs } = sketch;'//nl// &
    "    const chain = [['JNT', joints.map((j) => quoted(j.name))], ['JX', joints.map((j) => number(j.x))], ['JY', joints.ma"// &
@@ -1756,7 +1756,9 @@ module psalm_board_text
    "      if (one.name === 'CHAIN') for (const name of missing) text += '\n' + now[name];"//nl// &
    '      at = one.end;'//nl// &
    '    }'//nl// &
-   '    return text + source.slice(at);'//nl// &
+   '    return text + source.slice(at);'//nl
+
+   character(*), parameter :: part_17 = &
    '  }'//nl// &
    ''//nl// &
    '  /** A group that the board does not edit, with what stands before it, and with the names that joints and links have n'// &
@@ -1787,9 +1789,7 @@ module psalm_board_text
    " + 1 + name.length);"//nl// &
    '    const { groups: all } = split(text), last = all.length ? all.at(-1).end : text.length;'//nl// &
    "    return text.slice(0, last) + '\n' + head + item + '=' + value + ' &END' + text.slice(last);"//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_17 = &
+   '  }'//nl// &
    ''//nl// &
    '  return { Mistake, parse, write, renameIn, groups, number, jointsIn, placeOf, endOf, changed };'//nl// &
    '})();'//nl// &
@@ -1868,7 +1868,9 @@ module psalm_board_text
    '    }));'//nl// &
    '    const held = sketch.lengths.filter((l) => l.joints.every((name) => at.has(name)));'//nl// &
    '    if (!held.length) return at;'//nl// &
-   '    const names = link.joints, first = at.get(names[0]).slice();'//nl// &
+   '    const names = link.joints, first = at.get(names[0]).slice();'//nl
+
+   character(*), parameter :: part_18 = &
    '    for (let round = 0; round < ROUNDS; round++) {'//nl// &
    '      const rows = [], right = [];'//nl// &
    '      for (const { joints: [a, b], value } of held) {'//nl// &
@@ -1895,9 +1897,7 @@ module psalm_board_text
    '    }'//nl// &
    '    return at;'//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_18 = &
+   ''//nl// &
    '  /** A sketch made ready: points of links in their own axes, rows of equations. */'//nl// &
    '  function compile(sketch) {'//nl// &
    '    const index = new Map(sketch.links.map((link, i) => [link.name, i]));'//nl// &
@@ -1977,7 +1977,9 @@ module psalm_board_text
    '      }'//nl// &
    '      A.push(row);'//nl// &
    '      r.push(value);'//nl// &
-   '    };'//nl// &
+   '    };'//nl
+
+   character(*), parameter :: part_19 = &
    '    for (const row of mech.rows) {'//nl// &
    '      const { a, b } = row;'//nl// &
    "      if (row.kind === 'pin') {"//nl// &
@@ -2006,9 +2008,7 @@ module psalm_board_text
    '        by.a[2] += z.across;'//nl// &
    '        const times = (v) => v.map((f) => sense * f);'//nl// &
    '        add(sense * z.along - inputs[k], [[s.b, ...times(by.b)], [s.a, ...times(by.a)]]);'//nl// &
-   '      } else {'//nl
-
-   character(*), parameter :: part_19 = &
+   '      } else {'//nl// &
    '        const i = mech.of[drive.i][0], j = mech.of[drive.j][0];'//nl// &
    '        const p = place(mech, pose, i, mech.point[i].get(drive.i)), q = place(mech, pose, j, mech.point[j].get(drive.j)'// &
    ');'//nl// &
@@ -2084,7 +2084,9 @@ module psalm_board_text
    '    return now;'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Places of all joints, [x, y] each. */'//nl// &
+   '  /** Places of all joints, [x, y] each. */'//nl
+
+   character(*), parameter :: part_20 = &
    '  const joints = (mech, pose) => mech.of.map((links, j) => links.length ? place(mech, pose, links[0], mech.point[links['// &
    '0]].get(j)).slice(0, 2) :'//nl// &
    '    [mech.sketch.joints[j].x, mech.sketch.joints[j].y]);'//nl// &
@@ -2113,9 +2115,7 @@ module psalm_board_text
    '  function gridPositions(sketch, grids) {'//nl// &
    '    const counts = grids.map((grid) => grid ? grid[0] : 1), total = counts.reduce((a, b) => a * b, 1);'//nl// &
    '    return Array.from({ length: total }, (_, k) => {'//nl// &
-   '      let rest = k;'//nl
-
-   character(*), parameter :: part_20 = &
+   '      let rest = k;'//nl// &
    '      const values = counts.map((count, d) => {'//nl// &
    '        let digit = rest % count;'//nl// &
    '        rest = Math.floor(rest / count);'//nl// &
@@ -2199,7 +2199,9 @@ module psalm_board_text
    '    const basis = [], twice = [], order = A.map((_, k) => k);'//nl// &
    "    if (sketch.kover) order.sort((a, b) => ('drive' in tags[b]) - ('drive' in tags[a]));"//nl// &
    '    order.forEach((k) => {'//nl// &
-   '      const row = A[k], v = row.slice(), scale = Math.max(1e-12, ...row.map(Math.abs));'//nl// &
+   '      const row = A[k], v = row.slice(), scale = Math.max(1e-12, ...row.map(Math.abs));'//nl
+
+   character(*), parameter :: part_21 = &
    '      for (const { column, w } of basis) {'//nl// &
    '        const f = v[column] / w[column];'//nl// &
    '        if (f) for (let j = 0; j < n; j++) v[j] -= f * w[j];'//nl// &
@@ -2228,9 +2230,7 @@ module psalm_board_text
    'lumn / 3) + 1);'//nl// &
    '    }'//nl// &
    '    return [...moving].sort((a, b) => a - b);'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_21 = &
+   '  }'//nl// &
    ''//nl// &
    '  /** What is wrong with a sketch, in words, and the remedy; empty if it is a mechanism. Each has the names it is about'// &
    '. */'//nl// &
@@ -2311,7 +2311,9 @@ module psalm_board_text
    '    [w, h] = [Math.max(1, canvas.clientWidth), Math.max(1, canvas.clientHeight)];'//nl// &
    '    canvas.width = Math.round(w * dpr);'//nl// &
    '    canvas.height = Math.round(h * dpr);'//nl// &
-   '    g.setTransform(dpr, 0, 0, dpr, 0, 0);'//nl// &
+   '    g.setTransform(dpr, 0, 0, dpr, 0, 0);'//nl
+
+   character(*), parameter :: part_22 = &
    '  }'//nl// &
    ''//nl// &
    '  /** The eye on a box of lengths. */'//nl// &
@@ -2339,9 +2341,7 @@ module psalm_board_text
    '  /** Lengths between two lines of the grid: round, and wide enough to be seen. */'//nl// &
    '  function gridStep() {'//nl// &
    '    const chosen = board.state.grid;'//nl// &
-   "    if (chosen === 'auto') {"//nl
-
-   character(*), parameter :: part_22 = &
+   "    if (chosen === 'auto') {"//nl// &
    '      const least = 22 / eye.k, power = 10 ** Math.floor(Math.log10(least));'//nl// &
    '      return [1, 2, 5, 10].map((s) => s * power).find((s) => s >= least * 0.999);'//nl// &
    '    }'//nl// &
@@ -2422,7 +2422,9 @@ module psalm_board_text
    '    if (!motion.sweep) return;'//nl// &
    "    const wanted = new Set(sketch.outputs.filter((o) => ['point', 'pose', 'x', 'y'].includes(o.kind)).map((o) => o.of[0"// &
    "]));"//nl// &
-   '    sketch.joints.forEach((joint, j) => {'//nl// &
+   '    sketch.joints.forEach((joint, j) => {'//nl
+
+   character(*), parameter :: part_23 = &
    '      if (board.inFrame(joint.name)) return;'//nl// &
    '      const strong = wanted.has(joint.name);'//nl// &
    '      g.strokeStyle = strong ? pens.actual : pens.ghost;'//nl// &
@@ -2449,9 +2451,7 @@ module psalm_board_text
    '      trace(round);'//nl// &
    '      g.stroke();'//nl// &
    '      g.setLineDash([]);'//nl// &
-   '      return;'//nl
-
-   character(*), parameter :: part_23 = &
+   '      return;'//nl// &
    '    }'//nl// &
    '    if (link.joints.length === 1) return;'//nl// &
    '    if (chosen || (hover && hover.link === link.name)) {'//nl// &
@@ -2526,7 +2526,9 @@ module psalm_board_text
    '    g.beginPath();'//nl// &
    '    g.rect(-15, -9.5, 30, 19);'//nl// &
    '    g.fill();'//nl// &
-   '    g.stroke();'//nl// &
+   '    g.stroke();'//nl
+
+   character(*), parameter :: part_24 = &
    '    if (driven) {'//nl// &
    '      g.strokeStyle = pens.good;'//nl// &
    '      g.lineWidth = 2.4;'//nl// &
@@ -2554,9 +2556,7 @@ module psalm_board_text
    '  function drawGear(gear, p) {'//nl// &
    '    const { sketch } = board.state, link = (name) => sketch.links.find((l) => l.name === name);'//nl// &
    '    const centre = (wheel) => link(wheel).joints.find((name) => link(gear.carrier).joints.includes(name));'//nl// &
-   '    const [a, b] = gear.wheels.map(centre);'//nl
-
-   character(*), parameter :: part_24 = &
+   '    const [a, b] = gear.wheels.map(centre);'//nl// &
    '    if (!a || !b) return;'//nl// &
    '    const [pa, pb] = [p(a), p(b)], d = Math.hypot(pb[0] - pa[0], pb[1] - pa[1]), ratio = -gear.teeth[0] / gear.teeth[1]'// &
    ';'//nl// &
@@ -2630,7 +2630,9 @@ module psalm_board_text
    '      g.beginPath();'//nl// &
    '      for (let i = 0; i < 10; i++) {'//nl// &
    '        const a = -Math.PI / 2 + i * Math.PI / 5, d = i % 2 ? 4 : 10;'//nl// &
-   '        g.lineTo(x + d * Math.cos(a), y + d * Math.sin(a));'//nl// &
+   '        g.lineTo(x + d * Math.cos(a), y + d * Math.sin(a));'//nl
+
+   character(*), parameter :: part_25 = &
    '      }'//nl// &
    '      g.fill();'//nl// &
    '    }'//nl// &
@@ -2658,9 +2660,7 @@ module psalm_board_text
    '      g.fillRect(x - wide / 2 - 3, y - 8, wide + 6, 16);'//nl// &
    '      g.globalAlpha = 1;'//nl// &
    '      g.fillStyle = exact ? pens.accent : pens.soft;'//nl// &
-   '      g.fillText(text, x, y + 4);'//nl
-
-   character(*), parameter :: part_25 = &
+   '      g.fillText(text, x, y + 4);'//nl// &
    '    }'//nl// &
    "    g.textAlign = 'left';"//nl// &
    '  }'//nl// &
@@ -2741,7 +2741,9 @@ module psalm_board_text
    '      if (i === 0 || link.joints.includes(without)) return;'//nl// &
    '      const round = outline(link.joints.map(p));'//nl// &
    '      round.forEach((a, k) => {'//nl// &
-   '        const away = round.length > 1 ? distance(px, py, a, round[(k + 1) % round.length]) : Infinity;'//nl// &
+   '        const away = round.length > 1 ? distance(px, py, a, round[(k + 1) % round.length]) : Infinity;'//nl
+
+   character(*), parameter :: part_26 = &
    '        if (away < least) { best = { link: link.name }; least = away; }'//nl// &
    '      });'//nl// &
    '      if (!best && round.length > 2 && round.every((a, k) => {'//nl// &
@@ -2770,9 +2772,7 @@ module psalm_board_text
    "  let tab = 'panel';"//nl// &
    '  const words = board.words.panel;'//nl// &
    ''//nl// &
-   '  /** An element with attributes, listeners (on...) and children. */'//nl
-
-   character(*), parameter :: part_26 = &
+   '  /** An element with attributes, listeners (on...) and children. */'//nl// &
    '  function make(tag, attributes = {}, ...children) {'//nl// &
    '    const element = document.createElement(tag);'//nl// &
    '    for (const [name, value] of Object.entries(attributes)) {'//nl// &
@@ -2846,7 +2846,9 @@ module psalm_board_text
    "    const box = make('input', { type: 'checkbox', 'aria-label': label, onchange: () => take(box.checked) });"//nl// &
    '    box.checked = on;'//nl// &
    '    return box;'//nl// &
-   '  };'//nl// &
+   '  };'//nl
+
+   character(*), parameter :: part_27 = &
    ''//nl// &
    '  function choice(label, options, value, take) {'//nl// &
    "    const select = make('select', { 'aria-label': label, onchange: () => take(select.value) }, ...options.map((name) =>"// &
@@ -2876,9 +2878,7 @@ module psalm_board_text
    '    showDrives();'//nl// &
    '    follow();'//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_27 = &
+   ''//nl// &
    '  /** Freedom, or what is wrong, in words. */'//nl// &
    '  function showState() {'//nl// &
    "    const { state } = board, chip = $('chip'), wrong = state.messages.length > 0;"//nl// &
@@ -2959,7 +2959,9 @@ module psalm_board_text
    '        button(words.delete, () => board.remove({ link: name })));'//nl// &
    '    }'//nl// &
    '    return parts;'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_28 = &
    ''//nl// &
    '  /** Least and most of the dimensions of a link, which searches honour. */'//nl// &
    '  function rangePart(link) {'//nl// &
@@ -2989,9 +2991,7 @@ module psalm_board_text
    "      return row(of, bound('low', words.leastOf), bound('high', words.mostOf), ...(one ? [button(words.cross, () => cle"// &
    "ar(of), { 'aria-label': words.noRange(of) })] : []));"//nl// &
    '    })];'//nl// &
-   '  }'//nl
-
-   character(*), parameter :: part_28 = &
+   '  }'//nl// &
    ''//nl// &
    '  const size = () => { const { joints } = board.state.sketch, xs = joints.map((j) => j.x), ys = joints.map((j) => j.y);'// &
    ' return Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys)) || 1; };'//nl// &
@@ -3073,7 +3073,9 @@ module psalm_board_text
    '  function outputPart() {'//nl// &
    '    const { state, edit } = board, { outputs } = state.sketch;'//nl// &
    "    const add = field(words.outputToAdd, '', (text) => {"//nl// &
-   '      const words = text.split(/\s+/);'//nl// &
+   '      const words = text.split(/\s+/);'//nl
+
+   character(*), parameter :: part_29 = &
    "      if (!['point', 'x', 'y', 'angle', 'distance', 'slide', 'between', 'pose', 'ratio'].includes(words[0]) || words.le"// &
    "ngth < 2) return false;"//nl// &
    '      const known = (word) => board.jointOf(word) || board.linkOf(word) || state.sketch.slides.some((s) => s.name === w'// &
@@ -3108,9 +3110,7 @@ module psalm_board_text
    "    }, { placeholder: 'x y' });"//nl// &
    "    const link = field(words.newLinkLabel, '', (text) => {"//nl// &
    '      let joints;'//nl// &
-   '      try {'//nl
-
-   character(*), parameter :: part_29 = &
+   '      try {'//nl// &
    '        joints = [...new Set(board.text.jointsIn(text, sketch.joints.map((j) => j.name), (words) => new RangeError(word'// &
    's)))];'//nl// &
    '      } catch { return false; }'//nl// &
@@ -3190,7 +3190,9 @@ module psalm_board_text
    '    for (const part of [board.source, board.engine, board.search]) if (part.shown) part.shown(name);'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function listTabs() {'//nl// &
+   '  function listTabs() {'//nl
+
+   character(*), parameter :: part_30 = &
    '    for (const [id, words] of TABS) {'//nl// &
    "      if (!board.engine.served && (id === 'engine' || id === 'search')) continue;"//nl// &
    "      const tabButton = button(words, () => turnTo(id), { id: 'tab-' + id, role: 'tab', 'aria-controls': id });"//nl// &
@@ -3217,9 +3219,7 @@ module psalm_board_text
    "      if (label) element.setAttribute('aria-label', label);"//nl// &
    '    }'//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_30 = &
+   ''//nl// &
    '  function begin() {'//nl// &
    '    name();'//nl// &
    '    listTabs();'//nl// &
@@ -3299,7 +3299,9 @@ module psalm_board_text
    '    box.setSelectionRange(selectionStart, selectionStart);'//nl// &
    '    box.scrollTop = scrollTop;'//nl// &
    '    show();'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_31 = &
    ''//nl// &
    '  /** What the engine says of a text. */'//nl// &
    '  function findings(text, all) {'//nl// &
@@ -3327,9 +3329,7 @@ module psalm_board_text
    ''//nl// &
    "  /** The board's own mistake first, then what the engine says of the same text. */"//nl// &
    "  const faults = () => [...(mistake ? [mistake] : []), ...(foundIn === box.value ? found.filter((one) => one.level !== "// &
-   "'remark') : [])];"//nl
-
-   character(*), parameter :: part_31 = &
+   "'remark') : [])];"//nl// &
    ''//nl// &
    '  function number() {'//nl// &
    "    const count = box.value.split('\n').length;"//nl// &
@@ -3406,7 +3406,9 @@ module psalm_board_text
    '  /** Its place and strength among the properties. */'//nl// &
    '  function part() {'//nl// &
    '    const { head, row, numberField, button, make } = board.panel;'//nl// &
-   '    if (!image) return [];'//nl// &
+   '    if (!image) return [];'//nl
+
+   character(*), parameter :: part_32 = &
    '    const field = (key, least = -Infinity, most = Infinity) => numberField(words.picture[key], place[key], (value) => {'//nl// &
    '      if (!(value >= least && value <= most)) return false;'//nl// &
    '      place[key] = value;'//nl// &
@@ -3435,9 +3437,7 @@ module psalm_board_text
    "  const KEY = 'psalm.board', DELAY = 250, MOST_TEXT = 1 << 20;   // characters of a data set in a link"//nl// &
    '  const { words } = board;'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
-   "  let timer = 0, given = '', works = true;"//nl
-
-   character(*), parameter :: part_32 = &
+   "  let timer = 0, given = '', works = true;"//nl// &
    ''//nl// &
    '  // ---- drafts ------------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
@@ -3516,7 +3516,9 @@ module psalm_board_text
    "      if (size > MOST_TEXT) { await reader.cancel(); throw new RangeError('too long'); }"//nl// &
    '      parts.push(value);'//nl// &
    '    }'//nl// &
-   "    return new TextDecoder('utf-8', { fatal: true }).decode(await new Blob(parts).arrayBuffer());"//nl// &
+   "    return new TextDecoder('utf-8', { fatal: true }).decode(await new Blob(parts).arrayBuffer());"//nl
+
+   character(*), parameter :: part_33 = &
    '  }'//nl// &
    ''//nl// &
    '  /** A link that holds the data set; of a served board, whose address has a token, the part that holds it alone. */'//nl// &
@@ -3546,9 +3548,7 @@ module psalm_board_text
    '    if (/^(INPUT|TEXTAREA|SELECT)$/.test(event.target.tagName)) return;'//nl// &
    "    const text = event.clipboardData.getData('text/plain'), packed = /#z=([\w-]+)(?:&file=([\w.%-]+))?/.exec(text);"//nl// &
    "    if (packed) unpacked(packed[1]).then((case_) => board.attempt(case_, decoded(packed[2] || 'sketch.nml')), () => boa"// &
-   "rd.wrong(words.badLink));"//nl
-
-   character(*), parameter :: part_33 = &
+   "rd.wrong(words.badLink));"//nl// &
    "    else if (/[&$]CHAIN\b/i.test(text)) board.attempt(text, 'sketch.nml');"//nl// &
    '    else if (/^https?:\/\/\S*pmks\S*\?\S+$/i.test(text.trim())) board.bring.link(text.trim());'//nl// &
    '    else return;'//nl// &
@@ -3634,7 +3634,9 @@ module psalm_board_text
    ''//nl// &
    'board.bring = (() => {'//nl// &
    '  const { words } = board;'//nl// &
-   '  const $ = (id) => document.getElementById(id);'//nl// &
+   '  const $ = (id) => document.getElementById(id);'//nl
+
+   character(*), parameter :: part_34 = &
    '  const MOST = 5 << 20;                  // bytes of a file; in a request they are a third more'//nl// &
    ''//nl// &
    '  function file(one) {'//nl// &
@@ -3663,9 +3665,7 @@ module psalm_board_text
    "    board.panel.turnTo('text');"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** The joints of the frame and the drive, where the file does not say which they are. */'//nl
-
-   character(*), parameter :: part_34 = &
+   '  /** The joints of the frame and the drive, where the file does not say which they are. */'//nl// &
    '  function missing(given, error) {'//nl// &
    "    const { make, row, button } = board.panel, dialog = $('dialog');"//nl// &
    "    const field = (label, value) => make('input', { 'aria-label': label, value, spellcheck: 'false', autocomplete: 'off"// &
@@ -3752,7 +3752,9 @@ module psalm_board_text
    '), dx = end.x - pivot.x, dy = end.y - pivot.y;'//nl// &
    '      // as far as it goes; the cam stands square to the crank in the middle of its swing'//nl// &
    '      const { ring, states } = motion.sweep, [back, forth] = ring ? [-360, 360] : [states[0], states.at(-1)].map((one) '// &
-   '=> one.inputs[0] * 180 / Math.PI);'//nl// &
+   '=> one.inputs[0] * 180 / Math.PI);'//nl
+
+   character(*), parameter :: part_35 = &
    '      const swing = Number((forth >= -back || forth >= CAM_SWING ? Math.min(CAM_SWING, WAY * forth) : Math.max(-CAM_SWI'// &
    'NG, WAY * back)).toPrecision(3));'//nl// &
    '      const half = swing / 2 * Math.PI / 180, [mx, my] = [dx * Math.cos(half) - dy * Math.sin(half), dy * Math.cos(half'// &
@@ -3791,9 +3793,7 @@ module psalm_board_text
    '  async function run() {'//nl// &
    '    const verb = parts.verb.value, now = board.write(), { text, why } = proposed(verb, now);'//nl// &
    "    parts.told.textContent = '';"//nl// &
-   '    showProposal(text, why);'//nl
-
-   character(*), parameter :: part_35 = &
+   '    showProposal(text, why);'//nl// &
    '    if (why) return;'//nl// &
    '    parts.run.disabled = true;'//nl// &
    '    about = now;'//nl// &
@@ -3870,7 +3870,9 @@ module psalm_board_text
    "'use strict';"//nl// &
    ''//nl// &
    'board.engine = (() => {'//nl// &
-   '  const DELAY = 200, DRAGGING = 40;      // milliseconds after a change'//nl// &
+   '  const DELAY = 200, DRAGGING = 40;      // milliseconds after a change'//nl
+
+   character(*), parameter :: part_36 = &
    '  const ARROW = 0.2;                     // longest arrow, part of the picture'//nl// &
    '  const { words } = board;'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
@@ -3902,9 +3904,7 @@ module psalm_board_text
    "    const arrow = (name) => make('label', { class: 'tick ' + name }, check(words[name], true, (on) => { shown[name] = o"// &
    "n; board.view.draw(); }), words[name]);"//nl// &
    "    $('engine').append(part('state'), part('result', head(words.here), part('here'), row(words.shownArrows, arrow('velo"// &
-   "cities'), arrow('forces')),"//nl
-
-   character(*), parameter :: part_36 = &
+   "cities'), arrow('forces')),"//nl// &
    "      head(words.assumptions), part('loads'), part('angles'), head(words.summary), part('summary'), part('proof'), part"// &
    "('ways'), part('found'), head(words.exports), part('files', make('div', { class: 'list' }, ...Object.entries(words.expo"// &
    "rtNames)"//nl// &
@@ -3984,7 +3984,9 @@ module psalm_board_text
    ''//nl// &
    '  /** Where the position shown is on a list of inputs: number and part of the way to the next; nothing if it is not on '// &
    'it. */'//nl// &
-   '  function placeOn(inputs) {'//nl// &
+   '  function placeOn(inputs) {'//nl
+
+   character(*), parameter :: part_37 = &
    '    const { live, sketch } = board.state;'//nl// &
    '    if (!live || !inputs || inputs.length < 1 || board.free() !== 1) return null;'//nl// &
    "    const turns = sketch.drives[0].kind === 'turn', value = live.inputs[0] / (turns ? board.motion.RADIAN : 1), round ="// &
@@ -4018,9 +4020,7 @@ module psalm_board_text
    '    if (moving) for (const [name, [x, y]] of Object.entries(velocity.joints)) if (places.has(name) && !board.inFrame(na'// &
    'me))'//nl// &
    "      list.push({ from: places.get(name), x: mixed(x, moving), y: mixed(y, moving), most: answer.fastest, kind: 'veloci"// &
-   "ty', strong: outputs.has(name) });"//nl
-
-   character(*), parameter :: part_37 = &
+   "ty', strong: outputs.has(name) });"//nl// &
    '    if (loaded) for (const [name, [x, y]] of Object.entries(motion.forces.joints)) if (places.has(name))'//nl// &
    "      list.push({ from: places.get(name), x: mixed(x, loaded), y: mixed(y, loaded), most: answer.strongest, kind: 'forc"// &
    "e', strong: true });"//nl// &
@@ -4098,7 +4098,9 @@ module psalm_board_text
    '    }'//nl// &
    '    g.globalAlpha = 1;'//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_38 = &
    '  const digits = (v) => board.view.short(Number(v.toPrecision(4)));'//nl// &
    ''//nl// &
    '  /** Numbers at the position shown. */'//nl// &
@@ -4128,9 +4130,7 @@ module psalm_board_text
    '    list(parts.here, rows);'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** A list of names and values, without making what is there anew. */'//nl
-
-   character(*), parameter :: part_38 = &
+   '  /** A list of names and values, without making what is there anew. */'//nl// &
    '  function list(box, rows) {'//nl// &
    '    const { make } = board.panel;'//nl// &
    '    while (box.children.length > rows.length) box.lastChild.remove();'//nl// &
@@ -4220,7 +4220,9 @@ module psalm_board_text
    "    for (const one of answer.proof.limits || []) if (one.kind === 'closes') put(one.from, one.to, 'closes', words.closi"// &
    "ng.closes);"//nl// &
    "    for (const one of answer.proof.dead_points || []) put(one.low, one.high, 'dead', words.deadPoint(one.of));"//nl// &
-   '    track.append(strip);'//nl// &
+   '    track.append(strip);'//nl
+
+   character(*), parameter :: part_39 = &
    '  }'//nl// &
    ''//nl// &
    '  /** Every way in which the links can be put together; a click on one draws it. */'//nl// &
@@ -4255,9 +4257,7 @@ module psalm_board_text
    "));"//nl// &
    "    for (const v of limits || []) if (v > 0 && v < 180) picture.append(svg('line', { x1: 4, x2: wide - 4, y1: Y(v), y2:"// &
    " Y(v), class: 'limit' }));"//nl// &
-   '    angle.forEach((one, k) => {'//nl
-
-   character(*), parameter :: part_39 = &
+   '    angle.forEach((one, k) => {'//nl// &
    "      let d = '', on = false;"//nl// &
    "      one.values.forEach((v, i) => { if (v === null) { on = false; return; } d += (on ? 'L' : 'M') + X(i).toFixed(1) + "// &
    "' ' + Y(v).toFixed(1); on = true; });"//nl// &
@@ -4349,7 +4349,9 @@ module psalm_board_text
    ''//nl// &
    '  const length = (points) => points.slice(1).reduce((sum, p, i) => sum + Math.hypot(p[0] - points[i][0], p[1] - points['// &
    'i][1]), 0);'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_40 = &
    '  /** Points evenly along a line; a closed one does not have its first point again. */'//nl// &
    '  function even(points, n, closed) {'//nl// &
    '    const line = closed ? [...points, points[0]] : points, whole = length(line), list = [];'//nl// &
@@ -4379,9 +4381,7 @@ module psalm_board_text
    '  /** What was drawn by hand becomes the wanted curve. */'//nl// &
    '  function drawn(points) {'//nl// &
    '    const xs = points.map((p) => p[0]), ys = points.map((p) => p[1]), size = Math.max(Math.max(...xs) - Math.min(...xs)'// &
-   ', Math.max(...ys) - Math.min(...ys));'//nl
-
-   character(*), parameter :: part_40 = &
+   ', Math.max(...ys) - Math.min(...ys));'//nl// &
    '    if (points.length < 4 || !(size > 0)) return;'//nl// &
    '    const ends = Math.hypot(points[0][0] - points.at(-1)[0], points[0][1] - points.at(-1)[1]), closed = ends < NEAR * l'// &
    'ength(points);'//nl// &
@@ -4465,7 +4465,9 @@ module psalm_board_text
    '    if (!board.engine.served) return;'//nl// &
    '    const { make, head, check, button, row, numberField } = board.panel;'//nl// &
    "    parts.file = make('input', { type: 'file', accept: '.csv,.txt,.svg', 'aria-label': words.wantedFile, hidden: true }"// &
-   ");"//nl// &
+   ");"//nl
+
+   character(*), parameter :: part_41 = &
    "    parts.file.addEventListener('change', () => { if (parts.file.files[0]) openCurve(parts.file.files[0]); parts.file.v"// &
    "alue = ''; });"//nl// &
    "    parts.has = make('p');"//nl// &
@@ -4500,9 +4502,7 @@ module psalm_board_text
    "    make('div', { class: 'list' }, parts.start, parts.stop, parts.save), parts.doing, parts.found);"//nl// &
    '    follow();'//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_41 = &
+   ''//nl// &
    '  function follow() {'//nl// &
    '    if (!board.engine.served) return;'//nl// &
    '    const { wanted } = board.state;'//nl// &
@@ -4581,7 +4581,9 @@ module psalm_board_text
    '      if (one.doing) {'//nl// &
    '        parts.doing.textContent = words.searching(words.kindNames[one.doing], one.round);'//nl// &
    '        text = one.text;'//nl// &
-   '        parts.save.hidden = false;'//nl// &
+   '        parts.save.hidden = false;'//nl
+
+   character(*), parameter :: part_42 = &
    '      }'//nl// &
    '      if (one.found) add(one.found);'//nl// &
    '      if (one.error) parts.told.textContent = one.error;'//nl// &
@@ -4608,9 +4610,7 @@ module psalm_board_text
    '    cards = [...cards.filter((card) => card !== there), one].sort((a, b) => a.error - b.error);'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  function show() {'//nl
-
-   character(*), parameter :: part_42 = &
+   '  function show() {'//nl// &
    '    if (!parts.sheet) return;'//nl// &
    '    const { make } = board.panel, made = new Map([...parts.sheet.children].map((element) => [element.dataset.key, eleme'// &
    'nt]));'//nl// &
@@ -4690,7 +4690,9 @@ module psalm_board_text
    ''//nl// &
    '  /** Pins a joint to the frame or frees it. */'//nl// &
    '  function pivot(name) {'//nl// &
-   '    edit((sketch) => {'//nl// &
+   '    edit((sketch) => {'//nl
+
+   character(*), parameter :: part_43 = &
    '      const frame = sketch.links[0];'//nl// &
    '      if (frame.joints.includes(name)) frame.joints = frame.joints.filter((one) => one !== name);'//nl// &
    '      else frame.joints.push(name);'//nl// &
@@ -4720,9 +4722,7 @@ module psalm_board_text
    'me === name).joints.join() === joint));'//nl// &
    '      if (has) Object.assign(has, { x, y, angle });'//nl// &
    '      else {'//nl// &
-   '        frame.joints = frame.joints.filter((one) => one !== joint);'//nl
-
-   character(*), parameter :: part_43 = &
+   '        frame.joints = frame.joints.filter((one) => one !== joint);'//nl// &
    "        const name = board.freeName('block');"//nl// &
    '        sketch.links.push({ name, joints: [joint] });'//nl// &
    "        sketch.slides.push({ name: board.freeName('slide'), links: [frame.name, name], x, y, angle });"//nl// &
@@ -4801,7 +4801,9 @@ module psalm_board_text
    "link, view.world(x, y)) : event.altKey ? view.world(x, y) : view.snap(view.world(x, y));"//nl// &
    '    const there = jointAtPlace(place, without, at);'//nl// &
    "    return { x, y, hit: there && !(hit && hit.joint) ? { joint: there } : hit, place, touch: event.pointerType === 'tou"// &
-   "ch' };"//nl// &
+   "ch' };"//nl
+
+   character(*), parameter :: part_44 = &
    '  }'//nl// &
    ''//nl// &
    '  /** The joint that is where a link ends, a joint is dropped or pinned: on the grid it may be farther from the pointer'// &
@@ -4831,9 +4833,7 @@ module psalm_board_text
    ''//nl// &
    '  /** In the middle of a motion nothing is drawn: back to the drawing, where the same things stand elsewhere. */'//nl// &
    '  function atHome() {'//nl// &
-   '    const { state } = board, { sweep } = state.motion;'//nl
-
-   character(*), parameter :: part_44 = &
+   '    const { state } = board, { sweep } = state.motion;'//nl// &
    '    board.pause();'//nl// &
    '    if (!sweep || state.live === sweep.states[sweep.home]) return true;'//nl// &
    '    board.go(sweep.home);'//nl// &
@@ -4909,7 +4909,9 @@ module psalm_board_text
    ''//nl// &
    '  /** The curve that is being drawn goes on, with all places that the browser has kept between two frames. */'//nl// &
    '  function trace(event) {'//nl// &
-   '    const box = view.canvas.getBoundingClientRect(), all = event.getCoalescedEvents ? event.getCoalescedEvents() : [];'//nl// &
+   '    const box = view.canvas.getBoundingClientRect(), all = event.getCoalescedEvents ? event.getCoalescedEvents() : [];'//nl
+
+   character(*), parameter :: part_45 = &
    '    for (const one of all.length ? all : [event]) hand.push(view.world(one.clientX - box.left, one.clientY - box.top));'//nl// &
    '    view.draw();'//nl// &
    '  }'//nl// &
@@ -4938,9 +4940,7 @@ module psalm_board_text
    '        for (const slide of sketch.slides) if (slide.links.some((name) => board.linkOf(name).joints.join() === hit.join'// &
    't)) { slide.x += dx; slide.y += dy; }'//nl// &
    '        board.relax(sketch, [hit.joint]);'//nl// &
-   '      });'//nl
-
-   character(*), parameter :: part_45 = &
+   '      });'//nl// &
    '    } else {'//nl// &
    '      const step = [at.x - press.x, at.y - press.y], [ox, oy] = view.world(0, 0), [x, y] = view.world(...step);'//nl// &
    '      const grid = view.gridStep(), whole = (v) => grid ? grid * Math.round(v / grid) : v, by = [whole(x - ox), whole(y'// &
@@ -5018,7 +5018,9 @@ module psalm_board_text
    '    else if (hit.joint) {'//nl// &
    '      // the joint of a block that slides means the slide'//nl// &
    '      const slide = sketch.slides.find((s) => s.links.some((name) => board.linkOf(name).joints.join() === hit.joint));'//nl// &
-   '      drive(slide && !board.inFrame(hit.joint) ? { slide: slide.name } : { joint: hit.joint });'//nl// &
+   '      drive(slide && !board.inFrame(hit.joint) ? { slide: slide.name } : { joint: hit.joint });'//nl
+
+   character(*), parameter :: part_46 = &
    '    } else if (hit.link) {'//nl// &
    '      const joint = board.linkOf(hit.link).joints.find(board.inFrame);'//nl// &
    '      if (joint) drive({ joint });'//nl// &
@@ -5047,9 +5049,7 @@ module psalm_board_text
    '  // ---- buttons and keys --------------------------------------------------------------------------------------------'// &
    '-'//nl// &
    ''//nl// &
-   '  function choose(tool) {'//nl
-
-   character(*), parameter :: part_46 = &
+   '  function choose(tool) {'//nl// &
    '    board.state.tool = tool;'//nl// &
    '    board.state.pending = null;'//nl// &
    "    for (const button of $('tools').children) button.setAttribute('aria-pressed', String(button.dataset.tool === tool))"// &
@@ -5134,7 +5134,9 @@ module psalm_board_text
    "    canvas.addEventListener('dragover', (event) => event.preventDefault());"//nl// &
    "    canvas.addEventListener('drop', (event) => { event.preventDefault(); const [file] = event.dataTransfer.files; if (f"// &
    "ile) (file.type.startsWith('image/') ? board.picture : board).open(file); });"//nl// &
-   "    document.addEventListener('keydown', key);"//nl// &
+   "    document.addEventListener('keydown', key);"//nl
+
+   character(*), parameter :: part_47 = &
    '    const acts = { play: () => board.play(), undo: () => board.undo(), redo: () => board.redo(), save: () => board.save'// &
    '(), fit: () => board.fit(),'//nl// &
    "      larger: () => zoom(1.25), smaller: () => zoom(0.8), open: () => $('file').click(), new: () => board.start(),"//nl// &
@@ -5167,9 +5169,7 @@ module psalm_board_text
    "s: [], lengths: [], vary: [], kover: false,"//nl// &
    '    drives: [], outputs: [], ikin: 15, crnki: 0, delt: [], keep: {} });'//nl// &
    ''//nl// &
-   '  const state = {'//nl
-
-   character(*), parameter :: part_47 = &
+   '  const state = {'//nl// &
    "    sketch: blank(), source: '', file: 'sketch.nml', dirty: false,"//nl// &
    "    book: '',                   // where the book is, seen from this page; empty: not known"//nl// &
    '    wanted: null,               // points that a search is to come near: { points, closed }'//nl// &
@@ -5244,7 +5244,9 @@ module psalm_board_text
    '  /** Exact lengths may hold the joints elsewhere than they were drawn: from there on they are drawn where they are. */'//nl// &
    '  function settle() {'//nl// &
    '    const { mech, start } = state.motion;'//nl// &
-   '    if (!start || !state.sketch.lengths.length) return;'//nl// &
+   '    if (!start || !state.sketch.lengths.length) return;'//nl
+
+   character(*), parameter :: part_48 = &
    '    solver.joints(mech, start.pose).forEach(([x, y], j) => Object.assign(state.sketch.joints[j], { x, y }));'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -5274,9 +5276,7 @@ module psalm_board_text
    '    const largest = Math.max(...lengths.map((l) => l.value));'//nl// &
    '    for (let round = 0; round < 60; round++) {'//nl// &
    '      const rows = [], right = [];'//nl// &
-   '      for (const { joints: [a, b], value } of lengths) {'//nl
-
-   character(*), parameter :: part_48 = &
+   '      for (const { joints: [a, b], value } of lengths) {'//nl// &
    '        const i = joints.findIndex((j) => j.name === a), k = joints.findIndex((j) => j.name === b);'//nl// &
    '        const dx = joints[k].x - joints[i].x, dy = joints[k].y - joints[i].y, d = Math.hypot(dx, dy) || 1e-9;'//nl// &
    '        rows.push({ i, k, u: [dx / d, dy / d] });'//nl// &
@@ -5356,7 +5356,9 @@ module psalm_board_text
    ''//nl// &
    '  /** Takes joints, links or slides away, and what cannot be without them. */'//nl// &
    '  function remove(selection) {'//nl// &
-   '    edit((s) => {'//nl// &
+   '    edit((s) => {'//nl
+
+   character(*), parameter :: part_49 = &
    '      for (const { joint, link, slide, cylinder } of each(selection)) {'//nl// &
    "        if (cylinder) s.drives = s.drives.filter((d) => d.at.join(' ') !== cylinder);"//nl// &
    '        if (slide) s.slides = s.slides.filter((one) => one.name !== slide);'//nl// &
@@ -5384,9 +5386,7 @@ module psalm_board_text
    '    for (const one of s.links) one.joints = one.joints.filter(joint);'//nl// &
    '    const shared = (names) => s.links.some((l) => names.every((name) => l.joints.includes(name)));'//nl// &
    '    s.gears = s.gears.filter((one) => [...one.wheels, one.carrier].every(link));'//nl// &
-   '    s.lengths = s.lengths.filter((one) => one.joints.every(joint) && shared(one.joints));'//nl
-
-   character(*), parameter :: part_49 = &
+   '    s.lengths = s.lengths.filter((one) => one.joints.every(joint) && shared(one.joints));'//nl// &
    "    s.drives = s.drives.filter((one) => one.kind === 'slide' ? s.slides.some((slide) => slide.name === one.at[0]) : one"// &
    ".at.every(joint) &&"//nl// &
    "      (one.kind !== 'cylinder' || !shared(one.at)) && (one.kind !== 'turn' || s.links.filter((l) => l.joints.includes(o"// &
@@ -5467,7 +5467,9 @@ module psalm_board_text
    '        }'//nl// &
    '        return list;'//nl// &
    '      };'//nl// &
-   '      const forth = run(1), last = forth.at(-1);'//nl// &
+   '      const forth = run(1), last = forth.at(-1);'//nl
+
+   character(*), parameter :: part_50 = &
    '      ring = turns && forth.length * each >= 360 - 1e-9 && same(mech, start, last);'//nl// &
    '      if (ring) states = [start, ...forth.slice(0, -1)];'//nl// &
    '      else {'//nl// &
@@ -5495,9 +5497,7 @@ module psalm_board_text
    '  /** The last states before a dead point, nearer and nearer. */'//nl// &
    '  function edge(mech, from, target) {'//nl// &
    '    const list = [];'//nl// &
-   '    let now = from, part = 0.5;'//nl
-
-   character(*), parameter :: part_50 = &
+   '    let now = from, part = 0.5;'//nl// &
    '    for (let i = 0; i < 6; i++, part /= 2) {'//nl// &
    '      const next = solver.advance(mech, now, from.inputs.map((v, k) => now.inputs[k] + part * (target[k] - v)), NEAR);'//nl// &
    '      if (next) list.push(now = next);'//nl// &
@@ -5572,7 +5572,9 @@ module psalm_board_text
    '  function show() {'//nl// &
    '    board.panel.follow();'//nl// &
    '    view.draw();'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_51 = &
    ''//nl// &
    '  function play(on = !state.playing) {'//nl// &
    '    state.playing = on && Boolean(state.motion.sweep) && state.motion.sweep.states.length > 1;'//nl// &
@@ -5599,9 +5601,7 @@ module psalm_board_text
    '  /** Every position of the data set: inputs, whether it closes, joints, outputs; as psalm has it in CASE.csv. */'//nl// &
    '  function table() {'//nl// &
    '    const { mech, start } = state.motion;'//nl// &
-   '    if (!start) return [];'//nl
-
-   character(*), parameter :: part_51 = &
+   '    if (!start) return [];'//nl// &
    '    return solver.follow(mech, start, solver.positions(state.sketch)).map((one) => one ? { closed: 1,'//nl// &
    "      ...Object.fromEntries(solver.joints(mech, one.pose).flatMap(([x, y], j) => [[state.sketch.joints[j].name + '.x', "// &
    "x], [state.sketch.joints[j].name + '.y', y]])),"//nl// &
@@ -5679,7 +5679,9 @@ module psalm_board_text
    "    if (messages.length && sketch.joints.length) page = 'loops#what-psalm-makes-of-it';"//nl// &
    "    else if (chosen.gear !== undefined) page = 'sketch#gears-in-chain';"//nl// &
    "    else if (chosen.slide !== undefined || tool === 'slider') page = 'sketch#chain';"//nl// &
-   "    else if (chosen.drive !== undefined || tool === 'drive') page = 'sketch#drives';"//nl// &
+   "    else if (chosen.drive !== undefined || tool === 'drive') page = 'sketch#drives';"//nl
+
+   character(*), parameter :: part_52 = &
    "    else if (chosen.output !== undefined || tool === 'output') page = 'sketch#outputs-optional';"//nl// &
    "    const [name, place] = page.split('#');"//nl// &
    "    if (book) window.open(book + 'guide/' + name + '.html' + (place ? '#' + place : ''), 'book');"//nl// &
@@ -5708,9 +5710,7 @@ module psalm_board_text
    '    for (const part of parts) part.begin();'//nl// &
    '    new ResizeObserver(() => { view.resize(); view.draw(); }).observe(view.canvas);'//nl// &
    "    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { view.resize(); view.draw(); });"//nl// &
-   "    addEventListener('beforeunload', (event) => { if (state.dirty && !board.store.kept()) event.preventDefault(); });"//nl
-
-   character(*), parameter :: part_52 = &
+   "    addEventListener('beforeunload', (event) => { if (state.dirty && !board.store.kept()) event.preventDefault(); });"//nl// &
    "    addEventListener('hashchange', () => { const words = asked(); if (words) present(words); });"//nl// &
    "    const given = asked() || JSON.parse($('data').textContent);"//nl// &
    '    start();'//nl// &

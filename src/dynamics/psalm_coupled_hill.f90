@@ -5,14 +5,13 @@
 !> stiff equations do not lose digits. The periodic solution follows from one linear system for the ends of parts of the period.
 !> Source: Haines, chapter 9 and appendix 10S: his routine SSICS took any number of states.
 module psalm_coupled_hill
-   use psalm_floquet, only: exponential
    use psalm_kinds, only: wp, pi
    use psalm_lapack, only: general_eigenvalues, solve_general
-   use psalm_linear, only: product_of
+   use psalm_linear, only: eliminate_real, product_of
    use psalm_periodic, only: periodic_t
    implicit none (type, external)
    private
-   public :: coupled_t, solve_coupled
+   public :: coupled_t, solve_coupled, divide_by_mass
 
    !> What one period does, and the periodic solution.
    type :: coupled_t
@@ -35,6 +34,7 @@ module psalm_coupled_hill
    real(wp), parameter :: steepest = 300.0_wp !! norm of the exponent of a step
    real(wp), parameter :: first_exponent = 100.0_wp !! of the longest steps that are tried
    real(wp), parameter :: gauss_offset = 0.387298334620741688517926539978239961_wp !! sqrt(15)/10
+   real(wp), parameter :: beside = 1.0e-5_wp !! the tolerance: coefficients so small are left out
    real(wp), parameter :: of_matrix = 16.0_wp !! times the error of a matrix: that of its eigenvalues where they are well separated
 
 contains
@@ -47,23 +47,37 @@ contains
       real(wp), intent(in) :: tolerance                !! relative error of the elements of the period's matrix
       integer, intent(in) :: places                    !! of the solution: a multiple of 16
       type(coupled_t), intent(out) :: coupled
+      type(periodic_t) :: c_used(size(p), size(p)), k_used(size(p), size(p)), p_used(size(p))
       real(wp), dimension(2*size(p) + 1, 2*size(p) + 1, places) :: maps
       real(wp), dimension(2*size(p) + 1, 2*size(p) + 1) :: period, before
       real(wp) :: units(size(p)), change, largest, exact
-      integer :: i, m, n, sub, first
-      logical :: found
+      integer :: i, j, m, n, sub, first
+      logical :: found, steep
 
       n = size(p)
       m = 2*n
       allocate (coupled%multipliers(m), source=(0.0_wp, 0.0_wp))
       units = [(max(1.0_wp, sqrt(abs(k(i, i)%mean()))), i=1, n)]
+      do i = 1, n
+         p_used(i) = p(i)%trimmed(beside*tolerance*maxval([(abs(p(i)%coefficient(m)), m=0, p(i)%highest())]))
+         do j = 1, n
+            c_used(i, j) = c(i, j)%trimmed(beside*tolerance*sqrt(units(i)*units(j)))
+            k_used(i, j) = k(i, j)%trimmed(beside*tolerance*units(i)*units(j))
+         end do
+      end do
+      m = 2*n
       sub = 1 + int(2.0_wp*pi*maxval(units)/(real(places, wp)*first_exponent))
       first = sub
-      call integrate(c, k, p, units, sub, maps, before, coupled%grows_too_much)
+      call integrate(c_used, k_used, p_used, units, sub, maps, before, steep, coupled%grows_too_much)
+      do while (steep .and. sub*places < most_steps)
+         sub = 2*sub
+         first = sub
+         call integrate(c_used, k_used, p_used, units, sub, maps, before, steep, coupled%grows_too_much)
+      end do
       do
          if (coupled%grows_too_much) return
          sub = 2*sub
-         call integrate(c, k, p, units, sub, maps, period, coupled%grows_too_much)
+         call integrate(c_used, k_used, p_used, units, sub, maps, period, steep, coupled%grows_too_much)
          if (coupled%grows_too_much) return
          change = maxval(abs(period(:m, :m) - before(:m, :m)))/max(1.0_wp, maxval(abs(period(:m, :m))))
          largest = maxval(abs(period(:m, m + 1)))
@@ -85,16 +99,17 @@ contains
       coupled%stable = found .and. largest < 1.0_wp - change
       coupled%neutral = found .and. .not. coupled%stable .and. largest <= 1.0_wp + sqrt(change) ! two may be equal
       coupled%unique = found .and. all(abs(coupled%multipliers - 1.0_wp) > change)
-      if (coupled%unique) call follow(c, k, p, units, maps, coupled)
+      if (coupled%unique) call follow(c_used, k_used, p_used, units, maps, coupled)
    end subroutine solve_coupled
 
    !> The maps of all places to the next, and of the whole period, in y and y'/units.
-   subroutine integrate(c, k, p, units, sub, maps, period, grows_too_much)
+   subroutine integrate(c, k, p, units, sub, maps, period, steep, grows_too_much)
       type(periodic_t), intent(in) :: c(:, :), k(:, :), p(:)
       real(wp), intent(in) :: units(:)
       integer, intent(in) :: sub                       !! steps between two places
       real(wp), intent(out) :: maps(:, :, :)           !! shape (2 n + 1, 2 n + 1, places)
       real(wp), intent(out) :: period(:, :)
+      logical, intent(out) :: steep                    !! the steps are too long
       logical, intent(out) :: grows_too_much
       real(wp), dimension(size(period, 1), size(period, 1), 3) :: a
       real(wp), dimension(size(period, 1), size(period, 1)) :: step, a1, a2, a3, c1, c2
@@ -124,6 +139,7 @@ contains
       end do
       period = unit_matrix(m)
       grows_too_much = .true.
+      steep = .false.
       do place = 1, size(maps, 3)
          maps(:, :, place) = unit_matrix(m)
          do s = (place - 1)*sub + 1, place*sub
@@ -136,7 +152,8 @@ contains
             c1 = commutator(a1, a2)
             c2 = -commutator(a1, 2.0_wp*a3 + c1)/60.0_wp
             step = a1 + a3/12.0_wp + commutator(-20.0_wp*a1 - a3 + c1, a2 + c2)/240.0_wp
-            if (.not. maxval(sum(abs(step), dim=1)) < steepest) return
+            steep = .not. maxval(sum(abs(step), dim=1)) < steepest
+            if (steep) return
             maps(:, :, place) = product_of(exponential(step), maps(:, :, place))
          end do
          period = product_of(maps(:, :, place), period)
@@ -196,6 +213,25 @@ contains
       end do
    end subroutine follow
 
+   !> From M y'' + C y' + K y = p to y'' + C y' + K y = p.
+   pure subroutine divide_by_mass(m, c, k, p)
+      real(wp), intent(in) :: m(:, :)            !! shape (n, n): regular
+      real(wp), intent(inout) :: c(:, :), k(:, :) !! shape (n, n)
+      real(wp), intent(inout) :: p(:)            !! shape (n)
+      real(wp) :: matrix(size(p), size(p)), right(size(p), 2*size(p) + 1), determinant
+      integer :: n
+
+      n = size(p)
+      matrix = m
+      right(:, :n) = c
+      right(:, n + 1:2*n) = k
+      right(:, 2*n + 1) = p
+      call eliminate_real(n, size(right, 2), matrix, right, determinant)
+      c = right(:, :n)
+      k = right(:, n + 1:2*n)
+      p = right(:, 2*n + 1)
+   end subroutine divide_by_mass
+
    pure function unit_matrix(m) result(unit)
       integer, intent(in) :: m
       real(wp) :: unit(m, m)
@@ -206,6 +242,42 @@ contains
          unit(i, i) = 1.0_wp
       end do
    end function unit_matrix
+
+   !> exp(a) by Taylor's series of 12 terms in blocks of three (Paterson and Stockmeyer 1973), after scaling to a norm below a
+   !> quarter, where the rest is below epsilon, then squaring.
+   pure function exponential(a) result(e)
+      real(wp), intent(in) :: a(:, :)
+      real(wp), dimension(size(a, 1), size(a, 1)) :: e, x, x2, x3
+      integer :: i, squarings
+      real(wp), parameter :: c(12) = 1.0_wp/[1.0_wp, 2.0_wp, 6.0_wp, 24.0_wp, 120.0_wp, 720.0_wp, 5040.0_wp, 40320.0_wp, &
+                                             362880.0_wp, 3628800.0_wp, 39916800.0_wp, 479001600.0_wp]
+
+      squarings = max(0, 2 + exponent(maxval(sum(abs(a), dim=1))))
+      x = a/2.0_wp**squarings
+      x2 = product_of(x, x)
+      x3 = product_of(x2, x)
+      e = c(10)*x + c(11)*x2 + c(12)*x3
+      call add_unit(c(9), e)
+      e = c(7)*x + c(8)*x2 + product_of(x3, e)
+      call add_unit(c(6), e)
+      e = c(4)*x + c(5)*x2 + product_of(x3, e)
+      call add_unit(c(3), e)
+      e = x + c(2)*x2 + product_of(x3, e)
+      do i = 1, squarings
+         e = 2.0_wp*e + product_of(e, e) ! of e - 1, which keeps the digits of small exponents
+      end do
+      call add_unit(1.0_wp, e)
+   end function exponential
+
+   pure subroutine add_unit(factor, matrix)
+      real(wp), intent(in) :: factor
+      real(wp), intent(inout) :: matrix(:, :)
+      integer :: i
+
+      do i = 1, size(matrix, 1)
+         matrix(i, i) = matrix(i, i) + factor
+      end do
+   end subroutine add_unit
 
    pure function commutator(a, b) result(c)
       real(wp), intent(in) :: a(:, :), b(:, :)

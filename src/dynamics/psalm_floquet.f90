@@ -10,7 +10,7 @@ module psalm_floquet
    use psalm_periodic, only: periodic_t
    implicit none (type, external)
    private
-   public :: coupled_multipliers, exponential
+   public :: coupled_multipliers
 
    integer, parameter :: fewest_steps = 128, most_steps = 2**15
    real(wp), parameter :: gauss = 0.288675134594812882254574390250978728_wp !! sqrt(3)/6

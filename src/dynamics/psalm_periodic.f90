@@ -20,6 +20,7 @@ module psalm_periodic
       procedure :: at              !! at any place
       procedure :: derivative
       procedure :: scaled
+      procedure :: trimmed         !! without the highest harmonics that do not count
       procedure :: plus
       procedure :: resolution
    end type periodic_t
@@ -145,6 +146,20 @@ contains
       allocate (f%c(0:ubound(self%c, 1))) ! an assignment alone would count from 1
       f%c = factor*self%c
    end function scaled
+
+   elemental function trimmed(self, least) result(f)
+      class(periodic_t), intent(in) :: self
+      real(wp), intent(in) :: least   !! amount of a coefficient that counts
+      type(periodic_t) :: f
+      integer :: last
+
+      do last = ubound(self%c, 1), 1, -1
+         if (abs(self%c(last)) > least) exit
+      end do
+      last = max(last, 0)
+      allocate (f%c(0:last))
+      f%c = self%c(0:last)
+   end function trimmed
 
    elemental function plus(self, other) result(f)
       class(periodic_t), intent(in) :: self

@@ -231,7 +231,9 @@ contains
       logical, intent(out) :: valid
       real(wp) :: b(size(self%slides)), rate(size(self%slides)), accel(size(self%slides)), torque, speed
       real(wp) :: unused
-      real(wp) :: by_accel(2, self%rubs(), size(q)), by_push(2, self%rubs(), size(self%stops)), at_first(2, self%rubs())
+      ! as many as there are joints with friction; flang 19 takes no call of `rubs` here
+      real(wp) :: by_accel(2, size(self%rest_coefficient), size(q)), by_push(2, size(self%rest_coefficient), size(self%stops))
+      real(wp) :: at_first(2, size(self%rest_coefficient))
       integer :: j, k, source
 
       a = 0.0_wp
@@ -431,9 +433,10 @@ contains
       subroutine follow(free_accel, found)
          real(wp), intent(in) :: free_accel(:)
          logical, intent(out) :: found
-         integer :: slips(self%rubs()), n, i, e
-         real(wp) :: fixed(2, self%rubs()), by_force(2, self%rubs(), self%rubs()), coefficient(self%rubs()), force(self%rubs())
-         real(wp) :: grip(self%rubs()), largest
+         integer :: slips(size(self%rest_coefficient)), n, i, e
+         real(wp) :: fixed(2, size(self%rest_coefficient)), by_force(2, size(self%rest_coefficient), size(self%rest_coefficient))
+         real(wp) :: coefficient(size(self%rest_coefficient)), force(size(self%rest_coefficient))
+         real(wp) :: grip(size(self%rest_coefficient)), largest
 
          n = 0
          do e = 1, self%rubs()

@@ -115,7 +115,11 @@ contains
       if (set%limits%dwell > 0.0_wp) call text%add('  DWELL='//full_precision(set%limits%dwell)//',')
       call text%add('  KTHETA='//to_text(set%limits%ktheta)//', IPLOT='//to_text(set%limits%iplot)//', LAST='// &
                     to_text(own%last)//' &END')
-      if (own%with_others) call text%add_text(set%others)
+      if (allocated(own%others)) then
+         call text%add_text(own%others)
+      else if (own%with_others) then
+         call text%add_text(set%others)
+      end if
 
    contains
 

@@ -69,6 +69,12 @@ contains
          do j = 1, size(study%frequency)
             call text%add(right_column(j, 6)//in_a_row(columns(:, j)))
          end do
+         if (study%giving%known .and. size(study%giving%node) > 0) then
+            call text%add(' WITH THE MASSES THAT ITS JOINTS MOVE THE FIRST IS FROM'//in_sentence(named, study%driven(1))//' TO'// &
+                          in_sentence(named, study%driven(2))//' OVER THE TURN')
+         else if (.not. study%giving%known) then
+            call text%add(' THE MASSES THAT ITS JOINTS MOVE ARE LEFT OUT: THE LINKAGE IS TOO NEAR A DEAD POINT TO GIVE WAY')
+         end if
          call text%add(' SUM OF ALL FORCES ON THE LINK, OVER THE LARGEST OF A JOINT'//error_words(named, study%equilibrium))
          call text%add(' LEAST SQUARED FREQUENCY IN THE TURN, OVER THAT AT REST'//in_sentence(named, study%least_stiffness)// &
                        ', AT INPUT'//in_sentence(named, study%least_at)//' AFTER THE REFERENCE')
@@ -151,7 +157,7 @@ contains
       call text%add()
       call text%add(' DRIVE AND LINKS OF BEAM ELEMENTS TOGETHER: THE SWING AND '//to_text(together%modes)//' MODES')
       if (.not. together%possible) then
-         call text%add(' NOT SOLVED: JOINTS GIVE WAY AS LINKS BEND, AND THE HEAVY MASSES THAT THEY MOVE TAKE NO PART IN THAT')
+         call text%add(' NOT SOLVED: THE INERTIA AT THE CRANK IS NOT POSITIVE')
          return
       end if
       call text%add(' '//coupled_words(together%coupled))

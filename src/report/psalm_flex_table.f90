@@ -45,6 +45,8 @@ contains
          call table%add('matrix_error', [(studies(k)%coupled%error, k=1, size(studies))], known=studies%solved_modes > 0)
          call table%add('least_stiffness', studies%least_stiffness, known=solved)
          call table%add('least_stiffness_at', studies%least_at, 'deg', solved)
+         call table%add('driven_from', [(studies(k)%driven(1), k=1, size(studies))], 'rad/s', solved)
+         call table%add('driven_to', [(studies(k)%driven(2), k=1, size(studies))], 'rad/s', solved)
          call table%add('unbalanced', studies%equilibrium, known=solved)
       end associate
       call tables%put(table)

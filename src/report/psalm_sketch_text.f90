@@ -27,7 +27,8 @@ module psalm_sketch_text
       type(sketch_t) :: sketch              !! of a linkage that has one
       real(wp) :: from_drawing = 0.0_wp     !! its CRNKI
       logical :: by_loops = .false.         !! it is written by its loops
-      logical :: with_others = .true.       !! the groups that are kept as they are follow
+      logical :: with_others = .true.       !! the groups that are kept as they are follow,
+      character(:), allocatable :: others   !! or these in their place
    end type variant_t
 
 contains

@@ -107,8 +107,7 @@ contains
          if (study%together%possible) then
             call remark_coupled(set, 'drive and links together', study%together%coupled, devices)
          else
-            call devices%remark(set, 'drive and links were not solved together: links move heavy masses by joints that '// &
-                                'give way as they bend, and these masses take no part in that')
+            call devices%remark(set, 'drive and links were not solved together: the inertia at the crank is not positive')
          end if
       end if
       if (allocated(study%hill)) then

@@ -421,13 +421,18 @@ contains
       type(time_study_t), intent(in) :: study
       type(text_t), intent(inout) :: text
       character(:), allocatable :: words
+      real(wp), parameter :: roundings = 100.0_wp   !! of the potential energy: less is none
       real(wp), allocatable :: passed(:)
       integer :: d, at, stop, first, rests
 
       if (study%rests) call summarise_equilibria()
       if (.not. study%moves) return
       words = '0 to '//plain_number(study%stopped)//' s in '//to_text(study%steps)//' steps'
-      if (study%turnover > 0.0_wp) words = words//'; energy in balance to '//plain_number(remainder(study)/study%turnover)
+      if (study%turnover > roundings*epsilon(1.0_wp)*maxval(abs(study%potential))) then
+         words = words//'; energy in balance to '//plain_number(remainder(study)/study%turnover)
+      else if (study%turnover > 0.0_wp) then
+         words = words//'; no energy moves, but for rounding'
+      end if
       call add_line('Motion', words, text)
       if (study%ended /= time_done) call add_line('Ends early', ending_words(problem%mechanism, study), text)
       if (size(study%exchanges) > 0) then

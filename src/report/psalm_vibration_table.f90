@@ -241,18 +241,24 @@ contains
       integer, intent(in) :: waves             !! periods in a turn: y stands for that many times the deflection
       type(tables_t), intent(inout) :: tables
       type(table_t) :: table
+      integer, parameter :: most_rows = 16384  !! more steps than these are thinned evenly: a file of 24 MB is of no use
       real(wp), allocatable :: y(:, :)
       character(:), allocatable :: per
       real(wp) :: many
+      integer :: stride
 
       allocate (y(0, 0:2))
       many = real(waves, wp)
       if (hill%unique) then
+         stride = 1 + (size(hill%y) - 1)/most_rows
+         do while (modulo(size(hill%y), stride) > 0)
+            stride = stride + 1
+         end do
          deallocate (y)
-         allocate (y(size(hill%y), 0:2))
-         y(:, 0) = factor*(hill%y/many)
-         y(:, 1) = factor*(sense*hill%y1)
-         y(:, 2) = factor*(hill%y2*many)
+         allocate (y(size(hill%y)/stride, 0:2))
+         y(:, 0) = factor*(hill%y(::stride)/many)
+         y(:, 1) = factor*(sense*hill%y1(::stride))
+         y(:, 2) = factor*(hill%y2(::stride)*many)
       end if
       table = table_of(block, 'a row for each input of a period: the steady response and its derivatives')
       call table%add('input', steps_of_turn(size(y, 1), sense, waves), 'deg')

@@ -2,31 +2,31 @@
 !>
 !> Unknowns are the swing th of the crank about its steady turning and the modes q of the links, of unit mass, which bend in axes
 !> that move as in the rigid linkage. To first order in th and q the kinetic energy is J(phi) phi'**2/2 + phi' sum A q' +
-!> phi'**2 sum D q + sum q'**2/2, phi = w t + th. So a mode is loaded by -A phi'' - B phi'**2 + F(phi) with B = A' - D, all of them
-!> from the forces of the rigid linkage (kalm's) at unit push, at unit speed and at rest, and the same A, D and F act back on the
-!> crank.
+!> phi'**2 sum D q + sum M q' q'/2, phi = w t + th. So a mode is loaded by -A phi'' - B phi'**2 + F(phi) with B = A' - D, all of
+!> them from the forces of the rigid linkage (kalm's) at unit push, at unit speed and at rest, and the same A, D and F act back on
+!> the crank.
 module psalm_drive_links_study
-   use psalm_coupled_hill, only: coupled_t, solve_coupled
+   use psalm_coupled_hill, only: coupled_t, solve_coupled, divide_by_mass
    use psalm_data_set, only: data_set_t
    use psalm_drive_group, only: drive_group_t, drive_of
    use psalm_drive_study, only: drive_study_t
-   use psalm_flex_study, only: flex_study_t
+   use psalm_flex_study, only: flex_study_t, mass_of_modes
    use psalm_flexible_cycle, only: part_inertia, part_fixed, part_damped, part_pushed
    use psalm_kinds, only: wp
-   use psalm_linear, only: eliminate_real
+   use psalm_linear, only: solve_positive
    use psalm_periodic, only: periodic_t, periodic_constant, periodic_from_samples
    implicit none (type, external)
    private
    public :: drive_links_t, find_drive_links, drive_links_fit
 
-   real(wp), parameter :: tolerance = 1.0e-9_wp  !! of a period's matrix
+   real(wp), parameter :: tolerance = 1.0e-8_wp  !! of a period's matrix
    integer, parameter :: finer = 2               !! positions in a turn, times those of drive and links
    integer, parameter :: fewest_places = 256     !! of the solution
 
    type :: drive_links_t
       integer :: modes = 0                       !! of all links
       integer, allocatable :: links(:)           !! shape (modes): whose they are
-      logical :: possible = .false.              !! the masses of the links are a part of the inertia at the crank
+      logical :: possible = .false.              !! the mass matrix is positive all over the turn
       type(coupled_t) :: coupled                 !! the swing of the crank, then the modes over root(J0)
       real(wp) :: greatest = 0.0_wp              !! swing of the crank, rad
       real(wp), allocatable :: peaks(:)          !! shape (modes): greatest displacement in each mode, m
@@ -55,7 +55,6 @@ contains
       real(wp), allocatable :: m(:, :, :), c(:, :, :), k(:, :, :), p(:, :)
       type(periodic_t), allocatable :: damping(:, :), stiffness(:, :), load(:)
       type(periodic_t) :: y
-      real(wp) :: determinant
       integer :: i, j, n, points, places
 
       drive = drive_of(set)
@@ -70,7 +69,7 @@ contains
       if (.not. study%possible) return
       associate (size_of => study%modes + 1)
          do n = 1, points
-            call divide_by_mass(m(:, :, n), c(:, :, n), k(:, :, n), p(:, n), determinant)
+            call divide_by_mass(m(:, :, n), c(:, :, n), k(:, :, n), p(:, n))
          end do
          allocate (damping(size_of, size_of), stiffness(size_of, size_of), load(size_of))
          do i = 1, size_of
@@ -140,9 +139,9 @@ contains
       do l = 1, size(links)
          do j = 1, links(l)%solved_modes
             n = first + j
-            m(n, n, :) = 1.0_wp
+            call weigh(l, j, n)
             do i = 1, links(l)%solved_modes
-               c(n, first + i, :) = links(l)%c(j, i)%values(points)
+               c(n, first + i, :) = c(n, first + i, :) + links(l)%c(j, i)%values(points)
                k(n, first + i, :) = links(l)%k(j, i)%values(points)
             end do
             call couple(links(l)%forces(:, j, :), n)
@@ -151,6 +150,26 @@ contains
       end do
 
    contains
+
+      !> Mass between a mode and the others, and its growth.
+      subroutine weigh(l, j, n)
+         integer, intent(in) :: l, j             !! link and mode
+         integer, intent(in) :: n                !! unknown
+         type(periodic_t) :: mass
+         integer :: column, other, i, position
+
+         column = 1
+         do other = 1, size(links)
+            do i = 1, links(other)%solved_modes
+               column = column + 1
+               mass = periodic_from_samples([(mass_of_modes(links(l), j, links(other), i, position), &
+                                              position=1, size(links(l)%cycle%turning))])
+               m(n, column, :) = mass%values(points)
+               mass = mass%derivative(1)
+               c(n, column, :) = c(n, column, :) + mass%values(points)
+            end do
+         end do
+      end subroutine weigh
 
       !> A mode and the crank.
       subroutine couple(forces, n)
@@ -180,29 +199,12 @@ contains
       end subroutine couple
    end subroutine find_matrices
 
-   !> True if a mass matrix, whose links' part is a unit matrix, is positive definite.
+   !> True if a mass matrix is positive definite.
    pure logical function is_positive(m)
       real(wp), intent(in) :: m(:, :)
+      real(wp) :: right(size(m, 1)), unused(size(m, 1))
 
-      is_positive = m(1, 1) > sum(m(1, 2:)**2)
+      right = 0.0_wp
+      call solve_positive(m, right, unused, is_positive)
    end function is_positive
-
-   !> From M y'' + C y' + K y = p to y'' + C y' + K y = p.
-   pure subroutine divide_by_mass(m, c, k, p, determinant)
-      real(wp), intent(in) :: m(:, :)
-      real(wp), intent(inout) :: c(:, :), k(:, :), p(:)
-      real(wp), intent(out) :: determinant
-      real(wp) :: matrix(size(p), size(p)), right(size(p), 2*size(p) + 1)
-      integer :: n
-
-      n = size(p)
-      matrix = m
-      right(:, :n) = c
-      right(:, n + 1:2*n) = k
-      right(:, 2*n + 1) = p
-      call eliminate_real(n, size(right, 2), matrix, right, determinant)
-      c = right(:, :n)
-      k = right(:, n + 1:2*n)
-      p = right(:, 2*n + 1)
-   end subroutine divide_by_mass
 end module psalm_drive_links_study

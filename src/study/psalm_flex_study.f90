@@ -8,6 +8,7 @@ module psalm_flex_study
    use psalm_coupled_hill, only: coupled_t
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
+   use psalm_driven_masses, only: giving_t, mass_between, origin_motion
    use psalm_error, only: problem_t
    use psalm_flexible_cycle, only: flexible_cycle_t
    use psalm_flexible_link, only: flexible_link_t
@@ -17,7 +18,7 @@ module psalm_flex_study
    use psalm_stop, only: stop_t
    implicit none (type, external)
    private
-   public :: flex_study_t, find_flex
+   public :: flex_study_t, find_flex, mass_of_modes
 
    integer, parameter, public :: stress_kinds = 3 !! of bending, along the link, both together
 
@@ -44,6 +45,12 @@ module psalm_flex_study
       logical :: solved = .false.                !! the modes were found
       integer :: solved_modes = 0                !! the first modes, which are solved together; 0: the speed is far below all
       type(coupled_t) :: coupled                 !! what becomes of these
+      type(giving_t) :: giving                   !! how bodies move where joints give way
+      real(wp), allocatable :: inertia(:, :)     !! shape (4, bodies): of all bodies, as of a force model
+      real(wp), allocatable :: motion(:, :, :, :) !! shape (3, bodies, solved modes, positions): of all bodies by each mode, as of
+                                                 !! `giving`
+      real(wp), allocatable :: by_origin(:, :)   !! shape (3, solved modes): mass between a mode and its origin's motion
+      real(wp) :: driven(2) = 0.0_wp             !! least and greatest first frequency with these masses, rad/s
       type(periodic_t), allocatable :: c(:, :), k(:, :) !! shape (solved modes, the same): their damping and stiffness over the
                                                  !! speed and its square, against the input in radians
       real(wp), allocatable :: forces(:, :, :)   !! shape (positions, solved modes, parts): what loads them, by `part_...` of the
@@ -76,4 +83,19 @@ module psalm_flex_study
          type(stop_t), intent(in), optional :: stop !! asked now and then
       end subroutine find_flex
    end interface
+
+contains
+
+   !> Mass between mode i of a link and mode j of this or another one, at a position: of bending, and of all bodies that they move.
+   pure real(wp) function mass_of_modes(one, i, other, j, position) result(mass)
+      type(flex_study_t), intent(in) :: one, other
+      integer, intent(in) :: i, j, position
+
+      mass = merge(1.0_wp, 0.0_wp, one%link%body == other%link%body .and. i == j)
+      if (.not. (one%giving%known .and. other%giving%known)) return
+      associate (axes => one%giving%axes(:, :, position), p => one%motion(:, :, i, position), q => other%motion(:, :, j, position))
+         mass = mass + mass_between(one%inertia, axes, p, q) + sum(one%by_origin(:, i)*origin_motion(one%link, axes, q)) &
+                + sum(other%by_origin(:, j)*origin_motion(other%link, axes, p))
+      end associate
+   end function mass_of_modes
 end module psalm_flex_study

@@ -1,7 +1,8 @@
 !> How a link of beam elements is solved. Only this knows what the group FLEX has.
 submodule(psalm_flex_study) psalm_flex_study_body
    use psalm_beam_elements, only: beam_frame_t, freedoms, ends, motions, local_load, tension_stiffness, bracket_of
-   use psalm_coupled_hill, only: solve_coupled
+   use psalm_coupled_hill, only: solve_coupled, divide_by_mass
+   use psalm_driven_masses, only: find_giving
    use psalm_dense, only: factors_t, factorise, solve
    use psalm_flex_group, only: flex_group_t, flex_of
    use psalm_flexible_link, only: attached_t
@@ -13,7 +14,8 @@ submodule(psalm_flex_study) psalm_flex_study_body
    use psalm_stop, only: is_to_end
    implicit none (type, external)
 
-   real(wp), parameter :: tolerance = 1.0e-9_wp  !! of a period's matrix
+   real(wp), parameter :: tolerance = 1.0e-8_wp  !! of a period's matrix
+   integer, parameter :: finer = 2               !! positions in a turn where masses vary, times those of the link
    real(wp), parameter :: far_above = 1000.0_wp  !! times the speed: modes so fast follow their loads at once
 
    !> What loads the link: each load by a signal over the turn.
@@ -48,10 +50,16 @@ contains
       study%found = .true.
       if (.not. study%solved) return
       call find_loading(speed, free, study, loading)
+      call find_giving(given, dimensions, model, link, flex%points, sign(1.0_wp, set%rates%speed), study%giving)
+      study%inertia = model%inertia
+      call find_driven(shapes, study)
       study%solved_modes = count(study%frequency <= far_above*speed)
+      if (study%driven(1) <= far_above*speed) study%solved_modes = max(1, study%solved_modes)
       if (study%solved_modes > 0) shapes = shapes(:, :study%solved_modes)
       call find_response(set, flex, speed, shapes, loading, study)
-      if (study%steady) call find_stresses(speed, shapes, loading, study)
+      if (.not. study%steady) return
+      call add_vibration(speed, shapes, study, loading)
+      call find_stresses(speed, shapes, loading, study)
    end procedure find_flex
 
    !> Concentrated masses into the matrices of the frame.
@@ -239,6 +247,7 @@ contains
       real(wp), dimension(size(shapes, 2), size(shapes, 2)) :: spin
       real(wp), dimension(size(loading%signals, 2), size(shapes, 2)) :: force
       type(periodic_t) :: p(size(shapes, 2))
+      type(periodic_t), allocatable :: c(:, :), k(:, :), load(:)
       integer :: i, j, n, modes, positions
 
       modes = size(shapes, 2)
@@ -271,7 +280,13 @@ contains
       study%resolution = max(study%resolution, study%k(1, 1)%resolution())
       call find_least(stiffness, speed, study)
       if (study%solved_modes > 0) then
-         call solve_coupled(study%c, study%k, p, tolerance, flex%points, study%coupled)
+         if (study%giving%known) then
+            allocate (c(modes, modes), k(modes, modes), load(modes))
+            call weigh(study, p, c, k, load)
+            call solve_coupled(c, k, load, tolerance, flex%points, study%coupled)
+         else
+            call solve_coupled(study%c, study%k, p, tolerance, flex%points, study%coupled)
+         end if
       else
          call follow_statics(stiffness, force, study)
       end if
@@ -298,6 +313,112 @@ contains
          end do
       end associate
    end subroutine follow_statics
+
+   !> How all bodies move by each mode, and the first frequency with them.
+   subroutine find_driven(shapes, study)
+      real(wp), intent(in) :: shapes(:, :)
+      type(flex_study_t), intent(inout) :: study
+      real(wp), dimension(size(shapes, 2), size(shapes, 2)) :: k, m, unused
+      real(wp) :: squares(size(shapes, 2)), frequency
+      integer :: i, j, g, n, modes
+      logical :: ok
+
+      study%driven = study%frequency(1)
+      modes = size(shapes, 2)
+      study%by_origin = -transpose(product_of(transpose(shapes), study%link%frame%motion(:, :3)))
+      if (.not. study%giving%known) return
+      n = size(study%giving%motion, 4)
+      allocate (study%motion(3, size(study%inertia, 2), modes, n), source=0.0_wp)
+      do j = 1, modes
+         do g = 1, size(study%giving%node)
+            study%motion(:, :, j, :) = study%motion(:, :, j, :) + study%giving%motion(:, :, g, :)* &
+                                       shapes(freedoms*(study%giving%node(g) - 1) + study%giving%direction(g), j)
+         end do
+      end do
+      study%driven = [huge(1.0_wp), 0.0_wp]
+      do n = 1, size(study%motion, 4)
+         k = 0.0_wp
+         do j = 1, modes
+            k(j, j) = study%frequency(j)**2
+            do i = 1, modes
+               m(i, j) = mass_of_modes(study, i, study, j, n)
+            end do
+         end do
+         ! for the inverse squares, as at rest
+         call natural_modes(m, k, squares, unused, ok)
+         if (.not. ok) cycle
+         frequency = 1.0_wp/sqrt(max(squares(modes), tiny(1.0_wp)))
+         study%driven = [min(study%driven(1), frequency), max(study%driven(2), frequency)]
+      end do
+   end subroutine find_driven
+
+   !> The matrices of M y'' + C y' + K y = p over those of y'' + ..., M growing and falling over the turn.
+   subroutine weigh(study, p, c, k, load)
+      type(flex_study_t), intent(in) :: study
+      type(periodic_t), intent(in) :: p(:)
+      type(periodic_t), intent(out) :: c(:, :), k(:, :), load(:)
+      type(periodic_t) :: m(size(p), size(p))
+      real(wp), dimension(size(p), size(p), finer*size(study%cycle%turning)) :: mass, growth, damping, stiffness
+      real(wp), dimension(size(p), finer*size(study%cycle%turning)) :: force
+      integer :: i, j, n, points
+
+      points = size(force, 2)
+      do j = 1, size(p)
+         do i = 1, size(p)
+            m(i, j) = periodic_from_samples([(mass_of_modes(study, i, study, j, n), n=1, size(study%cycle%turning))])
+            mass(i, j, :) = m(i, j)%values(points)
+            m(i, j) = m(i, j)%derivative(1)
+            growth(i, j, :) = m(i, j)%values(points)
+            damping(i, j, :) = study%c(i, j)%values(points) + growth(i, j, :)
+            stiffness(i, j, :) = study%k(i, j)%values(points)
+         end do
+         force(j, :) = p(j)%values(points)
+      end do
+      do n = 1, points
+         call divide_by_mass(mass(:, :, n), damping(:, :, n), stiffness(:, :, n), force(:, n))
+      end do
+      do j = 1, size(p)
+         load(j) = periodic_from_samples(force(j, :))
+         do i = 1, size(p)
+            c(i, j) = periodic_from_samples(damping(i, j, :))
+            k(i, j) = periodic_from_samples(stiffness(i, j, :))
+         end do
+      end do
+   end subroutine weigh
+
+   !> What the vibration adds to the signals of the loads: motion of the origin, and forces of the joints that give way.
+   subroutine add_vibration(speed, shapes, study, loading)
+      real(wp), intent(in) :: speed, shapes(:, :)
+      type(flex_study_t), intent(in) :: study
+      type(link_loading_t), intent(inout) :: loading
+      real(wp), allocatable :: moved(:, :)       ! shape (3, bodies): acceleration by the vibration
+      real(wp) :: signals(size(loading%signals, 1)), push
+      integer :: n, j, g, l, place
+
+      if (.not. study%giving%known) return
+      do n = 1, size(loading%signals, 2)
+         moved = 0.0_wp*study%motion(:, :, 1, n)
+         do j = 1, size(shapes, 2)
+            moved = moved + speed**2*study%coupled%y2(n, j)*study%motion(:, :, j, n)
+         end do
+         associate (axes => study%giving%axes(:, :, n), link => study%link)
+            signals = 0.0_wp
+            signals(:3) = origin_motion(link, axes, moved)
+            do g = 1, size(study%giving%node)
+               associate (unit => study%giving%motion(:, :, g, n))
+                  push = mass_between(study%inertia, axes, unit, moved)
+                  do j = 1, size(shapes, 2)
+                     push = push + speed**2*study%coupled%y2(n, j)*sum(study%by_origin(:, j)*origin_motion(link, axes, unit))
+                  end do
+               end associate
+               l = findloc(link%nodes, study%giving%node(g), dim=1)
+               place = motions + 2*(l - 1) + study%giving%direction(g)
+               signals(place) = signals(place) - push
+            end do
+            loading%signals(:, n) = loading%signals(:, n) + signals
+         end associate
+      end do
+   end subroutine add_vibration
 
    !> What tension and compression of the elements add.
    subroutine add_tension(loading, shapes, study, stiffness)

@@ -25,6 +25,7 @@ from tally import check, report
 
 BIN = os.path.abspath(sys.argv[1])
 E, RHO = 207e9, 7850.0
+TURN = 2 * math.pi
 FOUR_BAR = """FOUR-BAR
  &LINKS NLOOP=1, MAXARC=4, ILINK=1,2,3,4, ILOOP=1,0,0,1, ARCL=0.06,0.30,0.14,0.32, GAMA=3*0.0,180.0, NOUTLK=3, NOUTLP=1 &END
  &METHOD MOTION=1, IKIN=15 &END
@@ -76,6 +77,18 @@ def joints(turn, crank=0.06, coupler=0.30, rocker=0.14, frame=0.32):
     b = crank * cmath.exp(1j * turn)
     length = abs(frame - b)
     return b, b + coupler * (frame - b) / length * cmath.exp(-1j * math.acos((length ** 2 + coupler ** 2 - rocker ** 2) / (2 * length * coupler)))
+
+
+def bell_places(turn):
+    """Where the bell crank and the slider have the ends of the rod."""
+    crank, coupler, rocker, pivot = abs(0.03 + 0.02j), abs(0.17 + 0.10j), abs(0.04 + 0.12j), 0.16
+    b = crank * cmath.exp(1j * (turn + math.atan2(0.02, 0.03)))
+    gap = pivot - b
+    c = b + coupler * gap / abs(gap) * cmath.exp(1j * math.acos((abs(gap) ** 2 + coupler ** 2 - rocker ** 2) / (2 * abs(gap) * coupler)))
+    p = pivot + (c - pivot) / (0.04 + 0.12j) * (0.01 - 0.12j)
+    rod = abs(0.33 - 0.01j)
+    q = p.real + math.sqrt(rod ** 2 - (-0.13 - p.imag) ** 2) - 0.13j
+    return p, q
 
 
 def frequencies(place):
@@ -144,22 +157,12 @@ def statics(place):
             " XHNAME='bell D','bell C' &END\n"
     status, words, said = run(place, "bell", BELL % speed + names)
     check("a bell crank is solved", status == 0, words + said)
-
-    def places(turn):
-        crank, coupler, rocker, pivot = abs(0.03 + 0.02j), abs(0.17 + 0.10j), abs(0.04 + 0.12j), 0.16
-        b = crank * cmath.exp(1j * (turn + math.atan2(0.02, 0.03)))
-        gap = pivot - b
-        c = b + coupler * gap / abs(gap) * cmath.exp(1j * math.acos((abs(gap) ** 2 + coupler ** 2 - rocker ** 2) / (2 * abs(gap) * coupler)))
-        p = pivot + (c - pivot) / (0.04 + 0.12j) * (0.01 - 0.12j)
-        rod = abs(0.33 - 0.01j)
-        q = p.real + math.sqrt(rod ** 2 - (-0.13 - p.imag) ** 2) - 0.13j
-        return p, q
     worst, step = 0.0, 2e-3
     for n in range(256):
         turn = 2 * math.pi * n / 256
-        q = [places(turn + k * step)[1].real for k in (-2, -1, 0, 1, 2)]
+        q = [bell_places(turn + k * step)[1].real for k in (-2, -1, 0, 1, 2)]
         push = 2.0 * speed ** 2 * (-q[0] + 16 * q[1] - 30 * q[2] + 16 * q[3] - q[4]) / (12 * step ** 2)
-        p, end = places(turn)
+        p, end = bell_places(turn)
         rod = (end - p) / abs(end - p)
         pull = -push / rod.real * rod                                   # of the rod on the bell crank
         worst = max(worst, abs(((p - 0.16).conjugate() * pull).imag))
@@ -240,6 +243,35 @@ def motion(place):
     near("least stiffness with a spring", one["least_stiffness"] * (1625.61 / 80.0) ** 2, other["least_stiffness"], 2e-2)
 
 
+def driven_masses(place):
+    """Light links that move heavy masses as they bend: springs with a mass that changes over the turn."""
+    light = " &FLEX XNAME='bell C','bell D', YNAME='bell D','bell P', XMOD=207E9, XRHO=1E-3, XDEPTH=0.006, XWIDTH=0.010, XZETA=0.02," + \
+            " XHNAME='bell D','bell C' &END\n"
+    status, words, said = run(place, "bell", BELL % 20.0 + light)
+    check("a light bell crank that moves a slider", status == 0 and "WITH THE MASSES" in words, words + said)
+    one, other = abs(0.04 + 0.12j), abs(0.01 - 0.12j)
+    spring = 3 * E * (0.010 * 0.006 ** 3 / 12) / (other ** 2 * (one + other))    # of the overhanging arm, at its end
+    moved = []
+    for n in range(256):
+        p, q = bell_places(TURN * n / 256)
+        rod, across = q - p, 1j * (p - 0.16) / abs(p - 0.16)
+        moved.append(abs((across.conjugate() * rod).real / rod.real))
+    row = table(place, "bell", "flexible_links")[0]
+    near("least frequency with the slider", row["driven_from"], math.sqrt(spring / 2.0) / max(moved), 1e-2)
+    near("greatest frequency with the slider", row["driven_to"], math.sqrt(spring / 2.0) / min(moved), 1e-2)
+    # the moment at the corner stays the force of the slider, vibration and all: both arms say the same
+    run(place, "fast", BELL % 45.0 + light)
+    one, other = table(place, "fast", "flexible_segments")
+    near("moment at the corner of both arms", one["bending"], other["bending"], 1e-3)
+    # a clamped crank bends against all that it turns: its end has the inertia that a flexible drive feels
+    text = (FOUR_BAR % 20.0).replace(", GRAVY=-9.81", "") + " &FLEX XLINK=-1, XLOOP=1, YLINK=1, YLOOP=1, XMOD=207E9, XRHO=1E-3," + \
+        " XDEPTH=0.004, XWIDTH=0.008, XZETA=0.02 &END\n &DRIVEL DSTIF=500.0, DDAMP=0.1 &END\n"
+    run(place, "crank", text)
+    inertia = max(row["inertia"] for row in table(place, "crank", "drive_inertia"))
+    near("a crank with all that it turns", table(place, "crank", "flexible_links")[0]["driven_from"],
+         math.sqrt(3 * E * 0.008 * 0.004 ** 3 / 12 / 0.06 / inertia), 1e-2)
+
+
 def refusals(place):
     good = FOUR_BAR % 80.0 + COUPLER % ""
     for text, words in (
@@ -271,6 +303,7 @@ def main():
         frequencies(place)
         statics(place)
         motion(place)
+        driven_masses(place)
         refusals(place)
     return report()
 

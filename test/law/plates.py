@@ -287,7 +287,20 @@ def faults():
     status, said = run("muscle", good + " &BALANC WREACH=500.0 &END\n")
     check("muscle writes the plates with the weights", "&PLATES" in content(".muscle.dev7"), said)
     status, said = run("psalm", good, "--links")
-    check("loops of a sketch leave out what names its links", "&PLATES" not in content(".dev7") and "without the groups" in said, said)
+    check("plates with a point of their own stay with the sketch", "&PLATES" not in content(".dev7") and "&MASSES" in content(".dev7") and
+          "without &PLATES" in said, said)
+    named = sketch(random.Random(5))[2] + " &MASSES UNITL=0.001, MNAME='crank', MASS=1.0 &END\n &PLATES PTHICK=4.0, PWIDTH=9.0 &END\n &SPRING ANAME='frame A', " \
+        "BNAME='rocker C', STIFF=5.0 &END\n"
+    status, said = run("psalm", named, "--links")
+    check("loops of a sketch leave out what names its links", all("&" + group not in content(".dev7") for group in ("PLATES", "MASSES", "SPRING")) and
+          "by their names: &MASSES, &SPRING" in said and "without &PLATES" in said and "&RATES" in content(".dev7"), said)
+    plain = sketch(random.Random(5))[2] + " &MASSES UNITL=0.001, GRAVY=-9.81 &END\n &PLATES PTHICK=4.0, PWIDTH=9.0, PHOLE=3.0 &END\n"
+    drawn = forces(plain)
+    status, said = run("psalm", plain, "--links")
+    check("plates go with the loops", status == 0 and "without" not in said and "&PLATES" in content(".dev7"), said)
+    of_loops = forces(content(".dev7"), name="loops")
+    size = max(abs(row["frame_fx"]) for row in drawn)
+    check("with the same forces", all(abs(a[key] - b[key]) <= 1e-11 * size for a, b in zip(drawn, of_loops) for key in ("frame_fx", "frame_fy", "drive")))
 
 
 shapes()

@@ -1,0 +1,234 @@
+!> How a linkage moves when joints of one of its links give way in the axes of that link: the masses that they move take part in the
+!> vibration of the link.
+!>
+!> The link is given other dimensions, by which the joint stands a little aside to either side, and the linkage is solved anew; the
+!> difference is how its bodies move. Joints give way in x and y, the second that holds the link along the line of both, the first
+!> not at all.
+module psalm_driven_masses
+   use psalm_angles, only: degrees_of, unit_vector
+   use psalm_body_points, only: locate_point
+   use psalm_dimensions, only: dimensions_t
+   use psalm_error, only: problem_t
+   use psalm_flexible_link, only: flexible_link_t
+   use psalm_force_model, only: force_model_t, parameter_mass, parameter_mx, parameter_my, parameter_inertia
+   use psalm_kinds, only: wp
+   use psalm_kinetostatics, only: forces_t, prepare_forces
+   use psalm_link_cycle, only: link_cycle_t, prepare_turn
+   use psalm_mechanism, only: mechanism_t, arc_determined, arc_crank, at_start, at_finish, body_frame
+   implicit none (type, external)
+   private
+   public :: giving_t, find_giving, mass_between, origin_motion
+
+   real(wp), parameter :: aside = 1.0e-5_wp      !! of the size of the link: so far the joint is moved
+   real(wp), parameter :: same_point = 1.0e-6_wp !! of it: points so near are one
+
+   !> Directions in which joints give way, and how the bodies move by them.
+   type :: giving_t
+      logical :: known = .false.                 !! the linkage closes with the joints aside
+      integer, allocatable :: node(:), direction(:) !! of the frame of the link: 1 along x, 2 along y
+      real(wp), allocatable :: motion(:, :, :, :) !! shape (3, bodies, directions, positions): of the reference of each body, m/m
+                                                 !! in machine axes, and its turning, rad/m; of the link that of its frame's axes
+      real(wp), allocatable :: axes(:, :, :)     !! shape (2, bodies, positions): direction of their own arcs
+   end type giving_t
+
+contains
+
+   !> Find them for a link. `model` has the masses of all links; its places are used alone.
+   subroutine find_giving(given, dimensions, model, link, points, sense, giving)
+      type(problem_t), intent(in) :: given
+      type(dimensions_t), intent(in) :: dimensions
+      type(force_model_t), intent(in) :: model
+      type(flexible_link_t), intent(in) :: link
+      integer, intent(in) :: points
+      real(wp), intent(in) :: sense
+      type(giving_t), intent(out) :: giving
+      type(dimensions_t) :: other
+      real(wp), allocatable :: at_rest(:, :, :), ahead(:, :, :), behind(:, :, :) ! shape (4, bodies, positions): place and axis
+      real(wp) :: step, way(2), lever(2)
+      integer :: j, g, b, i, bodies
+      logical :: closes
+
+      giving%node = [integer ::]
+      giving%direction = [integer ::]
+      do j = 1, size(link%nodes)
+         if (any(link%nodes(:j - 1) == link%nodes(j)) .or. link%nodes(j) == link%held(1)) cycle
+         giving%node = [giving%node, link%nodes(j)]
+         giving%direction = [giving%direction, 1]
+         if (link%nodes(j) == link%held(2)) cycle
+         giving%node = [giving%node, link%nodes(j)]
+         giving%direction = [giving%direction, 2]
+      end do
+      bodies = size(model%reference)
+      step = aside*maxval(abs(link%frame%x))
+      call take_poses(given, dimensions, model, link, points, sense, at_rest, giving%known)
+      if (.not. giving%known) return
+      allocate (giving%motion(3, bodies, size(giving%node), points), source=0.0_wp)
+      giving%axes = at_rest(3:4, :, :)
+      do g = 1, size(giving%node)
+         way = 0.0_wp
+         way(giving%direction(g)) = step
+         other = dimensions
+         call displace(given%mechanism, dimensions, model, link, giving%node(g), way, other)
+         call take_poses(given, other, model, link, points, sense, ahead, closes)
+         giving%known = giving%known .and. closes
+         other = dimensions
+         call displace(given%mechanism, dimensions, model, link, giving%node(g), -way, other)
+         call take_poses(given, other, model, link, points, sense, behind, closes)
+         giving%known = giving%known .and. closes
+         if (.not. giving%known) return
+         do i = 1, points
+            do b = body_frame + 1, bodies
+               giving%motion(:2, b, g, i) = (ahead(:2, b, i) - behind(:2, b, i))/(2.0_wp*step)
+               giving%motion(3, b, g, i) = asin(behind(3, b, i)*ahead(4, b, i) - behind(4, b, i)*ahead(3, b, i))/(2.0_wp*step)
+            end do
+         end do
+      end do
+      ! of the link: from the origin of its frame's axes to the reference of its body, and back to the axes of its own arc
+      do i = 1, points
+         associate (axis => giving%axes(:, link%body, i))
+            axis = [axis(1)*link%axis(1) + axis(2)*link%axis(2), axis(2)*link%axis(1) - axis(1)*link%axis(2)]
+            lever = -[link%origin(1)*axis(1) - link%origin(2)*axis(2), link%origin(1)*axis(2) + link%origin(2)*axis(1)]
+         end associate
+         do g = 1, size(giving%node)
+            associate (motion => giving%motion(:, link%body, g, i))
+               if (link%held(2) == 0) motion = 0.0_wp ! clamped: its axes do not move as it bends
+               motion(:2) = motion(:2) + motion(3)*[-lever(2), lever(1)]
+            end associate
+         end do
+      end do
+   end subroutine find_giving
+
+   !> Places and axes of all bodies over a turn; of the link those of its frame.
+   subroutine take_poses(given, dimensions, model, link, points, sense, poses, closes)
+      type(problem_t), intent(in) :: given
+      type(dimensions_t), intent(in) :: dimensions
+      type(force_model_t), intent(in) :: model
+      type(flexible_link_t), intent(in) :: link
+      integer, intent(in) :: points
+      real(wp), intent(in) :: sense
+      real(wp), allocatable, intent(out) :: poses(:, :, :) !! shape (4, bodies, points)
+      logical, intent(out) :: closes
+      class(problem_t), allocatable :: problem   ! large: it would fill a small stack
+      type(link_cycle_t) :: turn
+      type(forces_t) :: forces
+      real(wp) :: input(points), far(2)
+      integer :: block, offset, n, b, i, first, second
+
+      turn%sense = sense
+      call prepare_turn(given, dimensions, points, problem, input, turn)
+      closes = turn%failure == 0
+      allocate (poses(4, size(model%reference), points), source=0.0_wp)
+      if (.not. closes) return
+      call prepare_forces(problem, model, forces)
+      associate (mechanism => problem%mechanism, v => problem%linkage%store%v, places => problem%linkage, &
+                 points_of => problem%plan%joint_points)
+         first = points_of(mechanism%joints(link%joints(findloc(link%nodes, link%held(1), dim=1)))%point)
+         second = first
+         if (link%held(2) > 0) second = points_of(mechanism%joints(link%joints(findloc(link%nodes, link%held(2), dim=1)))%point)
+         do block = 1, problem%blocks()
+            call problem%solve_block(block, offset, n)
+            do i = 1, n
+               do b = body_frame + 1, size(model%reference)
+                  associate (rows => forces%bodies(b))
+                     poses(1:2, b, offset + i) = forces%metre*[v(i, rows%px), v(i, rows%py)]
+                     poses(3:4, b, offset + i) = [rows%c*v(i, rows%root_x) - rows%s*v(i, rows%root_y), &
+                                                  rows%c*v(i, rows%root_y) + rows%s*v(i, rows%root_x)]
+                  end associate
+               end do
+               associate (pose => poses(:, link%body, offset + i))
+                  pose(1:2) = forces%metre*[v(i, places%point_x(first)), v(i, places%point_y(first))]
+                  if (second == first) then
+                     pose(3:4) = [link%axis(1)*pose(3) - link%axis(2)*pose(4), link%axis(1)*pose(4) + link%axis(2)*pose(3)]
+                  else
+                     far = forces%metre*[v(i, places%point_x(second)), v(i, places%point_y(second))] - pose(1:2)
+                     pose(3:4) = far/sqrt(sum(far**2))
+                  end if
+               end associate
+            end do
+         end do
+      end associate
+   end subroutine take_poses
+
+   !> Other dimensions of the link's arcs: all its points at a node are moved in the axes of its frame.
+   pure subroutine displace(mechanism, dimensions, model, link, node, way, other)
+      type(mechanism_t), intent(in) :: mechanism
+      type(dimensions_t), intent(in) :: dimensions
+      type(force_model_t), intent(in) :: model
+      type(flexible_link_t), intent(in) :: link
+      integer, intent(in) :: node
+      real(wp), intent(in) :: way(2)             !! m
+      type(dimensions_t), intent(inout) :: other
+      logical :: moves(size(mechanism%points)), found
+      real(wp) :: turn(size(mechanism%arcs)), place(2), at(2), move(2), old(2), new(2)
+      integer :: k, n
+
+      associate (body => mechanism%bodies(link%body), x => link%frame%x(:, node))
+         place = (link%origin + [x(1)*link%axis(1) - x(2)*link%axis(2), x(1)*link%axis(2) + x(2)*link%axis(1)])/model%metre
+         move = [way(1)*link%axis(1) - way(2)*link%axis(2), way(1)*link%axis(2) + way(2)*link%axis(1)]/model%metre
+         moves = .false.
+         do k = 1, size(body%points)
+            call locate_point(mechanism, dimensions, link%body, model%reference(link%body), body%points(k), at, found)
+            moves(body%points(k)) = found .and. &
+                                    maxval(abs(at - place)) <= same_point*maxval(abs(link%frame%x))/model%metre
+         end do
+         turn = 0.0_wp
+         do k = 1, size(body%arcs)
+            n = body%arcs(k)
+            if (mechanism%slides(n)) cycle
+            associate (tips => mechanism%arcs(n)%ends)
+               if (moves(tips(at_start)) .eqv. moves(tips(at_finish))) cycle
+               call unit_vector(mechanism%angle_on_body(n, dimensions), old(1), old(2))
+               old = dimensions%arcl(mechanism%angle_owner(n))*old
+               new = old + merge(move, -move, moves(tips(at_finish)))
+            end associate
+            other%arcl(n) = sqrt(sum(new**2))
+            turn(n) = degrees_of(old(1)*new(1) + old(2)*new(2), old(1)*new(2) - old(2)*new(1))
+         end do
+         do k = 1, size(body%arcs)
+            n = body%arcs(k)
+            associate (arc => mechanism%arcs(n))
+               if (arc%kind == arc_crank .and. arc%loop == 1) then
+                  other%crnki = other%crnki + turn(n)
+                  other%drawn = other%drawn + turn(n)
+                  other%anchor = other%anchor + turn(n)
+               end if
+               if (arc%kind /= arc_determined .or. arc%same .or. arc%reference == 0) cycle
+               other%gama(n) = other%gama(n) + turn(n) - turn(arc%reference)
+            end associate
+         end do
+      end associate
+   end subroutine displace
+
+   !> Mass between two motions of all bodies at one position: twice the kinetic energy that both have in common.
+   pure real(wp) function mass_between(inertia, axes, one, other) result(mass)
+      real(wp), intent(in) :: inertia(:, :)      !! shape (4, bodies), as of a force model
+      real(wp), intent(in) :: axes(:, :)         !! shape (2, bodies)
+      real(wp), intent(in) :: one(:, :), other(:, :) !! shape (3, bodies)
+      real(wp) :: first(2)
+      integer :: b
+
+      mass = 0.0_wp
+      do b = body_frame + 1, size(inertia, 2)
+         associate (of => inertia(:, b), e => axes(:, b), v => one(:, b), w => other(:, b))
+            first = [of(parameter_mx)*e(1) - of(parameter_my)*e(2), of(parameter_mx)*e(2) + of(parameter_my)*e(1)]
+            mass = mass + of(parameter_mass)*(v(1)*w(1) + v(2)*w(2)) + of(parameter_inertia)*v(3)*w(3) &
+                   + w(3)*(v(2)*first(1) - v(1)*first(2)) + v(3)*(w(2)*first(1) - w(1)*first(2))
+         end associate
+      end do
+   end function mass_between
+
+   !> Motion of the origin of a link's axes in these axes, and its turning, where its body moves.
+   pure function origin_motion(link, axes, motion) result(own)
+      type(flexible_link_t), intent(in) :: link
+      real(wp), intent(in) :: axes(:, :)         !! shape (2, bodies)
+      real(wp), intent(in) :: motion(:, :)       !! shape (3, bodies)
+      real(wp) :: own(3), lever(2), ahead(2), v(2)
+
+      associate (e => axes(:, link%body), of => motion(:, link%body))
+         lever = [link%origin(1)*e(1) - link%origin(2)*e(2), link%origin(1)*e(2) + link%origin(2)*e(1)]
+         ahead = [link%axis(1)*e(1) - link%axis(2)*e(2), link%axis(1)*e(2) + link%axis(2)*e(1)]
+         v = of(:2) + of(3)*[-lever(2), lever(1)]
+         own = [v(1)*ahead(1) + v(2)*ahead(2), v(2)*ahead(1) - v(1)*ahead(2), of(3)]
+      end associate
+   end function origin_motion
+end module psalm_driven_masses
