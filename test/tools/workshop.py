@@ -243,7 +243,7 @@ def stages(top, debug, release, quad):
                                    "kind_counts", "kind_search", "kinds", "larger_groups", "machines", "outputs",
                                    "search_combinations", "allocation")),
                           ("program", ("mistakes", "manual", "tables", "next_step", "reading")),
-                          ("published", ("muscle", "calm", "exact", "six_bars", "references")),
+                          ("published", ("muscle", "calm", "exact", "six_bars", "references", "published_numbers")),
                           ("campaign", ("sketch_campaign",))):
         result += [Stage(name.replace("_", " "), [python, os.path.join(test, folder, name + ".py"), release.bin]) for name in names]
     for name, pattern in (("program/files", r"\b(?:for test in \()([\w,\s]+)\)"), ("law/summary", r"\b(?:for part in \()([\w,\s]+)\)")):
