@@ -79,6 +79,7 @@ contains
          first = sub
          call integrate(c_used, k_used, p_used, units, sub, maps, before, steep, coupled%grows_too_much)
       end do
+      coupled%too_fast = steep
       do
          if (coupled%grows_too_much) return
          sub = 2*sub

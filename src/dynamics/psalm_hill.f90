@@ -25,6 +25,7 @@ module psalm_hill
       logical :: unique = .false.           !! no multiplier is 1 within the error: there is one periodic solution
       logical :: converged = .false.        !! the tolerance was reached
       logical :: grows_too_much = .false.   !! in a turn by more than numbers can hold: there are no results
+      logical :: too_stiff = .false.        !! c1 is so large that no step is short enough: there are none either
       integer :: steps = 0
       real(wp), allocatable :: y(:), y1(:), y2(:) !! periodic solution and derivatives at x = 2 pi (i - 1)/steps; only if unique
    end type hill_t
@@ -39,15 +40,17 @@ module psalm_hill
    real(wp), parameter :: most_growth = sqrt(huge(1.0_wp))/1.0e30_wp !! squares of it are formed
    real(wp), parameter :: steepest = 300.0_wp !! of the exponent of a step
    real(wp), parameter :: near_greatest = 0.7_wp !! of the greatest step: a maximum between steps may be so far above them
+   real(wp), parameter :: level = 64.0_wp*epsilon(1.0_wp) !! part of the greatest by which rounding makes neighbours differ
+   real(wp), parameter :: most_damping = 2.0e5_wp !! c1: of the shortest step the exponent is 10
    integer, parameter :: newton_steps = 5
    integer, parameter :: fewest_steps = 64, most_steps = 2**17
    real(wp), parameter :: gauss_offset = 0.387298334620741688517926539978239961_wp !! sqrt(15)/10
 
 contains
 
-   !> Its errors: `grows_too_much` true if a turn cannot be followed; `converged` false if `tolerance` is not reached with the
-   !> largest number of steps; `unique` false where a multiplier is 1 within the error (then there is no steady state, or none
-   !> that is unique, and `y` is not allocated).
+   !> Its errors: `grows_too_much` true if a turn cannot be followed, with `too_stiff` for its damping; `converged` false if
+   !> `tolerance` is not reached with the largest number of steps; `unique` false where a multiplier is 1 within the error (then
+   !> there is no steady state, or none that is unique, and `y` is not allocated).
    pure function solve_hill(c1, c0, p, tolerance) result(hill)
       type(periodic_t), intent(in) :: c1, c0, p
       real(wp), intent(in) :: tolerance !! relative error of the elements of the period's matrix
@@ -57,6 +60,9 @@ contains
       real(wp) :: change, largest, determinant, exact
       integer :: n
 
+      hill%too_stiff = .not. maxval(abs(c1%values(fewest_steps))) <= most_damping
+      hill%grows_too_much = hill%too_stiff
+      if (hill%too_stiff) return
       n = fewest_steps
       do while (n < most_steps .and. real(n, wp) < 2.0_wp*sqrt(maxval(abs(c0%values(fewest_steps)))))
          n = 2*n
@@ -111,6 +117,8 @@ contains
       do i = 1, n
          if (abs(hill%y(i)) < near_greatest*largest) cycle
          if (abs(hill%y(i)) < abs(hill%y(modulo(i, n) + 1)) .or. abs(hill%y(i)) < abs(hill%y(modulo(i - 2, n) + 1))) cycle
+         ! nothing higher lies between steps that are level but for rounding
+         if (abs(hill%y(i)) - min(abs(hill%y(modulo(i, n) + 1)), abs(hill%y(modulo(i - 2, n) + 1))) <= level*largest) cycle
          x = 0.0_wp
          do k = 1, newton_steps
             slope = y1%at(width*real(i - 1, wp) + x)

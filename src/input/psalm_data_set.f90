@@ -27,7 +27,7 @@ module psalm_data_set
    use psalm_origin, only: origins_t, name_length
    use psalm_rate_items, only: gives_rates
    use psalm_rates_group, only: rates_group_t, read_rates_group
-   use psalm_search_group, only: search_group_t, read_search_group
+   use psalm_search_group, only: search_group_t, read_search_group, pareto_largest
    use psalm_sketch, only: sketch_t, grid_digits, drive_turns, most_targets, output_angle, output_distance, output_pose, &
                            output_slide
    use psalm_source, only: line_t, read_lines, split_lines
@@ -39,7 +39,7 @@ module psalm_data_set
    use psalm_text, only: text_t, to_text
    use psalm_tolerance_group, only: tolerance_group_t, read_tolerance_group
    use psalm_equal_items, only: read_equalities
-   use psalm_target_items, only: read_targets, values_of
+   use psalm_target_items, only: read_targets, values_of, weights_of
    implicit none (type, external)
    private
    public :: data_set_t, read_data_sets, read_data_set_text
@@ -51,6 +51,7 @@ module psalm_data_set
    character(*), parameter :: group_of_kinds = 'KINDS'
    integer, parameter :: title_columns = 72        !! of a title, at most
    real(wp), parameter :: largest_machine = 20.0_wp !! metres; a larger one may have been drawn in millimetres
+   real(wp), parameter :: largest_written_out = 1.0e6_wp !! metres; larger numbers have an exponent
 
    !> Everything the user can say to `psalm`. Angles in degrees, lengths in the user's one unit.
    type :: data_set_t
@@ -440,8 +441,9 @@ contains
          call out_of(groups(method), 'IFREE', 'free timing is a part of a search, but no dimension may vary', findings)
       end if
       call check_ways(groups(search), set, findings)
-      call check_equalities(groups(outputs), set, findings)
-      call report_idle_items(groups(method), groups(limits), groups(search), program == searching_program, set, findings)
+      call check_equalities(groups(outputs), groups(search), set, findings)
+      call report_idle_items(groups(method), groups(limits), groups(search), groups(outputs), program == searching_program, set, &
+                             findings)
       call read_constraint_group(groups(constr), set%links%nloop, set%links%maxarc, set%sketch, set%constr, findings)
       call settle_angle_limit(groups(limits), groups(constr), set, findings)
       call read_tolerance_group(groups(toler), set%links, set%method, set%sketch, set%toler, findings)
@@ -489,13 +491,19 @@ contains
       type(data_set_t), intent(in) :: set
       type(diagnostics_t), intent(inout) :: findings
       real(wp) :: extent
+      character(:), allocatable :: metres
 
       if (size(set%masses%mass) == 0 .and. line_of_others == 0 .or. group%given('UNITL')) return
       extent = maxval(set%links%arcl)
       if (set%sketch%given .and. size(set%sketch%x) > 0) extent = max(maxval(set%sketch%x) - minval(set%sketch%x), &
                                                                       maxval(set%sketch%y) - minval(set%sketch%y))
       if (extent <= largest_machine) return
-      call findings%warning('missing: lengths are taken as metres, and this linkage is '//to_text(nint(extent))// &
+      if (extent < largest_written_out) then
+         metres = to_text(nint(extent))
+      else
+         metres = number_words(extent)
+      end if
+      call findings%warning('missing: lengths are taken as metres, and this linkage is '//metres// &
                             ' m large; if it is drawn in millimetres, set UNITL=0.001', &
                             line=merge(group%line, line_of_others, group%line > 0), group='MASSES', item='UNITL')
    end subroutine doubt_units
@@ -578,8 +586,9 @@ contains
    end subroutine check_similarity
 
    !> Outputs that are to be equal are compared at inputs that are known, of all positions.
-   subroutine check_equalities(group, set, findings)
+   subroutine check_equalities(group, search, set, findings)
       type(group_t), intent(in) :: group             !! OUTPUTS
+      type(group_t), intent(in) :: search            !! SEARCH
       type(data_set_t), intent(in) :: set
       type(diagnostics_t), intent(inout) :: findings
 
@@ -588,6 +597,8 @@ contains
          'compares outputs at prescribed positions, but with IFREE=1 of &METHOD the inputs are unknown', findings, 1)
       if (set%search%few > 0) call out_of(group, 'EQUAL', 'names positions, and NFEW of &SEARCH leaves most of them out', &
                                           findings, 1)
+      if (set%search%pareto == pareto_largest .and. .not. set%method%desired .and. size(set%sketch%target_columns()) == 0) &
+         call out_of(search, 'PARETO', "'LARGEST' is the largest error of desired values, of which there are none", findings)
    end subroutine check_equalities
 
    !> Ways of searching that need other items.
@@ -619,8 +630,8 @@ contains
    end subroutine check_ways
 
    !> Items that are given and have no effect, because of others.
-   subroutine report_idle_items(method, limits, search, may_search, set, findings)
-      type(group_t), intent(in) :: method, limits, search
+   subroutine report_idle_items(method, limits, search, outputs, may_search, set, findings)
+      type(group_t), intent(in) :: method, limits, search, outputs
       logical, intent(in) :: may_search              !! by the program that reads; others take what a search was given as it is
       type(data_set_t), intent(in) :: set
       type(diagnostics_t), intent(inout) :: findings
@@ -640,6 +651,8 @@ contains
 
       if (set%method%ikin /= 0) then
          call idle(method, of_positions, 'IKIN asks for an analysis through one turn; leave IKIN out, or them')
+         if (allocated(set%sketch%outputs)) call idle(outputs, wanted_of(size(set%sketch%outputs)), &
+                                                      'IKIN asks for an analysis through one turn; leave IKIN out, or them')
       else
          kind = output_kind(set%method%motion)
          if (.not. (method%given('DESX') .or. method%given('DESY') .or. method%given('DESANG'))) then
@@ -688,6 +701,21 @@ contains
          call group%origins%warning(findings, trim(group%name), trim(items(first)), 'has no effect'//others//': '//reason)
       end subroutine idle
    end subroutine report_idle_items
+
+   !> The items of &OUTPUTS that say what outputs are to be at prescribed positions.
+   pure function wanted_of(outputs) result(items)
+      integer, intent(in) :: outputs
+      character(name_length), allocatable :: items(:)
+      integer :: k, order
+
+      allocate (items(0))
+      do k = 1, outputs
+         do order = lbound(values_of, 1), ubound(values_of, 1)
+            items = [character(name_length) :: items, trim(values_of(order))//to_text(k), trim(weights_of(order))//to_text(k)]
+         end do
+      end do
+      items = [character(name_length) :: items, 'EQUAL', 'EQORD', 'EQMULT', 'EQADD', 'EQWGT']
+   end function wanted_of
 
    !> True if any dimension may vary; a sketch has its loops later.
    pure logical function varies(set)

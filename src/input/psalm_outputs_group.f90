@@ -34,13 +34,13 @@ module psalm_outputs_group
              'weights of those of DACC'), &
       rule_t('EQUAL', a_text, 'n', '', '', '', &
              'which outputs are to be equal: ''left right'' at every position, ''left 1 left 9'' one of them at two'), &
-      rule_t('EQORD', a_whole, 'as EQUAL', '', '0', '0, 1, 2', &
+      rule_t('EQORD', a_whole, 'as EQUAL', '', '0', '[0,2]', &
              'of what: 0 values, 1 first, 2 second derivatives by the first drive'), &
       rule_t('EQMULT', a_number, 'as EQUAL', '', '1', '', &
              'the first is to be so many times the second'), &
       rule_t('EQADD', a_number, 'as EQUAL', '', '0', '', &
              'plus this'), &
-      rule_t('EQWGT', a_number, '1 or as EQUAL', '', '1', '> 0', &
+      rule_t('EQWGT', a_number, '1 or as EQUAL', '', '1', '(0,)', &
              'weights of the squares of their differences')]
 
 contains

@@ -79,7 +79,8 @@ contains
       end do
       if (problem%blank) then
          groups = target_groups(set%sketch)
-         call text%add(' ERRORS ARE THOSE OF '//trim(groups(first_target(groups))%name))
+         ! outputs that are to be equal have no error of their own
+         if (size(groups) > 0) call text%add(' ERRORS ARE THOSE OF '//trim(groups(first_target(groups))%name))
       end if
       call text%add(' LINKAGES DIFFER WHERE A LENGTH DOES BY MORE THAN '//plain_number(percent*set%search%differ)// &
                     ' PER CENT OF IT, OR AN ANGLE BY MORE THAN '//plain_number(degrees_per_radian*set%search%differ)// &

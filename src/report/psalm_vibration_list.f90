@@ -330,7 +330,9 @@ contains
       type(hill_t), intent(in) :: hill
       character(:), allocatable :: words
 
-      if (hill%grows_too_much) then
+      if (hill%too_stiff) then
+         words = 'TOO STIFF TO BE FOLLOWED: C1 IS ABOVE 200000'
+      else if (hill%grows_too_much) then
          words = 'UNSTABLE: IT GROWS TOO MUCH IN A TURN TO BE FOLLOWED'
       else if (.not. hill%unique) then
          words = 'NO UNIQUE PERIODIC SOLUTION: A MULTIPLIER IS 1'
@@ -350,7 +352,7 @@ contains
       character(:), allocatable :: words
 
       if (coupled%too_fast) then
-         words = 'TOO STIFF TO BE FOLLOWED: MORE THAN 100000 WAVES IN A TURN'
+         words = 'TOO STIFF TO BE FOLLOWED: MORE THAN 1000000 WAVES IN A TURN, OR TOO STRONG A DAMPING OR COUPLING'
       else if (coupled%grows_too_much) then
          words = 'UNSTABLE: IT GROWS TOO MUCH IN A TURN TO BE FOLLOWED'
       else if (.not. coupled%unique) then
@@ -516,7 +518,8 @@ contains
                               in_sentence(named, maxval(study%viscous)))
       end if
       call text%add(' '//stability_words(study%hill))
-      call text%add(' MULTIPLIERS'//both_multipliers(named, study%hill)// &
+      if (.not. study%hill%grows_too_much) &
+         call text%add(' MULTIPLIERS'//both_multipliers(named, study%hill)// &
                     trim(merge(' (OF HALF A TURN)', '                 ', drive%ripple > 0.0_wp)))
       call list_accuracy(named, study%hill, text)
       if (study%hill%unique) then
@@ -568,12 +571,14 @@ contains
       end if
       call text%add(' HILL''S EQUATION Y'''' + C1 Y'' + C0 Y = P FROM TABLES OF '//to_text(size(hill%c0))//' VALUES')
       call text%add(' '//stability_words(study%hill))
-      call text%add(' MULTIPLIERS'//both_multipliers(named, study%hill))
-      call text%add(' PERIOD: FREE      '//in_sentence(named, study%hill%transfer(1, 1))// &
-                    in_sentence(named, study%hill%transfer(1, 2)))
-      call text%add('                   '//in_sentence(named, study%hill%transfer(2, 1))// &
-                    in_sentence(named, study%hill%transfer(2, 2)))
-      call text%add('         FROM REST '//in_sentence(named, study%hill%forced(1))//in_sentence(named, study%hill%forced(2)))
+      if (.not. study%hill%grows_too_much) then
+         call text%add(' MULTIPLIERS'//both_multipliers(named, study%hill))
+         call text%add(' PERIOD: FREE      '//in_sentence(named, study%hill%transfer(1, 1))// &
+                       in_sentence(named, study%hill%transfer(1, 2)))
+         call text%add('                   '//in_sentence(named, study%hill%transfer(2, 1))// &
+                       in_sentence(named, study%hill%transfer(2, 2)))
+         call text%add('         FROM REST '//in_sentence(named, study%hill%forced(1))//in_sentence(named, study%hill%forced(2)))
+      end if
       call list_accuracy(named, study%hill, text)
       if (.not. study%hill%unique) return
       call text%add(' STEADY STATE AT 0'//in_sentence(named, study%hill%start(1))//in_sentence(named, study%hill%start(2))// &

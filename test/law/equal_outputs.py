@@ -12,6 +12,7 @@ import cmath
 import csv
 import math
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -192,10 +193,18 @@ def of_mistakes(programs, folder):
             ("EQUAL='rocker 1 rocker 5', EQMULT=2.0", "", "", "of angles is 1 or -1"),
             ("EQUAL='rocker 1 rocker 5', EQWGT=0.0", "", "", "weights must be positive"),
             ("EQUAL='rocker 1 rocker 5'", ", IFREE=1", "", "the inputs are unknown"),
+            ("EQUAL='rocker 1 rocker 5'", "", ", PARETO='LARGEST', NBEST=2", "of which there are none"),
             ("EQUAL='rocker 1 rocker 5'", "", ", NFEW=3", "leaves most of them out")):
         status, _, remarks = run(programs, "psalm", FOUR_BAR % (words, extra, "LSQ", what), folder)
         check(status == 2 and needed in " ".join(remarks.split()), "%s%s%s: status %d, %s" % (words, extra, what, status,
                                                                                               remarks.strip()[:120]))
+    without = FOUR_BAR % ("EQUAL='rocker 1 rocker 5'", "", "LSQ", ", NBEST=2")
+    status, listing, _ = run(programs, "psalm", without, folder)
+    check(status == 0 and "LINKAGES FOUND" in listing and "ERRORS ARE THOSE OF" not in listing
+          and all(c == "\n" or c.isprintable() for c in listing), "a ranking without desired values names no output")
+    turn = without.replace(re.search("NDES=5.*?(?= *&END)", without, re.S).group(), "IKIN=30")
+    status, _, remarks = run(programs, "psalm", turn, folder)
+    check(status == 0 and "EQUAL: has no effect" in remarks, "an analysis through a turn: %d, %s" % (status, remarks[:200]))
 
 
 def main():

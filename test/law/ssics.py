@@ -377,6 +377,13 @@ def bad_input(place):
         check(code == 2 and error.count("error:") == 1 and "did you mean N" in error, "a misspelt count is told once", error)
     code, _, error, _ = run("TOO STEEP\n &HILL NHILL=1, HC0=-1E6 &END\n", place)
     check(code == 1 and "grows too much" in error, "growth that cannot be followed", error)
+    for damping in (1e6, 1e9):
+        code, listing, error, _ = run("STIFF\n &HILL NHILL=1, HC0=1.0, HC1=%g, HP=1.0 &END\n" % damping, place)
+        check(code == 1 and "too stiff" in error and "MULTIPLIERS" not in listing, "damping that cannot be followed: %g" % damping, error)
+        code, listing, error, _ = run("STIFF\n &HILL NHEQN=2, NHILL=1, HMC0=1.0,0,0,2.0, HMC1=0,%g,0,0 &END\n" % damping, place)
+        check(code == 1 and "too stiff" in error and "unstable" not in error, "coupling that cannot be followed: %g" % damping, error)
+    code, listing, error, _ = run("DAMPED\n &HILL NHILL=1, HC0=1.0, HC1=1E5, HP=1.0 &END\n", place)
+    check(code == 0 and abs(float(listing.split("STEADY STATE AT 0")[1].split()[0]) - 1.0) < 1e-6, "a strong damping: y = p/c0", error)
     code, _, error, _ = run("RESONANCE\n &HILL NHILL=1, HC0=4.0 &END\n", place)
     check(code == 1 and "no unique periodic solution" in error, "a multiplier of 1", error)
     code, _, error, _ = run(data("dyad1_crank_rocker.nml"), place)

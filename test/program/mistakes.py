@@ -288,6 +288,8 @@ DOUBTS = [
     ("psalm", SKETCH, "'point P'", "'x P'", "  Inputs              count from the drawing, where the crank is at 97.35238 degrees from the x axis"),
     ("kalm", SKETCH, " &METHOD", " &RATES SPEED=1.0 &END\n &MASSES NMASS=1, MNAME='crank', MASS=1.0 &END\n &METHOD",
      "&MASSES UNITL: missing: lengths are taken as metres, and this linkage is 95 m large"),
+    ("kalm", SKETCH.replace("JX=0.0,-4.0,33.0,90.0,20.0, JY=0.0,31.0,82.0,5.0,95.0", "JX=0.0,-4E10,33E10,90E10,20E10, JY=0.0,31E10,82E10,5E10,95E10"),
+     " &METHOD", " &RATES SPEED=1.0 &END\n &MASSES MNAME='crank', MASS=1.0 &END\n &METHOD", "and this linkage is 950.0000E+09 m large"),
     ("kalm", SKETCH, " &METHOD", " &RATES SPEED=1.0 &END\n &LOADS LNAME='crank', LFX=1.0 &END\n &METHOD",
      "&MASSES UNITL: missing: lengths are taken as metres, and this linkage is 95 m large"),
     ("kalm", DRIVES, " &METHOD", " &RATES SPEED=1.0 &END\n &METHOD",
