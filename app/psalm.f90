@@ -302,7 +302,7 @@ contains
          call put_positions(problem, analysis%motion, devices%cases(devices%last_case()), analysis%condition)
       end if
       if (arguments%links .and. set%is_beyond_arrays()) &
-         call devices%remark(set, 'device 7 has the sketch: its loops are none that &LINKS can tell')
+         call devices%remark(set, 'device 7 has the sketch: &LINKS has no notation for its loops')
       if (arguments%links .and. set%is_drawn() .and. .not. set%is_beyond_arrays()) then
          by_loops = variant_of(set)
          by_loops%by_loops = .true.

@@ -16,6 +16,8 @@ module psalm_equal_items
    public :: read_equalities, equality_words
 
    character(*), parameter :: usual = "EQUAL='left right' compares two outputs at every position, EQUAL='left 1 left 9' one at two"
+   integer, parameter :: unheard = 1000      !! values of items that are refused for another reason
+   character(*), parameter :: of_equal(*) = [character(6) :: 'EQORD', 'EQMULT', 'EQADD', 'EQWGT']
 
 contains
 
@@ -34,10 +36,16 @@ contains
       if (allocated(sketch%equalities)) deallocate (sketch%equalities)
       call group%get_texts('EQUAL', texts, findings)
       n = size(texts)
+      if (n == 0) then
+         do e = 1, size(of_equal)
+            if (.not. group%given(trim(of_equal(e)))) cycle
+            call out_of(group, trim(of_equal(e)), 'is of outputs that are to be equal, but there are none: EQUAL', findings, 1)
+         end do
+      end if
       allocate (equalities(n))
       block
-         integer :: orders(n)
-         real(wp) :: factors(n), constants(n), weights(n)
+         integer :: orders(merge(unheard, n, n == 0))
+         real(wp) :: factors(size(orders)), constants(size(orders)), weights(size(orders))
 
          orders = 0
          factors = 1.0_wp

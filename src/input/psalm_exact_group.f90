@@ -20,6 +20,8 @@ module psalm_exact_group
    character(*), parameter :: of_functions(*) = [character(6) :: 'FUNC', 'FXLOW', 'FXHIGH', 'FPOWER', 'DPHI', 'DPSI', 'PSI', &
                                                  'PHI0', 'PSI0', 'SLOPE', 'CURV', 'SIXBAR', 'NPOINT', 'CRANK', 'OUTPIN', &
                                                  'ARMLEN', 'START']
+   !> Of these, those of a function that has a name.
+   character(*), parameter :: of_named(*) = [character(6) :: 'FXLOW', 'FXHIGH', 'FPOWER', 'DPHI', 'DPSI']
    character(*), parameter :: functions(*) = [character(7) :: 'LOG10', 'LN', 'EXP', 'SIN', 'COS', 'TAN', 'POWER']
    integer, parameter :: most_points = 60, most_exact_points = 9, most_in_table = 200, fewest_in_table = 3
    integer, parameter :: exact_in_table = 5          !! entries of a table that a linkage can meet exactly
@@ -367,6 +369,11 @@ contains
             merge('DPSI', 'DPHI', abs(exact%swing_in) > 0.0_wp), 'must not be 0', findings)
          return
       end if
+      do i = 1, size(of_named)
+         if (.not. group%given(trim(of_named(i)))) cycle
+         call findings%warning('has no effect: it is the range of FUNC, and a table, PHI and PSI, has its own', line=group%line, &
+                               group=trim(group%name), item=trim(of_named(i)))
+      end do
       if (last /= n) call out_of(group, 'PSI', 'PHI has '//to_text(n)//' values, but PSI has '//to_text(last), findings)
       if (any(is_missing(exact%phi)) .or. (last == n .and. any(is_missing(exact%psi)))) call out_of(group, &
          merge('PHI', 'PSI', any(is_missing(exact%phi))), 'a value of the table is missing', findings)

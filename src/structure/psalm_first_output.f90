@@ -17,7 +17,7 @@ module psalm_first_output
 
 contains
 
-   !> The first output that the arrays can tell; without one the first point of a single link, else the last moving joint.
+   !> The first output that the arrays can describe; without one the first point of a single link, else the last moving joint.
    subroutine fill_output(loops, state, sketch, set, findings)
       type(loops_t), intent(inout) :: loops
       type(state_t), intent(in) :: state
@@ -67,7 +67,7 @@ contains
       if (arc > 0) wants_travel = loops%arcs(arc)%guide_link > 0
    end function wants_travel
 
-   !> Desired values of the first output are those of &METHOD, if the loops can tell it: DES1 is another word for DESX and DESY,
+   !> Desired values of the first output are those of &METHOD, if the loops can describe it: DES1 is another word for DESX and DESY,
    !> or DESANG, DVEL1 and DACC1 for their derivatives. Not so of a slide, whose arc has another zero. Values of the others, and of
    !> a first one that is no output of the loops, are compared beside it.
    subroutine take_targets(loops, state, sketch, set)

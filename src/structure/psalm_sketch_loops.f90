@@ -1,6 +1,6 @@
 !> Loops for a sketch: one for each dyad, several rings for each larger group.
 !>
-!> Dyads are traced as the arrays ILINK, ILOOP, ARCL, GAMA can tell them. What these cannot tell, as a slide passed against its
+!> Dyads are traced as the arrays ILINK, ILOOP, ARCL, GAMA describe them. What these cannot describe, as a slide passed against its
 !> sense, is traced as a larger group is. Source: Oldham (1977), 15.1, the choice of minimal loops.
 module psalm_sketch_loops
    use psalm_closure, only: closure_t, state_t, row_gear, row_pin, row_line

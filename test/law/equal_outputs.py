@@ -192,6 +192,7 @@ def of_mistakes(programs, folder):
             ("EQUAL='rocker 1 rocker 5', EQORD=3", "", "", "is the order of a derivative"),
             ("EQUAL='rocker 1 rocker 5', EQMULT=2.0", "", "", "of angles is 1 or -1"),
             ("EQUAL='rocker 1 rocker 5', EQWGT=0.0", "", "", "weights must be positive"),
+            ("EQADD=1.0", "", "", "there are none: EQUAL"),
             ("EQUAL='rocker 1 rocker 5'", ", IFREE=1", "", "the inputs are unknown"),
             ("EQUAL='rocker 1 rocker 5'", "", ", PARETO='LARGEST', NBEST=2", "of which there are none"),
             ("EQUAL='rocker 1 rocker 5'", "", ", NFEW=3", "leaves most of them out")):

@@ -251,6 +251,12 @@ def of_mistakes(programs, folder):
         check(status == 2 and needed in " ".join(remarks.split()), "%s: status %d, %s" % (words, status, remarks.strip()[:160]))
 
 
+def of_idle_items(programs, folder):
+    status, _, remarks = run(programs, "TABLE\n &EXACT KIND='FUNCTION', PHI=0.0,45.0,90.0, PSI=0.0,30.0,70.0, SLOPE=0.5,,1.1, DPSI=40.0 &END\n",
+                             folder)
+    check(status == 0 and "DPSI: has no effect: it is the range of FUNC" in remarks, "DPSI beside a table is reported: %s" % remarks[:100])
+
+
 def main():
     programs = os.path.abspath(sys.argv[1])
     with tempfile.TemporaryDirectory() as folder:
@@ -258,6 +264,7 @@ def main():
         of_sliders(programs, folder)
         of_poses(programs, folder)
         of_mistakes(programs, folder)
+        of_idle_items(programs, folder)
     return report()
 
 
