@@ -3,7 +3,7 @@ module psalm_exact_group
    use psalm_case_group, only: case_group_t, surroundings_t
    use psalm_data_set, only: data_set_t
    use psalm_group, only: group_t, out_of, required
-   use psalm_kinds, only: wp
+   use psalm_kinds, only: wp, full_turn
    use psalm_rule, only: rule_t, a_flag, a_number, a_whole, a_word
    use psalm_status, only: diagnostics_t
    use psalm_take, only: take
@@ -23,6 +23,7 @@ module psalm_exact_group
    character(*), parameter :: functions(*) = [character(7) :: 'LOG10', 'LN', 'EXP', 'SIN', 'COS', 'TAN', 'POWER']
    integer, parameter :: most_points = 60, most_exact_points = 9, most_in_table = 200, fewest_in_table = 3
    integer, parameter :: exact_in_table = 5          !! entries of a table that a linkage can meet exactly
+   real(wp), parameter :: most_turned = 36000.0_wp   !! degrees of the crank, as of DPHI: the motion is followed turn by turn
    real(wp), parameter :: of_frame = 1.0e-6_wp       !! difference of lengths that are the same
    integer, parameter :: six_bar_none = 1, six_bar_stephenson = 2, six_bar_watt = 3, six_bar_stephenson_2 = 4
    !> Points that a six-bar of each kind is determined by if nothing of it is given, and those whose start set is made without
@@ -108,7 +109,7 @@ module psalm_exact_group
              'its upper end'), &
       rule_t('FPOWER', a_number, '', '', '2', '', &
              'exponent of POWER'), &
-      rule_t('DPHI', a_number, '', 'degrees', '90', '', &
+      rule_t('DPHI', a_number, '', 'degrees', '90', '[-36000,36000]', &
              'turn of the crank over the range'), &
       rule_t('DPSI', a_number, '', 'degrees, length', '90', '[-1e6,1e6]', &
              'turn of the follower over the range; of a slider its travel'), &
@@ -380,6 +381,9 @@ contains
          if (n > exact_in_table .and. .not. exact%minimax .and. exact%six_bar == six_bar_none) call out_of(group, 'PHI', &
             to_text(n)//' points cannot be met exactly; give 3 or 5, or MINIMAX=1, or a six-bar (SIXBAR)', findings, n)
       end if
+      if (exact%phi(n) - exact%phi(1) > most_turned) call out_of(group, 'PHI', 'the crank turns '// &
+         to_text(nint(most_turned/full_turn))//' times at most over the range; give angles of one turn, for whole turns do not '// &
+         'change where it is', findings, n)
       do i = 2, n
          if (exact%phi(i) > exact%phi(i - 1)) cycle
          call out_of(group, 'PHI', 'entry '//to_text(i)//': the inputs must rise', findings, i)

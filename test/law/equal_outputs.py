@@ -203,7 +203,7 @@ def main():
     data = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "data")
     with tempfile.TemporaryDirectory() as folder:
         of_four_bar(programs, folder)
-        of_lift(programs, folder, os.path.join(data, "scissors_even.nml"))
+        of_lift(programs, folder, os.path.join(data, "types", "scissors_even.nml"))
         of_slides(programs, folder)
         of_mistakes(programs, folder)
     return report()

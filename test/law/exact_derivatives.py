@@ -239,6 +239,8 @@ def of_mistakes(programs, folder):
             (function, ", CURV=0.5,,1.0", "has a second derivative, but no first one"),
             (function, ", SLOPE=0.5,,1.0, MINIMAX=1", "without SIXBAR and MINIMAX"),
             (" &EXACT KIND='FUNCTION', FUNC='SIN', FXLOW=0.0, FXHIGH=90.0, SLOPE=1.0%s &END\n", "", "is for a table"),
+            (" &EXACT KIND='FUNCTION', FUNC='SIN', FXLOW=0.0, FXHIGH=90.0, DPHI=9E7%s &END\n", "", "must be from -36000 to 36000"),
+            (" &EXACT KIND='FUNCTION', PHI=0.0,1.0,2.0,3.0,4E5, PSI=0.0,1.0,2.0,3.0,4.0%s &END\n", "", "turns 100 times at most"),
             (function, ", XPOLE=1.0, YPOLE=2.0", "is for poses of a body"),
             (motion, ", XPOLE=5.0, YPOLE=-80.0", "are 3 conditions beyond the first pose; a four-bar meets four"),
             (motion, ", XPOLE=5.0,,70.0, YPOLE=-80.0", "the pole of pose 3 needs x and y"),
