@@ -129,6 +129,10 @@ for m in methods:
         cells = [time.get((m[0], m[1], k, 180)) for k in linkages[:2]]
         lines.append("| %s | %s |" % (label(m), " | ".join("-" if c is None else "%.3g" % (c * 180 * d / 1000)
                                                          for c, d in zip(cells, (dyads[linkages[0]], dyads[linkages[1]])))))
+# the last section is that of bench/packages
+with open(os.path.join(doc, "benchmark.md"), encoding="utf-8") as text:
+    _, title, others = text.read().partition("\n## Other packages\n")
+lines += [title + others.rstrip("\n")] if title else []
 with open(os.path.join(doc, "benchmark.md"), "w", encoding="utf-8") as out:
     out.write("\n".join(lines) + "\n")
 with open(os.path.join(measured, "plot.dat"), "w", encoding="utf-8") as out:

@@ -167,6 +167,8 @@ def runs(work, programs):
              [programs["paths"], os.path.join(data, "paths", "ten10.nml")],
              [programs["rivals"], "0.1", os.path.join(data, "paths", "ten10.nml"), "1.0"],
              [os.path.join(bench, "speed.py"), os.path.abspath(sys.argv[1]), programs["bench"], "--short"],
+             [os.path.join(bench, "start.py"), os.path.abspath(sys.argv[1]), "--short"],
+             [programs["positions"], os.path.join(data, "sketch_four_bar.nml"), "180", dump],
              [programs["exact"], "short"], [os.path.join(work, "limit"), "dump", "auto", "180", dump],
              [os.path.join(work, "naive"), "dump", "one_loop", "180", dump], [os.path.join(work, "without_division"), "short"]]
     for task in tasks:
