@@ -541,12 +541,19 @@ def from_pylinkage(source, fixed, drive):
     try:
         with opened(source) as file:
             data = json.loads(file.read().decode("utf-8"))
+        if not isinstance(data, dict):
+            raise ImportFailed("%s is no linkage of pylinkage: it has no joints" % source)
         if "links" in data:
-            return from_mechanism(source, data, fixed)
-        given = data["joints"]
+            try:
+                return from_mechanism(source, data, fixed)
+            except (AttributeError, IndexError, KeyError, TypeError, ValueError) as reason:
+                if isinstance(reason, ImportFailed):
+                    raise
+                raise ImportFailed("%s is no linkage of pylinkage: a joint or link of it is not complete" % source) from None
+        given = data.get("joints")
         if not isinstance(given, list) or not all(isinstance(joint, dict) for joint in given):
-            raise KeyError("joints")
-    except (json.JSONDecodeError, UnicodeDecodeError, KeyError, TypeError) as reason:
+            raise ImportFailed("%s is no linkage of pylinkage: it has no joints" % source)
+    except (json.JSONDecodeError, UnicodeDecodeError) as reason:
         raise ImportFailed("%s is no linkage of pylinkage: %s" % (source, reason)) from None
     places, links, frame, slides, notes, names = {}, [], [], [], [], {}
     drives = []

@@ -17,6 +17,7 @@ module psalm_function_points
 
    integer, parameter :: most_generators = 3
    real(wp), parameter :: no_length = 1.0e-7_wp      !! of a link, over the frame
+   real(wp), parameter :: rounding = 1.0e-9_wp       !! of lengths: a linkage may close at a dead point
 
    !> A four-bar or slider-crank that generates a function; angles in radians.
    type :: generator_t
@@ -27,6 +28,7 @@ module psalm_function_points
       real(wp) :: phi0 = 0.0_wp                      !! direction of the crank at input 0
       real(wp) :: psi0 = 0.0_wp                      !! direction of the output link at output 0; of a slider its place
       integer :: assembly = 0                        !! +1 or -1; 0: the points lie on different ones
+      logical :: opens = .false.                     !! it does not close at every input between the points
    end type generator_t
 
    !> A point of a function, and what the output does there.
@@ -102,6 +104,7 @@ contains
          found%list(k)%phi0 = pi - own%psi0
          found%list(k)%psi0 = pi - own%phi0
          found%list(k)%assembly = assembly_of(found%list(k), points%phi, points%psi)
+         found%list(k)%opens = opens_between(found%list(k), minval(points%phi), maxval(points%phi))
       end do
    end subroutine four_points
 
@@ -218,6 +221,7 @@ contains
             one%r3 = abs(1.0_wp + output*cmplx(cos(psi(1)), sin(psi(1)), wp) - crank*cmplx(cos(phi(1)), sin(phi(1)), wp))
          end if
          one%assembly = assembly_of(one, phi, psi)
+         one%opens = opens_between(one, minval(phi), maxval(phi))
          if (found%count == most_generators) cycle
          found%count = found%count + 1
          found%list(found%count) = one
@@ -272,7 +276,39 @@ contains
       one%r2 = abs(one%r2)
       one%r4 = abs(one%r4)
       one%assembly = assembly_of(one, points%phi, points%psi)
+      one%opens = opens_between(one, minval(points%phi), maxval(points%phi))
    end subroutine three_points
+
+   !> True if the linkage does not close at every input of a range: what coupler and output link must span is longest and shortest
+   !> at an end of the range or where the crank is in line with the frame, of a slider-crank across its slide.
+   pure logical function opens_between(one, from, to)
+      type(generator_t), intent(in) :: one
+      real(wp), intent(in) :: from, to               !! radians
+      integer, parameter :: halves = 8               !! quarter turns looked at beside the ends: two turns
+      real(wp) :: at(2 + 2*halves), span
+      integer :: k, n, first
+
+      at(:2) = [from, to]
+      n = 2
+      first = ceiling((from + one%phi0)/(0.5_wp*pi))
+      do k = first, first + 2*halves - 1
+         if (0.5_wp*pi*real(k, wp) - one%phi0 > to) exit
+         n = n + 1
+         at(n) = 0.5_wp*pi*real(k, wp) - one%phi0
+      end do
+      opens_between = .false.
+      do k = 1, n
+         associate (crank => one%r2*cmplx(cos(at(k) + one%phi0), sin(at(k) + one%phi0), wp))
+            if (one%slides) then
+               opens_between = opens_between .or. abs(aimag(crank) - one%r4) > one%r3*(1.0_wp + rounding)
+            else
+               span = abs(1.0_wp - crank)
+               opens_between = opens_between .or. span > (one%r3 + one%r4)*(1.0_wp + rounding) .or. &
+                               abs(one%r3 - one%r4) > span + rounding*(one%r3 + one%r4)
+            end if
+         end associate
+      end do
+   end function opens_between
 
    pure real(wp) function determinant_of(m)
       real(wp), intent(in) :: m(3, 3)

@@ -403,13 +403,14 @@ contains
          call table%add('rank', [(k, k=1, size(found))])
          call table%add('assembly', found%assembly)
          call add_generators(found, table)
+         call table%add('opens', found%opens)
          call devices%cases(devices%last_case())%put(table)
       end associate
       columns = columns_of(study%generators%list(:study%generators%count), exact%frame)
       do k = 1, study%generators%count
          associate (one => study%generators%list(k))
-            call devices%six%add(rank_column(k)//in_a_row(columns(:, k))//'  '//assembly_word(one%assembly))
-            call devices%seven%add('! rank '//to_text(k)//': assembly '//assembly_word(one%assembly))
+            call devices%six%add(rank_column(k)//in_a_row(columns(:, k))//'  '//assembly_word(one))
+            call devices%seven%add('! rank '//to_text(k)//': assembly '//assembly_word(one))
             call write_case(set, study, k, merge(set%limits%last, 0, k == study%generators%count), devices%seven)
          end associate
       end do
@@ -965,11 +966,12 @@ contains
       text = repeat(' ', width - 3)//merge('yes', ' no', valid)
    end function word
 
-   function assembly_word(assembly) result(text)
-      integer, intent(in) :: assembly
+   !> The assembly of a function generator, and whether it cannot be moved from point to point.
+   function assembly_word(one) result(text)
+      type(generator_t), intent(in) :: one
       character(:), allocatable :: text
 
-      select case (assembly)
+      select case (one%assembly)
       case (1)
          text = '+'
       case (-1)
@@ -977,6 +979,7 @@ contains
       case default
          text = 'changes between the points'
       end select
+      if (one%opens .and. one%assembly /= 0) text = text//', opens between the points'
    end function assembly_word
 
    !> A number, rounded already, at the end of a column.

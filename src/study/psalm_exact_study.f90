@@ -779,7 +779,7 @@ contains
 
       select case (study%way)
       case (way_generators)
-         stays_assembled = study%generators%list(number)%assembly /= 0
+         stays_assembled = study%generators%list(number)%assembly /= 0 .and. .not. study%generators%list(number)%opens
       case (way_guided)
          stays_assembled = study%guided%list(number)%valid
       case (way_minimax, way_six_bars, way_subsets, way_every_six_bar)

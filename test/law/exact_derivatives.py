@@ -251,6 +251,35 @@ def of_mistakes(programs, folder):
         check(status == 2 and needed in " ".join(remarks.split()), "%s: status %d, %s" % (words, status, remarks.strip()[:160]))
 
 
+def of_gaps(programs, folder):
+    """A linkage that opens between its points says so: looked for by many inputs, of random functions."""
+    rand = random.Random(5)
+    counts = [0, 0]
+    for case in range(24):
+        slides = case % 2
+        phi = sorted(rand.uniform(0.0, 170.0) for _ in range(5))
+        psi = [rand.uniform(0.0, 90.0) for _ in range(5)]
+        if min(b - a for a, b in zip(phi, phi[1:])) < 5.0:
+            continue
+        status, listing, _ = run(programs, "GAPS\n &EXACT KIND='FUNCTION', SLIDER=%d%s%s &END\n" % (slides, items("PHI", phi), items("PSI", psi)),
+                                 folder)
+        lines = [line for line in listing.splitlines() if line.strip()[:1].isdigit()]
+        for row, line in zip(found(listing, 5), lines):
+            of = as_generator(row, slides)
+            if of[5] == 0:
+                continue
+            opens = False
+            for k in range(2001):
+                try:
+                    (slider if slides else four_bar)(of, math.radians(phi[0] + (phi[-1] - phi[0]) * k / 2000.0))
+                except ValueError:
+                    opens = True
+            counts[opens] += 1
+            if opens != line.endswith("opens between the points"):
+                check(False, "gap %r: %s" % (opens, line))
+    check(min(counts) > 3, "linkages with and without a gap between the points: %s" % counts)
+
+
 def of_idle_items(programs, folder):
     status, _, remarks = run(programs, "TABLE\n &EXACT KIND='FUNCTION', PHI=0.0,45.0,90.0, PSI=0.0,30.0,70.0, SLOPE=0.5,,1.1, DPSI=40.0 &END\n",
                              folder)
@@ -265,6 +294,7 @@ def main():
         of_poses(programs, folder)
         of_mistakes(programs, folder)
         of_idle_items(programs, folder)
+        of_gaps(programs, folder)
     return report()
 
 

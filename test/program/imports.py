@@ -260,6 +260,8 @@ def pylinkage():
     wanted = [math.cos(math.radians(5 * k)) + math.sqrt(9 - math.sin(math.radians(5 * k))**2) - 4 for k in range(len(travel))]
     check("its slide", all(abs(a - b) < 1e-9 for a, b in zip(travel, wanted)), "%r %r" % (travel[:3], wanted[:3]))
     refuses("no JSON", "is no linkage of pylinkage", saved("list.json", [1, 2]))
+    refuses("JSON without joints", "no linkage of pylinkage: it has no joints", saved("empty.json", {"name": "nothing"}))
+    refuses("a mechanism without joints", "a joint or link of it is not complete", saved("links.json", {"links": [{}], "joints": [{}]}))
     broken = dict(old, joints=[{"type": "Revolute", "name": "C", "x": 1.0, "y": 2.0, "joint0": ref("B"), "joint1": ref("A")}])
     refuses("a joint that hangs on nothing", "does not come before it", saved("broken.json", broken))
     refuses("a joint of an unknown type", "are not known", saved("gear.json", dict(old, joints=old["joints"][:2] + [{"type": "Gear", "name": "G", "joint0": ref("A")}])))

@@ -4,6 +4,8 @@ import re
 TOKEN = re.compile(r"""\s+|![^\n]*|(?P<name>[A-Za-z_]\w*)\s*(?:\((?P<places>[\d\s,]+)\))?\s*=|(?P<times>\d+)\*
     |(?P<quoted>'(?:[^']|'')*'|"(?:[^"]|"")*")|(?P<end>&END|\$END|\$|/)|(?P<comma>,)|(?P<plain>[^\s,!/]+)""", re.X | re.I)
 
+OF_1976 = ("LINKS", "METHOD", "LIMITS")       # groups whose arrays had a size
+
 
 def read_namelist(text):
     """Cases of a text: [title, {group: {item: [(places, values)]}}]; a value is None, a number as text, or ('text', string)."""
@@ -21,13 +23,14 @@ def read_namelist(text):
             start = re.compile(r"(?:\s|![^\n]*)*[&$](\w+)").match(lines, at)
             if not start:
                 break
-            at = read_group(lines, start.end(), case[1].setdefault(start.group(1).upper(), {}))
+            name = start.group(1).upper()
+            at = read_group(lines, start.end(), case[1].setdefault(name, {}), name in OF_1976)
         last = case[1].get("LIMITS", {}).pop("LAST", None)
         if not last or float(last[0][1][0]) != 0.0:
             return cases
 
 
-def read_group(text, at, group):
+def read_group(text, at, group, fills):
     values, times, void = None, 1, True
     while True:
         token = TOKEN.match(text, at)
@@ -48,7 +51,7 @@ def read_group(text, at, group):
             word = token.group()
             value = ("text", word[1:-1].replace(word[0] * 2, word[0])) if kind == "quoted" else word
             # what fills an array up to the size of the original program's is no part of the case
-            values += [value] * (0 if values and times > 1 and len(values) + times > 60 else times)
+            values += [value] * (0 if fills and values and times > 1 and len(values) + times > 60 else times)
             times, void = 1, False
         elif kind == "comma":
             if void:
