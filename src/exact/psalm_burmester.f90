@@ -39,8 +39,8 @@ module psalm_burmester
    type :: dyad_condition_t
       complex(wp) :: g = (0.0_wp, 0.0_wp), k = (0.0_wp, 0.0_wp), d = (0.0_wp, 0.0_wp)
       real(wp) :: square = 0.0_wp                    !! |d|**2
-      complex(wp) :: rest = (0.0_wp, 0.0_wp)         !! k - conj(d) g, of a pose conj(d)
-      logical :: is_pose = .true.
+      complex(wp) :: rest = (0.0_wp, 0.0_wp)         !! k - conj(d) g, of a pose conj(d): exactly, where the difference is rounded
+      logical :: is_pose = .true.                    !! its numbers follow from d and g, no derivative
    end type dyad_condition_t
 
    !> All dyads for five poses.

@@ -13,7 +13,7 @@ module psalm_function_points
    use psalm_kinds, only: wp, pi
    implicit none (type, external)
    private
-   public :: generator_t, generators_t, function_point_t, five_points, four_points, three_points, output_of
+   public :: generator_t, generators_t, function_point_t, plain_point, five_points, four_points, three_points, output_of
 
    integer, parameter :: most_generators = 3
    real(wp), parameter :: no_length = 1.0e-7_wp      !! of a link, over the frame
@@ -51,22 +51,17 @@ module psalm_function_points
 contains
 
    !> All linkages through five points. Of a slider-crank psi is the travel.
-   pure subroutine five_points(phi, psi, slides, found, points)
-      real(wp), intent(in) :: phi(:), psi(:)         !! shape (5), or fewer with derivatives: radians
+   pure subroutine five_points(points, slides, found)
+      type(function_point_t), intent(in) :: points(:) !! five, or fewer with derivatives: points and these are five
       logical, intent(in) :: slides
       type(generators_t), intent(out) :: found
-      type(function_point_t), intent(in), optional :: points(:) !! the same with derivatives: points and these are five
       complex(wp) :: p, turned
       type(dyad_condition_t) :: conditions(4)
       type(dyads_t) :: dyads
 
-      if (present(points)) then
-         call conditions_of(points, slides, .false., p, turned, conditions)
-      else
-         call conditions_of(plain_point(phi, psi), slides, .false., p, turned, conditions)
-      end if
+      call conditions_of(points, slides, .false., p, turned, conditions)
       call five_conditions(conditions, dyads)
-      call generators_of(phi, psi, slides, p, turned, dyads, found)
+      call generators_of(points%phi, points%psi, slides, p, turned, dyads, found)
    end subroutine five_points
 
    !> All linkages through four points whose crank, or with `of_output` whose output link, has a given zero line: at most two, of a

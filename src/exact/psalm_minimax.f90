@@ -5,7 +5,7 @@
 !> are kept and ranked. Source: Freudenstein (1955).
 module psalm_minimax
    use psalm_error_levelling, only: error_family_t, hopeless, level_errors
-   use psalm_function_points, only: generator_t, generators_t, five_points
+   use psalm_function_points, only: plain_point, generator_t, generators_t, five_points
    use psalm_kinds, only: wp, pi, degrees_per_radian
    use psalm_desired_function, only: desired_function_t
    use psalm_xoshiro, only: xoshiro_t, purpose_starts
@@ -77,7 +77,7 @@ contains
             ! a slider-crank turned by half a turn is that of the other sense
             do sense = 1, merge(1, -1, wanted%slides), -2
                target%sense = sense
-               call five_points(target%input_at(nodes), target%output_at(nodes), wanted%slides, starts)
+               call five_points(plain_point(target%input_at(nodes), target%output_at(nodes)), wanted%slides, starts)
                do k = 1, starts%count
                   call improve(target, starts%list(k), longest, programs, one)
                   call keep(one, longest, found, too_long)

@@ -7,7 +7,7 @@
 module psalm_six_bars
    use psalm_angles, only: degrees_of
    use psalm_burmester, only: dyads_t, five_poses
-   use psalm_function_points, only: five_points, generator_t, generators_t, output_of
+   use psalm_function_points, only: plain_point, five_points, generator_t, generators_t, output_of
    use psalm_kinds, only: wp, pi, radians_per_degree, right_angle
    use psalm_stop, only: stop_t
    use psalm_desired_function, only: desired_function_t
@@ -191,9 +191,9 @@ contains
          chi = turn*middle
          chi(2:4) = chi(2:4) + turn*away*(2.0_wp*[share(place(1)), share(place(2)), share(place(3))] - 1.0_wp)
          found%drivers = found%drivers + 1
-         call five_points(phi, chi, .false., first)
+         call five_points(plain_point(phi, chi), .false., first)
          if (.not. any(first%list(:first%count)%assembly /= 0)) cycle
-         call five_points(chi, psi, .false., second)
+         call five_points(plain_point(chi, psi), .false., second)
          do k = 1, first%count
             do m = 1, second%count
                found%linkages = found%linkages + 1

@@ -183,7 +183,7 @@ contains
       type(picture_t), allocatable, intent(inout) :: pictures(:)
       type(plot_t), allocatable :: plots(:)
 
-      call make_steady_curves(study, plots)
+      call make_steady_curves(set, study, plots)
       if (size(plots) > 0) call add_plots(set%title, plots, k, '.curves.svg', mark, pictures)
    end subroutine draw_steady
 

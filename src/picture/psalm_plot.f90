@@ -3,7 +3,7 @@ module psalm_plot
    use psalm_kinds, only: wp
    implicit none (type, external)
    private
-   public :: plot_t, plot_line_t, begin_plot, add_line, add_span, values_seen
+   public :: plot_t, plot_line_t, begin_plot, add_line, add_span, values_seen, round_down
    public :: look_line, look_thin, look_dashed, look_dotted, look_dots, look_rings, look_joined, look_steps, look_area
 
    integer, parameter :: look_line = 1, look_thin = 2, look_dashed = 3, look_dotted = 4, look_dots = 5, look_rings = 6, &
@@ -37,6 +37,19 @@ module psalm_plot
    end type plot_t
 
 contains
+
+   !> The next 1, 2 or 5 times a power of ten below; at least 1.
+   pure real(wp) function round_down(value)
+      real(wp), intent(in) :: value
+      real(wp) :: power
+
+      round_down = 1.0_wp
+      if (value <= 1.0_wp) return
+      power = 10.0_wp**floor(log10(value))
+      round_down = power
+      if (value >= 2.0_wp*power) round_down = 2.0_wp*power
+      if (value >= 5.0_wp*power) round_down = 5.0_wp*power
+   end function round_down
 
    !> Append a plot without lines.
    pure subroutine begin_plot(name, like, plots)

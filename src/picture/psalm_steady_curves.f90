@@ -1,13 +1,15 @@
 !> Curves of what ssics found: responses over a turn, the link drawn bent, amplitudes over speeds with the unstable ones shaded,
 !> the chart of stability (Oldham, figure 14.2).
 module psalm_steady_curves
+   use psalm_data_set, only: data_set_t
    use psalm_drive_study, only: drive_study_t
+   use psalm_flex_list, only: flexible_name
    use psalm_flex_study, only: flex_study_t, stress_kinds
    use psalm_hill, only: hill_t
    use psalm_kinds, only: wp, pi, full_turn
    use psalm_periodic, only: periodic_t, periodic_from_samples
    use psalm_plot, only: plot_t, begin_plot, add_line, add_span, look_area, look_dashed, look_dots, look_joined, &
-                         look_line, look_thin
+                         look_line, look_thin, round_down
    use psalm_steady_study, only: steady_study_t
    use psalm_text, only: to_text
    use psalm_vibration_list, only: root_of
@@ -19,14 +21,15 @@ module psalm_steady_curves
    integer, parameter :: most_shown_modes = 4 !! curves of modes in one panel
    integer, parameter :: poses = 12           !! angles of the crank at which the link is drawn bent
    integer, parameter :: stations = 48        !! along the link
-   real(wp), parameter :: shown_bend = 0.3_wp !! of its size a link is drawn bent at most
+   real(wp), parameter :: shown_bend = 0.1_wp !! of its size a link of elements is drawn bent at most
    integer, parameter :: red = 0              !! the colour of limits
    real(wp), parameter :: rule(2) = [1.4_wp, 0.85_wp] !! Oldham (1977), equation 14.15: frequency/speed from which a link is safe
 
 contains
 
    !> The curves of a study; none if there is nothing to draw.
-   subroutine make_steady_curves(study, plots)
+   subroutine make_steady_curves(set, study, plots)
+      type(data_set_t), intent(in) :: set
       type(steady_study_t), intent(in) :: study
       type(plot_t), allocatable, intent(out) :: plots(:)
       integer :: k
@@ -35,7 +38,9 @@ contains
       if (allocated(study%vibration)) call add_vibration(study%vibration, plots)
       if (allocated(study%flexible)) then
          do k = 1, size(study%flexible)
-            if (study%flexible(k)%steady) call add_flexible(k, study%flexible(k), plots)
+            associate (one => study%flexible(k))
+               if (one%steady) call add_flexible('link '//flexible_name(set, one), one, plots)
+            end associate
          end do
       end if
       if (allocated(study%drive)) then
@@ -66,17 +71,15 @@ contains
    end subroutine add_equations
 
    !> A link of beam elements: its greatest stresses over the turn, and where it bends most.
-   subroutine add_flexible(number, study, plots)
-      integer, intent(in) :: number              !! of the link
+   subroutine add_flexible(link, study, plots)
+      character(*), intent(in) :: link           !! its name
       type(flex_study_t), intent(in) :: study
       type(plot_t), allocatable, intent(inout) :: plots(:)
       character(*), parameter :: kinds(stress_kinds) = [character(14) :: 'bending', 'along the link', 'both together']
       type(plot_t) :: axis
       real(wp) :: turn, factor, extent, moved(2, size(study%link%frame%x, 2))
-      character(:), allocatable :: link
       integer :: i, k, n, worst(2)
 
-      link = 'link '//to_text(number)//' of elements'
       n = size(study%displacement, 3)
       turn = study%cycle%turn%sense*full_turn
       if (study%stressed) then
@@ -91,7 +94,7 @@ contains
          moved = study%displacement(:, :, worst(2))
          extent = max(maxval(x(1, :)) - minval(x(1, :)), maxval(x(2, :)) - minval(x(2, :)))
          if (.not. maxval(abs(moved)) > 0.0_wp) return
-         factor = max(1.0_wp, 10.0_wp**floor(log10(shown_bend*extent/maxval(abs(moved)))))
+         factor = round_down(shown_bend*extent/maxval(abs(moved)))
          moved = x + factor*moved
          axis%from = min(minval(x(1, :)), minval(moved(1, :)))
          axis%to = max(maxval(x(1, :)), maxval(moved(1, :)))

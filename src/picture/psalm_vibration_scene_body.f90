@@ -4,6 +4,7 @@ submodule(psalm_vibration_scene) psalm_vibration_scene_body
    use psalm_force_model, only: force_model_t, make_force_model
    use psalm_kinds, only: radians_per_degree
    use psalm_periodic, only: periodic_t, periodic_from_samples
+   use psalm_plot, only: round_down
    use psalm_status, only: diagnostics_t
    use psalm_steady_study, only: check_steady, model_with_links
    use psalm_stop, only: is_to_end
@@ -52,17 +53,4 @@ contains
       largest = maxval(sum(abs(scene%deflection), dim=2))
       if (largest > 0.0_wp) scene%factor = round_down(drawn_part*scene%study%cycle%length/scene%metre/largest)
    end procedure make_vibration_scene
-
-   !> The next 1, 2 or 5 times a power of ten below; at least 1.
-   pure real(wp) function round_down(value)
-      real(wp), intent(in) :: value
-      real(wp) :: power
-
-      round_down = 1.0_wp
-      if (value <= 1.0_wp) return
-      power = 10.0_wp**floor(log10(value))
-      round_down = power
-      if (value >= 2.0_wp*power) round_down = 2.0_wp*power
-      if (value >= 5.0_wp*power) round_down = 5.0_wp*power
-   end function round_down
 end submodule psalm_vibration_scene_body

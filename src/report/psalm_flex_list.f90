@@ -9,11 +9,11 @@ module psalm_flex_list
    use psalm_mechanism, only: mechanism_t
    use psalm_number_format, only: error_words, figures_of, in_a_row, in_sentence
    use psalm_columns, only: right_column
-   use psalm_text, only: text_t, to_text
+   use psalm_text, only: lower_case, text_t, to_text
    use psalm_vibration_list, only: coupled_words, link_words, list_harmonics
    implicit none (type, external)
    private
-   public :: list_flexible, list_together, flexible_words
+   public :: list_flexible, list_together, flexible_name
 
    character(*), parameter :: stress_names(stress_kinds) = [character(14) :: 'BENDING', 'ALONG THE LINK', 'BOTH TOGETHER']
 
@@ -201,6 +201,16 @@ contains
       flex = flex_of(set)
       words = link_words(set, flex%starts(study%link%first), ' IN LOOP ', 'OF ARC ')
    end function flexible_words
+
+   !> The same within a line of small letters.
+   function flexible_name(set, study) result(name)
+      type(data_set_t), intent(in) :: set
+      type(flex_study_t), intent(in) :: study
+      character(:), allocatable :: name
+
+      name = flexible_words(set, study)
+      if (.not. set%has_names()) name = lower_case(name)
+   end function flexible_name
 
    !> The joint at a node.
    pure function node_name(mechanism, study, node) result(name)

@@ -965,7 +965,7 @@ contains
       points = points_of(exact, phi, psi)
       select case (size(phi) + sum(points%order))
       case (5)
-         call five_points(phi, psi, exact%slider, study%generators, points)
+         call five_points(points, exact%slider, study%generators)
          study%expected = 3
          if (exact%certify .and. .not. study%generators%degenerate) then
             study%examined = .true.

@@ -954,7 +954,8 @@ contains
                if (self%free) jacobian(m, self%variables + k) = root*by_input(self, values, n, order)
             end do
          end do
-         call note_equals()
+         call take_equals(self, values, k, compared)
+         if (present(jacobian)) call add_equals()
       end do
       do k = 1, size(self%relations)
          r(m + k) = sqrt(self%relations(k)%weight)*miss_of(self%relations(k), compared(1, k), compared(2, k))
@@ -963,25 +964,38 @@ contains
 
    contains
 
-      !> What position k gives to the numbers that are to be equal. Their rows of the Jacobian are the last ones.
-      subroutine note_equals()
-         real(wp) :: sign_of(2)
-         integer :: q, side, row
+      !> What position k adds to the rows of the Jacobian of numbers that are to be equal, the last ones.
+      subroutine add_equals()
+         real(wp) :: factor(2)
+         integer :: q, side
 
          do q = 1, size(self%relations)
-            associate (of => self%relations(q))
-               row = self%residuals - size(self%relations) + q
-               sign_of = [1.0_wp, -of%factor]
+            associate (of => self%relations(q), row => self%residuals - size(self%relations) + q)
+               factor = sqrt(of%weight)*[1.0_wp, -of%factor]
                do side = 1, 2
-                  if (of%positions(side) /= k) cycle
-                  compared(side, q) = values(of%numbers(side), of%order)
-                  if (present(jacobian)) jacobian(row, :) = jacobian(row, :) &
-                                                            + sqrt(of%weight)*sign_of(side)*by(of%numbers(side), of%order, :)
+                  if (of%positions(side) == k) jacobian(row, :) = jacobian(row, :) + factor(side)*by(of%numbers(side), of%order, :)
                end do
             end associate
          end do
-      end subroutine note_equals
+      end subroutine add_equals
    end subroutine residuals_at
+
+   !> What a position gives to the numbers that are to be equal.
+   pure subroutine take_equals(self, values, position, compared)
+      class(chain_problem_t), intent(in) :: self
+      real(wp), intent(in) :: values(:, 0:)          !! shape (numbers, 0:most_orders): at the position
+      integer, intent(in) :: position
+      real(wp), intent(inout) :: compared(:, :)      !! shape (2, relations): first and second of each
+      integer :: q, side
+
+      do q = 1, size(self%relations)
+         associate (of => self%relations(q))
+            do side = 1, 2
+               if (of%positions(side) == position) compared(side, q) = values(of%numbers(side), of%order)
+            end do
+         end associate
+      end do
+   end subroutine take_equals
 
    !> The same against desired points of any place, size and direction. All residuals are of x and y of the first output, at the
    !> positions that weigh.
@@ -1028,7 +1042,7 @@ contains
       type(closure_t) :: closure
       type(chain_motion_t) :: motion
       real(wp) :: values(size(self%wanted, 1), 0:most_orders)
-      integer :: k, q, side
+      integer :: k
       logical :: reached
 
       call self%find_motion(x, closure, motion, reached)
@@ -1036,12 +1050,7 @@ contains
       if (.not. reached) return
       do k = 1, size(self%inputs, 2)
          call self%find_values(x, closure, motion%states(k), values)
-         do q = 1, size(self%relations)
-            do side = 1, 2
-               if (self%relations(q)%positions(side) == k) compared(side, q) = values(self%relations(q)%numbers(side), &
-                                                                                      self%relations(q)%order)
-            end do
-         end do
+         call take_equals(self, values, k, compared)
       end do
    end subroutine find_equals
 

@@ -509,6 +509,7 @@ contains
       class(merit_t), intent(inout) :: self
       real(wp), intent(in) :: x(:), weight
       type(normal_equations_t), intent(inout) :: equations
+      integer :: held(self%core), holds             ! variables whose derivatives count as zero
       integer :: r, a, b, order
       logical :: seen
 
@@ -519,6 +520,11 @@ contains
       self%seen = x
       self%jacobians = self%jacobians + 1
       call equations%clear(self%core, self%local)
+      holds = 0
+      if (allocated(self%main%held)) then
+         holds = count(self%main%held(:self%core))
+         held(:holds) = pack([(a, a=1, self%core)], self%main%held(:self%core))
+      end if
       associate (nvar => self%core, main => self%main, n => self%main%problem%positions)
          if (self%similar) then
             call add_shape(self, equations)
@@ -530,11 +536,7 @@ contains
          if (allocated(self%rates)) then
             call differentiate_desired_rates(self%rates, self%dimensions)
             associate (rates => self%rates)
-               if (allocated(main%held)) then
-                  do a = 1, nvar
-                     if (main%held(a)) rates%by(:, a, :, :) = 0.0_wp
-                  end do
-               end if
+               rates%by(:, held(:holds), :, :) = 0.0_wp
                do order = 1, most_rates
                   do r = 1, size(rates%miss, 2)
                      call add_errors(nvar, rates%problem%rate_weight(:, r, order), rates%miss(:, r, order), &
@@ -546,20 +548,12 @@ contains
          if (allocated(self%targets)) then
             call differentiate_output_targets(self%targets, self%dimensions)
             associate (targets => self%targets)
-               if (allocated(main%held)) then
-                  do a = 1, nvar
-                     if (main%held(a)) targets%by(:, a, :) = 0.0_wp
-                  end do
-               end if
+               targets%by(:, held(:holds), :) = 0.0_wp
                do r = 1, size(targets%miss, 2)
                   call add_errors(nvar, targets%problem%target_weights(:, r), targets%miss(:, r), targets%by(:, :, r), equations)
                end do
                if (size(targets%relations) > 0) then
-                  if (allocated(main%held)) then
-                     do a = 1, nvar
-                        if (main%held(a)) targets%difference_by(:, a) = 0.0_wp
-                     end do
-                  end if
+                  targets%difference_by(:, held(:holds)) = 0.0_wp
                   call add_errors(nvar, [targets%relations%weight], targets%difference, targets%difference_by, equations)
                end if
             end associate
@@ -567,11 +561,7 @@ contains
          if (allocated(self%tolerances)) then
             call differentiate_spread(self%tolerances, self%final%parameters, x(:nvar), self%dimensions)
             associate (tolerances => self%tolerances)
-               if (allocated(main%held)) then
-                  do a = 1, nvar
-                     if (main%held(a)) tolerances%by(:, a, :, :) = 0.0_wp
-                  end do
-               end if
+               tolerances%by(:, held(:holds), :, :) = 0.0_wp
                do r = 1, size(tolerances%miss, 3)
                   do b = 1, size(tolerances%miss, 2)
                      call add_errors(nvar, tolerances%weight(:, r), tolerances%miss(:, b, r), tolerances%by(:, :, b, r), equations)

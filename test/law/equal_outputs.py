@@ -117,6 +117,25 @@ def of_four_bar(programs, folder):
     check(abs((rate_of(of, start) - rate_of(of, start + 120.0)) ** 2 - found) < 1e-6 + 1e-3 * found, "several simplexes: %g" % found)
 
 
+def of_orders(programs, folder):
+    """The same question with outputs in another order, with sides exchanged, and beside a group larger than dyads: one answer."""
+    first = FOUR_BAR % (BOTH.replace(",'reach end'", "") + ", " + LAW, "", "LSQ", "")
+    other = first.replace("'angle rocker','angle coupler','point C','x C','point B'", "'x C','point C','angle coupler','point B','angle rocker'")
+    other = other.replace("'rocker','coupler','pin','reach','end'", "'reach','pin','coupler','end','rocker'").replace("DES4", "DES1").replace("WGT4", "WGT1")
+    turned = first.replace("'rocker 1 rocker 5','coupler 2 coupler 4'", "'rocker 5 rocker 1','coupler 4 coupler 2'").replace("0.0,5.0", "0.0,-5.0")
+    # a plate on two links to the frame and one to the coupler, far away, whose dimensions do not vary
+    beside = first.replace("'C','D', JX=0.0,1.0,4.0,4.0, JY=0.0,1.0,3.0,0.0,", "'C','D','E','F','G','H','I','K', JX=0.0,1.0,4.0,4.0,19.0,24.0,15.0,19.0,"
+                           "24.5,2.0, JY=0.0,1.0,3.0,0.0,15.0,15.5,16.0,0.0,0.0,4.0,")
+    beside = beside.replace("'coupler','rocker',\n", "'coupler','rocker','plate','left','right','tie',\n")
+    beside = beside.replace("LNK='A D','A B','B C','D C'", "LNK='A D H I','A B','B C K','D C','E F G','E H','F I','G K'")
+    objectives = []
+    for case in (first, other, turned, beside):
+        status, _, remarks = run(programs, "psalm", case, folder)
+        check(status == 0, "orders: exit status %d %s" % (status, remarks[:100]))
+        objectives.append(float(remarks.split("best objective")[1].split()[0]))
+    check(max(objectives) < min(objectives) * (1.0 + 1e-5), "outputs in another order, another group beside: %s" % objectives)
+
+
 def rate_of(of, crank, step=1e-4):
     return (four_bar(of, crank + step)[1] - four_bar(of, crank - step)[1]) / (2.0 * step)
 
@@ -213,6 +232,7 @@ def main():
     data = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "data")
     with tempfile.TemporaryDirectory() as folder:
         of_four_bar(programs, folder)
+        of_orders(programs, folder)
         of_lift(programs, folder, os.path.join(data, "types", "scissors_even.nml"))
         of_slides(programs, folder)
         of_mistakes(programs, folder)

@@ -20,6 +20,7 @@ import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
 import results
+from data_sets import without
 from tally import check, report
 
 BIN = os.path.abspath(sys.argv[1])
@@ -99,14 +100,6 @@ def block(text, name):
     """Rows of words of a block of device 9."""
     part = text.split("# block " + name + "\n", 1)[1].split("\n\n", 1)[0]
     return [line.split() for line in part.splitlines() if line and not line.startswith("#")]
-
-
-def without(text, *groups):
-    for group in groups:
-        changed = re.sub(r" &%s\b.*?&END\n" % group, "", text, flags=re.S)
-        assert changed != text, group
-        text = changed
-    return text
 
 
 def replaced(text, old, new):

@@ -15,6 +15,7 @@ import tempfile
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
 from namelist import read_namelist
+from data_sets import data, without
 from tally import check, report
 
 BIN = os.path.abspath(sys.argv[1])
@@ -23,19 +24,6 @@ FOLDER = tempfile.mkdtemp()
 BALANCED = 1e-10    # what is left of the sum of forces, part of the largest
 AGREED = 1e-11      # forces listed twice, part of the largest
 DIFFERENCE = 1e-3   # accelerations by differences of poses a degree apart, part of the largest
-
-
-def data(name):
-    with open(os.path.join(TOP, "data", name + ".nml"), encoding="utf-8") as file:
-        return file.read()
-
-
-def without(text, *groups):
-    """The case without some of its groups."""
-    for group in groups:
-        text, n = re.subn(r" *&%s\b.*?&END\n?" % group, "", text, flags=re.S)
-        assert n == 1, group
-    return text
 
 
 def rows_of(name, block=""):
@@ -238,8 +226,30 @@ def main():
         status, said = kalm(name, text)
         check(name + ": runs", status == 0, said[-300:])
         by_differences(name, rows_of(name, ".link_motion"), 3.0, metre)
+    both_ways()
     places()
     faults()
+
+
+def both_ways():
+    """A four-bar by loops and as a sketch: the same forces act on its links."""
+    steps = " &METHOD IKIN=10 &END\n &RATES SPEED=40.0 &END\n &MASSES ILOADS=1, %s, MASS=0.3, MDIST=0.07, MINERT=1E-4, GRAVY=-9.81 &END\n"
+    loops = ("LOOPS\n &LINKS NLOOP=1, MAXARC=4, ILINK=1,2,3,4, ILOOP=1,0,0,1, ARCL=0.06,0.30,0.14,0.32, GAMA=3*0.0,180.0, NOUTLK=3, NOUTLP=1 "
+             "&END\n" + steps % "MLINK=3, MLOOP=1")
+    along = (0.26**2 + 0.30**2 - 0.14**2) / 0.52
+    sketch = ("SKETCH\n &CHAIN JNT='A','B','C','D', JX=0.0,0.06,%r,0.32, JY=0.0,0.0,%r,0.0, LNAME='frame','crank','coupler','rocker', "
+              "LNK='A D','A B','B C','C D' &END\n &DRIVES DRIVE='A' &END\n &OUTPUTS OUTPUT='angle C D' &END\n"
+              % (0.06 + along, -math.sqrt(0.30**2 - along**2)) + steps % "MNAME='rocker D'")
+    forces = []
+    for name, text in (("by_loops", loops), ("by_sketch", sketch)):
+        status, said = kalm(name, text)
+        check(name + ": runs", status == 0, said[-300:])
+        found = {}
+        for row in rows_of(name, ".link_loads"):
+            found.setdefault(int(row["position"]), []).append(math.hypot(float(row["fx"]), float(row["fy"])))
+        forces.append([sorted(found[k]) for k in sorted(found)])
+    worst = max(abs(a - b) for one, other in zip(*forces) for a, b in zip(one, other))
+    check("loops and sketch: the same forces", len(forces[0]) == len(forces[1]) == 36 and worst < 1e-10, str(worst))
 
 
 def places():

@@ -18,6 +18,7 @@ import xml.etree.ElementTree as ElementTree
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools"))
 from namelist import read_namelist
+from data_sets import data, without
 from tally import check, report
 
 try:
@@ -44,19 +45,6 @@ BIN = os.path.abspath(sys.argv[1])
 CLOSURE = 1e-4      # gaps, and places of coupler points, as part of the size
 TORQUE = 1e-2       # part of the largest
 SAMPLES = 12        # positions at which SDF and URDF are compared
-
-
-def data(name):
-    with open(os.path.join(TOP, "data", name + ".nml"), encoding="utf-8") as file:
-        return file.read()
-
-
-def without(text, *groups):
-    """The case without some of its groups."""
-    for group in groups:
-        text, n = re.subn(r" *&%s\b.*?&END\n?" % group, "", text, flags=re.S)
-        assert n == 1, group
-    return text
 
 
 def with_masses(text, metre=1.0, gravity=-9.81):

@@ -6,7 +6,7 @@ program test_exact
                               polynomial_roots, slider_pin
    use psalm_certificate, only: certificate_t, certify_poses
    use psalm_defects, only: exact_linkage_t, verdict_t, cognates_of, assess, place_pins
-   use psalm_function_points, only: generators_t, generator_t, function_point_t, five_points, four_points, output_of, three_points
+   use psalm_function_points, only: generators_t, generator_t, plain_point, five_points, four_points, output_of, three_points
    use psalm_generic, only: generic_solutions
    use psalm_kinds, only: wp, radians_per_degree
    use psalm_leg_problem, only: kind_point, kind_pose, leg_problem_t, make_problem, variables
@@ -130,7 +130,7 @@ contains
       valid = 0
       worst = 0.0_wp
       do i = 1, 2
-         call five_points(phi, psi, i == 2, found)
+         call five_points(plain_point(phi, psi), i == 2, found)
          do k = 1, found%count
             one = found%list(k)
             if (one%assembly == 0) cycle
@@ -142,30 +142,22 @@ contains
       call t%is_true(valid > 0, 'functions: one stays in its assembly')
       call t%close_to(worst, 0.0_wp, 1.0e-10_wp, 'functions: five points are met')
       ! four of the five with a zero line of a linkage known
-      call five_points(phi, psi, .false., found)
+      call five_points(plain_point(phi, psi), .false., found)
       one = found%list(1)
       do i = 1, 2
-         call four_points(points_at(phi(:4), psi(:4)), .false., i == 2, merge(one%psi0, one%phi0, i == 2), found)
+         call four_points(plain_point(phi(:4), psi(:4)), .false., i == 2, merge(one%psi0, one%phi0, i == 2), found)
          worst = huge(1.0_wp)
          do k = 1, found%count
             worst = min(worst, abs(found%list(k)%r2 - one%r2) + abs(found%list(k)%r3 - one%r3) + abs(found%list(k)%r4 - one%r4))
          end do
          call t%close_to(worst, 0.0_wp, 1.0e-9_wp, 'functions: four points and a zero line')
       end do
-      call three_points(points_at(phi(:3) + 1.0_wp, psi(:3) + 0.7_wp), one, exists)
+      call three_points(plain_point(phi(:3) + 1.0_wp, psi(:3) + 0.7_wp), one, exists)
       call t%is_true(exists, 'functions: three points')
       worst = 0.0_wp
       if (one%assembly /= 0) worst = error_at_points(one, phi(:3) + 1.0_wp, psi(:3) + 0.7_wp)
       call t%close_to(worst, 0.0_wp, 1.0e-10_wp, 'functions: three points are met')
    end subroutine functions
-
-   pure function points_at(phi, psi) result(points)
-      real(wp), intent(in) :: phi(:), psi(:)
-      type(function_point_t) :: points(size(phi))
-
-      points%phi = phi
-      points%psi = psi
-   end function points_at
 
    !> A driver whose two closing links are known from elsewhere, and searches over a coarse grid.
    subroutine six_bars()
