@@ -123,8 +123,9 @@ module psalm_exact_group
       rule_t('SLOPE', a_number, 'n', '', '', '', &
              'derivative of PSI by PHI at a point of the table, met exactly too; it counts as a point. Of a slider '// &
              'length per radian; points without one are left out (`,,`)'), &
-      rule_t('CURV', a_number, 'n', 'by radians', '', '', &
-             'second derivative there, of a point with SLOPE; it counts as one more'), &
+      rule_t('CURV', a_number, 'n', '1/rad', '', '', &
+             'second derivative there, of a point with SLOPE; it counts as one more. Of a slider '// &
+             'length per squared radian'), &
       rule_t('PHI0', a_number, '', 'degrees', '', '', &
              'zero line of PHI of three or four points, from the frame'), &
       rule_t('PSI0', a_number, '', 'degrees, length', '', '', &

@@ -108,7 +108,7 @@ module psalm_flex_group
       rule_t('XBETA', a_number, '', 's', '0', '[0,)', &
              'Rayleigh''s damping, by stiffness: XBETA*frequency/2 more of the critical damping'), &
       rule_t('XSTRN', a_number, '', '', '0', '[0,)', &
-             'strain that the material bears'), &
+             'allowable strain of the material'), &
       rule_t('NXMODE', a_whole, '', '', '6', '[1,20]', &
              'natural modes; what higher ones add is taken from statics'), &
       rule_t('NXPNT', a_whole, '', '', '256', '[16,4096]', &

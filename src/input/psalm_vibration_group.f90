@@ -66,7 +66,7 @@ module psalm_vibration_group
       rule_t('VSHEAR', a_number, '', '', '0', '[0,)', &
              'Young''s modulus/(shear modulus * section factor) for a stocky (Timoshenko) beam; 0: slender'), &
       rule_t('VSTRN', a_number, '', '', '0', '[0,)', &
-             'strain that the material bears; with the depth it gives the least frequency ratio that strength '// &
+             'allowable strain of the material; with the depth it gives the least frequency ratio that strength '// &
              'allows'), &
       rule_t('NMODE', a_whole, '', '', '1', '[1,10]', &
              'modes, half waves along the link'), &
@@ -117,7 +117,7 @@ module psalm_vibration_group
       rule_t('ESHEAR', a_number, 'NESTIM', '', '0', '[0,)', &
              'Young''s modulus/(shear modulus * section factor) for a stocky (Timoshenko) beam; 0: slender'), &
       rule_t('ESTRN', a_number, 'NESTIM', '', '0', '[0,)', &
-             'strain that the material bears; with the depth it gives the least frequency ratio that strength '// &
+             'allowable strain of the material; with the depth it gives the least frequency ratio that strength '// &
              'allows'), &
       rule_t('NEPNT', a_whole, '', '', '256', '[16,4096]', &
              'positions in a turn')]
