@@ -80,6 +80,19 @@ def test_analysis():
     check("the published points of the textile linkage", numpy.allclose(textile.actual, published[:, 1:3], rtol=1e-11, atol=0))
 
 
+def test_conditions():
+    """ICOND=1 gives the condition number of every output of a sketch, as that of the program: it bounds the effect of a small change."""
+    text = "\n".join(["FOUR-BAR", " &CHAIN JNT='A','B','C','D', JX=0.0,0.0,60.0,100.0, JY=0.0,30.0,80.0,0.0, LNK='A D','A B','B C','C D' &END",
+                      " &DRIVES DRIVE='A' &END", " &OUTPUTS OUTPUT='angle C D','point C' &END", " &LIMITS ICOND=1 &END", " &METHOD IKIN=30 &END"])
+    table = psalm.Case.from_text(text).study("analysis", listing=False).tables["positions"]
+    check("outputs have condition numbers", "angle_C_D.condition" in table and "point_C.condition" in table)
+    larger = psalm.Case.from_text(text.replace("100.0,", "100.0001,")).study("analysis", listing=False).tables["positions"]
+    change = numpy.hypot(larger["point_C.x"] - table["point_C.x"], larger["point_C.y"] - table["point_C.y"])
+    size = numpy.hypot(table["point_C.x"], table["point_C.y"])
+    bound = table["point_C.condition"]*1e-6*size
+    check("it bounds the effect of a small change", numpy.all(change <= 1.001*bound) and numpy.all(table["point_C.condition"] > 1.0))
+
+
 def test_made():
     case = psalm.Case("MADE IN MEMORY")
     case.add_loop([1, -2, 3, 4], [1, 0, -4, 1], [40, 140, 0, 10], [0, 0, 0, 270.0])
@@ -569,7 +582,7 @@ def test_threads():
     check("two threads on two cases: the digits of each alone", all(set(beside[verb]) == {alone[verb]} for verb in pair))
 
 
-for test in (test_analysis, test_made, test_linkage, test_tolerances, test_search, test_next_study, test_files_of_a_case, test_verbs,
+for test in (test_analysis, test_conditions, test_made, test_linkage, test_tolerances, test_search, test_next_study, test_files_of_a_case, test_verbs,
              test_errors, test_copies, test_names, test_fork, test_bar, test_stopping, test_report, test_threads, test_speed, test_import, test_level):
     test()
 test_wrong_arguments(int(sys.argv[2]) if len(sys.argv) > 2 else 4000)

@@ -211,12 +211,13 @@ board.engine = (() => {
     if (!parts.here || $('engine').hidden) return;
     const rows = [];
     if (fresh && answer.motion) {
-      const { motion, velocity } = answer, at = placeOn(motion.input), moving = velocity && placeOn(velocity.input);
+      const { motion, velocity, condition } = answer, at = placeOn(motion.input), moving = velocity && placeOn(velocity.input), exact = condition && placeOn(condition.input);
       if (at) for (const one of motion.angle) { const v = mixed(one.values, at); if (v !== null) rows.push([words.transmission + ', ' + one.name, digits(v) + '\u00b0']); }
       if (moving) for (const output of board.state.sketch.outputs) {
         const of = velocity.joints[output.of[0]];
         if (of && ['point', 'pose', 'x', 'y'].includes(output.kind)) rows.push([words.speedOf(output.of[0]), digits(Math.hypot(mixed(of[0], moving), mixed(of[1], moving))) + words.perSecond]);
       }
+      if (exact) for (const [name, values] of Object.entries(condition.outputs)) { const v = mixed(values, exact); if (v !== null && v !== undefined) rows.push([words.conditionOf(name), digits(v)]); }
       if (at && motion.forces) {
         const drive = mixed(motion.forces.drive, at);
         if (drive !== null && drive !== undefined) rows.push([words.drive, digits(drive) + (motion.forces.sliding ? words.newton : words.moment)]);

@@ -213,6 +213,7 @@ board.words = ((listed) => ({
   transmission: 'Transmission angle',
   drive: 'drive',
   speedOf: (name) => 'speed of ' + name,
+  conditionOf: (name) => 'condition number of ' + name,
   forceAt: (name) => 'force at ' + name,
   perSecond: '/s',
   moment: ' N m',

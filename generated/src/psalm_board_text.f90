@@ -1279,6 +1279,7 @@ module psalm_board_text
    "  transmission: 'Transmission angle',"//nl// &
    "  drive: 'drive',"//nl// &
    "  speedOf: (name) => 'speed of ' + name,"//nl// &
+   "  conditionOf: (name) => 'condition number of ' + name,"//nl// &
    "  forceAt: (name) => 'force at ' + name,"//nl// &
    "  perSecond: '/s',"//nl// &
    "  moment: ' N m',"//nl// &
@@ -1302,10 +1303,10 @@ module psalm_board_text
    "  closing: { closes: 'closes', opens: 'does not close' },"//nl// &
    "  range: (from, to) => 'from ' + from + ' to ' + to,"//nl// &
    "  extremes: (least, at, greatest, where) => 'least ' + least + ' at ' + at + ', greatest ' + greatest + ' at ' + where,"//nl// &
-   "  deadPoint: (of) => 'dead point: ' + of,"//nl// &
-   "  assemblies: 'Assemblies',"//nl
+   "  deadPoint: (of) => 'dead point: ' + of,"//nl
 
    character(*), parameter :: part_13 = &
+   "  assemblies: 'Assemblies',"//nl// &
    "  assembliesHint: 'All ways to put the links together here; click one to draw it.',"//nl// &
    "  assembly: (number) => 'assembly ' + number,"//nl// &
    "  assemblyDrawn: 'as drawn',"//nl// &
@@ -1416,10 +1417,10 @@ module psalm_board_text
    '  function split(text) {'//nl// &
    "    const lines = text.split('\n'), starts = [];"//nl// &
    '    lines.reduce((at, line) => { starts.push(at); return at + line.length + 1; }, 0);'//nl// &
-   '    const plain = (line) => /^\s*[^\s!]/.test(line);'//nl// &
-   '    const first = lines.findIndex(plain);'//nl
+   '    const plain = (line) => /^\s*[^\s!]/.test(line);'//nl
 
    character(*), parameter :: part_14 = &
+   '    const first = lines.findIndex(plain);'//nl// &
    "    if (first < 0) throw new Mistake('there is no title');"//nl// &
    '    const groups = [];'//nl// &
    '    let at = starts[first] + lines[first].length, end = text.length;'//nl// &
@@ -1526,10 +1527,10 @@ module psalm_board_text
    "      if (item.place && OWN[name].includes(item.name)) throw new Mistake('&' + name + ' ' + item.name + item.place +"//nl// &
    "        ': the drawing board reads lists, not single elements', item.line);"//nl// &
    "    const sketch = { title: whole.title, ...readChain(reader(groupOf('CHAIN'))), keep: {} };"//nl// &
-   "    readDrives(reader(groupOf('DRIVES')), sketch);"//nl// &
-   "    readOutputs(reader(groupOf('OUTPUTS')), sketch);"//nl
+   "    readDrives(reader(groupOf('DRIVES')), sketch);"//nl
 
    character(*), parameter :: part_15 = &
+   "    readOutputs(reader(groupOf('OUTPUTS')), sketch);"//nl// &
    "    readMethod(reader(groupOf('METHOD')), sketch);"//nl// &
    '    for (const name of Object.keys(OWN)) sketch.keep[name] = (groupOf(name) || { items: [] }).items'//nl// &
    "      .filter((item) => !OWN[name].includes(item.name) && !(name === 'DRIVES' && /^DELT\d+$/.test(item.name)))"//nl// &
@@ -1638,10 +1639,10 @@ module psalm_board_text
    '-'//nl// &
    ''//nl// &
    '  /** The shortest text that is read as the same number, with a decimal point. */'//nl// &
-   '  function number(value) {'//nl// &
-   "    const text = String(value).replace('e', 'E').replace('E+', 'E');"//nl
+   '  function number(value) {'//nl
 
    character(*), parameter :: part_16 = &
+   "    const text = String(value).replace('e', 'E').replace('E+', 'E');"//nl// &
    "    return /[.E]/.test(text) ? text.replace(/^(-?\d+)E/, '$1.0E') : text + '.0';"//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1755,10 +1756,10 @@ module psalm_board_text
    '      text += part;'//nl// &
    "      if (one.name === 'CHAIN') for (const name of missing) text += '\n' + now[name];"//nl// &
    '      at = one.end;'//nl// &
-   '    }'//nl// &
-   '    return text + source.slice(at);'//nl
+   '    }'//nl
 
    character(*), parameter :: part_17 = &
+   '    return text + source.slice(at);'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** A group that the board does not edit, with what stands before it, and with the names that joints and links have n'// &
@@ -1867,10 +1868,10 @@ module psalm_board_text
    '      return [name, [x, y]];'//nl// &
    '    }));'//nl// &
    '    const held = sketch.lengths.filter((l) => l.joints.every((name) => at.has(name)));'//nl// &
-   '    if (!held.length) return at;'//nl// &
-   '    const names = link.joints, first = at.get(names[0]).slice();'//nl
+   '    if (!held.length) return at;'//nl
 
    character(*), parameter :: part_18 = &
+   '    const names = link.joints, first = at.get(names[0]).slice();'//nl// &
    '    for (let round = 0; round < ROUNDS; round++) {'//nl// &
    '      const rows = [], right = [];'//nl// &
    '      for (const { joints: [a, b], value } of held) {'//nl// &
@@ -1976,10 +1977,10 @@ module psalm_board_text
    '        row[3 * link - 1] += dphi / size;'//nl// &
    '      }'//nl// &
    '      A.push(row);'//nl// &
-   '      r.push(value);'//nl// &
-   '    };'//nl
+   '      r.push(value);'//nl
 
    character(*), parameter :: part_19 = &
+   '    };'//nl// &
    '    for (const row of mech.rows) {'//nl// &
    '      const { a, b } = row;'//nl// &
    "      if (row.kind === 'pin') {"//nl// &
@@ -2083,10 +2084,10 @@ module psalm_board_text
    '    }'//nl// &
    '    return now;'//nl// &
    '  }'//nl// &
-   ''//nl// &
-   '  /** Places of all joints, [x, y] each. */'//nl
+   ''//nl
 
    character(*), parameter :: part_20 = &
+   '  /** Places of all joints, [x, y] each. */'//nl// &
    '  const joints = (mech, pose) => mech.of.map((links, j) => links.length ? place(mech, pose, links[0], mech.point[links['// &
    '0]].get(j)).slice(0, 2) :'//nl// &
    '    [mech.sketch.joints[j].x, mech.sketch.joints[j].y]);'//nl// &
@@ -2198,10 +2199,10 @@ module psalm_board_text
    ' same'//nl// &
    '    const basis = [], twice = [], order = A.map((_, k) => k);'//nl// &
    "    if (sketch.kover) order.sort((a, b) => ('drive' in tags[b]) - ('drive' in tags[a]));"//nl// &
-   '    order.forEach((k) => {'//nl// &
-   '      const row = A[k], v = row.slice(), scale = Math.max(1e-12, ...row.map(Math.abs));'//nl
+   '    order.forEach((k) => {'//nl
 
    character(*), parameter :: part_21 = &
+   '      const row = A[k], v = row.slice(), scale = Math.max(1e-12, ...row.map(Math.abs));'//nl// &
    '      for (const { column, w } of basis) {'//nl// &
    '        const f = v[column] / w[column];'//nl// &
    '        if (f) for (let j = 0; j < n; j++) v[j] -= f * w[j];'//nl// &
@@ -2310,10 +2311,10 @@ module psalm_board_text
    "    for (const name of COLOURS) pens[name] = css.getPropertyValue('--' + name).trim();"//nl// &
    '    [w, h] = [Math.max(1, canvas.clientWidth), Math.max(1, canvas.clientHeight)];'//nl// &
    '    canvas.width = Math.round(w * dpr);'//nl// &
-   '    canvas.height = Math.round(h * dpr);'//nl// &
-   '    g.setTransform(dpr, 0, 0, dpr, 0, 0);'//nl
+   '    canvas.height = Math.round(h * dpr);'//nl
 
    character(*), parameter :: part_22 = &
+   '    g.setTransform(dpr, 0, 0, dpr, 0, 0);'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** The eye on a box of lengths. */'//nl// &
@@ -2421,10 +2422,10 @@ module psalm_board_text
    '    const { motion, sketch } = board.state;'//nl// &
    '    if (!motion.sweep) return;'//nl// &
    "    const wanted = new Set(sketch.outputs.filter((o) => ['point', 'pose', 'x', 'y'].includes(o.kind)).map((o) => o.of[0"// &
-   "]));"//nl// &
-   '    sketch.joints.forEach((joint, j) => {'//nl
+   "]));"//nl
 
    character(*), parameter :: part_23 = &
+   '    sketch.joints.forEach((joint, j) => {'//nl// &
    '      if (board.inFrame(joint.name)) return;'//nl// &
    '      const strong = wanted.has(joint.name);'//nl// &
    '      g.strokeStyle = strong ? pens.actual : pens.ghost;'//nl// &
@@ -2525,10 +2526,10 @@ module psalm_board_text
    '    g.lineWidth = 2;'//nl// &
    '    g.beginPath();'//nl// &
    '    g.rect(-15, -9.5, 30, 19);'//nl// &
-   '    g.fill();'//nl// &
-   '    g.stroke();'//nl
+   '    g.fill();'//nl
 
    character(*), parameter :: part_24 = &
+   '    g.stroke();'//nl// &
    '    if (driven) {'//nl// &
    '      g.strokeStyle = pens.good;'//nl// &
    '      g.lineWidth = 2.4;'//nl// &
@@ -2629,10 +2630,10 @@ module psalm_board_text
    '      g.fillStyle = pens.actual;'//nl// &
    '      g.beginPath();'//nl// &
    '      for (let i = 0; i < 10; i++) {'//nl// &
-   '        const a = -Math.PI / 2 + i * Math.PI / 5, d = i % 2 ? 4 : 10;'//nl// &
-   '        g.lineTo(x + d * Math.cos(a), y + d * Math.sin(a));'//nl
+   '        const a = -Math.PI / 2 + i * Math.PI / 5, d = i % 2 ? 4 : 10;'//nl
 
    character(*), parameter :: part_25 = &
+   '        g.lineTo(x + d * Math.cos(a), y + d * Math.sin(a));'//nl// &
    '      }'//nl// &
    '      g.fill();'//nl// &
    '    }'//nl// &
@@ -2740,10 +2741,10 @@ module psalm_board_text
    '    sketch.links.forEach((link, i) => {'//nl// &
    '      if (i === 0 || link.joints.includes(without)) return;'//nl// &
    '      const round = outline(link.joints.map(p));'//nl// &
-   '      round.forEach((a, k) => {'//nl// &
-   '        const away = round.length > 1 ? distance(px, py, a, round[(k + 1) % round.length]) : Infinity;'//nl
+   '      round.forEach((a, k) => {'//nl
 
    character(*), parameter :: part_26 = &
+   '        const away = round.length > 1 ? distance(px, py, a, round[(k + 1) % round.length]) : Infinity;'//nl// &
    '        if (away < least) { best = { link: link.name }; least = away; }'//nl// &
    '      });'//nl// &
    '      if (!best && round.length > 2 && round.every((a, k) => {'//nl// &
@@ -2845,10 +2846,10 @@ module psalm_board_text
    '  const check = (label, on, take) => {'//nl// &
    "    const box = make('input', { type: 'checkbox', 'aria-label': label, onchange: () => take(box.checked) });"//nl// &
    '    box.checked = on;'//nl// &
-   '    return box;'//nl// &
-   '  };'//nl
+   '    return box;'//nl
 
    character(*), parameter :: part_27 = &
+   '  };'//nl// &
    ''//nl// &
    '  function choice(label, options, value, take) {'//nl// &
    "    const select = make('select', { 'aria-label': label, onchange: () => take(select.value) }, ...options.map((name) =>"// &
@@ -2958,10 +2959,10 @@ module psalm_board_text
    "      parts.push(make('p', {}, words.lengthHint), ...rangePart(link),"//nl// &
    '        button(words.delete, () => board.remove({ link: name })));'//nl// &
    '    }'//nl// &
-   '    return parts;'//nl// &
-   '  }'//nl
+   '    return parts;'//nl
 
    character(*), parameter :: part_28 = &
+   '  }'//nl// &
    ''//nl// &
    '  /** Least and most of the dimensions of a link, which searches honour. */'//nl// &
    '  function rangePart(link) {'//nl// &
@@ -3072,10 +3073,10 @@ module psalm_board_text
    ''//nl// &
    '  function outputPart() {'//nl// &
    '    const { state, edit } = board, { outputs } = state.sketch;'//nl// &
-   "    const add = field(words.outputToAdd, '', (text) => {"//nl// &
-   '      const words = text.split(/\s+/);'//nl
+   "    const add = field(words.outputToAdd, '', (text) => {"//nl
 
    character(*), parameter :: part_29 = &
+   '      const words = text.split(/\s+/);'//nl// &
    "      if (!['point', 'x', 'y', 'angle', 'distance', 'slide', 'between', 'pose', 'ratio'].includes(words[0]) || words.le"// &
    "ngth < 2) return false;"//nl// &
    '      const known = (word) => board.jointOf(word) || board.linkOf(word) || state.sketch.slides.some((s) => s.name === w'// &
@@ -3189,10 +3190,10 @@ module psalm_board_text
    "    $('side').dataset.tab = name;"//nl// &
    '    for (const part of [board.source, board.engine, board.search]) if (part.shown) part.shown(name);'//nl// &
    '  }'//nl// &
-   ''//nl// &
-   '  function listTabs() {'//nl
+   ''//nl
 
    character(*), parameter :: part_30 = &
+   '  function listTabs() {'//nl// &
    '    for (const [id, words] of TABS) {'//nl// &
    "      if (!board.engine.served && (id === 'engine' || id === 'search')) continue;"//nl// &
    "      const tabButton = button(words, () => turnTo(id), { id: 'tab-' + id, role: 'tab', 'aria-controls': id });"//nl// &
@@ -3298,10 +3299,10 @@ module psalm_board_text
    '    box.value = now;'//nl// &
    '    box.setSelectionRange(selectionStart, selectionStart);'//nl// &
    '    box.scrollTop = scrollTop;'//nl// &
-   '    show();'//nl// &
-   '  }'//nl
+   '    show();'//nl
 
    character(*), parameter :: part_31 = &
+   '  }'//nl// &
    ''//nl// &
    '  /** What the engine says of a text. */'//nl// &
    '  function findings(text, all) {'//nl// &
@@ -3405,10 +3406,10 @@ module psalm_board_text
    ''//nl// &
    '  /** Its place and strength among the properties. */'//nl// &
    '  function part() {'//nl// &
-   '    const { head, row, numberField, button, make } = board.panel;'//nl// &
-   '    if (!image) return [];'//nl
+   '    const { head, row, numberField, button, make } = board.panel;'//nl
 
    character(*), parameter :: part_32 = &
+   '    if (!image) return [];'//nl// &
    '    const field = (key, least = -Infinity, most = Infinity) => numberField(words.picture[key], place[key], (value) => {'//nl// &
    '      if (!(value >= least && value <= most)) return false;'//nl// &
    '      place[key] = value;'//nl// &
@@ -3515,10 +3516,10 @@ module psalm_board_text
    '      size += value.length;'//nl// &
    "      if (size > MOST_TEXT) { await reader.cancel(); throw new RangeError('too long'); }"//nl// &
    '      parts.push(value);'//nl// &
-   '    }'//nl// &
-   "    return new TextDecoder('utf-8', { fatal: true }).decode(await new Blob(parts).arrayBuffer());"//nl
+   '    }'//nl
 
    character(*), parameter :: part_33 = &
+   "    return new TextDecoder('utf-8', { fatal: true }).decode(await new Blob(parts).arrayBuffer());"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** A link that holds the data set; of a served board, whose address has a token, the part that holds it alone. */'//nl// &
@@ -3633,10 +3634,10 @@ module psalm_board_text
    "'use strict';"//nl// &
    ''//nl// &
    'board.bring = (() => {'//nl// &
-   '  const { words } = board;'//nl// &
-   '  const $ = (id) => document.getElementById(id);'//nl
+   '  const { words } = board;'//nl
 
    character(*), parameter :: part_34 = &
+   '  const $ = (id) => document.getElementById(id);'//nl// &
    '  const MOST = 5 << 20;                  // bytes of a file; in a request they are a third more'//nl// &
    ''//nl// &
    '  function file(one) {'//nl// &
@@ -3750,11 +3751,11 @@ module psalm_board_text
    '      if (!driven) return { why: words.proposalCrank };'//nl// &
    '      const end = board.jointOf(driven.link.joints.find((name) => name !== driven.at)), pivot = board.jointOf(driven.at'// &
    '), dx = end.x - pivot.x, dy = end.y - pivot.y;'//nl// &
-   '      // as far as it goes; the cam stands square to the crank in the middle of its swing'//nl// &
-   '      const { ring, states } = motion.sweep, [back, forth] = ring ? [-360, 360] : [states[0], states.at(-1)].map((one) '// &
-   '=> one.inputs[0] * 180 / Math.PI);'//nl
+   '      // as far as it goes; the cam stands square to the crank in the middle of its swing'//nl
 
    character(*), parameter :: part_35 = &
+   '      const { ring, states } = motion.sweep, [back, forth] = ring ? [-360, 360] : [states[0], states.at(-1)].map((one) '// &
+   '=> one.inputs[0] * 180 / Math.PI);'//nl// &
    '      const swing = Number((forth >= -back || forth >= CAM_SWING ? Math.min(CAM_SWING, WAY * forth) : Math.max(-CAM_SWI'// &
    'NG, WAY * back)).toPrecision(3));'//nl// &
    '      const half = swing / 2 * Math.PI / 180, [mx, my] = [dx * Math.cos(half) - dy * Math.sin(half), dy * Math.cos(half'// &
@@ -3869,10 +3870,10 @@ module psalm_board_text
    's in the page.'//nl// &
    "'use strict';"//nl// &
    ''//nl// &
-   'board.engine = (() => {'//nl// &
-   '  const DELAY = 200, DRAGGING = 40;      // milliseconds after a change'//nl
+   'board.engine = (() => {'//nl
 
    character(*), parameter :: part_36 = &
+   '  const DELAY = 200, DRAGGING = 40;      // milliseconds after a change'//nl// &
    '  const ARROW = 0.2;                     // longest arrow, part of the picture'//nl// &
    '  const { words } = board;'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
@@ -3983,10 +3984,10 @@ module psalm_board_text
    '-'//nl// &
    ''//nl// &
    '  /** Where the position shown is on a list of inputs: number and part of the way to the next; nothing if it is not on '// &
-   'it. */'//nl// &
-   '  function placeOn(inputs) {'//nl
+   'it. */'//nl
 
    character(*), parameter :: part_37 = &
+   '  function placeOn(inputs) {'//nl// &
    '    const { live, sketch } = board.state;'//nl// &
    '    if (!live || !inputs || inputs.length < 1 || board.free() !== 1) return null;'//nl// &
    "    const turns = sketch.drives[0].kind === 'turn', value = live.inputs[0] / (turns ? board.motion.RADIAN : 1), round ="// &
@@ -4097,10 +4098,10 @@ module psalm_board_text
    "      g.fill(shape, 'nonzero');"//nl// &
    '    }'//nl// &
    '    g.globalAlpha = 1;'//nl// &
-   '  }'//nl// &
-   ''//nl
+   '  }'//nl
 
    character(*), parameter :: part_38 = &
+   ''//nl// &
    '  const digits = (v) => board.view.short(Number(v.toPrecision(4)));'//nl// &
    ''//nl// &
    '  /** Numbers at the position shown. */'//nl// &
@@ -4108,7 +4109,8 @@ module psalm_board_text
    "    if (!parts.here || $('engine').hidden) return;"//nl// &
    '    const rows = [];'//nl// &
    '    if (fresh && answer.motion) {'//nl// &
-   '      const { motion, velocity } = answer, at = placeOn(motion.input), moving = velocity && placeOn(velocity.input);'//nl// &
+   '      const { motion, velocity, condition } = answer, at = placeOn(motion.input), moving = velocity && placeOn(velocity'// &
+   '.input), exact = condition && placeOn(condition.input);'//nl// &
    "      if (at) for (const one of motion.angle) { const v = mixed(one.values, at); if (v !== null) rows.push([words.trans"// &
    "mission + ', ' + one.name, digits(v) + '\u00b0']); }"//nl// &
    '      if (moving) for (const output of board.state.sketch.outputs) {'//nl// &
@@ -4116,6 +4118,8 @@ module psalm_board_text
    "        if (of && ['point', 'pose', 'x', 'y'].includes(output.kind)) rows.push([words.speedOf(output.of[0]), digits(Mat"// &
    "h.hypot(mixed(of[0], moving), mixed(of[1], moving))) + words.perSecond]);"//nl// &
    '      }'//nl// &
+   '      if (exact) for (const [name, values] of Object.entries(condition.outputs)) { const v = mixed(values, exact); if ('// &
+   'v !== null && v !== undefined) rows.push([words.conditionOf(name), digits(v)]); }'//nl// &
    '      if (at && motion.forces) {'//nl// &
    '        const drive = mixed(motion.forces.drive, at);'//nl// &
    '        if (drive !== null && drive !== undefined) rows.push([words.drive, digits(drive) + (motion.forces.sliding ? wor'// &
@@ -4218,11 +4222,11 @@ module psalm_board_text
    '      }'//nl// &
    '    };'//nl// &
    "    for (const one of answer.proof.limits || []) if (one.kind === 'closes') put(one.from, one.to, 'closes', words.closi"// &
-   "ng.closes);"//nl// &
-   "    for (const one of answer.proof.dead_points || []) put(one.low, one.high, 'dead', words.deadPoint(one.of));"//nl// &
-   '    track.append(strip);'//nl
+   "ng.closes);"//nl
 
    character(*), parameter :: part_39 = &
+   "    for (const one of answer.proof.dead_points || []) put(one.low, one.high, 'dead', words.deadPoint(one.of));"//nl// &
+   '    track.append(strip);'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Every way in which the links can be put together; a click on one draws it. */'//nl// &
@@ -4346,12 +4350,12 @@ module psalm_board_text
    ''//nl// &
    '  // ---- the curve ---------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
-   ''//nl// &
-   '  const length = (points) => points.slice(1).reduce((sum, p, i) => sum + Math.hypot(p[0] - points[i][0], p[1] - points['// &
-   'i][1]), 0);'//nl// &
    ''//nl
 
    character(*), parameter :: part_40 = &
+   '  const length = (points) => points.slice(1).reduce((sum, p, i) => sum + Math.hypot(p[0] - points[i][0], p[1] - points['// &
+   'i][1]), 0);'//nl// &
+   ''//nl// &
    '  /** Points evenly along a line; a closed one does not have its first point again. */'//nl// &
    '  function even(points, n, closed) {'//nl// &
    '    const line = closed ? [...points, points[0]] : points, whole = length(line), list = [];'//nl// &
@@ -4462,12 +4466,12 @@ module psalm_board_text
    '-'//nl// &
    ''//nl// &
    '  function begin() {'//nl// &
-   '    if (!board.engine.served) return;'//nl// &
-   '    const { make, head, check, button, row, numberField } = board.panel;'//nl// &
-   "    parts.file = make('input', { type: 'file', accept: '.csv,.txt,.svg', 'aria-label': words.wantedFile, hidden: true }"// &
-   ");"//nl
+   '    if (!board.engine.served) return;'//nl
 
    character(*), parameter :: part_41 = &
+   '    const { make, head, check, button, row, numberField } = board.panel;'//nl// &
+   "    parts.file = make('input', { type: 'file', accept: '.csv,.txt,.svg', 'aria-label': words.wantedFile, hidden: true }"// &
+   ");"//nl// &
    "    parts.file.addEventListener('change', () => { if (parts.file.files[0]) openCurve(parts.file.files[0]); parts.file.v"// &
    "alue = ''; });"//nl// &
    "    parts.has = make('p');"//nl// &
@@ -4579,11 +4583,11 @@ module psalm_board_text
    "    if (got.error) { parts.told.textContent = got.error; running = ''; follow(); return; }"//nl// &
    '    for (const one of got.events) {'//nl// &
    '      if (one.doing) {'//nl// &
-   '        parts.doing.textContent = words.searching(words.kindNames[one.doing], one.round);'//nl// &
-   '        text = one.text;'//nl// &
-   '        parts.save.hidden = false;'//nl
+   '        parts.doing.textContent = words.searching(words.kindNames[one.doing], one.round);'//nl
 
    character(*), parameter :: part_42 = &
+   '        text = one.text;'//nl// &
+   '        parts.save.hidden = false;'//nl// &
    '      }'//nl// &
    '      if (one.found) add(one.found);'//nl// &
    '      if (one.error) parts.told.textContent = one.error;'//nl// &
@@ -4688,11 +4692,11 @@ module psalm_board_text
    '    });'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Pins a joint to the frame or frees it. */'//nl// &
-   '  function pivot(name) {'//nl// &
-   '    edit((sketch) => {'//nl
+   '  /** Pins a joint to the frame or frees it. */'//nl
 
    character(*), parameter :: part_43 = &
+   '  function pivot(name) {'//nl// &
+   '    edit((sketch) => {'//nl// &
    '      const frame = sketch.links[0];'//nl// &
    '      if (frame.joints.includes(name)) frame.joints = frame.joints.filter((one) => one !== name);'//nl// &
    '      else frame.joints.push(name);'//nl// &
@@ -4798,12 +4802,12 @@ module psalm_board_text
    '    const box = view.canvas.getBoundingClientRect(), x = event.clientX - box.left, y = event.clientY - box.top;'//nl// &
    "    const hit = view.under(x, y, event.pointerType === 'touch', without), at = board.places();"//nl// &
    "    const place = hit && hit.joint ? at.get(hit.joint) : hit && hit.link && board.state.tool !== 'select' ? onLink(hit."// &
-   "link, view.world(x, y)) : event.altKey ? view.world(x, y) : view.snap(view.world(x, y));"//nl// &
-   '    const there = jointAtPlace(place, without, at);'//nl// &
-   "    return { x, y, hit: there && !(hit && hit.joint) ? { joint: there } : hit, place, touch: event.pointerType === 'tou"// &
-   "ch' };"//nl
+   "link, view.world(x, y)) : event.altKey ? view.world(x, y) : view.snap(view.world(x, y));"//nl
 
    character(*), parameter :: part_44 = &
+   '    const there = jointAtPlace(place, without, at);'//nl// &
+   "    return { x, y, hit: there && !(hit && hit.joint) ? { joint: there } : hit, place, touch: event.pointerType === 'tou"// &
+   "ch' };"//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** The joint that is where a link ends, a joint is dropped or pinned: on the grid it may be farther from the pointer'// &
@@ -4907,11 +4911,11 @@ module psalm_board_text
    "  const draggedJoint = () => press && press.at && press.tool === 'select' && press.at.hit && !(board.state.selection &&"// &
    " board.state.selection.many) && press.at.hit.joint || '';"//nl// &
    ''//nl// &
-   '  /** The curve that is being drawn goes on, with all places that the browser has kept between two frames. */'//nl// &
-   '  function trace(event) {'//nl// &
-   '    const box = view.canvas.getBoundingClientRect(), all = event.getCoalescedEvents ? event.getCoalescedEvents() : [];'//nl
+   '  /** The curve that is being drawn goes on, with all places that the browser has kept between two frames. */'//nl
 
    character(*), parameter :: part_45 = &
+   '  function trace(event) {'//nl// &
+   '    const box = view.canvas.getBoundingClientRect(), all = event.getCoalescedEvents ? event.getCoalescedEvents() : [];'//nl// &
    '    for (const one of all.length ? all : [event]) hand.push(view.world(one.clientX - box.left, one.clientY - box.top));'//nl// &
    '    view.draw();'//nl// &
    '  }'//nl// &
@@ -5016,11 +5020,11 @@ module psalm_board_text
    "    if (pulled && hit.joint && end.joint && hit.joint !== end.joint) drive({ cylinder: hit.joint + ' ' + end.joint });"//nl// &
    '    else if (hit.cylinder || hit.slide) drive(hit);'//nl// &
    '    else if (hit.joint) {'//nl// &
-   '      // the joint of a block that slides means the slide'//nl// &
-   '      const slide = sketch.slides.find((s) => s.links.some((name) => board.linkOf(name).joints.join() === hit.joint));'//nl// &
-   '      drive(slide && !board.inFrame(hit.joint) ? { slide: slide.name } : { joint: hit.joint });'//nl
+   '      // the joint of a block that slides means the slide'//nl
 
    character(*), parameter :: part_46 = &
+   '      const slide = sketch.slides.find((s) => s.links.some((name) => board.linkOf(name).joints.join() === hit.joint));'//nl// &
+   '      drive(slide && !board.inFrame(hit.joint) ? { slide: slide.name } : { joint: hit.joint });'//nl// &
    '    } else if (hit.link) {'//nl// &
    '      const joint = board.linkOf(hit.link).joints.find(board.inFrame);'//nl// &
    '      if (joint) drive({ joint });'//nl// &
@@ -5131,12 +5135,12 @@ module psalm_board_text
    '      view.zoom(1.0015 ** -event.deltaY, event.clientX - box.left, event.clientY - box.top);'//nl// &
    '      view.draw();'//nl// &
    '    }, { passive: false });'//nl// &
-   "    canvas.addEventListener('dragover', (event) => event.preventDefault());"//nl// &
-   "    canvas.addEventListener('drop', (event) => { event.preventDefault(); const [file] = event.dataTransfer.files; if (f"// &
-   "ile) (file.type.startsWith('image/') ? board.picture : board).open(file); });"//nl// &
-   "    document.addEventListener('keydown', key);"//nl
+   "    canvas.addEventListener('dragover', (event) => event.preventDefault());"//nl
 
    character(*), parameter :: part_47 = &
+   "    canvas.addEventListener('drop', (event) => { event.preventDefault(); const [file] = event.dataTransfer.files; if (f"// &
+   "ile) (file.type.startsWith('image/') ? board.picture : board).open(file); });"//nl// &
+   "    document.addEventListener('keydown', key);"//nl// &
    '    const acts = { play: () => board.play(), undo: () => board.undo(), redo: () => board.redo(), save: () => board.save'// &
    '(), fit: () => board.fit(),'//nl// &
    "      larger: () => zoom(1.25), smaller: () => zoom(0.8), open: () => $('file').click(), new: () => board.start(),"//nl// &
@@ -5242,11 +5246,11 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  /** Exact lengths may hold the joints elsewhere than they were drawn: from there on they are drawn where they are. */'//nl// &
-   '  function settle() {'//nl// &
-   '    const { mech, start } = state.motion;'//nl// &
-   '    if (!start || !state.sketch.lengths.length) return;'//nl
+   '  function settle() {'//nl
 
    character(*), parameter :: part_48 = &
+   '    const { mech, start } = state.motion;'//nl// &
+   '    if (!start || !state.sketch.lengths.length) return;'//nl// &
    '    solver.joints(mech, start.pose).forEach(([x, y], j) => Object.assign(state.sketch.joints[j], { x, y }));'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -5354,11 +5358,11 @@ module psalm_board_text
    '    relax(sketch, names);'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** Takes joints, links or slides away, and what cannot be without them. */'//nl// &
-   '  function remove(selection) {'//nl// &
-   '    edit((s) => {'//nl
+   '  /** Takes joints, links or slides away, and what cannot be without them. */'//nl
 
    character(*), parameter :: part_49 = &
+   '  function remove(selection) {'//nl// &
+   '    edit((s) => {'//nl// &
    '      for (const { joint, link, slide, cylinder } of each(selection)) {'//nl// &
    "        if (cylinder) s.drives = s.drives.filter((d) => d.at.join(' ') !== cylinder);"//nl// &
    '        if (slide) s.slides = s.slides.filter((one) => one.name !== slide);'//nl// &
@@ -5465,11 +5469,11 @@ module psalm_board_text
    '          if (!next) { list.push(...edge(mech, now, solver.inputsAt(sketch, way * k * each))); break; }'//nl// &
    '          list.push(now = next);'//nl// &
    '        }'//nl// &
-   '        return list;'//nl// &
-   '      };'//nl// &
-   '      const forth = run(1), last = forth.at(-1);'//nl
+   '        return list;'//nl
 
    character(*), parameter :: part_50 = &
+   '      };'//nl// &
+   '      const forth = run(1), last = forth.at(-1);'//nl// &
    '      ring = turns && forth.length * each >= 360 - 1e-9 && same(mech, start, last);'//nl// &
    '      if (ring) states = [start, ...forth.slice(0, -1)];'//nl// &
    '      else {'//nl// &
@@ -5570,11 +5574,11 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  function show() {'//nl// &
-   '    board.panel.follow();'//nl// &
-   '    view.draw();'//nl// &
-   '  }'//nl
+   '    board.panel.follow();'//nl
 
    character(*), parameter :: part_51 = &
+   '    view.draw();'//nl// &
+   '  }'//nl// &
    ''//nl// &
    '  function play(on = !state.playing) {'//nl// &
    '    state.playing = on && Boolean(state.motion.sweep) && state.motion.sweep.states.length > 1;'//nl// &
@@ -5677,11 +5681,11 @@ module psalm_board_text
    '    const { book, messages, selection, sketch, tool } = state, chosen = selection || {};'//nl// &
    "    let page = 'board';"//nl// &
    "    if (messages.length && sketch.joints.length) page = 'loops#what-psalm-makes-of-it';"//nl// &
-   "    else if (chosen.gear !== undefined) page = 'sketch#gears-in-chain';"//nl// &
-   "    else if (chosen.slide !== undefined || tool === 'slider') page = 'sketch#chain';"//nl// &
-   "    else if (chosen.drive !== undefined || tool === 'drive') page = 'sketch#drives';"//nl
+   "    else if (chosen.gear !== undefined) page = 'sketch#gears-in-chain';"//nl
 
    character(*), parameter :: part_52 = &
+   "    else if (chosen.slide !== undefined || tool === 'slider') page = 'sketch#chain';"//nl// &
+   "    else if (chosen.drive !== undefined || tool === 'drive') page = 'sketch#drives';"//nl// &
    "    else if (chosen.output !== undefined || tool === 'output') page = 'sketch#outputs-optional';"//nl// &
    "    const [name, place] = page.split('#');"//nl// &
    "    if (book) window.open(book + 'guide/' + name + '.html' + (place ? '#' + place : ''), 'book');"//nl// &

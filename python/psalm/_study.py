@@ -26,6 +26,7 @@ SAYS = ("motion", "summary")    # studies whose errors are reported: the others 
 FINE = 5                # degrees between the positions of which velocities are shown
 PREFIX = re.compile(r"^case in memory(?::\d+: (?:error|warning|remark))?: ")
 CURVE_FILE = re.compile(r"^[^!'\"]*[&$]\s*CURVE\b", re.I)
+CONDITION = ".condition"  # ends the name of a column
 WARM = "WARM\n &CHAIN JNT='A','B','C','D', JX=0.,0.,60.,100., JY=0.,30.,80.,0., LNK='A D','A B','B C','C D' &END\n" \
     " &DRIVES DRIVE='A' &END\n &METHOD IKIN=30 &END\n"
 # what a search goes through in each round: links, slides, gear pairs
@@ -98,7 +99,7 @@ def brought(request):
 
 def look(request):
     """What the engine says of a case: findings, summary, positions, transmission angles, velocities, forces."""
-    return parts_of(request, (("motion", motion_of), ("summary", summary_of), ("velocity", velocities_of)))
+    return parts_of(request, (("motion", motion_of), ("summary", summary_of), ("velocity", velocities_of), ("condition", conditions_of)))
 
 
 def prove(request):
@@ -151,23 +152,34 @@ def summary_of(case):
     return result.listing, result.findings
 
 
-def velocities_of(case):
-    """Velocities of all joints: of a crank every few degrees of its turn, else at the positions of the case."""
-    result, input_name = None, "input"
+def finely(case, verb):
+    """The table of positions of a study, of a crank every few degrees of its turn, else at those of the case; and the inputs in it."""
     try:
         finer = case.copy()
         finer.turn(FINE)
-        result = finer.study("rates", listing=False)
+        result = finer.study(verb, listing=False)
     except psalm.Error:
-        result = case.study("rates", listing=False)
+        result = case.study(verb, listing=False)
     table = result.tables["positions"]
-    if input_name not in table:
-        input_name = next((name for name in table.columns if name.startswith("input.")), None)
-        if input_name is None:
-            return None, []
+    name = next((name for name in table.columns if name == "input" or name.startswith("input.")), None)
+    return table, name and plain(table[name])
+
+
+def conditions_of(case):
+    """Condition numbers of the outputs: how many times relative changes of the dimensions reach them."""
+    asked = case.copy()
+    asked.set("LIMITS", "ICOND", 1)
+    table, inputs = finely(asked, "analysis")
+    return {"input": inputs, "outputs": {name[:-len(CONDITION)]: plain(table[name]) for name in table.columns if name.endswith(CONDITION)}}, []
+
+
+def velocities_of(case):
+    """Velocities of all joints."""
+    table, inputs = finely(case, "rates")
+    if inputs is None:
+        return None, []
     joints = [name[:-3] for name in table.columns if name.endswith(".vx") and name[:-3] + ".vy" in table]
-    return {"input": plain(table[input_name]),
-            "joints": {name: [plain(table[name + ".vx"]), plain(table[name + ".vy"])] for name in joints}}, []
+    return {"input": inputs, "joints": {name: [plain(table[name + ".vx"]), plain(table[name + ".vy"])] for name in joints}}, []
 
 
 def proof_of(case):

@@ -20,7 +20,7 @@ module psalm_motion_verbs
    use psalm_preparation, only: memory_need_t, threads_for
    use psalm_proof_study, only: proof_study_t, study_proof, proof_wanted, no_proof, proof_of_inputs
    use psalm_report, only: report_allocation, report_analysis, report_proof, report_summary, report_tolerances
-   use psalm_sketch_study, only: sketch_study_t, study_sketch
+   use psalm_sketch_study, only: sketch_study_t, study_conditions, study_sketch
    use psalm_status, only: findings_t => diagnostics_t
    use psalm_stop, only: stop_t, is_to_end
    use psalm_study_frame, only: frame_t, report_t, warn, empty_motion, threads_of, may_share
@@ -83,6 +83,7 @@ contains
       if (.not. present(report)) return
       if (frame%set%has_names()) then
          call study_sketch(frame%set, frame%problem, frame%prepared%given, analysis%motion%closed, 1.0_wp, 0.0_wp, sketch)
+         if (frame%set%limits%icond /= 0) call study_conditions(frame%set, frame%problem, frame%prepared%given, sketch)
          call put_sketch(frame%set%sketch, sketch, 0, frame%devices%cases(1), problem=frame%problem)
       else
          call put_positions(frame%problem, analysis%motion, frame%devices%cases(1), analysis%condition)

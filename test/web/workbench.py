@@ -339,6 +339,7 @@ def test_story(server, browser, shots, width, height):
         page.screenshot(path=os.path.join(shots, "bench_forces_%d.png" % width))
     bench.save("story_%d.nml" % width)
     compare_forces(law, bench, "story_%d.nml" % width)
+    compare_conditions(law, bench, "story_%d.nml" % width)
     bench.tool("wanted")
     bench.trace([heart(k) for k in range(41)])
     wanted = bench.ask("board.state.wanted")
@@ -413,6 +414,21 @@ def compare_forces(law, bench, name):
                 worst = max(worst, abs(values[at] - float(row[joint + component])))
                 largest = max(largest, abs(float(row[joint + component])))
     check(law + "its forces are those of kalm", len(rows) == 24 and largest > 1.0 and worst < 1e-5*largest, "%d %.1e of %.1e" % (len(rows), worst, largest))
+
+
+def compare_conditions(law, bench, name):
+    """The condition number on the page is that of psalm."""
+    write("icond.nml", re.sub(r"IKIN=\d+", "IKIN=5", read(name)).replace("&LIMITS", "&LIMITS ICOND=1,", 1))
+    code, _, errors = run(os.path.join(picture_tools.programs, "psalm"), "--quiet", "icond.nml", cwd=os.getcwd())
+    if not check(law + "psalm runs the file", code in (0, 1), errors):
+        return
+    with open("icond.csv", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    answer = bench.ask("board.engine.answer.condition")
+    (output, values), = answer["outputs"].items()
+    worst = max(abs(value/float(row[output + ".condition"]) - 1) for value, row in zip(values, rows))
+    check(law + "the condition numbers are those of psalm", len(rows) == len(values) == 72 and worst < 1e-6, "%d %d %.1e" % (len(rows), len(values), worst))
+    check(law + "the one at the position shown is listed", "condition number of " + output in bench.page.text_content("#engine"))
 
 
 def test_text(server, browser):
