@@ -2,7 +2,7 @@
 module psalm_flex_table
    use psalm_data_set, only: data_set_t
    use psalm_drive_links_study, only: drive_links_t
-   use psalm_flex_list, only: flexible_words
+   use psalm_flex_list, only: flexible_name
    use psalm_flex_study, only: flex_study_t, stress_kinds
    use psalm_kinds, only: wp, full_turn
    use psalm_mechanism, only: mechanism_t
@@ -28,8 +28,7 @@ contains
       integer :: k, j
 
       do k = 1, size(studies)
-         names(k) = lower_case(flexible_words(set, studies(k)))
-         if (set%has_names()) names(k) = flexible_words(set, studies(k))
+         names(k) = flexible_name(set, studies(k))
          words(k) = ''
          if (studies(k)%solved) words(k) = lower_case(coupled_words(studies(k)%coupled))
       end do
@@ -113,8 +112,7 @@ contains
       call tables%put(table)
       if (.not. together%coupled%unique) return
       do n = 1, together%modes
-         names(n) = flexible_words(set, studies(together%links(n)))
-         if (.not. set%has_names()) names(n) = lower_case(names(n))
+         names(n) = flexible_name(set, studies(together%links(n)))
       end do
       table = table_of('drive_link_modes', 'a row for each mode: greatest displacement, together and with a rigid drive', &
                        audience=for_programs)

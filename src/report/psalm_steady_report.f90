@@ -5,7 +5,7 @@ module psalm_steady_report
    use psalm_drive_group, only: hill_group_t, hill_of, drive_group_t, drive_of
    use psalm_estimate_study, only: verdict_redesign
    use psalm_flex_group, only: flex_group_t, flex_of
-   use psalm_flex_list, only: list_flexible, list_together, flexible_words
+   use psalm_flex_list, only: list_flexible, list_together, flexible_name
    use psalm_flex_study, only: flex_study_t
    use psalm_flex_table, only: put_flexible, put_together
    use psalm_coupled_hill, only: coupled_t
@@ -143,8 +143,7 @@ contains
       type(devices_t), intent(inout) :: devices
       character(:), allocatable :: name
 
-      name = 'the link '//flexible_words(set, study)
-      if (.not. set%has_names()) name = lower_case(name)
+      name = 'the link '//flexible_name(set, study)
       if (.not. study%solved) then
          call devices%note_violation()
          call devices%remark(set, name//': its natural modes could not be found')
