@@ -636,12 +636,12 @@ contains
       integer, intent(in) :: position
       real(wp), intent(in) :: place(2), force(2), moment !! of the store: its units, N, N times a store unit
       type(link_force_t), intent(inout) :: one
+      real(wp) :: along(2)                        ! a copy: gfortran 12 takes a section's associate name for a whole array
 
-      associate (along => link%direction(position, :))
-         one%place(position, :) = into_axes(along, place/problem%linkage%scale + &
-                                            [problem%output%origin_x, problem%output%origin_y] - link%at(position, :))
-         one%force(position, :) = into_axes(along, force)
-      end associate
+      along = link%direction(position, :)
+      one%place(position, :) = into_axes(along, place/problem%linkage%scale + &
+                                         [problem%output%origin_x, problem%output%origin_y] - link%at(position, :))
+      one%force(position, :) = into_axes(along, force)
       one%moment(position) = forces%metre*moment
    end subroutine enter
 end module psalm_link_wrenches
