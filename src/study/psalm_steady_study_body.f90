@@ -181,7 +181,7 @@ contains
          end if
       end if
       if (allocated(study%drive) .and. allocated(study%flexible)) then
-         if (drive_links_fit(asked%drive, study%drive, study%flexible) .and. .not. study%crank%varies) then
+         if (drive_links_fit(asked%drive, study%drive, study%flexible)) then
             allocate (study%together)
             call find_drive_links(set, study%drive, study%flexible, study%together)
          end if
