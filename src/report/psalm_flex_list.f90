@@ -65,7 +65,7 @@ contains
          call text%add('   MODE      FREQUENCY   OVER SPEED        DAMPING')
          allocate (columns(3, size(study%frequency)))
          columns(1, :) = figures_of(named, study%frequency)
-         columns(2, :) = figures_of(named, study%frequency/abs(set%rates%speed))
+         columns(2, :) = figures_of(named, study%frequency/study%cycle%turn%crank%speed)
          columns(3, :) = figures_of(named, study%damping)
          do j = 1, size(study%frequency)
             call text%add(right_column(j, 6)//in_a_row(columns(:, j)))

@@ -4,7 +4,7 @@ module psalm_flex_table
    use psalm_drive_links_study, only: drive_links_t
    use psalm_flex_list, only: flexible_name
    use psalm_flex_study, only: flex_study_t, stress_kinds
-   use psalm_kinds, only: wp, full_turn
+   use psalm_kinds, only: wp
    use psalm_mechanism, only: mechanism_t
    use psalm_tables, only: table_t, tables_t, table_of, for_programs
    use psalm_text, only: lower_case
@@ -202,8 +202,7 @@ contains
       if (all(rows == 0)) return
       table = table_of('flexible_stresses', 'a row for each link and position: the greatest stresses along the link')
       call table%add('link', [((k, i=1, rows(k)), k=1, size(studies))])
-      call table%add('input', [((studies(k)%cycle%turn%sense*full_turn*real(i - 1, wp)/real(rows(k), wp), i=1, rows(k)), k=1, &
-                                size(studies))], 'deg')
+      call table%add('input', [((studies(k)%cycle%turn%crank%input(i), i=1, rows(k)), k=1, size(studies))], 'deg')
       call table%add('bending', [((studies(k)%stress(i, 1), i=1, rows(k)), k=1, size(studies))], 'Pa')
       call table%add('along', [((studies(k)%stress(i, 2), i=1, rows(k)), k=1, size(studies))], 'Pa')
       call table%add('both', [((studies(k)%stress(i, 3), i=1, rows(k)), k=1, size(studies))], 'Pa')

@@ -7,7 +7,6 @@ submodule(psalm_flex_study) psalm_flex_study_body
    use psalm_flex_group, only: flex_group_t, flex_of
    use psalm_flexible_link, only: attached_t
    use psalm_flexible_cycle, only: find_flexible_cycle, parts, part_inertia, part_fixed, part_damped, part_pushed
-   use psalm_kinds, only: full_turn
    use psalm_lapack, only: natural_modes, hermitian_eigenvalues, solve_general
    use psalm_linear, only: along_columns, product_of
    use psalm_periodic, only: periodic_t, periodic_constant, periodic_from_samples
@@ -40,8 +39,8 @@ contains
       flex = flex_of(set)
       study%link = link
       allocate (study%frequency(0), study%damping(0), study%segments(0))
-      speed = abs(set%rates%speed)
-      call find_flexible_cycle(given, dimensions, model, link, flex%points, sign(1.0_wp, set%rates%speed), study%cycle)
+      speed = crank%speed
+      call find_flexible_cycle(given, dimensions, model, link, flex%points, crank, study%cycle)
       study%found = study%cycle%turn%failure > 0
       if (study%found .or. is_to_end(stop)) return
       call add_masses(set, study%link)
@@ -51,7 +50,7 @@ contains
       study%found = .true.
       if (.not. study%solved) return
       call find_loading(speed, free, study, loading)
-      call find_influence(given, dimensions, model, link, flex%points, sign(1.0_wp, set%rates%speed), study%influence)
+      call find_influence(given, dimensions, model, link, flex%points, crank, study%influence)
       study%inertia = model%inertia
       call find_driven(shapes, study)
       study%solved_modes = count(study%frequency <= far_above*speed)
@@ -274,7 +273,7 @@ contains
          study%resolution = max(study%resolution, p(j)%resolution())
          do i = 1, modes
             study%k(i, j) = periodic_from_samples(stiffness(i, j, :))
-            study%c(i, j) = periodic_from_samples(2.0_wp*study%cycle%turn%sense*study%cycle%speed*spin(i, j))
+            study%c(i, j) = periodic_from_samples(2.0_wp*study%cycle%turn%crank%sense*study%cycle%speed*spin(i, j))
          end do
          study%c(j, j) = study%c(j, j)%plus(periodic_constant(2.0_wp*study%damping(j)*study%frequency(j)/speed))
       end do
@@ -510,15 +509,8 @@ contains
          least(n) = values(1)
       end do
       study%least_stiffness = minval(least)*(speed/study%frequency(1))**2
-      study%least_at = input_at(minloc(least, dim=1), size(least), study)
+      study%least_at = study%cycle%turn%crank%input(minloc(least, dim=1))
    end subroutine find_least
-
-   pure real(wp) function input_at(position, positions, study)
-      integer, intent(in) :: position, positions
-      type(flex_study_t), intent(in) :: study
-
-      input_at = study%cycle%turn%sense*full_turn*real(position - 1, wp)/real(positions, wp)
-   end function input_at
 
    !> Displacements and stresses over the turn.
    subroutine find_stresses(speed, shapes, loading, study)
@@ -588,7 +580,7 @@ contains
          if (abs(value) <= abs(greatest%value)) return
          greatest%value = value
          greatest%part = part
-         greatest%at = input_at(n, positions, study)
+         greatest%at = study%cycle%turn%crank%input(n)
       end subroutine note
    end subroutine find_stresses
 end submodule psalm_flex_study_body
