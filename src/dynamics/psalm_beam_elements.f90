@@ -26,6 +26,9 @@ module psalm_beam_elements
       real(wp) :: area = 0.0_wp        !! m2
       real(wp) :: inertia = 0.0_wp     !! second moment of area in the plane, m4
       real(wp) :: depth = 0.0_wp       !! m; 0: not known
+      real(wp) :: across = 0.0_wp      !! second moment of area out of the plane, m4
+      real(wp) :: polar = 0.0_wp       !! about the axis: the sum of both, m4
+      real(wp) :: torsion = 0.0_wp     !! torsion constant, m4
    end type station_t
 
    type :: element_t
@@ -33,6 +36,7 @@ module psalm_beam_elements
       integer :: segment = 0           !! it belongs to
       real(wp) :: from = 0.0_wp, to = 0.0_wp !! part of the segment at its nodes
       real(wp) :: modulus = 0.0_wp, density = 0.0_wp !! Pa, kg/m3
+      real(wp) :: shear = 0.0_wp       !! modulus of it, Pa
       type(station_t) :: at(gauss_points), node(2) !! sections
       ! found by `assemble`
       real(wp) :: length = 0.0_wp, along(2) = [1.0_wp, 0.0_wp] !! m; direction in the frame's axes
