@@ -10,7 +10,7 @@ module psalm_hill
    use psalm_periodic, only: periodic_t, periodic_from_samples
    implicit none (type, external)
    private
-   public :: hill_t, solve_hill, greatest_of
+   public :: hill_t, solve_hill, greatest_of, most_damping
 
    !> What one period does, and the periodic solution.
    type :: hill_t
