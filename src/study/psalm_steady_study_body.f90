@@ -132,7 +132,7 @@ contains
                                              model)
             end associate
             call find_estimate(set, problem, prepared%given, with_links, asked%estimates%beams(k), &
-                               asked%estimates%points, study%estimates(k))
+                               asked%estimates%clearance(k), asked%estimates%points, study%estimates(k))
          end do
          call assess_estimates(prepared%mechanism, asked%estimates%beams, study%estimates)
       end if
