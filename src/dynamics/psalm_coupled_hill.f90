@@ -98,7 +98,8 @@ contains
       coupled%converged = coupled%converged .and. found
       exact = exp(-2.0_wp*pi*sum([(c(i, i)%mean(), i=1, n)]))
       ! beside large multipliers the small ones lose digits
-      coupled%determinant_error = abs(product(coupled%multipliers) - exact)/max(exact, abs(product(coupled%multipliers(:n))))
+      coupled%determinant_error = abs(product(coupled%multipliers) - exact)/ &
+                                  max(exact, abs(product(coupled%multipliers(:n))), tiny(1.0_wp))
       largest = abs(coupled%multipliers(1))
       change = eigenvalue_error*coupled%error*max(1.0_wp, maxval(abs(period(:m, :m))))
       coupled%stable = found .and. largest < 1.0_wp - change
