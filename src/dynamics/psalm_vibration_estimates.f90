@@ -62,7 +62,8 @@ contains
    end function impulse_magnifier
 
    !> What a step that comes once a cycle leaves of the steps before: the free vibration z exp((i - c) W x), which a step d joins
-   !> each turn, has the amplitude d/|1 - exp(-2 pi W (c - i))|. At resonance, of a whole W, this is Haines's 1/(1 - exp(-2 pi c W)).
+   !> each turn, has the amplitude d/|1 - exp(-2 pi W (c - i))|. At resonance, of a whole W, this is
+   !> Haines's 1/(1 - exp(-2 pi c W)).
    elemental real(wp) function repeated_magnifier(damping, ratio)
       real(wp), intent(in) :: damping, ratio !! c, W
       real(wp) :: left
