@@ -5,7 +5,7 @@ module psalm_vibration_estimates
    private
    public :: euler_load, frequency_ratio, magnification, dynamic_error, impulse_magnifier, straightening, foreshortening_sine, &
              frequency_fall, strength_ratio, tie_rod_ratio, post_support_of_slenderness, repeated_magnifier, step_error, &
-             impact_time, impact_speed, impact_error
+             impact_time, impact_speed, impact_level, impact_error
 
    real(wp), parameter :: third = 1.0_wp/3.0_wp
    real(wp), parameter :: foreshortening_sine = pi**2/4.0_wp                !! of y_mid**2/L, a half sine
@@ -91,13 +91,20 @@ contains
       impact_time = (6.0_wp*clearance/jerk)**third
    end function impact_time
 
-   !> Speed at which it meets the other side, m/s: jerk*time**2/2, 1.651 clearance**(2/3) jerk**(1/3). Its harmonics of the
-   !> acceleration, once a turn, are all speed*w/pi.
+   !> Speed at which it meets the other side, m/s: jerk*time**2/2, 1.651 clearance**(2/3) jerk**(1/3).
    elemental real(wp) function impact_speed(clearance, jerk)
       real(wp), intent(in) :: clearance, jerk !! as above
 
       impact_speed = 0.5_wp*jerk*impact_time(clearance, jerk)**2
    end function impact_speed
+
+   !> Amplitude of every harmonic of the acceleration by a step of the speed once a turn, m/s2: an impulse of it each 2 pi/w.
+   elemental real(wp) function impact_level(step, speed)
+      real(wp), intent(in) :: step           !! m/s
+      real(wp), intent(in) :: speed          !! w, rad/s
+
+      impact_level = step*speed/pi
+   end function impact_level
 
    !> Amplitude of mode 1 by that step of the speed, once a turn, m: (25b) with the harmonic nearest resonance, and (26c).
    elemental real(wp) function impact_error(step, speed, damping, ratio)

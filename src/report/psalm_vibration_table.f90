@@ -320,6 +320,7 @@ contains
          call table%add('impact_jerk', estimates%jerk, 'm/s^3', estimates%jerk > 0.0_wp)
          call table%add('impact_time', estimates%impact_time, 's', estimates%jerk > 0.0_wp)
          call table%add('impact_speed', estimates%impact_speed, 'm/s', estimates%jerk > 0.0_wp)
+         call table%add('impact_level', estimates%impact_level, 'm/s^2', estimates%jerk > 0.0_wp)
          call table%add('pins_nearer', estimates%shortened, 'm', bent)
          call table%add('straightened', estimates%straightened, known=bent)
          call table%add('acceleration', estimates%middle, 'm/s^2')

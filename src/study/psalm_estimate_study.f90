@@ -22,7 +22,7 @@ module psalm_estimate_study
    use psalm_periodic, only: periodic_t, periodic_from_samples
    use psalm_vibration_estimates, only: euler_load, frequency_ratio, dynamic_error, impulse_magnifier, frequency_fall, &
       strength_ratio, tie_rod_ratio, straightening, foreshortening_sine, post_support_of_slenderness, step_error, impact_time, &
-      impact_speed, impact_error
+      impact_speed, impact_level, impact_error
    use psalm_beam, only: beam_t
    implicit none (type, external)
    private
@@ -85,6 +85,7 @@ module psalm_estimate_study
       real(wp) :: jerk = 0.0_wp                  !! greatest rate of the relative acceleration of a pin that is set free, m/s3
       real(wp) :: impact_time = 0.0_wp           !! across the clearance with it, s
       real(wp) :: impact_speed = 0.0_wp          !! m/s
+      real(wp) :: impact_level = 0.0_wp          !! of every harmonic of the acceleration, once a turn, m/s2
       real(wp) :: straightened = 0.0_wp          !! part of the deflection that turning takes away
       real(wp) :: shortened = 0.0_wp             !! of the distance of the pins by the deflection, m
       real(wp) :: amplitudes(harmonics_estimated) = 0.0_wp !! of the acceleration of the middle, m/s2
@@ -202,6 +203,7 @@ contains
       if (.not. e%jerk > 0.0_wp) return
       e%impact_time = impact_time(e%clearance, e%jerk)
       e%impact_speed = impact_speed(e%clearance, e%jerk)
+      e%impact_level = impact_level(e%impact_speed, speed)
       e%measured(rule_impact) = .true.
       e%measures(rule_impact) = impact_error(e%impact_speed, speed, beam%damping, e%held_ratio)/e%deflection
    end subroutine find_impact

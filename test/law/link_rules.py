@@ -95,6 +95,8 @@ def main():
             near("relative acceleration of a free pin grows", row["impact_jerk"], jerk, 1e-4)
             near("time of the impact", row["impact_time"], (12 * CLEARANCE / 2 / jerk) ** (1 / 3), 1e-4)
             near("its speed", row["impact_speed"], jerk * row["impact_time"] ** 2 / 2, 1e-6)
+            # Haines's number: 0.5255 (2 e)**(2/3) jerk**(1/3) w
+            near("its level in each harmonic", row["impact_level"], 0.5255 * CLEARANCE ** (2 / 3) * jerk ** (1 / 3) * speed, 1e-3)
             found = rules["error by impact in a pin/deflection"]
             near("its error at a ratio of %g" % ratio, found["value"] * row["deflection"],
                  steps(4 / math.pi * row["impact_speed"] / (speed * held), held), 2e-2)
