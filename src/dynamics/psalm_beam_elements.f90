@@ -20,13 +20,16 @@ module psalm_beam_elements
    real(wp), parameter :: inner = 0.339981043584856264802665759103244687_wp, outer = 0.861136311594052575223946488892809505_wp
    real(wp), parameter, public :: gauss_places(gauss_points) = 0.5_wp*(1.0_wp + [-outer, -inner, inner, outer]) !! from 0 to 1
    real(wp), parameter :: of_inner = 0.326072577431273071313468025389000773_wp
-   real(wp), parameter :: gauss_weights(gauss_points) = [0.5_wp - of_inner, of_inner, of_inner, 0.5_wp - of_inner]
+   real(wp), parameter, public :: gauss_weights(gauss_points) = [0.5_wp - of_inner, of_inner, of_inner, 0.5_wp - of_inner]
 
    !> The section at one place of an element.
    type :: station_t
       real(wp) :: area = 0.0_wp        !! m2
       real(wp) :: inertia = 0.0_wp     !! second moment of area in the plane, m4
       real(wp) :: depth = 0.0_wp       !! m; 0: not known
+      real(wp) :: across = 0.0_wp      !! second moment of area out of the plane, m4
+      real(wp) :: polar = 0.0_wp       !! about the axis: the sum of both, m4
+      real(wp) :: torsion = 0.0_wp     !! torsion constant, m4
    end type station_t
 
    type :: element_t
@@ -34,6 +37,7 @@ module psalm_beam_elements
       integer :: segment = 0           !! it belongs to
       real(wp) :: from = 0.0_wp, to = 0.0_wp !! part of the segment at its nodes
       real(wp) :: modulus = 0.0_wp, density = 0.0_wp !! Pa, kg/m3
+      real(wp) :: shear = 0.0_wp       !! modulus of it, Pa
       type(station_t) :: at(gauss_points), node(2) !! sections
       ! found by `assemble`
       real(wp) :: length = 0.0_wp, along(2) = [1.0_wp, 0.0_wp] !! m; direction in the frame's axes

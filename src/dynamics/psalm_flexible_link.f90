@@ -6,6 +6,7 @@ module psalm_flexible_link
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_flex_group, only: flex_group_t, section_of_beam_t
+   use psalm_frame_out_of_plane, only: torsion_of_rectangle, torsion_of_solid
    use psalm_force_model, only: force_model_t, parameter_mass, parameter_mx, parameter_my, parameter_inertia
    use psalm_kinds, only: wp
    use psalm_link_cycle, only: is_turned_by_drive
@@ -491,6 +492,7 @@ contains
                   element%to = parts(2)
                   element%modulus = flex%modulus(k)
                   element%density = flex%density(k)
+                  element%shear = 0.5_wp*flex%modulus(k)/(1.0_wp + flex%poisson(k))
                   element%at = [(station_at(flex%sections(:, k), parts(1) + (parts(2) - parts(1))*gauss_places(g)), &
                                  g=1, gauss_points)]
                   element%node = [(station_at(flex%sections(:, k), parts(g)), g=1, 2)]
@@ -532,14 +534,22 @@ contains
    pure type(station_t) function station_at(sections, s) result(station)
       type(section_of_beam_t), intent(in) :: sections(2)
       real(wp), intent(in) :: s
-      real(wp) :: depth, width, area, gyration
+      real(wp) :: depth, width, area, gyration, across, torsion
 
       depth = sections(1)%depth + s*(sections(2)%depth - sections(1)%depth)
       width = sections(1)%width + s*(sections(2)%width - sections(1)%width)
       area = sections(1)%area + s*(sections(2)%area - sections(1)%area)
       gyration = sections(1)%gyration + s*(sections(2)%gyration - sections(1)%gyration)
-      if (width > 0.0_wp) area = depth*width
-      station = station_t(area=area, inertia=area*gyration**2, depth=depth)
+      across = sections(1)%gyration_across + s*(sections(2)%gyration_across - sections(1)%gyration_across)
+      torsion = sections(1)%torsion + s*(sections(2)%torsion - sections(1)%torsion)
+      if (width > 0.0_wp) then
+         area = depth*width
+         torsion = torsion_of_rectangle(depth, width)
+      else if (.not. torsion > 0.0_wp) then
+         torsion = torsion_of_solid(area, area*(gyration**2 + across**2))
+      end if
+      station = station_t(area=area, inertia=area*gyration**2, depth=depth, across=area*across**2, &
+                          polar=area*(gyration**2 + across**2), torsion=torsion)
    end function station_at
 
    pure integer function nearest_node(x, place)

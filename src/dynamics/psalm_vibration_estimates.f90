@@ -4,8 +4,10 @@ module psalm_vibration_estimates
    implicit none (type, external)
    private
    public :: euler_load, frequency_ratio, magnification, dynamic_error, impulse_magnifier, straightening, foreshortening_sine, &
-             frequency_fall, strength_ratio, tie_rod_ratio, post_support_of_slenderness
+             frequency_fall, strength_ratio, tie_rod_ratio, post_support_of_slenderness, repeated_magnifier, step_error, &
+             impact_time, impact_speed, impact_level, impact_error
 
+   real(wp), parameter :: third = 1.0_wp/3.0_wp
    real(wp), parameter :: foreshortening_sine = pi**2/4.0_wp                !! of y_mid**2/L, a half sine
 
 contains
@@ -58,6 +60,60 @@ contains
          impulse_magnifier = a/(1.0_wp - exp(-a))
       end if
    end function impulse_magnifier
+
+   !> What a step that comes once a cycle leaves of the steps before: the free vibration z exp((i - c) W x), which a step d joins
+   !> each turn, has the amplitude d/|1 - exp(-2 pi W (c - i))|. At resonance, of a whole W, this is
+   !> Haines's 1/(1 - exp(-2 pi c W)).
+   elemental real(wp) function repeated_magnifier(damping, ratio)
+      real(wp), intent(in) :: damping, ratio !! c, W
+      real(wp) :: left
+
+      left = exp(-2.0_wp*pi*damping*ratio)
+      repeated_magnifier = 1.0_wp/sqrt((1.0_wp - left)**2 + 4.0_wp*left*sin(pi*ratio)**2)
+   end function repeated_magnifier
+
+   !> Dynamic error of mode 1, over its quasi-static deflection, by the harmonic of the end load that is nearest resonance, as if
+   !> it were that of a step once a cycle: (10E), a step dP/P_c has the harmonics dP/(pi j P_c).
+   elemental real(wp) function step_error(j, harmonic, least, damping, ratio)
+      integer, intent(in) :: j               !! number of the harmonic
+      real(wp), intent(in) :: harmonic       !! its amplitude over Euler's load
+      real(wp), intent(in) :: least          !! least 1 + pull/Euler's load in the turn, above 0
+      real(wp), intent(in) :: damping, ratio !! c, W
+
+      step_error = pi*real(j, wp)*harmonic/least*repeated_magnifier(damping, ratio)
+   end function step_error
+
+   !> Time that a pin takes across its clearance with an acceleration that grows evenly from 0, s: jerk*time**3/6 = clearance.
+   elemental real(wp) function impact_time(clearance, jerk)
+      real(wp), intent(in) :: clearance !! diametral, m
+      real(wp), intent(in) :: jerk      !! m/s3
+
+      impact_time = (6.0_wp*clearance/jerk)**third
+   end function impact_time
+
+   !> Speed at which it meets the other side, m/s: jerk*time**2/2, 1.651 clearance**(2/3) jerk**(1/3).
+   elemental real(wp) function impact_speed(clearance, jerk)
+      real(wp), intent(in) :: clearance, jerk !! as above
+
+      impact_speed = 0.5_wp*jerk*impact_time(clearance, jerk)**2
+   end function impact_speed
+
+   !> Amplitude of every harmonic of the acceleration by a step of the speed once a turn, m/s2: an impulse of it each 2 pi/w.
+   elemental real(wp) function impact_level(step, speed)
+      real(wp), intent(in) :: step           !! m/s
+      real(wp), intent(in) :: speed          !! w, rad/s
+
+      impact_level = step*speed/pi
+   end function impact_level
+
+   !> Amplitude of mode 1 by that step of the speed, once a turn, m: (25b) with the harmonic nearest resonance, and (26c).
+   elemental real(wp) function impact_error(step, speed, damping, ratio)
+      real(wp), intent(in) :: step           !! m/s
+      real(wp), intent(in) :: speed          !! w, rad/s
+      real(wp), intent(in) :: damping, ratio !! c, W
+
+      impact_error = 4.0_wp/pi*step/(speed*ratio)*repeated_magnifier(damping, ratio)
+   end function impact_error
 
    !> Part by which turning straightens a bowed link: (11 pi**4/1920) (turning/(w W))**2.
    elemental real(wp) function straightening(turning, speed, ratio)

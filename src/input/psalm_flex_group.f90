@@ -6,7 +6,7 @@ module psalm_flex_group
    use psalm_kinds, only: wp
    use psalm_link_place, only: read_places
    use psalm_place, only: place_t
-   use psalm_rule, only: rule_t, a_number, a_text, a_whole
+   use psalm_rule, only: rule_t, a_flag, a_number, a_text, a_whole
    use psalm_sketch, only: sketch_t
    use psalm_status, only: diagnostics_t
    use psalm_take, only: take, take_count
@@ -16,6 +16,7 @@ module psalm_flex_group
    public :: flex_group_t, section_of_beam_t, flex_of
 
    integer, parameter :: fewest_points = 16    !! of a turn: parts of it that the solution is joined from
+   real(wp), parameter :: usual_poisson = 0.3_wp !! of metals
 
    !> A cross section of a beam.
    type :: section_of_beam_t
@@ -23,12 +24,15 @@ module psalm_flex_group
       real(wp) :: gyration = 0.0_wp            !! radius of gyration, m
       real(wp) :: depth = 0.0_wp               !! in the plane of motion, m; 0: not known
       real(wp) :: width = 0.0_wp               !! across it, m; 0: not known
+      real(wp) :: gyration_across = 0.0_wp     !! radius of gyration for bending out of the plane, m
+      real(wp) :: torsion = 0.0_wp             !! torsion constant, m4; 0: of a rectangle, or of a solid section
    end type section_of_beam_t
 
    type, extends(case_group_t) :: flex_group_t
       type(place_t), allocatable :: starts(:), ends(:) !! shape (segments)
       real(wp), allocatable :: rise(:)         !! shape (segments): XRISE, user's length
       real(wp), allocatable :: modulus(:), density(:) !! shape (segments): Pa, kg/m3
+      real(wp), allocatable :: poisson(:)      !! shape (segments): XPOIS
       type(section_of_beam_t), allocatable :: sections(:, :) !! shape (2, segments): at start and end
       type(place_t), allocatable :: held(:)    !! shape (NXHELD)
       integer :: elements = 8                  !! NXELEM: of a segment
@@ -37,6 +41,7 @@ module psalm_flex_group
       real(wp) :: by_stiffness = 0.0_wp        !! XBETA: the same, s
       real(wp) :: strain = 0.0_wp              !! XSTRN: limit of the material; 0: not known
       integer :: modes = 6                     !! NXMODE
+      logical :: long_pins = .false.           !! XPINS: they hold the slope out of the plane
       integer :: points = 256                  !! NXPNT: positions in a turn
    contains
       procedure :: read => read_flex
@@ -90,6 +95,20 @@ module psalm_flex_group
              'area at the end'), &
       rule_t('YGYR', a_number, '1 to NXSEG', 'm', 'XGYR', '(0,)', &
              'radius of gyration at the end'), &
+      rule_t('XGYRO', a_number, '1 to NXSEG', 'm', 'XGYR', '(0,)', &
+             'any other section: radius of gyration for bending out of the plane, at the start'), &
+      rule_t('YGYRO', a_number, '1 to NXSEG', 'm', 'XGYRO', '(0,)', &
+             'the same at the end; without XGYRO it is YGYR'), &
+      rule_t('XTORS', a_number, '1 to NXSEG', 'm4', '', '(0,)', &
+             'any other section: torsion constant at the start; without it that of a solid section, area**4/(40 polar second '// &
+             'moment)'), &
+      rule_t('YTORS', a_number, '1 to NXSEG', 'm4', 'XTORS', '(0,)', &
+             'torsion constant at the end'), &
+      rule_t('XPOIS', a_number, '1 to NXSEG', '', '0.3', '[0,0.5]', &
+             'Poisson''s ratio, for twist: the shear modulus is XMOD/(2(1 + XPOIS))'), &
+      rule_t('XPINS', a_flag, '', '', '0', '', &
+             'out of the plane the pins hold a link in place, 0: but not its slope (short or spherical bearings); 1: and its '// &
+             'slope and twist (long bearings)'), &
       rule_t('NXHELD', a_whole, '', '', 'as many as the longest item has', '[0,1000]', &
              'number of joints named by XHLINK or XHNAME'), &
       rule_t('XHLINK', a_whole, 'NXHELD', '', '', '', &
@@ -131,13 +150,16 @@ contains
       call take_count(group, 'NXHELD', h, findings)
       allocate (flex%starts(n), flex%ends(n), flex%held(h), flex%sections(2, n))
       allocate (flex%rise(n), flex%modulus(n), flex%density(n), source=0.0_wp)
+      allocate (flex%poisson(n), source=usual_poisson)
       call read_places(group, 'X', ilink, flex%starts, findings, sketch=sketch)
       call read_places(group, 'Y', ilink, flex%ends, findings, sketch=sketch)
       call read_places(group, 'XH', ilink, flex%held, findings, ends_only=.true., sketch=sketch, of_links=.true.)
       call take(group, 'XRISE', flex%rise, findings)
       call take(group, 'XMOD', flex%modulus, findings, repeated=.true.)
       call take(group, 'XRHO', flex%density, findings, repeated=.true.)
+      call take(group, 'XPOIS', flex%poisson, findings, repeated=.true.)
       call read_sections(group, n, flex%sections, findings)
+      call take(group, 'XPINS', flex%long_pins, findings)
       call take(group, 'NXELEM', flex%elements, findings)
       call take(group, 'XZETA', flex%damping, findings)
       call take(group, 'XALPHA', flex%by_mass, findings)
@@ -155,8 +177,9 @@ contains
       integer, intent(in) :: n                 !! segments
       type(section_of_beam_t), intent(inout) :: sections(:, :) !! shape (2, n)
       type(diagnostics_t), intent(inout) :: findings
-      character(*), parameter :: letters(2) = ['X', 'Y'], sizes(4) = [character(5) :: 'DEPTH', 'WIDTH', 'AREA', 'GYR']
-      real(wp) :: values(n, 4, 2)
+      character(*), parameter :: letters(2) = ['X', 'Y']
+      character(*), parameter :: sizes(6) = [character(5) :: 'DEPTH', 'WIDTH', 'AREA', 'GYR', 'GYRO', 'TORS']
+      real(wp) :: values(n, size(sizes), 2)
       integer :: e, k
       logical :: rectangle
 
@@ -176,16 +199,29 @@ contains
          if (.not. group%given('XDEPTH')) call required(group, 'XDEPTH', 'missing; with the width it gives the section')
          call refuse_end('AREA', 'the sections are rectangles: give YDEPTH and YWIDTH')
          call refuse_end('GYR', 'the sections are rectangles: give YDEPTH and YWIDTH')
+         do e = 1, 2
+            do k = 5, 6
+               if (group%given(letters(e)//trim(sizes(k)))) &
+                  call out_of(group, letters(e)//trim(sizes(k)), 'the sections are rectangles: depth and width give it', findings)
+            end do
+         end do
       else
          if (.not. group%given('XAREA')) call required(group, 'XAREA', 'missing; give the area (m2) and XGYR, or XDEPTH and XWIDTH')
          if (.not. group%given('XGYR')) call required(group, 'XGYR', 'missing; the radius of gyration (m)')
          call refuse_end('WIDTH', 'the sections have area and radius of gyration: give YAREA and YGYR')
+         if (.not. group%given('XGYRO')) then
+            call refuse_end('GYRO', 'needs XGYRO, the radius at the start')
+            values(:, 5, :) = values(:, 4, :)
+         end if
+         if (.not. group%given('XTORS')) call refuse_end('TORS', 'needs XTORS, the constant at the start')
       end if
       do e = 1, 2
          sections(e, :)%depth = values(:, 1, e)
          sections(e, :)%width = values(:, 2, e)
          sections(e, :)%area = merge(values(:, 1, e)*values(:, 2, e), values(:, 3, e), rectangle)
          sections(e, :)%gyration = merge(values(:, 1, e)/sqrt(12.0_wp), values(:, 4, e), rectangle)
+         sections(e, :)%gyration_across = merge(values(:, 2, e)/sqrt(12.0_wp), values(:, 5, e), rectangle)
+         sections(e, :)%torsion = values(:, 6, e)
       end do
 
    contains
@@ -236,5 +272,6 @@ contains
          end select
       end if
       allocate (flex%starts(0), flex%ends(0), flex%rise(0), flex%modulus(0), flex%density(0), flex%sections(2, 0), flex%held(0))
+      allocate (flex%poisson(0))
    end function flex_of
 end module psalm_flex_group

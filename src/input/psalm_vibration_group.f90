@@ -34,6 +34,7 @@ module psalm_vibration_group
 
    type, extends(case_group_t) :: estimate_group_t
       type(beam_t), allocatable :: beams(:)
+      real(wp), allocatable :: clearance(:)    !! ECLEAR: of the pins of each, diametral, m; 0: not known
       integer :: points = 256                  !! NEPNT: positions in a turn
    contains
       procedure :: read => read_estimate
@@ -119,6 +120,8 @@ module psalm_vibration_group
       rule_t('ESTRN', a_number, 'NESTIM', '', '0', '[0,)', &
              'allowable strain of the material; with the depth it gives the least frequency ratio that strength '// &
              'allows'), &
+      rule_t('ECLEAR', a_number, 'NESTIM', 'm', '0', '[0,)', &
+             'diametral clearance of the pins of the link; with it the error by an impact across it is estimated'), &
       rule_t('NEPNT', a_whole, '', '', '256', '[16,4096]', &
              'positions in a turn')]
 
@@ -173,7 +176,9 @@ contains
       call group%follow(estimate_items)
       call take_count(group, 'NESTIM', n, findings)
       allocate (estimates%beams(n))
+      allocate (estimates%clearance(n), source=0.0_wp)
       call read_beams(group, 'E', ilink, sketch, estimates%beams, findings)
+      call take(group, 'ECLEAR', estimates%clearance, findings)
       call take(group, 'NEPNT', estimates%points, findings)
    end subroutine read_estimate_group
 

@@ -83,18 +83,78 @@ contains
          if (study%solved_modes == 0) then
             call text%add(' THE SPEED IS FAR BELOW ALL FREQUENCIES: EVERYTHING FROM STATICS')
          else
-            call text%add(' '//modes_solved(study)//': '//coupled_words(study%coupled))
+            call text%add(' '//modes_solved(study%solved_modes, size(study%frequency))//': '// &
+                          coupled_words(study%coupled))
          end if
          if (study%solved_modes > 0 .and. .not. study%coupled%grows_too_much) then
             call list_multiplier(named, study%coupled, text)
          end if
       end associate
       if (study%steady) call list_greatest(set, mechanism, study, text)
-      if (.not. study%stressed .or. .not. flex%strain > 0.0_wp) return
-      call text%add(' STRAIN'//in_sentence(named, maxval([(study%segments(j)%stress(stress_kinds)%value/ &
+      if (study%stressed .and. flex%strain > 0.0_wp) &
+         call text%add(' STRAIN'//in_sentence(named, maxval([(study%segments(j)%stress(stress_kinds)%value/ &
                                                            flex%modulus(study%segments(j)%entry), j=1, size(study%segments))]))// &
                     ', THE MATERIAL BEARS'//in_sentence(named, flex%strain))
+      call list_out_of_plane(set, mechanism, study, text)
    end subroutine list_link
+
+   !> The link out of the plane.
+   subroutine list_out_of_plane(set, mechanism, study, text)
+      type(data_set_t), intent(in) :: set
+      type(mechanism_t), intent(in) :: mechanism
+      type(flex_study_t), intent(in) :: study
+      type(text_t), intent(inout) :: text
+      character(15), allocatable :: columns(:, :)
+      logical :: named
+      integer :: j
+
+      named = set%has_names()
+      associate (out => study%out)
+         call text%add(' OUT OF THE PLANE: '//hold_words(mechanism, study))
+         if (.not. out%solved) then
+            call text%add(' ITS NATURAL MODES COULD NOT BE FOUND')
+            return
+         end if
+         call text%add('   MODE      FREQUENCY   OVER SPEED        DAMPING          TWIST')
+         allocate (columns(4, size(out%frequency)))
+         columns(1, :) = figures_of(named, out%frequency)
+         columns(2, :) = figures_of(named, out%frequency/abs(set%rates%speed))
+         columns(3, :) = figures_of(named, out%damping)
+         columns(4, :) = figures_of(named, out%twist)
+         do j = 1, size(out%frequency)
+            call text%add(right_column(j, 6)//in_a_row(columns(:, j)))
+         end do
+         call text%add(' THE FIRST FREQUENCY OUT OF THE PLANE IS'//in_sentence(named, out%frequency(1)/study%frequency(1))// &
+                       ' OF THE FIRST IN IT')
+         call text%add(' LEAST SQUARED FREQUENCY IN THE TURN, OVER THAT AT REST'//in_sentence(named, out%least_stiffness)// &
+                       ', AT INPUT'//in_sentence(named, out%least_at)//' AFTER THE REFERENCE')
+         if (out%least_stiffness < 0.0_wp) call text%add(' BUCKLED OUT OF THE PLANE FOR A PART OF THE TURN')
+         if (out%solved_modes == 0) then
+            call text%add(' THE SPEED IS FAR BELOW ALL FREQUENCIES OUT OF THE PLANE')
+            return
+         end if
+         call text%add(' '//modes_solved(out%solved_modes, size(out%frequency))//': '//coupled_words(out%coupled))
+         if (out%coupled%grows_too_much) return
+         call list_multiplier(named, out%coupled, text)
+      end associate
+   end subroutine list_out_of_plane
+
+   !> What holds it out of the plane.
+   pure function hold_words(mechanism, study) result(words)
+      type(mechanism_t), intent(in) :: mechanism
+      type(flex_study_t), intent(in) :: study
+      character(:), allocatable :: words
+
+      associate (out => study%out, first => study%link%held(1))
+         words = 'PINS THAT DO NOT HOLD THE SLOPE (XPINS=0)'
+         if (out%long_pins) words = 'PINS THAT HOLD SLOPE AND TWIST (XPINS=1)'
+         if (study%link%held(2) == 0) then
+            words = words//', CLAMPED AT '//node_name(mechanism, study, first)
+         else if (out%line_held) then
+            words = words//', TWIST IS HELD AT '//node_name(mechanism, study, first)
+         end if
+      end associate
+   end function hold_words
 
    !> Greatest deflections and stresses.
    subroutine list_greatest(set, mechanism, study, text)
@@ -187,14 +247,14 @@ contains
    end subroutine list_multiplier
 
    !> The modes that are solved together.
-   pure function modes_solved(study) result(words)
-      type(flex_study_t), intent(in) :: study
+   pure function modes_solved(solved, modes) result(words)
+      integer, intent(in) :: solved, modes
       character(:), allocatable :: words
 
       words = 'ALL MODES TOGETHER'
-      if (study%solved_modes == size(study%frequency)) return
-      words = 'MODES 1 TO '//to_text(study%solved_modes)//' TOGETHER'
-      if (study%solved_modes == 1) words = 'MODE 1'
+      if (solved == modes) return
+      words = 'MODES 1 TO '//to_text(solved)//' TOGETHER'
+      if (solved == 1) words = 'MODE 1'
       words = words//' (THE OTHERS ARE FAR ABOVE THE SPEED: FROM STATICS)'
    end function modes_solved
 

@@ -17,7 +17,8 @@ module psalm_flex_table
 
 contains
 
-   !> Tables flexible_links, flexible_modes, flexible_segments, flexible_joints, flexible_stresses, flexible_shapes.
+   !> Tables flexible_links, flexible_modes, flexible_out_of_plane, flexible_modes_out_of_plane, flexible_segments,
+   !> flexible_joints, flexible_stresses, flexible_shapes.
    subroutine put_flexible(set, mechanism, studies, tables)
       type(data_set_t), intent(in) :: set
       type(mechanism_t), intent(in) :: mechanism
@@ -55,6 +56,7 @@ contains
       call table%add('frequency', [(studies(k)%frequency, k=1, size(studies))], 'rad/s')
       call table%add('damping', [(studies(k)%damping, k=1, size(studies))])
       call tables%put(table)
+      call put_out_of_plane(studies, names, tables)
       call put_segments(studies, names, tables)
       call put_joints(mechanism, studies, names, tables)
       call put_turn(studies, tables)
@@ -126,6 +128,53 @@ contains
       call table%add('swing', together%swing, 'rad')
       call tables%put(table)
    end subroutine put_together
+
+   !> Links out of the plane.
+   subroutine put_out_of_plane(studies, names, tables)
+      type(flex_study_t), intent(in) :: studies(:)
+      character(*), intent(in) :: names(:)
+      type(tables_t), intent(inout) :: tables
+      type(table_t) :: table
+      character(name_length) :: links(count(studies%solved)), words(size(links))
+      real(wp) :: multipliers(size(links))
+      logical :: solved(size(links)), followed(size(links))
+      integer :: there(size(links)), k, j, n
+
+      n = size(links)
+      if (n == 0) return
+      there = pack([(k, k=1, size(studies))], studies%solved)
+      links = names(there)
+      multipliers = 0.0_wp
+      words = ''
+      do k = 1, n
+         associate (out => studies(there(k))%out)
+            solved(k) = out%solved
+            followed(k) = out%solved_modes > 0
+            if (.not. followed(k)) cycle
+            words(k) = lower_case(coupled_words(out%coupled))
+            multipliers(k) = abs(out%coupled%multipliers(1))
+         end associate
+      end do
+      table = table_of('flexible_out_of_plane', 'a row for each link of beam elements: out of the plane', audience=for_programs)
+      call table%add('link', links)
+      call table%add('long_pins', [(studies(there(k))%out%long_pins, k=1, n)])
+      call table%add('verdict', words)
+      call table%add('steady', [(studies(there(k))%out%is_steady(), k=1, n)])
+      call table%add('multiplier', multipliers, known=followed)
+      call table%add('modes_solved', [(studies(there(k))%out%solved_modes, k=1, n)], known=solved)
+      call table%add('matrix_error', [(studies(there(k))%out%coupled%error, k=1, n)], known=followed)
+      call table%add('least_stiffness', [(studies(there(k))%out%least_stiffness, k=1, n)], known=solved)
+      call table%add('least_stiffness_at', [(studies(there(k))%out%least_at, k=1, n)], 'deg', solved)
+      call tables%put(table)
+      table = table_of('flexible_modes_out_of_plane', 'a row for each natural mode of a link at rest, out of the plane', &
+                       audience=for_programs)
+      call table%add('link', repeated(links, [(size(studies(there(k))%out%frequency), k=1, n)]))
+      call table%add('mode', [((j, j=1, size(studies(there(k))%out%frequency)), k=1, n)])
+      call table%add('frequency', [(studies(there(k))%out%frequency, k=1, n)], 'rad/s')
+      call table%add('damping', [(studies(there(k))%out%damping, k=1, n)])
+      call table%add('twist', [(studies(there(k))%out%twist, k=1, n)])
+      call tables%put(table)
+   end subroutine put_out_of_plane
 
    !> The greatest deflections and stresses of each segment.
    subroutine put_segments(studies, names, tables)

@@ -97,7 +97,7 @@ contains
          end do
          call list_flexible(set, mechanism, study%flexible, devices%six)
          call put_flexible(set, mechanism, study%flexible, devices%cases(devices%last_case()))
-         if (any(study%flexible%resolution > enough)) call coarse('NXPNT', flex%points)
+         if (any(study%flexible%resolution > enough .or. study%flexible%out%resolution > enough)) call coarse('NXPNT', flex%points)
       end if
       if (allocated(study%drive)) then
          if (stuck(set, mechanism, study%drive%turn, devices)) return
@@ -165,6 +165,17 @@ contains
                              number_words(set%has_names(), study%least_at)//' degrees after the reference')
       end if
       call remark_coupled(set, name, study%coupled, devices)
+      if (.not. study%out%solved) then
+         call devices%note_violation()
+         call devices%remark(set, name//', out of the plane: its natural modes could not be found')
+         return
+      end if
+      if (study%out%least_stiffness < 0.0_wp) then
+         call devices%note_violation()
+         call devices%remark(set, name//' buckles out of the plane for a part of the turn, most at '// &
+                             number_words(set%has_names(), study%out%least_at)//' degrees after the reference')
+      end if
+      if (study%out%solved_modes > 0) call remark_coupled(set, name//', out of the plane', study%out%coupled, devices)
    end subroutine remark_flexible
 
    subroutine remark_coupled(set, what, coupled, devices)

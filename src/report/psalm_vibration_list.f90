@@ -442,6 +442,13 @@ contains
                call text%add('     '//rules(n)%name//measures(n)//'   '//rules(n)%words// &
                              trim(merge('  KEPT  ', '  BROKEN', e%kept(n))))
             end do
+            if (e%jerk > 0.0_wp) then
+               call text%add('   IMPACT ACROSS THE CLEARANCE: RELATIVE ACCELERATION GROWS BY'//in_sentence(named, e%jerk)// &
+                             ' M/S3, IN'//in_sentence(named, e%impact_time)//' S TO'//in_sentence(named, e%impact_speed)//' M/S;')
+               call text%add('   IN EACH HARMONIC OF THE ACCELERATION'//in_sentence(named, e%impact_level)//' M/S2')
+            else if (e%clearance > 0.0_wp .and. .not. e%buckles) then
+               call text%add('   IMPACT IS NOT ESTIMATED: NO PIN OF THE LINK CAN BE TAKEN APART, OR NOTHING BENDS THE LINK')
+            end if
             call text%add('   ACCELERATION OF THE MIDDLE'//in_sentence(named, e%middle)//', IN THAT HARMONIC'// &
                           in_sentence(named, e%amplitude)// &
                           ', ITS BOUND'//in_sentence(named, e%bound))

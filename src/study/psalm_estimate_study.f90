@@ -2,7 +2,9 @@
 !>
 !> The quasi-static deflection is that of (13.24) without Q_j'', with what couples the modes: sum of (j**4 W**2 [j = k] + K_jk) Q_k
 !> = p_j, of inertia, weight, loads and springs at each position. The dynamic error is that of mode 1: the sum of Haines's (25c)
-!> over the harmonics of this deflection, the harmonic nearest resonance times his magnifier of impulses (26c). The rules of the
+!> over the harmonics of this deflection, the harmonic nearest resonance times his magnifier of impulses (26c). The error by changes
+!> of the end load takes the harmonic nearest resonance as that of a step once a turn (10E), the error by impact the clearance of
+!> the pins and the greatest rate at which the relative acceleration of a pin that is set free changes (2J). The rules of the
 !> verdict are his (2B, 2G, 2M). Source: Haines, chapter 2, with his bounds of chapter 1.
 module psalm_estimate_study
    use psalm_crank_motion, only: crank_motion_t
@@ -14,12 +16,13 @@ module psalm_estimate_study
    use psalm_angles, only: unit_vector
    use psalm_kinds, only: wp, half_turn
    use psalm_linear, only: solve_positive
-   use psalm_link_cycle, only: link_cycle_t, find_link_cycle, moving_link
+   use psalm_link_cycle, only: link_cycle_t, add_uniform_link, find_link_cycle, moving_link
    use psalm_link_vibration, only: moving_link_t, coupling, mode_force
    use psalm_mechanism, only: mechanism_t, at_finish, joint_revolute
    use psalm_periodic, only: periodic_t, periodic_from_samples
    use psalm_vibration_estimates, only: euler_load, frequency_ratio, dynamic_error, impulse_magnifier, frequency_fall, &
-      strength_ratio, tie_rod_ratio, straightening, foreshortening_sine, post_support_of_slenderness
+      strength_ratio, tie_rod_ratio, straightening, foreshortening_sine, post_support_of_slenderness, step_error, impact_time, &
+      impact_speed, impact_level, impact_error
    use psalm_beam, only: beam_t
    implicit none (type, external)
    private
@@ -35,14 +38,17 @@ module psalm_estimate_study
       character(14) :: words
    end type assessing_rule_t
 
-   type(assessing_rule_t), parameter :: rules(6) = [ &
+   type(assessing_rule_t), parameter :: rules(8) = [ &
       assessing_rule_t('FIRST FREQUENCY/SPEED', .true., 10.0_wp, 'AT LEAST 10'), &
       assessing_rule_t('AXIAL FREQUENCY/SPEED WITH WHAT IT MOVES', .true., 10.0_wp, 'AT LEAST 10'), &
       assessing_rule_t('FREQUENCY/SPEED APART FROM A NEIGHBOUR''S', .true., 3.0_wp, 'AT LEAST 3'), &
       assessing_rule_t('END LOAD/EULER''S LOAD', .false., 0.25_wp, 'AT MOST 0.25'), &
       assessing_rule_t('DYNAMIC ERROR/QUASI-STATIC DEFLECTION', .false., 0.1_wp, 'AT MOST 0.1'), &
+      assessing_rule_t('ERROR BY STEPS OF END LOAD/DEFLECTION', .false., 0.1_wp, 'AT MOST 0.1'), &
+      assessing_rule_t('ERROR BY IMPACT IN A PIN/DEFLECTION', .false., 0.1_wp, 'AT MOST 0.1'), &
       assessing_rule_t('DEFLECTION/LENGTH', .false., 0.025_wp, 'AT MOST 0.025')]
-   integer, parameter :: rule_frequency = 1, rule_axial = 2, rule_apart = 3, rule_load = 4, rule_error = 5, rule_deflection = 6
+   integer, parameter :: rule_frequency = 1, rule_axial = 2, rule_apart = 3, rule_load = 4, rule_error = 5, rule_step = 6, &
+                         rule_impact = 7, rule_deflection = 8
    real(wp), parameter :: stubby = 5.0_wp          !! slenderness below which Ritz's estimate on posts is not accurate
    integer, parameter :: harmonics_estimated = 12
    integer, parameter :: extents_used = 4          !! of the acceleration and three derivatives
@@ -75,6 +81,11 @@ module psalm_estimate_study
       real(wp) :: tie_rod = 0.0_wp               !! the same of a tie rod
       real(wp) :: ends = 0.0_wp                  !! greatest transverse acceleration of the ends about the middle, m/s2
       real(wp) :: second = 0.0_wp                !! quasi-static deflection of mode 2, m
+      real(wp) :: clearance = 0.0_wp             !! of its pins, m; 0: not known
+      real(wp) :: jerk = 0.0_wp                  !! greatest rate of the relative acceleration of a pin that is set free, m/s3
+      real(wp) :: impact_time = 0.0_wp           !! across the clearance with it, s
+      real(wp) :: impact_speed = 0.0_wp          !! m/s
+      real(wp) :: impact_level = 0.0_wp          !! of every harmonic of the acceleration, once a turn, m/s2
       real(wp) :: straightened = 0.0_wp          !! part of the deflection that turning takes away
       real(wp) :: shortened = 0.0_wp             !! of the distance of the pins by the deflection, m
       real(wp) :: amplitudes(harmonics_estimated) = 0.0_wp !! of the acceleration of the middle, m/s2
@@ -87,11 +98,12 @@ module psalm_estimate_study
 
 contains
 
-   subroutine find_estimate(given, dimensions, model, beam, points, crank, estimate)
+   subroutine find_estimate(given, dimensions, model, beam, clearance, points, crank, estimate)
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
       type(beam_t), intent(in) :: beam
+      real(wp), intent(in) :: clearance          !! of its pins, diametral, m; 0: not known
       integer, intent(in) :: points              !! positions in a turn
       type(crank_motion_t), intent(in) :: crank  !! known
       type(estimate_t), intent(out) :: estimate
@@ -147,7 +159,75 @@ contains
          if (e%loaded) call rest(speed, e)
       end associate
       call find_axial(given, dimensions, model, beam, speed, estimate)
+      estimate%clearance = clearance
+      if (estimate%buckles .or. .not. estimate%deflection > 0.0_wp) return
+      if (minval(pull) > -estimate%euler) then
+         derived = periodic_from_samples(pull/estimate%euler)
+         estimate%measured(rule_step) = .true.
+         if (estimate%harmonic <= derived%highest()) &
+            estimate%measures(rule_step) = step_error(estimate%harmonic, derived%amplitude(estimate%harmonic), &
+                                                   1.0_wp + minval(pull)/estimate%euler, beam%damping, estimate%held_ratio)
+      end if
+      if (clearance > 0.0_wp) call find_impact(given, dimensions, model, beam, speed, estimate)
    end subroutine find_estimate
+
+   !> Impact across the clearance of a pin of the link, once a turn, if contact is lost at the worst place: the members of the pin,
+   !> set free, accelerate against each other by what its force would have prevented. Nothing is measured where the pins are no
+   !> hinges of two links, or the rest of the linkage has more than the freedoms of a pin.
+   subroutine find_impact(given, dimensions, model, beam, speed, e)
+      type(problem_t), intent(in) :: given
+      type(dimensions_t), intent(in) :: dimensions
+      type(force_model_t), intent(in) :: model   !! without the mass of the link
+      type(beam_t), intent(in) :: beam
+      real(wp), intent(in) :: speed              !! rad/s
+      type(estimate_t), intent(inout) :: e
+      type(force_model_t) :: with_link
+      type(joint_load_t) :: load
+      integer :: n, j
+
+      with_link = model
+      call add_uniform_link(given%mechanism, dimensions, beam, 0, with_link)
+      associate (mechanism => given%mechanism)
+         n = mechanism%seq(beam%link%loop, beam%link%arc)
+         do j = 1, size(mechanism%joints)
+            associate (joint => mechanism%joints(j))
+               if (joint%kind /= joint_revolute .or. all(joint%bodies /= mechanism%arcs(n)%body) .or. &
+                   all(mechanism%arcs(n)%ends /= joint%point)) cycle
+            end associate
+            call find_joint_load(given, dimensions, with_link, j, size(e%cycle%own), e%cycle%crank, load)
+            if (load%failure > 0 .or. load%loose > 0) cycle
+            if (any(load%tensor(1, :)*load%tensor(3, :) <= load%tensor(2, :)**2)) cycle
+            e%jerk = max(e%jerk, jerk_of(load, speed))
+         end do
+      end associate
+      if (.not. e%jerk > 0.0_wp) return
+      e%impact_time = impact_time(e%clearance, e%jerk)
+      e%impact_speed = impact_speed(e%clearance, e%jerk)
+      e%impact_level = impact_level(e%impact_speed, speed)
+      e%measured(rule_impact) = .true.
+      e%measures(rule_impact) = impact_error(e%impact_speed, speed, beam%damping, e%held_ratio)/e%deflection
+   end subroutine find_impact
+
+   !> Greatest rate of M**-1 R, m/s3.
+   real(wp) function jerk_of(load, speed) result(jerk)
+      type(joint_load_t), intent(in) :: load
+      real(wp), intent(in) :: speed              !! rad/s
+      type(periodic_t) :: part
+      real(wp) :: force(2, size(load%inertia, 2)), free(size(load%inertia, 2), 2)
+
+      force = speed**2*load%inertia + load%fixed
+      associate (m => load%tensor)
+         free(:, 1) = (m(3, :)*force(1, :) - m(2, :)*force(2, :))/(m(1, :)*m(3, :) - m(2, :)**2)
+         free(:, 2) = (m(1, :)*force(2, :) - m(2, :)*force(1, :))/(m(1, :)*m(3, :) - m(2, :)**2)
+      end associate
+      part = periodic_from_samples(free(:, 1))
+      part = part%derivative(1)
+      free(:, 1) = part%values(size(free, 1))
+      part = periodic_from_samples(free(:, 2))
+      part = part%derivative(1)
+      free(:, 2) = part%values(size(free, 1))
+      jerk = speed*sqrt(maxval(free(:, 1)**2 + free(:, 2)**2))
+   end function jerk_of
 
    !> The link as a light spring between its pins, with the masses that it moves when its length changes and the crank is held:
    !> the least frequency of a turn over the speed. Nothing is measured where its finish is no pin of two links, or the rest of

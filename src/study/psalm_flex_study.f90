@@ -15,6 +15,7 @@ module psalm_flex_study
    use psalm_flexible_link, only: flexible_link_t
    use psalm_force_model, only: force_model_t
    use psalm_kinds, only: wp
+   use psalm_out_of_plane_study, only: out_of_plane_t
    use psalm_periodic, only: periodic_t
    use psalm_stop, only: stop_t
    implicit none (type, external)
@@ -62,6 +63,7 @@ module psalm_flex_study
       real(wp) :: least_stiffness = 0.0_wp       !! least squared frequency with all that acts over that at rest: below 0 the
                                                  !! link buckles for a part of the turn
       real(wp) :: least_at = 0.0_wp              !! input there, degrees
+      type(out_of_plane_t) :: out                !! the link out of the plane
       logical :: steady = .false.                !! there is a steady state
       logical :: stressed = .false.              !! and stresses are known
       real(wp), allocatable :: displacement(:, :, :) !! shape (2, nodes, positions): in the axes of the link, m

@@ -9,6 +9,7 @@ submodule(psalm_flex_study) psalm_flex_study_body
    use psalm_flexible_cycle, only: find_flexible_cycle, parts, part_inertia, part_fixed, part_damped, part_pushed
    use psalm_lapack, only: natural_modes, hermitian_eigenvalues, solve_general
    use psalm_linear, only: along_columns, product_of
+   use psalm_out_of_plane_study, only: find_out_of_plane, prestress_t
    use psalm_periodic, only: periodic_t, periodic_constant, periodic_from_samples
    use psalm_stop, only: is_to_end
    implicit none (type, external)
@@ -50,6 +51,11 @@ contains
       study%found = .true.
       if (.not. study%solved) return
       call find_loading(speed, free, study, loading)
+      call leave_plane(set, flex, loading, study)
+      if (is_to_end(stop)) then
+         study%found = .false.
+         return
+      end if
       call find_influence(given, dimensions, model, link, flex%points, crank, study%influence)
       study%inertia = model%inertia
       call find_driven(shapes, study)
@@ -410,6 +416,30 @@ contains
          end associate
       end do
    end subroutine add_vibration
+
+   !> The link out of the plane, under the pulls and moments that the rigid motion and its loads make in the plane.
+   subroutine leave_plane(set, flex, loading, study)
+      type(data_set_t), intent(in) :: set
+      type(flex_group_t), intent(in) :: flex
+      type(link_loading_t), intent(in) :: loading
+      type(flex_study_t), intent(inout) :: study
+      type(prestress_t) :: prestress
+      integer :: e
+
+      associate (many => size(study%link%frame%elements), positions => size(loading%signals, 2))
+         allocate (prestress%pull(2, many, positions), prestress%moment(2, many, positions))
+         do e = 1, many
+            associate (forces => loading%end_forces(:, e, :))
+               prestress%pull(1, e, :) = -along_columns(loading%signals, forces(1, :))
+               prestress%pull(2, e, :) = along_columns(loading%signals, forces(4, :))
+               prestress%moment(1, e, :) = -along_columns(loading%signals, forces(3, :))
+               prestress%moment(2, e, :) = along_columns(loading%signals, forces(6, :))
+            end associate
+         end do
+      end associate
+      prestress%motion = loading%signals(:motions, :)
+      call find_out_of_plane(set, flex, study%link, study%cycle, prestress, study%out)
+   end subroutine leave_plane
 
    !> What tension and compression of the elements add.
    subroutine add_tension(loading, shapes, study, stiffness)

@@ -149,7 +149,7 @@ contains
                                              model)
             end associate
             call find_estimate(problem, prepared%given, with_links, asked%estimates%beams(k), &
-                               asked%estimates%points, study%crank, study%estimates(k))
+                               asked%estimates%clearance(k), asked%estimates%points, study%crank, study%estimates(k))
          end do
          call assess_estimates(prepared%mechanism, asked%estimates%beams, study%estimates)
       end if

@@ -13,6 +13,7 @@ program test_vibration
    use psalm_periodic, only: periodic_t, periodic_from_samples, periodic_constant
    use psalm_stability, only: boundaries_t, stability_boundaries, series_boundaries
    use psalm_vibration_estimates, only: impulse_magnifier, straightening, foreshortening_sine, frequency_fall, tie_rod_ratio, &
+                                        repeated_magnifier, step_error, impact_speed, impact_time, &
                                         post_support_of_slenderness, dynamic_error, strength_ratio, magnification
    implicit none (type, external)
    real(wp), parameter :: crank = 1.0_wp, coupler = 5.0_wp, rocker = 2.0_wp, frame = 5.0_wp !! of Oldham's rig
@@ -564,6 +565,12 @@ contains
       call t%close_to(impulse_magnifier(0.0_wp, 20.0_wp), 1.0_wp, 0.0_wp, 'impulse magnifier without damping')
       call t%close_to(impulse_magnifier(1.591e-6_wp, 10.0_wp), impulse_magnifier(1.592e-6_wp, 10.0_wp), 1.0e-7_wp, &
                       'the series joins the closed form')
+      call t%close_to(repeated_magnifier(0.01_wp, 10.0_wp)*0.2_wp*acos(-1.0_wp), impulse_magnifier(0.01_wp, 10.0_wp), 1.0e-12_wp, &
+                      'steps once a turn at resonance')
+      call t%close_to(step_error(10, 1.0_wp, 0.75_wp, 0.01_wp, 10.0_wp), 89.790_wp, 1.0e-5_wp, 'step of the end load, (10E)')
+      call t%close_to(impact_speed(2.0_wp, 3.0_wp), 1.650964_wp*2.0_wp**(2.0_wp/3.0_wp)*3.0_wp**(1.0_wp/3.0_wp), 1.0e-6_wp, &
+                      'speed of an impact')
+      call t%close_to(impact_time(2.0_wp, 3.0_wp)**3, 12.0_wp*1.0_wp/3.0_wp, 1.0e-12_wp, 'time of an impact, e = 1')
       call t%close_to(foreshortening_sine, 2.467401_wp, 1.0e-6_wp, 'foreshortening of a half sine')
       call t%close_to(straightening(1.0_wp, 1.0_wp, 1.0_wp), 0.558073_wp, 1.0e-5_wp, 'straightening')
       call t%close_to(frequency_fall(35.0_wp, 2.6_wp/0.851_wp), 0.016336_wp, 1.0e-4_wp, 'shear and rotary inertia')
