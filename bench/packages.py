@@ -38,6 +38,8 @@ ORDER = {"four-bar": ["B1", "P"], "ten-bar": ["B1", "B2", "E", "C3", "D4"]}
 LINKS = {"four-bar": ["O A", "A B1 P", "B1 O1"],
          "ten-bar": ["O A", "A B1", "B1 O1 E", "A B2", "B2 O2", "B2 C3", "E C3", "C3 D4", "D4 O4"]}
 SIZES = (180, 1000000)
+MOST_STEPS = {"pylinkage": 20000, "one by one": 2000}   # positions of slower methods: the first of as many steps
+LEAST_TIMED = 0.02      # seconds of one timing
 
 
 def dyads_of(linkage):
@@ -144,7 +146,7 @@ def numpy_newton(linkage, n):
 def scipy_one_by_one(linkage, n, solver):
     """All loop equations at once with their Jacobian, from the previous position."""
     from scipy import optimize
-    few = min(n, 2000)
+    few = min(n, MOST_STEPS["one by one"])
     loops, angle = Loops(linkage), angles_of(n)[:few]
     names = [name for name in loops.order if name in DYADS]
     place = {name: 2*i for i, name in enumerate(names)}
@@ -223,7 +225,7 @@ def numba_closed_form(linkage, n):
             for i in range(angle.size):
                 out[k, 0, i], out[k, 1, i] = fixed[k, 0], fixed[k, 1]
         for i in range(angle.size):
-            out[first - 1, 0, i], out[first - 1, 1, i] = 19.0*np.cos(angle[i]), 19.0*np.sin(angle[i])
+            out[first - 1, 0, i], out[first - 1, 1, i] = CRANK*np.cos(angle[i]), CRANK*np.sin(angle[i])
         for k in range(ends.shape[0]):
             a, b = out[ends[k, 0]], out[ends[k, 1]]
             to = out[first + k]
@@ -250,7 +252,7 @@ def numba_closed_form(linkage, n):
 def by_pylinkage(linkage, n, fast):
     import pylinkage
     from pylinkage import Crank, FixedDyad, Ground, Linkage, RRRDyad
-    few = n if fast or n <= 20000 else 20000
+    few = n if fast else min(n, MOST_STEPS["pylinkage"])
     step = 2.0*math.pi/n
     # the crank turns before each position
     begin = closed_form(linkage, np.array([-step]))
@@ -283,7 +285,7 @@ def by_pylinkage(linkage, n, fast):
     coordinates = model.get_coords()
     if fast:
         model.compile()
-    solve.version = pylinkage.__version__ if hasattr(pylinkage, "__version__") else ""
+    solve.version = getattr(pylinkage, "__version__", "")
     return solve, few
 
 
@@ -292,7 +294,7 @@ def by_exudyn(linkage, n):
     import exudyn as exu
     from exudyn.itemInterface import (CoordinateConstraint, MarkerBodyRigid, MarkerNodeCoordinate, NodePointGround, NodeRigidBody2D,
                                       ObjectGround, ObjectJointRevolute2D, ObjectRigidBody2D, SensorBody)
-    few = min(n, 2000)
+    few = min(n, MOST_STEPS["one by one"])
     at = {name: places[:, 0] for name, places in closed_form(linkage, np.zeros(1)).items()}
     at["O"] = np.zeros(2)
     container = exu.SystemContainer()
@@ -363,14 +365,19 @@ def by_exudyn(linkage, n):
     return solve, few
 
 
-def by_psalm(linkage, n):
+def case_of(linkage, **positions):
+    """The case of psalm, whose output is the last joint."""
     sys.path.insert(0, os.path.join(TOP, "python"))
     import psalm
     at = {name: tuple(float(x) for x in places[:, 0]) for name, places in closed_form(linkage, np.zeros(1)).items()}
     joints = {"O": (0.0, 0.0), **{name: at[name] for name in [*grounds_of(linkage), "A", *ORDER[linkage]]}}
-    case = psalm.from_joints(joints, links=LINKS[linkage], fixed=["O", *grounds_of(linkage)], drive="O",
-                             output="point " + ORDER[linkage][-1], inputs=360.0/n*np.arange(n))
-    order = ORDER[linkage]
+    return psalm.from_joints(joints, links=LINKS[linkage], fixed=["O", *grounds_of(linkage)], drive="O",
+                             output="point " + ORDER[linkage][-1], **positions)
+
+
+def by_psalm(linkage, n):
+    case, order = case_of(linkage, inputs=360.0/n*np.arange(n)), ORDER[linkage]
+    import psalm
 
     def solve():
         motion = case.analyse()
@@ -402,7 +409,7 @@ def one(method, linkage, n, runs):
     del found
     began = time.process_time()
     solve()
-    repeats = max(1, int(0.02/max(time.process_time() - began, 1e-7)))
+    repeats = max(1, int(LEAST_TIMED/max(time.process_time() - began, 1e-7)))
     least = math.inf
     for _ in range(runs):
         began = time.process_time()
@@ -427,19 +434,10 @@ def version_of(package):
         return None
 
 
-def sketch_text(linkage):
-    """The sketch for the Fortran benchmark, whose output is the last joint."""
-    by_psalm(linkage, 4)
-    import psalm
-    at = {name: tuple(float(x) for x in places[:, 0]) for name, places in closed_form(linkage, np.zeros(1)).items()}
-    return psalm.from_joints({"O": (0.0, 0.0), **{name: at[name] for name in [*grounds_of(linkage), "A", *ORDER[linkage]]}}, links=LINKS[linkage],
-                             fixed=["O", *grounds_of(linkage)], drive="O", output="point " + ORDER[linkage][-1], step=90).text
-
-
 def by_fortran(program, linkage, n, work):
     case, out = os.path.join(work, "case.nml"), os.path.join(work, "points")
     with open(case, "w", encoding="utf-8") as file:
-        file.write(sketch_text(linkage))
+        file.write(case_of(linkage, step=90).text)
     done = subprocess.run([program, case, str(n), out], capture_output=True, text=True, check=True)
     exact = closed_form(linkage, angles_of(n, np.longdouble), np.longdouble)[ORDER[linkage][-1]]
     error = float(np.max(np.hypot(*(np.fromfile(out).reshape(-1, 2).T.astype(np.longdouble) - exact))))/CRANK

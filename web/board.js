@@ -464,7 +464,7 @@
   }
 
   function open(file) {
-    if (/\.(dxf|fcstd|json|pmks)$/i.test(file.name)) { board.bring.file(file); return; }
+    if (/\.(dxf|fcstd|json|pmks)$/i.test(file.name)) { board.imports.file(file); return; }
     file.text().then((source) => attempt(source, file.name));
   }
 
@@ -542,7 +542,7 @@
     board.panel.show();
   }
 
-  Object.assign(board, { state, edit, begin, touch, end, undo: () => undo(), redo: () => undo(future, past), relax, rename, remove, each, isChosen, chooseMore, movedBy, shift, freeName, tidy, take, attempt, wrong, sweepOf, download,
+  Object.assign(board, { state, edit, begin, touch, end, undo: () => undo(), redo: () => undo(future, past), relax, rename, remove, each, isChosen, chooseMore, shift, freeName, tidy, take, attempt, wrong, sweepOf, download,
     refresh, places, slidePlace, sides, jointOf, linkOf, linksAt, inFrame, go, drive, play, pause, table, load, start, write, save, open, fit, free, clone, help,
     canUndo: () => past.length > 0, canRedo: () => future.length > 0 });
   ready();

@@ -184,13 +184,13 @@ board.panel = (() => {
 
   /** Least and most of the dimensions of a link, which searches honour. */
   function rangePart(link) {
-    const { sketch } = board.state, list = board.search.dimensionsOf(link).filter((of) => !/^place/.test(of));
+    const { sketch } = board.state, { TURNS, sizeOf } = board.text, list = board.search.dimensionsOf(link).filter((of) => !/^place/.test(of));
     if (!list.length) return [];
     const set = (of, side) => (value) => {
       const angle = /^angle/.test(of), { vary } = sketch, there = vary.find((one) => one.of === of);
       const range = { low: there && there.low.length ? there.low[0] : NaN, high: there && there.high.length ? there.high[0] : NaN, [side]: value };
       // one bound alone: the other is far
-      const far = angle ? { low: -720, high: 720 } : { low: 0, high: Number((10 * size()).toPrecision(3)) };
+      const far = angle ? { low: -TURNS, high: TURNS } : { low: 0, high: Number((10 * sizeOf(sketch.joints)).toPrecision(3)) };
       for (const key of ['low', 'high']) if (Number.isNaN(range[key])) range[key] = far[key];
       if (range.low > range.high || (!angle && range.low < 0)) return false;
       return board.edit((s) => {
@@ -208,8 +208,6 @@ board.panel = (() => {
       return row(of, bound('low', words.leastOf), bound('high', words.mostOf), ...(one ? [button(words.cross, () => clear(of), { 'aria-label': words.noRange(of) })] : []));
     })];
   }
-
-  const size = () => { const { joints } = board.state.sketch, xs = joints.map((j) => j.x), ys = joints.map((j) => j.y); return Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys)) || 1; };
 
   function slidePart(slide) {
     const { edit, state } = board, { name } = slide, names = state.sketch.links.map((l) => l.name);

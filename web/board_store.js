@@ -107,7 +107,7 @@ board.store = (() => {
     const text = event.clipboardData.getData('text/plain'), packed = /#z=([\w-]+)(?:&file=([\w.%-]+))?/.exec(text);
     if (packed) unpacked(packed[1]).then((case_) => board.attempt(case_, decoded(packed[2] || 'sketch.nml')), () => board.wrong(words.badLink));
     else if (/[&$]CHAIN\b/i.test(text)) board.attempt(text, 'sketch.nml');
-    else if (/^https?:\/\/\S*pmks\S*\?\S+$/i.test(text.trim())) board.bring.link(text.trim());
+    else if (/^https?:\/\/\S*pmks\S*\?\S+$/i.test(text.trim())) board.imports.link(text.trim());
     else return;
     event.preventDefault();
   }

@@ -44,8 +44,7 @@ board.study = (() => {
     const { sketch, motion } = board.state, group = { springs: 'SPRNGS', balance: 'BALANC', cams: 'CAM' }[verb];
     if (!group || board.text.placeOf(text, group)) return {};
     if (!motion.sweep || board.free() !== 1) return { why: words.proposalMoves };
-    const frame = sketch.links[0], xs = sketch.joints.map((j) => j.x), ys = sketch.joints.map((j) => j.y);
-    const size = Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys)) || 1;
+    const frame = sketch.links[0], size = board.text.sizeOf(sketch.joints);
     const mounted = sketch.links.slice(1).flatMap((link) => { const at = link.joints.find(board.inFrame); return at && link.joints.length > 1 ? [{ link, at }] : []; });
     const drive = sketch.drives[0], driven = mounted.find(({ link, at }) => drive.kind === 'turn' && drive.at[0] === at && (!drive.link || drive.link === link.name));
     if (verb === 'cams') {
@@ -143,5 +142,5 @@ board.study = (() => {
     board.view.canvas.scrollIntoView({ block: 'nearest' });
   }
 
-  return { part, follow, proposed, get running() { return running; } };
+  return { part, follow, get running() { return running; } };
 })();

@@ -22,7 +22,7 @@ board.tools = (() => {
   let press = null;                      // what the pointer that is down does
   let pinch = 0;                         // distance of two fingers
   let hand = null;                       // points of a curve that is being drawn
-  let box = null;                        // corners of the box that is pulled round what is to be chosen, pixels
+  let marquee = null;                        // corners of the box that is pulled round what is to be chosen, pixels
 
   // ---- what tools do ------------------------------------------------------------------------------------------------
 
@@ -194,7 +194,7 @@ board.tools = (() => {
     const at = spot(event);
     const several = state.tool === 'several' || (state.tool === 'select' && event.shiftKey);
     press = { at, tool: several ? 'select' : state.tool, moved: false, x: at.x, y: at.y, several };
-    if (several && !at.hit) box = { from: [at.x, at.y], to: [at.x, at.y] };
+    if (several && !at.hit) marquee = { from: [at.x, at.y], to: [at.x, at.y] };
     else if (press.tool === 'select') {
       // of several that are chosen one is taken hold of for all
       const held = at.hit && board.isChosen(...Object.entries(at.hit)[0]);
@@ -217,9 +217,9 @@ board.tools = (() => {
     if (pointers.has(event.pointerId)) pointers.set(event.pointerId, event);
     if (pinch) { pinchTo(); return; }
     if (hand) { trace(event); return; }
-    if (box) {
-      const frame = view.canvas.getBoundingClientRect();
-      box.to = [event.clientX - frame.left, event.clientY - frame.top];
+    if (marquee) {
+      const box = view.canvas.getBoundingClientRect();
+      marquee.to = [event.clientX - box.left, event.clientY - box.top];
       press.moved = true;
       view.draw();
       return;
@@ -296,9 +296,9 @@ board.tools = (() => {
       view.draw();
       return;
     }
-    if (box) {
-      const { from, to } = box, added = press.moved ? view.within(from, to) : [];
-      box = press = null;
+    if (marquee) {
+      const { from, to } = marquee, added = press.moved ? view.within(from, to) : [];
+      marquee = press = null;
       for (const what of added) if (!board.isChosen(...Object.entries(what)[0])) board.chooseMore(what);
       if (!added.length) board.state.selection = null;
       board.panel.show();
@@ -356,7 +356,7 @@ board.tools = (() => {
 
   function cancel() {
     if (press && press.moved && press.tool === 'select' && !press.pan) board.end();
-    press = hand = box = null;
+    press = hand = marquee = null;
     board.state.pending = null;
     view.draw();
   }
@@ -457,5 +457,5 @@ board.tools = (() => {
     $('speed').addEventListener('input', () => { board.state.speed = Number($('speed').value); });
   }
 
-  return { begin, choose, pivot, output, drive, slider, jointAt, link, get hand() { return hand; }, get box() { return box; } };
+  return { begin, choose, pivot, output, drive, slider, jointAt, link, get hand() { return hand; }, get marquee() { return marquee; } };
 })();

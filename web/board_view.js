@@ -357,9 +357,9 @@ board.view = (() => {
 
   /** What a tool is about to make, or the box that is pulled round what is to be chosen. */
   function drawPending() {
-    const { pending } = board.state, { box } = board.tools;
-    if (box) {
-      const [x1, x2, y1, y2] = [...sorted(box.from[0], box.to[0]), ...sorted(box.from[1], box.to[1])];
+    const { pending } = board.state, { marquee } = board.tools;
+    if (marquee) {
+      const { from, to } = marquee, [x1, x2, y1, y2] = [...sorted(from[0], to[0]), ...sorted(from[1], to[1])];
       g.strokeStyle = g.fillStyle = pens.accent;
       g.lineWidth = 1.4;
       g.setLineDash([5, 4]);

@@ -169,15 +169,15 @@ board.words = ((listed) => ({
     fade: 'how strongly the picture shows, 0 to 100' },
 
   // files of other programs
-  bringHead: 'A file of another program',
-  bringHint: 'The file does not say it all. Name the joints that stand still, and which of them is driven; the message lists the joints with their places.',
-  bringFixed: 'joints of the frame',
-  bringDrive: 'driven joint',
-  bringAgain: 'Open',
-  bringLink: 'a link of PMKS+',
-  bringServed: (name) => name + ': drawings and files of other programs are opened by psalm-workbench, or made a data set by psalm-import.',
-  bringLarge: (name, most) => name + ': the file is larger than ' + most + ' MB; make it a data set by psalm-import.',
-  bringUnread: (name) => name + ': the file could not be read.',
+  importHead: 'A file of another program',
+  importHint: 'The file does not say it all. Name the joints that stand still, and which of them is driven; the message lists the joints with their places.',
+  importFixed: 'joints of the frame',
+  importDrive: 'driven joint',
+  importAgain: 'Open',
+  importLink: 'a link of PMKS+',
+  importServed: (name) => name + ': drawings and files of other programs are opened by psalm-workbench, or made a data set by psalm-import.',
+  importLarge: (name, most) => name + ': the file is larger than ' + most + ' MB; make it a data set by psalm-import.',
+  importUnread: (name) => name + ': the file could not be read.',
 
   // the text of the case
   dataSet: 'data set',

@@ -13,6 +13,7 @@ globalThis.board = globalThis.board || {};
 board.text = (() => {
   const WIDTH = 108;             // columns of a line that is written
   const MOST_VALUES = 1e6;       // of an item
+  const TURNS = 720;             // degrees to either side: no bound of an angle
   const KINDS = ['point', 'x', 'y', 'angle', 'distance', 'slide', 'between', 'pose', 'ratio'];
   const NAMING = /^(?!ONAME)\w*NAME$|JNT$|^VARY$|^FREE$|^FOTHER$|^(TOL|AL)NAM$/; // items that name joints or links
   const OWN = {                  // items that a sketch has places for; others are kept
@@ -192,11 +193,16 @@ board.text = (() => {
     return all.map((of) => { const from = at; at += numbersOf(of); return { of, low: low.slice(from, at), high: high.slice(from, at) }; });
   }
 
+  /** The larger side of the box round joints. */
+  function sizeOf(joints) {
+    const xs = joints.map((j) => j.x), ys = joints.map((j) => j.y);
+    return Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys)) || 1;
+  }
+
   /** A dimension that has no bounds has wide ones where others have some: lengths by the size of the drawing, angles by two turns. */
   function boundsOf({ of, low, high }, { joints }) {
     if (low.length) return [low, high];
-    const xs = joints.map((j) => j.x), ys = joints.map((j) => j.y), size = Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys)) || 1;
-    const round = (v) => Number(v.toPrecision(3)), length = [round(size / 50), round(5 * size)], turns = [-720, 720];
+    const size = sizeOf(joints), round = (v) => Number(v.toPrecision(3)), length = [round(size / 50), round(5 * size)], turns = [-TURNS, TURNS];
     const pairs = /^place\b/.test(of) ? [[0, length[1]], turns] : /^(angle|input)\b/.test(of) ? [turns] : [length];
     return [pairs.map((p) => p[0]), pairs.map((p) => p[1])];
   }
@@ -367,5 +373,5 @@ board.text = (() => {
     return text.slice(0, last) + '\n' + head + item + '=' + value + ' &END' + text.slice(last);
   }
 
-  return { Mistake, parse, write, renameIn, groups, number, jointsIn, placeOf, endOf, changed };
+  return { TURNS, Mistake, parse, write, sizeOf, renameIn, groups, number, jointsIn, placeOf, endOf, changed };
 })();

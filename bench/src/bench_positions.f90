@@ -5,7 +5,7 @@ module bench_positions
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t, make_problem
-   use psalm_kinds, only: wp, dp
+   use psalm_kinds, only: wp, dp, full_turn
    use psalm_mechanism, only: mechanism_t
    use psalm_parameters, only: parameters_t
    use psalm_setup, only: set_up
@@ -38,7 +38,7 @@ contains
       call set_up(sets(1), mechanism, dimensions, parameters, findings)
       if (findings%failed()) error stop 'a data set is wrong'
       call make_problem(sets(1), mechanism, dimensions, parameters, problem)
-      call problem%set_inputs([(dimensions%drawn - dimensions%crnki + 360.0_wp*real(i, wp)/real(n, wp), i=0, n - 1)])
+      call problem%set_inputs([(dimensions%drawn - dimensions%crnki + full_turn*real(i, wp)/real(n, wp), i=0, n - 1)])
       dyads = count(problem%plan%solved)
       repeats = int(max(1_int64, work_of_a_sample/(int(n, int64)*dyads)))
       best = huge(best)

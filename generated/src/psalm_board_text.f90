@@ -1233,17 +1233,17 @@ module psalm_board_text
    "    fade: 'how strongly the picture shows, 0 to 100' },"//nl// &
    ''//nl// &
    '  // files of other programs'//nl// &
-   "  bringHead: 'A file of another program',"//nl// &
-   "  bringHint: 'The file does not say it all. Name the joints that stand still, and which of them is driven; the message "// &
-   "lists the joints with their places.',"//nl// &
-   "  bringFixed: 'joints of the frame',"//nl// &
-   "  bringDrive: 'driven joint',"//nl// &
-   "  bringAgain: 'Open',"//nl// &
-   "  bringLink: 'a link of PMKS+',"//nl// &
-   "  bringServed: (name) => name + ': drawings and files of other programs are opened by psalm-workbench, or made a data s"// &
-   "et by psalm-import.',"//nl// &
-   "  bringLarge: (name, most) => name + ': the file is larger than ' + most + ' MB; make it a data set by psalm-import.',"//nl// &
-   "  bringUnread: (name) => name + ': the file could not be read.',"//nl// &
+   "  importHead: 'A file of another program',"//nl// &
+   "  importHint: 'The file does not say it all. Name the joints that stand still, and which of them is driven; the message"// &
+   " lists the joints with their places.',"//nl// &
+   "  importFixed: 'joints of the frame',"//nl// &
+   "  importDrive: 'driven joint',"//nl// &
+   "  importAgain: 'Open',"//nl// &
+   "  importLink: 'a link of PMKS+',"//nl// &
+   "  importServed: (name) => name + ': drawings and files of other programs are opened by psalm-workbench, or made a data "// &
+   "set by psalm-import.',"//nl// &
+   "  importLarge: (name, most) => name + ': the file is larger than ' + most + ' MB; make it a data set by psalm-import.',"//nl// &
+   "  importUnread: (name) => name + ': the file could not be read.',"//nl// &
    ''//nl// &
    '  // the text of the case'//nl// &
    "  dataSet: 'data set',"//nl// &
@@ -1391,6 +1391,7 @@ module psalm_board_text
    'board.text = (() => {'//nl// &
    '  const WIDTH = 108;             // columns of a line that is written'//nl// &
    '  const MOST_VALUES = 1e6;       // of an item'//nl// &
+   '  const TURNS = 720;             // degrees to either side: no bound of an angle'//nl// &
    "  const KINDS = ['point', 'x', 'y', 'angle', 'distance', 'slide', 'between', 'pose', 'ratio'];"//nl// &
    '  const NAMING = /^(?!ONAME)\w*NAME$|JNT$|^VARY$|^FREE$|^FOTHER$|^(TOL|AL)NAM$/; // items that name joints or links'//nl// &
    '  const OWN = {                  // items that a sketch has places for; others are kept'//nl// &
@@ -1416,10 +1417,10 @@ module psalm_board_text
    '  /** Title and groups of the first case, each with its place in the text; `end` is where a further case begins. */'//nl// &
    '  function split(text) {'//nl// &
    "    const lines = text.split('\n'), starts = [];"//nl// &
-   '    lines.reduce((at, line) => { starts.push(at); return at + line.length + 1; }, 0);'//nl// &
-   '    const plain = (line) => /^\s*[^\s!]/.test(line);'//nl
+   '    lines.reduce((at, line) => { starts.push(at); return at + line.length + 1; }, 0);'//nl
 
    character(*), parameter :: part_14 = &
+   '    const plain = (line) => /^\s*[^\s!]/.test(line);'//nl// &
    '    const first = lines.findIndex(plain);'//nl// &
    "    if (first < 0) throw new Mistake('there is no title');"//nl// &
    '    const groups = [];'//nl// &
@@ -1526,10 +1527,10 @@ module psalm_board_text
    '    for (const name of Object.keys(OWN)) for (const item of (groupOf(name) || { items: [] }).items)'//nl// &
    "      if (item.place && OWN[name].includes(item.name)) throw new Mistake('&' + name + ' ' + item.name + item.place +"//nl// &
    "        ': the drawing board reads lists, not single elements', item.line);"//nl// &
-   "    const sketch = { title: whole.title, ...readChain(reader(groupOf('CHAIN'))), keep: {} };"//nl// &
-   "    readDrives(reader(groupOf('DRIVES')), sketch);"//nl
+   "    const sketch = { title: whole.title, ...readChain(reader(groupOf('CHAIN'))), keep: {} };"//nl
 
    character(*), parameter :: part_15 = &
+   "    readDrives(reader(groupOf('DRIVES')), sketch);"//nl// &
    "    readOutputs(reader(groupOf('OUTPUTS')), sketch);"//nl// &
    "    readMethod(reader(groupOf('METHOD')), sketch);"//nl// &
    '    for (const name of Object.keys(OWN)) sketch.keep[name] = (groupOf(name) || { items: [] }).items'//nl// &
@@ -1589,13 +1590,18 @@ module psalm_board_text
    'ice(from, at) }; });'//nl// &
    '  }'//nl// &
    ''//nl// &
+   '  /** The larger side of the box round joints. */'//nl// &
+   '  function sizeOf(joints) {'//nl// &
+   '    const xs = joints.map((j) => j.x), ys = joints.map((j) => j.y);'//nl// &
+   '    return Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys)) || 1;'//nl// &
+   '  }'//nl// &
+   ''//nl// &
    '  /** A dimension that has no bounds has wide ones where others have some: lengths by the size of the drawing, angles b'// &
    'y two turns. */'//nl// &
    '  function boundsOf({ of, low, high }, { joints }) {'//nl// &
    '    if (low.length) return [low, high];'//nl// &
-   '    const xs = joints.map((j) => j.x), ys = joints.map((j) => j.y), size = Math.max(Math.max(...xs) - Math.min(...xs), '// &
-   'Math.max(...ys) - Math.min(...ys)) || 1;'//nl// &
-   '    const round = (v) => Number(v.toPrecision(3)), length = [round(size / 50), round(5 * size)], turns = [-720, 720];'//nl// &
+   '    const size = sizeOf(joints), round = (v) => Number(v.toPrecision(3)), length = [round(size / 50), round(5 * size)],'// &
+   ' turns = [-TURNS, TURNS];'//nl// &
    '    const pairs = /^place\b/.test(of) ? [[0, length[1]], turns] : /^(angle|input)\b/.test(of) ? [turns] : [length];'//nl// &
    '    return [pairs.map((p) => p[0]), pairs.map((p) => p[1])];'//nl// &
    '  }'//nl// &
@@ -1632,16 +1638,16 @@ module psalm_board_text
    "    sketch.crnki = numbers('CRNKI')[0] || 0;"//nl// &
    "    const count = numbers('NDES')[0] || 0;"//nl// &
    "    sketch.delt = numbers('DELT').slice(0, count);"//nl// &
-   '    while (sketch.delt.length < count) sketch.delt.push(0);'//nl// &
+   '    while (sketch.delt.length < count) sketch.delt.push(0);'//nl
+
+   character(*), parameter :: part_16 = &
    '  }'//nl// &
    ''//nl// &
    '  // ---- writing -----------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
    ''//nl// &
    '  /** The shortest text that is read as the same number, with a decimal point. */'//nl// &
-   '  function number(value) {'//nl
-
-   character(*), parameter :: part_16 = &
+   '  function number(value) {'//nl// &
    "    const text = String(value).replace('e', 'E').replace('E+', 'E');"//nl// &
    "    return /[.E]/.test(text) ? text.replace(/^(-?\d+)E/, '$1.0E') : text + '.0';"//nl// &
    '  }'//nl// &
@@ -1750,15 +1756,15 @@ module psalm_board_text
    '    for (const one of whole.groups) {'//nl// &
    '      const changed = one.name in now && now[one.name] !== before[one.name];'//nl// &
    '      let part = source.slice(at, one.end);'//nl// &
-   "      if (changed && now[one.name]) part = source.slice(at, one.start).replace(/[ \t]+$/, '') + now[one.name];"//nl// &
+   "      if (changed && now[one.name]) part = source.slice(at, one.start).replace(/[ \t]+$/, '') + now[one.name];"//nl
+
+   character(*), parameter :: part_17 = &
    "      else if (changed) part = '';"//nl// &
    '      else if (!(one.name in now)) part = renamed(source, at, one, sketch.renamed || []);'//nl// &
    '      text += part;'//nl// &
    "      if (one.name === 'CHAIN') for (const name of missing) text += '\n' + now[name];"//nl// &
    '      at = one.end;'//nl// &
-   '    }'//nl
-
-   character(*), parameter :: part_17 = &
+   '    }'//nl// &
    '    return text + source.slice(at);'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -1792,7 +1798,7 @@ module psalm_board_text
    "    return text.slice(0, last) + '\n' + head + item + '=' + value + ' &END' + text.slice(last);"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  return { Mistake, parse, write, renameIn, groups, number, jointsIn, placeOf, endOf, changed };'//nl// &
+   '  return { TURNS, Mistake, parse, write, sizeOf, renameIn, groups, number, jointsIn, placeOf, endOf, changed };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
@@ -1862,15 +1868,15 @@ module psalm_board_text
    '-'//nl// &
    ''//nl// &
    "  /** Places of a link's joints, moved as little as possible until the exact lengths are kept. */"//nl// &
-   '  function shape(sketch, link, isFrame) {'//nl// &
+   '  function shape(sketch, link, isFrame) {'//nl
+
+   character(*), parameter :: part_18 = &
    '    const at = new Map(link.joints.map((name) => {'//nl// &
    '      const { x, y } = sketch.joints.find((joint) => joint.name === name);'//nl// &
    '      return [name, [x, y]];'//nl// &
    '    }));'//nl// &
    '    const held = sketch.lengths.filter((l) => l.joints.every((name) => at.has(name)));'//nl// &
-   '    if (!held.length) return at;'//nl
-
-   character(*), parameter :: part_18 = &
+   '    if (!held.length) return at;'//nl// &
    '    const names = link.joints, first = at.get(names[0]).slice();'//nl// &
    '    for (let round = 0; round < ROUNDS; round++) {'//nl// &
    '      const rows = [], right = [];'//nl// &
@@ -1971,15 +1977,15 @@ module psalm_board_text
    '    const n = 3 * (mech.links - 1), A = [], r = [], { size } = mech;'//nl// &
    '    const add = (value, parts) => {'//nl// &
    '      const row = new Array(n).fill(0);'//nl// &
-   '      for (const [link, dx, dy, dphi] of parts) if (link > 0) {'//nl// &
+   '      for (const [link, dx, dy, dphi] of parts) if (link > 0) {'//nl
+
+   character(*), parameter :: part_19 = &
    '        row[3 * link - 3] += dx;'//nl// &
    '        row[3 * link - 2] += dy;'//nl// &
    '        row[3 * link - 1] += dphi / size;'//nl// &
    '      }'//nl// &
    '      A.push(row);'//nl// &
-   '      r.push(value);'//nl
-
-   character(*), parameter :: part_19 = &
+   '      r.push(value);'//nl// &
    '    };'//nl// &
    '    for (const row of mech.rows) {'//nl// &
    '      const { a, b } = row;'//nl// &
@@ -2078,15 +2084,15 @@ module psalm_board_text
    '          if (first < EASY * predicted) step *= 2;'//nl// &
    '          break;'//nl// &
    '        }'//nl// &
-   '        step *= 0.5;'//nl// &
+   '        step *= 0.5;'//nl
+
+   character(*), parameter :: part_20 = &
    '        if (step < least) return null;'//nl// &
    '      }'//nl// &
    '    }'//nl// &
    '    return now;'//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_20 = &
+   ''//nl// &
    '  /** Places of all joints, [x, y] each. */'//nl// &
    '  const joints = (mech, pose) => mech.of.map((links, j) => links.length ? place(mech, pose, links[0], mech.point[links['// &
    '0]].get(j)).slice(0, 2) :'//nl// &
@@ -2192,16 +2198,16 @@ module psalm_board_text
    '  /** What is underconstrained and what is overconstrained: links that still move with the drives held, equations that '// &
    'others imply. */'//nl// &
    '  function freedom(sketch) {'//nl// &
-   '    const mech = compile(anywhere(sketch)), pose = mech.origin.flatMap(([x, y]) => [x, y, 0]);'//nl// &
+   '    const mech = compile(anywhere(sketch)), pose = mech.origin.flatMap(([x, y]) => [x, y, 0]);'//nl
+
+   character(*), parameter :: part_21 = &
    '    const { A, n } = equations(mech, pose, mech.drives.map(() => 0));'//nl// &
    "    const tags = mech.rows.flatMap((row) => row.kind === 'pin' ? [row, row] : [row]).concat(mech.drives);"//nl// &
    '    // rows are taken in their order; one that adds nothing is held twice. What special lengths allow is driven all the'// &
    ' same'//nl// &
    '    const basis = [], twice = [], order = A.map((_, k) => k);'//nl// &
    "    if (sketch.kover) order.sort((a, b) => ('drive' in tags[b]) - ('drive' in tags[a]));"//nl// &
-   '    order.forEach((k) => {'//nl
-
-   character(*), parameter :: part_21 = &
+   '    order.forEach((k) => {'//nl// &
    '      const row = A[k], v = row.slice(), scale = Math.max(1e-12, ...row.map(Math.abs));'//nl// &
    '      for (const { column, w } of basis) {'//nl// &
    '        const f = v[column] / w[column];'//nl// &
@@ -2305,15 +2311,15 @@ module psalm_board_text
    ''//nl// &
    '  const X = (x) => w / 2 + eye.k * (x - eye.x), Y = (y) => h / 2 - eye.k * (y - eye.y);'//nl// &
    '  const world = (px, py) => [eye.x + (px - w / 2) / eye.k, eye.y - (py - h / 2) / eye.k];'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_22 = &
    '  function resize() {'//nl// &
    '    const dpr = window.devicePixelRatio || 1, css = getComputedStyle(document.documentElement);'//nl// &
    "    for (const name of COLOURS) pens[name] = css.getPropertyValue('--' + name).trim();"//nl// &
    '    [w, h] = [Math.max(1, canvas.clientWidth), Math.max(1, canvas.clientHeight)];'//nl// &
    '    canvas.width = Math.round(w * dpr);'//nl// &
-   '    canvas.height = Math.round(h * dpr);'//nl
-
-   character(*), parameter :: part_22 = &
+   '    canvas.height = Math.round(h * dpr);'//nl// &
    '    g.setTransform(dpr, 0, 0, dpr, 0, 0);'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -2415,16 +2421,16 @@ module psalm_board_text
    ' - 3);'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  const short = (v) => Number(v.toPrecision(6)).toString();'//nl// &
+   '  const short = (v) => Number(v.toPrecision(6)).toString();'//nl
+
+   character(*), parameter :: part_23 = &
    ''//nl// &
    '  /** Paths over the sweep: outputs strongly, other moving joints faintly. */'//nl// &
    '  function drawPaths() {'//nl// &
    '    const { motion, sketch } = board.state;'//nl// &
    '    if (!motion.sweep) return;'//nl// &
    "    const wanted = new Set(sketch.outputs.filter((o) => ['point', 'pose', 'x', 'y'].includes(o.kind)).map((o) => o.of[0"// &
-   "]));"//nl
-
-   character(*), parameter :: part_23 = &
+   "]));"//nl// &
    '    sketch.joints.forEach((joint, j) => {'//nl// &
    '      if (board.inFrame(joint.name)) return;'//nl// &
    '      const strong = wanted.has(joint.name);'//nl// &
@@ -2520,15 +2526,15 @@ module psalm_board_text
    "    const driven = sketch.drives.some((d) => d.kind === 'slide' && d.at[0] === slide.name);"//nl// &
    '    g.save();'//nl// &
    '    g.translate(X(place.bx), Y(place.by));'//nl// &
-   '    g.rotate(-Math.atan2(place.u[1], place.u[0]));'//nl// &
+   '    g.rotate(-Math.atan2(place.u[1], place.u[0]));'//nl
+
+   character(*), parameter :: part_24 = &
    '    g.fillStyle = pens.paper;'//nl// &
    "    g.strokeStyle = board.isChosen('slide', slide.name) ? pens.accent : pens.ink;"//nl// &
    '    g.lineWidth = 2;'//nl// &
    '    g.beginPath();'//nl// &
    '    g.rect(-15, -9.5, 30, 19);'//nl// &
-   '    g.fill();'//nl
-
-   character(*), parameter :: part_24 = &
+   '    g.fill();'//nl// &
    '    g.stroke();'//nl// &
    '    if (driven) {'//nl// &
    '      g.strokeStyle = pens.good;'//nl// &
@@ -2624,15 +2630,15 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  function drawOutputs(p) {'//nl// &
-   '    for (const output of board.state.sketch.outputs) {'//nl// &
+   '    for (const output of board.state.sketch.outputs) {'//nl
+
+   character(*), parameter :: part_25 = &
    "      if (!['point', 'pose', 'x', 'y'].includes(output.kind)) continue;"//nl// &
    '      const [x, y] = p(output.of[0]);'//nl// &
    '      g.fillStyle = pens.actual;'//nl// &
    '      g.beginPath();'//nl// &
    '      for (let i = 0; i < 10; i++) {'//nl// &
-   '        const a = -Math.PI / 2 + i * Math.PI / 5, d = i % 2 ? 4 : 10;'//nl
-
-   character(*), parameter :: part_25 = &
+   '        const a = -Math.PI / 2 + i * Math.PI / 5, d = i % 2 ? 4 : 10;'//nl// &
    '        g.lineTo(x + d * Math.cos(a), y + d * Math.sin(a));'//nl// &
    '      }'//nl// &
    '      g.fill();'//nl// &
@@ -2668,9 +2674,9 @@ module psalm_board_text
    ''//nl// &
    '  /** What a tool is about to make, or the box that is pulled round what is to be chosen. */'//nl// &
    '  function drawPending() {'//nl// &
-   '    const { pending } = board.state, { box } = board.tools;'//nl// &
-   '    if (box) {'//nl// &
-   '      const [x1, x2, y1, y2] = [...sorted(box.from[0], box.to[0]), ...sorted(box.from[1], box.to[1])];'//nl// &
+   '    const { pending } = board.state, { marquee } = board.tools;'//nl// &
+   '    if (marquee) {'//nl// &
+   '      const { from, to } = marquee, [x1, x2, y1, y2] = [...sorted(from[0], to[0]), ...sorted(from[1], to[1])];'//nl// &
    '      g.strokeStyle = g.fillStyle = pens.accent;'//nl// &
    '      g.lineWidth = 1.4;'//nl// &
    '      g.setLineDash([5, 4]);'//nl// &
@@ -2735,15 +2741,15 @@ module psalm_board_text
    '    sketch.slides.forEach((slide, i) => {'//nl// &
    '      const place = board.slidePlace(i);'//nl// &
    '      if (!best && Math.hypot(px - X(place.bx), py - Y(place.by)) < 18) best = { slide: slide.name };'//nl// &
-   '    });'//nl// &
+   '    });'//nl
+
+   character(*), parameter :: part_26 = &
    '    if (best) return best;'//nl// &
    '    least = touch ? 16 : 9;'//nl// &
    '    sketch.links.forEach((link, i) => {'//nl// &
    '      if (i === 0 || link.joints.includes(without)) return;'//nl// &
    '      const round = outline(link.joints.map(p));'//nl// &
-   '      round.forEach((a, k) => {'//nl
-
-   character(*), parameter :: part_26 = &
+   '      round.forEach((a, k) => {'//nl// &
    '        const away = round.length > 1 ? distance(px, py, a, round[(k + 1) % round.length]) : Infinity;'//nl// &
    '        if (away < least) { best = { link: link.name }; least = away; }'//nl// &
    '      });'//nl// &
@@ -2840,15 +2846,15 @@ module psalm_board_text
    '      return Number(found[0]);'//nl// &
    '    };'//nl// &
    '    const value = sum();'//nl// &
-   '    return at === s.length ? value : NaN;'//nl// &
+   '    return at === s.length ? value : NaN;'//nl
+
+   character(*), parameter :: part_27 = &
    '  }'//nl// &
    ''//nl// &
    '  const check = (label, on, take) => {'//nl// &
    "    const box = make('input', { type: 'checkbox', 'aria-label': label, onchange: () => take(box.checked) });"//nl// &
    '    box.checked = on;'//nl// &
-   '    return box;'//nl
-
-   character(*), parameter :: part_27 = &
+   '    return box;'//nl// &
    '  };'//nl// &
    ''//nl// &
    '  function choice(label, options, value, take) {'//nl// &
@@ -2953,27 +2959,29 @@ module psalm_board_text
    '          board.relax(sketch);'//nl// &
    '        });'//nl// &
    '        parts.push(row(label, numberField(words.length(label), exact ? exact.value : length, (value) => value > 0 ? fix'// &
-   '(value) : false),'//nl// &
+   '(value) : false),'//nl
+
+   character(*), parameter :: part_28 = &
    '          check(words.exactLength(label), Boolean(exact), (on) => fix(on ? Number(length.toPrecision(12)) : 0))));'//nl// &
    '      }'//nl// &
    "      parts.push(make('p', {}, words.lengthHint), ...rangePart(link),"//nl// &
    '        button(words.delete, () => board.remove({ link: name })));'//nl// &
    '    }'//nl// &
-   '    return parts;'//nl
-
-   character(*), parameter :: part_28 = &
+   '    return parts;'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** Least and most of the dimensions of a link, which searches honour. */'//nl// &
    '  function rangePart(link) {'//nl// &
-   '    const { sketch } = board.state, list = board.search.dimensionsOf(link).filter((of) => !/^place/.test(of));'//nl// &
+   '    const { sketch } = board.state, { TURNS, sizeOf } = board.text, list = board.search.dimensionsOf(link).filter((of) '// &
+   '=> !/^place/.test(of));'//nl// &
    '    if (!list.length) return [];'//nl// &
    '    const set = (of, side) => (value) => {'//nl// &
    '      const angle = /^angle/.test(of), { vary } = sketch, there = vary.find((one) => one.of === of);'//nl// &
    '      const range = { low: there && there.low.length ? there.low[0] : NaN, high: there && there.high.length ? there.hig'// &
    'h[0] : NaN, [side]: value };'//nl// &
    '      // one bound alone: the other is far'//nl// &
-   '      const far = angle ? { low: -720, high: 720 } : { low: 0, high: Number((10 * size()).toPrecision(3)) };'//nl// &
+   '      const far = angle ? { low: -TURNS, high: TURNS } : { low: 0, high: Number((10 * sizeOf(sketch.joints)).toPrecisio'// &
+   'n(3)) };'//nl// &
    "      for (const key of ['low', 'high']) if (Number.isNaN(range[key])) range[key] = far[key];"//nl// &
    '      if (range.low > range.high || (!angle && range.low < 0)) return false;'//nl// &
    '      return board.edit((s) => {'//nl// &
@@ -2993,9 +3001,6 @@ module psalm_board_text
    "ar(of), { 'aria-label': words.noRange(of) })] : []));"//nl// &
    '    })];'//nl// &
    '  }'//nl// &
-   ''//nl// &
-   '  const size = () => { const { joints } = board.state.sketch, xs = joints.map((j) => j.x), ys = joints.map((j) => j.y);'// &
-   ' return Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys)) || 1; };'//nl// &
    ''//nl// &
    '  function slidePart(slide) {'//nl// &
    '    const { edit, state } = board, { name } = slide, names = state.sketch.links.map((l) => l.name);'//nl// &
@@ -3069,13 +3074,13 @@ module psalm_board_text
    '    });'//nl// &
    "    parts.push(make('p', {}, words.countedFrom));"//nl// &
    '    return parts;'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_29 = &
    ''//nl// &
    '  function outputPart() {'//nl// &
    '    const { state, edit } = board, { outputs } = state.sketch;'//nl// &
-   "    const add = field(words.outputToAdd, '', (text) => {"//nl
-
-   character(*), parameter :: part_29 = &
+   "    const add = field(words.outputToAdd, '', (text) => {"//nl// &
    '      const words = text.split(/\s+/);'//nl// &
    "      if (!['point', 'x', 'y', 'angle', 'distance', 'slide', 'between', 'pose', 'ratio'].includes(words[0]) || words.le"// &
    "ngth < 2) return false;"//nl// &
@@ -3186,13 +3191,13 @@ module psalm_board_text
    '      if (!button) continue;'//nl// &
    "      button.setAttribute('aria-selected', String(id === name));"//nl// &
    '      button.tabIndex = id === name ? 0 : -1;'//nl// &
-   '    }'//nl// &
+   '    }'//nl
+
+   character(*), parameter :: part_30 = &
    "    $('side').dataset.tab = name;"//nl// &
    '    for (const part of [board.source, board.engine, board.search]) if (part.shown) part.shown(name);'//nl// &
    '  }'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_30 = &
+   ''//nl// &
    '  function listTabs() {'//nl// &
    '    for (const [id, words] of TABS) {'//nl// &
    "      if (!board.engine.served && (id === 'engine' || id === 'search')) continue;"//nl// &
@@ -3295,13 +3300,13 @@ module psalm_board_text
    '    if (mistake) aside = box.value;'//nl// &
    '    written = now;'//nl// &
    '    mistake = null;'//nl// &
-   '    const { scrollTop, selectionStart } = box;'//nl// &
+   '    const { scrollTop, selectionStart } = box;'//nl
+
+   character(*), parameter :: part_31 = &
    '    box.value = now;'//nl// &
    '    box.setSelectionRange(selectionStart, selectionStart);'//nl// &
    '    box.scrollTop = scrollTop;'//nl// &
-   '    show();'//nl
-
-   character(*), parameter :: part_31 = &
+   '    show();'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** What the engine says of a text. */'//nl// &
@@ -3402,13 +3407,13 @@ module psalm_board_text
    '    g.globalAlpha = fade / 100;'//nl// &
    '    g.drawImage(image, X(x), Y(y + height), X(x + width) - X(x), Y(y) - Y(y + height));'//nl// &
    '    g.globalAlpha = 1;'//nl// &
-   '  }'//nl// &
+   '  }'//nl
+
+   character(*), parameter :: part_32 = &
    ''//nl// &
    '  /** Its place and strength among the properties. */'//nl// &
    '  function part() {'//nl// &
-   '    const { head, row, numberField, button, make } = board.panel;'//nl
-
-   character(*), parameter :: part_32 = &
+   '    const { head, row, numberField, button, make } = board.panel;'//nl// &
    '    if (!image) return [];'//nl// &
    '    const field = (key, least = -Infinity, most = Infinity) => numberField(words.picture[key], place[key], (value) => {'//nl// &
    '      if (!(value >= least && value <= most)) return false;'//nl// &
@@ -3512,13 +3517,13 @@ module psalm_board_text
    '    let size = 0;'//nl// &
    '    for (;;) {'//nl// &
    '      const { done, value } = await reader.read();'//nl// &
-   '      if (done) break;'//nl// &
+   '      if (done) break;'//nl
+
+   character(*), parameter :: part_33 = &
    '      size += value.length;'//nl// &
    "      if (size > MOST_TEXT) { await reader.cancel(); throw new RangeError('too long'); }"//nl// &
    '      parts.push(value);'//nl// &
-   '    }'//nl
-
-   character(*), parameter :: part_33 = &
+   '    }'//nl// &
    "    return new TextDecoder('utf-8', { fatal: true }).decode(await new Blob(parts).arrayBuffer());"//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -3551,7 +3556,7 @@ module psalm_board_text
    "    if (packed) unpacked(packed[1]).then((case_) => board.attempt(case_, decoded(packed[2] || 'sketch.nml')), () => boa"// &
    "rd.wrong(words.badLink));"//nl// &
    "    else if (/[&$]CHAIN\b/i.test(text)) board.attempt(text, 'sketch.nml');"//nl// &
-   '    else if (/^https?:\/\/\S*pmks\S*\?\S+$/i.test(text.trim())) board.bring.link(text.trim());'//nl// &
+   '    else if (/^https?:\/\/\S*pmks\S*\?\S+$/i.test(text.trim())) board.imports.link(text.trim());'//nl// &
    '    else return;'//nl// &
    '    event.preventDefault();'//nl// &
    '  }'//nl// &
@@ -3630,28 +3635,28 @@ module psalm_board_text
    '</script>'//nl// &
    '<script>'//nl// &
    '// Files of other programs - drawings, sketches of FreeCAD, linkages of pylinkage and PMKS+ - as sketches; the server r'// &
-   'eads them.'//nl// &
-   "'use strict';"//nl// &
-   ''//nl// &
-   'board.bring = (() => {'//nl// &
-   '  const { words } = board;'//nl
+   'eads them.'//nl
 
    character(*), parameter :: part_34 = &
+   "'use strict';"//nl// &
+   ''//nl// &
+   'board.imports = (() => {'//nl// &
+   '  const { words } = board;'//nl// &
    '  const $ = (id) => document.getElementById(id);'//nl// &
    '  const MOST = 5 << 20;                  // bytes of a file; in a request they are a third more'//nl// &
    ''//nl// &
    '  function file(one) {'//nl// &
-   '    if (!board.engine.served) { board.wrong(words.bringServed(one.name)); return; }'//nl// &
-   '    if (one.size > MOST) { board.wrong(words.bringLarge(one.name, MOST >> 20)); return; }'//nl// &
+   '    if (!board.engine.served) { board.wrong(words.importServed(one.name)); return; }'//nl// &
+   '    if (one.size > MOST) { board.wrong(words.importLarge(one.name, MOST >> 20)); return; }'//nl// &
    '    const reader = new FileReader();'//nl// &
    "    reader.addEventListener('load', () => ask({ name: one.name, content: reader.result.replace(/^[^,]*,?/, '') }));"//nl// &
-   "    reader.addEventListener('error', () => board.wrong(words.bringUnread(one.name)));"//nl// &
+   "    reader.addEventListener('error', () => board.wrong(words.importUnread(one.name)));"//nl// &
    '    reader.readAsDataURL(one);'//nl// &
    '  }'//nl// &
    ''//nl// &
    '  /** A link of PMKS+ that is pasted. */'//nl// &
-   '  const link = (text) => { if (board.engine.served) ask({ name: text }); else board.wrong(words.bringServed(words.bring'// &
-   'Link)); };'//nl// &
+   '  const link = (text) => { if (board.engine.served) ask({ name: text }); else board.wrong(words.importServed(words.impo'// &
+   'rtLink)); };'//nl// &
    ''//nl// &
    '  /** What the server makes of it: the sketch, with what was assumed; or what is missing is asked for. */'//nl// &
    '  async function ask(given) {'//nl// &
@@ -3671,16 +3676,16 @@ module psalm_board_text
    "    const { make, row, button } = board.panel, dialog = $('dialog');"//nl// &
    "    const field = (label, value) => make('input', { 'aria-label': label, value, spellcheck: 'false', autocomplete: 'off"// &
    "' });"//nl// &
-   "    const fixed = field(words.bringFixed, given.fixed || ''), drive = field(words.bringDrive, given.drive || '');"//nl// &
+   "    const fixed = field(words.importFixed, given.fixed || ''), drive = field(words.importDrive, given.drive || '');"//nl// &
    '    const again = () => ask({ ...given, fixed: fixed.value.trim(), drive: drive.value.trim() });'//nl// &
    "    for (const one of [fixed, drive]) one.addEventListener('keydown', (event) => { if (event.key === 'Enter') again(); "// &
    "});"//nl// &
    "    dialog.className = 'link';"//nl// &
-   "    dialog.replaceChildren(make('h2', {}, words.bringHead), make('p', { class: 'wrong', role: 'alert' }, error), make('"// &
-   "p', {}, words.bringHint),"//nl// &
-   '      row(words.bringFixed, fixed), row(words.bringDrive, drive),'//nl// &
-   "      make('div', { class: 'row' }, button(words.bringAgain, again, { class: 'main' }), button(words.close, () => dialo"// &
-   "g.close())));"//nl// &
+   "    dialog.replaceChildren(make('h2', {}, words.importHead), make('p', { class: 'wrong', role: 'alert' }, error), make("// &
+   "'p', {}, words.importHint),"//nl// &
+   '      row(words.importFixed, fixed), row(words.importDrive, drive),'//nl// &
+   "      make('div', { class: 'row' }, button(words.importAgain, again, { class: 'main' }), button(words.close, () => dial"// &
+   "og.close())));"//nl// &
    '    if (!dialog.open) dialog.showModal();'//nl// &
    '    fixed.focus();'//nl// &
    '  }'//nl// &
@@ -3741,19 +3746,18 @@ module psalm_board_text
    "    const { sketch, motion } = board.state, group = { springs: 'SPRNGS', balance: 'BALANC', cams: 'CAM' }[verb];"//nl// &
    '    if (!group || board.text.placeOf(text, group)) return {};'//nl// &
    '    if (!motion.sweep || board.free() !== 1) return { why: words.proposalMoves };'//nl// &
-   '    const frame = sketch.links[0], xs = sketch.joints.map((j) => j.x), ys = sketch.joints.map((j) => j.y);'//nl// &
-   '    const size = Math.max(Math.max(...xs) - Math.min(...xs), Math.max(...ys) - Math.min(...ys)) || 1;'//nl// &
+   '    const frame = sketch.links[0], size = board.text.sizeOf(sketch.joints);'//nl// &
    '    const mounted = sketch.links.slice(1).flatMap((link) => { const at = link.joints.find(board.inFrame); return at && '// &
    'link.joints.length > 1 ? [{ link, at }] : []; });'//nl// &
    "    const drive = sketch.drives[0], driven = mounted.find(({ link, at }) => drive.kind === 'turn' && drive.at[0] === at"// &
    " && (!drive.link || drive.link === link.name));"//nl// &
-   "    if (verb === 'cams') {"//nl// &
+   "    if (verb === 'cams') {"//nl
+
+   character(*), parameter :: part_35 = &
    '      if (!driven) return { why: words.proposalCrank };'//nl// &
    '      const end = board.jointOf(driven.link.joints.find((name) => name !== driven.at)), pivot = board.jointOf(driven.at'// &
    '), dx = end.x - pivot.x, dy = end.y - pivot.y;'//nl// &
-   '      // as far as it goes; the cam stands square to the crank in the middle of its swing'//nl
-
-   character(*), parameter :: part_35 = &
+   '      // as far as it goes; the cam stands square to the crank in the middle of its swing'//nl// &
    '      const { ring, states } = motion.sweep, [back, forth] = ring ? [-360, 360] : [states[0], states.at(-1)].map((one) '// &
    '=> one.inputs[0] * 180 / Math.PI);'//nl// &
    '      const swing = Number((forth >= -back || forth >= CAM_SWING ? Math.min(CAM_SWING, WAY * forth) : Math.max(-CAM_SWI'// &
@@ -3860,19 +3864,19 @@ module psalm_board_text
    "    board.view.canvas.scrollIntoView({ block: 'nearest' });"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  return { part, follow, proposed, get running() { return running; } };'//nl// &
+   '  return { part, follow, get running() { return running; } };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
    '// Results of the engine on the board, where psalm-workbench serves it: one look at the case after every change, arrows'// &
    ', numbers, curves.'//nl// &
    '// The one file of the pages that asks for something: of the server that the page comes from, with the token that stand'// &
-   's in the page.'//nl// &
-   "'use strict';"//nl// &
-   ''//nl// &
-   'board.engine = (() => {'//nl
+   's in the page.'//nl
 
    character(*), parameter :: part_36 = &
+   "'use strict';"//nl// &
+   ''//nl// &
+   'board.engine = (() => {'//nl// &
    '  const DELAY = 200, DRAGGING = 40;      // milliseconds after a change'//nl// &
    '  const ARROW = 0.2;                     // longest arrow, part of the picture'//nl// &
    '  const { words } = board;'//nl// &
@@ -3979,14 +3983,14 @@ module psalm_board_text
    '    answer.strongest = motion && motion.forces ? Math.max(largest(motion.forces.joints), largest(motion.forces.loads.ma'// &
    'p(([, , x, y]) => [x, y]))) : 0;'//nl// &
    '  }'//nl// &
-   ''//nl// &
+   ''//nl
+
+   character(*), parameter :: part_37 = &
    '  // ---- at the position that is shown -------------------------------------------------------------------------------'// &
    '-'//nl// &
    ''//nl// &
    '  /** Where the position shown is on a list of inputs: number and part of the way to the next; nothing if it is not on '// &
-   'it. */'//nl
-
-   character(*), parameter :: part_37 = &
+   'it. */'//nl// &
    '  function placeOn(inputs) {'//nl// &
    '    const { live, sketch } = board.state;'//nl// &
    '    if (!live || !inputs || inputs.length < 1 || board.free() !== 1) return null;'//nl// &
@@ -4095,12 +4099,12 @@ module psalm_board_text
    '        part.closePath();'//nl// &
    '        shape.addPath(part);'//nl// &
    '      }'//nl// &
-   "      g.fill(shape, 'nonzero');"//nl// &
-   '    }'//nl// &
-   '    g.globalAlpha = 1;'//nl// &
-   '  }'//nl
+   "      g.fill(shape, 'nonzero');"//nl
 
    character(*), parameter :: part_38 = &
+   '    }'//nl// &
+   '    g.globalAlpha = 1;'//nl// &
+   '  }'//nl// &
    ''//nl// &
    '  const digits = (v) => board.view.short(Number(v.toPrecision(4)));'//nl// &
    ''//nl// &
@@ -4218,13 +4222,13 @@ module psalm_board_text
    "        const mark = make('i', { class: kind, title });"//nl// &
    "        mark.style.left = x(a) + '%';"//nl// &
    "        if (kind === 'closes') mark.style.width = Math.max(0, x(b) - x(a)) + '%';"//nl// &
-   '        strip.append(mark);'//nl// &
+   '        strip.append(mark);'//nl
+
+   character(*), parameter :: part_39 = &
    '      }'//nl// &
    '    };'//nl// &
    "    for (const one of answer.proof.limits || []) if (one.kind === 'closes') put(one.from, one.to, 'closes', words.closi"// &
-   "ng.closes);"//nl
-
-   character(*), parameter :: part_39 = &
+   "ng.closes);"//nl// &
    "    for (const one of answer.proof.dead_points || []) put(one.low, one.high, 'dead', words.deadPoint(one.of));"//nl// &
    '    track.append(strip);'//nl// &
    '  }'//nl// &
@@ -4346,13 +4350,13 @@ module psalm_board_text
    "  const parts = {}, chosen = new Set(['pins4', 'slide4', 'pins6']);"//nl// &
    "  let cards = [], running = '', round = 0, angle = 0, count = POINTS, stopping = false;"//nl// &
    '  let low = 0, high = 0;                 // bounds of lengths; 0: the usual ones'//nl// &
-   "  let text = '';                         // the data set of the last search, as psalm reads it"//nl// &
+   "  let text = '';                         // the data set of the last search, as psalm reads it"//nl
+
+   character(*), parameter :: part_40 = &
    ''//nl// &
    '  // ---- the curve ---------------------------------------------------------------------------------------------------'// &
    '-'//nl// &
-   ''//nl
-
-   character(*), parameter :: part_40 = &
+   ''//nl// &
    '  const length = (points) => points.slice(1).reduce((sum, p, i) => sum + Math.hypot(p[0] - points[i][0], p[1] - points['// &
    'i][1]), 0);'//nl// &
    ''//nl// &
@@ -4463,12 +4467,12 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  // ---- the search --------------------------------------------------------------------------------------------------'// &
-   '-'//nl// &
-   ''//nl// &
-   '  function begin() {'//nl// &
-   '    if (!board.engine.served) return;'//nl
+   '-'//nl
 
    character(*), parameter :: part_41 = &
+   ''//nl// &
+   '  function begin() {'//nl// &
+   '    if (!board.engine.served) return;'//nl// &
    '    const { make, head, check, button, row, numberField } = board.panel;'//nl// &
    "    parts.file = make('input', { type: 'file', accept: '.csv,.txt,.svg', 'aria-label': words.wantedFile, hidden: true }"// &
    ");"//nl// &
@@ -4580,12 +4584,12 @@ module psalm_board_text
    '  async function watch(name, after) {'//nl// &
    "    const got = await board.engine.ask('search/' + name + '?after=' + after);"//nl// &
    '    if (running !== name) return;'//nl// &
-   "    if (got.error) { parts.told.textContent = got.error; running = ''; follow(); return; }"//nl// &
-   '    for (const one of got.events) {'//nl// &
-   '      if (one.doing) {'//nl// &
-   '        parts.doing.textContent = words.searching(words.kindNames[one.doing], one.round);'//nl
+   "    if (got.error) { parts.told.textContent = got.error; running = ''; follow(); return; }"//nl
 
    character(*), parameter :: part_42 = &
+   '    for (const one of got.events) {'//nl// &
+   '      if (one.doing) {'//nl// &
+   '        parts.doing.textContent = words.searching(words.kindNames[one.doing], one.round);'//nl// &
    '        text = one.text;'//nl// &
    '        parts.save.hidden = false;'//nl// &
    '      }'//nl// &
@@ -4667,7 +4671,7 @@ module psalm_board_text
    '  let press = null;                      // what the pointer that is down does'//nl// &
    '  let pinch = 0;                         // distance of two fingers'//nl// &
    '  let hand = null;                       // points of a curve that is being drawn'//nl// &
-   '  let box = null;                        // corners of the box that is pulled round what is to be chosen, pixels'//nl// &
+   '  let marquee = null;                        // corners of the box that is pulled round what is to be chosen, pixels'//nl// &
    ''//nl// &
    '  // ---- what tools do -----------------------------------------------------------------------------------------------'// &
    '-'//nl// &
@@ -4689,12 +4693,12 @@ module psalm_board_text
    '      const name = jointOn(place) || addJoint(sketch, place);'//nl// &
    '      if (!board.inFrame(name)) sketch.links[0].joints.push(name);'//nl// &
    '      board.state.selection = { joint: name };'//nl// &
-   '    });'//nl// &
-   '  }'//nl// &
-   ''//nl// &
-   '  /** Pins a joint to the frame or frees it. */'//nl
+   '    });'//nl
 
    character(*), parameter :: part_43 = &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Pins a joint to the frame or frees it. */'//nl// &
    '  function pivot(name) {'//nl// &
    '    edit((sketch) => {'//nl// &
    '      const frame = sketch.links[0];'//nl// &
@@ -4798,13 +4802,13 @@ module psalm_board_text
    '-'//nl// &
    ''//nl// &
    '  /** Where an event is: pixels of the canvas, place in lengths on the grid, and what is there. */'//nl// &
-   "  function spot(event, without = '') {"//nl// &
+   "  function spot(event, without = '') {"//nl
+
+   character(*), parameter :: part_44 = &
    '    const box = view.canvas.getBoundingClientRect(), x = event.clientX - box.left, y = event.clientY - box.top;'//nl// &
    "    const hit = view.under(x, y, event.pointerType === 'touch', without), at = board.places();"//nl// &
    "    const place = hit && hit.joint ? at.get(hit.joint) : hit && hit.link && board.state.tool !== 'select' ? onLink(hit."// &
-   "link, view.world(x, y)) : event.altKey ? view.world(x, y) : view.snap(view.world(x, y));"//nl
-
-   character(*), parameter :: part_44 = &
+   "link, view.world(x, y)) : event.altKey ? view.world(x, y) : view.snap(view.world(x, y));"//nl// &
    '    const there = jointAtPlace(place, without, at);'//nl// &
    "    return { x, y, hit: there && !(hit && hit.joint) ? { joint: there } : hit, place, touch: event.pointerType === 'tou"// &
    "ch' };"//nl// &
@@ -4858,7 +4862,7 @@ module psalm_board_text
    '    const at = spot(event);'//nl// &
    "    const several = state.tool === 'several' || (state.tool === 'select' && event.shiftKey);"//nl// &
    "    press = { at, tool: several ? 'select' : state.tool, moved: false, x: at.x, y: at.y, several };"//nl// &
-   '    if (several && !at.hit) box = { from: [at.x, at.y], to: [at.x, at.y] };'//nl// &
+   '    if (several && !at.hit) marquee = { from: [at.x, at.y], to: [at.x, at.y] };'//nl// &
    "    else if (press.tool === 'select') {"//nl// &
    '      // of several that are chosen one is taken hold of for all'//nl// &
    '      const held = at.hit && board.isChosen(...Object.entries(at.hit)[0]);'//nl// &
@@ -4881,9 +4885,9 @@ module psalm_board_text
    '    if (pointers.has(event.pointerId)) pointers.set(event.pointerId, event);'//nl// &
    '    if (pinch) { pinchTo(); return; }'//nl// &
    '    if (hand) { trace(event); return; }'//nl// &
-   '    if (box) {'//nl// &
-   '      const frame = view.canvas.getBoundingClientRect();'//nl// &
-   '      box.to = [event.clientX - frame.left, event.clientY - frame.top];'//nl// &
+   '    if (marquee) {'//nl// &
+   '      const box = view.canvas.getBoundingClientRect();'//nl// &
+   '      marquee.to = [event.clientX - box.left, event.clientY - box.top];'//nl// &
    '      press.moved = true;'//nl// &
    '      view.draw();'//nl// &
    '      return;'//nl// &
@@ -4907,13 +4911,13 @@ module psalm_board_text
    '    }'//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  /** The joint that is dragged by itself. */'//nl// &
+   '  /** The joint that is dragged by itself. */'//nl
+
+   character(*), parameter :: part_45 = &
    "  const draggedJoint = () => press && press.at && press.tool === 'select' && press.at.hit && !(board.state.selection &&"// &
    " board.state.selection.many) && press.at.hit.joint || '';"//nl// &
    ''//nl// &
-   '  /** The curve that is being drawn goes on, with all places that the browser has kept between two frames. */'//nl
-
-   character(*), parameter :: part_45 = &
+   '  /** The curve that is being drawn goes on, with all places that the browser has kept between two frames. */'//nl// &
    '  function trace(event) {'//nl// &
    '    const box = view.canvas.getBoundingClientRect(), all = event.getCoalescedEvents ? event.getCoalescedEvents() : [];'//nl// &
    '    for (const one of all.length ? all : [event]) hand.push(view.world(one.clientX - box.left, one.clientY - box.top));'//nl// &
@@ -4967,9 +4971,9 @@ module psalm_board_text
    '      view.draw();'//nl// &
    '      return;'//nl// &
    '    }'//nl// &
-   '    if (box) {'//nl// &
-   '      const { from, to } = box, added = press.moved ? view.within(from, to) : [];'//nl// &
-   '      box = press = null;'//nl// &
+   '    if (marquee) {'//nl// &
+   '      const { from, to } = marquee, added = press.moved ? view.within(from, to) : [];'//nl// &
+   '      marquee = press = null;'//nl// &
    '      for (const what of added) if (!board.isChosen(...Object.entries(what)[0])) board.chooseMore(what);'//nl// &
    '      if (!added.length) board.state.selection = null;'//nl// &
    '      board.panel.show();'//nl// &
@@ -5017,12 +5021,12 @@ module psalm_board_text
    ''//nl// &
    '  function driveAt(hit, end, pulled) {'//nl// &
    '    const { sketch } = board.state;'//nl// &
-   "    if (pulled && hit.joint && end.joint && hit.joint !== end.joint) drive({ cylinder: hit.joint + ' ' + end.joint });"//nl// &
-   '    else if (hit.cylinder || hit.slide) drive(hit);'//nl// &
-   '    else if (hit.joint) {'//nl// &
-   '      // the joint of a block that slides means the slide'//nl
+   "    if (pulled && hit.joint && end.joint && hit.joint !== end.joint) drive({ cylinder: hit.joint + ' ' + end.joint });"//nl
 
    character(*), parameter :: part_46 = &
+   '    else if (hit.cylinder || hit.slide) drive(hit);'//nl// &
+   '    else if (hit.joint) {'//nl// &
+   '      // the joint of a block that slides means the slide'//nl// &
    '      const slide = sketch.slides.find((s) => s.links.some((name) => board.linkOf(name).joints.join() === hit.joint));'//nl// &
    '      drive(slide && !board.inFrame(hit.joint) ? { slide: slide.name } : { joint: hit.joint });'//nl// &
    '    } else if (hit.link) {'//nl// &
@@ -5033,7 +5037,7 @@ module psalm_board_text
    ''//nl// &
    '  function cancel() {'//nl// &
    "    if (press && press.moved && press.tool === 'select' && !press.pan) board.end();"//nl// &
-   '    press = hand = box = null;'//nl// &
+   '    press = hand = marquee = null;'//nl// &
    '    board.state.pending = null;'//nl// &
    '    view.draw();'//nl// &
    '  }'//nl// &
@@ -5132,12 +5136,12 @@ module psalm_board_text
    "    canvas.addEventListener('wheel', (event) => {"//nl// &
    '      event.preventDefault();'//nl// &
    '      const box = canvas.getBoundingClientRect();'//nl// &
-   '      view.zoom(1.0015 ** -event.deltaY, event.clientX - box.left, event.clientY - box.top);'//nl// &
-   '      view.draw();'//nl// &
-   '    }, { passive: false });'//nl// &
-   "    canvas.addEventListener('dragover', (event) => event.preventDefault());"//nl
+   '      view.zoom(1.0015 ** -event.deltaY, event.clientX - box.left, event.clientY - box.top);'//nl
 
    character(*), parameter :: part_47 = &
+   '      view.draw();'//nl// &
+   '    }, { passive: false });'//nl// &
+   "    canvas.addEventListener('dragover', (event) => event.preventDefault());"//nl// &
    "    canvas.addEventListener('drop', (event) => { event.preventDefault(); const [file] = event.dataTransfer.files; if (f"// &
    "ile) (file.type.startsWith('image/') ? board.picture : board).open(file); });"//nl// &
    "    document.addEventListener('keydown', key);"//nl// &
@@ -5152,8 +5156,8 @@ module psalm_board_text
    "    $('speed').addEventListener('input', () => { board.state.speed = Number($('speed').value); });"//nl// &
    '  }'//nl// &
    ''//nl// &
-   '  return { begin, choose, pivot, output, drive, slider, jointAt, link, get hand() { return hand; }, get box() { return '// &
-   'box; } };'//nl// &
+   '  return { begin, choose, pivot, output, drive, slider, jointAt, link, get hand() { return hand; }, get marquee() { ret'// &
+   'urn marquee; } };'//nl// &
    '})();'//nl// &
    '</script>'//nl// &
    '<script>'//nl// &
@@ -5243,12 +5247,12 @@ module psalm_board_text
    '    state.dirty = true;'//nl// &
    '    refresh();'//nl// &
    '    board.store.keep();'//nl// &
-   '  }'//nl// &
-   ''//nl// &
-   '  /** Exact lengths may hold the joints elsewhere than they were drawn: from there on they are drawn where they are. */'//nl// &
-   '  function settle() {'//nl
+   '  }'//nl
 
    character(*), parameter :: part_48 = &
+   ''//nl// &
+   '  /** Exact lengths may hold the joints elsewhere than they were drawn: from there on they are drawn where they are. */'//nl// &
+   '  function settle() {'//nl// &
    '    const { mech, start } = state.motion;'//nl// &
    '    if (!start || !state.sketch.lengths.length) return;'//nl// &
    '    solver.joints(mech, start.pose).forEach(([x, y], j) => Object.assign(state.sketch.joints[j], { x, y }));'//nl// &
@@ -5355,12 +5359,12 @@ module psalm_board_text
    ' 1 && names.includes(linkOf(name).joints[0]));'//nl// &
    '    for (const one of [...sketch.joints.filter((j) => names.includes(j.name)), ...sketch.slides.filter(carried)]) [one.'// &
    'x, one.y] = [more(one.x, dx), more(one.y, dy)];'//nl// &
-   '    relax(sketch, names);'//nl// &
-   '  }'//nl// &
-   ''//nl// &
-   '  /** Takes joints, links or slides away, and what cannot be without them. */'//nl
+   '    relax(sketch, names);'//nl
 
    character(*), parameter :: part_49 = &
+   '  }'//nl// &
+   ''//nl// &
+   '  /** Takes joints, links or slides away, and what cannot be without them. */'//nl// &
    '  function remove(selection) {'//nl// &
    '    edit((s) => {'//nl// &
    '      for (const { joint, link, slide, cylinder } of each(selection)) {'//nl// &
@@ -5466,12 +5470,12 @@ module psalm_board_text
    '        let now = start;'//nl// &
    '        for (let k = 1; k * each <= most + 1e-9; k++) {'//nl// &
    '          const next = solver.advance(mech, now, solver.inputsAt(sketch, way * k * each), NEAR);'//nl// &
-   '          if (!next) { list.push(...edge(mech, now, solver.inputsAt(sketch, way * k * each))); break; }'//nl// &
-   '          list.push(now = next);'//nl// &
-   '        }'//nl// &
-   '        return list;'//nl
+   '          if (!next) { list.push(...edge(mech, now, solver.inputsAt(sketch, way * k * each))); break; }'//nl
 
    character(*), parameter :: part_50 = &
+   '          list.push(now = next);'//nl// &
+   '        }'//nl// &
+   '        return list;'//nl// &
    '      };'//nl// &
    '      const forth = run(1), last = forth.at(-1);'//nl// &
    '      ring = turns && forth.length * each >= 360 - 1e-9 && same(mech, start, last);'//nl// &
@@ -5571,12 +5575,12 @@ module psalm_board_text
    '    if (next) state.live = next;'//nl// &
    '    show();'//nl// &
    '    return Boolean(next);'//nl// &
-   '  }'//nl// &
-   ''//nl// &
-   '  function show() {'//nl// &
-   '    board.panel.follow();'//nl
+   '  }'//nl
 
    character(*), parameter :: part_51 = &
+   ''//nl// &
+   '  function show() {'//nl// &
+   '    board.panel.follow();'//nl// &
    '    view.draw();'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -5660,7 +5664,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  function open(file) {'//nl// &
-   '    if (/\.(dxf|fcstd|json|pmks)$/i.test(file.name)) { board.bring.file(file); return; }'//nl// &
+   '    if (/\.(dxf|fcstd|json|pmks)$/i.test(file.name)) { board.imports.file(file); return; }'//nl// &
    '    file.text().then((source) => attempt(source, file.name));'//nl// &
    '  }'//nl// &
    ''//nl// &
@@ -5678,12 +5682,12 @@ module psalm_board_text
    '  /** The page of the book for what is being done: what is wrong, else what is chosen, else the tool. Without the book,'// &
    ' its name. */'//nl// &
    '  function help() {'//nl// &
-   '    const { book, messages, selection, sketch, tool } = state, chosen = selection || {};'//nl// &
-   "    let page = 'board';"//nl// &
-   "    if (messages.length && sketch.joints.length) page = 'loops#what-psalm-makes-of-it';"//nl// &
-   "    else if (chosen.gear !== undefined) page = 'sketch#gears-in-chain';"//nl
+   '    const { book, messages, selection, sketch, tool } = state, chosen = selection || {};'//nl
 
    character(*), parameter :: part_52 = &
+   "    let page = 'board';"//nl// &
+   "    if (messages.length && sketch.joints.length) page = 'loops#what-psalm-makes-of-it';"//nl// &
+   "    else if (chosen.gear !== undefined) page = 'sketch#gears-in-chain';"//nl// &
    "    else if (chosen.slide !== undefined || tool === 'slider') page = 'sketch#chain';"//nl// &
    "    else if (chosen.drive !== undefined || tool === 'drive') page = 'sketch#drives';"//nl// &
    "    else if (chosen.output !== undefined || tool === 'output') page = 'sketch#outputs-optional';"//nl// &
@@ -5746,7 +5750,7 @@ module psalm_board_text
    '  }'//nl// &
    ''//nl// &
    '  Object.assign(board, { state, edit, begin, touch, end, undo: () => undo(), redo: () => undo(future, past), relax, ren'// &
-   'ame, remove, each, isChosen, chooseMore, movedBy, shift, freeName, tidy, take, attempt, wrong, sweepOf, download,'//nl// &
+   'ame, remove, each, isChosen, chooseMore, shift, freeName, tidy, take, attempt, wrong, sweepOf, download,'//nl// &
    '    refresh, places, slidePlace, sides, jointOf, linkOf, linksAt, inFrame, go, drive, play, pause, table, load, start, '// &
    'write, save, open, fit, free, clone, help,'//nl// &
    '    canUndo: () => past.length > 0, canRedo: () => future.length > 0 });'//nl// &

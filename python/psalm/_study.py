@@ -85,12 +85,12 @@ def files(request):
         return {"findings": findings_of(error.findings)}
 
 
-def brought(request):
-    """A case from a file of another program, whose bytes are in the request; the kind is that of its ending."""
-    source = imports.held(request["name"], base64.b64decode(request["content"]))
+def import_file(request):
+    """A case from a file of another program, whose bytes are in the request, or from a link; the kind is that of its ending."""
+    name = request["name"]
+    source = name if name.startswith("http") else imports.InMemory(name, base64.b64decode(request["content"]))
     try:
-        drawing = imports.read(source if not request["name"].startswith("http") else request["name"], fixed=request["fixed"], drive=request["drive"])
-        return {"text": drawing.text(), "notes": drawing.notes}
+        return {"text": imports.read(source, fixed=request["fixed"], drive=request["drive"]).text()}
     except imports.ImportFailed as error:
         return {"error": str(error)}
 
@@ -333,7 +333,7 @@ def main():
     if not line:
         return
     request, end = json.loads(line), threading.Event()
-    if request["study"] == "brought" and request["name"].lower().endswith(".dxf"):
+    if request["study"] == "import" and request["name"].lower().endswith(".dxf"):
         with contextlib.suppress(ImportError):      # later no file can be opened
             import ezdxf
             import ezdxf.path
@@ -352,7 +352,7 @@ def main():
         sys.stdout.flush()
 
     threading.Thread(target=listen, daemon=True).start()
-    short = {"look": look, "prove": prove, "files": files, "brought": brought}
+    short = {"look": look, "prove": prove, "files": files, "import": import_file}
     tell(short[request["study"]](request) if request["study"] in short else
          {"search": search, "run": run}[request["study"]](request, tell, end.is_set))
     os._exit(0)

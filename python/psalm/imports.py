@@ -38,25 +38,23 @@ READING_FAILED = (AttributeError, ArithmeticError, EOFError, LookupError, NotImp
 LONGEST_SOURCE = 100  # characters of a file's name, or a link, in a message
 
 
-class Held(str):
-    """The name of a file whose content is in memory."""
-    content: bytes = b""
+class InMemory(str):
+    """The name of a file whose bytes are in memory: what `read` takes in place of a path."""
+    content: bytes
 
-
-def held(name: str, content: bytes) -> Held:
-    """A file that another program has read: what `read` takes in place of a path."""
-    source = Held(name)
-    source.content = content
-    return source
+    def __new__(cls, name: str, content: bytes) -> "InMemory":
+        source = super().__new__(cls, name)
+        source.content = content
+        return source
 
 
 def opened(source):
-    """The bytes of a file, one that is held in memory too."""
-    return io.BytesIO(source.content) if isinstance(source, Held) else open(source, "rb")
+    """A file, on disk or in memory, to read bytes from."""
+    return io.BytesIO(source.content) if isinstance(source, InMemory) else open(source, "rb")
 
 
 def size_of(source):
-    return len(source.content) if isinstance(source, Held) else os.path.getsize(source)
+    return len(source.content) if isinstance(source, InMemory) else os.path.getsize(source)
 
 
 class ImportFailed(ValueError):
@@ -174,8 +172,8 @@ def wrapped(words):
 def read(source: str, kind: typing.Optional[str] = None, *, fixed: typing.Union[str, typing.Sequence[str]] = (), drive: str = "") -> Drawing:
     """A linkage from a file, or from a link of PMKS+.
 
-    source: a path, a link, or what `held` makes of a name and bytes. kind: "dxf", "freecad", "pylinkage" or "pmks"; else by the ending. fixed: joints of the frame, where the file does not say it; drive: the
-    joint that is driven. Errors: `ImportFailed`; OSError of the file.
+    source: a path, a link, or `InMemory`. kind: "dxf", "freecad", "pylinkage" or "pmks"; else by the ending. fixed: joints of the frame,
+    where the file does not say it; drive: the joint that is driven. Errors: `ImportFailed`; OSError of the file.
     """
     if kind is None:
         ending = os.path.splitext(source)[1].lower()
@@ -407,7 +405,7 @@ def from_dxf(source, fixed, drive):
     except ImportError:
         raise ImportFailed("DXF is read by ezdxf, which is not installed (pip install ezdxf)") from None
     try:
-        document = ezdxf.readfile(source) if not isinstance(source, Held) else ezdxf.recover.read(opened(source))[0]
+        document = ezdxf.recover.read(opened(source))[0] if isinstance(source, InMemory) else ezdxf.readfile(source)
     except (ezdxf.DXFError, UnicodeDecodeError) as reason:
         raise ImportFailed("%s: %s" % (source, reason)) from None
     except OSError as reason:
@@ -541,20 +539,18 @@ def from_pylinkage(source, fixed, drive):
     try:
         with opened(source) as file:
             data = json.loads(file.read().decode("utf-8"))
-        if not isinstance(data, dict):
-            raise ImportFailed("%s is no linkage of pylinkage: it has no joints" % source)
-        if "links" in data:
-            try:
-                return from_mechanism(source, data, fixed)
-            except (AttributeError, IndexError, KeyError, TypeError, ValueError) as reason:
-                if isinstance(reason, ImportFailed):
-                    raise
-                raise ImportFailed("%s is no linkage of pylinkage: a joint or link of it is not complete" % source) from None
-        given = data.get("joints")
-        if not isinstance(given, list) or not all(isinstance(joint, dict) for joint in given):
-            raise ImportFailed("%s is no linkage of pylinkage: it has no joints" % source)
     except (json.JSONDecodeError, UnicodeDecodeError) as reason:
         raise ImportFailed("%s is no linkage of pylinkage: %s" % (source, reason)) from None
+    if isinstance(data, dict) and "links" in data:
+        try:
+            return from_mechanism(source, data, fixed)
+        except ImportFailed:
+            raise
+        except (AttributeError, IndexError, KeyError, TypeError, ValueError):
+            raise ImportFailed("%s is no linkage of pylinkage: a joint or link of it is not complete" % source) from None
+    given = data.get("joints") if isinstance(data, dict) else None
+    if not isinstance(given, list) or not all(isinstance(joint, dict) for joint in given):
+        raise ImportFailed("%s is no linkage of pylinkage: it has no joints" % source)
     places, links, frame, slides, notes, names = {}, [], [], [], [], {}
     drives = []
 

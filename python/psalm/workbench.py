@@ -232,9 +232,9 @@ class Studies:
         process.kill()
         self.running.discard(process)
 
-    async def look(self, page, text, study="look"):
-        """What the engine says of a case; a look of the same page that is still going on is ended."""
-        before = self.last.pop(page, None)
+    async def look(self, page, study, given):
+        """What a short study says of a case or a file; one of the same page that is still going on is ended."""
+        before = self.last.pop((page, study), None)
         if before:
             before.kill()
         if self.waiting >= WAITING:
@@ -245,16 +245,16 @@ class Studies:
                 process = await self.process()
         finally:
             self.waiting -= 1
-        self.last[page] = process
+        self.last[page, study] = process
         async with contextlib.AsyncExitStack() as stack:
             stack.callback(self.end, process)
-            await process.ask({"study": study, "seconds": self.seconds, **(text if isinstance(text, dict) else {"case": text})})
+            await process.ask({"study": study, "seconds": self.seconds, **given})
             try:
                 answer = await asyncio.wait_for(process.answer(), self.seconds)
             except asyncio.TimeoutError:
                 answer = {"error": "the study took longer than %g s and was ended" % self.seconds}
-            if self.last.get(page) is process:
-                del self.last[page]
+            if self.last.get((page, study)) is process:
+                del self.last[page, study]
         if answer is None:
             return {"stale": True} if process.over else {"error": "the study ended early: it took too long or wanted too much memory"}
         return answer
@@ -372,7 +372,7 @@ def run_of(body):
     return {"verb": given["verb"], "case": given["case"], "seconds": SEARCH_SECONDS}
 
 
-def brought_of(body):
+def file_of(body):
     """A file of another program: its name, its bytes in base64, joints of the frame, the driven joint."""
     try:
         given = json.loads(body)
@@ -394,17 +394,20 @@ def application(token, port, case="", file="", seconds=LOOK_SECONDS):
     async def home(request):
         return HTMLResponse(page, headers={"content-security-policy": policy})
 
+    async def answer(request, study, given):
+        return JSONResponse(await studies.look(request.headers.get("x-psalm-page", "")[:32], study, given))
+
     async def look(request):
-        return JSONResponse(await studies.look(request.headers.get("x-psalm-page", "")[:32], await case_of(request)))
+        return await answer(request, "look", {"case": await case_of(request)})
 
     async def prove(request):
-        return JSONResponse(await studies.look(request.headers.get("x-psalm-page", "")[:32] + " prove", await case_of(request), "prove"))
+        return await answer(request, "prove", {"case": await case_of(request)})
 
     async def files(request):
-        return JSONResponse(await studies.look(request.headers.get("x-psalm-page", "")[:32] + " files", await case_of(request), "files"))
+        return await answer(request, "files", {"case": await case_of(request)})
 
-    async def brought(request):
-        return JSONResponse(await studies.look(request.headers.get("x-psalm-page", "")[:32] + " import", brought_of(await request.body()), "brought"))
+    async def import_file(request):
+        return await answer(request, "import", file_of(await request.body()))
 
     async def case_of(request):
         try:
@@ -454,7 +457,7 @@ def application(token, port, case="", file="", seconds=LOOK_SECONDS):
         await studies.close()
 
     routes = [Route("/", home), Route("/look", look, methods=["POST"]), Route("/prove", prove, methods=["POST"]), Route("/files", files, methods=["POST"]),
-              Route("/import", brought, methods=["POST"]), Route("/search", search, methods=["POST"]), Route("/run", run, methods=["POST"]),
+              Route("/import", import_file, methods=["POST"]), Route("/search", search, methods=["POST"]), Route("/run", run, methods=["POST"]),
               Route("/search/{name}", found), Route("/search/{name}/stop", stop, methods=["POST"])]
     app = Starlette(routes=routes, lifespan=alive, exception_handlers={Refused: refused, 404: no_page})
     return Guard(app, token, {"%s:%d" % (name, port) for name in (HOST, "localhost")})

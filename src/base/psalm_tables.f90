@@ -57,7 +57,7 @@ module psalm_tables
       integer :: count = 0                    !! tables
       type(table_t), allocatable :: tables(:) !! the first `count` are there
    contains
-      procedure :: put
+      procedure :: put, hand_over
    end type tables_t
 
 contains
@@ -199,6 +199,19 @@ contains
       self%count = self%count + 1
       call move_table(table, self%tables(self%count))
    end subroutine put
+
+   !> All tables to another owner; what gave them is empty then.
+   pure subroutine hand_over(self, to)
+      class(tables_t), intent(inout) :: self
+      type(tables_t), intent(out) :: to
+
+      call move_alloc(self%title, to%title)
+      to%in_file = self%in_file
+      to%count = self%count
+      call move_alloc(self%tables, to%tables)
+      self%count = 0
+      allocate (self%tables(1))
+   end subroutine hand_over
 
    pure subroutine move_table(from, to)
       type(table_t), intent(inout) :: from

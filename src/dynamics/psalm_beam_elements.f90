@@ -5,11 +5,12 @@
 !> for uniform sections and linear loads. Sources: Przemieniecki (1968), Theory of Matrix Structural Analysis; the terms of a
 !> moving frame of reference follow from the acceleration a + turning x (r + u) - speed**2 (r + u) + 2 speed x u' + u''.
 module psalm_beam_elements
+   use psalm_axes, only: into_axes
    use psalm_kinds, only: wp
    use psalm_linear, only: along_columns, product_of
    implicit none (type, external)
    private
-   public :: beam_frame_t, element_t, station_t, assemble, local_load, tension_stiffness, bracket_of, mass_of_frame
+   public :: beam_frame_t, element_t, station_t, assemble, freedoms_of, local_load, tension_stiffness, bracket_of, mass_of_frame
 
    integer, parameter, public :: freedoms = 3          !! of a node: displacement x and y, turning
    integer, parameter, public :: ends = 2*freedoms     !! of an element
@@ -19,7 +20,7 @@ module psalm_beam_elements
    real(wp), parameter :: inner = 0.339981043584856264802665759103244687_wp, outer = 0.861136311594052575223946488892809505_wp
    real(wp), parameter, public :: gauss_places(gauss_points) = 0.5_wp*(1.0_wp + [-outer, -inner, inner, outer]) !! from 0 to 1
    real(wp), parameter :: of_inner = 0.326072577431273071313468025389000773_wp
-   real(wp), parameter, public :: gauss_weights(gauss_points) = [0.5_wp - of_inner, of_inner, of_inner, 0.5_wp - of_inner]
+   real(wp), parameter :: gauss_weights(gauss_points) = [0.5_wp - of_inner, of_inner, of_inner, 0.5_wp - of_inner]
 
    !> The section at one place of an element.
    type :: station_t
@@ -93,10 +94,18 @@ contains
    !> Freedoms of an element in the frame.
    pure function places_of(element) result(places)
       type(element_t), intent(in) :: element
-      integer :: places(ends), i
+      integer :: places(ends)
 
-      places = [([(freedoms*(element%nodes(1) - 1) + i, i=1, freedoms)]), ([(freedoms*(element%nodes(2) - 1) + i, i=1, freedoms)])]
+      places = [freedoms_of(element%nodes(1)), freedoms_of(element%nodes(2))]
    end function places_of
+
+   !> Freedoms of a node in the frame.
+   pure function freedoms_of(node) result(places)
+      integer, intent(in) :: node
+      integer :: places(freedoms), i
+
+      places = [(freedoms*(node - 1) + i, i=1, freedoms)]
+   end function freedoms_of
 
    !> From the frame's axes to the element's.
    pure function turn_of_element(element) result(turn)
@@ -134,7 +143,7 @@ contains
             mass = weight*element%density*section%area
             place = x(:, 1) + s*l*element%along
             ! in the element's axes
-            r = [place(1)*element%along(1) + place(2)*element%along(2), place(2)*element%along(1) - place(1)*element%along(2)]
+            r = into_axes(element%along, place)
             do j = 1, ends
                do i = 1, ends
                   element%stiffness(i, j) = element%stiffness(i, j) + weight*element%modulus* &
@@ -206,7 +215,7 @@ contains
       b(2, :) = [0.0_wp, 1.0_wp, reach(1)]
    end function bracket_of
 
-   !> Mass, first moments, and moment of inertia about the origin of the frame's axes, of its elements.
+   !> Mass, first moments, and moment of inertia about the origin of the frame's axes, of its elements: kg, kg m, kg m2.
    pure function mass_of_frame(frame) result(parameters)
       type(beam_frame_t), intent(in) :: frame         !! assembled, without concentrated masses
       real(wp) :: parameters(4)
@@ -217,7 +226,7 @@ contains
       turning = 0.0_wp
       do n = 1, size(frame%x, 2)
          ahead(freedoms*(n - 1) + 1) = 1.0_wp
-         turning(freedoms*(n - 1) + 1:freedoms*n) = [-frame%x(2, n), frame%x(1, n), 1.0_wp]
+         turning(freedoms_of(n)) = [-frame%x(2, n), frame%x(1, n), 1.0_wp]
       end do
       ! loads of unit motions are minus the inertia against them
       parameters(1) = -sum(ahead*frame%motion(:, 1))

@@ -8,10 +8,10 @@ module psalm_coupled_hill
    use psalm_kinds, only: wp, pi
    use psalm_lapack, only: general_eigenvalues, solve_general
    use psalm_linear, only: eliminate_real, product_of
-   use psalm_periodic, only: periodic_t
+   use psalm_periodic, only: periodic_t, periodic_from_samples
    implicit none (type, external)
    private
-   public :: coupled_t, solve_coupled, divide_by_mass
+   public :: coupled_t, solve_coupled, without_mass, places_for, fastest
 
    !> What one period does, and the periodic solution.
    type :: coupled_t
@@ -30,14 +30,15 @@ module psalm_coupled_hill
    end type coupled_t
 
    integer, parameter :: parts = 16         !! of a period, whose ends are unknowns; places are a multiple of it
+   integer, parameter :: fewest_places = 256 !! of a solution
    integer, parameter :: most_steps = 2**14
    real(wp), parameter :: most_growth = sqrt(huge(1.0_wp))/1.0e30_wp !! squares of it are formed
    real(wp), parameter :: steepest = 300.0_wp !! norm of the exponent of a step
    real(wp), parameter :: fastest = 1.0e6_wp !! frequency of the stiffest equation, by the period of 2 pi
    real(wp), parameter :: first_exponent = 100.0_wp !! of the longest steps that are tried
    real(wp), parameter :: gauss_offset = 0.387298334620741688517926539978239961_wp !! sqrt(15)/10
-   real(wp), parameter :: beside = 1.0e-5_wp !! the tolerance: coefficients so small are left out
-   real(wp), parameter :: of_matrix = 16.0_wp !! times the error of a matrix: that of its eigenvalues where they are well separated
+   real(wp), parameter :: negligible = 1.0e-5_wp !! of the tolerance: coefficients so small are left out
+   real(wp), parameter :: eigenvalue_error = 16.0_wp !! over that of the matrix, where eigenvalues are well separated
 
 contains
 
@@ -53,7 +54,7 @@ contains
       real(wp), dimension(2*size(p) + 1, 2*size(p) + 1, places) :: maps
       real(wp), dimension(2*size(p) + 1, 2*size(p) + 1) :: period, before
       real(wp) :: units(size(p)), change, largest, exact
-      integer :: i, j, m, n, sub, first
+      integer :: i, j, m, n, h, sub, first
       logical :: found, steep
 
       n = size(p)
@@ -61,24 +62,22 @@ contains
       allocate (coupled%multipliers(m), source=(0.0_wp, 0.0_wp))
       units = [(max(1.0_wp, sqrt(abs(k(i, i)%mean()))), i=1, n)]
       do i = 1, n
-         p_used(i) = p(i)%trimmed(beside*tolerance*maxval([(abs(p(i)%coefficient(m)), m=0, p(i)%highest())]))
+         p_used(i) = p(i)%trimmed(negligible*tolerance*maxval([(abs(p(i)%coefficient(h)), h=0, p(i)%highest())]))
          do j = 1, n
-            c_used(i, j) = c(i, j)%trimmed(beside*tolerance*sqrt(units(i)*units(j)))
-            k_used(i, j) = k(i, j)%trimmed(beside*tolerance*units(i)*units(j))
+            c_used(i, j) = c(i, j)%trimmed(negligible*tolerance*sqrt(units(i)*units(j)))
+            k_used(i, j) = k(i, j)%trimmed(negligible*tolerance*units(i)*units(j))
          end do
       end do
-      m = 2*n
       coupled%too_fast = .not. maxval(units) < fastest
       coupled%grows_too_much = coupled%too_fast
       if (coupled%too_fast) return
       sub = 1 + int(2.0_wp*pi*maxval(units)/(real(places, wp)*first_exponent))
-      first = sub
-      call integrate(c_used, k_used, p_used, units, sub, maps, before, steep, coupled%grows_too_much)
-      do while (steep .and. sub*places < most_steps)
-         sub = 2*sub
-         first = sub
+      do
          call integrate(c_used, k_used, p_used, units, sub, maps, before, steep, coupled%grows_too_much)
+         if (.not. steep .or. sub*places >= most_steps) exit
+         sub = 2*sub
       end do
+      first = sub
       coupled%too_fast = steep
       do
          if (coupled%grows_too_much) return
@@ -99,9 +98,10 @@ contains
       coupled%converged = coupled%converged .and. found
       exact = exp(-2.0_wp*pi*sum([(c(i, i)%mean(), i=1, n)]))
       ! beside large multipliers the small ones lose digits
-      coupled%determinant_error = abs(product(coupled%multipliers) - exact)/max(exact, abs(product(coupled%multipliers(:n))))
+      coupled%determinant_error = abs(product(coupled%multipliers) - exact)/ &
+                                  max(exact, abs(product(coupled%multipliers(:n))), tiny(1.0_wp))
       largest = abs(coupled%multipliers(1))
-      change = of_matrix*coupled%error*max(1.0_wp, maxval(abs(period(:m, :m))))
+      change = eigenvalue_error*coupled%error*max(1.0_wp, maxval(abs(period(:m, :m))))
       coupled%stable = found .and. largest < 1.0_wp - change
       coupled%neutral = found .and. .not. coupled%stable .and. largest <= 1.0_wp + sqrt(change) ! two may be equal
       coupled%unique = found .and. all(abs(coupled%multipliers - 1.0_wp) > change)
@@ -219,7 +219,42 @@ contains
       end do
    end subroutine follow
 
-   !> From M y'' + C y' + K y = p to y'' + C y' + K y = p.
+   !> How many places a solution is to have whose coefficients are known by so many values: not fewer, a multiple of `parts`.
+   pure integer function places_for(values) result(places)
+      integer, intent(in) :: values
+
+      places = fewest_places
+      do while (places < values)
+         places = 2*places
+      end do
+   end function places_for
+
+   !> From M y'' + C y' + K y = p, by values at equal steps of the period, to y'' + C y' + K y = p.
+   pure subroutine without_mass(mass, damping, stiffness, load, c, k, p)
+      real(wp), intent(in) :: mass(:, :, :)      !! shape (n, n, steps): regular
+      real(wp), intent(in) :: damping(:, :, :), stiffness(:, :, :) !! shape (n, n, steps)
+      real(wp), intent(in) :: load(:, :)         !! shape (n, steps)
+      type(periodic_t), intent(out) :: c(:, :), k(:, :) !! shape (n, n)
+      type(periodic_t), intent(out) :: p(:)      !! shape (n)
+      real(wp), allocatable :: c_at(:, :, :), k_at(:, :, :), p_at(:, :)
+      integer :: i, j
+
+      c_at = damping
+      k_at = stiffness
+      p_at = load
+      do i = 1, size(load, 2)
+         call divide_by_mass(mass(:, :, i), c_at(:, :, i), k_at(:, :, i), p_at(:, i))
+      end do
+      do j = 1, size(p)
+         p(j) = periodic_from_samples(p_at(j, :))
+         do i = 1, size(p)
+            c(i, j) = periodic_from_samples(c_at(i, j, :))
+            k(i, j) = periodic_from_samples(k_at(i, j, :))
+         end do
+      end do
+   end subroutine without_mass
+
+   !> The same at one place.
    pure subroutine divide_by_mass(m, c, k, p)
       real(wp), intent(in) :: m(:, :)            !! shape (n, n): regular
       real(wp), intent(inout) :: c(:, :), k(:, :) !! shape (n, n)

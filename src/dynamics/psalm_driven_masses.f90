@@ -6,6 +6,7 @@
 !> not at all.
 module psalm_driven_masses
    use psalm_angles, only: degrees_of, unit_vector
+   use psalm_axes, only: into_axes, out_of_axes, quarter_turn
    use psalm_body_points, only: locate_point
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
@@ -17,86 +18,86 @@ module psalm_driven_masses
    use psalm_mechanism, only: mechanism_t, arc_determined, arc_crank, at_start, at_finish, body_frame
    implicit none (type, external)
    private
-   public :: giving_t, find_giving, mass_between, origin_motion
+   public :: influence_t, find_influence, mass_between, origin_motion
 
    real(wp), parameter :: aside = 1.0e-5_wp      !! of the size of the link: so far the joint is moved
    real(wp), parameter :: same_point = 1.0e-6_wp !! of it: points so near are one
 
-   !> Directions in which joints give way, and how the bodies move by them.
-   type :: giving_t
+   !> Directions in which joints give way, and the influence coefficients of first order: how the bodies move by them.
+   type :: influence_t
       logical :: known = .false.                 !! the linkage closes with the joints aside
       integer, allocatable :: node(:), direction(:) !! of the frame of the link: 1 along x, 2 along y
       real(wp), allocatable :: motion(:, :, :, :) !! shape (3, bodies, directions, positions): of the reference of each body, m/m
                                                  !! in machine axes, and its turning, rad/m; of the link that of its frame's axes
       real(wp), allocatable :: axes(:, :, :)     !! shape (2, bodies, positions): direction of their own arcs
-   end type giving_t
+   end type influence_t
 
 contains
 
-   !> Find them for a link. `model` has the masses of all links; its places are used alone.
-   subroutine find_giving(given, dimensions, model, link, points, sense, giving)
+   !> Influence coefficients of a link's joints. `model` has the masses of all links; its places are used alone.
+   subroutine find_influence(given, dimensions, model, link, points, sense, influence)
       type(problem_t), intent(in) :: given
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
       type(flexible_link_t), intent(in) :: link
-      integer, intent(in) :: points
-      real(wp), intent(in) :: sense
-      type(giving_t), intent(out) :: giving
+      integer, intent(in) :: points              !! positions in a turn
+      real(wp), intent(in) :: sense              !! 1 or -1: of the turning of the crank
+      type(influence_t), intent(out) :: influence
       type(dimensions_t) :: other
       real(wp), allocatable :: at_rest(:, :, :), ahead(:, :, :), behind(:, :, :) ! shape (4, bodies, positions): place and axis
       real(wp) :: step, way(2), lever(2)
       integer :: j, g, b, i, bodies
       logical :: closes
 
-      giving%node = [integer ::]
-      giving%direction = [integer ::]
+      influence%node = [integer ::]
+      influence%direction = [integer ::]
       do j = 1, size(link%nodes)
          if (any(link%nodes(:j - 1) == link%nodes(j)) .or. link%nodes(j) == link%held(1)) cycle
-         giving%node = [giving%node, link%nodes(j)]
-         giving%direction = [giving%direction, 1]
+         influence%node = [influence%node, link%nodes(j)]
+         influence%direction = [influence%direction, 1]
          if (link%nodes(j) == link%held(2)) cycle
-         giving%node = [giving%node, link%nodes(j)]
-         giving%direction = [giving%direction, 2]
+         influence%node = [influence%node, link%nodes(j)]
+         influence%direction = [influence%direction, 2]
       end do
       bodies = size(model%reference)
       step = aside*maxval(abs(link%frame%x))
-      call take_poses(given, dimensions, model, link, points, sense, at_rest, giving%known)
-      if (.not. giving%known) return
-      allocate (giving%motion(3, bodies, size(giving%node), points), source=0.0_wp)
-      giving%axes = at_rest(3:4, :, :)
-      do g = 1, size(giving%node)
+      call take_poses(given, dimensions, model, link, points, sense, at_rest, influence%known)
+      if (.not. influence%known) return
+      allocate (influence%motion(3, bodies, size(influence%node), points), source=0.0_wp)
+      influence%axes = at_rest(3:4, :, :)
+      do g = 1, size(influence%node)
          way = 0.0_wp
-         way(giving%direction(g)) = step
+         way(influence%direction(g)) = step
          other = dimensions
-         call displace(given%mechanism, dimensions, model, link, giving%node(g), way, other)
+         call displace(given%mechanism, dimensions, model, link, influence%node(g), way, other)
          call take_poses(given, other, model, link, points, sense, ahead, closes)
-         giving%known = giving%known .and. closes
+         influence%known = influence%known .and. closes
          other = dimensions
-         call displace(given%mechanism, dimensions, model, link, giving%node(g), -way, other)
+         call displace(given%mechanism, dimensions, model, link, influence%node(g), -way, other)
          call take_poses(given, other, model, link, points, sense, behind, closes)
-         giving%known = giving%known .and. closes
-         if (.not. giving%known) return
+         influence%known = influence%known .and. closes
+         if (.not. influence%known) return
          do i = 1, points
             do b = body_frame + 1, bodies
-               giving%motion(:2, b, g, i) = (ahead(:2, b, i) - behind(:2, b, i))/(2.0_wp*step)
-               giving%motion(3, b, g, i) = asin(behind(3, b, i)*ahead(4, b, i) - behind(4, b, i)*ahead(3, b, i))/(2.0_wp*step)
+               influence%motion(:2, b, g, i) = (ahead(:2, b, i) - behind(:2, b, i))/(2.0_wp*step)
+               influence%motion(3, b, g, i) = asin(behind(3, b, i)*ahead(4, b, i) - behind(4, b, i)*ahead(3, b, i))/(2.0_wp*step)
             end do
          end do
       end do
       ! of the link: from the origin of its frame's axes to the reference of its body, and back to the axes of its own arc
       do i = 1, points
-         associate (axis => giving%axes(:, link%body, i))
-            axis = [axis(1)*link%axis(1) + axis(2)*link%axis(2), axis(2)*link%axis(1) - axis(1)*link%axis(2)]
-            lever = -[link%origin(1)*axis(1) - link%origin(2)*axis(2), link%origin(1)*axis(2) + link%origin(2)*axis(1)]
+         associate (axis => influence%axes(:, link%body, i))
+            axis = into_axes(link%axis, axis)
+            lever = -out_of_axes(axis, link%origin)
          end associate
-         do g = 1, size(giving%node)
-            associate (motion => giving%motion(:, link%body, g, i))
+         do g = 1, size(influence%node)
+            associate (motion => influence%motion(:, link%body, g, i))
                if (link%held(2) == 0) motion = 0.0_wp ! clamped: its axes do not move as it bends
-               motion(:2) = motion(:2) + motion(3)*[-lever(2), lever(1)]
+               motion(:2) = motion(:2) + motion(3)*quarter_turn(lever)
             end associate
          end do
       end do
-   end subroutine find_giving
+   end subroutine find_influence
 
    !> Places and axes of all bodies over a turn; of the link those of its frame.
    subroutine take_poses(given, dimensions, model, link, points, sense, poses, closes)
@@ -104,8 +105,8 @@ contains
       type(dimensions_t), intent(in) :: dimensions
       type(force_model_t), intent(in) :: model
       type(flexible_link_t), intent(in) :: link
-      integer, intent(in) :: points
-      real(wp), intent(in) :: sense
+      integer, intent(in) :: points              !! positions in a turn
+      real(wp), intent(in) :: sense              !! 1 or -1: of the turning of the crank
       real(wp), allocatable, intent(out) :: poses(:, :, :) !! shape (4, bodies, points)
       logical, intent(out) :: closes
       class(problem_t), allocatable :: problem   ! large: it would fill a small stack
@@ -138,7 +139,7 @@ contains
                associate (pose => poses(:, link%body, offset + i))
                   pose(1:2) = forces%metre*[v(i, places%point_x(first)), v(i, places%point_y(first))]
                   if (second == first) then
-                     pose(3:4) = [link%axis(1)*pose(3) - link%axis(2)*pose(4), link%axis(1)*pose(4) + link%axis(2)*pose(3)]
+                     pose(3:4) = out_of_axes(link%axis, pose(3:4))
                   else
                      far = forces%metre*[v(i, places%point_x(second)), v(i, places%point_y(second))] - pose(1:2)
                      pose(3:4) = far/sqrt(sum(far**2))
@@ -163,8 +164,8 @@ contains
       integer :: k, n
 
       associate (body => mechanism%bodies(link%body), x => link%frame%x(:, node))
-         place = (link%origin + [x(1)*link%axis(1) - x(2)*link%axis(2), x(1)*link%axis(2) + x(2)*link%axis(1)])/model%metre
-         move = [way(1)*link%axis(1) - way(2)*link%axis(2), way(1)*link%axis(2) + way(2)*link%axis(1)]/model%metre
+         place = (link%origin + out_of_axes(link%axis, x))/model%metre
+         move = out_of_axes(link%axis, way)/model%metre
          moves = .false.
          do k = 1, size(body%points)
             call locate_point(mechanism, dimensions, link%body, model%reference(link%body), body%points(k), at, found)
@@ -210,7 +211,7 @@ contains
       mass = 0.0_wp
       do b = body_frame + 1, size(inertia, 2)
          associate (of => inertia(:, b), e => axes(:, b), v => one(:, b), w => other(:, b))
-            first = [of(parameter_mx)*e(1) - of(parameter_my)*e(2), of(parameter_mx)*e(2) + of(parameter_my)*e(1)]
+            first = out_of_axes(e, of([parameter_mx, parameter_my]))
             mass = mass + of(parameter_mass)*(v(1)*w(1) + v(2)*w(2)) + of(parameter_inertia)*v(3)*w(3) &
                    + w(3)*(v(2)*first(1) - v(1)*first(2)) + v(3)*(w(2)*first(1) - w(1)*first(2))
          end associate
@@ -222,13 +223,11 @@ contains
       type(flexible_link_t), intent(in) :: link
       real(wp), intent(in) :: axes(:, :)         !! shape (2, bodies)
       real(wp), intent(in) :: motion(:, :)       !! shape (3, bodies)
-      real(wp) :: own(3), lever(2), ahead(2), v(2)
+      real(wp) :: own(3)
 
       associate (e => axes(:, link%body), of => motion(:, link%body))
-         lever = [link%origin(1)*e(1) - link%origin(2)*e(2), link%origin(1)*e(2) + link%origin(2)*e(1)]
-         ahead = [link%axis(1)*e(1) - link%axis(2)*e(2), link%axis(1)*e(2) + link%axis(2)*e(1)]
-         v = of(:2) + of(3)*[-lever(2), lever(1)]
-         own = [v(1)*ahead(1) + v(2)*ahead(2), v(2)*ahead(1) - v(1)*ahead(2), of(3)]
+         own(:2) = into_axes(out_of_axes(e, link%axis), of(:2) + of(3)*quarter_turn(out_of_axes(e, link%origin)))
+         own(3) = of(3)
       end associate
    end function origin_motion
 end module psalm_driven_masses

@@ -1,6 +1,7 @@
 !> What a linkage does to a link of beam elements in a turn of the crank at constant speed: its motion, the forces of its joints,
 !> loads and springs on it; in the axes of its frame.
 module psalm_flexible_cycle
+   use psalm_axes, only: into_axes, out_of_axes, quarter_turn
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
    use psalm_flexible_link, only: flexible_link_t, attached_t
@@ -48,7 +49,7 @@ contains
       type(rates_t) :: rates
       type(forces_t) :: forces
       real(wp) :: input(points)
-      real(wp), allocatable :: unit(:, :)
+      real(wp), allocatable :: unit(:, :)        ! shape (2, positions of the block): direction of the frame's x axis
       integer :: block, offset, n, source, k
 
       cycle_of%turn%sense = sense
@@ -128,40 +129,35 @@ contains
 
       !> The frame's axes, and the acceleration of their origin.
       subroutine follow_motion()
-         real(wp) :: ux, uy, x, y, ax, ay
+         real(wp) :: arm(2), accel(2)
          integer :: i
 
-         unit = reshape([(0.0_wp, i=1, 2*n)], [2, n])
-         associate (w => forces%w%v, rows => forces%bodies(link%body), at => link%origin)
+         if (allocated(unit)) deallocate (unit)
+         allocate (unit(2, n))
+         associate (w => forces%w%v, rows => forces%bodies(link%body))
             do i = 1, n
-               ux = link%axis(1)*w(i, rows%ex) - link%axis(2)*w(i, rows%ey)
-               uy = link%axis(1)*w(i, rows%ey) + link%axis(2)*w(i, rows%ex)
-               unit(:, i) = [ux, uy]
-               x = at(1)*w(i, rows%ex) - at(2)*w(i, rows%ey)
-               y = at(1)*w(i, rows%ey) + at(2)*w(i, rows%ex)
-               ax = forces%metre*w(i, rows%ax) - w(i, rows%al)*y - w(i, rows%w)**2*x
-               ay = forces%metre*w(i, rows%ay) + w(i, rows%al)*x - w(i, rows%w)**2*y
-               cycle_of%acceleration(:, offset + i) = [ax*ux + ay*uy, ay*ux - ax*uy]
+               unit(:, i) = out_of_axes([w(i, rows%ex), w(i, rows%ey)], link%axis)
+               arm = out_of_axes([w(i, rows%ex), w(i, rows%ey)], link%origin)
+               accel = forces%metre*[w(i, rows%ax), w(i, rows%ay)] + w(i, rows%al)*quarter_turn(arm) - w(i, rows%w)**2*arm
+               cycle_of%acceleration(:, offset + i) = into_axes(unit(:, i), accel)
                cycle_of%turning(offset + i) = w(i, rows%al)
                cycle_of%speed(offset + i) = w(i, rows%w)
-               cycle_of%weight(:, offset + i) = [model%gravity(1)*ux + model%gravity(2)*uy, &
-                                                 model%gravity(2)*ux - model%gravity(1)*uy]
+               cycle_of%weight(:, offset + i) = into_axes(unit(:, i), model%gravity)
             end do
          end associate
       end subroutine follow_motion
 
       !> The same where the crank is pushed; the axes are known.
       subroutine follow_push()
-         real(wp) :: x, y, ax, ay
+         real(wp) :: arm(2)
          integer :: i
 
-         associate (w => forces%w%v, rows => forces%bodies(link%body), at => link%origin)
+         associate (w => forces%w%v, rows => forces%bodies(link%body))
             do i = 1, n
-               x = at(1)*w(i, rows%ex) - at(2)*w(i, rows%ey)
-               y = at(1)*w(i, rows%ey) + at(2)*w(i, rows%ex)
-               ax = forces%metre*w(i, rows%ax) - w(i, rows%al)*y
-               ay = forces%metre*w(i, rows%ay) + w(i, rows%al)*x
-               cycle_of%pushed(:, offset + i) = [ax*unit(1, i) + ay*unit(2, i), ay*unit(1, i) - ax*unit(2, i), w(i, rows%al)]
+               arm = out_of_axes([w(i, rows%ex), w(i, rows%ey)], link%origin)
+               cycle_of%pushed(:2, offset + i) = into_axes(unit(:, i), forces%metre*[w(i, rows%ax), w(i, rows%ay)] + &
+                                                           w(i, rows%al)*quarter_turn(arm))
+               cycle_of%pushed(3, offset + i) = w(i, rows%al)
             end do
          end associate
       end subroutine follow_push
@@ -176,8 +172,7 @@ contains
             rows = joint_rows(problem, forces, link%joints(j), n)
             sense = merge(1.0_wp, -1.0_wp, problem%mechanism%joints(link%joints(j))%bodies(2) == link%body)
             do i = 1, n
-               cycle_of%forces(:, j, part, offset + i) = sense*[rows(i, 1)*unit(1, i) + rows(i, 2)*unit(2, i), &
-                                                                rows(i, 2)*unit(1, i) - rows(i, 1)*unit(2, i)]
+               cycle_of%forces(:, j, part, offset + i) = sense*into_axes(unit(:, i), rows(i, :))
             end do
          end do
       end subroutine take_forces

@@ -1,5 +1,6 @@
 !> Links of a linkage as frames of beam elements: what the group FLEX says, put on the bodies of the mechanism.
 module psalm_flexible_link
+   use psalm_axes, only: into_axes, out_of_axes
    use psalm_beam_elements, only: beam_frame_t, element_t, station_t, assemble, mass_of_frame, gauss_places, gauss_points
    use psalm_body_points, only: locate_point
    use psalm_data_set, only: data_set_t
@@ -587,27 +588,18 @@ contains
          far = x(:, n) - link%origin
          link%axis = far/sqrt(sum(far**2))
          do n = 1, size(x, 2)
-            x(:, n) = into_axes(x(:, n) - link%origin)
+            x(:, n) = into_axes(link%axis, x(:, n) - link%origin)
          end do
       end associate
       do k = 1, size(link%masses)
-         link%masses(k)%reach = into_axes(link%masses(k)%reach)
+         link%masses(k)%reach = into_axes(link%axis, link%masses(k)%reach)
       end do
       do k = 1, size(link%loads)
-         link%loads(k)%reach = into_axes(link%loads(k)%reach)
+         link%loads(k)%reach = into_axes(link%axis, link%loads(k)%reach)
       end do
       do k = 1, size(link%springs)
-         link%springs(k)%reach = into_axes(link%springs(k)%reach)
+         link%springs(k)%reach = into_axes(link%axis, link%springs(k)%reach)
       end do
-
-   contains
-
-      pure function into_axes(vector) result(own)
-         real(wp), intent(in) :: vector(2)
-         real(wp) :: own(2)
-
-         own = [vector(1)*link%axis(1) + vector(2)*link%axis(2), vector(2)*link%axis(1) - vector(1)*link%axis(2)]
-      end function into_axes
    end subroutine settle_axes
 
    !> Mass, first moments and inertia about the reference of the body in its axes, from those about an origin in axes of its own.
@@ -615,7 +607,7 @@ contains
       real(wp), intent(in) :: own(4), origin(2), axis(2)
       real(wp) :: moved(4), first(2)
 
-      first = [own(2)*axis(1) - own(3)*axis(2), own(2)*axis(2) + own(3)*axis(1)]
+      first = out_of_axes(axis, own(2:3))
       moved(parameter_mass) = own(1)
       moved(parameter_mx) = first(1) + own(1)*origin(1)
       moved(parameter_my) = first(2) + own(1)*origin(2)

@@ -10,7 +10,7 @@ module psalm_hill
    use psalm_periodic, only: periodic_t, periodic_from_samples
    implicit none (type, external)
    private
-   public :: hill_t, solve_hill, greatest_of
+   public :: hill_t, solve_hill, greatest_of, most_damping
 
    !> What one period does, and the periodic solution.
    type :: hill_t
@@ -89,8 +89,9 @@ contains
       hill%forced = period%b
       exact = exp(-2.0_wp*pi*c1%mean())
       determinant = period%m(1, 1)*period%m(2, 2) - period%m(1, 2)*period%m(2, 1)
+      ! where everything dies within a turn all of it is 0
       hill%determinant_error = abs(determinant - exact)/max(exact, abs(period%m(1, 1)*period%m(2, 2)), &
-                                                           abs(period%m(1, 2)*period%m(2, 1)))
+                                                            abs(period%m(1, 2)*period%m(2, 1)), tiny(1.0_wp))
       call settle_stability(hill, exact)
       if (hill%unique) call follow(hill, c1, c0, p, steps)
    end function solve_hill

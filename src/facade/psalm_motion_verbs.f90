@@ -82,7 +82,8 @@ contains
       end if
       if (.not. present(report)) return
       if (frame%set%has_names()) then
-         call study_sketch(frame%set, frame%problem, frame%prepared%given, analysis%motion%closed, 1.0_wp, 0.0_wp, sketch)
+         call study_sketch(frame%set, frame%problem, frame%prepared%given, analysis%motion%closed, 1.0_wp, 0.0_wp, sketch, &
+                           places_do=.true.)
          if (frame%set%limits%icond /= 0) call study_conditions(frame%set, frame%problem, frame%prepared%given, sketch)
          call put_sketch(frame%set%sketch, sketch, 0, frame%devices%cases(1), problem=frame%problem)
       else
@@ -125,7 +126,8 @@ contains
       summary = analysis%summary
       if (.not. present(report)) return
       if (frame%set%has_names()) then
-         call study_sketch(frame%set, frame%problem, frame%prepared%given, analysis%motion%closed, 1.0_wp, 0.0_wp, sketch)
+         call study_sketch(frame%set, frame%problem, frame%prepared%given, analysis%motion%closed, 1.0_wp, 0.0_wp, sketch, &
+                           places_do=.true.)
          call report_summary(frame%set, frame%problem%mechanism, summary, analysis%motion, frame%devices, sketch)
       else
          call report_summary(frame%set, frame%problem%mechanism, summary, analysis%motion, frame%devices)

@@ -123,7 +123,7 @@ contains
          if (.not. present(report)) return
          report%listing = devices%six%content()
          report%data_set = devices%seven%content()
-         if (allocated(devices%cases)) report%tables = devices%cases(1)
+         if (allocated(devices%cases)) call devices%cases(1)%hand_over(report%tables)
          if (allocated(devices%drawings)) call move_alloc(devices%drawings, report%files)
          if (len(report%data_set) > 0) call of_text(report%data_set, report%cases)
          report%violated = report%violated .or. devices%code == exit_violation

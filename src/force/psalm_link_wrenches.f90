@@ -5,6 +5,7 @@
 !> its mass times the acceleration of its centre of mass, the sum of their moments about that centre its moment of inertia times the
 !> angular acceleration; so they are in equilibrium with the inertia loads of that motion.
 module psalm_link_wrenches
+   use psalm_axes, only: into_axes, out_of_axes, quarter_turn
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
    use psalm_error, only: problem_t
@@ -18,6 +19,7 @@ module psalm_link_wrenches
    use psalm_locations, only: location_of_place, location_t, place_right
    use psalm_loop_forces, only: link_of_body
    use psalm_mechanism, only: at_finish, at_start, body_frame, joint_gear, joint_revolute, joint_prismatic, mechanism_t
+   use psalm_plate_masses, only: is_part_of_cylinder
    use psalm_rates, only: differentiate, prepare_rates, rates_t
    use psalm_text, only: to_text
    implicit none (type, external)
@@ -80,7 +82,7 @@ contains
       type(link_loads_t), intent(out) :: loads
       type(rates_t) :: rates
       type(forces_t) :: forces
-      real(wp), allocatable :: grips(:, :)       ! (position, entry)
+      real(wp), allocatable :: grips(:, :)       ! (position, entry): as `rub` has them
       real(wp), allocatable :: balance(:, :, :)  ! (position, force and moment about the store's origin, body): all but what
                                                  ! rods do to their barrels
       integer :: block, offset, n, m, source, k, b
@@ -175,27 +177,12 @@ contains
                if (own%mass > 0.0_wp) then
                   at = inertia([parameter_mx, parameter_my])/own%mass
                   own%inertia = own%inertia - own%mass*(at(1)**2 + at(2)**2)
-                  own%centre = into(own%along, at/model%metre - own%origin)
+                  own%centre = into_axes(own%along, at/model%metre - own%origin)
                end if
             end associate
          end do
       end associate
    end subroutine make_links
-
-   pure logical function is_part_of_cylinder(mechanism, body)
-      type(mechanism_t), intent(in) :: mechanism
-      integer, intent(in) :: body
-
-      is_part_of_cylinder = mechanism%bodies(body)%is_rod .or. any(mechanism%arcs(mechanism%bodies(body)%arcs)%rod > 0)
-   end function is_part_of_cylinder
-
-   !> A vector in axes whose x axis has the given direction.
-   pure function into(along, vector) result(turned)
-      real(wp), intent(in) :: along(2), vector(2)
-      real(wp) :: turned(2)
-
-      turned = [along(1)*vector(1) + along(2)*vector(2), along(1)*vector(2) - along(2)*vector(1)]
-   end function into
 
    !> Everything that acts, link by link: joints, drives, loads, springs, friction, weight.
    subroutine list_acting(set, problem, model, forces, acting)
@@ -418,25 +405,17 @@ contains
          do i = 1, n
             e = [w(i, row%ex), w(i, row%ey)]
             from = [v(i, row%px), v(i, row%py)]/problem%linkage%scale + [problem%output%origin_x, problem%output%origin_y]
-            link%at(offset + i, :) = from + out_of(e, link%origin)
-            link%direction(offset + i, :) = out_of(e, link%along)
+            link%at(offset + i, :) = from + out_of_axes(e, link%origin)
+            link%direction(offset + i, :) = out_of_axes(e, link%along)
             link%turning(offset + i, :) = [w(i, row%w), w(i, row%al)]
-            centre = metre*out_of(e, link%origin + out_of(link%along, link%centre))
+            centre = metre*out_of_axes(e, link%origin + out_of_axes(link%along, link%centre))
             associate (turn => w(i, row%w)**2, al => w(i, row%al))
-               a = forces%metre*[w(i, row%ax), w(i, row%ay)] - turn*centre + al*[-centre(2), centre(1)]
+               a = forces%metre*[w(i, row%ax), w(i, row%ay)] - turn*centre + al*quarter_turn(centre)
             end associate
-            link%accel(offset + i, :) = into(out_of(e, link%along), a)
+            link%accel(offset + i, :) = into_axes(out_of_axes(e, link%along), a)
          end do
       end associate
    end subroutine move_link
-
-   !> A vector given in axes whose x axis has the given direction.
-   pure function out_of(along, vector) result(turned)
-      real(wp), intent(in) :: along(2), vector(2)
-      real(wp) :: turned(2)
-
-      turned = [along(1)*vector(1) - along(2)*vector(2), along(1)*vector(2) + along(2)*vector(1)]
-   end function out_of
 
    !> What acts at one point of a link, and its part in the link's equilibrium.
    subroutine add_acting(problem, model, forces, grips, input, offset, n, links, balance, one)
@@ -447,10 +426,10 @@ contains
       real(wp), intent(in) :: input(:)           !! shape (n)
       integer, intent(in) :: offset, n
       type(carried_link_t), intent(in) :: links(:)
-      real(wp), intent(inout) :: balance(:, :, :)
+      real(wp), intent(inout) :: balance(:, :, :) !! shape (n, 3, bodies): N, N times a store unit; of its body this is added
       type(link_force_t), intent(inout) :: one
       real(wp), dimension(padded(n)) :: x, y, fx, fy, moment, ux, uy, reach, aside ! store units, N, N times a store unit
-      real(wp) :: sense, along(2), at(2)
+      real(wp) :: sense
       integer :: j
 
       x = 0.0_wp
@@ -521,16 +500,10 @@ contains
       case default
          call take_source()
       end select
-      associate (link => links(one%body), scale => problem%linkage%scale)
-         do j = 1, n
-            balance(j, :, one%body) = balance(j, :, one%body) + [fx(j), fy(j), moment(j) + x(j)*fy(j) - y(j)*fx(j)]
-            along = link%direction(offset + j, :)
-            at = [x(j)/scale + problem%output%origin_x, y(j)/scale + problem%output%origin_y] - link%at(offset + j, :)
-            one%place(offset + j, :) = into(along, at)
-            one%force(offset + j, :) = into(along, [fx(j), fy(j)])
-            one%moment(offset + j) = forces%metre*moment(j)
-         end do
-      end associate
+      do j = 1, n
+         balance(j, :, one%body) = balance(j, :, one%body) + [fx(j), fy(j), moment(j) + x(j)*fy(j) - y(j)*fx(j)]
+         call enter(problem, forces, links(one%body), offset + j, [x(j), y(j)], [fx(j), fy(j)], moment(j), one)
+      end do
 
    contains
 
@@ -597,7 +570,7 @@ contains
          case default
             source = source_weight
             location%body = one%body
-            location%at = links(one%body)%origin + out_of(links(one%body)%along, links(one%body)%centre)
+            location%at = links(one%body)%origin + out_of_axes(links(one%body)%along, links(one%body)%centre)
          end select
          call clear_wrenches(n, forces)
          call add_source(problem, model, source, input, n, forces)
@@ -640,24 +613,35 @@ contains
       type(forces_t), intent(in) :: forces
       integer, intent(in) :: offset, n
       type(carried_link_t), intent(in) :: links(:)
-      real(wp), intent(inout) :: balance(:, :, :)
+      real(wp), intent(in) :: balance(:, :, :)   !! shape (n, 3, bodies): N, N times a store unit; of the rod all but this
       type(link_force_t), intent(inout) :: one
       real(wp), dimension(padded(n)) :: x, y, ux, uy
-      real(wp) :: wrench(3), sense, along(2), at(2)
+      real(wp) :: wrench(3), sense
       integer :: i
 
       call find_rod(problem, forces, one%rod, size(x), x, y, ux, uy)
       sense = merge(1.0_wp, -1.0_wp, one%side == 2)
-      associate (link => links(one%body), scale => problem%linkage%scale)
-         do i = 1, n
-            wrench = -sense*balance(i, :, one%rod)
-            wrench(3) = wrench(3) - (x(i)*wrench(2) - y(i)*wrench(1))
-            along = link%direction(offset + i, :)
-            at = [x(i)/scale + problem%output%origin_x, y(i)/scale + problem%output%origin_y] - link%at(offset + i, :)
-            one%place(offset + i, :) = into(along, at)
-            one%force(offset + i, :) = into(along, wrench(:2))
-            one%moment(offset + i) = forces%metre*wrench(3)
-         end do
-      end associate
+      do i = 1, n
+         wrench = -sense*balance(i, :, one%rod)
+         wrench(3) = wrench(3) - (x(i)*wrench(2) - y(i)*wrench(1))
+         call enter(problem, forces, links(one%body), offset + i, [x(i), y(i)], wrench(:2), wrench(3), one)
+      end do
    end subroutine guide_rod
+
+   !> A force at a place, and a moment beside it, in the axes of the link at a position.
+   subroutine enter(problem, forces, link, position, place, force, moment, one)
+      type(problem_t), intent(in) :: problem
+      type(forces_t), intent(in) :: forces
+      type(carried_link_t), intent(in) :: link
+      integer, intent(in) :: position
+      real(wp), intent(in) :: place(2), force(2), moment !! of the store: its units, N, N times a store unit
+      type(link_force_t), intent(inout) :: one
+      real(wp) :: along(2)                        ! a copy: gfortran 12 takes a section's associate name for a whole array
+
+      along = link%direction(position, :)
+      one%place(position, :) = into_axes(along, place/problem%linkage%scale + &
+                                         [problem%output%origin_x, problem%output%origin_y] - link%at(position, :))
+      one%force(position, :) = into_axes(along, force)
+      one%moment(position) = forces%metre*moment
+   end subroutine enter
 end module psalm_link_wrenches

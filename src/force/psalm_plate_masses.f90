@@ -14,7 +14,7 @@ module psalm_plate_masses
    use psalm_text, only: to_text
    implicit none (type, external)
    private
-   public :: plate_mass_t, find_plates, plate_of_body
+   public :: plate_mass_t, find_plates, plate_of_body, is_part_of_cylinder
 
    real(wp), parameter :: largest = 1.0e25_wp     !! of sizes, densities, units: with it moments of inertia are numbers
    real(wp), parameter :: same_place = 1.0e-9_wp !! part of the hole: two joints there have one hole
@@ -62,7 +62,7 @@ contains
       n = 0
       if (plates%all_links) then
          do body = body_frame + 1, size(mechanism%bodies)
-            if (is_cylinder(mechanism, body)) cycle
+            if (is_part_of_cylinder(mechanism, body)) cycle
             call points_on_body(body, points)
             call add_plate(plates%plates(1), 1, body)
          end do
@@ -73,7 +73,7 @@ contains
                call corners_of_link(plate, points, body, right)
             else
                body = mechanism%arcs(mechanism%seq(plate%place%loop, plate%place%arc))%body
-               right = .not. is_cylinder(mechanism, body) .and. body /= body_frame
+               right = .not. is_part_of_cylinder(mechanism, body) .and. body /= body_frame
                if (right) call points_on_body(body, points)
                if (any(every(:n)%body == body)) then
                   call refuse(plate, 'is on a link that stands twice')
@@ -207,12 +207,12 @@ contains
    end subroutine find_plates
 
    !> True of the rod or the barrel of a cylinder.
-   pure logical function is_cylinder(mechanism, body)
+   pure logical function is_part_of_cylinder(mechanism, body)
       type(mechanism_t), intent(in) :: mechanism
       integer, intent(in) :: body
 
-      is_cylinder = mechanism%bodies(body)%is_rod .or. any(mechanism%arcs(mechanism%bodies(body)%arcs)%rod > 0)
-   end function is_cylinder
+      is_part_of_cylinder = mechanism%bodies(body)%is_rod .or. any(mechanism%arcs(mechanism%bodies(body)%arcs)%rod > 0)
+   end function is_part_of_cylinder
 
    !> Number of the plate that a body is; 0: it is none.
    pure integer function plate_of_body(plates, mechanism, body) result(number)
@@ -224,7 +224,7 @@ contains
       number = 0
       if (body == body_frame .or. .not. plates%given) return
       if (plates%all_links) then
-         number = merge(0, 1, is_cylinder(mechanism, body))
+         number = merge(0, 1, is_part_of_cylinder(mechanism, body))
          return
       end if
       number = plates%plate_of_link(mechanism%arcs(mechanism%bodies(body)%axis)%link)

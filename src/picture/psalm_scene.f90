@@ -231,7 +231,8 @@ contains
          type(sketch_study_t), allocatable :: own
 
          allocate (own)
-         call study_sketch(set, solved%problem, study%dimensions, solved%motion%closed, 1.0_wp, 0.0_wp, own)
+         call study_sketch(set, solved%problem, study%dimensions, solved%motion%closed, 1.0_wp, 0.0_wp, own, &
+                           places_do=.true.)
          call take_number(own, row)
       end subroutine find_number
 

@@ -1,5 +1,6 @@
 !> Links of beam elements (group FLEX) in the listing.
 module psalm_flex_list
+   use psalm_coupled_hill, only: coupled_t
    use psalm_data_set, only: data_set_t
    use psalm_drive_links_study, only: drive_links_t
    use psalm_drive_study, only: small_swing
@@ -69,10 +70,10 @@ contains
          do j = 1, size(study%frequency)
             call text%add(right_column(j, 6)//in_a_row(columns(:, j)))
          end do
-         if (study%giving%known .and. size(study%giving%node) > 0) then
+         if (study%influence%known .and. size(study%influence%node) > 0) then
             call text%add(' WITH THE MASSES THAT ITS JOINTS MOVE THE FIRST IS FROM'//in_sentence(named, study%driven(1))//' TO'// &
                           in_sentence(named, study%driven(2))//' OVER THE TURN')
-         else if (.not. study%giving%known) then
+         else if (.not. study%influence%known) then
             call text%add(' THE MASSES THAT ITS JOINTS MOVE ARE LEFT OUT: THE LINKAGE IS TOO NEAR A DEAD POINT TO GIVE WAY')
          end if
          call text%add(' SUM OF ALL FORCES ON THE LINK, OVER THE LARGEST OF A JOINT'//error_words(named, study%equilibrium))
@@ -85,9 +86,7 @@ contains
             call text%add(' '//modes_solved(study)//': '//coupled_words(study%coupled))
          end if
          if (study%solved_modes > 0 .and. .not. study%coupled%grows_too_much) then
-            call text%add(' LARGEST MULTIPLIER'//in_sentence(named, abs(study%coupled%multipliers(1)), study%coupled%error)// &
-                          '; OF A TURN: ERROR OF ITS MATRIX'//error_words(named, study%coupled%error)//', '// &
-                          to_text(study%coupled%steps)//' STEPS')
+            call list_multiplier(named, study%coupled, text)
          end if
       end associate
       if (study%steady) call list_greatest(set, mechanism, study, text)
@@ -162,9 +161,7 @@ contains
       end if
       call text%add(' '//coupled_words(together%coupled))
       if (together%coupled%grows_too_much) return
-      call text%add(' LARGEST MULTIPLIER'//in_sentence(named, abs(together%coupled%multipliers(1)), together%coupled%error)// &
-                    '; OF A TURN: ERROR OF ITS MATRIX'//error_words(named, together%coupled%error)//', '// &
-                    to_text(together%coupled%steps)//' STEPS')
+      call list_multiplier(named, together%coupled, text)
       if (.not. together%coupled%unique) return
       call text%add(' GREATEST SWING'//in_sentence(named, together%greatest)//', WITH RIGID LINKS'//in_sentence(named, rigid))
       if (together%greatest > small_swing) call text%add(' THE EQUATIONS ARE LINEAR IN THE SWING: ABOVE 0.1 RAD THEY ARE ROUGH')
@@ -178,6 +175,16 @@ contains
          call text%add('   '//flexible_words(set, studies(together%links(n)))//', MODE '//to_text(j)//in_a_row(columns(:, n)))
       end do
    end subroutine list_together
+
+   !> The largest multiplier, and how well it is known.
+   subroutine list_multiplier(named, coupled, text)
+      logical, intent(in) :: named
+      type(coupled_t), intent(in) :: coupled
+      type(text_t), intent(inout) :: text
+
+      call text%add(' LARGEST MULTIPLIER'//in_sentence(named, abs(coupled%multipliers(1)), coupled%error)// &
+                    '; OF A TURN: ERROR OF ITS MATRIX'//error_words(named, coupled%error)//', '//to_text(coupled%steps)//' STEPS')
+   end subroutine list_multiplier
 
    !> The modes that are solved together.
    pure function modes_solved(study) result(words)
@@ -202,7 +209,7 @@ contains
       words = link_words(set, flex%starts(study%link%first), ' IN LOOP ', 'OF ARC ')
    end function flexible_words
 
-   !> The same within a line of small letters.
+   !> The same in tables and remarks: of loops in small letters.
    function flexible_name(set, study) result(name)
       type(data_set_t), intent(in) :: set
       type(flex_study_t), intent(in) :: study

@@ -427,7 +427,8 @@ contains
 
       if (study%rests) call summarise_equilibria()
       if (.not. study%moves) return
-      words = '0 to '//plain_number(study%stopped)//' s in '//to_text(study%steps)//' steps'
+      words = '0 to '//plain_number(study%stopped)//' s in '//to_text(study%steps)// &
+              trim(merge(' step ', ' steps', study%steps == 1))
       if (study%turnover > roundings*epsilon(1.0_wp)*maxval(abs(study%potential))) then
          words = words//'; energy in balance to '//plain_number(remainder(study)/study%turnover)
       else if (study%turnover > 0.0_wp) then

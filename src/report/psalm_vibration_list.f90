@@ -1,12 +1,12 @@
 !> Vibration of links, flexible drives and Hill's equation in the listing.
 module psalm_vibration_list
    use psalm_columns, only: right_column
-   use psalm_coupled_hill, only: coupled_t
+   use psalm_coupled_hill, only: coupled_t, fastest
    use psalm_data_set, only: data_set_t
    use psalm_drive_group, only: hill_group_t, hill_of, drive_group_t, drive_of
    use psalm_drive_study, only: drive_study_t, hill_study_t, inertia_t, matters, least_drive_ratio, small_swing
    use psalm_estimate_study, only: estimate_t, verdict_rigid, verdict_closer, harmonics_estimated, stubby, rules
-   use psalm_hill, only: hill_t
+   use psalm_hill, only: hill_t, most_damping
    use psalm_kinds, only: wp, pi
    use psalm_number_format, only: error_words, figure, figures_of, format_of, in_a_row, in_sentence, number_format_t
    use psalm_place, only: place_t
@@ -17,8 +17,7 @@ module psalm_vibration_list
    implicit none (type, external)
    private
    public :: list_vibration, list_estimates, list_drive, list_hill, stability_words, coupled_words, link_words, verdict_words, &
-             list_harmonics, &
-             first_good, unstable_speeds, root_of
+             list_harmonics, first_good, unstable_speeds, root_of
 
    real(wp), parameter :: close_series = 0.01_wp     !! of a boundary: Oldham's (13.28) is close to it
    real(wp), parameter :: rpm_per_speed = 30.0_wp/pi !! revolutions per minute of 1 rad/s
@@ -331,19 +330,10 @@ contains
       character(:), allocatable :: words
 
       if (hill%too_stiff) then
-         words = 'TOO STIFF TO BE FOLLOWED: C1 IS ABOVE 200000'
-      else if (hill%grows_too_much) then
-         words = 'UNSTABLE: IT GROWS TOO MUCH IN A TURN TO BE FOLLOWED'
-      else if (.not. hill%unique) then
-         words = 'NO UNIQUE PERIODIC SOLUTION: A MULTIPLIER IS 1'
-      else if (hill%stable) then
-         words = 'STABLE'
-      else if (hill%neutral) then
-         words = 'NEITHER GROWS NOR DIES: WITHOUT DAMPING NO STEADY STATE IS REACHED'
+         words = 'TOO STIFF TO BE FOLLOWED: C1 IS ABOVE '//to_text(nint(most_damping))
       else
-         words = 'UNSTABLE: THE PERIODIC SOLUTION IS NOT THE RESPONSE'
+         words = solution_words(hill%grows_too_much, hill%unique, hill%stable, hill%neutral, hill%converged)
       end if
-      if (.not. hill%converged .and. .not. hill%grows_too_much) words = words//' (NOT CONVERGED)'
    end function stability_words
 
    !> Is the periodic solution what the link, or the system, does?
@@ -352,20 +342,32 @@ contains
       character(:), allocatable :: words
 
       if (coupled%too_fast) then
-         words = 'TOO STIFF TO BE FOLLOWED: MORE THAN 1000000 WAVES IN A TURN, OR TOO STRONG A DAMPING OR COUPLING'
-      else if (coupled%grows_too_much) then
+         words = 'TOO STIFF TO BE FOLLOWED: MORE THAN '//to_text(nint(fastest))//' WAVES IN A TURN, OR TOO STRONG A DAMPING '// &
+                 'OR COUPLING'
+      else
+         words = solution_words(coupled%grows_too_much, coupled%unique, coupled%stable, coupled%neutral, coupled%converged)
+      end if
+   end function coupled_words
+
+   !> The same of any number of equations that were followed, or grow too much.
+   pure function solution_words(grows_too_much, unique, stable, neutral, converged) result(words)
+      logical, intent(in) :: grows_too_much, unique, stable, neutral, converged !! as of `hill_t` and `coupled_t`
+      character(:), allocatable :: words
+
+      if (grows_too_much) then
          words = 'UNSTABLE: IT GROWS TOO MUCH IN A TURN TO BE FOLLOWED'
-      else if (.not. coupled%unique) then
+         return
+      else if (.not. unique) then
          words = 'NO UNIQUE PERIODIC SOLUTION: A MULTIPLIER IS 1'
-      else if (coupled%stable) then
+      else if (stable) then
          words = 'STABLE'
-      else if (coupled%neutral) then
+      else if (neutral) then
          words = 'NEITHER GROWS NOR DIES: WITHOUT DAMPING NO STEADY STATE IS REACHED'
       else
          words = 'UNSTABLE: THE PERIODIC SOLUTION IS NOT THE RESPONSE'
       end if
-      if (.not. coupled%converged .and. .not. coupled%grows_too_much) words = words//' (NOT CONVERGED)'
-   end function coupled_words
+      if (.not. converged) words = words//' (NOT CONVERGED)'
+   end function solution_words
 
    !> Both multipliers of Hill's equation.
    pure function both_multipliers(named, hill) result(text)

@@ -173,14 +173,18 @@ contains
       real(wp), intent(in) :: size_of                  !! what errors are parts of
       real(wp), allocatable, intent(out) :: coefficients(:)
       real(wp), intent(out) :: error
-      real(wp) :: all_terms(0:most_terms - 1), left, c, s
+      real(wp) :: all_terms(0:most_terms - 1), left, unused
+      real(wp), allocatable :: cosine(:)               ! of multiples of half the angle between nodes
       integer :: i, k, terms
 
+      allocate (cosine(0:4*nodes - 1))
+      do i = 0, 4*nodes - 1
+         call unit_vector(0.5_wp*full_turn*real(i, wp)/real(2*nodes, wp), cosine(i), unused)
+      end do
       all_terms = 0.0_wp
       do i = 1, nodes
          do k = 0, most_terms - 1
-            call unit_vector(0.5_wp*full_turn*real(modulo(k*(2*(nodes - i) + 1), 4*nodes), wp)/real(2*nodes, wp), c, s)
-            all_terms(k) = all_terms(k) + at_nodes(i)*c
+            all_terms(k) = all_terms(k) + at_nodes(i)*cosine(modulo(k*(2*(nodes - i) + 1), 4*nodes))
          end do
       end do
       all_terms = all_terms*2.0_wp/real(nodes, wp)

@@ -6,7 +6,7 @@
 !> them from the forces of the rigid linkage (kalm's) at unit push, at unit speed and at rest, and the same A, D and F act back on
 !> the crank.
 module psalm_drive_links_study
-   use psalm_coupled_hill, only: coupled_t, solve_coupled, divide_by_mass
+   use psalm_coupled_hill, only: coupled_t, solve_coupled, without_mass, places_for
    use psalm_data_set, only: data_set_t
    use psalm_drive_group, only: drive_group_t, drive_of
    use psalm_drive_study, only: drive_study_t
@@ -21,7 +21,6 @@ module psalm_drive_links_study
 
    real(wp), parameter :: tolerance = 1.0e-8_wp  !! of a period's matrix
    integer, parameter :: finer = 2               !! positions in a turn, times those of drive and links
-   integer, parameter :: fewest_places = 256     !! of the solution
 
    type :: drive_links_t
       integer :: modes = 0                       !! of all links
@@ -55,7 +54,7 @@ contains
       real(wp), allocatable :: m(:, :, :), c(:, :, :), k(:, :, :), p(:, :)
       type(periodic_t), allocatable :: damping(:, :), stiffness(:, :), load(:)
       type(periodic_t) :: y
-      integer :: i, j, n, points, places
+      integer :: i, j, n, points
 
       drive = drive_of(set)
       study%links = [integer ::]
@@ -68,23 +67,10 @@ contains
       study%possible = all([(is_positive(m(:, :, n)), n=1, points)])
       if (.not. study%possible) return
       associate (size_of => study%modes + 1)
-         do n = 1, points
-            call divide_by_mass(m(:, :, n), c(:, :, n), k(:, :, n), p(:, n))
-         end do
          allocate (damping(size_of, size_of), stiffness(size_of, size_of), load(size_of))
-         do i = 1, size_of
-            load(i) = periodic_from_samples(p(i, :))
-            do j = 1, size_of
-               damping(i, j) = periodic_from_samples(c(i, j, :))
-               stiffness(i, j) = periodic_from_samples(k(i, j, :))
-            end do
-         end do
       end associate
-      places = fewest_places
-      do while (places < points)
-         places = 2*places
-      end do
-      call solve_coupled(damping, stiffness, load, tolerance, places, study%coupled)
+      call without_mass(m, c, k, p, damping, stiffness, load)
+      call solve_coupled(damping, stiffness, load, tolerance, places_for(points), study%coupled)
       allocate (study%peaks(study%modes), study%rigid_drive(study%modes), study%swing(0:drive%harmonics), source=0.0_wp)
       if (.not. study%coupled%unique) return
       study%greatest = maxval(abs(study%coupled%y(:, 1)))
@@ -109,7 +95,8 @@ contains
       type(drive_study_t), intent(in) :: drive_study
       type(flex_study_t), intent(in) :: links(:)
       integer, intent(in) :: points
-      real(wp), allocatable, intent(out) :: m(:, :, :), c(:, :, :), k(:, :, :), p(:, :) !! shape (unknowns, unknowns, points)
+      real(wp), allocatable, intent(out) :: m(:, :, :), c(:, :, :), k(:, :, :) !! shape (unknowns, unknowns, points)
+      real(wp), allocatable, intent(out) :: p(:, :) !! shape (unknowns, points)
       type(periodic_t) :: g, d1, d2, torque, viscous
       real(wp) :: speed, root, values(points)
       integer :: i, j, l, n, first, unknowns

@@ -3,7 +3,7 @@ submodule(psalm_drive_study) psalm_drive_study_body
    use psalm_drive_group, only: hill_group_t, hill_of, drive_group_t, drive_of
    use psalm_flexible_drive, only: drive_response, drive_torque_t, mean_ratio, least_ratio, ratio_for_mean
    use psalm_force_model, only: parameter_mass, parameter_mx, parameter_my, parameter_inertia
-   use psalm_coupled_hill, only: solve_coupled
+   use psalm_coupled_hill, only: solve_coupled, places_for
    use psalm_hill, only: solve_hill, greatest_of
    use psalm_kinds, only: pi, full_turn
    use psalm_link_cycle, only: inertia_at_crank
@@ -15,7 +15,6 @@ submodule(psalm_drive_study) psalm_drive_study_body
    implicit none (type, external)
 
    real(wp), parameter :: tolerance = 1.0e-10_wp
-   integer, parameter :: fewest_places = 256    !! of the solution of several equations
    ! Haines's rule: a harmonic of the crank's acceleration matters above the first size where links may resonate, that is from
    ! ten times the speed of the crank, and above the second below
    integer, parameter :: from_resonance = 10
@@ -260,7 +259,7 @@ contains
       type(hill_group_t), intent(in) :: hill
       type(hill_study_t), intent(inout) :: study
       type(periodic_t) :: c(hill%equations, hill%equations), k(hill%equations, hill%equations), p(hill%equations), y
-      integer :: i, j, n, places
+      integer :: i, j, n
 
       do i = 1, hill%equations
          p(i) = periodic_from_samples(hill%load(:, i))
@@ -274,11 +273,7 @@ contains
       allocate (study%coupled, study%amplitudes(0:hill%harmonics, hill%equations), study%peaks(hill%equations), study%amplitude(0))
       study%amplitudes = 0.0_wp
       study%peaks = 0.0_wp
-      places = fewest_places
-      do while (places < 2*size(hill%load, 1))
-         places = 2*places
-      end do
-      call solve_coupled(c, k, p, hill%tolerance, places, study%coupled)
+      call solve_coupled(c, k, p, hill%tolerance, places_for(2*size(hill%load, 1)), study%coupled)
       if (.not. study%coupled%unique) return
       do i = 1, hill%equations
          study%peaks(i) = maxval(abs(study%coupled%y(:, i)))

@@ -8,7 +8,7 @@ module psalm_flex_study
    use psalm_coupled_hill, only: coupled_t
    use psalm_data_set, only: data_set_t
    use psalm_dimensions, only: dimensions_t
-   use psalm_driven_masses, only: giving_t, mass_between, origin_motion
+   use psalm_driven_masses, only: influence_t, mass_between, origin_motion
    use psalm_error, only: problem_t
    use psalm_flexible_cycle, only: flexible_cycle_t
    use psalm_flexible_link, only: flexible_link_t
@@ -37,7 +37,7 @@ module psalm_flex_study
    end type stressed_segment_t
 
    type :: flex_study_t
-      logical :: found = .false.                 !! or the crank cannot turn
+      logical :: found = .false.                 !! to the end, or up to where the crank cannot turn
       type(flexible_link_t) :: link
       type(flexible_cycle_t) :: cycle
       real(wp), allocatable :: frequency(:)      !! shape (modes): of the link at rest, rad/s
@@ -45,10 +45,10 @@ module psalm_flex_study
       logical :: solved = .false.                !! the modes were found
       integer :: solved_modes = 0                !! the first modes, which are solved together; 0: the speed is far below all
       type(coupled_t) :: coupled                 !! what becomes of these
-      type(giving_t) :: giving                   !! how bodies move where joints give way
+      type(influence_t) :: influence             !! how bodies move where joints give way
       real(wp), allocatable :: inertia(:, :)     !! shape (4, bodies): of all bodies, as of a force model
       real(wp), allocatable :: motion(:, :, :, :) !! shape (3, bodies, solved modes, positions): of all bodies by each mode, as of
-                                                 !! `giving`
+                                                 !! `influence`
       real(wp), allocatable :: by_origin(:, :)   !! shape (3, solved modes): mass between a mode and its origin's motion
       real(wp) :: driven(2) = 0.0_wp             !! least and greatest first frequency with these masses, rad/s
       type(periodic_t), allocatable :: c(:, :), k(:, :) !! shape (solved modes, the same): their damping and stiffness over the
@@ -92,8 +92,9 @@ contains
       integer, intent(in) :: i, j, position
 
       mass = merge(1.0_wp, 0.0_wp, one%link%body == other%link%body .and. i == j)
-      if (.not. (one%giving%known .and. other%giving%known)) return
-      associate (axes => one%giving%axes(:, :, position), p => one%motion(:, :, i, position), q => other%motion(:, :, j, position))
+      if (.not. (one%influence%known .and. other%influence%known)) return
+      associate (axes => one%influence%axes(:, :, position), p => one%motion(:, :, i, position), &
+                 q => other%motion(:, :, j, position))
          mass = mass + mass_between(one%inertia, axes, p, q) + sum(one%by_origin(:, i)*origin_motion(one%link, axes, q)) &
                 + sum(other%by_origin(:, j)*origin_motion(other%link, axes, p))
       end associate

@@ -1,8 +1,8 @@
 !> How a link of beam elements is solved. Only this knows what the group FLEX has.
 submodule(psalm_flex_study) psalm_flex_study_body
-   use psalm_beam_elements, only: beam_frame_t, freedoms, ends, motions, local_load, tension_stiffness, bracket_of
-   use psalm_coupled_hill, only: solve_coupled, divide_by_mass
-   use psalm_driven_masses, only: find_giving
+   use psalm_beam_elements, only: beam_frame_t, freedoms, ends, motions, freedoms_of, local_load, tension_stiffness, bracket_of
+   use psalm_coupled_hill, only: solve_coupled, without_mass
+   use psalm_driven_masses, only: find_influence
    use psalm_dense, only: factors_t, factorise, solve
    use psalm_flex_group, only: flex_group_t, flex_of
    use psalm_flexible_link, only: attached_t
@@ -51,7 +51,7 @@ contains
       study%found = .true.
       if (.not. study%solved) return
       call find_loading(speed, free, study, loading)
-      call find_giving(given, dimensions, model, link, flex%points, sign(1.0_wp, set%rates%speed), study%giving)
+      call find_influence(given, dimensions, model, link, flex%points, sign(1.0_wp, set%rates%speed), study%influence)
       study%inertia = model%inertia
       call find_driven(shapes, study)
       study%solved_modes = count(study%frequency <= far_above*speed)
@@ -75,7 +75,7 @@ contains
             mass = set%masses%mass(of%entry)
             b = bracket_of(of%reach)
             place = frame%x(:, of%node) + of%reach
-            at = [(freedoms*(of%node - 1) + i, i=1, freedoms)]
+            at = freedoms_of(of%node)
             do j = 1, freedoms
                do i = 1, freedoms
                   frame%mass(at(i), at(j)) = frame%mass(at(i), at(j)) + mass*(b(1, i)*b(1, j) + b(2, i)*b(2, j))
@@ -281,7 +281,7 @@ contains
       study%resolution = max(study%resolution, study%k(1, 1)%resolution())
       call find_least(stiffness, speed, study)
       if (study%solved_modes > 0) then
-         if (study%giving%known) then
+         if (study%influence%known) then
             allocate (c(modes, modes), k(modes, modes), load(modes))
             call weigh(study, p, c, k, load)
             call solve_coupled(c, k, load, tolerance, flex%points, study%coupled)
@@ -327,13 +327,13 @@ contains
       study%driven = study%frequency(1)
       modes = size(shapes, 2)
       study%by_origin = -transpose(product_of(transpose(shapes), study%link%frame%motion(:, :3)))
-      if (.not. study%giving%known) return
-      n = size(study%giving%motion, 4)
+      if (.not. study%influence%known) return
+      n = size(study%influence%motion, 4)
       allocate (study%motion(3, size(study%inertia, 2), modes, n), source=0.0_wp)
       do j = 1, modes
-         do g = 1, size(study%giving%node)
-            study%motion(:, :, j, :) = study%motion(:, :, j, :) + study%giving%motion(:, :, g, :)* &
-                                       shapes(freedoms*(study%giving%node(g) - 1) + study%giving%direction(g), j)
+         do g = 1, size(study%influence%node)
+            study%motion(:, :, j, :) = study%motion(:, :, j, :) + study%influence%motion(:, :, g, :)* &
+                                       shapes(freedoms*(study%influence%node(g) - 1) + study%influence%direction(g), j)
          end do
       end do
       study%driven = [huge(1.0_wp), 0.0_wp]
@@ -358,33 +358,23 @@ contains
       type(flex_study_t), intent(in) :: study
       type(periodic_t), intent(in) :: p(:)
       type(periodic_t), intent(out) :: c(:, :), k(:, :), load(:)
-      type(periodic_t) :: m(size(p), size(p))
-      real(wp), dimension(size(p), size(p), finer*size(study%cycle%turning)) :: mass, growth, damping, stiffness
+      type(periodic_t) :: m
+      real(wp), dimension(size(p), size(p), finer*size(study%cycle%turning)) :: mass, damping, stiffness
       real(wp), dimension(size(p), finer*size(study%cycle%turning)) :: force
       integer :: i, j, n, points
 
       points = size(force, 2)
       do j = 1, size(p)
          do i = 1, size(p)
-            m(i, j) = periodic_from_samples([(mass_of_modes(study, i, study, j, n), n=1, size(study%cycle%turning))])
-            mass(i, j, :) = m(i, j)%values(points)
-            m(i, j) = m(i, j)%derivative(1)
-            growth(i, j, :) = m(i, j)%values(points)
-            damping(i, j, :) = study%c(i, j)%values(points) + growth(i, j, :)
+            m = periodic_from_samples([(mass_of_modes(study, i, study, j, n), n=1, size(study%cycle%turning))])
+            mass(i, j, :) = m%values(points)
+            m = m%derivative(1)
+            damping(i, j, :) = study%c(i, j)%values(points) + m%values(points)
             stiffness(i, j, :) = study%k(i, j)%values(points)
          end do
          force(j, :) = p(j)%values(points)
       end do
-      do n = 1, points
-         call divide_by_mass(mass(:, :, n), damping(:, :, n), stiffness(:, :, n), force(:, n))
-      end do
-      do j = 1, size(p)
-         load(j) = periodic_from_samples(force(j, :))
-         do i = 1, size(p)
-            c(i, j) = periodic_from_samples(damping(i, j, :))
-            k(i, j) = periodic_from_samples(stiffness(i, j, :))
-         end do
-      end do
+      call without_mass(mass, damping, stiffness, force, c, k, load)
    end subroutine weigh
 
    !> What the vibration adds to the signals of the loads: motion of the origin, and forces of the joints that give way.
@@ -396,24 +386,25 @@ contains
       real(wp) :: signals(size(loading%signals, 1)), push
       integer :: n, j, g, l, place
 
-      if (.not. study%giving%known) return
+      if (.not. study%influence%known) return
+      allocate (moved(3, size(study%inertia, 2)))
       do n = 1, size(loading%signals, 2)
-         moved = 0.0_wp*study%motion(:, :, 1, n)
+         moved = 0.0_wp
          do j = 1, size(shapes, 2)
             moved = moved + speed**2*study%coupled%y2(n, j)*study%motion(:, :, j, n)
          end do
-         associate (axes => study%giving%axes(:, :, n), link => study%link)
+         associate (axes => study%influence%axes(:, :, n), link => study%link)
             signals = 0.0_wp
             signals(:3) = origin_motion(link, axes, moved)
-            do g = 1, size(study%giving%node)
-               associate (unit => study%giving%motion(:, :, g, n))
+            do g = 1, size(study%influence%node)
+               associate (unit => study%influence%motion(:, :, g, n))
                   push = mass_between(study%inertia, axes, unit, moved)
                   do j = 1, size(shapes, 2)
                      push = push + speed**2*study%coupled%y2(n, j)*sum(study%by_origin(:, j)*origin_motion(link, axes, unit))
                   end do
                end associate
-               l = findloc(link%nodes, study%giving%node(g), dim=1)
-               place = motions + 2*(l - 1) + study%giving%direction(g)
+               l = findloc(link%nodes, study%influence%node(g), dim=1)
+               place = motions + 2*(l - 1) + study%influence%direction(g)
                signals(place) = signals(place) - push
             end do
             loading%signals(:, n) = loading%signals(:, n) + signals
@@ -450,9 +441,8 @@ contains
       real(wp), intent(inout) :: stiffness(:, :, :)
       type(attached_t), allocatable :: at(:)
       real(wp) :: place(2), along, across
-      integer :: k, n, i, many
+      integer :: k, n
 
-      many = size(study%link%loads)
       associate (link => study%link)
          do k = 1, size(link%masses)
             associate (of => link%masses(k), s => loading%signals, mass => set%masses%mass(link%masses(k)%entry))
@@ -470,8 +460,7 @@ contains
                do n = 1, size(stiffness, 3)
                   call stiffen_turning(at(k)%node, of%along(n)*at(k)%reach(1) + of%across(n)*at(k)%reach(2) + of%torsion, &
                                        stiffness(:, :, n))
-                  if (k <= many) cycle
-                  call stiffen_point(at(k)%node, at(k)%reach, of%held(n, :), stiffness(:, :, n))
+                  if (k > size(link%loads)) call stiffen_point(at(k)%node, at(k)%reach, of%held(n, :), stiffness(:, :, n))
                end do
             end associate
          end do
@@ -497,7 +486,7 @@ contains
          real(wp) :: moved(2, size(shapes, 2))
          integer :: j
 
-         moved = product_of(bracket_of(reach), shapes([(freedoms*(node - 1) + i, i=1, freedoms)], :))
+         moved = product_of(bracket_of(reach), shapes(freedoms_of(node), :))
          do j = 1, size(shapes, 2)
             k(:, j) = k(:, j) + moved(1, :)*(held(1)*moved(1, j) + held(2)*moved(2, j)) &
                       + moved(2, :)*(held(2)*moved(1, j) + held(3)*moved(2, j))

@@ -34,7 +34,7 @@ module psalm_multibody
 
    integer, parameter :: most_checked = 720      !! positions at which the result is checked
    real(wp), parameter :: misfit = 1.0e-8_wp     !! part of the size, and radians, by which joints may gape there
-   real(wp), parameter :: turn = full_turn*radians_per_degree
+   real(wp), parameter :: turn = full_turn*radians_per_degree !! radians
    real(wp), parameter :: largest_machine = 20.0_wp !! metres; a larger one may have been drawn in millimetres
    real(wp), parameter :: most_felt = 2.0_wp     !! times the least inertia
    real(wp), parameter :: bar_mass = 1.0_wp      !! kg for a metre of link, where no link has a mass
@@ -119,8 +119,8 @@ contains
       type(data_set_t), intent(in) :: set
       type(multibody_t), intent(out) :: model
       type(diagnostics_t), intent(inout) :: findings
-      logical, intent(in), optional :: with_dependence  !! the joints as polynomials of the drive are asked for; default: not
-      logical, intent(in), optional :: shapes_alone     !! masses and forces do not matter; default: they do
+      logical, intent(in) :: with_dependence            !! the joints as polynomials of the drive are asked for
+      logical, intent(in) :: shapes_alone               !! masses and forces do not matter
       class(prepared_t), allocatable :: prepared        ! large, as are the next: they would fill a small stack
       class(problem_t), allocatable :: problem, wider
       class(force_model_t), allocatable :: forces
@@ -129,7 +129,6 @@ contains
       type(line_t) :: none(0)
       real(wp) :: origin(2)
       integer, allocatable :: order(:)
-      logical :: shapes
 
       allocate (prepared, forces)
       unused%file = set%file
@@ -173,14 +172,10 @@ contains
       call add_rates(pose, 1, origin, set%pace(), model%joints)
       call add_springs(forces, pose, origin, model)
       call check(set, wider, forces, pose, origin, model, findings)
-      if (present(with_dependence)) then
-         if (with_dependence .and. .not. findings%failed()) &
-            call follow_joints(set, prepared, problem, wider, forces, pose, origin, model, findings)
-      end if
-      shapes = .false.
-      if (present(shapes_alone)) shapes = shapes_alone
-      if (.not. shapes .or. any(model%bodies%thickness > 0.0_wp)) call warn_of_size(set, forces, model, findings)
-      if (.not. shapes) call warn(set, forces, model, findings)
+      if (with_dependence .and. .not. findings%failed()) &
+         call follow_joints(set, prepared, problem, wider, forces, pose, origin, model, findings)
+      if (.not. shapes_alone .or. any(model%bodies%thickness > 0.0_wp)) call warn_of_size(set, forces, model, findings)
+      if (.not. shapes_alone) call warn(set, forces, model, findings)
       call put_in_order(order, model)
    end subroutine make_multibody
 

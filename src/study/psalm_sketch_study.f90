@@ -29,12 +29,12 @@ module psalm_sketch_study
       logical, allocatable :: dead(:)               !! shape (positions): rates are infinite
       character(name_length), allocatable :: names(:) !! of the numbers of all outputs
       logical, allocatable :: angles(:)             !! they are angles that may turn on
-      real(wp), allocatable :: values(:, :, :)      !! shape (numbers, 0:most_orders, positions); angles in degrees, rates radians;
+      real(wp), allocatable :: values(:, :, :)      !! shape (numbers, 0:orders, positions); angles in degrees, rates radians;
                                                     !! huge: a ratio to what stands still, and its rates
       real(wp), allocatable :: by_drive(:, :, :)    !! shape (numbers, drives, positions): change with one drive, the others held
       real(wp), allocatable :: conditions(:, :)     !! shape (outputs, positions): condition numbers, if asked for;
                                                     !! of a ratio huge
-      complex(wp), allocatable :: joints(:, :, :)   !! shape (joints, 0:most_orders, positions): places and rates by time
+      complex(wp), allocatable :: joints(:, :, :)   !! shape (joints, 0:orders, positions): places and rates by time
    contains
       procedure :: find_range
    end type sketch_study_t
@@ -126,11 +126,11 @@ contains
 
       allocate (fine, source=problem)
       call fine%set_inputs(sweep_inputs(problem))
-      call study_sketch(set, fine, dimensions, closed, 1.0_wp, 0.0_wp, study, changed)
+      call study_sketch(set, fine, dimensions, closed, 1.0_wp, 0.0_wp, study, changed, places_do=.true.)
    end subroutine study_sweep
 
-   !> Outputs and joints at the positions of a problem, with their rates by time.
-   subroutine study_sketch(set, problem, dimensions, closed, speed, accel, study, changed, poses)
+   !> Outputs and joints at the positions of a problem, with their rates by time; places alone, if no more is wanted.
+   subroutine study_sketch(set, problem, dimensions, closed, speed, accel, study, changed, poses, places_do)
       type(data_set_t), intent(in) :: set               !! a sketch with its loops
       type(problem_t), intent(in) :: problem
       type(dimensions_t), intent(in) :: dimensions
@@ -139,14 +139,20 @@ contains
       type(sketch_study_t), intent(out) :: study
       logical, intent(in), optional :: changed          !! the dimensions are not those of the drawing
       type(link_poses_t), intent(inout), optional :: poses !! with its parts and axes
+      logical, intent(in), optional :: places_do        !! no rates are wanted but those that are values; default: rates are, too
       class(problem_t), allocatable :: own              ! large, as the rates are: they would fill a small stack
       type(rates_t), allocatable :: rates
       type(sketch_motion_t) :: sketch
       real(wp), allocatable :: moved(:, :, :)
       complex(wp), allocatable :: places(:, :, :), alone(:, :, :)
+      real(wp), allocatable :: numbers(:, :)             ! shape (numbers, 0:most_orders)
       real(wp) :: largest(2)
-      integer :: block, offset, n, i, k, loop, order
+      integer :: block, offset, n, i, k, loop, order, orders
 
+      orders = most_orders
+      if (present(places_do)) then
+         if (places_do .and. .not. has_rates(set, problem)) orders = 0
+      end if
       allocate (own, source=problem)
       if (allocated(own%linkages)) deallocate (own%linkages)
       if (present(poses)) then
@@ -159,7 +165,7 @@ contains
       call own%want_derivatives(.true., sketch%points)
       call own%bind(dimensions)
       allocate (rates)
-      call prepare_rates(own, rates)
+      if (orders > 0) call prepare_rates(own, rates)
       allocate (study%inputs(size(set%sketch%drives), problem%positions))
       study%inputs(1, :) = input_at(own%mechanism, dimensions, problem%delt)
       study%crank = pack(crank_angle_at(own%mechanism, dimensions, problem%delt), &
@@ -175,27 +181,36 @@ contains
       associate (positions => size(closed), outputs => set%sketch%outputs)
          call names_of_numbers(outputs, study%names, study%angles)
          allocate (study%dead(positions), source=.false.)
-         allocate (study%values(size(study%names), 0:most_orders, positions), source=0.0_wp)
-         allocate (study%joints(size(set%sketch%joint_name), 0:most_orders, positions), source=(0.0_wp, 0.0_wp))
-         allocate (moved(size(set%sketch%slides), 0:most_orders, own%linkage%capacity))
-         allocate (study%by_drive(size(study%names), size(study%inputs, 1), positions), source=0.0_wp)
-         allocate (places(size(sketch%drawn), 0:most_orders, own%linkage%capacity))
-         allocate (alone(size(sketch%drawn), 0:most_orders, own%linkage%capacity))
+         allocate (study%values(size(study%names), 0:orders, positions), source=0.0_wp)
+         allocate (study%joints(size(set%sketch%joint_name), 0:orders, positions))
+         allocate (numbers(size(study%names), 0:most_orders))
+         allocate (moved(size(set%sketch%slides), 0:most_orders, own%linkage%capacity), source=0.0_wp)
+         allocate (study%by_drive(size(study%names), merge(0, size(study%inputs, 1), orders == 0), positions), source=0.0_wp)
+         allocate (places(size(sketch%drawn), 0:most_orders, own%linkage%capacity), source=(0.0_wp, 0.0_wp))
+         if (size(study%inputs, 1) > 1) allocate (alone(size(sketch%drawn), 0:most_orders, own%linkage%capacity))
+         largest = 0.0_wp
          do block = 1, own%blocks()
             call own%solve_block(block, offset, n)
-            call differentiate(own, rates, n, most_orders)
-            call observe_sketch(sketch, own, rates, n, speed, accel, places(:, :, :n), moved(:, :, :n))
-            study%joints(:, :, offset + 1:offset + n) = places(:size(study%joints, 1), :, :n)
+            if (orders > 0) then
+               call differentiate(own, rates, n, most_orders)
+               call observe_sketch(sketch, own, rates, n, speed, accel, places(:, :, :n), moved(:, :, :n))
+            else
+               call find_places(sketch, own, n, places(:, 0, :n), moved(:, 0, :n))
+            end if
+            study%joints(:, :, offset + 1:offset + n) = places(:size(study%joints, 1), :orders, :n)
             do i = 1, n
                k = offset + i
                if (present(poses)) call take_poses()
                if (.not. closed(k)) cycle
-               do loop = 1, own%mechanism%nloop
-                  study%dead(k) = study%dead(k) .or. is_dead(own, rates, loop, i)
-               end do
-               largest = [fastest_turn(i), max(maxval(abs(study%joints(:, 1, k))), maxval(abs(moved(:, 1, i))))]
-               call values_of_outputs(outputs, study%joints(:, :, k), moved(:, :, i), largest, study%values(:, :, k))
-               do order = 1, most_orders
+               if (orders > 0) then
+                  do loop = 1, own%mechanism%nloop
+                     study%dead(k) = study%dead(k) .or. is_dead(own, rates, loop, i)
+                  end do
+                  largest = [fastest_turn(i), max(maxval(abs(study%joints(:, 1, k))), maxval(abs(moved(:, 1, i))))]
+               end if
+               call values_of_outputs(outputs, places(:size(study%joints, 1), :, i), moved(:, :, i), largest, numbers)
+               study%values(:, :, k) = numbers(:, :orders)
+               do order = 1, orders
                   where (study%values(:, 0, k) >= huge(1.0_wp)) study%values(:, order, k) = huge(1.0_wp)
                end do
             end do
@@ -267,4 +282,17 @@ contains
          end do
       end function fastest_turn
    end subroutine study_sketch
+
+   !> True where rates are among the values of a case: ratios of them, desired ones, what each of several drives does.
+   pure logical function has_rates(set, problem)
+      type(data_set_t), intent(in) :: set
+      type(problem_t), intent(in) :: problem
+
+      has_rates = size(set%sketch%drives) > 1 .or. any(set%sketch%outputs%kind == output_ratio) .or. allocated(problem%rate_desired)
+      if (allocated(problem%target_values)) then
+         associate (columns => set%sketch%target_columns())
+            has_rates = has_rates .or. any(columns%order > 0)
+         end associate
+      end if
+   end function has_rates
 end module psalm_sketch_study

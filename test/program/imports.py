@@ -330,24 +330,15 @@ def pins_of_three():
 
 
 def in_memory():
-    """Files that are held in memory are read as those on disk."""
-    for name in ("lines.dxf", "layers.dxf", "one.FCStd", "lines.json"):
-        if not os.path.exists(path(name)):
-            continue
+    """Files in memory are read as those on disk."""
+    for name, more in (("lines.dxf", {}), ("layers.dxf", {}), ("one.FCStd", {"fixed": "A E", "drive": "A"}), ("old.json", {}), ("new.json", {}),
+                       ("six.pmks", {})):
         with open(path(name), "rb") as file:
             content = file.read()
-        fixed = {} if name != "one.FCStd" else {"fixed": "A D"}
-        try:
-            wanted = imports.read(path(name), **fixed).text()
-        except imports.ImportFailed as reason:
-            wanted = str(reason).replace(PLACE + os.sep, "")
-        try:
-            found = imports.read(imports.held(name, content), **fixed).text()
-        except imports.ImportFailed as reason:
-            found = str(reason)
+        found, wanted = (imports.read(source, **more).text() for source in (imports.InMemory(name, content), path(name)))
         check("in memory: " + name, found == wanted, found[:300] + wanted[:300])
     for name, content in (("a.dxf", b"nothing"), ("a.dxf", b""), ("a.FCStd", b"PK"), ("a.json", b"{"), ("a.pmks", b"\x00"), ("a.json", b"[[[[")):
-        refuses("in memory: %s of %d bytes" % (name, len(content)), "", imports.held(name, content))
+        refuses("in memory: %s of %d bytes" % (name, len(content)), "", imports.InMemory(name, content))
 
 
 def command():
